@@ -129,7 +129,7 @@ def angle_locator(span: float, inches: float) -> MultipleLocator:
 
 
 def scale_of(axis: xr.DataArray) -> Scale:
-    """The scale of the values of an axis, in any order: from the first to the last, or between the `ends` of the axis."""
+    """The scale of the values of an axis, in any order: from the first to the last, or between its `ends`."""
     values = np.sort(labels.in_label_unit(axis, axis.values))
     logarithmic = is_geometric(values)
     points = np.log(values) if logarithmic else values
