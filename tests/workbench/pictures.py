@@ -22,6 +22,12 @@ def share_of_hue(picture: NDArray[np.float64], colour: str, slack: float = 0.06)
     return float((near & strong).mean())
 
 
+def shares_of_push(picture: NDArray[np.float64]) -> tuple[float, float]:
+    """The shares of the pixels in the orange of a pull and in the blue of a push, where both are strong."""
+    warm = picture[..., 0] - picture[..., 2]
+    return float((warm > 0.3).mean()), float((warm < -0.3).mean())
+
+
 def share_of_ink(picture: NDArray[np.float64]) -> float:
     """The share of the pixels that are not white."""
     return float((picture.min(axis=-1) < 0.98).mean())

@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 
 from studies.loader import loads
-from workbench.data import push_colours
 from workbench.figures import curves, drawn_data, long_curve, single_rod
 from workbench.figures.sheet import sheet
 from workbench.run import in_memory
@@ -96,7 +95,6 @@ def test_a_long_rod_is_set_in_lines_among_the_curves_also_and_says_how_they_are_
         notes = " ".join(fig.legends[0].get_title().get_text().split())
         assert "lines, one after the other, at one scale" in notes or "pieces of" in notes
         assert "the rod leaves it below and comes back above" in notes
-    assert push_colours.PULL[2] == 0
 
 
 def test_without_a_title_the_notes_are_kept_and_stand_in_the_table(pipe) -> None:

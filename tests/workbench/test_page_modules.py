@@ -17,6 +17,7 @@ from studies.readings import READINGS
 from tests.workbench.node import needs_node, run
 from workbench.data import labels, push_colours
 from workbench.figures import single_rod
+from workbench.scene import colours as scene_colours
 from workbench.web.live import page_model, page_shape
 from workbench.web.live.presets import PRESETS
 
@@ -301,13 +302,27 @@ def test_the_rings_are_where_the_rod_bends() -> None:
 
 
 def test_the_colours_are_those_of_the_one_table() -> None:
-    values = np.linspace(-20, 190, 43)
-    data = {"code": {"stops": push_colours.STOPS, "pull": push_colours.PULL}, "values": values.tolist()}
+    values = np.linspace(-190, 190, 44)
+    data = {"code": push_colours.for_pages(), "values": values.tolist()}
     found = run("answer(given.values.map((v) => colours.pushColour(given.code, v, 172)));", data, ("colours",))
-    assert np.abs(np.array(found) - push_colours.colours(values, 172).astype(int)).max() <= 1  # halves are rounded up
-    assert (push_colours.colours(-1.0, 172) == push_colours.PULL).all()
-    grey = push_colours.colours(np.linspace(0, 1, 50), 1.0) @ [0.2126, 0.7152, 0.0722]
-    assert (np.diff(grey) < 0).all()  # darker with more push, in grey too
+    at, rows = zip(*push_colours.DIVERGING, strict=True)
+    wanted = np.stack([np.interp(values / 172, at, row) for row in np.transpose(rows)], axis=-1)
+    assert np.abs(np.array(found) - wanted).max() <= 0.5 + 1e-9
+    grey = np.array(found) @ [0.2126, 0.7152, 0.0722]
+    assert (np.diff(grey[values > 0])[:-2] < 0).all()  # darker with more push, in grey too
+    assert (np.diff(grey[values < 0])[2:] > 0).all()
+
+
+def test_the_scale_of_the_push_has_the_ends_and_the_words_of_the_stills() -> None:
+    rods = [(-3.0, 172.3), (0.0, 7.0), (-2e-9, 11.0), (6.9, 7.0), (-90.0, -80.0), (0.0, 0.0), (-1e-300, 3e5)]
+    script = """answer(given.rods.map((rod) => {
+        const scale = colours.scaleOf(given.code, rod);
+        return [scale.low, scale.end, colours.wordsOf(given.code, scale, "N/cm")];
+    }));"""
+    found = run(script, {"code": push_colours.for_pages(), "rods": rods}, ("colours",))
+    for rod, (low, end, words) in zip(rods, found, strict=True):
+        _, bar = scene_colours.by_push({"force": "N", "length": "cm"}, rod)
+        assert ([low, end], words) == (pytest.approx([bar.low, bar.high]), bar.label) if bar else end == 0, rod
 
 
 def test_numbers_and_units_are_written_as_in_the_figures() -> None:
@@ -397,9 +412,9 @@ def test_push_and_pull_are_shaded_as_in_the_figures() -> None:
     ax = Figure().add_subplot()
     single_rod.contact(ds, ax)
     bands, areas = [one.get_facecolor()[0] for one in ax.collections if one.get_label().startswith("the cylinder")]
-    band, area, stop = run("answer([diagram.BAND, diagram.AREA, diagram.AREA_STOP]);", None, ("diagram",))
-    np.testing.assert_allclose(bands, [*np.array(push_colours.PULL) / 255, band])
-    np.testing.assert_allclose(areas, [*np.array(push_colours.STOPS[stop][1]) / 255, area])
+    band, area = run("answer([diagram.BAND, diagram.AREA]);", None, ("diagram",))
+    np.testing.assert_allclose(bands, [*np.array(push_colours.PULLED) / 255, band])
+    np.testing.assert_allclose(areas, [*np.array(push_colours.PUSHED) / 255, area])
 
 
 def test_unequal_scales_are_told_and_equal_ones_are_equal() -> None:

@@ -1,50 +1,59 @@
-"""The colour code of the push along a rod: from light blue (no push) to dark blue, orange for pull.
+"""The colours of the push along a rod, for scenes, figures, the report and the live page.
 
-The one definition for scenes, figures, the report and the live page.
+One diverging scale, pale at 0: blue where the cylinder pushes, orange to brown where it would have to pull.
 """
 
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-# share of the largest push -> red, green, blue between 0 and 255; between two rows the colour is interpolated
-STOPS: tuple[tuple[float, tuple[int, int, int]], ...] = (
-    (0.0, (199, 223, 241)),
+# share of the strongest push (1) or pull (-1) -> red, green, blue between 0 and 255, which are interpolated between two
+# rows; the tint changes at 0
+DIVERGING: tuple[tuple[float, tuple[int, int, int]], ...] = (
+    (-1.0, (126, 58, 4)),
+    (-0.6, (189, 98, 4)),
+    (-0.25, (232, 146, 48)),
+    (-1e-6, (250, 214, 170)),
+    (0.0, (211, 227, 241)),
     (0.2, (146, 195, 226)),
     (0.4, (88, 161, 207)),
     (0.6, (42, 123, 183)),
     (0.8, (15, 84, 152)),
     (1.0, (7, 44, 105)),
 )
-# the same for a push and a pull, from the strongest pull to the strongest push: pale at 0, where the tint changes
-DIVERGING: tuple[tuple[float, tuple[int, int, int]], ...] = (
-    (-1.0, (126, 58, 4)),
-    (-0.6, (189, 98, 4)),
-    (-0.25, (232, 146, 48)),
-    (-1e-6, (250, 214, 170)),
-    *((share, (211, 227, 241) if share == 0 else rgb) for share, rgb in STOPS),
-)
-PULL = (222, 120, 0)  # wherever the cylinder would have to pull
+PUSHED, PULLED = (42, 123, 183), (222, 120, 0)  # where one colour says push, or pull
+ENDS = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)  # round numbers, at which a scale ends
+UNIFORM, BEYOND = 0.95, 1.5  # a push that varies less than that; how far beyond it its scale then ends
+ROUNDING = 1e-9  # share of the largest push below which a pull is rounding
+WORDS, PULL_WORDS = "push [{unit}]", ", orange: pull"
 
 
-def colours(push: Any, largest: float) -> NDArray[np.uint8]:
-    """The colours of a push.
+def scale(least: float, largest: float) -> tuple[float, float]:
+    """Where the drawn scale of pushes between two values begins and ends: (-end, end), or (0, end) without a pull.
 
-    Parameters
-    ----------
-    push : array
-        Push per length, negative where the cylinder would have to pull, (...) [force/length].
-    largest : float
-        The push that has the darkest blue [force/length]; a larger one has it too.
-
-    Returns
-    -------
-    array
-        Red, green and blue between 0 and 255, (..., 3).
+    (0, 0) without any push. A uniform push does not have the darkest colour.
     """
-    push = np.asarray(push, dtype=float)
-    share = np.clip(push / largest, 0.0, 1.0) if largest > 0 else np.zeros_like(push)
-    at, rows = np.array([one for one, _ in STOPS]), np.array([rgb for _, rgb in STOPS], dtype=float)
-    blue = np.stack([np.interp(share, at, row) for row in rows.T], axis=-1)
-    return np.where((push < 0)[..., None], np.array(PULL), np.round(blue)).astype(np.uint8)
+    size = max(abs(least), abs(largest))
+    if size == 0:
+        return 0.0, 0.0
+    end = round_up(size * (BEYOND if least > UNIFORM * size else 1.0))
+    return (-end if least < -ROUNDING * size else 0.0), end
+
+
+def round_up(size: float) -> float:
+    """The least of `ENDS` times a power of ten that is not below a size."""
+    power = 10.0 ** np.floor(np.log10(size))
+    return float(next(end for end in (*ENDS, 10.0 * ENDS[1]) if end * power >= size * (1 - 1e-9)) * power)
+
+
+def words(unit: str, low: float) -> str:
+    """What a scale that begins at `low` is called."""
+    return WORDS.format(unit=unit) + (PULL_WORDS if low < 0 else "")
+
+
+def for_pages() -> dict[str, Any]:
+    """All of this as plain data for the scripts of a page."""
+    return {
+        "stops": DIVERGING, "pushed": PUSHED, "pulled": PULLED, "ends": ENDS, "uniform": UNIFORM, "beyond": BEYOND,
+        "rounding": ROUNDING, "words": WORDS, "pullWords": PULL_WORDS,
+    }  # fmt: skip

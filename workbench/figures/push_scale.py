@@ -20,7 +20,7 @@ from . import style
 from .drawn_data import CASING
 from .scales import Ticks
 
-PULL = "#{:02x}{:02x}{:02x}".format(*push_colours.PULL)
+PULL = style.LIFTED
 WIDE = 30.0  # ratio of the largest pushes of several rods from which one linear scale would show the weakest no more
 EDGE, LEAST = 1.35, 0.55  # the grey casing of a line: share of its width, and points that it adds at least
 

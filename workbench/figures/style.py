@@ -16,8 +16,8 @@ from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
 from ..data import push_colours
 
-PUSHED = "#{:02x}{:02x}{:02x}".format(*push_colours.STOPS[3][1])  # the cylinder pushes
-LIFTED = "#{:02x}{:02x}{:02x}".format(*push_colours.PULL)  # it would have to pull
+PUSHED = "#{:02x}{:02x}{:02x}".format(*push_colours.PUSHED)  # the cylinder pushes
+LIFTED = "#{:02x}{:02x}{:02x}".format(*push_colours.PULLED)  # it would have to pull
 INK, SOFT, FAINT = "#1c2430", "#5b6675", "#d5dae1"
 BAND = "#f1f3f6"  # behind a line of a long rod
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness

@@ -8,8 +8,7 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap, to_hex, to_rgb
 
 from solver.problem.errors import InputError
 
-from ..data import labels
-from ..data.push_colours import DIVERGING
+from ..data import labels, push_colours
 from ..figures.style import RAMP
 
 NEUTRAL = "#8d96a1"  # a rod in one colour
@@ -18,10 +17,8 @@ SEVERAL = ("#5b2a86", "#c2457f", "#259e73")  # several rods on one cylinder
 SURFACE = "#e6e1d8"  # the cylinder: warm, so a pale blue rod stands out from it
 # so many colours that a jump from pull to push is sharp
 PUSH_RAMP = LinearSegmentedColormap.from_list(
-    "push", [((share + 1) / 2, tuple(level / 255 for level in rgb)) for share, rgb in DIVERGING], 4096
+    "push", [((share + 1) / 2, tuple(level / 255 for level in rgb)) for share, rgb in push_colours.DIVERGING], 4096
 )
-ENDS = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)  # round numbers, at which a scale of pushes ends
-UNIFORM, ROOM = 0.95, 1.5  # a push that varies less than that; how far beyond it its scale then ends
 
 Extremes = tuple[float, float] | None  # the least and the largest value of all rods; None without rods
 
@@ -65,21 +62,12 @@ def striped(units: dict[str, str], extremes: Extremes) -> Painted:
 
 def by_push(units: dict[str, str], extremes: Extremes) -> Painted:
     """By the cylinder's push, one scale for all rods, as far below 0 as above it and pale there."""
-    size = max(map(abs, extremes)) if extremes else 0.0
-    if not extremes or size == 0:
+    low, end = push_colours.scale(*extremes) if extremes else (0.0, 0.0)
+    if end == 0:
         return Paint(NEUTRAL), None
-    end = round_up(size * (ROOM if min(extremes) > UNIFORM * size else 1.0))
     unit = labels.unit(f"{units['force']}/{units['length']}")
     paint = Paint(ramp=PUSH_RAMP, low=-end, high=end)
-    pulls = extremes[0] < -1e-9 * size
-    words = f"push [{unit}]" + (", orange: pull" if pulls else "")
-    return paint, Bar(paint, -end if pulls else 0.0, end, words)
-
-
-def round_up(size: float) -> float:
-    """The least of `ENDS` times a power of ten that is not below a size."""
-    power = 10.0 ** np.floor(np.log10(size))
-    return float(next(end for end in (*ENDS, 10.0 * ENDS[1]) if end * power >= size * (1 - 1e-9)) * power)
+    return paint, Bar(paint, low, end, push_colours.words(unit, low))
 
 
 def by_curvature(units: dict[str, str], extremes: Extremes) -> Painted:

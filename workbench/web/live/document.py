@@ -35,14 +35,18 @@ def text(presets: Sequence[Preset], served: bool, style: str = "") -> str:
     presets: the rods to begin with, the first is drawn. served: whether a server answers it. style: rules of CSS after
     those of the page.
     """
-    read = {name: (PAGE / name).read_text(encoding="utf-8") for name in ("index.html", "page.css")}
-    style = read["page.css"] + style
+    style = read("push_bar.css") + read("page.css") + style
     core, program = (build.HERE / "rod.js").read_text(encoding="utf-8"), bundle()
     parts = {
         "style": style, "core": core, "program": program, "data": _json(_data(presets, served)),
         "policy": policy(style, core, program, served),
     }  # fmt: skip
-    return re.sub(r"{{ (\w+) }}", lambda found: parts[found[1]], read["index.html"])
+    return re.sub(r"{{ (\w+) }}", lambda found: parts[found[1]], read("index.html"))
+
+
+def read(name: str) -> str:
+    """The text of a file of the page."""
+    return (PAGE / name).read_text(encoding="utf-8")
 
 
 def bundle(first: str = FIRST) -> str:
@@ -87,7 +91,7 @@ def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
         "quantities": {
             name: [row.symbol, labels.quantity_name(row.long_name), row.dimension] for name, row in QUANTITIES.items()
         },
-        "colours": {"stops": push_colours.STOPS, "pull": push_colours.PULL},
+        "colours": push_colours.for_pages(),
         "core": base64.b64encode((build.HERE / build.WASM).read_bytes()).decode(),
     }
 

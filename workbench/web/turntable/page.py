@@ -59,7 +59,7 @@ def figure(name: str, label: str, still: str = "", caption: str = "", reset: boo
 
 def data(figures: Mapping[str, Any], **more: Any) -> str:
     """The data of all turntables of a page as JSON that may stand inside a script element."""
-    plain = {"colours": {"stops": push_colours.STOPS, "pull": push_colours.PULL}, "figures": dict(figures), **more}
+    plain = {"colours": push_colours.for_pages(), "figures": dict(figures), **more}
     text = json.dumps(finite(plain), ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c")
 
@@ -72,7 +72,7 @@ def program() -> str:
 
 def look() -> str:
     """The style of turntables: the colours of both schemes, light and dark, and their layout."""
-    return read("scheme.css") + read("turntable.css")
+    return read("scheme.css") + document.read("push_bar.css") + read("turntable.css")
 
 
 @cache

@@ -83,6 +83,7 @@ def stored(
         more = max(map(stations_for, solved))
         raise InputError(f"{n} stations are too few, as a rod swings between them unseen: store about {more}")
     step = _stride(solved)
+    along = [(float(push.min()), float(push.max())) for push in (line.push(line.s) for line in solved)]
     data = {
         "axes": [_axis(ds, name, rows, base[name]) for name, rows in chosen.items()],
         "stations": ds["u"].values[::step].tolist(),
@@ -91,7 +92,7 @@ def stored(
             _case(ds, where, line) | _facts(ds, where, line, facts) for where, line in zip(wheres, lines, strict=True)
         ],
         "arrays": _packed(lines, step, n),
-        "largest": max(0.0, max(float(line.push(line.s).max()) for line in solved)),
+        "extremes": [min(pushes[0] for pushes in along), max(pushes[1] for pushes in along)],
         "push": labels.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}"),
     }
     return Stored(data, [_left_out(ds, name, rows) for name, rows in chosen.items() if len(rows) < ds.sizes[name]])

@@ -41,7 +41,7 @@ export function diagrams(shape, units) {
     },
     {
       key: "push",
-      title: "Push of the cylinder per length; orange: pull (lift-off)",
+      title: "Push of the cylinder per length",
       x: s,
       y: push,
       xlabel: `s [${length}]`,

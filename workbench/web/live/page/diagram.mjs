@@ -1,7 +1,6 @@
 // A line diagram on a canvas, from the rows of numbers of curves.mjs.
 
 import { css, pushColour } from "./colours.mjs";
-import { range } from "./numbers.mjs";
 import { number, tickText, ticks } from "./text.mjs";
 
 const LEFT = 58,
@@ -14,10 +13,9 @@ const LETTER = 11,
   TONES = 32,
   FINER = 4, // columns of a coloured line in a pixel, as its colour may change within one
   NEAR = 0.7; // pixels
-// as in the figures: opacity of the bands of pull and of the areas of push, and the stop of the colours of the latter
+// as in the figures: opacity of the bands of pull and of the areas of push
 export const BAND = 0.28,
-  AREA = 0.25,
-  AREA_STOP = 3;
+  AREA = 0.25;
 
 /* The scales of a diagram in a box of so many pixels. */
 export function frameOf(spec, width, height) {
@@ -100,7 +98,8 @@ function kept(xs, ys, rising) {
   return found;
 }
 
-export function paintDiagram(ctx, spec, frame, theme, code) {
+/* end: the push that has the darkest blue. */
+export function paintDiagram(ctx, spec, frame, theme, code, end) {
   const { w, h, px, py } = frame;
   ctx.clearRect(0, 0, frame.width, frame.height);
   ctx.font = `${LETTER}px ${theme.font}`;
@@ -124,7 +123,7 @@ export function paintDiagram(ctx, spec, frame, theme, code) {
       theme.soft,
       1,
     );
-  if (spec.push) pushLine(ctx, points, spec.push, chosen, theme, code);
+  if (spec.push) pushLine(ctx, points, spec.push, chosen, theme, code, end);
   else line(ctx, points, theme.line, 1.8);
   if (spec.level !== undefined) levelOf(ctx, spec, frame, theme);
   if (spec.dot) spot(ctx, points[0], 3.5, theme.ink);
@@ -165,7 +164,7 @@ export function stretches(x, push) {
 /* As in the figures: a band of orange where the cylinder would have to pull, and blue below the line where it pushes. */
 function shade(ctx, { from, to, pulls }, spec, { px, py, h }, code) {
   ctx.globalAlpha = pulls ? BAND : AREA;
-  ctx.fillStyle = css(pulls ? code.pull : code.stops[AREA_STOP][1]);
+  ctx.fillStyle = css(pulls ? code.pulled : code.pushed);
   if (pulls) ctx.fillRect(px(from), TOP, px(to) - px(from), h);
   else {
     ctx.beginPath();
@@ -178,9 +177,8 @@ function shade(ctx, { from, to, pulls }, spec, { px, py, h }, code) {
 }
 
 /* A line in the colours of the push at its points, on a casing that is seen on every paper. */
-function pushLine(ctx, points, push, chosen, theme, code) {
-  const most = Math.max(range(push)[1], 1e-300),
-    toneOf = (v) => (v < 0 ? -1 : Math.round((TONES * v) / most));
+function pushLine(ctx, points, push, chosen, theme, code, end) {
+  const toneOf = (v) => (v < 0 ? -0.5 : 0.5) + Math.trunc((TONES * v) / (end || 1)); // none spans 0, where the tint changes
   line(ctx, points, theme.soft, 2.7);
   for (let i = 1, from = 0; i < points.length; i++) {
     const tone = toneOf((push[chosen[i - 1]] + push[chosen[i]]) / 2),

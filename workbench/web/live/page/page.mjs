@@ -1,7 +1,6 @@
 // The page: the inputs make a state, the state a shape, and the shape is drawn.
 
 import { hereText, makeControls, spanOf } from "./controls.mjs";
-import { css, ramp } from "./colours.mjs";
 import { valuesAt } from "./curves.mjs";
 import { element, makeTheme, set, showRows, solvedText } from "./details.mjs";
 import { rowOf, showList } from "./equilibria_list.mjs";
@@ -9,6 +8,7 @@ import { copyText, saveFile, savePicture, showStudy } from "./files.mjs";
 import { observables, warnings } from "./numbers.mjs";
 import { Refused, caseOf, heldState, isEnds, isState } from "./rod_case.mjs";
 import { makePrint } from "./print.mjs";
+import { showBar } from "./push_bar.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
 import { post, unpacked } from "./server.mjs";
@@ -163,10 +163,10 @@ function took(shape, head, how, since) {
       me.shape.one.side !== shape.one.side ||
       me.shape.one.kind !== shape.one.kind;
   Object.assign(me, { shape, head, wrong: { sentence: "", field: "" } });
-  const locked = element("lock").checked && view.drawn && !how.fresh ? view.drawn.largest : null;
-  view.show(shape, { fresh: how.fresh, refit: refit && locked === null, largest: locked });
+  const locked = element("lock").checked && view.drawn && !how.fresh ? view.drawn.scale : null;
+  view.show(shape, { fresh: how.fresh, refit: refit && locked === null, scale: locked });
   const drawn = performance.now();
-  diagrams.show(shape, me.state.units);
+  diagrams.show(shape, me.state.units, view.drawn.scale);
   showState();
   me.drawn += 1;
   document.dispatchEvent(
@@ -198,8 +198,7 @@ function refuse(error) {
 
 function showState() {
   const { state, wrong, shape, head } = me,
-    units = state.units,
-    most = view.drawn ? view.drawn.largest : 0;
+    units = state.units;
   controls.show(state, wrong, context);
   const shown = document.querySelector(`#n-${CSS.escape(wrong.field || "-")}`) ? "" : wrong.sentence;
   set(element("problem"), shown && shape ? `${shown} The last shape is shown.` : shown);
@@ -210,8 +209,7 @@ function showState() {
   element("by-ends").hidden = isEnds(state);
   element("equilibria").hidden = !isEnds(state);
   if (!shape) return;
-  set(element("most"), `${number(most, 3)} ${units.force}/${units.length}`);
-  set(element("least"), most > 0 ? "push 0" : "no push");
+  showBar(element("bar"), data.colours, view.drawn.scale, `${units.force}/${units.length}`);
   const squeezed = view.drawn.squeeze < 1;
   element("squeeze").hidden = !squeezed;
   if (squeezed) set(element("squeeze"), `Axis compressed 1 : ${(1 / view.drawn.squeeze).toPrecision(3)}`);
@@ -332,10 +330,6 @@ function prepare() {
   const option = (value, text) => Object.assign(document.createElement("option"), { value, textContent: text });
   element("preset").append(...data.presets.map((one) => option(one.name, one.title)));
   element("reading").append(...data.readings.map((one) => option(one, one.split("/").join(", "))));
-  element("pull").style.background = css(data.colours.pull);
-  const canvas = element("ramp"),
-    bytes = ramp(data.colours, canvas.width);
-  canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(bytes), canvas.width, 1), 0, 0);
   element("no-webgl").hidden = Boolean(view.scene);
   for (const button of document.querySelectorAll(".served")) button.hidden = !served;
   const acts = {

@@ -1,6 +1,6 @@
 // A picture of the page for a paper or a slide: the rod, the colour code, and every value that made it.
 
-import { css, pushColour } from "./colours.mjs";
+import { css, pushColour, wordsOf } from "./colours.mjs";
 import { quantityOf } from "./rod_case.mjs";
 import { minus, number, unitText, withUnit } from "./text.mjs";
 
@@ -28,13 +28,13 @@ export async function drawPicture({ view, shape, code, rows, quantities, state, 
     ctx.drawImage(part, EDGE, EDGE);
     view.rest();
   }
-  column(ctx, { shape, code, rows, quantities, state, title, squeeze: view.drawn.squeeze, most: view.drawn.largest });
+  column(ctx, { shape, code, rows, quantities, state, title, squeeze: view.drawn.squeeze, scale: view.drawn.scale });
   return new Promise((done) => {
     canvas.toBlob(done, "image/png");
   });
 }
 
-function column(ctx, { code, rows, quantities, state, title, squeeze, most, shape }) {
+function column(ctx, { code, rows, quantities, state, title, squeeze, scale, shape }) {
   const x = WIDE - SIDE,
     right = WIDE - EDGE;
   let y = EDGE + 20;
@@ -67,27 +67,24 @@ function column(ctx, { code, rows, quantities, state, title, squeeze, most, shap
     ctx.fillText(withUnit(minus(value), unitText(dimension, state.units)), x + 130, y);
     y += LINE;
   }
-  legend(ctx, code, x, right, Math.max(y + 40, HIGH - EDGE - 190), most, state.units, squeeze);
+  legend(ctx, code, x, right, Math.max(y + 40, HIGH - EDGE - 130), scale, state.units, squeeze);
 }
 
-function legend(ctx, code, x, right, y, most, { length, force }, squeeze) {
-  const wide = right - x;
+function legend(ctx, code, x, right, y, scale, { length, force }, squeeze) {
+  const wide = right - x,
+    { low, end } = scale;
   for (let k = 0; k < wide; k++) {
-    ctx.fillStyle = css(pushColour(code, k, wide - 1));
+    ctx.fillStyle = css(pushColour(code, low + ((end - low) * k) / (wide - 1), end));
     ctx.fillRect(x + k, y, 1.5, 40);
   }
   ctx.fillStyle = INK;
   ctx.font = `${LETTER - 4}px ${FONT}`;
   ctx.textAlign = "left";
-  ctx.fillText("0", x, y + 78);
+  ctx.fillText(number(low, 3), x, y + 78);
   ctx.textAlign = "right";
-  ctx.fillText(`push ${number(most, 3)} ${force}/${length}`, right, y + 78);
-  ctx.fillStyle = css(code.pull);
-  ctx.fillRect(x, y + 102, 40, 40);
-  ctx.fillStyle = INK;
+  ctx.fillText(number(end, 3), right, y + 78);
   ctx.textAlign = "left";
-  ctx.fillText("the cylinder would have to pull:", x + 56, y + 132);
-  ctx.fillText("the rod would lift off", x + 56, y + 168);
+  ctx.fillText(minus(wordsOf(code, scale, `${force}/${length}`)), x, y + 122);
   if (squeeze < 1) ctx.fillText(`axis compressed 1 : ${(1 / squeeze).toPrecision(3)}`, x, y - 24);
 }
 

@@ -21,7 +21,6 @@ export function storedSource(data) {
       text: () => axis.texts[places[k]],
       move: (place) => (places[k] = Math.round(place)),
     })),
-    largest: data.largest,
     now() {
       const one = data.cases[index()];
       return { shape: one.numbers ? storedShape(data, index()) : null, note: one.note, rows: one.facts || [] };
@@ -50,7 +49,6 @@ export function solvedSource(data, core) {
         move: (place) => (base[name] = valueAt(name, place, span)),
       };
     }),
-    largest: null,
     now() {
       try {
         const shape = marched(core, caseOf({ ...data.state, base }, letters));

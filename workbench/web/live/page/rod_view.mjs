@@ -1,6 +1,7 @@
 // The view of the rod: what is drawn, from where, and the hands that turn it.
 
 import { ABOVE, aside, axesOf, between, dot, fitted, needsFit, seen, turned } from "./camera.mjs";
+import { scaleOf } from "./colours.mjs";
 import { hands } from "./hands.mjs";
 import { range } from "./numbers.mjs";
 import { makeScene } from "./scene.mjs";
@@ -35,12 +36,12 @@ export function makeView(canvas, mark, code, calm, lies = false) {
   const aspect = () => Math.max(canvas.clientWidth, 1) / Math.max(canvas.clientHeight, 1);
   const pixelRatio = () => window.devicePixelRatio || 1;
 
-  /* Draw a shape. fresh: seen from its front; refit: at least with all of it in the view; largest: the push in dark blue. */
-  function show(shape, { fresh = false, refit = false, largest: given = null } = {}) {
+  /* Draw a shape. fresh: seen from its front; refit: at least with all of it in the view; scale: that of its colours. */
+  function show(shape, { fresh = false, refit = false, scale: given = null } = {}) {
     const squeeze = squeezeOf(shape),
       wall = cylinder(shape, squeeze),
-      largest = given ?? Math.max(range(shape.push)[1], 0);
-    const drawn = { squeeze, wall, largest, points: pointsOf(shape, squeeze, wall) };
+      scale = given ?? scaleOf(code, range(shape.push));
+    const drawn = { squeeze, wall, scale, points: pointsOf(shape, squeeze, wall) };
     Object.assign(me, { shape, drawn });
     if (fresh || !me.camera) {
       me.camera = frontOf(shape);
@@ -71,9 +72,9 @@ export function makeView(canvas, mark, code, calm, lies = false) {
   function mesh(pixels, moves) {
     const { shape, drawn } = me,
       tolerance = (pixels * 2 * me.target.half) / Math.max(canvas.clientHeight * pixelRatio(), 1);
-    const chosen = rings(shape, tolerance, drawn.largest, moves),
+    const chosen = rings(shape, tolerance, drawn.scale.end, moves),
       sides = sidesFor(shape.one.a, tolerance);
-    scene.setRod(tube(shape, chosen, sides, drawn.squeeze, drawn.largest), chosen.length, sides);
+    scene.setRod(tube(shape, chosen, sides, drawn.squeeze, drawn.scale.end), chosen.length, sides);
     me.rings = chosen.length;
   }
 
@@ -252,9 +253,9 @@ function noteBeside(canvas) {
 function picture(me, scene, width, height) {
   const { shape, drawn, camera } = me,
     tolerance = (FINE * 2 * camera.half) / height;
-  const chosen = rings(shape, tolerance, drawn.largest),
+  const chosen = rings(shape, tolerance, drawn.scale.end),
     sides = sidesFor(shape.one.a, tolerance);
-  scene.setRod(tube(shape, chosen, sides, drawn.squeeze, drawn.largest), chosen.length, sides);
+  scene.setRod(tube(shape, chosen, sides, drawn.squeeze, drawn.scale.end), chosen.length, sides);
   const fits = fitted(camera, seen(camera, drawn.points, shape.one.a), width / height);
   return scene.pixels(me.touched ? camera : fits, width, height);
 }

@@ -4,7 +4,7 @@ import { axesOf, matrix } from "./camera.mjs";
 import { ramp } from "./colours.mjs";
 import { STRIDE, endTriangles, wallTriangles } from "./tube.mjs";
 
-const TONES = 256;
+const TONES = 1024; // so many that the change from pull to push is sharp
 const WALL = [0.86, 0.87, 0.885];
 const VERTEX = `#version 300 es
 in vec3 place; in vec3 normal; in float push;
@@ -14,12 +14,12 @@ void main() { gl_Position = view * vec4(place, 1.0); way = turn * normal; value 
 const FRAGMENT = `#version 300 es
 precision mediump float;
 in vec3 way; in float value;
-uniform sampler2D ramp; uniform vec3 pull, wall; uniform bool isRod;
+uniform sampler2D ramp; uniform vec3 wall; uniform bool isRod;
 out vec4 colour;
 void main() {
   vec3 n = normalize(way);
   if (!gl_FrontFacing) n = -n;
-  vec3 base = isRod ? (value < 0.0 ? pull : texture(ramp, vec2(value, 0.5)).rgb) : wall;
+  vec3 base = isRod ? texture(ramp, vec2(0.5 + 0.5 * value, 0.5)).rgb : wall;
   float key = max(dot(n, vec3(-0.40, 0.55, 0.73)), 0.0), eye = max(n.z, 0.0);
   float light = isRod ? 0.46 + 0.42 * key + 0.24 * eye : 0.62 + 0.14 * key + 0.24 * eye;
   float edge = isRod ? mix(0.55, 1.0, smoothstep(0.02, 0.36, eye)) : 1.0;
@@ -136,12 +136,8 @@ export function makeScene(canvas, code, onContext) {
 function resources(gl, code) {
   const program = linked(gl),
     where = {};
-  for (const name of ["view", "turn", "pull", "wall", "isRod", "ramp"]) where[name] = gl.getUniformLocation(program, name);
+  for (const name of ["view", "turn", "wall", "isRod", "ramp"]) where[name] = gl.getUniformLocation(program, name);
   gl.useProgram(program);
-  gl.uniform3fv(
-    where.pull,
-    code.pull.map((v) => v / 255),
-  );
   gl.uniform3fv(where.wall, WALL);
   painted(gl, ramp(code, TONES));
   gl.enable(gl.DEPTH_TEST);

@@ -10,6 +10,7 @@ export function makeDiagrams(box, below, code, theme, pointed) {
   let shown = [],
     shape = null,
     at = null,
+    end = 0,
     fine = 1;
 
   function build(specs) {
@@ -31,8 +32,8 @@ export function makeDiagrams(box, below, code, theme, pointed) {
     });
   }
 
-  function show(next, units) {
-    shape = next;
+  function show(next, units, scale) {
+    [shape, end] = [next, scale.end];
     const specs = diagrams(shape, units);
     if (!shown.length) build(specs);
     shown.forEach((one, i) => {
@@ -60,7 +61,7 @@ export function makeDiagrams(box, below, code, theme, pointed) {
       const ctx = (one.ctx ??= one.canvas.getContext("2d"));
       ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
       one.frame = frameOf(one.spec, wide, high);
-      paintDiagram(ctx, one.spec, one.frame, theme(), code);
+      paintDiagram(ctx, one.spec, one.frame, theme(), code, end);
       if (here)
         paintCursor(ctx, one.frame, cursorIn(one.key, shape, here), one.key === "beta" || one.key === "push", theme());
     }

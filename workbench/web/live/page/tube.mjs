@@ -114,7 +114,7 @@ export function frameAt({ one, alpha, beta, z, push }, i, squeeze, largest) {
     by: -cb * ca,
     bz: sb,
     along: [-sb * sa, sb * ca, cb],
-    value: largest > 0 ? push[i] / largest : push[i] < 0 ? -1 : 0,
+    value: largest > 0 ? push[i] / largest : 0,
   };
 }
 

@@ -1,23 +1,22 @@
 // A turntable: a rod in a figure, with sliders, a colour bar and a triad.
 
-import { css, ramp } from "./colours.mjs";
+import { scaleOf } from "./colours.mjs";
 import { makePrint } from "./print.mjs";
+import { showBar } from "./push_bar.mjs";
 import { solvedSource, storedSource } from "./rod_sources.mjs";
 import { makeView } from "./rod_view.mjs";
-import { minus, tickText, ticks } from "./text.mjs";
 import { drawTriad } from "./triad.mjs";
 
 const LAP = 12, // s of one turn
   REST = 150; // ms until what is slower is computed
-const TICKS = 4,
-  CROWDED = 0.16; // ticks of the bar, about; share of it that the tick at its end keeps free
 const NO_DIAGRAMS = { setFine() {}, onPaper() {} };
 
 /* Make a figure turn. core: the compiled core, where the figure solves. */
 export function turntable(figure, data, code, core, calm) {
   const part = (name) => figure.querySelector(`.${name}`),
     canvas = part("rod");
-  const source = data.arrays ? storedSource(data) : solvedSource(data, core);
+  const source = data.arrays ? storedSource(data) : solvedSource(data, core),
+    scale = data.extremes ? scaleOf(code, data.extremes) : null; // one for all its rods
   figure.classList.add("live"); // now the canvas has its size
   const view = makeView(canvas, part("spot"), code, calm);
   if (!view.scene) {
@@ -40,12 +39,12 @@ export function turntable(figure, data, code, core, calm) {
     part("told").classList.toggle("wrong", !shape);
     listed(part("case"), rows);
     if (!shape) return;
-    view.show(shape, { ...how, largest: source.largest });
+    view.show(shape, { ...how, scale });
     clearTimeout(resting);
     if (source.facts && !note) resting = setTimeout(() => set(part("told"), source.facts(shape)), REST);
     part("squeeze").hidden = view.drawn.squeeze >= 1;
     set(part("squeeze"), `Axis compressed 1 : ${(1 / view.drawn.squeeze).toPrecision(3)}`);
-    bar(part("bar"), code, view.drawn.largest, data.push);
+    showBar(part("bar"), code, view.drawn.scale, data.push);
   }
 
   /* One drawing a frame, of the newest place. */
@@ -161,31 +160,6 @@ function listed(box, rows) {
   });
   box.replaceChildren(...made);
   box.hidden = !rows.length;
-}
-
-/* The colour bar: no push to the largest, with ticks. */
-function bar(box, code, largest, unit) {
-  const canvas = box.querySelector("canvas");
-  if (!canvas.dataset.drawn) {
-    canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(ramp(code, 256)), 256, 1), 0, 0);
-    box.querySelector("i").style.background = css(code.pull);
-    canvas.dataset.drawn = "yes";
-  }
-  const key = `${largest} ${unit}`;
-  if (box.dataset.shown === key) return;
-  box.dataset.shown = key;
-  box.querySelector(".pushes").hidden = !(largest > 0);
-  box.querySelector(".unit").textContent = minus(unit);
-  const inner = largest > 0 ? ticks(0, largest, TICKS).filter((v) => v < (1 - CROWDED) * largest) : [],
-    marks = largest > 0 ? [...inner, Number(largest.toPrecision(3))] : [];
-  box.querySelector(".ticks").replaceChildren(
-    ...marks.map((value) => {
-      const mark = document.createElement("span");
-      mark.textContent = tickText(value, largest);
-      mark.style.left = `${Math.min((100 * value) / largest, 100)}%`;
-      return mark;
-    }),
-  );
 }
 
 function set(box, text) {
