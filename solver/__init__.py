@@ -9,6 +9,7 @@ from .loops import Loop, loops
 from .observe import observe
 from .problem.case import Case, Cylinder, Ends, Rod, Start
 from .problem.errors import InputError
+from .problem.rod import weight_in_fluid
 from .region_map import region_map
 from .solution import Solution
 from .solve import solve
@@ -35,6 +36,7 @@ __all__ = [
     "region_map",
     "solve",
     "switch",
+    "weight_in_fluid",
 ]
 
 

@@ -209,7 +209,7 @@ def weight_in_fluid(
 
     Examples
     --------
-    >>> from solver.problem.rod import weight_in_fluid
+    >>> from solver import weight_in_fluid
     >>> print(f"{weight_in_fluid(0.0635, 0.0543, fluid=1200.0):.1f} N/m")  # 5 inch pipe in mud
     222.0 N/m
     """

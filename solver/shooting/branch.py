@@ -133,6 +133,31 @@ def buckling_share(rod: LoadedRod, t: Array, index: int, low: float = 0.0) -> fl
     return high
 
 
+def buckling_tension(rod: LoadedRod) -> float | None:
+    """The far end's phi below which the straight rod under its whole weight is unstable, without friction.
+
+    None where the straight rod is no equilibrium, or is unstable though all of it is in tension.
+    """
+    rod = replace(rod.rubbed_by(0.0), held=rod.held - {"height"})
+
+    def is_unstable(phi: float) -> bool:
+        far = rod.far.copy()
+        far[2] = phi
+        pulled = replace(rod, far=far)
+        return index_at(straight_shape(pulled, pulled.nodes())) > 0
+
+    high = max(0.0, rod.along * rod.span)  # here no part of the rod is compressed
+    if not rod.straight or is_unstable(high):
+        return None
+    low = high - 1 / rod.span**2
+    while not is_unstable(low):
+        low = high + 4 * (low - high)
+    while high - low > CLOSE * max(abs(high), abs(low)):
+        middle = (low + high) / 2
+        low, high = (middle, high) if is_unstable(middle) else (low, middle)
+    return (low + high) / 2
+
+
 def buckle(shape: Shape) -> Shape | None:
     """The stable shape into which an unstable straight rod buckles, along its weakest mode; or that below it."""
     mode = weakest_mode(shape)

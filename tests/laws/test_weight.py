@@ -9,7 +9,7 @@ from scipy.interpolate import make_interp_spline
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, observe, solve
 from solver.core.varying_loads import march
 from solver.problem.case import SLIDING
-from solver.shooting.branch import index_at, straight_shape
+from solver.shooting.branch import buckling_tension, index_at, straight_shape
 from solver.shooting.loaded_rod import LoadedRod
 
 ROD: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 8.0, "weight": 3.0}
@@ -127,6 +127,16 @@ def test_a_vertical_string_buckles_at_the_weight_on_its_foot(held: str, length: 
 
     digits = 1e-10 if len(str(expected)) > 8 else 3e-5  # as many as are known
     assert critical_value(index, 0.5, 3.0) == pytest.approx(expected, rel=digits)
+
+
+def test_the_buckling_load_of_an_inclined_pipe_counts_its_whole_weight() -> None:
+    """Between hinges the foot of a long vertical string carries 1.7110 in units of (A w^2)^(1/3) when it buckles."""
+    found = buckling_tension(straight(0.0, 20.0, 3.0, 0.0, along=1.0))
+    assert found is not None
+    assert 20 - found == pytest.approx(1.7110, rel=3e-5)
+    lying = buckling_tension(straight(0.01, 12.0, 0.0, 0.0))
+    modes = (np.pi * np.arange(1, 20) / 12) ** 2
+    assert lying == pytest.approx(-(modes + 0.01 / modes).min(), rel=1e-5)
 
 
 def test_derivatives_of_a_march_agree_with_differences() -> None:

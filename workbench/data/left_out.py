@@ -3,18 +3,40 @@
 `docs/explanation/what-the-model-leaves-out.md` says how much each of these may change.
 """
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from solver import Case
 
-SENTENCE = "The model leaves out weight, friction, joints, and clearance at the ends."
+
+def sentence(given: Mapping[str, Any]) -> str:
+    """What is left out where `given` holds the values of weight, friction and sliding, each if there is one."""
+    parts = [name for name in ("weight", "friction") if not np.any(given.get(name, 0))]
+    if "friction" not in parts and given.get("sliding") != "rotating":
+        parts.append("the moment of friction about the rod's own axis")
+    parts += ["joints", "clearance at the ends"]
+    return f"The model leaves out {', '.join(parts[:-1])}{',' * (len(parts) > 2)} and {parts[-1]}."
+
+
+SENTENCE = sentence({})
 
 
 def note(case: "Case") -> str:
     """The sentence that belongs to a rod inside a cylinder; "" for one outside."""
     if case.cylinder.side != "inside":
         return ""
-    given = {"weight": case.rod.weight, "friction": case.cylinder.friction}
-    missing = [f"{name}, " for name, value in given.items() if value is None or not value]
-    return SENTENCE.replace("weight, friction, joints, and", f"{''.join(missing)}joints{',' * bool(missing)} and")
+    wall = case.cylinder
+    return sentence({"weight": case.rod.weight, "friction": wall.friction, "sliding": wall.sliding})
+
+
+def stored_note(ds: "xr.Dataset") -> str:
+    """The same of a stored rod, or of several."""
+    if str(ds.attrs["side"]) != "inside":
+        return ""
+    given = {name: ds[name].values for name in ("weight", "friction") if name in ds}
+    return sentence(given | {"sliding": ds.attrs.get("sliding")})

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from solver import Solution
 
 # A long lying pipe without torque, slender: forces in sqrt(A w sin(theta)/rho), `studies/pipe_horizontal.toml`.
-SINUSOID, PRESSED, LEAST_ENERGY, SINUSOID_ENDS = 2.0, 2.744687, 2.901122, 5.2613
+SINUSOID, PRESSED, LEAST_ENERGY, LIFTS_OFF = 2.0, 2.744687, 2.901122, 3.541672
 REACHES = {"m": 30.0, "ft": 100.0}  # lengths on which drillers state a dogleg
 
 
@@ -20,15 +20,16 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
         return []
     length, force = units["length"], units["force"]
     said = [f"state: {in_words(sol.states, length)}"]
-    critical = float(sol.trajectory.shapes.critical[0]) if sol.case.kind == "ends" else math.nan
-    if math.isfinite(critical):
-        load = f", FZ = {critical * float(sol.FZ):.6g} {force}" if float(sol.FZ) else ""
-        said.append(f"the straight rod buckles at {critical:.6g} times these loads{load}")
+    if "leaves its branch" in (sol.begun or ""):
+        said.append(f"the answer continues from {sol.begun}")
+    said += _buckling(sol, force)
     said += _long_pipe(sol, force)
     said.append(_ends(sol, force, length))
     reach = REACHES.get(length, 1.0)
     most = math.degrees(_observed(sol, "kappa_max")) * reach
     said.append(f"largest dogleg {most:.4g} deg in {reach:g} {length}")
+    if sol.case.rod.E is not None:
+        said[-1] += f", bending stress {_stress(sol, length, force)}"
     said.append(_index(sol))
     return said
 
@@ -39,6 +40,32 @@ def _observed(sol: "Solution", name: str) -> float:
     return float(observe(sol, [name])[name])
 
 
+def _stress(sol: "Solution", length: str, force: str) -> str:
+    """The largest bending stress, in MPa where lengths are in metres."""
+    most = _observed(sol, "bending_stress_max")
+    sizes = {"N": 1e-6, "kN": 1e-3, "MN": 1.0}
+    return f"{most * sizes[force]:.4g} MPa" if length == "m" and force in sizes else f"{most:.4g} {force}/{length}^2"
+
+
+def _buckling(sol: "Solution", force: str) -> list[str]:
+    """The load at which the straight rod buckles under its whole weight; none where it is no equilibrium."""
+    from solver.shooting.branch import buckling_tension
+    from solver.shooting.numbers import rods_of
+
+    if sol.case.kind != "ends" or sol.case.cylinder.side == "outside":
+        return []
+    rod = rods_of(sol.case)[1][0]
+    if not rod.straight:
+        return []
+    phi, unit = buckling_tension(rod), float(sol.case.rod.bending_stiffness) / float(sol.case.rho) ** 2
+    who = f"the straight rod{' without friction' * rod.rubbed}"
+    if phi is None:
+        return [f"{who} is unstable even in tension, by its torque"]
+    near, far = ((phi - part) * unit for part in (rod.along * rod.span, 0.0))
+    start = f" ({near:.6g} at s = 0)" if abs(far - near) > 1e-9 * abs(far) else ""
+    return [f"{who} buckles where FZ at s = L is below {far:.6g} {force}{start}"]
+
+
 def _long_pipe(sol: "Solution", force: str) -> list[str]:
     """The compressions at which a long pipe of this weight changes its state; none without weight across the axis."""
     rod, wall = sol.case.rod, sol.case.cylinder
@@ -46,10 +73,11 @@ def _long_pipe(sol: "Solution", force: str) -> list[str]:
     if across <= 1e-12 * float(rod.weight or 1) or wall.side == "outside":
         return []
     unit = math.sqrt(float(rod.bending_stiffness) * across / float(sol.case.rho))
-    one, two, three, four = (f"{x * unit:.4g}" for x in (SINUSOID, PRESSED, LEAST_ENERGY, SINUSOID_ENDS))
+    one, two, three, four = (f"{x * unit:.4g}" for x in (SINUSOID, PRESSED, LEAST_ENERGY, LIFTS_OFF))
     return [
-        f"compressions of a long pipe of this weight without torque: straight below {one} {force}; from {two} a helix "
-        f"can stay; from {three} it has less energy than the sinusoid, which cannot stay above {four}"
+        f"local compression in a long pipe without torque or friction: straight below {one} {force}; from {two} a "
+        f"helix can stay, from {three} it has less energy than the sinusoid; above {four} the sinusoid lifts off the "
+        "wall: expect a helix"
     ]
 
 
@@ -59,9 +87,12 @@ def _ends(sol: "Solution", force: str, length: str) -> str:
     text = f"axial force {near:.6g} {force} at s = 0 and {far:.6g} {force} at s = L"
     text += f"; push {float(sol.push[0]):.4g} and {float(sol.push[-1]):.4g} {force}/{length}"
     if wall.friction:
+        text += (
+            f"; friction {' and '.join(f'{float(wall.friction * sol.push[i]):.4g}' for i in (0, -1))} {force}/{length}"
+        )
         rubbed = float(wall.friction) * _observed(sol, "push_mean") * float(sol.case.rod.L)
         way = "turns in place" if SLIDING[wall.sliding][1] else f"slides {wall.sliding}"
-        text += f"; friction of a rod that {way} everywhere: {rubbed:.4g} {force} in all"
+        text += f", {rubbed:.4g} {force} in all, of a rod that {way} everywhere"
     return text
 
 

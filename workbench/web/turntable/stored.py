@@ -175,7 +175,7 @@ def _case(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None) -> 
     numbers = {"R": line.R, "a": line.a, "rho": line.rho, "L": line.L, "A": line.A}
     loads = {"FZ": line.p * line.A, "MZ": line.l * line.A, "M3": line.m * line.A}
     caution = cautions.said(ds["caution"].isel(dict(where)).values) if "caution" in ds else ""
-    notes = (_sampled(ds, where), caution, left_out.SENTENCE if str(ds.attrs["side"]) == "inside" else "")
+    notes = (_sampled(ds, where), caution, left_out.stored_note(ds))
     return {"numbers": numbers | loads, "note": labels.typeset(" ".join(note for note in notes if note))}
 
 
