@@ -151,7 +151,8 @@ def _print(results: "list[StudyResult]", readings: "xr.Dataset", out: Path, advi
 def _verdict_rows(readings: "xr.Dataset") -> list[list[str]]:
     """One row for each reading: the verdict of each claim."""
     from studies.laws import TREND
+    from studies.reasons import PLAIN
 
     table = zip(readings["reading"].values, readings["claim_verdict"].values, strict=True)
-    short = {TREND: "trend"}
-    return [[str(reading), *(short.get(str(one), str(one)) for one in line)] for reading, line in table]
+    words = {**PLAIN, TREND: "trend"}
+    return [[str(reading), *(words[str(verdict)] for verdict in line)] for reading, line in table]
