@@ -36,7 +36,7 @@ class Equilibrium:
         Morse index under dead loads, between its own end angles; -1: not known.
     found_by : str
         What the search found it by: "levels" under dead loads; "continuation", "mirror image", "across a fold",
-        "deflation" or "helix" under held ends.
+        "deflation", "helix" or "scan" under held ends.
 
     Examples
     --------
@@ -111,7 +111,8 @@ class HeldSearch:
     most_swings : int
         The largest number of whole periods of beta along the rods from which it began.
     problems : int
-        Dead-load problems that were solved, with all their equilibria.
+        Dead-load problems that were solved, with all their equilibria; 0 where all loads and the bending moment at an
+        end are given, and the angle at that end was scanned.
     starts, failed : int
         Continuations from these equilibria to the held ends, and those of them that reached none.
     deflations : int
@@ -142,15 +143,20 @@ class HeldSearch:
         """The ranges in words."""
         return _in_words(self.within)
 
+    def _counts(self) -> list[str]:
+        return [
+            f"it began from the equilibria of {self.problems} problems under dead loads "
+            f"that have at most {self.most_swings} whole periods of beta (most_swings in Python)",
+            f"{self.starts} continuations, {self.failed} of which failed",
+            f"{self.deflations} deflations",
+        ]
+
     def __str__(self) -> str:
         if not self.within:
             return f"not proved complete: {self.note}"
         said = [
             f"not proved complete: searched over {self.ranges}",
-            f"it began from the equilibria of {self.problems} problems under dead loads "
-            f"that have at most {self.most_swings} whole periods of beta (most_swings in Python)",
-            f"{self.starts} continuations, {self.failed} of which failed",
-            f"{self.deflations} deflations",
+            *(self._counts() if self.problems else ["the angle at an end with given beta' was scanned over a turn"]),
         ]
         if self.outside:
             are = "equilibrium was" if self.outside == 1 else "equilibria were"

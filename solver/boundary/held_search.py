@@ -1,4 +1,5 @@
-"""The search for equilibria with held ends: from dead loads, by mirror images, across folds and by deflation.
+"""The search for equilibria with held ends: from dead loads, by mirror images, across folds and by deflation; or by a
+scan of the angle at a hinge where all loads are given.
 
 No search proves that it found all of them: their number need not be finite, as a rod held at a height takes ever more
 bends under ever larger loads. The search is over stated ranges of the unknown loads and angles.
@@ -16,11 +17,13 @@ from .held_mirrors import half_period_later, image_of, mirrors_of
 from .held_ranges import Ranges, ranges_of, within_a_turn
 from .held_sweep import Point, starts_of, swept
 from .held_system import FREE, Given, State
+from .hinge_scan import hinged_states
 from .orbit_rates import orbit_rates
 
 _STEPS = 30  # of each continuation
 _SEED = 14  # of the random choice of where deflation begins
 CONTINUED, MIRRORED, FOLDED, DEFLATED, HELIX = "continuation", "mirror image", "across a fold", "deflation", "helix"
+SCANNED = "scan"
 
 
 @dataclass(eq=False)
@@ -81,11 +84,17 @@ def held_search(
     a new equilibrium after which the search ends.
     """
     found = HeldFound(given, ranges_of(given, own, values))
-    points = swept(given, found.ranges, most_periods)
+    scanned = hinged_states(given)
+    points = [] if scanned else swept(given, found.ranges, most_periods)
     found.problems, found.equilibria = len(points), sum(len(point.states) for point in points)
     helices, found.any_load = helices_of(given)
     for state in helices:
         found.add(state, HELIX)  # first: an orbit whose swings fall to rounding is the helix
+    for start in scanned:
+        if (whole := finished(start, given)) is not None:
+            found.add(whole, SCANNED)
+    if scanned:
+        return found
     for some in starts_of(points, found.ranges):
         found.starts += 1
         found.failed += not _continued(found, some)

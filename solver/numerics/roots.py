@@ -52,3 +52,15 @@ def bracketed(
                 return new
             older, last, x = (older if not last.any() else last), step, new
     return x
+
+
+def bisected(f: Callable[[Array], Array], lo: Array, hi: Array, steps: int) -> Array:
+    """The middles (P,) of brackets (P,) of roots after so many bisections; f: the values at x (P,)."""
+    if not lo.size:
+        return lo
+    first = f(lo)
+    for _ in range(steps):
+        x = (lo + hi) / 2
+        below = f(x) * first > 0
+        lo, hi = np.where(below, x, lo), np.where(below, hi, x)
+    return (lo + hi) / 2

@@ -57,7 +57,7 @@ def test_a_held_azimuth_has_no_derivative_by_a_load() -> None:
     assert found.observables["wraps"] == pytest.approx([0, 1 / (2 * np.pi)], abs=1e-12)
 
 
-@pytest.mark.parametrize("M3", (-4.954, -0.954))
+@pytest.mark.parametrize("M3", (pytest.param(-4.954, marks=pytest.mark.slow), -0.954))
 def test_every_point_of_a_branch_with_a_hinge_is_an_equilibrium_of_its_index(M3: float) -> None:
     branch = follow(solve(between_hinges(**AT_ONE_END)), M3=M3)
     for point in branch.points[:: max(len(branch) // 8, 1)]:
@@ -75,7 +75,7 @@ def test_every_point_of_a_branch_with_a_hinge_is_an_equilibrium_of_its_index(M3:
 ))  # fmt: skip
 def test_equilibria_between_hinges_have_their_index_and_none_of_two_images_is_missing(given: dict[str, float]) -> None:
     case = between_hinges(**given)
-    found = equilibria(case, values=6, tries=2)
+    found = equilibria(case)
     starts = sorted(round(float(one.solution.beta[0]), 5) for one in found)
     for one in found:
         mesh = discrete_index(one.solution.problem, one.solution.trajectory.orbit, names_of(case), 1 / given["GJ"])
@@ -95,3 +95,26 @@ def test_a_helix_between_two_hinges_is_its_own_seed_and_leads_to_the_next_one() 
     assert later.solved, later.outcome
     end = follow(helix, FZ=2.5).end.reason
     assert "helix" in end
+
+
+@pytest.mark.parametrize("betaL", (None, 1.4))
+def test_the_list_between_hinges_is_that_of_a_fine_march(betaL: float | None) -> None:
+    free = {} if betaL is None else {"betaL": betaL}
+    case = between_hinges(GJ=0.5275591, L=4.890809, FZ=0.6906972, MZ=-0.6810731, M3=1.1537148, **free)
+    angles, step = np.linspace(-np.pi, np.pi, 4001) + 1e-7, 4.890809 / 400
+
+    def rate(y: Any) -> Any:
+        s, c = np.sin(y[0]), np.cos(y[0])
+        return np.stack([y[1], (0.6906972 + 2 * c * s * s) * s + 0.6810731 * c + 1.1537148 * np.cos(2 * y[0])])
+
+    y = np.stack([angles, 0 * angles])
+    for _ in range(400):
+        k1 = rate(y)
+        k2 = rate(y + step / 2 * k1)
+        k3 = rate(y + step / 2 * k2)
+        y = y + step / 6 * (k1 + 2 * k2 + 2 * k3 + rate(y + step * k3))
+    off = y[1] if betaL is None else np.sin((y[0] - betaL) / 2)
+    roots = angles[:-1][off[1:] * off[:-1] < 0]
+    search = equilibria(case).search  # type: ignore[attr-defined]
+    assert len(equilibria(case)) + search.outside == roots.size
+    assert search.problems == 0

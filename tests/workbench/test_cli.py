@@ -358,7 +358,7 @@ REFUSED = {
         ["plot", "small.h5", "--out", "x.doc"],
         "choose a name that ends in .png, .pdf, .svg",
     ),
-    "a map of no axis": (["plot", "small.h5", "--x", "RE"], "no axis 'RE', did you mean 'R'; choose from E, R"),
+    "a map of no axis": (["plot", "small.h5", "--x", "RE"], "no axis 'RE', did you mean 'R' or 'E'; choose from E, R"),
     "a map of one axis twice": (
         ["plot", "small.h5", "--x", "R", "--y", "R"],
         "x and y are both R; choose another axis",
