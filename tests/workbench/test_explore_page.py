@@ -327,7 +327,7 @@ def test_a_lost_drawing_context_is_explained_and_the_rod_comes_back(page) -> Non
         views = [view()]
         page.until(lambda: views.append(view()) or np.array_equal(*views[-2:]), "rest")
         picture = views[-1]
-        grey = (np.ptp(picture, axis=-1) < 0.03) & (picture.max(axis=-1) < 0.9)  # the wall
+        grey = (np.ptp(picture, axis=-1) < 0.07) & (picture.max(axis=-1) < 0.9)  # the wall
         return [shares_of_push(picture)[0], float(grey.mean())]
 
     page.until(lambda: page("return document.getElementById('o-overlaps')"), "the observables of the server")

@@ -15,9 +15,10 @@ from solver.problem.quantities import QUANTITIES, unit_of
 from studies.loader import loads
 from studies.readings import READINGS
 from tests.workbench.node import needs_node, run
-from workbench.data import labels, push_colours
+from workbench.data import labels, push_colours, scene_look
 from workbench.figures import single_rod
 from workbench.scene import colours as scene_colours
+from workbench.scene import shading
 from workbench.web.live import page_model, page_shape
 from workbench.web.live.presets import PRESETS
 
@@ -323,6 +324,21 @@ def test_the_scale_of_the_push_has_the_ends_and_the_words_of_the_stills() -> Non
     for rod, (low, end, words) in zip(rods, found, strict=True):
         _, bar = scene_colours.by_push({"force": "N", "length": "cm"}, rod)
         assert ([low, end], words) == (pytest.approx([bar.low, bar.high]), bar.label) if bar else end == 0, rod
+
+
+def test_the_shadow_on_the_wall_is_that_of_the_stills() -> None:
+    script = SHAPE + """
+    const wall = tube.cylinder(shape, 1), look = given.look, map = wall_light.wallLight(shape, 1, wall, look, false);
+    answer([map.width, map.height, wall.low, wall.high, Array.from(map.bytes)]);"""
+    look = scene_look.for_pages()
+    width, height, low, high, light = run(script, state() | {"look": look}, (*MODULES, "tube", "wall_light"))
+    sol = solve(case_of(state()), stations=4001)
+    turn = 2 * np.pi * (np.arange(width) + 0.5) / width
+    z = low + (high - low) * (np.arange(height) + 0.5) / height
+    grid = np.stack(np.broadcast_arrays(0.75 * np.cos(turn), 0.75 * np.sin(turn), z[:, None]), axis=-1)
+    curve = np.stack([np.cos(sol.alpha), np.sin(sol.alpha), sol.z]).T
+    wanted = shading.on_wall(grid.reshape(-1, 3), curve, 0.25)
+    assert np.abs(np.array(light) / 255 - wanted).max() < 0.02
 
 
 def test_numbers_and_units_are_written_as_in_the_figures() -> None:

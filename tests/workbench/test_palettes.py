@@ -15,7 +15,7 @@ from matplotlib.colors import to_rgb
 
 import workbench
 from solver.benchmark import ladders
-from workbench.data import push_colours
+from workbench.data import push_colours, scene_look
 from workbench.figures import index_bars, push_scale, robustness, style
 from workbench.scene import colours as scene_colours
 
@@ -172,4 +172,4 @@ def test_text_and_lines_of_page_and_report_stand_out_in_both_schemes(path: str, 
 
 def test_a_rod_stands_out_from_the_cylinder_of_a_scene() -> None:
     for colour in (*scene_colours.SEVERAL, scene_colours.STRIPE, style.PUSHED):
-        assert contrast(colour, scene_colours.SURFACE) >= 2.5  # beside the shadow that the rod throws
+        assert contrast(colour, scene_look.SURFACE) >= 2.5  # beside the shadow that the rod throws

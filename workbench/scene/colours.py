@@ -14,7 +14,6 @@ from ..figures.style import RAMP
 NEUTRAL = "#8d96a1"  # a rod in one colour
 UNPAINTED, STRIPE = "#d9c9a3", "#5d4a72"  # the rod beside its stripe, and the stripe; no colours of the push
 SEVERAL = ("#5b2a86", "#c2457f", "#259e73")  # several rods on one cylinder
-SURFACE = "#e6e1d8"  # the cylinder: warm, so a pale blue rod stands out from it
 # so many colours that a jump from pull to push is sharp
 PUSH_RAMP = LinearSegmentedColormap.from_list(
     "push", [((share + 1) / 2, tuple(level / 255 for level in rgb)) for share, rgb in push_colours.DIVERGING], 4096

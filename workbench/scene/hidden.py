@@ -11,10 +11,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from ..figures.style import SOFT
-
-LINE = 0.8  # opacity of the outline
-SHADE = 0.06  # by which the cylinder is darker there
+from ..data.scene_look import HIDDEN_LINE, HIDDEN_SHADE, OUTLINE
 
 
 @dataclass(frozen=True)
@@ -80,6 +77,6 @@ def _lines(
 def over(pixels: NDArray[np.float32], line: NDArray[np.float32], behind: NDArray[np.float32]) -> None:
     """Draw hidden stretches; line, behind: the share of each pixel on the outline and behind the wall."""
     some = _where(behind)  # the line is part of it
-    share = LINE * line[some][..., None]
-    pixels[some] *= (1 - SHADE * behind[some][..., None]) * (1 - share)
-    pixels[some] += np.float32(255) * np.array(to_rgb(SOFT), dtype=np.float32) * share
+    share = HIDDEN_LINE * line[some][..., None]
+    pixels[some] *= (1 - HIDDEN_SHADE * behind[some][..., None]) * (1 - share)
+    pixels[some] += np.float32(255) * np.array(to_rgb(OUTLINE), dtype=np.float32) * share

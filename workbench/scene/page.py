@@ -18,10 +18,11 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..data import atomic, labels
+from ..data.scene_look import SURFACE
 from ..figures import canvas, style
 from .arrangement import BELOW, DOT, LINE, Arrangement, height
 from .captions import Cell
-from .colours import SURFACE, Bar
+from .colours import Bar
 
 Pixels = NDArray[np.uint8]
 

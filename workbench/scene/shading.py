@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ..data.scene_look import DEPTH, REACH
 from ..geometry.centreline import Array
 
-DEPTH = 0.55  # of the shadow where nothing of that light arrives
-REACH = 6.0  # radii of the rod, beyond which its shadow is not computed
 APART = np.pi  # radii along the rod: nearer points are the same stretch
 
 

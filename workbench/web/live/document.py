@@ -17,7 +17,7 @@ from solver.core import build
 from solver.problem.quantities import QUANTITIES
 from studies.readings import READINGS
 
-from ...data import labels, push_colours
+from ...data import labels, scene_look
 from ...data.escaping import finite
 from . import page_shape
 from .page_model import study_of
@@ -91,7 +91,7 @@ def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
         "quantities": {
             name: [row.symbol, labels.quantity_name(row.long_name), row.dimension] for name, row in QUANTITIES.items()
         },
-        "colours": push_colours.for_pages(),
+        "colours": scene_look.for_pages(),
         "core": base64.b64encode((build.HERE / build.WASM).read_bytes()).decode(),
     }
 

@@ -9,7 +9,7 @@ from typing import Any
 import xarray as xr
 from jinja2 import Environment, StrictUndefined
 
-from ...data import labels, push_colours, selection
+from ...data import labels, scene_look, selection
 from ...data.escaping import finite
 from ..live import document
 from .stored import stored
@@ -59,7 +59,7 @@ def figure(name: str, label: str, still: str = "", caption: str = "", reset: boo
 
 def data(figures: Mapping[str, Any], **more: Any) -> str:
     """The data of all turntables of a page as JSON that may stand inside a script element."""
-    plain = {"colours": push_colours.for_pages(), "figures": dict(figures), **more}
+    plain = {"colours": scene_look.for_pages(), "figures": dict(figures), **more}
     text = json.dumps(finite(plain), ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c")
 

@@ -6,6 +6,7 @@ import { hands } from "./hands.mjs";
 import { range } from "./numbers.mjs";
 import { makeScene } from "./scene.mjs";
 import { cylinder, rings, sidesFor, squeezeOf, tube } from "./tube.mjs";
+import { wallLight } from "./wall_light.mjs";
 
 const FINE = 0.12,
   COARSE = 0.8; // pixels that the tube may be off at rest, and while a slider moves
@@ -69,12 +70,13 @@ export function makeView(canvas, mark, code, calm, lies = false) {
     later();
   }
 
-  function mesh(pixels, moves) {
+  function mesh(pixels, moves = false) {
     const { shape, drawn } = me,
       tolerance = (pixels * 2 * me.target.half) / Math.max(canvas.clientHeight * pixelRatio(), 1);
     const chosen = rings(shape, tolerance, drawn.scale.end, moves),
       sides = sidesFor(shape.one.a, tolerance);
     scene.setRod(tube(shape, chosen, sides, drawn.squeeze, drawn.scale.end), chosen.length, sides);
+    scene.setLight(wallLight(shape, drawn.squeeze, drawn.wall, code, moves), shape.one.a);
     me.rings = chosen.length;
   }
 

@@ -5,28 +5,43 @@ import { ramp } from "./colours.mjs";
 import { STRIDE, endTriangles, wallTriangles } from "./tube.mjs";
 
 const TONES = 1024; // so many that the change from pull to push is sharp
-const WALL = [0.86, 0.87, 0.885];
+const OUTLINE = 1 / 350; // of the height of a view: the width of the outline of a hidden stretch
 const VERTEX = `#version 300 es
 in vec3 place; in vec3 normal; in float push;
 uniform mat4 view; uniform mat3 turn;
-out vec3 way; out float value;
-void main() { gl_Position = view * vec4(place, 1.0); way = turn * normal; value = push; }`;
+out vec3 way, spot, outward; out float value;
+void main() { gl_Position = view * vec4(place, 1.0); way = turn * normal; spot = place; outward = normal; value = push; }`;
+const ROD = 0,
+  WALL = 1,
+  HIDDEN = 2; // what a fragment belongs to; HIDDEN: a stretch behind the wall, in outline
+const UNIFORMS = ["view", "turn", "wall", "part", "ramp", "light", "line", "hidden", "ends", "depth", "covered"];
 const FRAGMENT = `#version 300 es
-precision mediump float;
-in vec3 way; in float value;
-uniform sampler2D ramp; uniform vec3 wall; uniform bool isRod;
+precision highp float;
+in vec3 way, spot, outward; in float value;
+uniform sampler2D ramp, light; uniform vec3 wall, line; uniform vec3 hidden; uniform vec2 ends; uniform int part;
+uniform float depth, covered;
 out vec4 colour;
 void main() {
   vec3 n = normalize(way);
   if (!gl_FrontFacing) n = -n;
+  bool isRod = part == ROD;
+  float rises = dot(outward, normalize(vec3(spot.xy, 0.0))); // away from the axis
+  if (part == HIDDEN) {
+    float share = n.z < hidden.x && rises > -0.5 ? hidden.y : 0.0; // not the lower side of a rod beyond the horizon
+    colour = vec4(line * share, 1.0 - (1.0 - share) * (1.0 - hidden.z));
+    return;
+  }
+  float reaches = isRod ? 1.0 - depth * covered * (0.25 - 0.25 * rises)
+    : abs(outward.z) > 0.5 ? 1.0
+    : texture(light, vec2(atan(spot.y, spot.x) / 6.2831853, (spot.z - ends.x) / (ends.y - ends.x))).r;
   vec3 base = isRod ? texture(ramp, vec2(0.5 + 0.5 * value, 0.5)).rgb : wall;
   float key = max(dot(n, vec3(-0.40, 0.55, 0.73)), 0.0), eye = max(n.z, 0.0);
-  float light = isRod ? 0.46 + 0.42 * key + 0.24 * eye : 0.62 + 0.14 * key + 0.24 * eye;
+  float bright = reaches * (isRod ? 0.46 + 0.42 * key + 0.24 * eye : 0.68 + 0.2 * key + 0.24 * eye);
   float edge = isRod ? mix(0.55, 1.0, smoothstep(0.02, 0.36, eye)) : 1.0;
   float shine = max(dot(n, vec3(-0.215, 0.296, 0.931)), 0.0);
   shine *= shine; shine *= shine; shine *= shine; shine *= shine; shine *= shine; // to the power 32
-  colour = vec4(base * light * edge + (isRod ? 0.18 * shine : 0.0), 1.0);
-}`;
+  colour = vec4(base * bright * edge + (isRod ? 0.18 * shine : 0.0), 1.0);
+}`.replace(/\b(ROD|WALL|HIDDEN)\b/g, (name) => ({ ROD, WALL, HIDDEN })[name]);
 
 /* Draws in a canvas; null without WebGL 2. onContext(lost): called when the browser takes the drawing context away (true)
    and when it has given it back (false): then all buffers are new and empty. */
@@ -60,9 +75,19 @@ export function makeScene(canvas, code, onContext) {
     fill(gl, surfaces.ends, corners.subarray(STRIDE * first), endTriangles(0, sides));
   }
 
-  function setWall({ corners, triangles }, open, depth) {
+  function setWall({ corners, triangles, low, high }, open, depth) {
     fill(gl, surfaces.wall, corners, triangles);
+    gl.uniform2f(where.ends, low, high);
+    gl.uniform1f(where.covered, open ? 0 : 1);
     Object.assign(state, { open, depth });
+  }
+
+  /* The light on the wall beside the rod, and the rod's radius. */
+  function setLight({ width, height, bytes }, a) {
+    state.a = a;
+    gl.activeTexture(gl.TEXTURE1);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, width, height, 0, gl.RED, gl.UNSIGNED_BYTE, bytes);
   }
 
   function paint(camera, width, height) {
@@ -77,13 +102,23 @@ export function makeScene(canvas, code, onContext) {
       false,
       [0, 1, 2].flatMap((k) => [right[k], up[k], toward[k]]),
     );
-    gl.uniform1i(where.isRod, 1);
     gl.enable(gl.CULL_FACE);
-    gl.cullFace(gl.BACK);
-    for (const part of [surfaces.rod, surfaces.ends]) shown(gl, part);
-    gl.uniform1i(where.isRod, 0);
-    if (state.open) gl.cullFace(gl.FRONT); // the near half of the wall is not drawn
+    gl.cullFace(state.open ? gl.FRONT : gl.BACK); // of an open wall the near half is not drawn
+    gl.uniform1i(where.part, WALL);
     shown(gl, surfaces.wall);
+    gl.cullFace(gl.BACK);
+    if (!state.open) {
+      const share = Math.min((2 * OUTLINE * camera.half) / state.a, 1); // of the radius
+      gl.uniform3f(where.hidden, Math.sqrt(1 - (1 - share) ** 2), code.line, code.shade);
+      gl.uniform1i(where.part, HIDDEN);
+      gl.depthFunc(gl.GREATER);
+      (gl.depthMask(false), gl.enable(gl.BLEND));
+      shown(gl, surfaces.rod);
+      (gl.depthMask(true), gl.disable(gl.BLEND));
+      gl.depthFunc(gl.LESS);
+    }
+    gl.uniform1i(where.part, ROD);
+    for (const part of [surfaces.rod, surfaces.ends]) shown(gl, part);
   }
 
   /* Draw at so many pixels for one pixel of the page; smooth: with four samples a pixel. */
@@ -129,22 +164,28 @@ export function makeScene(canvas, code, onContext) {
 
   const wait = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // until all is drawn
   const isLost = () => gl.isContextLost();
-  return { setRod, setWall, draw, pixels, wait, isLost, largest: gl.getParameter(gl.MAX_RENDERBUFFER_SIZE) };
+  return { setRod, setWall, setLight, draw, pixels, wait, isLost, largest: gl.getParameter(gl.MAX_RENDERBUFFER_SIZE) };
 }
 
 /* The program, its buffers and colours; after a loss of the context they are made again. */
 function resources(gl, code) {
   const program = linked(gl),
     where = {};
-  for (const name of ["view", "turn", "wall", "isRod", "ramp"]) where[name] = gl.getUniformLocation(program, name);
+  for (const name of UNIFORMS) where[name] = gl.getUniformLocation(program, name);
   gl.useProgram(program);
-  gl.uniform3fv(where.wall, WALL);
-  painted(gl, ramp(code, TONES));
+  const share = (rgb) => rgb.map((v) => v / 255);
+  gl.uniform3fv(where.wall, share(code.surface));
+  gl.uniform3fv(where.line, share(code.outline));
+  gl.uniform1f(where.depth, code.depth);
+  textured(gl, where.ramp, 0, gl.NEAREST);
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, TONES, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(ramp(code, TONES)));
+  textured(gl, where.light, 1, gl.LINEAR);
   gl.enable(gl.DEPTH_TEST);
+  gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   return {
     where,
     surfaces: { rod: surface(gl), ends: surface(gl), wall: surface(gl) },
-    state: { open: false, depth: 1, smooth: null, walls: {} },
+    state: { open: false, depth: 1, a: 1, smooth: null, walls: {} },
   };
 }
 
@@ -195,11 +236,14 @@ function shown(gl, part) {
   gl.drawElements(gl.TRIANGLES, part.size, gl.UNSIGNED_INT, 0);
 }
 
-function painted(gl, bytes) {
+/* A new texture of a sampler; around the cylinder it repeats. */
+function textured(gl, sampler, unit, filter) {
+  gl.activeTexture(gl.TEXTURE0 + unit);
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, bytes.length / 4, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
-  for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
-  for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+  for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, filter);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, unit ? gl.REPEAT : gl.CLAMP_TO_EDGE);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+  gl.uniform1i(sampler, unit);
 }
 
 /* A target with four samples a pixel, kept for the next picture of the same size. */
