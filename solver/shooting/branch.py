@@ -2,18 +2,22 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
 from ..core.banded import solve_band
 from ..numerics.arrays import Array
+from .curve import Curve
 from .inertia import index_of
 from .loaded_rod import ALPHA, BETA, SHORT, SPEED, LoadedRod, Q
-from .newton import Shape, correct, linear_at
+from .newton import Shape, correct, linear_at, march_of
 
 CLOSE = 1e-6  # relative: of the load at which the straight rod buckles
 LOOSE = 1e-4  # of the scales: a correction that is enough on the way
-AMPLITUDES = tuple(2.0**-k for k in range(12))  # of the angles, in their scales, with which a buckled shape is sought
+AMPLITUDES = tuple(
+    0.05 * 4.0**-k for k in range(6)
+)  # of the angles, in their scales, with which a buckled shape is sought
 MOST_FORCES = 40  # that are tried for a held height
 FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.1, 1e-5, 0.25
 AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought to which a rod jumps
@@ -38,7 +42,7 @@ class Path:
 
 def index_at(shape: Shape, springs: Array | None = None) -> int:
     """The Morse index of a shape; with springs, of the shape that they hold."""
-    return index_of(shape.rod, linear_at(shape, shape.y, springs).transfer, shape.rod.scale, springs)
+    return index_of(shape.rod, march_of(shape)[1], shape.rod.scale, springs)
 
 
 def index_of_any(shape: Shape) -> int:
@@ -71,16 +75,15 @@ def branch_from_straight(rod: LoadedRod) -> Path:
     shape = straight_shape(rod, t)
     if index_at(shape) == 0:
         return Path(shape)
-    critical = buckling_share(rod, t, 1)
-    second = buckling_share(rod, t, 2, critical) if index_at(shape) > 1 else 1.0
-    share = min(1.0, critical + (second - critical) / 5)  # there the first mode is the weakest
-    buckled = buckle(straight_shape(rod.share(share), t))
+    critical = buckling_share(rod, t)
+    buckled = buckle(rod, t, critical)
     if buckled is None:
         why = f"no stable equilibrium was found near {critical:.6g} of the loads, where the straight rod buckles"
         return Path(None, buckled=critical, why=why)
     # in the root of the distance from the buckling load the branch is smooth
+    first, share = buckled
     begin, end = np.sqrt(share - critical), np.sqrt(1 - critical)
-    found = grow(lambda x: rod.share(1.0 if x == end else critical + x * x), buckled, begin, end)
+    found = grow(lambda x: rod.share(1.0 if x == end else critical + x * x), first, begin, end)
     return replace(found, buckled=critical, jumped=tuple(critical + x * x for x in found.jumped))
 
 
@@ -121,15 +124,13 @@ def branch_to_height(rod: LoadedRod) -> Path:
     )
 
 
-def buckling_share(rod: LoadedRod, t: Array, index: int, low: float = 0.0) -> float:
-    """The share of the loads above which the straight rod has this Morse index; above `low` it has less."""
-    high = 1.0
-    while high - low > CLOSE * high:
+def buckling_share(rod: LoadedRod, t: Array) -> float:
+    """The share of the loads just above which the straight rod is unstable along one mode."""
+    low, high, index = 0.0, 1.0, index_at(straight_shape(rod, t))
+    while (high - low > CLOSE * high or index > 1) and high - low > 1e-12 * high:
         middle = (low + high) / 2
-        if index_at(straight_shape(rod.share(middle), t)) < index:
-            low = middle
-        else:
-            high = middle
+        now = index_at(straight_shape(rod.share(middle), t))
+        low, high, index = (low, middle, now) if now else (middle, high, index)
     return high
 
 
@@ -158,17 +159,28 @@ def buckling_tension(rod: LoadedRod) -> float | None:
     return (low + high) / 2
 
 
-def buckle(shape: Shape) -> Shape | None:
-    """The stable shape into which an unstable straight rod buckles, along its weakest mode; or that below it."""
-    mode = weakest_mode(shape)
-    for amplitude in AMPLITUDES:
-        found = correct(replace(shape, y=shape.y + amplitude * mode), reach=2.0, most=15, enough=LOOSE)
-        if found is None:
+def buckle(rod: LoadedRod, t: Array, critical: float) -> tuple[Shape, float] | None:
+    """A stable shape into which the straight rod buckles at a share of its loads, and its own share; None without one.
+
+    The amplitude of the weakest mode is given and the share unknown: so the way leads round no straight rod. Where the
+    branch turns to smaller loads it is the stable shape below the straight rod.
+    """
+    begin = straight_shape(rod.share(critical), t)
+    modes = weakest_modes(begin, 2)
+    curve = Curve(rod.share, 1.0, begin.rod.scale)
+    for amplitude, mode in product(AMPLITUDES, modes):
+        across = curve.direction(mode, 0.0)
+        guess = replace(begin, y=begin.y + amplitude * mode)
+        found = curve.correct(guess, critical, across)
+        if found is None or found.x > 1:
             continue
-        moved = np.abs(found.y - shape.y)[:, [BETA, ALPHA]] / shape.rod.scale[[BETA, ALPHA]]
-        if moved.max() > LOOSE * 10 and index_at(found) == 0:
-            return found
-    return descend(shape, mode)
+        if found.x < critical:
+            break
+        if index_at(found.shape) == 0:
+            return found.shape, found.x
+    share = min(1.0, critical * (1 + AHEAD))
+    below = descend(straight_shape(rod.share(share), t), modes[0])
+    return None if below is None else (below, share)
 
 
 def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, x: float, last: float) -> Path:
@@ -229,7 +241,7 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
         strength *= STIFFER
         if strength > FIRM:
             return None
-    y = shape.y + 0.1 * (weakest_mode(shape) if change is None else change)
+    y = shape.y + 0.1 * (weakest_modes(shape)[0] if change is None else change)
     for _ in range(ROUNDS):
         now = replace(shape, y=y)
         found = correct(now, y, springs_of(now, strength), reach=1.0, most=15, enough=LOOSE)
@@ -247,20 +259,31 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
     return None
 
 
-def weakest_mode(shape: Shape, rounds: int = 4) -> Array:
-    """The change of the shape (N, 8) that the least force makes; its largest angle is of the scale."""
+def weakest_modes(shape: Shape, count: int = 1, rounds: int = 4) -> Array:
+    """The changes of the shape (count, N, 8) that the least forces make, the weakest first; the largest angle is 1.
+
+    In a long rod the two weakest differ in their phase alone, and hardly in their stiffness: hence Ritz vectors.
+    """
     N, scale = shape.t.size, shape.rod.scale
-    u = np.arange(N)
-    push = np.stack([np.cos(2.399963 * u), 1 + 0.5 * np.sin(2.399963 * u)], axis=1)  # contains every mode
-    linear, mode = linear_at(shape), np.zeros((N, scale.size))
+    u = 2.399963 * np.arange(N)
+    pushes = [np.stack([np.cos(u + k), 1 + 0.5 * np.sin(u + k)], axis=1) for k in range(count)]  # contain every mode
+    push = np.stack(pushes, axis=-1)
+    linear, angles = linear_at(shape), [BETA, ALPHA]
+    mode = np.zeros((N, scale.size, count))
+    work = (scale[angles] * scale[[SPEED, Q]])[:, None]  # of a unit force along a unit change
     for _ in range(rounds):
-        right = np.zeros((N, scale.size))
+        right = np.zeros((N, scale.size, count))
         right[:-1, [SPEED, Q]] = push[1:]
-        flat = np.concatenate([np.zeros(4), right[:-1].reshape(-1), np.zeros(4)])
+        flat = np.concatenate([np.zeros((4, count)), right[:-1].reshape(-1, count), np.zeros((4, count))])
         step = solve_band(linear.band, flat)
         assert step is not None
-        mode = np.asarray(step).reshape(N, -1)
-        mode /= np.abs(mode[:, [BETA, ALPHA]]).max()
-        push = mode[:, [BETA, ALPHA]]
-    first = mode[:, BETA][np.argmax(np.abs(mode[:, BETA]) > 0.3 * np.abs(mode[:, BETA]).max())]
-    return mode * scale * np.sign(first)
+        mode = np.asarray(step).reshape(N, -1, count)
+        moved = mode[:, angles]
+        stiffness = np.einsum("nik,nil->kl", moved[1:] * work, push[1:])
+        found, mix = np.linalg.eig(np.linalg.solve(np.einsum("nik,nil->kl", moved, moved), stiffness + stiffness.T))
+        mode = mode @ mix[:, np.argsort(-found)].real  # the force that makes an unstable change is along it here
+        mode /= np.abs(mode[:, angles]).max(axis=(0, 1))
+        push = mode[:, angles]
+    first = np.argmax(np.abs(mode[:, BETA]) > 0.3 * np.abs(mode[:, BETA]).max(axis=0), axis=0)
+    sign = np.sign(np.take_along_axis(mode[:, BETA], first[None], axis=0))
+    return np.asarray(np.moveaxis(mode * sign * scale[:, None], -1, 0))

@@ -70,6 +70,12 @@ class LoadedRod:
         B = min(1.0, 1 / T)
         return np.array([B, B / T, 1.0, B / T**2, 1 / T**2, 1 / T, T * B * B, 1.0])
 
+    def in_scales(self, scale: Array) -> "LoadedRod":
+        """The same rod with given sizes of the numbers of the state."""
+        other = replace(self)
+        vars(other)["scale"] = scale
+        return other
+
     def conditions(self) -> tuple[Array, Array, Array, Array]:
         """Rows (4, 8) and values (4,) of the conditions at the start and at the far end, each of order 1."""
         start, far = np.zeros((4, SIZE)), np.zeros((4, SIZE))

@@ -38,12 +38,15 @@ class Linear:
     transfer: Array
 
 
-def transfers(columns: Array) -> Array:
-    """The derivatives (N, 8, 6) of each stretch as matrices (N, 8, 8): heights and rotations only add."""
+def march_of(shape: Shape, shorter: float = 1.0) -> tuple[Array, Array]:
+    """The ends (N, 8) of the stretches and their transfer matrices (N, 8, 8): heights and rotations only add."""
+    rod = shape.rod
+    found = march(rod.numbers, rod.scale, shape.y[:-1], np.diff(shape.t), BY_STATE, shorter=shorter)
+    columns = found.columns
     whole = np.zeros((columns.shape[0], SIZE, SIZE))
     whole[:, :, :BY_STATE] = columns
     whole[:, SHORT, SHORT] = whole[:, ROUND, ROUND] = 1
-    return whole
+    return found.end, whole
 
 
 def linear_at(
@@ -54,25 +57,32 @@ def linear_at(
     anchor, stiffness: (N, 8) and (N, 2): springs at the nodes that pull beta and alpha towards those of the anchor.
     """
     rod, N = shape.rod, shape.t.size - 1
-    found = march(rod.numbers, rod.scale, shape.y[:-1], np.diff(shape.t), BY_STATE, shorter=shorter)
-    transfer = transfers(found.columns)
-    gap = shape.y[1:] - found.end
+    pulled, transfer = march_of(shape, shorter)
     after = np.tile(np.eye(SIZE), (N, 1, 1))
     if stiffness is not None and anchor is not None:
         for k, (angle, moment) in enumerate(((BETA, SPEED), (ALPHA, Q))):
             after[:-1, moment, angle] -= stiffness[1:-1, k]
-            gap[:-1, moment] -= stiffness[1:-1, k] * (shape.y[1:-1, angle] - anchor[1:-1, angle])
-    start, near, end, far = rod.conditions()
-    rows = np.empty(SIZE * (N + 1))
-    rows[:HALF], rows[-HALF:] = start @ shape.y[0] - near, end @ shape.y[-1] - far
-    rows[HALF:-HALF] = (gap / rod.scale).reshape(-1)
+            pulled[:-1, moment] += stiffness[1:-1, k] * (shape.y[1:-1, angle] - anchor[1:-1, angle])
+    start, _, end, _ = rod.conditions()
     band = np.zeros((SIZE * (N + 1), 3 * WIDTH + 1))
     scale = rod.scale
     put(band, 0, 0, (start * scale)[None])
     put(band, HALF, 0, -transfer * scale / scale[:, None])
     put(band, HALF, SIZE, after * scale / scale[:, None])
     put(band, SIZE * N + HALF, SIZE * N, (end * scale)[None])
-    return Linear(band, rows, transfer)
+    return Linear(band, left_open(shape, pulled), transfer)
+
+
+def left_open(shape: Shape, after: Array) -> Array:
+    """What is open, (8 N,), where the stretches end in the states `after` (N - 1, 8)."""
+    start, near, end, far = shape.rod.conditions()
+    gap = (shape.y[1:] - after) / shape.rod.scale
+    return np.concatenate([start @ shape.y[0] - near, gap.reshape(-1), end @ shape.y[-1] - far])
+
+
+def open_at(shape: Shape) -> Array:
+    """What is left open in the equations of a shape, scaled, as of `Linear`."""
+    return left_open(shape, march(shape.rod.numbers, shape.rod.scale, shape.y[:-1], np.diff(shape.t)).end)
 
 
 def put(band: Array, row: int, column: int, blocks: Array) -> None:
@@ -127,4 +137,4 @@ def correct(
     return None
 
 
-__all__ = ["Linear", "Shape", "correct", "linear_at", "transfers"]
+__all__ = ["Linear", "Shape", "correct", "linear_at", "march_of", "open_at", "with_known_loads"]

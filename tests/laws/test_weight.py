@@ -72,6 +72,16 @@ def test_a_pipe_between_ends_is_in_balance_in_space_and_stable(ends: dict[str, f
     assert np.ptp(total - 242 * height) < 1e-9 * np.abs(sol.FZ)
 
 
+@pytest.mark.parametrize("load", (1.1, 1.3))
+def test_a_pipe_of_5_km_buckles_into_a_stable_shape(load: float) -> None:
+    ends = Ends(beta0=0.0, betaL=0.0, azimuth=0.0, FZ=-load * BUCKLES)
+    sol = solve(Case(Rod(L=5000.0, **PIPE), Cylinder(**HOLE, inclination="90deg"), ends), stations=20001)
+    assert sol.solved
+    assert sol.error < 1e-12
+    assert sol.held_index == 0
+    assert np.abs(sol.alpha).max() == pytest.approx({1.1: 0.384, 1.3: 0.677}[load], abs=0.004)  # another code, 1000 m
+
+
 def straight(across: float, span: float, load: float, mu: float, along: float = 0, held: str = "azimuth") -> LoadedRod:
     """A straight rod with hinges, in units of A and rho, unless an end is held."""
     numbers = np.array([1.3, along, across, 0.0, 0.0, 0.3, -1.0])
