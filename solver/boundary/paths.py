@@ -5,14 +5,11 @@ direction in which the orbit leaves the start and reaches the far end, and how m
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans, Integers
-
-if TYPE_CHECKING:
-    from .transit_times import Boundary
 
 UP, DOWN = 1, -1
 
@@ -68,15 +65,3 @@ class LevelPaths:
 
     def take(self, index: Any) -> "LevelPaths":
         return LevelPaths(**{name: v[index] for name, v in vars(self).items()})
-
-
-def paths(boundary: "Boundary", most_turns: int) -> Paths:
-    """Every path of at most so many turning points, but for that of no length."""
-    turns = np.arange(most_turns + 1)
-    leaving = np.repeat([UP, DOWN], turns.size)
-    turns = np.tile(turns, 2)
-    separate = boundary.low != boundary.high or boundary.whole_turns > 0
-    plain = (leaving == (UP if boundary.rising else DOWN)) & separate
-    kept = (turns > 0) | plain
-    leaving, turns = leaving[kept], turns[kept]
-    return Paths(leaving, np.where(turns % 2 == 0, leaving, -leaving), turns // 2)

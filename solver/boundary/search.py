@@ -13,7 +13,7 @@ from ..problem.reduced import EndsProblem
 from .level_brackets import brackets_on_grid, joined_brackets, roots_in
 from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
 from .path_orbits import solved_orbits
-from .paths import LevelPaths, Levels, Paths, paths
+from .paths import LevelPaths, Levels, Paths
 from .stability import jacobi_zeros
 from .transit_times import Boundary, TransitTimes, transit_times
 
@@ -159,7 +159,7 @@ def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_tur
     needed = _most_needed(boundary, grid, seen)
     reason = f"only equilibria of at most {most_periods} whole periods of beta were searched for"
     reason = reason if needed - 1 > most_periods else ""
-    every = paths(boundary, 2 * min(needed, most_periods) + 1)
+    every = boundary.paths(2 * min(needed, most_periods) + 1)
     parts = [
         brackets_on_grid(boundary, grid, seen, every.take(slice(k, k + _PATHS)), k)
         for k in range(0, every.periods.size if size else 1, _PATHS)
@@ -196,7 +196,7 @@ def near_misses(problem: EndsProblem, most_periods: int) -> tuple[int, Counter[t
     there two equilibria appear if the two meet."""
     boundary, grid = level_grid_of(boundary_of(problem), _COARSE)
     seen = transit_times(boundary, grid.levels)
-    every = paths(boundary, 2 * min(_most_needed(boundary, grid, seen), most_periods) + 1)
+    every = boundary.paths(2 * min(_most_needed(boundary, grid, seen), most_periods) + 1)
     if grid.levels.y.size < 3 or not every.periods.size:
         return 0, Counter()
     count = brackets_on_grid(boundary, grid, seen, every, 0)[0].path.size

@@ -23,7 +23,7 @@ from ..numerics.arrays import Array, Booleans
 from ..orbit.critical_points import CriticalPoints
 from ..orbit.pieces import CENTRE, Pieces
 from ..problem.reduced import EndsProblem
-from .paths import Levels
+from .paths import DOWN, UP, Levels, Paths
 
 _SAME = 4e-16  # of the size of G: heights that differ by less are equal
 STRETCH = 4.0  # factor of the panels along saddles, where time is almost linear in u
@@ -66,6 +66,17 @@ class Boundary:
     def start_speed2(self, pin: Any, gap: Array) -> Array:
         """beta_t(0)^2 at levels G(pins[pin]) + gap."""
         return gap + self.falls[pin, 0 if self.rising else 1]
+
+    def paths(self, most_turns: int) -> Paths:
+        """Every path of at most so many turning points, but for that of no length."""
+        turns = np.arange(most_turns + 1)
+        leaving = np.repeat([UP, DOWN], turns.size)
+        turns = np.tile(turns, 2)
+        separate = self.low != self.high or self.whole_turns > 0
+        plain = (leaving == (UP if self.rising else DOWN)) & separate
+        kept = (turns > 0) | plain
+        leaving, turns = leaving[kept], turns[kept]
+        return Paths(leaving, np.where(turns % 2 == 0, leaving, -leaving), turns // 2)
 
 
 def height_scale(problem: EndsProblem) -> float:

@@ -13,8 +13,7 @@ from .result import Fit, OtherMinimum
 from .uncertainty import LEVEL, Uncertainty, uncertainty
 
 if TYPE_CHECKING:
-    from .model import Model
-    from .search import Minimum
+    from .model import Minimum, Model
 
 _LEVEL, _ZERO = 1e-6, 1e-16  # relative, and of the square of one residual: sums that differ by less are equal
 _EXACT = 1e-6  # a residual of data that are no more than the parameters: it is reached

@@ -36,6 +36,24 @@ class Evaluation:
     feet: Feet | None
 
 
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """Where a local search ended.
+
+    cost: half the sum of squares. free: (F,), False at a bound. stop: why it ended early, or "".
+    """
+
+    found: Evaluation
+    jacobian: Array
+    cost: float
+    free: Array
+    stop: str = ""
+
+    @property
+    def x(self) -> Array:
+        return self.found.x
+
+
 class Model:
     """What a search calls. It counts the solutions, the derivatives, and where there was no value."""
 

@@ -1,6 +1,5 @@
 """The search of a fit: a local search from the values of the case, then from the best of a Sobol' set."""
 
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -14,7 +13,7 @@ from ..problem.errors import InputError
 from ..problem.tolerance import checked_tolerance
 from .assembly import result
 from .data import checked_data
-from .model import Evaluation, Model, NoValueError
+from .model import Evaluation, Minimum, Model, NoValueError
 from .parameters import checked_parameters
 from .result import Fit
 
@@ -26,24 +25,6 @@ _SAME = 1e-3  # of x: two minima that are nearer are one
 _LOWER = 1e-6  # relative: a minimum is lower than that of the first search if its sum is smaller by more
 _ZERO = 1e-16  # a sum of squares of N data is 0 where it is smaller than N times this
 MOST_STARTS = 100_000
-
-
-@dataclass(frozen=True, eq=False)
-class Minimum:
-    """Where a local search ended.
-
-    cost: half the sum of squares. free: (F,), False at a bound. stop: why it ended early, or "".
-    """
-
-    found: Evaluation
-    jacobian: Array
-    cost: float
-    free: Array
-    stop: str = ""
-
-    @property
-    def x(self) -> Array:
-        return self.found.x
 
 
 def fitted(

@@ -15,8 +15,7 @@ from .result import NO_INTERVALS, OtherMinimum
 from .uncertainty import LEVEL, Uncertainty
 
 if TYPE_CHECKING:
-    from .model import Model
-    from .search import Minimum
+    from .model import Minimum, Model
 
 _REACHED = 1e-6  # relative: a target that is missed by more is not reached
 UNLIKELY = 0.01  # probability of a larger sum of squares that is told

@@ -4,15 +4,15 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..solution import Solution
+    from ..shape import Shape
 
 
-def observe(sol: "Solution", names: Iterable[str], errors: bool = False) -> dict[str, Any]:
+def observe(sol: "Shape", names: Iterable[str], errors: bool = False) -> dict[str, Any]:
     """Observables of a solution: one number a case.
 
     Parameters
     ----------
-    sol : Solution
+    sol : Shape
     names : iterable of str
         Names of `observables.OBSERVABLES`, for example ``["turns", "energy"]``; their units are in
         `solver.problem.quantities`.

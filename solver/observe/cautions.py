@@ -11,7 +11,7 @@ import numpy as np
 
 from ..numerics.arrays import Booleans
 from ..problem.reduced import EndsProblem
-from ..solution import Solution
+from ..shape import Shape
 from .lift_off import distance_from_ends, only_at_ends
 from .measurement import Reading
 from .observables import error_name, observe
@@ -26,7 +26,7 @@ NEARLY_ALL = 0.95  # of the length without push
 JUDGED = ("kappa_max", MEETS, "push_min", "push_max", "attached", "height")  # the observables that a caution is made of
 
 
-def of_cases(sol: Solution, observed: Mapping[str, Any] | None = None, unit: str = "") -> Any:
+def of_cases(sol: Shape, observed: Mapping[str, Any] | None = None, unit: str = "") -> Any:
     """The caution of each case, (*cases) of str.
 
     "" means that the rod was checked and is free of all three, or that the case is not solved. "not checked" means that
@@ -35,7 +35,7 @@ def of_cases(sol: Solution, observed: Mapping[str, Any] | None = None, unit: str
 
     Parameters
     ----------
-    sol : Solution
+    sol : Shape
         The cases.
     observed : mapping, optional
         Observables already known, with their errors, by name.
@@ -58,7 +58,7 @@ def of_cases(sol: Solution, observed: Mapping[str, Any] | None = None, unit: str
     return text.astype(str)
 
 
-def turns_back(sol: Solution, height: Any) -> Any:
+def turns_back(sol: Shape, height: Any) -> Any:
     """Whether a rod between two ends runs against the direction of both of them, (*cases) of bool.
 
     Its beta goes more than 90 degrees beyond both end angles; or its ends are parallel, and the far one lies behind the
@@ -75,7 +75,7 @@ def turns_back(sol: Solution, height: Any) -> Any:
         return far | (behind & (np.abs(first - last) < _LEAST))
 
 
-def _tight(sol: Solution, known: Mapping[str, Any]) -> tuple[Any, Any]:
+def _tight(sol: Shape, known: Mapping[str, Any]) -> tuple[Any, Any]:
     """Whether kappa a > 1 somewhere, and whether it surely is nowhere, (*cases)."""
     sure = np.isfinite(known["kappa_max_error"])
     most = np.asarray(known["kappa_max"]) if sure.all() else np.where(sure, known["kappa_max"], sol.kappa.max(axis=-1))
@@ -83,7 +83,7 @@ def _tight(sol: Solution, known: Mapping[str, Any]) -> tuple[Any, Any]:
     return bend > 1, (bend <= 1) & sure
 
 
-def _pulled(sol: Solution, known: Mapping[str, Any]) -> tuple[Any, Any]:
+def _pulled(sol: Shape, known: Mapping[str, Any]) -> tuple[Any, Any]:
     """Whether the cylinder would have to pull somewhere, and whether it surely does nowhere, (*cases)."""
     sure = np.isfinite(known["push_min_error"])
     low, high = np.asarray(known["push_min"]), np.asarray(known["push_max"])
@@ -97,7 +97,7 @@ def _pulled(sol: Solution, known: Mapping[str, Any]) -> tuple[Any, Any]:
     return (low < -least) & known, (low >= -least) & sure & known
 
 
-def _lift_off(sol: Solution, known: Mapping[str, Any], pulled: Any, unit: str) -> Any:
+def _lift_off(sol: Shape, known: Mapping[str, Any], pulled: Any, unit: str) -> Any:
     """How much of each rod that would lift off is without push, and where, (*cases) of str objects."""
     pulled = np.reshape(pulled, -1) & np.reshape(sol.solved, -1)
     share = 1 - np.clip(np.reshape(known["attached"], -1), 0, 1)
@@ -117,7 +117,7 @@ def _lift_off(sol: Solution, known: Mapping[str, Any], pulled: Any, unit: str) -
     return words.reshape(sol.case.shape)
 
 
-def _lifted_ends(sol: Solution, candidates: Booleans) -> dict[int, float]:
+def _lifted_ends(sol: Shape, candidates: Booleans) -> dict[int, float]:
     """Case -> how far from an end the cylinder does not push, as a share of the length, of rods pressed in between."""
     if not candidates.any():
         return {}

@@ -6,7 +6,7 @@ from ..mechanics.contact import contact_force
 from ..mechanics.potential import Loads, slope
 from ..numerics.arrays import Array, Booleans
 from ..problem.reduced import Reduced, flat
-from ..solution import Solution
+from ..shape import Shape
 from .measurement import Reading
 
 QUARTER = 0.25  # of the length at each end: a rod without push only there lifts off at its ends
@@ -14,7 +14,7 @@ ALLOWED = 1e-9  # of the length: a shorter stretch without push is rounding
 PLACES, FINER = 256, 64  # at which the push is computed in a quarter, and between two of these places
 
 
-def only_at_ends(sol: Solution) -> Booleans:
+def only_at_ends(sol: Shape) -> Booleans:
     """Whether the cylinder pushes all along the middle half of each rod, (B,)."""
     read = Reading(sol)
     first, last = (read.over("share", until) for until in (QUARTER, 1 - QUARTER))
@@ -23,12 +23,12 @@ def only_at_ends(sol: Solution) -> Booleans:
     return found
 
 
-def distance_from_ends(sol: Solution, cases: Array) -> Array:
+def distance_from_ends(sol: Shape, cases: Array) -> Array:
     """The largest distance from the nearer end at which the cylinder does not push, as a share of the length.
 
     Parameters
     ----------
-    sol : Solution
+    sol : Shape
         The rods.
     cases : array of int, (k,)
         Which of them; the cylinder pushes all along their middle halves.
@@ -51,7 +51,7 @@ def distance_from_ends(sol: Solution, cases: Array) -> Array:
     return share
 
 
-def _last_without_push(sol: Solution, cases: Array, places: Array, far: bool) -> Array:
+def _last_without_push(sol: Shape, cases: Array, places: Array, far: bool) -> Array:
     """The number of the last of places (k, m), shares of the length, without push, (k,); -1 where there is none.
 
     far: the places are counted from the far end.
@@ -62,7 +62,7 @@ def _last_without_push(sol: Solution, cases: Array, places: Array, far: bool) ->
     return np.where(free.any(axis=1), m - 1 - np.argmax(free[:, ::-1], axis=1), -1)
 
 
-def push_at(sol: Solution, cases: Array, t: Array) -> Array:
+def push_at(sol: Shape, cases: Array, t: Array) -> Array:
     """The push at places t (k, m), in units of rho, of some cases (k,), in units of A/rho^3; between stations, where
     the method knows no orbit, linear in t."""
     if sol.trajectory.shapes is not None:

@@ -19,8 +19,8 @@ from ..numerics.chebyshev import means, primitive, series_at
 from ..orbit.marched_orbit import MarchedOrbit
 from ..problem.errors import InputError
 from ..problem.reduced import flat
+from ..shape import Shape
 from ..shooting.loaded_rod import ALPHA, SHORT, SPEED
-from ..solution import Solution
 from . import densities
 from .peaks import first_peak
 from .quadrature import EPS, Resolved, resolve
@@ -193,7 +193,7 @@ def reference_groups(groups: list[Group], pieces: Pieces, *given: Any) -> dict[s
 class Reading:
     """A solution and the numbers measured on it; each density is computed once for all observables."""
 
-    def __init__(self, sol: Solution) -> None:
+    def __init__(self, sol: Shape) -> None:
         self.sol = sol
         self._known: dict[str, Pair] = {}
         self._middle: dict[str, Pair] = {}

@@ -19,8 +19,8 @@ from ..problem.errors import known_name, no_such
 from ..problem.quantities import quantity
 from ..problem.reduced import flat
 from ..problem.rod import Rod
+from ..shape import Shape
 from ..shooting.loaded_rod import MU, PHI, Q
-from ..solution import Solution
 from .measurement import SPREAD, Pair, Reading
 from .self_contact import overlaps
 from .solution_pieces import resolved
@@ -426,7 +426,7 @@ def checked_names(names: Any) -> tuple[str, ...]:
 
 
 @np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
-def observe(sol: Solution, names: Iterable[str], errors: bool = False) -> dict[str, Any]:
+def observe(sol: Shape, names: Iterable[str], errors: bool = False) -> dict[str, Any]:
     """What `solver.observe` returns; its documentation is there."""
     names = checked_names(names)
     read = Reading(sol)

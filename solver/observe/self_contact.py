@@ -14,7 +14,7 @@ import scipy
 
 from ..numerics.arrays import Array
 from ..problem.reduced import flat
-from ..solution import Solution
+from ..shape import Shape
 from .strand_pairs import apart as apart_along
 from .strand_pairs import meets
 
@@ -23,7 +23,7 @@ _COARSE, _DENSE, _MOST = 0.5, 0.125, 200_000
 _BLOCK = 128  # rods compared together
 
 
-def overlaps(sol: Solution, kappa_max: Any, low: Any, high: Any, **limits: int) -> Any:
+def overlaps(sol: Shape, kappa_max: Any, low: Any, high: Any, **limits: int) -> Any:
     """Whether each rod would intersect itself.
 
     It does where two points farther apart along the rod than pi a come closer in space than 2 a, or where kappa a is 1
@@ -33,7 +33,7 @@ def overlaps(sol: Solution, kappa_max: Any, low: Any, high: Any, **limits: int) 
 
     Parameters
     ----------
-    sol : Solution
+    sol : Shape
         The rods.
     kappa_max : array (*cases)
         Largest curvature [1/length].
@@ -86,7 +86,7 @@ def _goes_round_once(low: Array, high: Array, a: Array, apart: Array, span: Arra
     return (off < np.pi / 2) & (np.cos(off) * apart > thick) & (span < 2 * np.pi - thick) & (a < 1)
 
 
-def _at_stations(sol: Solution, i: int, a: float) -> float:
+def _at_stations(sol: Shape, i: int, a: float) -> float:
     """The same from the stations of case i alone."""
     t, shape = sol.t[i], sol.trajectory
     alpha, z, beta = shape.alpha[i], shape.z[i], shape.beta[i]

@@ -19,7 +19,7 @@ from ..numerics.chebyshev import basis, series_at, through
 from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION
 from ..problem.reduced import Reduced
-from ..solution import Solution
+from ..shape import Shape
 from .rod_pieces import NODES, Pieces, joined_pieces
 
 _CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
@@ -37,13 +37,13 @@ _HERMITE = np.array(  # y(0), y(1), y'(0), y'(1), y''(0), y''(1) to powers of x,
 )
 
 
-def blocks(sol: Solution) -> Iterator[slice]:
+def blocks(sol: Shape) -> Iterator[slice]:
     """The cases of a solution in blocks."""
     for start in range(0, sol.problem.size, _CASES):
         yield slice(start, min(start + _CASES, sol.problem.size))
 
 
-def pieces_of(sol: Solution, some: slice, until: float = 1.0, step: int = 1) -> Pieces:
+def pieces_of(sol: Shape, some: slice, until: float = 1.0, step: int = 1) -> Pieces:
     """The pieces of some of the cases, numbered from 0, of the first share `until` of their length.
 
     step: where no orbit is known, every `step`-th station is used.
@@ -55,7 +55,7 @@ def pieces_of(sol: Solution, some: slice, until: float = 1.0, step: int = 1) -> 
     return of_orbit(sol.trajectory.orbit, some, until)
 
 
-def of_nodes(sol: Solution, some: slice, until: float = 1.0) -> Pieces:
+def of_nodes(sol: Shape, some: slice, until: float = 1.0) -> Pieces:
     """The pieces of rods whose loads vary along them: the stretches between their nodes."""
     x, parts, problem = basis(NODES), [], sol.problem.take(some)
     for k, i in enumerate(range(some.start, some.stop)):
@@ -181,7 +181,7 @@ def _still(problem: Reduced, case: Array, time: Array, speed: Array | float = 0.
     return Pieces(problem, series, case, np.arange(case.size), -one, one, time, one, 0 * one, monotone=True)
 
 
-def of_stations(sol: Solution, some: slice, step: int = 1, until: float = 1.0) -> Pieces:
+def of_stations(sol: Shape, some: slice, step: int = 1, until: float = 1.0) -> Pieces:
     """The pieces between neighbouring stations of some of the cases, or between every `step`-th of them, up to the
     share `until` of the length."""
     problem, n = sol.problem.take(some), sol.t.shape[1]
@@ -212,7 +212,7 @@ def of_stations(sol: Solution, some: slice, step: int = 1, until: float = 1.0) -
     return joined_pieces([found, points], problem)
 
 
-def off_between(sol: Solution, some: slice) -> Array:
+def off_between(sol: Shape, some: slice) -> Array:
     """How far beta between the stations may be off, (b,): as far as it is at every other station without that one."""
     n = sol.t.shape[1]
     t, beta = sol.t[some], sol.trajectory.beta[some]
@@ -231,7 +231,7 @@ def off_between(sol: Solution, some: slice) -> Array:
 _ENDS = (slice(None, -1), slice(1, None))
 
 
-def resolved(sol: Solution) -> Booleans:
+def resolved(sol: Shape) -> Booleans:
     """Whether the stations of each case cover its rod and resolve every bend that the loads allow, (B,)."""
     t, beta, span = sol.t, sol.trajectory.beta, sol.problem.span
     column = Loads.columns(sol.problem)

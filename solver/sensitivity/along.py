@@ -8,7 +8,7 @@ from ..mechanics.potential import Loads, slope
 from ..numerics.arrays import Array
 from ..problem.field_rates import FieldRates
 from ..problem.reduced import flat
-from ..solution import Solution
+from ..shape import Shape
 from .motions import Motion
 
 
@@ -26,7 +26,7 @@ def amounts(motion: Motion, rates: FieldRates) -> Array:
     return np.matmul(motion.parts, np.concatenate([rates.given, rates.span[:, None]], axis=1))
 
 
-def along(sol: Solution, motion: Motion, unit: Array, rates: FieldRates) -> dict[str, Array]:
+def along(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> dict[str, Array]:
     """The derivatives of beta, dbeta, alpha, z and gamma at the stations, (b, F, n) each.
 
     unit: (b, 5, F), of `amounts`. rates: of these cases.

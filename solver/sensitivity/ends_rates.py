@@ -14,12 +14,12 @@ from ..problem.case import Ends
 from ..problem.field_rates import FieldRates, field_rates
 from ..problem.held_ends import given_numbers, under_dead_loads
 from ..problem.reduced import EndsProblem, flat
-from ..solution import Solution
+from ..shape import Shape
 
 _HELD = ("height", "azimuth", "rotation", "M10", "M1L")
 
 
-def ends_field_rates(sol: Solution, fields: Sequence[str]) -> FieldRates:
+def ends_field_rates(sol: Shape, fields: Sequence[str]) -> FieldRates:
     """The derivatives of the numbers of an ends problem by fields of its case, but those of loads that are found."""
     case, problem = sol.case, sol.problem
     assert isinstance(problem, EndsProblem)
@@ -39,7 +39,7 @@ def _widened(rates: FieldRates, own: Sequence[str], fields: Sequence[str], size:
     return FieldRates(tuple(fields), **columns)
 
 
-def _values(sol: Solution, base: FieldRates, fields: Sequence[str], numbers: tuple[str, ...]) -> Array:
+def _values(sol: Shape, base: FieldRates, fields: Sequence[str], numbers: tuple[str, ...]) -> Array:
     """The derivatives of the five given numbers, (B, 5, F)."""
     case, problem = sol.case, sol.problem
     given, shape = case.given, case.shape

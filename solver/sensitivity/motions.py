@@ -19,7 +19,7 @@ from ..orbit.pieces import HELIX
 from ..orbit.variations import Change, Place, Variations, changed, directions, orbits_to_vary, variations_on
 from ..problem.held_ends import given_numbers
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat
-from ..solution import Solution
+from ..shape import Shape
 
 NO_PATH = "failed: no orbit with beta(0) and beta'(0) of this solution ends at beta(L), so it has no derivatives"
 _BLOCK = 256  # cases at once
@@ -65,7 +65,7 @@ class Motion:
     parts: Array | None = None
 
 
-def motions(sol: Solution, outcome: Array) -> Iterator[Motion]:
+def motions(sol: Shape, outcome: Array) -> Iterator[Motion]:
     """The motions of the solved cases, some at a time. outcome: (B,), set where a solved case has none."""
     solved = np.flatnonzero(sol.trajectory.solved)
     if isinstance(sol.problem, EndsProblem):
@@ -90,7 +90,7 @@ def motions(sol: Solution, outcome: Array) -> Iterator[Motion]:
             yield _of_orbits(sol, block[~still], orbits_to_vary(problem.take(~still)))
 
 
-def _of_orbits(sol: Solution, rows: Integers, orbit: Orbit) -> Motion:
+def _of_orbits(sol: Shape, rows: Integers, orbit: Orbit) -> Motion:
     varied = variations_on(orbit, orbit.arcs)
     return _moved(varied, rows, orbit.problem, sol.t[rows], *directions(varied.start))
 
@@ -113,13 +113,13 @@ def _ends_of(problem: Reduced) -> Array:
     return np.asarray(problem.span[:, None] * np.array([0.0, 1.0]))
 
 
-def _of_helices(sol: Solution, rows: Integers, problem: StartProblem) -> Motion:
+def _of_helices(sol: Shape, rows: Integers, problem: StartProblem) -> Motion:
     places = sol.t[rows], marks_of(problem), _ends_of(problem)
     along, marks, ends = (helix_variations.started(problem, t) for t in places)
     return Motion(rows, problem, along, marks, ends.rate, np.zeros(rows.size))
 
 
-def _of_equilibrium(sol: Solution, one: EndsProblem, path: Path, i: int) -> Motion:
+def _of_equilibrium(sol: Shape, one: EndsProblem, path: Path, i: int) -> Motion:
     rows, t = np.array([i]), sol.t[i : i + 1]
     names, ratio = given_numbers(sol.case), float(flat(sol.case.rod.stiffness_ratio, sol.case.shape)[i])
     problem = one.started(sol.trajectory.dbeta[i : i + 1, 0])
@@ -133,7 +133,7 @@ def _of_equilibrium(sol: Solution, one: EndsProblem, path: Path, i: int) -> Moti
     return replace(_moved(varied, rows, problem, t, each[..., 0], each[..., 1:]), parts=parts)
 
 
-def _path(sol: Solution, one: EndsProblem, i: int) -> Path | None:
+def _path(sol: Shape, one: EndsProblem, i: int) -> Path | None:
     """The level and the path of the equilibrium of case i; None where no orbit is found that joins the ends."""
     orbit = sol.trajectory.orbit
     if orbit is not None and getattr(orbit, "path", None) is not None:

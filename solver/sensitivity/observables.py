@@ -18,7 +18,7 @@ from ..orbit.pieces import ROTATION
 from ..problem.errors import InputError, choices
 from ..problem.field_rates import FieldRates
 from ..problem.reduced import flat
-from ..solution import Solution
+from ..shape import Shape
 from .dual import Dual
 from .measured import EXTREMES, MEASURED, PEAK
 from .measured_helices import of_helices
@@ -50,7 +50,7 @@ _OWN_SLOPES = ("alpha", "z", "middle turned", "middle risen", "dbeta0", "dbetaL"
 class Moving(Reading):
     """What `Reading` reads of a solution, as numbers that carry their derivatives with respect to F fields."""
 
-    def __init__(self, sol: Solution, rates: FieldRates, measured: Iterable[str]) -> None:
+    def __init__(self, sol: Shape, rates: FieldRates, measured: Iterable[str]) -> None:
         super().__init__(sol)
         self.plain = Reading(sol)
         self._rates = rates
@@ -186,7 +186,7 @@ def measured_of(name: str) -> tuple[str, ...]:
     return () if is_count(name) else OBSERVABLES[name].measured
 
 
-def why_missing(name: str, sol: Solution) -> str:
+def why_missing(name: str, sol: Shape) -> str:
     """Why a derivative of an observable of a solved case does not exist."""
     if name == "bend_number":
         return NO_ORBIT if sol.trajectory.orbit is None else STRAIGHT

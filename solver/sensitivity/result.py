@@ -10,7 +10,7 @@ from ..numerics.arrays import Array
 from ..problem.field_rates import checked_fields, field_rates
 from ..problem.reduced import EndsProblem, refuse_varying
 from ..problem.trajectory import SOLVED
-from ..solution import Solution
+from ..shape import Shape
 from .along import along, amounts, of_rows
 from .ends_rates import ends_field_rates
 from .motions import motions
@@ -31,7 +31,7 @@ class Sensitivity:
 
     Attributes
     ----------
-    solution : Solution
+    solution : Shape
         The solution.
     fields : tuple of str
         The names of the F fields.
@@ -52,7 +52,7 @@ class Sensitivity:
         Name of an observable -> (*cases), a sentence where one of its derivatives does not exist and is NaN, else "".
     """
 
-    solution: Solution = field(repr=False)
+    solution: Shape = field(repr=False)
     fields: tuple[str, ...]
     beta: Array = field(repr=False)
     dbeta: Array = field(repr=False)
@@ -66,7 +66,7 @@ class Sensitivity:
     remarks: dict[str, Any] = field(default_factory=dict)
 
 
-def sensitivity(sol: Solution, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
+def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
     """The derivatives of a solution; see `Solution.sensitivity`."""
     refuse_varying(sol.case)
     names, wanted = checked_fields(sol.case, fields), checked_observables(observables)
@@ -91,7 +91,7 @@ def sensitivity(sol: Solution, fields: Iterable[str], observables: Iterable[str]
 
 
 def _judged(
-    sol: Solution, names: tuple[str, ...], out: dict[str, Array], outcome: Array, found: dict[str, Array]
+    sol: Shape, names: tuple[str, ...], out: dict[str, Array], outcome: Array, found: dict[str, Array]
 ) -> Sensitivity:
     """The result; a case in which no digit is left gets an outcome that says so."""
     growth, held = np.asarray(sol.trajectory.condition), isinstance(sol.problem, EndsProblem)

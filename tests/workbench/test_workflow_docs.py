@@ -80,7 +80,8 @@ def test_the_dask_page_solves_the_same_file_on_a_cluster(tmp_path, monkeypatch) 
     assert python(tmp_path, blocks("run-large-studies.md", "python", "Use Dask")[1]) == "{'solved': 100}\n"
     with xr.open_dataset("grid.h5") as here, xr.open_dataset("again.h5") as there:
         for one in (here, there):
-            del one.attrs["created"], one.attrs["statistics"], one.attrs["recipe"]
+            for name in ("created", "statistics", "recipe", "checksums"):  # of that moment
+                del one.attrs[name]
         xr.testing.assert_identical(here, there)
 
 
