@@ -112,12 +112,10 @@ def _varying(
     case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
 ) -> Solution:
     """The solution of a case whose loads vary along the rod: by Taylor series; between ends by multiple shooting."""
+    from .methods.automatic import varying_method
     from .shooting.answers import answer_ends, answer_starts
 
-    name = {"start": "taylor", "ends": "shooting"}[case.kind]
-    if method not in ("auto", name) or knobs:
-        asked = method if isinstance(method, str) else method.name
-        raise InputError(f"a rod with weight or friction is solved by {name} alone, without knobs; got {asked!r}")
+    name = varying_method(case.kind, method, knobs)
     if choose != NEAREST:
         raise InputError(f"choose = {choose!r} needs all equilibria, which are not known with weight or friction")
     straight = isinstance(seed, str) and seed == "straight"

@@ -17,6 +17,9 @@ def check(study: StudyData) -> None:
     if len(names) > 1:
         raise Misplaced(f"one axis may be followed, got {choices(names)}", "axes", names[1], "follow")
     for name in names:
+        if study.varies:
+            why = "with weight or friction each case continues from the straight rod, not from the one before it"
+            raise Misplaced(f"{why}: remove follow", "axes", name, "follow")
         if study.kind is Start:
             _check_of_a_start(study, name, study.axes[name])
         else:

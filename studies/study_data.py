@@ -126,8 +126,16 @@ class StudyData(BaseModel):
 
     @property
     def sweeps(self) -> bool:
-        """Whether the study is a sweep, whose cases are labelled with their branches: ends problems over axes."""
-        return bool(self.grid) and self.kind is Ends
+        """Whether the study is a sweep, whose cases are labelled with their branches: ends problems over axes.
+
+        With weight or friction each case continues from the straight rod, whatever its neighbours are.
+        """
+        return bool(self.grid) and self.kind is Ends and not self.varies
+
+    @property
+    def varies(self) -> bool:
+        """Whether loads vary along the rods: weight or friction is given or varied."""
+        return any(self.base.given.get(name) or name in self.varied for name in ("weight", "friction"))
 
     @property
     def size(self) -> int:

@@ -8,6 +8,16 @@ from .base import EndsMethod, Method, StartMethod
 
 AUTOMATIC = {"start": "swing", "ends": "shooting"}  # measured, see docs/reference/methods.md
 
+VARYING = {"start": "taylor", "ends": "shooting"}  # of rods with weight or friction
+
+
+def varying_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> str:
+    """The name of the method for rods with weight or friction. Raises `InputError` where another one is asked for."""
+    name, asked = VARYING[kind], method if isinstance(method, str) else method.name
+    if asked not in ("auto", name) or knobs:
+        raise InputError(f"a rod with weight or friction is solved by {name} alone, without knobs; got {asked!r}")
+    return name
+
 
 def chosen_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> StartMethod | EndsMethod:
     """The method for a kind of problem that a caller asks for: "auto", a name, or a method with its knobs.

@@ -235,6 +235,10 @@ REFUSED = {
         HEAD + "[axes.F1]\nfollow = true\nto = 60\ncount = 9",
         "a start problem has only one solution at each F1, which is not followed: remove follow",
     ),
+    "following with weight": (
+        PLAIN + ENDS + "[axes.weight]\nfollow = true\nfrom = 1\nto = 2\ncount = 3",
+        "with weight or friction each case continues from the straight rod, not from the one before it: remove follow",
+    ),
     "following two axes": (
         PLAIN + ENDS + "[axes.FZ]\nfollow = true\nfrom = 1\nto = 2\ncount = 3\n"
         "[axes.MZ]\nfollow = true\nfrom = 1\nto = 2\ncount = 3",
@@ -302,7 +306,7 @@ def test_a_study_is_refused_for(text: str, sentence: str) -> None:
 
 
 def test_an_unknown_study_is_refused_with_the_nearest_and_the_choices() -> None:
-    with pytest.raises(InputError, match="'fig7_1', did you mean 'fig7_1_modulus'; choose from fig6, "):
+    with pytest.raises(InputError, match="'fig7_1', did you mean 'fig7_1_modulus'; choose from capstan, fig6, "):
         load("fig7_1")
 
 

@@ -330,7 +330,7 @@ REFUSED = {
     "an unknown method": (["solve", "--method", "rk5"], "no method 'rk5', did you mean 'rk4'; choose from auto"),
     "a tolerance of nothing": (["solve", "--tol", "0"], "tol must be a number between 0 and 1, got 0.0"),
     "an unknown command": (["frobnicate"], "No such command 'frobnicate'; choose from reproduce, list"),
-    "an unknown study": (["run", "fig7_1"], "did you mean 'fig7_1_modulus'; choose from fig6"),
+    "an unknown study": (["run", "fig7_1"], "did you mean 'fig7_1_modulus'; choose from capstan, fig6"),
     "an unknown reading": (["run", "fig6", "--reading", "torsion"], "no reading 'torsion'; choose one word"),
     "a missing file": (["check", "absent.h5"], "file not found: absent.h5"),
     "a study for a dataset": (

@@ -32,6 +32,10 @@ VERDICTS = {  # of the laws of each figure under the default reading
     "regimes_refined": [],
     "samples_pipe": [],
     "pipe_lubinski": [("holds", [])] * 6,
+    "pipe_horizontal": [("holds", [])] * 4,
+    "pipe_vertical": [("holds", [])] * 4,
+    "pole_greenhill": [("holds", [])] * 2,
+    "capstan": [("holds", [])],
 }
 PAPER = [name for name in names() if name.startswith("fig")]
 

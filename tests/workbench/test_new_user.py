@@ -60,7 +60,7 @@ CASE = f'title = "ends"\n{ROD}beta0 = 0.5\nbetaL = 0.8\nFZ = -8.66\n'
 
 
 @pytest.mark.parametrize(("args", "said"), [
-    ("run folder", "folder is a folder, not a study; choose from fig6"),
+    ("run folder", "folder is a folder, not a study; choose from capstan, fig6"),
     ("fit case.toml --vary E --points folder", "a table is a file that ends in .csv, .parquet, got 'folder'"),
     ("equilibria case.toml --out none/all.h5", "cannot write none/all.h5: folder not found: none"),
     ("equilibria case.toml --export case.toml", "cannot write into the folder case.toml: it is a file"),

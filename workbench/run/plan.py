@@ -80,7 +80,8 @@ class Plan:
         """Whether the method solves a large block at once."""
         from solver.methods import METHODS
 
-        return METHODS[self.study.method].batched
+        method = METHODS.get(self.study.method)
+        return method is None or method.batched  # a march of rods with weight is none of `METHODS`
 
     @cached_property
     def light(self) -> Study:
@@ -137,14 +138,15 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
 
     Raises `InputError` for a tolerance or method that `solve` refuses.
     """
-    from solver.methods.automatic import chosen_method
+    from solver.methods.automatic import chosen_method, varying_method
 
     dimensions = study.dimensions()
     first = study.case_of({name: values[0] for name, values in dimensions.fields.items()})
     if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
         first = Case(first.rod, first.cylinder, Ends(0.0, 0.0))
     tol = checked_tolerance(study.tol if tol is None else tol)
-    name = chosen_method(first.kind, study.method if method is None else method).name
+    asked = study.method if method is None else method
+    name = varying_method(first.kind, asked) if study.varies else chosen_method(first.kind, asked).name
     if study.held and name != "shooting":
         raise InputError(f"method {name!r} needs dead loads and end angles, got {choices(study.held)}; choose shooting")
     return Plan(study.model_copy(update={"tol": tol, "method": name}), dimensions)

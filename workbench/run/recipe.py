@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import solver
 import studies
 from solver.methods import METHODS, available
+from solver.methods.automatic import VARYING
 from solver.problem.errors import InputError
 from studies import Study
 from studies.dimensions import Dimensions
@@ -76,13 +77,13 @@ def check_worker(study: Study, code: str) -> None:
     """Raise `InputError` where this process would give other numbers: other code, or a method that is missing."""
     if code_version() != code:
         raise InputError(f"a worker has the code {code_version()}, but the run was started with {code}")
-    if study.method not in available():
+    if study.method not in (*available(), *VARYING.values()):
         raise InputError(f"a worker has no method {study.method!r}: install there what is installed here")
 
 
 def _required(method: str) -> list[str]:
     """The package whose version decides the last bits of a method, if there is one."""
-    return [package] if (package := METHODS[method].requires) else []
+    return [METHODS[method].requires] if method in METHODS and METHODS[method].requires else []
 
 
 def _digest(content: bytes) -> str:
