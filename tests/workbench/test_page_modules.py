@@ -17,6 +17,7 @@ from studies.readings import READINGS
 from tests.workbench.node import needs_node, run
 from workbench.data import labels, push_colours, scene_look
 from workbench.figures import single_rod
+from workbench.geometry import centreline, self_contact
 from workbench.scene import colours as scene_colours
 from workbench.scene import shading
 from workbench.web.live import page_model, page_shape
@@ -109,7 +110,7 @@ def test_which_rods_pass_through_themselves() -> None:
     states = [*STARTS, state(E=5.35e4), state(L=4.0), state("dna", dgamma=0.0), state("dna", beta=-1.52)]
     script = """
     const solved = (state) => rod_shape.marched(core, rod_case.caseOf(state, {}));
-    answer(given.map((state) => self_contact.passesThroughItself(solved(state))));"""
+    answer(given.map((state) => self_contact.crossings(solved(state)).length > 0));"""
     found = run(script, states, (*MODULES, "self_contact"))
     wanted = [bool(observe(solve(case_of(made)), ["overlaps"])["overlaps"]) for made in states]
     tight = [
@@ -118,6 +119,16 @@ def test_which_rods_pass_through_themselves() -> None:
     ]
     assert [one or bent for one, bent in zip(found, tight, strict=True)] == wanted
     assert {True, False} == set(wanted)
+
+
+def test_a_rod_is_ringed_where_the_stills_ring_it() -> None:
+    script = SHAPE + "answer(self_contact.crossings(shape));"
+    found = np.array(run(script, state(), (*MODULES, "self_contact")))
+    line = centreline.read(solve(case_of(state()), stations=2001).to_dataset(), {})
+    wanted = np.array(self_contact.places(line, (0.0, line.L)))
+    away = np.linalg.norm(found[:, None] - wanted, axis=-1)
+    assert len(wanted) == len(found) == 5
+    assert away.min(axis=0).max() < 0.2 * line.a
 
 
 def test_the_peaks_of_the_push_are_stations_so_that_equal_peaks_are_drawn_equal() -> None:

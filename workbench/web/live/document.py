@@ -35,7 +35,7 @@ def text(presets: Sequence[Preset], served: bool, style: str = "") -> str:
     presets: the rods to begin with, the first is drawn. served: whether a server answers it. style: rules of CSS after
     those of the page.
     """
-    style = read("push_bar.css") + read("page.css") + style
+    style = read("shared.css") + read("page.css") + style
     core, program = (build.HERE / "rod.js").read_text(encoding="utf-8"), bundle()
     parts = {
         "style": style, "core": core, "program": program, "data": _json(_data(presets, served)),

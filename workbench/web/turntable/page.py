@@ -72,7 +72,7 @@ def program() -> str:
 
 def look() -> str:
     """The style of turntables: the colours of both schemes, light and dark, and their layout."""
-    return read("scheme.css") + document.read("push_bar.css") + read("turntable.css")
+    return read("scheme.css") + document.read("shared.css") + read("turntable.css")
 
 
 @cache

@@ -1,7 +1,7 @@
 // Observables of a shape: integrals, extremes and counts along the whole rod.
 
 import { forcesAlong } from "./forces.mjs";
-import { passesThroughItself } from "./self_contact.mjs";
+import { crossings } from "./self_contact.mjs";
 
 const ROUNDING = 1e-9; // rad: beta of a helix changes by no more
 
@@ -57,12 +57,12 @@ export function observables(shape) {
   };
 }
 
-/* What a real rod could not do, as sentences; found: the observables. */
-export function warnings(shape, found) {
+/* What a real rod could not do, as sentences; found: the observables; crossed: where it passes through itself. */
+export function warnings(shape, found, crossed = crossings(shape)) {
   const told = [],
     size = Math.max(Math.abs(found.push_min), Math.abs(found.push_max));
   if (found.kappa_max * shape.one.a > 1) told.push("The rod is bent tighter than its own radius.");
-  if (passesThroughItself(shape)) told.push("The rod passes through itself.");
+  if (crossed.length) told.push("The rod passes through itself.");
   if (found.push_min < -1e-6 * size) told.push("The rod would lift off where the cylinder has to pull.");
   return told;
 }

@@ -10,6 +10,7 @@ import { Refused, caseOf, heldState, isEnds, isState } from "./rod_case.mjs";
 import { makePrint } from "./print.mjs";
 import { showBar } from "./push_bar.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
+import { crossings } from "./self_contact.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
 import { post, unpacked } from "./server.mjs";
 import { fromHash, toHash } from "./study_text.mjs";
@@ -220,11 +221,14 @@ function showState() {
 /* What takes longer than a move of a slider may: observables, warnings, the address. */
 function showNumbers() {
   const { shape, state } = me,
-    found = observables(shape);
+    found = observables(shape),
+    crossed = crossings(shape);
+  element("crossed").hidden = !crossed.length;
+  view.setRings(crossed);
   if (shape.one.kind === "ends" && !me.head.ticket)
     state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
   const known = Object.entries(found).filter(([, value]) => Number.isFinite(value));
-  showRows(known, [...warnings(shape, found), ...partNote()], data.quantities, state.units);
+  showRows(known, [...warnings(shape, found, crossed), ...partNote()], data.quantities, state.units);
   set(element("fine"), solvedText(me.head, shape));
   link();
   if (served) later("more", PATIENCE.more, askNumbers);

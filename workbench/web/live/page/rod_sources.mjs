@@ -59,10 +59,10 @@ export function solvedSource(data, core) {
       }
     },
     /* What takes longer than a move of a slider may. */
-    facts(shape) {
+    facts(shape, crossed) {
       const found = observables(shape),
         told = [`${found.turns} bends, largest push ${number(Math.max(found.push_max, 0))} ${data.push}.`];
-      return minus([...told, ...warnings(shape, found)].join(" "));
+      return minus([...told, ...warnings(shape, found, crossed)].join(" "));
     },
     reset: () => Object.assign(base, JSON.parse(begun)),
   };

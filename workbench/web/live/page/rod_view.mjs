@@ -16,6 +16,9 @@ const REST = 160,
   EASE = 240; // ms until all is drawn finely, and of a change of the camera
 const BUDGET = 2.5,
   COARSEST = 3; // ms that drawing may take while a slider moves; largest factor by which pixels grow
+const RING = 1.1,
+  RINGS = [10, 26], // diameter of a ring in radii of the rod; its ends in pixels
+  MOST_RINGS = 40;
 const LOST = "The browser has stopped drawing in three dimensions here. The rod comes back as soon as the browser allows it.";
 const AROUND = Array.from({ length: 24 }, (_, i) => [Math.cos((i * Math.PI) / 12), Math.sin((i * Math.PI) / 12)]);
 
@@ -25,8 +28,10 @@ export function makeView(canvas, mark, code, calm, lies = false) {
   const me = { shape: null, drawn: null, camera: null, target: null, ratio: 1, touched: false, at: null };
   Object.assign(me, { picked: () => {}, moved: () => {} });
   let resting = 0,
-    easing = 0;
+    easing = 0,
+    rung = [];
   const told = noteBeside(canvas);
+  document.documentElement.style.setProperty("--crossed", code.crossed);
   const scene = makeScene(canvas, code, (lost) => {
     told(lost ? LOST : "");
     if (lost || !me.shape) return;
@@ -44,6 +49,7 @@ export function makeView(canvas, mark, code, calm, lies = false) {
       scale = given ?? scaleOf(code, range(shape.push));
     const drawn = { squeeze, wall, scale, points: pointsOf(shape, squeeze, wall) };
     Object.assign(me, { shape, drawn });
+    setRings([]); // they take longer than a move of a slider may
     if (fresh || !me.camera) {
       me.camera = frontOf(shape);
       me.touched = false;
@@ -175,8 +181,31 @@ export function makeView(canvas, mark, code, calm, lies = false) {
     place();
   }
 
+  /* Ring the places (x, y, z) where the rod passes through itself. */
+  function setRings(places) {
+    for (const { box } of rung) box.remove();
+    rung = places.slice(0, MOST_RINGS).map((spot) => {
+      const box = Object.assign(document.createElement("i"), { className: "ring" });
+      mark.before(box);
+      return { spot, box };
+    });
+    if (me.camera) placeRings();
+  }
+
+  function placeRings() {
+    const size = (RING * me.shape.one.a * canvas.clientHeight) / (2 * me.camera.half),
+      wide = Math.min(Math.max(size, RINGS[0]), RINGS[1]);
+    for (const { spot: [u, v, w], box } of rung) {
+      const { x, y, behind } = onScreen([u, v, me.drawn.squeeze * w]);
+      box.hidden = behind;
+      Object.assign(box.style, { width: `${wide}px`, height: `${wide}px` });
+      box.style.transform = `translate(${(x - wide / 2).toFixed(1)}px, ${(y - wide / 2).toFixed(1)}px)`;
+    }
+  }
+
   function place() {
     me.moved(me.camera);
+    if (me.shape) placeRings();
     mark.hidden = !me.at || !me.shape || !scene;
     if (mark.hidden) return;
     const { x, y, behind } = onScreen(placeOf(me.shape.one, me.at, me.drawn.squeeze));
@@ -230,6 +259,7 @@ export function makeView(canvas, mark, code, calm, lies = false) {
     front,
     turn,
     setMark,
+    setRings,
     paint,
     pixels: (w, h) => picture(me, scene, w, h),
     rest: () => {

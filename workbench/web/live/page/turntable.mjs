@@ -5,6 +5,7 @@ import { makePrint } from "./print.mjs";
 import { showBar } from "./push_bar.mjs";
 import { solvedSource, storedSource } from "./rod_sources.mjs";
 import { makeView } from "./rod_view.mjs";
+import { crossings } from "./self_contact.mjs";
 import { drawTriad } from "./triad.mjs";
 
 const LAP = 12, // s of one turn
@@ -41,7 +42,12 @@ export function turntable(figure, data, code, core, calm) {
     if (!shape) return;
     view.show(shape, { ...how, scale });
     clearTimeout(resting);
-    if (source.facts && !note) resting = setTimeout(() => set(part("told"), source.facts(shape)), REST);
+    resting = setTimeout(() => {
+      const crossed = crossings(shape);
+      view.setRings(crossed);
+      part("crossed").hidden = !crossed.length;
+      if (source.facts && !note) set(part("told"), source.facts(shape, crossed));
+    }, REST);
     part("squeeze").hidden = view.drawn.squeeze >= 1;
     set(part("squeeze"), `Axis compressed 1 : ${(1 / view.drawn.squeeze).toPrecision(3)}`);
     showBar(part("bar"), code, view.drawn.scale, data.push);

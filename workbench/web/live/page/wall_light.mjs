@@ -1,8 +1,8 @@
 // How much of the light from all around reaches the wall beside the rod that touches it, over the unrolled wall.
 // The law is that of workbench/scene/shading.py.
 
-const BUDGET = 4e6,
-  ROUGH = 5e5; // visits of texels, at rest and while a slider moves
+const BUDGET = 2e6,
+  ROUGH = 2e5; // visits of texels, at rest and while a slider moves
 const LEAST = 2,
   MOST = 8, // texels in a radius of the rod
   LARGEST = 2048; // texels around or along
