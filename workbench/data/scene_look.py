@@ -16,5 +16,7 @@ HIDDEN_SHADE = 0.06  # by which the cylinder is darker there
 def for_pages() -> dict[str, Any]:
     """All of this and the colours of the push as plain data for the scripts of a page."""
     surface, outline = ([int(colour[i : i + 2], 16) for i in (1, 3, 5)] for colour in (SURFACE, OUTLINE))
-    look = {"crossed": CROSSED, "surface": surface, "outline": outline, "depth": DEPTH, "reach": REACH, "line": HIDDEN_LINE}
-    return push_colours.for_pages() | look | {"shade": HIDDEN_SHADE}
+    return push_colours.for_pages() | {
+        "surface": surface, "depth": DEPTH, "reach": REACH, "crossed": CROSSED,
+        "outline": outline, "line": HIDDEN_LINE, "shade": HIDDEN_SHADE,
+    }  # fmt: skip

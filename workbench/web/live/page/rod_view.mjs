@@ -34,6 +34,7 @@ export function makeView(canvas, mark, code, calm, lies = false) {
   document.documentElement.style.setProperty("--crossed", code.crossed);
   const scene = makeScene(canvas, code, (lost) => {
     told(lost ? LOST : "");
+    if (me.shape) placeRings();
     if (lost || !me.shape) return;
     filled();
     weigh();
@@ -197,7 +198,7 @@ export function makeView(canvas, mark, code, calm, lies = false) {
       wide = Math.min(Math.max(size, RINGS[0]), RINGS[1]);
     for (const { spot: [u, v, w], box } of rung) {
       const { x, y, behind } = onScreen([u, v, me.drawn.squeeze * w]);
-      box.hidden = behind;
+      box.hidden = behind || !scene || scene.isLost();
       Object.assign(box.style, { width: `${wide}px`, height: `${wide}px` });
       box.style.transform = `translate(${(x - wide / 2).toFixed(1)}px, ${(y - wide / 2).toFixed(1)}px)`;
     }
