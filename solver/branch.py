@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from .boundary.branch_coordinates import Path
 from .numerics.arrays import Array, Integers
 from .problem.case import Case
 from .problem.errors import InputError
@@ -30,13 +29,13 @@ class BranchPoint:
         The value of the field.
     index : int
         Morse index under the ends of the case; 0: stable; -1: not known. At a special point the smaller of the two.
-    path : Path
-        Its level and its path, which identify it among the equilibria of the case.
+    path : Path, or that of `shooting.branch`
+        Its level and its path, which identify it among the equilibria of the case; with weight or friction its shape.
     """
 
     value: float
     index: int
-    path: Path = field(repr=False)
+    path: Any = field(repr=False)
     _under_dead_loads: EndsProblem | None = field(repr=False)  # None: that of its case
     _case: Callable[[float], Case] = field(repr=False)  # these two make what is read
     _solve: Callable[["BranchPoint"], Solution] = field(repr=False)

@@ -71,27 +71,85 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     from .boundary.branch_states import Bounds
     from .boundary.exchanged_ends import exchanged
 
+    solution = _checked(solution)
+    if solution.case.varies:
+        return _varying(solution, field, points)
     case, path, begun = _equilibrium(solution)
     name, wanted = _field_and_values(case, field)
     if name not in fields_of(case):
         case = exchanged(case, begun, path, name)
+    bounds = Bounds(*_range(case, name, wanted), _most(points))
+    solved = _Solver(solution.tol, solution.t[0] / solution.problem.span[0])
+    return _branch(case, name, path, begun, bounds, solved)
+
+
+def _most(points: int) -> int:
     if points < 1:
         raise InputError(f"points must be a whole number of at least 1, got {points!r}")
+    return int(points)
+
+
+def _range(case: Case, name: str, wanted: Array) -> tuple[float, float, tuple[float, ...]]:
+    """The lowest and the highest value, and all at which there are to be points."""
     own = value_of(case, name)
     for value in (float(wanted.min()), float(wanted.max())):
         with_field(case, name, value)  # raises `InputError`
     low, high = min(own, float(wanted.min())), max(own, float(wanted.max()))
     if low == high:
         raise InputError(f"the solution has {name} = {own:.10g} already; give follow another value of {name}")
-    bounds = Bounds(low, high, tuple(sorted({own, *wanted.tolist()})), int(points))
-    solved = _Solver(solution.tol, solution.t[0] / solution.problem.span[0])
-    return _branch(case, name, path, begun, bounds, solved)
+    return low, high, tuple(sorted({own, *wanted.tolist()}))
 
 
-def _equilibrium(solution: object) -> tuple[Case, "Path", EndsProblem]:
-    """The ends problem of a solution as a case, its path, and the problem under dead loads that it solves."""
-    from .boundary.each_equilibrium import path_of_seed
+def _varying(solution: Solution, field: dict[str, ArrayLike], points: int) -> Branch:
+    """The branch of a rod with weight or friction."""
+    from .shooting.answers import path_at, shape_path
+    from .shooting.following import CLOSED, END, both_ways
 
+    case = solution.case
+    if not isinstance(case.given, Ends):
+        raise InputError("with weight or friction follow takes a solution between Ends, got that of a start problem")
+    name, wanted = _field_and_values(case, field)
+    if name not in fields_of(case):
+        raise InputError(f"with weight or friction follow takes a field that the case gives, got {name}")
+    low, high, every = _range(case, name, wanted)
+    curve, shape = path_at(solution, partial(with_field, case, name), low, high)
+    found = both_ways(curve, shape, value_of(case, name), low, high, np.array(every), _most(points))
+    if found is None:
+        raise InputError("the equilibrium cannot be followed: Newton's method did not converge from it")
+    stages, start, *why = found
+    tol, u = solution.tol, solution.t[0] / solution.t[0, -1]
+
+    def solved(point: BranchPoint) -> Solution:
+        return solutions_at([point], point.case, u, tol)
+
+    rubbed, values = shape.rod.rubbed, [float(stage.x) for stage in stages]
+    index = [-1 if rubbed else stage.index for stage in stages]
+    special = tuple(
+        SpecialPoint(stage.kind, values[i], index[i - 1] if i else -1, index[i + 1] if i + 1 < len(index) else -1, i)
+        for i, stage in enumerate(stages) if stage.kind
+    )  # fmt: skip
+    index = [min(index[max(i - 1, 0) : i + 2]) if stages[i].kind else k for i, k in enumerate(index)]
+    made = partial(with_field, case, name)
+    members = tuple(
+        BranchPoint(value, k, shape_path(stage.point.shape, k), None, made, solved)
+        for value, k, stage in zip(values, index, stages, strict=True)
+    )
+    kinds = {END: BORDER, CLOSED: "closed"}
+    ends = [BranchEnd(values[i], one, kinds.get(one, "stopped")) for i, one in zip((0, -1), why, strict=True)]
+    return Branch(name, members, special, ends[0], ends[1], start)
+
+
+def solutions_at(points: list[BranchPoint], case: Case, u: Array, tol: float) -> Solution:
+    """Points of a branch of rods with weight or friction as one solution of a case with as many rods, at s/L = u."""
+    from .problem.reduced import flat
+    from .shooting.answers import answer_ends
+
+    t = flat(case.rod.L / case.rho, case.shape)[:, None] * u
+    return Solution(case, *answer_ends(case, t, tol, [point.path for point in points]), t, "shooting", tol)
+
+
+def _checked(solution: object) -> Solution:
+    """One solved equilibrium. Raises `InputError`."""
     if not isinstance(solution, Solution):
         hint = "; give its solution" if hasattr(solution, "solution") else ""
         raise InputError(f"follow takes a Solution, got {type(solution).__name__}{hint}")
@@ -99,6 +157,13 @@ def _equilibrium(solution: object) -> tuple[Case, "Path", EndsProblem]:
         raise InputError(f"follow takes one solution at a time, got a grid of shape {solution.case.shape}")
     if not solution.solved:
         raise InputError(f"follow takes a solved equilibrium; this one is not solved: {solution.outcome}")
+    return solution
+
+
+def _equilibrium(solution: Solution) -> tuple[Case, "Path", EndsProblem]:
+    """The ends problem of a solution as a case, its path, and the problem under dead loads that it solves."""
+    from .boundary.each_equilibrium import path_of_seed
+
     case, given = solution.case, solution.case.given
     if not isinstance(given, Ends):
         far = float(between_ends(solution).betaL[0])
@@ -166,6 +231,8 @@ def solutions_of(branch: Branch, stations: int) -> Solution:
     from .boundary.each_equilibrium import together
 
     tol, u = branch.points[0].solution.tol, np.linspace(0, 1, stations)
+    if branch.points[0].case.varies:
+        return solutions_at(list(branch.points), with_field(branch.points[0].case, branch.field, branch.values), u, tol)
     shapes = [_shape(point, u, tol) for point in branch.points]
     case = with_field(branch.points[0].case, branch.field, branch.values)
     t = np.concatenate([one[1] for one in shapes])

@@ -92,8 +92,8 @@ def refuse_varying(case: Case) -> None:
         given = (("weight", case.rod.weight), ("friction", case.cylinder.friction))
         got = " and ".join(f"{name}={value}" for name, value in given if value is not None and np.any(value))
         raise InputError(
-            f"this task needs loads that are constant along the rod, got {got}; of a rod with weight or friction solve "
-            "and observe are known"
+            f"this task needs loads that are constant along the rod, got {got}; of a rod with weight or friction "
+            "solve, observe, follow and equilibria are known"
         )
 
 

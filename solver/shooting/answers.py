@@ -1,6 +1,7 @@
 """The answers to cases whose loads vary along the rod: start problems by one march, ends problems one by one."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,10 +12,14 @@ from ..problem.case import Case
 from ..problem.reduced import EndsProblem, StartProblem, flat
 from ..problem.trajectory import Trajectory, verdicts
 from .branch import Path, branch_from_straight, index_of_any, straight_shape
+from .curve import Curve
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import HALF, Shape, correct, linear_at
 from .numbers import rods_of, starts_of
 from .varying_shapes import Marched, Nodes, VaryingShapes, read_states
+
+if TYPE_CHECKING:
+    from ..solution import Solution
 
 SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error
 SAFETY, ROUNDING = 3.0, 2e-16
@@ -55,7 +60,10 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
 
 
 def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[EndsProblem, Trajectory]:
-    """The ends problems at stations t (B, n), each from a seed: None, "straight", or the `Trajectory` of one or B."""
+    """The ends problems at stations t (B, n), each from a seed.
+
+    seed: None, "straight", the `Trajectory` of one or B, or the paths of all in a list.
+    """
     _, rods = rods_of(case)
     n, alpha0 = t.shape[1], flat(case.given.alpha, case.shape)
     y, nodes, paths, estimates = np.full((len(rods), n, SIZE), np.nan), [], [], []
@@ -85,8 +93,26 @@ def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[End
     )  # fmt: skip
 
 
+def path_at(sol: "Solution", case_at: Callable[[float], Case], low: float, high: float) -> tuple[Curve, Shape]:
+    """The curve of equilibria of a case that depends on one number, from low to high, and the shape of a solution."""
+
+    def rod_at(x: float) -> LoadedRod:
+        return rods_of(case_at(x))[1][0]
+
+    rod, known = rods_of(sol.case)[1][0], sol.trajectory.shapes.of(0)
+    u = max((one.nodes() / one.span for one in (rod_at(low), rod, rod_at(high))), key=len)
+    return Curve(rod_at, high - low, rod.scale), Shape(rod, u * rod.span, known.at(u * known.t[-1]))
+
+
+def shape_path(shape: Shape, index: int) -> Path:
+    """A shape that is known, as a seed of `answer_ends`."""
+    return Path(shape, index, why="seed")
+
+
 def path_to(rod: LoadedRod, seed: Any, i: int) -> Path:
     """The shape of one rod that a seed means."""
+    if isinstance(seed, list):
+        return seed[i]
     if seed is None:
         return branch_from_straight(rod)
     if isinstance(seed, str):

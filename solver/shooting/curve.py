@@ -50,6 +50,10 @@ class Curve:
         found = np.append((change / self.scale).reshape(-1), x / self.size)
         return np.asarray(found / np.sqrt(inner(found, found)))
 
+    def direction_between(self, a: Point, b: Point) -> Array:
+        """From one point to another, (8 N + 1,)."""
+        return np.append(((b.shape.y - a.shape.y) / self.scale).reshape(-1), (b.x - a.x) / self.size)
+
     def rate(self, shape: Shape, x: float) -> Array:
         """The derivative of what is open by x over its size, (8 N,)."""
         h = DIFFERENCE * self.size
@@ -80,6 +84,6 @@ class Curve:
                 last = self.shape(guess, y, x)
                 tangent = by_x / np.sqrt(inner(by_x, by_x))
                 solved = Shape(last.rod, last.t, with_known_loads(last.rod, last.t, y), count)
-                return Point(solved, x, tangent if inner(tangent, across) >= 0 else -tangent)
+                return Point(solved, float(x), tangent if inner(tangent, across) >= 0 else -tangent)
             best = min(best, whole)
         return None

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import make_interp_spline
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, observe, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, follow, observe, solve
 from solver.core.varying_loads import march
 from solver.problem.case import SLIDING
 from solver.shooting.branch import buckling_tension, index_at, straight_shape
@@ -80,6 +80,39 @@ def test_a_pipe_of_5_km_buckles_into_a_stable_shape(load: float) -> None:
     assert sol.error < 1e-12
     assert sol.held_index == 0
     assert np.abs(sol.alpha).max() == pytest.approx({1.1: 0.384, 1.3: 0.677}[load], abs=0.004)  # another code, 1000 m
+
+
+def lying_pipe(load: float) -> Case:
+    """A lying pipe with hinges and held azimuths, under a share of the load of Dawson and Paslay."""
+    ends = Ends(M10=0.0, M1L=0.0, azimuth=0.0, FZ=-load * BUCKLES)
+    return Case(Rod(L=60.0, **PIPE), Cylinder(**HOLE, inclination="90deg"), ends)
+
+
+def buckling_loads(case: Case) -> np.ndarray:
+    """Those of the modes of a lying pipe with hinges, rising."""
+    A, k = case.rod.bending_stiffness, np.pi / case.rod.L * np.arange(1, 40)
+    return np.sort(A * k**2 + case.rod.weight / (case.rho * k**2))
+
+
+def test_the_straight_pipe_meets_a_branch_at_each_buckling_load() -> None:
+    loads = buckling_loads(lying_pipe(1.0))
+    branch = follow(solve(lying_pipe(0.8), seed="straight"), FZ=-1.5 * BUCKLES)
+    met = [(one.kind, one.before, one.after) for one in branch.special]
+    below = loads[loads < 1.5 * BUCKLES]
+    assert met == [("branch point", i, i + 1) for i in range(below.size)]
+    assert [-one.value for one in branch.special] == pytest.approx(below, rel=1e-5)
+
+
+def test_a_buckled_pipe_is_followed_back_to_its_pitchfork_and_through_its_folds() -> None:
+    case = lying_pipe(1.3)
+    branch = follow(solve(case), FZ=[-1.6 * BUCKLES, -0.9 * BUCKLES])
+    assert [one.kind for one in branch.special] == ["pitchfork"]
+    assert -branch.special[0].value == pytest.approx(buckling_loads(case)[0], rel=1e-9)
+    assert set(branch.index) == {0}
+    for point in (branch.points[0], branch.points[-1]):
+        assert point.solution.solved
+        assert max(unbalanced(solve(point.case, seed=point.solution, stations=2001))) < 1e-7
+    assert branch.to_dataset(stations=11).sizes["u"] == 11
 
 
 def straight(across: float, span: float, load: float, mu: float, along: float = 0, held: str = "azimuth") -> LoadedRod:

@@ -1,0 +1,162 @@
+"""Follow an equilibrium of a rod whose loads vary along it, while one number x changes, through folds."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from .branch import index_of_any
+from .curve import Curve, Point, inner
+from .newton import Shape
+
+FOLD, PITCHFORK, BRANCH_POINT = "fold", "pitchfork", "branch point"
+END, CLOSED = "the end of the range", "the branch is closed"
+FIRST, LONGEST, LEAST = 0.02, 0.1, 1e-5  # steps along the curve, in the sizes of the angles and of x
+SHORT = 1e-3  # step, within which several branch points are one
+COSINE = 0.9  # least, of the turn of the tangent in a step
+NARROW = 1e-4  # of a step: how closely a branch point is enclosed, at which the equations are singular
+FLAT = 1e-6  # of dx along the curve at a fold: its square is lost of x
+SAME = 1e-6  # of the angles in their scales: one shape
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A point of a branch. index: as of `index_of_any`. kind: of special point, else ""."""
+
+    point: Point
+    index: int
+    kind: str = ""
+
+    @property
+    def x(self) -> float:
+        """The number that changes."""
+        return self.point.x
+
+
+def stage(point: Point) -> Stage:
+    """A point with its index."""
+    return Stage(point, index_of_any(point.shape))
+
+
+def begin(curve: Curve, shape: Shape, x: float) -> Stage | None:
+    """The equilibrium at x near a shape; None where Newton's method reaches none."""
+    level = np.zeros(shape.y.size + 1)
+    level[-1] = 1
+    found = curve.correct(shape, x, level)
+    return None if found is None else stage(found)
+
+
+def ahead(curve: Curve, here: Stage, step: float) -> Stage | None:
+    """The point of the curve after a step; None where the step is too long."""
+    p = here.point
+    change = step * p.tangent
+    guess = Shape(p.shape.rod, p.shape.t, p.shape.y + change[:-1].reshape(p.shape.y.shape) * curve.scale)
+    found = curve.correct(guess, p.x + change[-1] * curve.size, p.tangent, most=8)
+    if found is None or inner(found.tangent, p.tangent) < COSINE:
+        return None
+    return stage(found)
+
+
+def at_value(curve: Curve, here: Stage, there: Stage, x: float) -> Stage | None:
+    """The point at x between two neighbours of a branch."""
+    a, b = here.point, there.point
+    share = (x - a.x) / (b.x - a.x)
+    found = begin(curve, replace(a.shape, y=a.shape.y + share * (b.shape.y - a.shape.y)), x)
+    if found is None:
+        return None
+    tangent = found.point.tangent if inner(found.point.tangent, a.tangent) >= 0 else -found.point.tangent
+    return replace(found, point=replace(found.point, x=x, tangent=tangent))
+
+
+def special_between(curve: Curve, here: Stage, there: Stage, step: float) -> Stage | None:
+    """The special point within a step after which the index or the sense of x differs; None where it is not enclosed.
+
+    A change of branch has no place at which the points on both sides meet, so it is not enclosed.
+    """
+    turned = here.point.tangent[-1] * there.point.tangent[-1] < 0
+    low, high, before, after = 0.0, step, here, there
+    for _ in range(60):
+        rate, last = before.point.tangent[-1], after.point.tangent[-1]
+        middle = low + (high - low) * (min(0.9, max(0.1, rate / (rate - last))) if turned else 0.5)
+        found = ahead(curve, here, middle)
+        if found is None or (not turned and high - low < NARROW * step):
+            break
+        if turned and abs(found.point.tangent[-1]) < FLAT:
+            return replace(found, kind=FOLD if here.index != there.index or found.point.shape.rod.rubbed else PITCHFORK)
+        same = found.point.tangent[-1] * rate > 0 if turned else found.index == here.index
+        low, high, before, after = (middle, high, found, after) if same else (low, middle, before, found)
+    change = curve.direction_between(before.point, after.point)
+    return (
+        None if turned or inner(change, change) > (2 * (high - low) + SAME) ** 2 else replace(after, kind=BRANCH_POINT)
+    )
+
+
+def stages(
+    curve: Curve, first: Stage, sense: float, limits: tuple[float, float], wanted: Array, most: int
+) -> tuple[list[Stage], str]:
+    """The points after the first one while x leaves it in a sense, 1 or -1, and why there are no more.
+
+    wanted: values at which there are points, those of the first and of both limits included.
+    """
+    tangent = first.point.tangent * np.sign(first.point.tangent[-1] or 1.0) * sense
+    here, step = replace(first, point=replace(first.point, tangent=tangent)), FIRST
+    found: list[Stage] = []
+    while len(found) < most:
+        there = ahead(curve, here, step)
+        special = None
+        if there is not None and abs(there.index - here.index) > 1 and step > SHORT:  # several branch points
+            there = None
+        elif there is not None:
+            turned = here.point.tangent[-1] * there.point.tangent[-1] < 0
+            if turned or there.index != here.index:
+                special = special_between(curve, here, there, step)
+                there = special and there
+        if there is None:
+            step /= 2
+            if step < LEAST:
+                return found, "Newton's method did not converge on the way"
+            continue
+        for target in (special, there) if special is not None else (there,):
+            a, b = here.x, target.x
+            inside = sorted((v for v in wanted if min(a, b) < v < max(a, b)), reverse=bool(b < a))
+            for value in inside:
+                met = at_value(curve, here, target, float(value))
+                if met is None:
+                    continue
+                found.append(met)
+                if value in limits:
+                    return found, END
+                if value == first.x and is_same(curve, met, first):
+                    return found, CLOSED
+            found.append(target)
+            here = target
+        here = there
+        step = min(LONGEST, step * 1.6) if there.point.shape.steps <= 4 else step
+    return found, f"the limit of {most} points"
+
+
+def is_same(curve: Curve, one: Stage, other: Stage) -> bool:
+    """Whether two points are one shape."""
+    return bool((np.abs(one.point.shape.y - other.point.shape.y) / curve.scale)[:, :3].max() < SAME)
+
+
+def both_ways(curve: Curve, shape: Shape, x: float, low: float, high: float, wanted: Array, most: int) -> (
+    tuple[list[Stage], int, str, str] | None
+):  # fmt: skip
+    """The points of the branch of a shape at x with the place of its own, and why it stops at its begin and end.
+
+    None where the shape is no equilibrium.
+    """
+    first = begin(curve, shape, x)
+    if first is None:
+        return None
+    sides: list[tuple[list[Stage], str]] = []
+    for sense, last in ((-1.0, low), (1.0, high)):
+        closed = bool(sides) and sides[0][1] == CLOSED
+        idle = x == last or closed
+        found = ([], CLOSED if closed else END) if idle else stages(curve, first, sense, (low, high), wanted, most)
+        sides.append(found)
+    if sides[0][0] and not sides[1][0]:
+        sides.reverse()
+    (before, why), (after, then) = sides
+    return [*before[::-1], first, *after], len(before), why, then
