@@ -112,7 +112,8 @@ def _varying(solution: Solution, field: dict[str, ArrayLike], points: int) -> Br
     if name not in fields_of(case):
         raise InputError(f"with weight or friction follow takes a field that the case gives, got {name}")
     low, high, every = _range(case, name, wanted)
-    curve, shape = path_at(solution, partial(with_field, case, name), low, high)
+    known = solution.trajectory.shapes.of(0)
+    curve, shape = path_at(case, known, partial(with_field, case, name), low, high)
     found = both_ways(curve, shape, value_of(case, name), low, high, np.array(every), _most(points))
     if found is None:
         raise InputError("the equilibrium cannot be followed: Newton's method did not converge from it")

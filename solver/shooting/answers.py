@@ -1,7 +1,7 @@
 """The answers to cases whose loads vary along the rod: start problems by one march, ends problems one by one."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import HALF, Shape, correct, linear_at
 from .numbers import rods_of, starts_of
 from .varying_shapes import Marched, Nodes, VaryingShapes, read_states
-
-if TYPE_CHECKING:
-    from ..solution import Solution
 
 SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error
 SAFETY, ROUNDING = 3.0, 2e-16
@@ -93,13 +90,13 @@ def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[End
     )  # fmt: skip
 
 
-def path_at(sol: "Solution", case_at: Callable[[float], Case], low: float, high: float) -> tuple[Curve, Shape]:
-    """The curve of equilibria of a case that depends on one number, from low to high, and the shape of a solution."""
+def path_at(case: Case, known: Nodes, case_at: Callable[[float], Case], low: float, high: float) -> tuple[Curve, Shape]:
+    """The curve of equilibria of a case that depends on one number, from low to high, and a shape of it."""
 
     def rod_at(x: float) -> LoadedRod:
         return rods_of(case_at(x))[1][0]
 
-    rod, known = rods_of(sol.case)[1][0], sol.trajectory.shapes.of(0)
+    rod = rods_of(case)[1][0]
     u = max((one.nodes() / one.span for one in (rod_at(low), rod, rod_at(high))), key=len)
     return Curve(rod_at, high - low, rod.scale), Shape(rod, u * rod.span, known.at(u * known.t[-1]))
 
