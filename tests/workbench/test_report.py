@@ -23,7 +23,7 @@ from PIL import Image, PngImagePlugin
 from solver.problem.errors import InputError
 from studies import READINGS, load, names, reasons
 from tests.workbench import browser, node, small
-from tests.workbench.pictures import share_of_hue
+from tests.workbench.pictures import shares_of_push
 from workbench.data import labels, law_verdicts, writing
 from workbench.figures import style
 from workbench.run import in_memory
@@ -465,11 +465,13 @@ def test_on_a_machine_without_opengl_everything_else_is_done(readings, monkeypat
     assert report.count('class="turntable') == len(PAPER)
 
 
-def test_a_drawing_is_packed_without_loss(tmp_path) -> None:
+def test_a_drawing_is_packed_as_sharp_as_it_is(tmp_path) -> None:
     dots = np.random.default_rng(5).integers(0, 256, (20, 30, 3), dtype=np.uint8)
     image.imsave(tmp_path / "dots.png", dots)
     packed = document._picture(tmp_path / "dots.png", "dots", document.DRAWING)["src"].partition(",")[2]
-    np.testing.assert_array_equal(image.imread(BytesIO(base64.b64decode(packed)), format="webp")[..., :3], dots)
+    found = image.imread(BytesIO(base64.b64decode(packed)), format="webp")[..., :3].astype(int)
+    assert np.abs(found - dots).max() <= 3  # of 255: of the colours alone something is lost, and no eye sees it
+    assert {0, 255} <= set(found.ravel())
 
 
 def test_a_picture_keeps_a_narrow_white_margin(tmp_path) -> None:
@@ -567,7 +569,7 @@ def test_in_a_browser_the_rod_is_drawn_turns_and_nobody_is_asked(shown) -> None:
         return shown.execute_script(f"return document.querySelector('{FIGURE}').view.camera.azimuth")
 
     front, at = seen_in(shown), azimuth()
-    assert share_of_hue(front, "#de7800") > 0.02  # where the cylinder would have to pull
+    assert min(shares_of_push(front)) > 0.02
     canvas = shown.find_element("css selector", f"{FIGURE} canvas.rod")
     ActionChains(shown, duration=20).drag_and_drop_by_offset(canvas, 80, 0).perform()
     assert azimuth() == pytest.approx(at - 80 * 0.008, abs=0.02)  # rad a pixel of a drag

@@ -14,7 +14,7 @@ from matplotlib.textpath import TextToPath
 
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
-from ..data import push_colours, scene_look
+from ..data import push_colours
 
 PUSHED = "#{:02x}{:02x}{:02x}".format(*push_colours.PUSHED)  # the cylinder pushes
 LIFTED = "#{:02x}{:02x}{:02x}".format(*push_colours.PULLED)  # it would have to pull
@@ -23,7 +23,7 @@ BAND = "#f1f3f6"  # behind a line of a long rod
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
 VERDICT_COLOURS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#bb5802", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
 DATA = "#2f5f8f"  # numbers that are no push
-CROSSED = scene_look.CROSSED  # rings where a rod passes through itself
+CROSSED = "#b3004f"  # rings where a rod passes through itself
 PAIR = ("#5b3f8c", "#2f9a82")  # two of a kind that is no push
 # stability is the weight of a line; red is for what fails alone
 STABLE: dict[str, Any] = {"color": INK, "linewidth": 2.4, "linestyle": "-"}

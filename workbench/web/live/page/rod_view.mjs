@@ -31,7 +31,6 @@ export function makeView(canvas, mark, code, calm, lies = false) {
     easing = 0,
     rung = [];
   const told = noteBeside(canvas);
-  document.documentElement.style.setProperty("--crossed", code.crossed);
   const scene = makeScene(canvas, code, (lost) => {
     told(lost ? LOST : "");
     if (me.shape) placeRings();
