@@ -42,7 +42,7 @@ def columns(rod: Rod) -> list[Column]:
         )
     units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
     one = ds.isel(rod.where)
-    known = computed(line)
+    known = {name: values for name, values in computed(line).items() if np.isfinite(values).all()}
     for stored, array in one.data_vars.items():
         name = schema.CURVES.get(str(stored), str(stored))
         if array.dims == ("u",) and name in QUANTITIES:

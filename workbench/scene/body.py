@@ -12,6 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from solver.problem.errors import InputError
 
+from ..data import schema
 from ..data.schema import SECTION
 from ..geometry import centreline, self_contact, tube
 from ..geometry.centreline import Array, Centreline
@@ -173,6 +174,8 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
         if name not in ds:
             raise InputError(f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs")
     also = {name for name in ("solved", "outcome", "caution", "dbeta", *SECTION) if name in ds}
+    if any(name in ds for name in schema.VARYING):
+        also |= {name for name in ("contact", *schema.VARYING) if name in ds}
     one = ds[sorted(stored | also)]
     line = centreline.read(one, where)
     this = one.isel(dict(where))

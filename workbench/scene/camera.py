@@ -1,7 +1,7 @@
 """The camera of a scene: parallel projection, so one scale holds for all of the picture. No OpenGL."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +11,8 @@ from solver.problem.errors import InputError, no_such
 from ..geometry.centreline import Array
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from .body import Body
 
 # name -> its views, each with the angle about the axis from the side where the rod is and the angle above the plane
@@ -21,6 +23,7 @@ CAMERAS: dict[str, tuple[tuple[float, float], ...]] = {
     "front": ((0.0, 0.0),),
     "side": ((90.0, 0.0),),
 }
+LOW_SIDE_DOWN = np.radians(-120.0)  # azimuth of a viewer of a lying cylinder who looks down on its low side
 STEEPEST = 60.0  # degrees; beyond, lengths along the axis are hardly seen
 
 
@@ -36,12 +39,15 @@ class Camera:
         Pixels per length.
     seen_from
         Direction to the viewer in the axes of the first view's rods, (3,), where it was turned.
+    down
+        Direction of the weight of the rods, (3,); default: no weight, or several directions.
     """
 
     toward: Array
     up: Array
     per_unit: float = 1.0
     seen_from: Array | None = None
+    down: Array | None = None
 
     @property
     def page(self) -> Array:
@@ -81,17 +87,36 @@ def views_of(text: str | None) -> tuple[tuple[float, float], ...]:
     return ((azimuth, elevation),)
 
 
-def facing(bodies: Sequence["Body"], elevation: float = 0.0, lying: bool = False) -> Camera:
+def gravity(ds: "xr.Dataset", where: Mapping[str, int]) -> Array | None:
+    """The direction of the weight of the rods of a case, (3,); None without weight or for several directions."""
+    if "weight" not in ds or not ds["weight"].values.any():
+        return None
+    angles = np.unique(ds["inclination"].isel(where, missing_dims="ignore").values) if "inclination" in ds else [0.0]
+    return np.array([np.sin(angles[0]), 0.0, -np.cos(angles[0])]) if len(angles) == 1 else None
+
+
+def facing(bodies: Sequence["Body"], elevation: float = 0.0, lying: bool = False, down: Array | None = None) -> Camera:
     """The camera before the rods' mean azimuth; the axis goes up the page, or with `lying` to its right.
 
-    elevation: the angle by which it looks down on the plane across the axis [deg].
+    elevation: the angle by which it looks down on the plane across the axis [deg]. down: as of `Camera`; a viewer of a
+    lying cylinder then has its low side below.
     """
-    azimuth = azimuth_of(bodies)
+    low = down is not None and bool(np.hypot(*down[:2]) > 1e-9)
+    azimuth = LOW_SIDE_DOWN if low else azimuth_of(bodies)
     out, axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0]), np.array([0.0, 0.0, 1.0])
     above = np.radians(elevation)
     toward = np.cos(above) * out + np.sin(above) * axis
     flat = np.cos(above) * axis - np.sin(above) * out
-    return Camera(toward, np.cross(toward, flat) if lying else flat)
+    return Camera(toward, np.cross(toward, flat) if lying else flat, down=down)
+
+
+def upright(camera: Camera) -> Camera:
+    """The camera turned so that the weight points down the page; the same where there is none."""
+    if camera.down is None:
+        return camera
+    up = camera.toward * (camera.down @ camera.toward) - camera.down
+    size = float(np.linalg.norm(up))
+    return camera if size < 1e-6 else replace(camera, up=up / size)
 
 
 def azimuth_of(bodies: Sequence["Body"]) -> float:

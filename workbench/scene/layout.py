@@ -17,6 +17,7 @@ from solver.problem.errors import InputError
 from ..data import labels, selection
 from ..data.schema import axes_of
 from ..figures import canvas
+from ..geometry.centreline import Array
 from . import body as rods
 from . import camera as cameras
 from . import captions, colours, composition, long_rod, page
@@ -144,8 +145,8 @@ def _one(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str 
     if where != asked:
         notes += [f"{captions.case_values(ds, asked, settings.digits)} is not solved; this is the nearest solved case"]
     if long_rod.is_long(context):
-        return _in_lines(ds, kind, body, context, case, settings, notes)
-    rows, camera = _from_sides([body], context, settings)
+        return _in_lines(ds, kind, body, context, case, settings, notes, cameras.gravity(ds, where))
+    rows, camera = _from_sides([body], context, settings, cameras.gravity(ds, where))
     return composition.compose(Scene(ds, kind, rows, context, case, camera, settings, notes, glyph=len(rows[0]) == 1))
 
 
@@ -161,12 +162,19 @@ def _nearest_solved(ds: xr.Dataset, where: Where, among: Sequence[Where] | None 
     return min(able, key=lambda each: sum(abs(each[name] - where[name]) for name in where), default=where)
 
 
-def _from_sides(bodies: Sequence[Body], context: Sequence[Body], settings: Settings) -> tuple[list[list[View]], Camera]:
-    """Rods from all sides that the settings name, lying where that is larger; context: the rods that fix the frame."""
+def _from_sides(
+    bodies: Sequence[Body], context: Sequence[Body], settings: Settings, down: Array | None = None
+) -> tuple[list[list[View]], Camera]:
+    """Rods from all sides that the settings name, lying where that is larger; context: the rods that fix the frame.
+
+    Rods with weight, which acts along `down`, lie or are inclined as they are.
+    """
     ends = ends_of(context)
     lying = bool(np.ptp(ends) > LYING * 2 * max(body.reach for body in context))
     sides = cameras.views_of(settings.camera)
-    camera = cameras.facing(context, sides[0][1], lying)
+    if down is not None and settings.camera is None:
+        sides = ((0.0, sides[0][1]),)
+    camera = cameras.upright(cameras.facing(context, sides[0][1], lying or down is not None, down))
     cells = [Cell(_side(*side) if len(sides) > 1 else "") for side in sides]
     views = [View(bodies, cell, -np.radians(side[0]), ends, context) for side, cell in zip(sides, cells, strict=True)]
     toward = views[0].turn.T @ camera.toward
@@ -182,8 +190,9 @@ def _side(azimuth: float, elevation: float) -> str:
 
 
 def _in_lines(
-    ds: xr.Dataset, kind: Kind, body: Body, context: Sequence[Body], case: str, settings: Settings, notes: list[str]
-) -> Picture:
+    ds: xr.Dataset, kind: Kind, body: Body, context: Sequence[Body], case: str, settings: Settings, notes: list[str],
+    down: Array | None = None,
+) -> Picture:  # fmt: skip
     """All of a rod that would be too thin to see in one view."""
     azimuth, elevation = cameras.views_of(settings.camera)[0] if settings.camera else (0.0, 0.0)
     if elevation:
@@ -191,7 +200,7 @@ def _in_lines(
             f"a rod this long is set in lines, seen at right angles to its axis: --camera {settings.camera} has an "
             f"elevation of {elevation:g} degrees; draw a part of the rod with --from and --to"
         )
-    camera, turned = cameras.facing(context, lying=True), -np.radians(azimuth)
+    camera, turned = cameras.facing(context, lying=True, down=down), -np.radians(azimuth)
     scene = Scene(ds, kind, [[View([body], Cell())]], context, case, camera, settings, notes, gutter=GUTTER,
                   ringed=False)  # fmt: skip
     wide, high = (side * settings.dpi for side in room(scene))

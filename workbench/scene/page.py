@@ -30,7 +30,7 @@ MARGIN = 0.15  # around the page
 AFTER = 0.1  # from the title to the views, and from the views to the line below
 HEAD = 0.17  # the height of a line of headings
 FOOT, APART = 0.42, 0.22  # the height of glyph and bars, and the gap after each
-GLYPH, SCALE, BAR = 0.62, 1.0, 1.6  # widths: the glyph, the longest scale bar, the colour bar
+GLYPH, WEIGHT, SCALE, BAR = 0.62, 0.5, 1.0, 1.6  # widths: the glyph, the longest scale bar, the colour bar
 PATCH = 0.13  # a colour of the legend
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 QUALITY = 92  # of JPEG
@@ -51,6 +51,8 @@ class Words:
         The direction to the viewer, (3,), where one view shows it; default: no glyph.
     along
         The share of a length along the axis that is seen.
+    down
+        The direction of the weight on the page, (2,); default: no arrow.
     """
 
     title: str
@@ -63,6 +65,7 @@ class Words:
     rows: Sequence[str] = ()
     toward: NDArray[np.float64] | None = None
     along: float = 1.0
+    down: NDArray[np.float64] | None = None
 
     @property
     def heads(self) -> tuple[float, float]:
@@ -83,6 +86,7 @@ class Words:
     def beside(self, width: float) -> tuple[float, list[tuple[str, str]]]:
         """Where the legend begins on a page of that width, and its entries in lines that fit, the notes last."""
         left = MARGIN + (GLYPH + APART if self.toward is not None else 0.0) + SCALE + APART
+        left += WEIGHT + APART if self.down is not None else 0.0
         left += BAR + 1.4 * APART if self.bar else 0.0
         room = max(width - MARGIN - left - PATCH - 0.08, 1.0)
         entries = [*self.legend, *(("", note) for note in self.notes)]
@@ -245,6 +249,9 @@ def _draw_foot(fig: Figure, ax: Axes, page: Page) -> None:
     if words.toward is not None:
         _draw_glyph(ax, x, middle, words.toward)
         x += GLYPH + APART
+    if words.down is not None:
+        _draw_weight(ax, x, middle, words.down)
+        x += WEIGHT + APART
     _draw_scale(ax, x, middle, page.arrangement.per_unit * words.along, words.unit, words.along)
     x += SCALE + APART
     if words.bar:
@@ -307,6 +314,19 @@ def _draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> No
     ax.add_patch(Circle(tuple(eye), 0.014, facecolor=style.INK, linewidth=0))
     if way[0] < 0.8:
         ax.text(middle[0] + radius + 0.03, y, "α = 0", size=0.75 * style.SMALL, color=style.SOFT, va="center")
+
+
+def _draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None:
+    """An arrow along the weight of the rods."""
+    way = 0.17 * np.asarray(down) / max(float(np.hypot(*down)), 1e-9)
+    middle = np.array([x + 0.14, y])
+    ax.annotate(
+        "",
+        tuple(middle + way),
+        tuple(middle - way),
+        arrowprops={"arrowstyle": "-|>", "color": style.INK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0},
+    )
+    ax.text(x + 0.3, y, "weight", size=0.75 * style.SMALL, color=style.SOFT, va="center")
 
 
 def draw_bar(fig: Figure, bar: Bar, corner: tuple[float, float], size: tuple[float, float]) -> None:

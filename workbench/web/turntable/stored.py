@@ -72,6 +72,8 @@ def stored(
     base = selection.case(ds, at)
     fixed = {selection.axis_of(ds, name) for name in at}
     free = [name for name in axes_of(ds) if name not in fixed]
+    if schema.loads_vary(ds):
+        raise InputError("a page of turning rods needs rods without weight and friction: make a picture, a .png")
     n = ds.sizes["u"]
     chosen = _chosen({name: ds.sizes[name] for name in free}, base, most_bytes // (ROWS * BYTES * n))
     wheres = [base | dict(zip(free, one, strict=True)) for one in product(*chosen.values())]

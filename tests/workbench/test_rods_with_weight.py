@@ -1,0 +1,86 @@
+"""Stored rods with weight: their curve between stations, exports, and scenes in which the weight points down."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import InputError
+from studies import loads
+from workbench.data import left_out
+from workbench.export import stored_rod
+from workbench.geometry import centreline
+from workbench.run import in_memory
+from workbench.scene import camera, layout
+from workbench.scene.settings import Settings
+from workbench.web.turntable import stored
+
+STUDY = """
+title = "a pipe"
+stations = {stations}
+[units]
+length = "m"
+force = "kN"
+[base]
+EI = 1228.0
+GJ = 945.0
+a = 0.0635
+L = 60.0
+weight = 0.242
+R = 0.10795
+side = "inside"
+beta0 = 0.0
+betaL = 0.0
+FZ = -220.0
+[axes.inclination]
+values = ["60deg", "90deg"]
+"""
+
+
+def pipes(stations: int) -> xr.Dataset:
+    return in_memory.run(loads(STUDY.format(stations=stations)))
+
+
+@pytest.fixture(scope="module")
+def ds() -> xr.Dataset:
+    return pipes(121)
+
+
+LYING: Mapping[str, int] = {"inclination": 1}
+
+
+def test_the_curve_of_a_stored_rod_with_weight_is_that_of_more_stations(ds: xr.Dataset) -> None:
+    line, fine = centreline.read(ds, LYING), centreline.read(pipes(961), LYING)
+    place, exact = line.frame(fine.s)[0], fine.frame(fine.s)[0]
+    assert np.abs(place - exact).max() < 1e-5 * line.rho
+    assert line.error < 1e-5 * line.rho
+    assert np.abs(line.push(fine.s) - fine.push(fine.s)).max() < 1e-3 * 0.242
+
+
+def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Dataset) -> None:
+    for where, up in (({"inclination": 0}, [-np.sqrt(3) / 2, 0.0, 0.5]), (LYING, [-1.0, 0.0, 0.0])):
+        down = camera.gravity(ds, where)
+        assert down == pytest.approx(-np.array(up), abs=1e-12)
+        seen = camera.upright(camera.facing([], 20.0, True, down))
+        right, above = seen.page @ np.array(up)
+        assert right == pytest.approx(0, abs=1e-12)
+        assert above > 0.5
+        assert (seen.page @ np.array([0.0, 0.0, 1.0]))[0] > 0.5  # s goes to the right
+    assert camera.gravity(ds, {}) is None  # one picture, two inclinations
+    made = layout.compose(ds, {"inclination": np.pi / 2}, settings=Settings(span=(20.0, 24.0))).page
+    assert made.words.down == pytest.approx([0.0, made.words.down[1]], abs=1e-12)
+    assert made.words.notes[-1] == left_out.sentence({"weight": 0.242})
+
+
+def test_a_table_of_a_rod_with_weight_has_no_force_that_is_not_known(ds: xr.Dataset, tmp_path) -> None:
+    stored_rod.export(ds, tmp_path / "rod.csv", stored_rod.Options(at={"inclination": np.pi / 2}))
+    head, *rows = (tmp_path / "rod.csv").read_text(encoding="utf-8").splitlines()
+    assert "contact [kN/m]" in head
+    assert "FY" not in head
+    assert "nan" not in "".join(rows)
+
+
+def test_a_page_of_turning_rods_with_weight_is_refused(ds: xr.Dataset) -> None:
+    with pytest.raises(InputError, match="needs rods without weight and friction: make a picture"):
+        stored.stored(ds, {})
