@@ -11,11 +11,13 @@ import { makePrint } from "./print.mjs";
 import { showBar } from "./push_bar.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
 import { crossings } from "./self_contact.mjs";
+import { showScale } from "./scale_bar.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
 import { post, unpacked } from "./server.mjs";
 import { fromHash, toHash } from "./study_text.mjs";
 import { makeView } from "./rod_view.mjs";
 import { number } from "./text.mjs";
+import { drawTriad } from "./triad.mjs";
 
 const PATIENCE = { numbers: 90, more: 250, list: 500 }; // ms of rest before what is slower
 const OFFLINE =
@@ -365,6 +367,10 @@ function prepare() {
     setCursor((Number(event.target.value) / 1000) * me.shape.s[me.shape.s.length - 1]),
   );
   view.picked = setCursor;
+  view.moved = (camera) => {
+    drawTriad(element("triad"), camera);
+    showScale(element("scale"), view, element("scene"), me.state.units.length);
+  };
   dark.addEventListener("change", () => {
     theme.forget();
     diagrams.paint();

@@ -204,8 +204,10 @@ export function makeView(canvas, mark, code, calm, lies = false) {
   }
 
   function place() {
-    me.moved(me.camera);
-    if (me.shape) placeRings();
+    if (me.shape) {
+      me.moved(me.camera);
+      placeRings();
+    }
     mark.hidden = !me.at || !me.shape || !scene;
     if (mark.hidden) return;
     const { x, y, behind } = onScreen(placeOf(me.shape.one, me.at, me.drawn.squeeze));

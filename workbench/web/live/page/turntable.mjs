@@ -5,6 +5,7 @@ import { makePrint } from "./print.mjs";
 import { showBar } from "./push_bar.mjs";
 import { solvedSource, storedSource } from "./rod_sources.mjs";
 import { makeView } from "./rod_view.mjs";
+import { showScale } from "./scale_bar.mjs";
 import { crossings } from "./self_contact.mjs";
 import { drawTriad } from "./triad.mjs";
 
@@ -97,7 +98,10 @@ export function turntable(figure, data, code, core, calm) {
   for (const [name, act] of Object.entries(acts)) part(name)?.addEventListener("click", act);
   canvas.addEventListener("pointerdown", () => spin(false));
   if (!part("still")) makePrint(canvas, view, NO_DIAGRAMS, NO_DIAGRAMS); // else paper gets the still picture
-  view.moved = (camera) => drawTriad(part("triad"), camera);
+  view.moved = (camera) => {
+    drawTriad(part("triad"), camera);
+    showScale(part("scale"), view, canvas, data.push.split("/").pop());
+  };
   scrollsPast(canvas);
   show({ fresh: true });
   return Object.assign(figure, { view, show, spin });
