@@ -19,6 +19,7 @@ from .problem.reduced import EndsProblem, reduce
 from .problem.tolerance import DEFAULT_TOLERANCE, checked_tolerance, whole_number
 from .problem.trajectory import Trajectory
 from .solution import Solution
+from .varying_equilibria import varying_equilibria
 
 if TYPE_CHECKING:
     from .orbit.periodic_orbit import Orbit
@@ -35,7 +36,7 @@ def equilibria(
     within: Mapping[str, Sequence[float]] | None = None, tries: int = TRIES,
     values: int | None = None,
 ) -> Equilibria:  # fmt: skip
-    """All equilibria of one ends problem; of one with held ends those that a search over stated ranges finds.
+    """All equilibria of one ends problem; of one with held ends or weight those that a search finds.
 
     Parameters
     ----------
@@ -88,6 +89,10 @@ def equilibria(
         values = whole_number("values", values, 2, MOST_VALUES)
     if within is not None and not isinstance(within, Mapping):
         raise InputError(f"within must be a mapping of a reaction to its lowest and highest value, got {within!r}")
+    if case.varies:
+        if within:
+            raise InputError("with weight equilibria searches over ranges of its own; leave within out")
+        return varying_equilibria(case, tol, stations)
     if held_of(case):
         return held_equilibria(case, tol, stations, most_swings, dict(within or {}), tries, values)
     if within:

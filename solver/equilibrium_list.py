@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from .boundary.paths import LevelPaths
 from .problem.shown import table_of
 from .solution import Solution
 
@@ -30,7 +30,7 @@ class Equilibrium:
         Share of the length where the cylinder pushes.
     stray : float
         The most that beta goes beyond its end angles, above the larger or below the smaller one [rad].
-    path : LevelPaths
+    path : LevelPaths, or that of `shooting.branch`
         Its level and its path, which identify it among the equilibria of the case.
     dead_index : int
         Morse index under dead loads, between its own end angles; -1: not known.
@@ -55,7 +55,7 @@ class Equilibrium:
     turns: int
     attached: float
     stray: float
-    path: LevelPaths = field(repr=False)
+    path: Any = field(repr=False)
     dead_index: int = field(repr=False)
     found_by: str = field(default="levels", repr=False)
 

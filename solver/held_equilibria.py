@@ -85,7 +85,6 @@ def _equilibrium(case: Case, given: Given, state: State, how: str, t: Any, tol: 
     solution = Solution(case, state.problem, trajectory, t, "shooting", tol)
     seen = observe(solution, ["turns", "attached"])
     held, dead = float(solution.held_index), dead_index_of(state)
-    stray = _stray(solution)
     return Equilibrium(
         solution,
         int(held) if np.isfinite(held) else -1,
@@ -93,7 +92,7 @@ def _equilibrium(case: Case, given: Given, state: State, how: str, t: Any, tol: 
         float(solution.dbeta[0]),
         int(seen["turns"]),
         float(seen["attached"]),
-        stray,
+        stray(solution),
         state.path.level_path,
         int(dead) if np.isfinite(dead) else -1,
         how,
@@ -122,7 +121,7 @@ def _given_back(solution: Solution) -> float:
     return work
 
 
-def _stray(solution: Solution) -> float:
+def stray(solution: Solution) -> float:
     """The most that beta goes beyond its end angles, above the larger or below the smaller one [rad]."""
     ends = solution.beta[[0, -1]]
     return max(float(solution.beta.max() - ends.max()), float(ends.min() - solution.beta.min()), 0.0)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..numerics.arrays import Array
+from ..problem.errors import InputError
 from .branch import index_of_any
 from .curve import Curve, Point, inner
 from .newton import Shape
@@ -51,7 +52,10 @@ def ahead(curve: Curve, here: Stage, step: float) -> Stage | None:
     p = here.point
     change = step * p.tangent
     guess = Shape(p.shape.rod, p.shape.t, p.shape.y + change[:-1].reshape(p.shape.y.shape) * curve.scale)
-    found = curve.correct(guess, p.x + change[-1] * curve.size, p.tangent, most=8)
+    try:
+        found = curve.correct(guess, p.x + change[-1] * curve.size, p.tangent, most=8)
+    except InputError:  # no case has such a value
+        return None
     if found is None or inner(found.tangent, p.tangent) < COSINE:
         return None
     return stage(found)

@@ -1,5 +1,6 @@
 """Rods with weight and friction: balance in space, exact limits, and the Morse index."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.interpolate import make_interp_spline
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, follow, observe, solve
 from solver.core.varying_loads import march
 from solver.problem.case import SLIDING
+from solver.problem.reduced import reduce
 from solver.shooting.branch import buckling_tension, index_at, straight_shape
 from solver.shooting.loaded_rod import LoadedRod
 
@@ -113,6 +115,20 @@ def test_a_buckled_pipe_is_followed_back_to_its_pitchfork_and_through_its_folds(
         assert point.solution.solved
         assert max(unbalanced(solve(point.case, seed=point.solution, stations=2001))) < 1e-7
     assert branch.to_dataset(stations=11).sizes["u"] == 11
+
+
+def test_the_equilibria_that_a_search_finds_are_counted_by_degree() -> None:
+    rod, hole = Rod(EI=1.0, GJ=0.8, a=0.2, L=4.0, weight=0.5), Cylinder(R=0.8, inclination="70deg")
+    found = equilibria(Case(rod, hole, Ends(beta0=0.3, betaL=-0.2, FZ=-2.5, M3=0.3, alpha=0.4)), stations=2001)
+    assert not found.complete
+    assert "add up to 1, by degree to 1" in found.remark
+    assert "missing" not in found.remark
+    assert len(found) > 2
+    assert found[0].index == 0
+    for one in found:
+        assert one.solution.solved
+        assert max(unbalanced(one.solution)) < 1e-7
+        assert one.index == one.solution.held_index
 
 
 def straight(across: float, span: float, load: float, mu: float, along: float = 0, held: str = "azimuth") -> LoadedRod:
@@ -228,7 +244,13 @@ def test_a_long_start_problem_says_that_it_has_lost_its_digits() -> None:
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda case: equilibria(case), "this task needs loads that are constant along the rod, got weight=3.0"),
+        (lambda case: reduce(case), "this task needs loads that are constant along the rod, got weight=3.0"),
+        (lambda case: equilibria(case, within={"FZ": (0, 1)}), "leave within out"),
+        (
+            lambda case: equilibria(replace(case, cylinder=Cylinder(R=0.75, friction=0.1))),
+            "with friction are not searched",
+        ),
+        (lambda case: follow(solve(case), height=4.0), "takes a field that the case gives, got height"),
         (lambda case: solve(case, method="orbit"), "is solved by shooting alone"),
         (lambda case: solve(case, choose="lowest"), "needs all equilibria"),
         (lambda case: solve(case, seed=0.1), "seed of a rod with weight or friction is 'straight'"),

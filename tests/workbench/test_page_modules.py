@@ -338,9 +338,12 @@ def test_the_scale_of_the_push_has_the_ends_and_the_words_of_the_stills() -> Non
 
 
 def test_the_shadow_on_the_wall_is_that_of_the_stills() -> None:
-    script = SHAPE + """
+    script = (
+        SHAPE
+        + """
     const wall = tube.cylinder(shape, 1), look = given.look, map = wall_light.wallLight(shape, 1, wall, look, false);
     answer([map.width, map.height, wall.low, wall.high, Array.from(map.bytes)]);"""
+    )
     look = scene_look.for_pages()
     width, height, low, high, light = run(script, state() | {"look": look}, (*MODULES, "tube", "wall_light"))
     sol = solve(case_of(state()), stations=4001)
