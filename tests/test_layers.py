@@ -33,8 +33,8 @@ FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 LISTS = {
     "solver": [
         "numerics", "problem", "mechanics", "core", "orbit", "closed", "boundary", "shooting", "methods", "shape",
-        "observe", "sensitivity", "solution", "solve", "equilibrium_list", "held_equilibria", "varying_equilibria", "equilibria",
-        "branch", "follow", "switch", "end_angle_branch", "region_map", "loops", "inverse", "benchmark",
+        "observe", "sensitivity", "solution", "solve", "equilibrium_list", "held_equilibria", "varying_equilibria",
+        "equilibria", "branch", "follow", "switch", "end_angle_branch", "region_map", "loops", "inverse", "benchmark",
     ],
     "workbench": [
         "data", "geometry", "run", "branches", "influence", "fitting", "figures", "scene", "export", "compare", "web",
