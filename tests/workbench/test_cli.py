@@ -373,7 +373,7 @@ REFUSED = {
     ),
     "an option of maps for lines": (
         ["plot", "small.h5", "--kind", "lines", "--at", "E=1e4"],
-        "--at is no option of --kind lines; choose --kind from map, curves, ridge, portrait",
+        "--at is no option of --kind lines; choose --kind from map, curves, ridge, portrait, states",
     ),
     "too many shapes": (["plot", "small.h5", "--shapes", "13x1"], "two numbers from 1 to 12 such as 5x5, got '13x1'"),
     "no number of shapes": (["plot", "small.h5", "--shapes", "0x2"], "from 1 to 12 such as 5x5, got '0x2'"),

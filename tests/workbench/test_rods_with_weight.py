@@ -10,6 +10,7 @@ from solver import InputError
 from studies import loads
 from workbench.data import left_out
 from workbench.export import stored_rod
+from workbench.figures import portrait, states
 from workbench.geometry import centreline
 from workbench.run import in_memory
 from workbench.scene import camera, layout
@@ -84,3 +85,11 @@ def test_a_table_of_a_rod_with_weight_has_no_force_that_is_not_known(ds: xr.Data
 def test_a_page_of_turning_rods_with_weight_is_refused(ds: xr.Dataset) -> None:
     with pytest.raises(InputError, match="needs rods without weight and friction: make a picture"):
         stored.stored(ds, {})
+
+
+def test_the_diagram_of_states_has_the_stretches_of_the_rods_and_a_portrait_is_refused(ds: xr.Dataset) -> None:
+    bars = [bar for bar in states.figure(ds).axes[0].patches]
+    assert {round(bar.get_y() + bar.get_height() / 2) for bar in bars} == {0, 1}
+    assert sum(bar.get_width() for bar in bars) == pytest.approx(2 * 60.0)
+    with pytest.raises(InputError, match="needs loads that are constant along the rod; choose --kind ridge or states"):
+        portrait.figure(ds)

@@ -27,8 +27,8 @@ def plot(
             "KIND",
             "map: each observable over two axes; lines: developed curves, and observables along each axis with their "
             "laws, or against the sampled fields; curves: developed curves in the colours of the push; ridge: β, κ and "
-            "the push along s; portrait: (β, β′) beside the potential G. Default: map for a grid of two axes or more, "
-            "else lines.",
+            "the push along s; portrait: (β, β′) beside the potential G; states: where rods are straight, "
+            "sinusoidal or helical. Default: map for a grid of two axes or more, else lines.",
         ),
     ] = None,
     x: Annotated[
@@ -147,7 +147,7 @@ def _kind(ds: "xr.Dataset", kind: str | None, options: dict[str, Any]) -> "tuple
 
     given = {name: value for name, value in options.items() if value}
     kind = study_pictures.kind_of(ds, kind, list(given))
-    if kind in ("curves", "ridge", "portrait"):
+    if kind in ("curves", "ridge", "portrait", "states"):
         ds = drawn_rods.gridded(ds)
     if "at" in given:
         given["at"] = at_option.values(ds, given["at"])

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from solver.mechanics.potential import TAU, Loads, potential, slope, slope_rate
 from solver.numerics.roots import bracketed
-from solver.problem.errors import no_such
+from solver.problem.errors import InputError, no_such
 
-from ..data import labels
+from ..data import labels, schema
 from . import canvas, drawn_rods, legend, style
 from .drawn_rods import DrawnRod
 from .scales import Ticks, angle_locator
@@ -64,6 +64,8 @@ def figure(
         raise no_such("panel", sheet.panel, PANELS)
     names = [name for name in PANELS if sheet.panel in (None, name)]
     most = max(int((sheet.width - 0.6) / COLUMN), 1)
+    if schema.loads_vary(ds):
+        raise InputError("a portrait needs loads that are constant along the rod; choose --kind ridge or states")
     found = drawn_rods.choose(ds, ("beta", "dbeta"), x, at, BANDS * most)
     windows = np.array([window_of(rod) for rod in found.solved])
     window = float(windows[:, 0].min()), float(windows[:, 1].max())

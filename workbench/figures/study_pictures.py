@@ -10,7 +10,7 @@ from solver.problem.errors import InputError, choices, no_such
 from studies.dimensions import SAMPLE
 
 from ..data import observed, refined, schema
-from . import curves, map_cells, map_figure, portrait, ridge, study_figure
+from . import curves, map_cells, map_figure, portrait, ridge, states, study_figure
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,7 @@ KINDS = {
     "curves": Kind(curves.figure, ("x", "at")),
     "ridge": Kind(ridge.figure, ("x", "at")),
     "portrait": Kind(portrait.figure, ("x", "at")),
+    "states": Kind(states.figure, ("x", "at")),
 }
 
 
