@@ -140,6 +140,7 @@ def saved(tmp_path_factory) -> Path:
 def test_the_page_draws_a_rod_and_says_what_it_is(page, tmp_path) -> None:
     page.until(lambda: page("return document.getElementById('o-overlaps')"), "the observables of the server")
     assert page("return document.getElementById('h-turns').innerText") == "6"
+    assert "turns around the cylinder" in page("return document.getElementById('headline').innerText")
     chip = page("return document.getElementById('chip').innerText")
     assert chip == (
         "Not physically possible. The rod passes through itself. The rod would lift off where the cylinder has to "
@@ -372,6 +373,7 @@ def test_every_preset_is_drawn_and_its_equilibria_can_be_stepped_through_with_th
     page.type("FZ", "174.52")  # no longer the ends of a helix: with those the search finds only the helix
     page.until(lambda: page("return page.list.length") > 1, "the equilibria")
     assert page("return page.list.length") == 5
+    assert page("return document.querySelectorAll('#list .stable polyline, #list .unstable polyline').length") == 5
     assert page("return page.here") == 0
     before, points = page.drawn(), page.points()
     page.click("next")

@@ -166,6 +166,7 @@ def test_the_equilibria_are_listed_lowest_energy_first(port) -> None:
     state = {**CABLE, "base": {**CABLE["base"], "FZ": 174.52}}  # no longer exactly the load of a helix
     rows = json.loads(asked(port, "POST", "/equilibria", {"state": state}).data)["rows"]
     assert len(rows) == 5
+    assert all(len(row["line"]["z"]) == len(row["line"]["around"]) > 100 for row in rows)  # their small pictures
     energies = np.array([row["energy"] for row in rows])
     assert (np.diff(energies) > -1e-12 * np.abs(energies).max()).all()
 

@@ -26,6 +26,7 @@ from ...export.stored_rod import export
 from ...run.block import columns
 from .page_shape import STATIONS, TOL, Shape, refuse_many
 
+SMALL = 240  # points of a small picture
 KEYS = ("title", "units", "reading", "base", "equilibrium")
 COUNTS = ("turns", "bend_number")
 
@@ -117,7 +118,14 @@ def list_equilibria(study: Study) -> list[dict[str, Any]]:
         raise InputError("a start problem has one solution only; hold both ends to list equilibria")
     refuse_many(case)
     found: list[Equilibrium] = equilibria(case, TOL, STATIONS)
-    return [equilibrium_row(one) for one in found]
+    return [equilibrium_row(one) | {"line": _line(one.solution, float(case.rho))} for one in found]
+
+
+def _line(sol: Solution, rho: float) -> dict[str, list[float]]:
+    """The unrolled centreline, z to the right and the distance around the cylinder downward, for a small picture."""
+    step = -(-(sol.s.size - 1) // SMALL)
+    rows = {"z": sol.z, "around": -rho * (sol.alpha - sol.alpha[0])}
+    return {name: [float(f"{value:.5g}") for value in row[::step]] for name, row in rows.items()}
 
 
 def stored(one: Shape) -> Any:

@@ -21,6 +21,7 @@ export function showRows(rows, sentences, quantities, units) {
     const [line, term, letter, amount] = ["div", "dt", "b", "dd"].map((tag) => document.createElement(tag));
     letter.textContent = symbol;
     const isSaid = `${words} `.startsWith(`${symbol} `); // the words begin with the symbol
+    letter.classList.toggle("said", isSaid);
     term.append(letter, isSaid ? words.slice(symbol.length) : ` ${words}`);
     if (isAnswer) amount.textContent = value ? "yes" : "no";
     else amount.textContent = withUnit(number(dimension === "rad" ? value / DEGREE : value), unitText(dimension, units));

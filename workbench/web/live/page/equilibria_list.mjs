@@ -1,5 +1,6 @@
-// The list of equilibria as a table with one radio button a row: one tab stop, arrow keys choose.
+// The list of equilibria as a table with a small rod and a radio button a row: one tab stop, arrow keys choose.
 
+import { range } from "./numbers.mjs";
 import { number } from "./text.mjs";
 
 /* The row that is nearest to an equilibrium by beta'(0) and energy, or -1. */
@@ -16,6 +17,31 @@ export function rowOf(list, at) {
   return away.indexOf(Math.min(...away));
 }
 
+const WIDE = 130,
+  TALLEST = 44, // pixels of a small rod
+  EDGE = 3,
+  SVG = "http://www.w3.org/2000/svg";
+
+/* A rod as a small unrolled line, at a scale of its own; a stable one is thick. */
+function smallRod({ line: { z, around }, index }) {
+  const [[left, right], [top, bottom]] = [range(z), range(around)],
+    scale = Math.min(WIDE / (right - left || 1e-300), TALLEST / (bottom - top || 1e-300)),
+    height = scale * (bottom - top),
+    svg = document.createElementNS(SVG, "svg"),
+    line = document.createElementNS(SVG, "polyline"),
+    points = z.map((v, k) => [scale * (v - left), scale * (around[k] - top)].map((size) => size.toFixed(1)).join(","));
+  const size = { width: WIDE + 2 * EDGE, height: height + 2 * EDGE };
+  for (const [name, value] of Object.entries(size)) svg.setAttribute(name, value.toFixed(1));
+  svg.setAttribute("viewBox", `${-EDGE} ${-EDGE} ${size.width} ${size.height.toFixed(1)}`);
+  svg.setAttribute("class", index === 0 ? "stable" : "unstable");
+  svg.setAttribute("aria-hidden", "true");
+  line.setAttribute("points", points.join(" "));
+  svg.append(line);
+  return svg;
+}
+
+const stability = (index) => (index === 0 ? "stable" : `unstable in ${index} way${index === 1 ? "" : "s"}`);
+
 export function showList(box, list, here, units, choose) {
   const focused = box.contains(document.activeElement);
   box.replaceChildren();
@@ -25,8 +51,9 @@ export function showList(box, list, here, units, choose) {
     body = table.createTBody();
   table.setAttribute("aria-label", "Equilibria, lowest energy first");
   for (const text of [
-    "",
-    "index",
+    "number",
+    "unrolled, not to one scale",
+    "stability",
     "bends",
     `energy [${units.force} ${units.length}]`,
     `β₀′ [rad/${units.length}]`,
@@ -35,7 +62,6 @@ export function showList(box, list, here, units, choose) {
     const cell = document.createElement("th");
     cell.scope = "col";
     cell.textContent = text;
-    if (!text) cell.textContent = "number";
     head.append(cell);
   }
   list.forEach((one, i) => {
@@ -49,8 +75,9 @@ export function showList(box, list, here, units, choose) {
     const label = Object.assign(document.createElement("label"), { htmlFor: `e-${i}`, textContent: ` ${i + 1}` });
     row.className = i === here ? "list-row here" : "list-row";
     row.insertCell().append(pick, label);
+    row.insertCell().append(smallRod(one));
     for (const text of [
-      one.index === 0 ? "0, stable" : one.index,
+      stability(one.index),
       one.turns,
       number(one.energy, 5),
       number(one.dbeta0, 5),
