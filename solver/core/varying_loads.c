@@ -17,6 +17,7 @@ with o = 1 outside and -1 inside. */
 #define ORDER 20
 #define TERMS (ORDER + 1)
 #define STATES 8
+#define BENT 2   /* columns: changes by beta and beta_t, */
 #define WIDE 6   /* columns: changes by the first six numbers of the state, */
 #define GIVENS 9 /* and by the weight along, the weight across and the friction */
 #define MOST_STEPS 1000000
@@ -269,7 +270,7 @@ int64_t rod_loaded(int64_t count, const double *rod, const double *scale, int64_
         memcpy(y, begin + at * STATES, sizeof y);
         if (D) {
             memset(local, 0, sizeof local);
-            for (int i = 0; i < WIDE; i++) D[i * n + i] = 1;
+            for (int i = 0; i < n && i < WIDE; i++) D[i * n + i] = 1;
         }
         if (growth)
             for (int i = 0; i < WIDE; i++) growth[at * WIDE + i] = i == BETA;
@@ -287,13 +288,14 @@ int64_t rod_loaded(int64_t count, const double *rod, const double *scale, int64_
                 for (int k = 0; k < ORDER; k++) jacobian(&x, k);
                 if (mine[FRICTION] != 0)
                     for (int k = 0; k < ORDER; k++) jacobian_of_push(&x, mine, k);
-                if (n == WIDE) carried(&x, mine, h, D, d, WIDE);
+                if (n == BENT) carried(&x, mine, h, D, d, BENT);
+                else if (n == WIDE) carried(&x, mine, h, D, d, WIDE);
                 else carried(&x, mine, h, D, d, GIVENS);
             }
             evaluated(x.y, h, y);
             t += h;
             if (growth && D)
-                for (int i = 0; i < WIDE; i++) growth[at * WIDE + i] = fmax(growth[at * WIDE + i], fabs(D[i]));
+                for (int i = 0; i < n && i < WIDE; i++) growth[at * WIDE + i] = fmax(growth[at * WIDE + i], fabs(D[i]));
             if (final) break;
             if (t + h * 1e-3 <= t) { fails = 1; break; }
         }

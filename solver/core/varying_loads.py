@@ -11,7 +11,11 @@ from .library import begin_of, function, shared_out
 # q: lam - mu; short: t - z; round: gamma + alpha
 STATES = ("beta", "dbeta", "alpha", "q", "phi", "mu", "short", "round")
 SIZE = len(STATES)
-BY_STATE, BY_ALL = 6, 9  # columns: by the first six of the begin; by these, the weight along and across, the friction
+BY_ANGLE, BY_STATE, BY_ALL = (
+    2,
+    6,
+    9,
+)  # columns: by beta and beta_t; by the first six of the begin; by these, the weight along and across, the friction
 _TRUNCATION = 1e-17  # of the scale of each number, in a step
 
 _INT, _AT, _FLOAT = ctypes.c_int64, ctypes.c_void_p, ctypes.c_double
@@ -54,7 +58,7 @@ def march(
     length : array, (N,)
         Their lengths in t.
     columns : int
-        0, BY_STATE or BY_ALL: how many derivatives are marched too.
+        0, BY_ANGLE, BY_STATE or BY_ALL: how many derivatives are marched too.
     first, stations : arrays, (N + 1,) and (first[-1],)
         Stations first[i] .. first[i + 1] are those of stretch i, in t from its begin, rising.
     shorter : float

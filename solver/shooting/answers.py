@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..core.banded import solve_band
-from ..core.varying_loads import BY_STATE, SIZE, march
+from ..core.varying_loads import BY_ANGLE, SIZE, march
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.reduced import EndsProblem, StartProblem, flat
@@ -32,7 +32,7 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
     problem, numbers, begin, scale = starts_of(case)
     B, n = t.shape
     first, stations, alpha0 = n * np.arange(B + 1), t.reshape(-1), begin[:, ALPHA]
-    found = march(numbers, scale, begin, problem.span, BY_STATE, first, stations)
+    found = march(numbers, scale, begin, problem.span, BY_ANGLE, first, stations)
     other = march(numbers, scale, begin, problem.span, 0, first, stations, SHORTER)
     y, again = (np.concatenate([m.out.reshape(B, n, SIZE), m.end[:, None]], axis=1) for m in (found, other))
     whole = np.maximum(1, problem.span)[:, None]

@@ -10,8 +10,9 @@ from ..core.banded import solve_band
 from ..numerics.arrays import Array
 from .curve import Curve
 from .inertia import index_of
-from .loaded_rod import ALPHA, BETA, SHORT, SPEED, LoadedRod, Q
+from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import Shape, correct, linear_at, march_of
+from .varying_shapes import Nodes
 
 CLOSE = 1e-6  # relative: of the load at which the straight rod buckles
 LOOSE = 1e-4  # of the scales: a correction that is enough on the way
@@ -42,7 +43,25 @@ class Path:
 
 def index_at(shape: Shape, springs: Array | None = None) -> int:
     """The Morse index of a shape; with springs, of the shape that they hold."""
+    shape = shape if springs is not None else divided(shape)
     return index_of(shape.rod, march_of(shape)[1], shape.rod.scale, springs)
+
+
+def divided(shape: Shape) -> Shape:
+    """A shape with stretches so short that none holds a conjugate distance: the index counts by stretches.
+
+    The loads alone set the nodes; in a rod that goes far round, beta turns faster.
+    """
+    y, width = shape.y, np.diff(shape.t)
+    sin = np.maximum(np.abs(np.sin(y[1:, BETA])), np.abs(np.sin(y[:-1, BETA])))
+    sin = np.minimum(1, sin + width * np.maximum(np.abs(y[1:, SPEED]), np.abs(y[:-1, SPEED])))
+    loads = np.maximum(np.abs(y[1:]), np.abs(y[:-1]))
+    squares = loads[:, PHI] + (loads[:, Q] + 5 * loads[:, MU] + 6 * sin) * sin  # above |H'|
+    parts = np.ceil(width * np.sqrt(squares)).astype(int)
+    if not np.isfinite(squares).all() or (parts <= 1).all():
+        return shape
+    t = np.interp(np.arange(parts.clip(1).sum() + 1), np.append(0, np.cumsum(parts.clip(1))), shape.t)
+    return Shape(shape.rod, t, Nodes(shape.rod.numbers, shape.rod.scale, shape.t, y).at(t))
 
 
 def index_of_any(shape: Shape) -> int:

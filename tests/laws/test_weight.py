@@ -131,6 +131,17 @@ def test_the_equilibria_that_a_search_finds_are_counted_by_degree() -> None:
         assert one.index == one.solution.held_index
 
 
+def test_a_light_rod_that_goes_far_round_has_the_index_of_a_discrete_rod() -> None:
+    rod = Rod(EI=1.0, GJ=1 / 1.3, a=0.2, L=4.497046903160719, weight=0.04452907287034987)
+    hole = Cylinder(R=1.2, side="inside", inclination=1.4444908031213863)
+    ends = Ends(
+        beta0=0.024030764052155762, FZ=0.5835265177484465, M3=-0.2526507668942571, alpha=3.084601105494314,
+        azimuth=-0.977062216540949, M1L=0.0,
+    )  # fmt: skip
+    found = {round(one.dbeta0, 6): one.index for one in equilibria(Case(rod, hole, ends), stations=3)}
+    assert found[-0.876423] == 1  # of 60 straight pieces in space, by another code; -1 with nodes set by the loads
+
+
 def straight(across: float, span: float, load: float, mu: float, along: float = 0, held: str = "azimuth") -> LoadedRod:
     """A straight rod with hinges, in units of A and rho, unless an end is held."""
     numbers = np.array([1.3, along, across, 0.0, 0.0, 0.3, -1.0])
