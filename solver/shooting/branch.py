@@ -281,7 +281,8 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
 def weakest_modes(shape: Shape, count: int = 1, rounds: int = 4) -> Array:
     """The changes of the shape (count, N, 8) that the least forces make, the weakest first; the largest angle is 1.
 
-    In a long rod the two weakest differ in their phase alone, and hardly in their stiffness: hence Ritz vectors.
+    Fewer than asked for where they are not distinct. In a long rod the two weakest differ in their phase alone, and
+    hardly in their stiffness: hence Ritz vectors.
     """
     N, scale = shape.t.size, shape.rod.scale
     u = 2.399963 * np.arange(N)
@@ -299,7 +300,10 @@ def weakest_modes(shape: Shape, count: int = 1, rounds: int = 4) -> Array:
         mode = np.asarray(step).reshape(N, -1, count)
         moved = mode[:, angles]
         stiffness = np.einsum("nik,nil->kl", moved[1:] * work, push[1:])
-        found, mix = np.linalg.eig(np.linalg.solve(np.einsum("nik,nil->kl", moved, moved), stiffness + stiffness.T))
+        sizes = np.einsum("nik,nil->kl", moved, moved)
+        if np.linalg.matrix_rank(sizes, hermitian=True) < count:  # exactly at a buckling load all tend to one mode
+            return weakest_modes(shape, count - 1, rounds)
+        found, mix = np.linalg.eig(np.linalg.solve(sizes, stiffness + stiffness.T))
         mode = mode @ mix[:, np.argsort(-found)].real  # the force that makes an unstable change is along it here
         mode /= np.abs(mode[:, angles]).max(axis=(0, 1))
         push = mode[:, angles]

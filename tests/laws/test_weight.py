@@ -276,3 +276,14 @@ def test_what_weight_does_not_allow_is_refused_in_words(call: Any, sentence: str
     case = Case(Rod(**ROD), Cylinder(R=0.75, inclination="90deg"), Ends(beta0=0.0, betaL=0.1, FZ=5.0))
     with pytest.raises(InputError, match=sentence.replace("(", "\\(")):
         call(case)
+
+
+@pytest.mark.parametrize(("length", "load"), [(4.0, -850e3), (5.0, -525e3)])
+def test_a_short_hinged_pipe_buckles_also_where_its_second_mode_is_hidden_by_the_first(
+    length: float, load: float
+) -> None:
+    """At its buckling load the inverse iteration sends every start to the first mode, to the last digit."""
+    cylinder, ends = Cylinder(**HOLE, inclination="90deg"), Ends(M10=0.0, M1L=0.0, azimuth=0.0, FZ=load)
+    sol = solve(Case(Rod(L=length, **PIPE), cylinder, ends))
+    assert sol.solved
+    assert sol.held_index == 0

@@ -185,6 +185,8 @@ def _solved_again(ds: xr.Dataset, stations: int) -> xr.Dataset:
 
 
 def _with_outputs(study: Study, outputs: Any) -> Study:
+    """The study with these outputs alone; with weight or friction the curve of a rod needs its contact force too."""
+    needed = {*outputs, "contact"} if outputs and study.varies else outputs
     return study.model_copy(
-        update={"outputs": [name for name in OUTPUTS if name in outputs], "observables": [], "laws": []}
+        update={"outputs": [name for name in OUTPUTS if name in needed], "observables": [], "laws": []}
     )

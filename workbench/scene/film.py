@@ -120,7 +120,9 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     ends = ends_of(context)
     lying = bool(np.ptp(ends) > 1.3 * 2 * max(body.reach for body in context))
     (azimuth, elevation), *_ = cameras.views_of(None)
-    camera = cameras.facing(context, elevation, lying)
+    down = cameras.gravity(ds, {name: i for name, i in cases[0].items() if name != film.axis})
+    azimuth, elevation = (azimuth, elevation) if down is None else (0.0, 0.0 if lying else elevation)
+    camera = cameras.upright(cameras.facing(context, elevation, lying or down is not None, down))
     for k, (where, body) in enumerate(zip(cases, bodies, strict=True)):
         step(f"{film.axis} = {float(ds[film.axis][where[film.axis]]):.4g}")
         view = View([body] if body else [], Cell(), -np.radians(azimuth), ends, context)

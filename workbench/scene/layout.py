@@ -173,7 +173,7 @@ def _from_sides(
     lying = bool(np.ptp(ends) > LYING * 2 * max(body.reach for body in context))
     sides = cameras.views_of(settings.camera)
     if down is not None and settings.camera is None:
-        sides = ((0.0, sides[0][1]),)
+        sides = ((0.0, 0.0 if lying else sides[0][1]),)
     camera = cameras.upright(cameras.facing(context, sides[0][1], lying or down is not None, down))
     cells = [Cell(_side(*side) if len(sides) > 1 else "") for side in sides]
     views = [View(bodies, cell, -np.radians(side[0]), ends, context) for side, cell in zip(sides, cells, strict=True)]
