@@ -17,7 +17,7 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome-stable", "google-chro
 SIZE = (540, 377)  # CSS pixels of the page
 RATIO = 2  # pixels of the picture per CSS pixel
 STYLE = """
-.controls, .facts, .legend, .tools, .diagram:not(:has(#d-beta, #d-push)) { display: none; }
+.controls, .facts, .legend, .tools, .scale, .triad, .diagram:not(:has(#d-beta, #d-push)) { display: none; }
 #page { display: grid; grid-template: "stage diagrams" 100vh / 170px 1fr; }
 .stage { display: block; position: static; padding: 6px; border: 0; }
 .view { position: relative; height: 100%; border-width: 1px; border-radius: 6px; }

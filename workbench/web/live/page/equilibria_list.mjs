@@ -19,24 +19,22 @@ export function rowOf(list, at) {
 
 const WIDE = 130,
   TALLEST = 44, // pixels of a small rod
-  EDGE = 3,
-  SVG = "http://www.w3.org/2000/svg";
+  EDGE = 3;
 
 /* A rod as a small unrolled line, at a scale of its own; a stable one is thick. */
 function smallRod({ line: { z, around }, index }) {
   const [[left, right], [top, bottom]] = [range(z), range(around)],
     scale = Math.min(WIDE / (right - left || 1e-300), TALLEST / (bottom - top || 1e-300)),
     height = scale * (bottom - top),
-    svg = document.createElementNS(SVG, "svg"),
-    line = document.createElementNS(SVG, "polyline"),
+    cell = document.createElement("div"),
     points = z.map((v, k) => [scale * (v - left), scale * (around[k] - top)].map((size) => size.toFixed(1)).join(","));
-  const size = { width: WIDE + 2 * EDGE, height: height + 2 * EDGE };
+  cell.innerHTML = "<svg aria-hidden='true'><polyline /></svg>";
+  const svg = cell.firstChild,
+    size = { width: WIDE + 2 * EDGE, height: height + 2 * EDGE };
   for (const [name, value] of Object.entries(size)) svg.setAttribute(name, value.toFixed(1));
   svg.setAttribute("viewBox", `${-EDGE} ${-EDGE} ${size.width} ${size.height.toFixed(1)}`);
   svg.setAttribute("class", index === 0 ? "stable" : "unstable");
-  svg.setAttribute("aria-hidden", "true");
-  line.setAttribute("points", points.join(" "));
-  svg.append(line);
+  svg.firstChild.setAttribute("points", points.join(" "));
   return svg;
 }
 

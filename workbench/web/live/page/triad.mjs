@@ -6,7 +6,6 @@ const ARM = 26,
   LETTER = 36,
   MIDDLE = 44; // pixels
 const AXES = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
-const SVG = "http://www.w3.org/2000/svg";
 
 /* Draw the triad into an SVG element. */
 export function drawTriad(box, camera) {
@@ -28,8 +27,8 @@ export function drawTriad(box, camera) {
 
 function prepare(box) {
   for (const name of Object.keys(AXES)) {
-    const arm = document.createElementNS(SVG, "line"),
-      letter = document.createElementNS(SVG, "text");
+    const arm = document.createElementNS(box.namespaceURI, "line"),
+      letter = document.createElementNS(box.namespaceURI, "text");
     arm.setAttribute("class", name);
     arm.setAttribute("x1", MIDDLE);
     arm.setAttribute("y1", MIDDLE);
