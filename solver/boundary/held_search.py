@@ -50,9 +50,9 @@ class HeldFound:
     _known: list[Array] = field(default_factory=list)
 
     def add(self, state: State, how: str) -> bool:
-        """Add an equilibrium and its mirror images; whether it was new."""
+        """Add an equilibrium and its mirror images; whether it was new. A state without numbers is none."""
         state = _settled(state, self.given)
-        if is_known(state, self._known):
+        if not np.isfinite(numbers_of(state)).all() or is_known(state, self._known):
             return False
         self._known.append(numbers_of(state))
         values = {name: float(getattr(state.problem, name)[0]) for name in FREE}
