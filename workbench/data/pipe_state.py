@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 # A long lying pipe without torque, slender: forces in sqrt(A w sin(theta)/rho), `studies/pipe_horizontal.toml`.
 SINUSOID, PRESSED, LEAST_ENERGY, LIFTS_OFF = 2.0, 2.744687, 2.901122, 3.541672
+LEAVES = "leaves its branch"  # as `solver.shooting.answers.words_of` says it
 REACHES = {"m": 30.0, "ft": 100.0}  # lengths on which drillers state a dogleg
 
 
@@ -20,8 +21,9 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
         return []
     length, force = units["length"], units["force"]
     said = [f"state: {in_words(sol.states, length)}"]
-    if "leaves its branch" in (sol.begun or ""):
-        said.append(f"the answer continues from {sol.begun}")
+    begun = str(sol.begun or "")
+    if LEAVES in begun:
+        said.append(f"while the loads and the weight along the hole grow, the rod {begun[begun.index(LEAVES) :]}")
     said += _buckling(sol, force)
     said += _long_pipe(sol, force)
     said.append(_ends(sol, force, length))
