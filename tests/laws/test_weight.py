@@ -142,6 +142,25 @@ def test_a_light_rod_that_goes_far_round_has_the_index_of_a_discrete_rod() -> No
     assert found[-0.876423] == 1  # of 60 straight pieces in space, by another code; -1 with nodes set by the loads
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
+def test_no_branch_is_changed_in_silence(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(seed)
+    rod = Rod(EI=1.0, GJ=0.8, a=0.2, L=rng.uniform(2, 6), weight=rng.uniform(0.1, 2))
+    ends = Ends(*rng.uniform(-1, 1, 2), FZ=rng.normal() - 1, M3=rng.normal() / 2, alpha=rng.uniform(-3, 3))
+    sol, ways = solve(Case(rod, Cylinder(R=0.8, inclination=rng.uniform(0.3, 2.8)), ends)), []
+    if not sol.solved:
+        pytest.skip(str(sol.outcome))
+    for first, longest in ((0.02, 0.1), (0.006, 0.025)):
+        monkeypatch.setattr("solver.shooting.following.FIRST", first)
+        monkeypatch.setattr("solver.shooting.following.LONGEST", longest)
+        ways.append(follow(sol, FZ=float(ends.FZ) - 2))
+    long, short = ways
+    assert [one.kind for one in long.special] == [one.kind for one in short.special]
+    assert long.end == short.end
+    assert np.abs(long.points[-1].solution.beta - short.points[-1].solution.beta).max() < 1e-6
+
+
 def straight(across: float, span: float, load: float, mu: float, along: float = 0, held: str = "azimuth") -> LoadedRod:
     """A straight rod with hinges, in units of A and rho, unless an end is held."""
     numbers = np.array([1.3, along, across, 0.0, 0.0, 0.3, -1.0])
