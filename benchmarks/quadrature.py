@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.ends import REFERENCE
 from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.boundary.branch_coordinates import path_of
-from solver.boundary.continuation import continued
+from solver.boundary.continuation import resume
 from solver.methods.orbit import OrbitQuadrature
 from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import StartProblem, reduce
@@ -52,7 +52,7 @@ def works() -> Work:
         "rod at a saddle, gap 1e-100": (at_saddle(1e-100), 20),
         "31 equilibria of the reference problem": (lambda: equilibria(case), 7),
         "851 equilibria of the pipe of 300 m": (lambda: equilibria(pipe), 2),
-        "a step of continuation": (lambda: continued(first, path, last), 20),
+        "a step of continuation": (lambda: resume(first, path, last), 20),
         "solve with a seed near": (lambda: solve(near, seed=seed), 20),
     }
 

@@ -20,7 +20,7 @@ from solver.observe.observables import observe
 from studies import Study
 from studies.lattice import Lattice
 from studies.loader import load, loads
-from studies.refinement import stored
+from studies.refinement import store
 from workbench.data import refined
 from workbench.run import in_memory
 from workbench.run.study_store import Options, run_to_file
@@ -77,14 +77,14 @@ def main() -> None:
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     work = study(given.points)
     ds = in_memory.run(work)
-    found = refined.described(ds)
+    found = refined.describe(ds)
     lattice, cases, size = found.lattice, len(found.places), int(np.prod(found.lattice.sizes))
     grid = " x ".join(map(str, lattice.sizes))
     print(f"refined: {cases} cases; uniform: {grid} = {size} cases; share {100 * cases / size:.2f} %", flush=True)
     turns = uniform(work, lattice)
     at = tuple(found.places.T)
     print(f"cases with another number than on the uniform grid: {int((turns[at] != ds['turns'].values).sum())}")
-    cells = stored(lattice, found.places, np.empty((cases, 0)), np.empty(0), lattice.depth).cells[-1]
+    cells = store(lattice, found.places, np.empty((cases, 0)), np.empty(0), lattice.depth).cells[-1]
     wanted, known = boundary(turns), np.zeros([size - 1 for size in lattice.sizes], dtype=bool)
     known[tuple(cells.T)] = True
     print(f"boundary cells of the uniform grid: {int(wanted.sum())}; missed: {int((wanted & ~known).sum())}")

@@ -77,7 +77,7 @@ def ladders() -> dict[str, Ladder]:
     return {ladder.name: ladder for method in methods for ladder in method.ladders}
 
 
-def offered() -> dict[str, Ladder]:
+def offer() -> dict[str, Ladder]:
     """The ladders of the methods that can run here."""
     return {name: ladder for name, ladder in ladders().items() if METHODS[ladder.method].installed()}
 
@@ -107,7 +107,7 @@ def measure(
     for name, (case, reference, slope) in cases.items():
         told(name)
         seed = {} if slope is None else {"seed": _coarse(case, slope)}
-        for label, ladder in (offered() if ladders is None else ladders).items():
+        for label, ladder in (offer() if ladders is None else ladders).items():
             if case.kind in METHODS[ladder.method].problems:
                 rows += _climb(name, case, reference, label, ladder, seed)
     return rows
@@ -129,20 +129,20 @@ def _climb(
             why = f"not run: it would take more than {ladder.most:g} evaluations"
             yield Row(name, label, ladder.knob, value, False, why, "", *[np.nan] * 10)
             continue
-        sol, seconds = _timed(case, {**seed, **ladder.options(value)}, ladder.cold)
+        sol, seconds = _time(case, {**seed, **ladder.options(value)}, ladder.cold)
         taken = float(sol.evaluations)
-        yield Row(name, label, ladder.knob, value, bool(sol.solved), str(sol.outcome), _answered(sol), seconds,
+        yield Row(name, label, ladder.knob, value, bool(sol.solved), str(sol.outcome), _answer(sol), seconds,
                   taken, **achieved(sol, reference), estimate=float(sol.error), condition=float(sol.condition),
                   **drift(sol))  # fmt: skip
         before = value
 
 
-def _answered(sol: Solution) -> str:
+def _answer(sol: Solution) -> str:
     """The method whose answer a single solution is: a march that loses its orbit hands it over."""
     return OrbitQuadrature.name if np.any(getattr(sol.trajectory.orbit, "lost", False)) else sol.method
 
 
-def _timed(case: Case, options: Mapping[str, Any], cold: bool) -> tuple[Solution, float]:
+def _time(case: Case, options: Mapping[str, Any], cold: bool) -> tuple[Solution, float]:
     """The answer, and the least seconds of a few calls; a short or cold first call is not counted."""
     sol, first = _once(case, options)
     if first > _ENOUGH and not cold:

@@ -11,7 +11,7 @@ from .numerics.arrays import Array, Integers
 from .problem.case import Case
 from .problem.errors import InputError
 from .problem.reduced import EndsProblem, reduce
-from .problem.shown import made
+from .problem.shown import make
 from .solution import Solution
 
 FOLD, HELIX = "fold", "helix ceases"  # kinds of a special point
@@ -186,7 +186,7 @@ class Branch:
             The field, energy, height, azimuth, wraps, Morse index, number of bends and beta'(0) over `point`; beta,
             alpha and z over (point, u), u = s/L; `special`, the kind of each special point, else empty. Needs xarray.
         """
-        return made(DATASET, "dataset_of", self, stations, units)
+        return make(DATASET, "dataset_of", self, stations, units)
 
     def __repr__(self) -> str:
         kinds = [f"{one.kind} at {one.value:.6g}" for one in self.special]

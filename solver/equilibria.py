@@ -11,12 +11,12 @@ from .boundary.selection import NEAREST, Choose, select
 from .equilibrium_list import Equilibria, Equilibrium, in_order
 from .held_equilibria import TRIES, held_equilibria
 from .numerics.arrays import Array
-from .problem.case import Case, Ends, checked_case
+from .problem.case import Case, Ends, check_case
 from .problem.errors import InputError, choices
 from .problem.held_ends import held_of
 from .problem.limits import OUT_OF_RANGE, TOO_LARGE, TOO_LONG, beyond, dimensionless, not_too_long, representable
 from .problem.reduced import EndsProblem, reduce
-from .problem.tolerance import DEFAULT_TOLERANCE, checked_tolerance, whole_number
+from .problem.tolerance import DEFAULT_TOLERANCE, check_tolerance, whole_number
 from .problem.trajectory import Trajectory
 from .solution import Solution
 from .varying_equilibria import varying_equilibria
@@ -80,7 +80,7 @@ def equilibria(
     >>> found.complete, [one.index for one in found]
     (True, [0, 0, 1])
     """
-    case, tol = checked_case("equilibria", case), checked_tolerance(tol)
+    case, tol = check_case("equilibria", case), check_tolerance(tol)
     stations = whole_number("stations", stations, 2, MOST_LISTED)
     tries = whole_number("tries", tries, 0, MOST_TRIES)
     if most_swings is not None:
@@ -109,7 +109,7 @@ def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: in
     """All equilibria of one case under dead loads, `problem` in units of rho."""
     from .boundary.search import search  # only a call needs the modules behind these
     from .boundary.selected_equilibrium import equilibrium_trajectory
-    from .boundary.transit_times import repeated
+    from .boundary.transit_times import repeat
     from .observe.measurement import Reading
     from .observe.observables import OBSERVABLES
 
@@ -121,10 +121,10 @@ def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: in
     if all_of_them is None:
         return Equilibria([], NONE_FOUND)
     slopes, orbit, K = all_of_them.slope, all_of_them.orbit, all_of_them.slope.size
-    wide, index, stray = repeated(problem, K), all_of_them.index, all_of_them.stray
+    wide, index, stray = repeat(problem, K), all_of_them.index, all_of_them.stray
     t = wide.span[:, None] * np.linspace(0, 1, stations)
     together = equilibrium_trajectory(wide, orbit, t, tol)
-    read = Reading(Solution(_repeated(case, K), wide, together, t, "shooting", tol))
+    read = Reading(Solution(_repeat(case, K), wide, together, t, "shooting", tol))
     for name, angle in (("low", all_of_them.lowest), ("high", all_of_them.highest)):
         read.know(name, angle, read.error)
     turns, attached = OBSERVABLES["turns"].compute(read), OBSERVABLES["attached"].compute(read)[0]
@@ -138,7 +138,7 @@ def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: in
     return Equilibria(in_order(found), all_of_them.remark)
 
 
-def _repeated(case: Case, K: int) -> Case:
+def _repeat(case: Case, K: int) -> Case:
     """The same ends problem K times."""
     g = case.given
     assert isinstance(g, Ends)

@@ -12,7 +12,7 @@ from .numerics.arrays import Array
 from .problem.angles import doubt, given_by_a_program, warn
 from .problem.case import ANGLES, PAIRS, Case, Ends
 from .problem.case_fields import value_of, with_field
-from .problem.errors import InputError, choices, no_such, shown
+from .problem.errors import InputError, choices, no_such, show
 from .problem.field_rates import fields_of
 from .problem.field_values import in_rad
 from .problem.held_ends import held_of, reduce_held
@@ -69,15 +69,15 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     (-4.0, 'the end of the range')
     """
     from .boundary.branch_states import Bounds
-    from .boundary.exchanged_ends import exchanged
+    from .boundary.exchanged_ends import exchange
 
-    solution = _checked(solution)
+    solution = _check(solution)
     if solution.case.varies:
         return _varying(solution, field, points)
     case, path, begun = _equilibrium(solution)
     name, wanted = _field_and_values(case, field)
     if name not in fields_of(case):
-        case = exchanged(case, begun, path, name)
+        case = exchange(case, begun, path, name)
     bounds = Bounds(*_range(case, name, wanted), _most(points))
     solved = _Solver(solution.tol, solution.t[0] / solution.problem.span[0])
     return _branch(case, name, path, begun, bounds, solved)
@@ -149,7 +149,7 @@ def solutions_at(points: list[BranchPoint], case: Case, u: Array, tol: float) ->
     return Solution(case, *answer_ends(case, t, tol, [point.path for point in points]), t, "shooting", tol)
 
 
-def _checked(solution: object) -> Solution:
+def _check(solution: object) -> Solution:
     """One solved equilibrium. Raises `InputError`."""
     if not isinstance(solution, Solution):
         hint = "; give its solution" if hasattr(solution, "solution") else ""
@@ -188,9 +188,9 @@ def _field_and_values(case: Case, field: dict[str, ArrayLike]) -> tuple[str, Arr
         read = in_rad(np.array(values, dtype=object)) if name in ANGLES else values
         found = np.atleast_1d(np.asarray(read, dtype=float)).ravel()
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} must be a number or an array of numbers, got {shown(values)}") from None
+        raise InputError(f"{name} must be a number or an array of numbers, got {show(values)}") from None
     if not found.size or not np.isfinite(found).all():
-        raise InputError(f"{name} must be one or several finite numbers, got {shown(values)}")
+        raise InputError(f"{name} must be one or several finite numbers, got {show(values)}")
     if name in ANGLES and given_by_a_program() and (sentence := doubt(name, values)):
         warn(sentence)
     return name, found

@@ -14,7 +14,7 @@ from .boundary.held_system import Given, State
 from .equilibrium_list import Equilibrium, HeldEquilibria, HeldSearch, in_order
 from .observe import observe
 from .problem.case import PAIRS, Case, Ends
-from .problem.errors import InputError, no_such, shown
+from .problem.errors import InputError, no_such, show
 from .problem.held_ends import NUMBER_OF, held_of, reduce_held
 from .problem.limits import OUT_OF_RANGE, beyond, beyond_limits, units_held
 from .solution import Solution
@@ -71,10 +71,10 @@ def _ranges(case: Case, within: dict[str, Any]) -> dict[str, tuple[float, float]
             low, high = (float(end) for end in ends)
         except (TypeError, ValueError, OverflowError):
             raise InputError(
-                f"within[{shown(name)}] must be two numbers, the lowest and the highest, got {shown(ends)}"
+                f"within[{show(name)}] must be two numbers, the lowest and the highest, got {show(ends)}"
             ) from None
         if not (np.isfinite([low, high]).all() and low < high):
-            raise InputError(f"within[{shown(name)}] must be two finite rising numbers, got {shown(ends)}")
+            raise InputError(f"within[{show(name)}] must be two finite rising numbers, got {show(ends)}")
         found[name] = low, high
     return found
 

@@ -9,7 +9,7 @@ from .problem.case import Case, Cylinder, Rod, Start
 from .problem.errors import InputError
 from .problem.limits import OUT_OF_RANGE, beyond, units_held
 from .problem.reduced import reduce
-from .problem.shown import made
+from .problem.shown import make
 from .problem.tolerance import whole_number
 from .solution import SHOWN, Solution
 from .solve import solve
@@ -99,7 +99,7 @@ class Loops(list[Loop]):
         **units : str
             ``length`` and ``force``, the units of the rod; default: cm and N.
         """
-        return made(SHOWN, "dataset_of_loops", self, units)
+        return make(SHOWN, "dataset_of_loops", self, units)
 
 
 def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations: int = 401) -> Loops:
@@ -140,11 +140,11 @@ def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations
     >>> [one.index for one in found], found[0].push_min < 0
     ([2, 3], True)
     """
-    from .closed.orbits import CLOSE, closed_orbits  # only a call needs the modules behind these
+    from .closed.orbits import CLOSE, close_orbits  # only a call needs the modules behind these
 
-    span = _checked(rod, cylinder, wraps, folds)
+    span = _check(rod, cylinder, wraps, folds)
     found, remarks = [], []
-    pairs = zip((1, -1), ("pi/2", "-pi/2"), closed_orbits(span / folds, 2 * np.pi * wraps / folds), strict=True)
+    pairs = zip((1, -1), ("pi/2", "-pi/2"), close_orbits(span / folds, 2 * np.pi * wraps / folds), strict=True)
     for about, word, orbits in pairs:
         some = [_loop(rod, cylinder, wraps, folds, one, about, stations) for one in orbits if one.error < CLOSE]
         worst = max((one.closure for one in some), default=0.0)
@@ -154,7 +154,7 @@ def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations
     return Loops(sorted(found, key=lambda one: one.energy), tuple(remarks))
 
 
-def _checked(rod: Rod, cylinder: Cylinder, wraps: int, folds: int) -> float:
+def _check(rod: Rod, cylinder: Cylinder, wraps: int, folds: int) -> float:
     """L/rho of a rod that can form the loop."""
     counts: dict[str, Any] = {"wraps": wraps, "folds": folds}
     for name, value in counts.items():

@@ -9,7 +9,7 @@ import numpy as np
 
 from .numerics.arrays import Array
 from .observe.cautions import of_cases
-from .problem.shown import made, table_of
+from .problem.shown import make, table_of
 from .sensitivity import Sensitivity, sensitivity
 from .shape import Shape
 
@@ -142,7 +142,7 @@ class Solution(Shape):
         >>> dict(ds.beta.sizes), ds.z.units
         ({'E': 2, 'u': 201}, 'cm')
         """
-        return made(SHOWN, "dataset_of", self, units)
+        return make(SHOWN, "dataset_of", self, units)
 
     def plot(self, **units: str) -> Any:
         """Draw the solution; a notebook shows it inline.
@@ -158,7 +158,7 @@ class Solution(Shape):
             One case: its angle, push and developed curve; several cases: their developed curves. ``save("rod.pdf")``
             writes it, ``figure`` is the Matplotlib figure.
         """
-        return made(SHOWN, "plot_solution", self, units)
+        return make(SHOWN, "plot_solution", self, units)
 
     def scene(self, **units: str) -> Any:
         """The rod on its cylinder; a notebook shows it inline, and a reader turns it.
@@ -178,7 +178,7 @@ class Solution(Shape):
         InputError
             Where no case has a shape.
         """
-        return made(SHOWN, "scene_solution", self, units)
+        return make(SHOWN, "scene_solution", self, units)
 
     def export(self, path: Any, *, tolerance: float | None = None, replace: bool = False, **units: str) -> Any:
         """Write the rod to a file of another program; the suffix chooses the format.
@@ -204,7 +204,7 @@ class Solution(Shape):
         InputError
             An invalid name or unit, an existing file, too few stations, or a solid that the rod cannot be.
         """
-        return made(SHOWN, "export_solution", self, path, tolerance, replace, units)
+        return make(SHOWN, "export_solution", self, path, tolerance, replace, units)
 
     def __repr__(self) -> str:
         """The outcome and three numbers; of several cases how many are solved, and their ranges."""

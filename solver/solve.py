@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .boundary.selection import NEAREST, Choose, checked
+from .boundary.selection import NEAREST, Choose, check
 from .numerics.arrays import Array
-from .problem.case import Case, checked_case
-from .problem.errors import InputError, choices, shown
+from .problem.case import Case, check_case
+from .problem.errors import InputError, choices, show
 from .problem.held_ends import HeldProblem, held_of, reduce_held
 from .problem.limits import (
     OUT_OF_RANGE,
@@ -22,8 +22,8 @@ from .problem.limits import (
     units_held,
 )
 from .problem.reduced import EndsProblem, Reduced, StartProblem, flat, reduce
-from .problem.tolerance import DEFAULT_TOLERANCE, checked_tolerance, whole_number
-from .problem.trajectory import Seed, Trajectory, blanked, stood_in
+from .problem.tolerance import DEFAULT_TOLERANCE, check_tolerance, whole_number
+from .problem.trajectory import Seed, Trajectory, blank, stood_in
 from .solution import Solution
 
 if TYPE_CHECKING:
@@ -85,17 +85,17 @@ def solve(
     >>> print(solve(Case(rod, cylinder, Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1))).selection)
     17 equilibria, 3 stable; shown: the stable shape that swings least
     """
-    from .methods.automatic import chosen_method  # only a call of `solve` loads the methods
+    from .methods.automatic import choose_method  # only a call of `solve` loads the methods
 
-    case, tol = checked_case("solve", case), checked_tolerance(tol)
+    case, tol = check_case("solve", case), check_tolerance(tol)
     if case.varies:
         return _varying(case, tol, method, knobs, stations, seed, choose)
     if held_of(case):
-        return _held(case, tol, chosen_method("ends", method, knobs), stations, seed, checked(choose))
+        return _held(case, tol, choose_method("ends", method, knobs), stations, seed, check(choose))
     problem = reduce(case)
-    one = chosen_method(problem.kind, method, knobs)
+    one = choose_method(problem.kind, method, knobs)
     t = _stations(case, problem, stations)
-    choose = checked(choose)
+    choose = check(choose)
     if isinstance(problem, EndsProblem):
         if seed is not None and choose != NEAREST:
             raise InputError(f"a seed and choose = {choose!r} exclude each other: each selects an equilibrium")
@@ -160,9 +160,9 @@ def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose:
         told, found = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, start)
         for why in (TOO_LARGE, TOO_LONG):
             lost = told.outcome == why
-            told = blanked(told, ~lost, beyond(why, case)) if lost.any() else told
+            told = blank(told, ~lost, beyond(why, case)) if lost.any() else told
         for fine, why in ((representable(case, found), OUT_OF_RANGE), (units_held(case), OUT_OF_RANGE)):
-            told = told if fine.all() else blanked(told, fine, beyond(why, case))
+            told = told if fine.all() else blank(told, fine, beyond(why, case))
     return Solution(case, found, told, t, method.name, tol)
 
 
@@ -186,7 +186,7 @@ def _run(
         held &= ~fit | representable(case, problem.started(slope))
     refusals = (short, TOO_LONG), (held, OUT_OF_RANGE), (finite, TOO_LARGE), (units_held(case), OUT_OF_RANGE)
     for fine, why in refusals:
-        told = told if fine.all() else blanked(told, fine, beyond(why, case))
+        told = told if fine.all() else blank(told, fine, beyond(why, case))
     return told
 
 
@@ -234,7 +234,7 @@ def seed_of(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
         with np.errstate(over="ignore"):
             slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"seed must be beta'(0) or a Solution, got {shown(seed)}") from None
+        raise InputError(f"seed must be beta'(0) or a Solution, got {show(seed)}") from None
     from .methods import OrbitQuadrature
 
     assert not isinstance(problem, HeldProblem)

@@ -64,7 +64,7 @@ class _Units:
                 self._equal([node.left, *node.comparators], COMPARED[type(node.ops[0])][0])
                 return PLAIN
             case ast.Call():
-                return self._called(node)
+                return self._call(node)
             case ast.BinOp(op=ast.Add() | ast.Sub()):
                 return self._equal([node.left, node.right], BINARY[type(node.op)][0])
             case ast.BinOp(op=ast.Pow()):
@@ -75,7 +75,7 @@ class _Units:
                 return a[0] + sign * b[0], a[1] + sign * b[1]
         raise AssertionError(node)
 
-    def _called(self, node: ast.Call) -> Dimension | None:
+    def _call(self, node: ast.Call) -> Dimension | None:
         assert isinstance(node.func, ast.Name)
         name = node.func.id
         if name in KEEP_UNIT:
@@ -91,18 +91,18 @@ class _Units:
         if base == PLAIN:
             return PLAIN
         if any(isinstance(one, ast.Name) and one.id not in CONSTANTS for one in ast.walk(node.right)):
-            raise InputError(f"{self._told(node.left)}: its exponent must be a number, got {ast.unparse(node.right)!r}")
+            raise InputError(f"{self._tell(node.left)}: its exponent must be a number, got {ast.unparse(node.right)!r}")
         exponent = float(run({}, node.right))
         share = Fraction(exponent).limit_denominator(MOST_POWER) if isfinite(exponent) else Fraction(0)
         if abs(exponent) > MOST_POWER or abs(float(share) - exponent) > 1e-12:
             raise InputError(
-                f"{self._told(node.left)}: its exponent must be a fraction of at most {MOST_POWER}, got {exponent:g}"
+                f"{self._tell(node.left)}: its exponent must be a fraction of at most {MOST_POWER}, got {exponent:g}"
             )
         return base[0] * share, base[1] * share
 
     def _plain(self, node: ast.expr, user: str) -> Dimension:
         if (self.of(node) or PLAIN) != PLAIN:
-            raise InputError(f"{self._told(node)}, but {user} needs a plain number")
+            raise InputError(f"{self._tell(node)}, but {user} needs a plain number")
         return PLAIN
 
     def _equal(self, nodes: list[ast.expr], user: str) -> Dimension | None:
@@ -111,8 +111,8 @@ class _Units:
         sized = [(node, one) for node, one in found if one is not None]
         for node, one in sized:
             if one != sized[0][1]:
-                raise InputError(f"{self._told(sized[0][0])} and {self._told(node)}, but {user} needs equal units")
+                raise InputError(f"{self._tell(sized[0][0])} and {self._tell(node)}, but {user} needs equal units")
         return sized[0][1] if sized else None
 
-    def _told(self, node: ast.expr) -> str:
+    def _tell(self, node: ast.expr) -> str:
         return f"{ast.unparse(node)[:60]!r} is {unit_words(self.of(node) or PLAIN, self.units)}"

@@ -50,7 +50,7 @@ class _Run:
                 assert isinstance(node.value, int | float)
                 return np.float64(node.value)
             case ast.Name():
-                return self._named(node.id)
+                return self._name(node.id)
             case ast.UnaryOp():
                 value = self.of(node.operand)
                 return _truth(value == 0, value) if is_not(node) else -value if isinstance(node.op, ast.USub) else value
@@ -68,19 +68,19 @@ class _Run:
                     found = found & COMPARED[type(op)][1](left, right)
                 return _truth(found, *parts)
             case ast.Call():
-                return self._called(node)
+                return self._call(node)
             case ast.BinOp():
-                return self._computed(node)
+                return self._compute(node)
         raise AssertionError(node)
 
-    def _named(self, name: str) -> Any:
+    def _name(self, name: str) -> Any:
         if name in CONSTANTS:
             return np.float64(CONSTANTS[name])
         value = np.asarray(self.values[name], dtype=float)
         self._fault(~np.isfinite(value), f"{name} has no value")
         return value
 
-    def _called(self, node: ast.Call) -> Any:
+    def _call(self, node: ast.Call) -> Any:
         assert isinstance(node.func, ast.Name)
         parts = [self.of(one) for one in node.args]
         if node.func.id == "sqrt":
@@ -92,7 +92,7 @@ class _Run:
             found = FUNCTIONS[node.func.id](found, part)
         return found
 
-    def _computed(self, node: ast.BinOp) -> Any:
+    def _compute(self, node: ast.BinOp) -> Any:
         a, b = self.of(node.left), self.of(node.right)
         if isinstance(node.op, ast.Div):
             self._fault(b == 0, f"division by zero: {ast.unparse(node.right)!r} is 0")

@@ -41,8 +41,8 @@ def _equals(rule: Mapping[str, Any]) -> str:
     return f"equals {rule['formula']} within {near}"
 
 
-def _bounded(rule: Mapping[str, Any]) -> str:
-    ends = [f"{word} {_shown(rule[key])}" for key, word in (("least", "at least"), ("most", "at most")) if key in rule]
+def _bound(rule: Mapping[str, Any]) -> str:
+    ends = [f"{word} {_show(rule[key])}" for key, word in (("least", "at least"), ("most", "at most")) if key in rule]
     return f"is {' and '.join(ends)}"
 
 
@@ -51,10 +51,10 @@ def _scales(rule: Mapping[str, Any]) -> str:
 
 
 def _boundary(rule: Mapping[str, Any]) -> str:
-    return f"passes {_shown(rule['passes'])} at {_shown(rule['x'])} within {rule['within']:.4g}"
+    return f"passes {_show(rule['passes'])} at {_show(rule['x'])} within {rule['within']:.4g}"
 
 
-def _shown(value: Any) -> str:
+def _show(value: Any) -> str:
     return value if isinstance(value, str) else f"{value:.4g}"
 
 
@@ -66,7 +66,7 @@ KINDS: dict[str, Kind] = {
         exceptions=STEPS,
     ),
     "equals": Kind(_equals, ("formula",), ("relative", "absolute"), exclusive=True, judge=number_verdicts.equals),
-    "bounded": Kind(_bounded, one_of=("least", "most"), judge=number_verdicts.bounded),
+    "bounded": Kind(_bound, one_of=("least", "most"), judge=number_verdicts.bound),
     "scales": Kind(_scales, ("exponent", "within"), judge=number_verdicts.scales),
     "boundary": Kind(_boundary, ("passes", "x", "within"), judge=number_verdicts.boundary),
 }

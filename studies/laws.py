@@ -122,7 +122,7 @@ def decide(
     if others and as_good(row["verdict"], QUALIFIED):
         row["verdict"] = QUALIFIED
         row["qualifications"] = [*row["qualifications"], ON_OBSERVABLE]
-        row["reason"] = reasons.joined([row["reason"], reasons.of_others(row, law.meant, others)])
+        row["reason"] = reasons.join([row["reason"], reasons.of_others(row, law.meant, others)])
     return row
 
 
@@ -216,7 +216,7 @@ def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[s
             {"from": float(along[i]), "to": float(along[j]), "values": line[[i, j]].tolist(), "at": here}
             for i, j in verdict.exceptions
         ]
-    return _told(law, name, every, deciding, at, ends) | {
+    return _tell(law, name, every, deciding, at, ends) | {
         "counted": law.counted,
         "steps": len(deciding) * (along.size - (law.counted == STEPS)),
         "exceptions": exceptions,
@@ -257,7 +257,7 @@ def _judging(
     return judged
 
 
-def _told(
+def _tell(
     law: Law,
     name: str,
     every: list[str],

@@ -160,7 +160,7 @@ def monotone(line: Line, sign: int, may_stand: bool) -> Verdict:
     steps = np.where(cut, np.nan, sign * np.diff(row))
     wrong = steps < -noise if pausing else steps <= noise  # False for NaN
     exceptions = [(int(i), int(i) + 1) for i in np.flatnonzero(wrong)]
-    pairs = _compared(row, cut, sign, noise)
+    pairs = _compare(row, cut, sign, noise)
     if row.size == 1 or np.isnan(steps).any():
         return _with_gaps(row, cut, pausing, pairs, exceptions)
     changed = may_stand or sign * (row[-1] - row[0]) > noise
@@ -220,7 +220,7 @@ def _with_gaps(
     return Verdict(UNDECIDED, pairs.tau, exceptions, reason)
 
 
-def _compared(row: NDArray[np.float64], cut: NDArray[np.bool_], sign: int, noise: float) -> _Pairs:
+def _compare(row: NDArray[np.float64], cut: NDArray[np.bool_], sign: int, noise: float) -> _Pairs:
     """The pairs of a line that can be compared: both cases solved, and no step between them crosses branches."""
     rising = falling = compared = 0
     for piece in np.split(row, np.flatnonzero(cut) + 1):

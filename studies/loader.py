@@ -208,7 +208,7 @@ def _study(data: dict[str, Any], text: str, default_name: str, context: Mapping[
         _check_ends(study)
         study.case()
     except InputError as error:
-        raise _Refused(str(error), _blamed(str(error), study)) from None
+        raise _Refused(str(error), _blame(str(error), study)) from None
     return study
 
 
@@ -232,13 +232,13 @@ def _tables(text: str) -> dict[str, Any]:
     if len(text) > MOST_TEXT:
         raise _Refused(f"has {len(text)} characters; the limit is {MOST_TEXT}", of_a_key=False)
     if found := _DEEP_KEY.search(text):
-        raise _Refused(f"has a key of more than {MOST_PARTS} parts: {_shown(found.group())}", of_a_key=False)
+        raise _Refused(f"has a key of more than {MOST_PARTS} parts: {_show(found.group())}", of_a_key=False)
     try:
         data = tomllib.loads(text)
     except RecursionError:
         raise _Refused("is nested too deeply for a study", of_a_key=False) from None
     except ValueError as error:  # a TOML error, or Python's for a number of thousands of digits
-        raise _Refused(f"is not valid TOML: {error}{_repeated(text, str(error))}", of_a_key=False) from None
+        raise _Refused(f"is not valid TOML: {error}{_repeat(text, str(error))}", of_a_key=False) from None
     tables: list[Any] = [data]
     while tables:
         table = tables.pop()
@@ -249,7 +249,7 @@ def _tables(text: str) -> dict[str, Any]:
     return data
 
 
-def _repeated(text: str, message: str) -> str:
+def _repeat(text: str, message: str) -> str:
     """The key that is given twice, and the line, if the message of the TOML error is about such a key."""
     if not message.startswith("Cannot overwrite a value"):
         return ""
@@ -268,7 +268,7 @@ def _plain(text: str) -> str:
     return line if len(line) <= MOST_SAID else f"{line[: MOST_SAID - 3]}..."
 
 
-def _shown(value: object) -> str:
+def _show(value: object) -> str:
     """A value, shortened for a message."""
     text = _REPR.repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
@@ -297,23 +297,23 @@ def _sentence(error: ValidationError) -> tuple[Where, str]:
     if kind == "extra_forbidden":
         model = _MODELS.get(str(where[0]), Study) if len(where) > 1 else Study
         keys = _keys(model)
-        inside = f" in {_told(where[:-1])}" if len(where) > 1 else ""
-        return where, f"no key {_shown(where[-1])}{inside}{near(where[-1], keys)}; choose from {choices(keys)}"
+        inside = f" in {_tell(where[:-1])}" if len(where) > 1 else ""
+        return where, f"no key {_show(where[-1])}{inside}{near(where[-1], keys)}; choose from {choices(keys)}"
     if kind == "missing":
-        owner = _told(where[:-1]) if len(where) > 1 else "the study"
+        owner = _tell(where[:-1]) if len(where) > 1 else "the study"
         return where[:-1], f"{owner} needs the key {where[-1]!r}"
     if kind == "string_pattern_mismatch":
-        return where, f"{_told(where)} must be letters, digits, - and _ only, got {_shown(value)}"
+        return where, f"{_tell(where)} must be letters, digits, - and _ only, got {_show(value)}"
     if kind == "float_type" and isinstance(value, str) and _QUANTITY.match(value):
         alone = "write the number alone; the table units says in which units all numbers are"
-        return where, f"{_told(where)} must be a number without a unit, got {_shown(value)}: {alone}"
+        return where, f"{_tell(where)} must be a number without a unit, got {_show(value)}: {alone}"
     said = first["msg"].replace("Input should", "must", 1)
     if kind in ("model_type", "dict_type"):
         said = "must be a table"
-    return where, f"{_told(where)} {said}, got {_shown(value)}"
+    return where, f"{_tell(where)} {said}, got {_show(value)}"
 
 
-def _told(where: Where) -> str:
+def _tell(where: Where) -> str:
     """``("axes", "E", "count")`` as ``axes.E.count``, ``("laws", 0)`` as ``laws[1]``."""
     text = ""
     for part in where:
@@ -321,7 +321,7 @@ def _told(where: Where) -> str:
     return text
 
 
-def _blamed(message: str, study: Study) -> Where:
+def _blame(message: str, study: Study) -> Where:
     """The key of an error of the solver: ``Rod.E must be ...`` is about axes.E or base.E."""
     field = _field(message)
     if field in study.axes:

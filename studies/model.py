@@ -13,7 +13,7 @@ from solver.observe.observables import OBSERVABLES
 from solver.problem.case import from_fields
 from solver.problem.errors import choices, near
 from solver.problem.quantities import unit_of
-from solver.problem.shown import made
+from solver.problem.shown import make
 
 from . import axes as parts
 from . import expressions, followed_axis, paired, refine
@@ -278,7 +278,7 @@ class Study(StudyData):
         >>> result.verdicts[0]
         ('turns falls along E', 'holds')
         """
-        return made("workbench.notebook", "StudyRun", self)
+        return make("workbench.notebook", "StudyRun", self)
 
     def dimensions(self) -> Dimensions:
         """The samples, and each axis that is not followed from a start problem."""

@@ -66,7 +66,7 @@ def equals(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     return _of_cases(line, off > allowed * (1 + ROUNDING), found, numbers)
 
 
-def bounded(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
+def bound(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     """Whether each value is at least `least` and at most `most`."""
     beyond = np.full(line.values.shape, -np.inf)
     for key, sign in (("least", 1), ("most", -1)):
@@ -91,19 +91,19 @@ def scales(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     if not (_one_sign(x) and _one_sign(y)):
         which = "axis" if not _one_sign(x) else "observable"
         return Verdict(FAILS, reason=f"the {which} is 0 or changes its sign, so it is no power", found="no exponent")
-    exponent, half, factor = fitted_power(np.abs(x), np.abs(y))
+    exponent, half, factor = fit_power(np.abs(x), np.abs(y))
     off, within = abs(exponent - rule["exponent"]), rule["within"]
     numbers = {"exponent": exponent, "interval": half, "factor": factor * float(np.sign(y[0]))}
     found = f"exponent {exponent:.4g} ± {half:.2g}"
     if off - half > within:
         return Verdict(FAILS, found=found, numbers=numbers, far=off)
-    reason = line.missing() or _crossed(line)
+    reason = line.missing() or _cross(line)
     if off + half > within:
         reason = "; ".join(filter(None, [reason, f"the interval of the exponent reaches beyond ± {within:g}"]))
     return Verdict(UNDECIDED if reason else HOLDS, reason=reason, found=found, numbers=numbers, far=off)
 
 
-def fitted_power(x: Array, y: Array) -> tuple[float, float, float]:
+def fit_power(x: Array, y: Array) -> tuple[float, float, float]:
     """Exponent, half of its 95 % interval, and factor of the power law through positive values, (n,) with n >= 3."""
     u, v = np.log(x), np.log(y)
     mean, spread = u.mean(), float(((u - u.mean()) ** 2).sum())
@@ -121,7 +121,7 @@ def boundary(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     place = line.along - line.targets["x"]
     steps = passing(level, line.cut)
     if not steps:
-        reason = line.missing() or _crossed(line)
+        reason = line.missing() or _cross(line)
         return Verdict(UNDECIDED if reason else FAILS, reason=reason, found="it does not pass", far=np.inf)
     told = [f"between {line.along[i]:.4g} and {line.along[j]:.4g}" for i, j in steps]
     found = f"passes {' and '.join(told[:3])}{' and elsewhere' if len(told) > 3 else ''}"
@@ -139,7 +139,7 @@ def boundary(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
         return Verdict(FAILS, reason=f"it passes {len(steps)} times", **told_of)
     if low > within or high < -within:
         return Verdict(FAILS, **told_of)
-    reason = line.missing() or _crossed(line)
+    reason = line.missing() or _cross(line)
     if far > within:
         reason = "; ".join(filter(None, [reason, f"the step is wider than ± {rule['within']:g} about the value of x"]))
     return Verdict(UNDECIDED if reason else HOLDS, reason=reason, **told_of)
@@ -166,6 +166,6 @@ def _one_sign(values: Array) -> bool:
     return bool((values > 0).all() or (values < 0).all())
 
 
-def _crossed(line: NumberLine) -> str:
+def _cross(line: NumberLine) -> str:
     count = int(line.cut.sum())
     return f"{count} of {line.cut.size} steps lead to another branch of equilibria" if count else ""

@@ -43,10 +43,10 @@ def given(study: StudyData, folder: Path) -> Dimension | None:
             return Dimension(SAMPLE, tables.read(folder / study.table.file, study.table.columns))
         except InputError as error:
             raise Misplaced(str(error), "table", "file") from None
-    return None if study.zip is None else Dimension(SAMPLE, _paired(study.zip))
+    return None if study.zip is None else Dimension(SAMPLE, _pair(study.zip))
 
 
-def _paired(lists: Mapping[str, list[float]]) -> dict[str, Values]:
+def _pair(lists: Mapping[str, list[float]]) -> dict[str, Values]:
     if not lists or not all(lists.values()):
         empty = [name for name, values in lists.items() if not values]
         raise Misplaced("zip is empty: give at least one field a list of at least one value", "zip", *empty[:1])
@@ -97,7 +97,7 @@ def check(study: StudyData) -> None:
         raise Misplaced(f"{why}: give choose or index", "equilibrium", "dbeta0")
 
 
-def told(study: StudyData) -> str:
+def tell(study: StudyData) -> str:
     """Where the samples of a study come from, in one sentence; empty where there are none."""
     if not study.sampled:
         return ""

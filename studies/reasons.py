@@ -58,7 +58,7 @@ def together(
         kinds.append(ON_PART)
         told.append(_part(every, verdict, at))
         verdict = QUALIFIED
-    return {"verdict": verdict, "qualifications": kinds, "reason": joined(told)}
+    return {"verdict": verdict, "qualifications": kinds, "reason": join(told)}
 
 
 def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, Any]]) -> str:
@@ -72,12 +72,12 @@ def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, 
     return f"{row['observable']} {DIRECTIONS[row['direction']].does}{trend}, but {' and '.join(told)}"
 
 
-def counted(counts: Mapping[str, int]) -> str:
+def count(counts: Mapping[str, int]) -> str:
     """The number of each verdict, best first: ``6 true, 3 true as a trend``."""
     return ", ".join(f"{counts[verdict]} {PLAIN[verdict]}" for verdict in VERDICTS if counts.get(verdict))
 
 
-def joined(told: Sequence[str]) -> str:
+def join(told: Sequence[str]) -> str:
     """The non-empty texts as one sentence."""
     return "; ".join(one for one in told if one)
 

@@ -80,7 +80,7 @@ class Refinement:
 
     def open_cells(self) -> list[int]:
         """How many cells of each level are still to be halved."""
-        return [int(mask.sum()) for mask in self._marked()]
+        return [int(mask.sum()) for mask in self._mark()]
 
     def open_lines(self) -> int:
         """How many gaps between lines of different verdicts are wider than the tolerance."""
@@ -122,7 +122,7 @@ class Refinement:
         at = order[np.minimum(np.searchsorted(known[order], keys), order.size - 1)]
         return np.where(known[at] == keys, at, -1)
 
-    def _marked(self) -> list[Mask]:
+    def _mark(self) -> list[Mask]:
         """Of each level the cells that are to be halved; none at the deepest."""
         depth, offsets = self.lattice.depth, self._offsets()
         marked = [np.zeros(len(cells), dtype=bool) for cells in self.cells]
@@ -176,7 +176,7 @@ class Refinement:
 
         A law has a new line in each gap.
         """
-        marked = self._marked()
+        marked = self._mark()
         level = next(
             (k for k, mask in enumerate(marked[:-1]) if mask.any() or any(at.size for _, at in self._between(k))), None
         )
@@ -218,7 +218,7 @@ class Refinement:
         return fits
 
 
-def stored(lattice: Lattice, places: Places, numbers: Values, steps: Values, most: int) -> Refinement:
+def store(lattice: Lattice, places: Places, numbers: Values, steps: Values, most: int) -> Refinement:
     """The refinement of stored cases, with its cells as far as the level `most`: a halved cell has a case inside it.
 
     places: of the cases, (cases, axes). numbers: (cases, watched).

@@ -70,7 +70,7 @@ def _csv(path: Path, wanted: Sequence[str] | None, known: Sequence[str], of: str
                 raise InputError(f"{path.name} is empty: give a line of names, and below it a line for each {row}")
             if len(header) == 1 and ";" in header[0]:
                 raise InputError(f"{path.name}: columns are separated by commas, not semicolons, got {header[0]!r:.60}")
-            names = _chosen(path, header, wanted, known, of)
+            names = _choose(path, header, wanted, known, of)
             return _numbers(path, names, [header.index(name) for name in names], len(header), rows, row)
     except UnicodeDecodeError:
         raise InputError(f"{path.name} is not a text file in UTF-8") from None
@@ -84,7 +84,7 @@ def _numbers(path: Path, names: list[str], places: list[int], width: int, rows: 
     """The numbers of the columns at these places. Raises `InputError` with the line, the row and the column."""
     texts: list[list[str]] = [[] for _ in names]
     lines: list[int] = []
-    for cells in _filled(rows):
+    for cells in _fill(rows):
         lines.append(rows.line_num)
         if len(cells) != width:
             here = _here(path, lines, len(lines))
@@ -113,7 +113,7 @@ def _here(path: Path, lines: list[int], row: int) -> str:
     return f"{path.name}, line {lines[row - 1]} (row {row})"
 
 
-def _filled(rows: Any) -> Iterator[list[str]]:
+def _fill(rows: Any) -> Iterator[list[str]]:
     """The rows that are not blank lines."""
     return (cells for cells in rows if cells)
 
@@ -140,7 +140,7 @@ def _parquet(path: Path, wanted: Sequence[str] | None, known: Sequence[str], of:
         ) from None
     try:
         header = list(parquet.read_schema(path).names)
-        names = _chosen(path, header, wanted, known, of)
+        names = _choose(path, header, wanted, known, of)
         table = parquet.read_table(path, columns=names)
         columns: Mapping[str, Any] = {name: table[name].to_numpy() for name in names}
     except (ArrowException, OSError) as error:
@@ -149,10 +149,10 @@ def _parquet(path: Path, wanted: Sequence[str] | None, known: Sequence[str], of:
         raise InputError(f"{path.name} has no rows")
     if table.num_rows > MAX_COUNT:
         raise InputError(f"{path.name} has more rows than the limit of {MAX_COUNT}")
-    return {name: _checked(path, name, values) for name, values in columns.items()}
+    return {name: _check(path, name, values) for name, values in columns.items()}
 
 
-def _checked(path: Path, name: str, values: Any) -> Values:
+def _check(path: Path, name: str, values: Any) -> Values:
     """A column of a Parquet file as numbers. Raises `InputError` with the row."""
     if values.dtype.kind not in "iuf":
         raise InputError(f"{path.name}: the column {name} must hold numbers, got {values.dtype}")
@@ -163,7 +163,7 @@ def _checked(path: Path, name: str, values: Any) -> Values:
     return numbers
 
 
-def _chosen(path: Path, header: list[str], wanted: Sequence[str] | None, known: Sequence[str], of: str) -> list[str]:
+def _choose(path: Path, header: list[str], wanted: Sequence[str] | None, known: Sequence[str], of: str) -> list[str]:
     """The names of the columns to read. Raises `InputError` for one that is missing, empty or repeated."""
     names = list(header if wanted is None else wanted)
     for name in names:

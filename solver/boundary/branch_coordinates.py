@@ -15,7 +15,7 @@ from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from .level_grid import boundary_of, floor_of, helix_of
 from .paths import DOWN, UP, LevelPaths, Levels, Paths
-from .transit_times import Boundary, fall, transit_times, wrapped
+from .transit_times import Boundary, fall, transit_times, wrap
 
 _SAME = 1e-6  # in scales: coordinates of one equilibrium
 CORNER = "corner"
@@ -161,7 +161,7 @@ def _saddles(place: LinePoint, path: Path, gap: float) -> tuple[Array, Array, An
     """
     problem, angles, m = place.problem, place.angles, place.angles.size
     level = np.array([gap + place.fall(path.pin, float(b)) for b in angles])
-    shift = float(problem.beta0[0]) - wrapped(float(problem.beta0[0]))
+    shift = float(problem.beta0[0]) - wrap(float(problem.beta0[0]))
     behind, far = (_behind(angles, float(b[0]) - shift) for b in (problem.beta0, problem.betaL))
     stops = [int(k) for k in np.flatnonzero(level <= 0)]
     if stops:

@@ -15,14 +15,14 @@ import numpy as np
 import scipy  # its parts are imported when used
 
 from ..mechanics.potential import slope
-from ..numerics.arclength import advanced
+from ..numerics.arclength import advance
 from ..numerics.arrays import Array
 from .branch_coordinates import CORNER, LinePoint, Path
-from .branch_states import Bounds, Place, State, begun_at, in_other_charts, recharted
+from .branch_states import Bounds, Place, State, begin_at, in_other_charts, rechart
 from .branch_steps import AT_END, IS_CLOSED, ordinary_steps
 from .continuation_steps import Line, leapt, shape_of
 from .equilibrium_curve import Family
-from .held_continuation import Stopped, carried, state_of
+from .held_continuation import Stopped, carry, state_of
 from .held_curve import HeldFamily
 from .held_index import index_of
 from .held_system import LEFT
@@ -78,8 +78,8 @@ def _places(family: Family | HeldFamily, path: Path, p: float, rises: bool, boun
     if isinstance(family, HeldFamily) and path.helix:
         return _from_held_helix(family, path, p, rises, bounds)
     if not path.helix or isinstance(family, HeldFamily):
-        begun = begun_at(family, path, p, rises)
-        return ([], Stop(begun, p)) if isinstance(begun, str) else _followed(begun, [], bounds)
+        begun = begin_at(family, path, p, rises)
+        return ([], Stop(begun, p)) if isinstance(begun, str) else _follow(begun, [], bounds)
     places, last = helix_places(family, p, rises, bounds)
     if last is None:
         ended = bool(places) and bounds.is_end(places[-1], 1.0 if rises else -1.0)
@@ -87,7 +87,7 @@ def _places(family: Family | HeldFamily, path: Path, p: float, rises: bool, boun
     leap = _leap_from(family, places[-1].path if places else path, last, rises, bounds)
     if leap is None:
         return places, Stop("the rod is no helix beyond, and no equilibrium next to the helix was found", last)
-    return _followed(leap, [*places, leap.recorded()], bounds)
+    return _follow(leap, [*places, leap.recorded()], bounds)
 
 
 def _from_held_helix(family: HeldFamily, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
@@ -102,7 +102,7 @@ def _from_held_helix(family: HeldFamily, path: Path, p: float, rises: bool, boun
     first = replace(place, p=bounds.snapped(place.p))
     if bounds.is_end(first, 1.0 if rises else -1.0):
         return [first], Stop(END, first.p)
-    return _followed(begun, [first], bounds)
+    return _follow(begun, [first], bounds)
 
 
 def own_place(family: Family | HeldFamily, path: Path, p: float) -> Place | str:
@@ -115,7 +115,7 @@ def own_place(family: Family | HeldFamily, path: Path, p: float) -> Place | str:
         assert given is not None
         index = index_of(state_of(family.begun, path), given)
         return Place(p, path, family.begun, int(index) if np.isfinite(index) else None)
-    begun = begun_at(family, path, p, True)
+    begun = begin_at(family, path, p, True)
     return begun if isinstance(begun, str) else replace(begun.recorded(), p=p)
 
 
@@ -123,7 +123,7 @@ def _limit(bounds: Bounds) -> str:
     return f"the limit of {bounds.most} points"
 
 
-def _followed(state: State, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
+def _follow(state: State, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
     """The places before, and those after a state."""
     first, step, kept, creeps = state.recorded(), FIRST, 0, 0
     ordinary = ordinary_steps(state.curve.family, bounds, first)
@@ -137,7 +137,7 @@ def _followed(state: State, places: list[Place], bounds: Bounds) -> tuple[list[P
                 return places, Stop(END if why == AT_END else CLOSED, places[-1].p)
             if len(places) >= bounds.most:
                 break
-        state, kept = recharted(state, step, keep=kept > 0), kept - 1
+        state, kept = rechart(state, step, keep=kept > 0), kept - 1
         past = _leap(state, bounds) if _is_near_helix(state) else None
         if past is not None:
             creeps = creeps + 1 if _creeps(state, past, bounds, True) else 0
@@ -148,10 +148,10 @@ def _followed(state: State, places: list[Place], bounds: Bounds) -> tuple[list[P
             if bounds.is_end(places[-1], state.rises):
                 return places, Stop(END, places[-1].p)
             continue
-        there, passed = _passed(state, _step(state, step, bounds), bounds)
+        there, passed = _pass(state, _step(state, step, bounds), bounds)
         if isinstance(there, str) and step < NARROW:
             for other in in_other_charts(state):
-                again, passed = _passed(other, _step(other, step, bounds), bounds)
+                again, passed = _pass(other, _step(other, step, bounds), bounds)
                 if not isinstance(again, str):
                     state, there, kept = other, again, _KEPT
                     break
@@ -187,11 +187,11 @@ def _step(state: State, step: float, bounds: Bounds) -> State | str:
     ahead = float((halt - node.w[1]) / state.rises) if state.rises else np.inf
     if abs(state.rises) > _STEEP and 0 < ahead <= step:
         step, across = ahead, np.eye(node.w.size)[1]
-    found = advanced(curve, node, step, across)
+    found = advance(curve, node, step, across)
     return found if isinstance(found, str) else State(curve, found)
 
 
-def _passed(state: State, there: State | str, bounds: Bounds) -> tuple[State | str, list[Place]]:
+def _pass(state: State, there: State | str, bounds: Bounds) -> tuple[State | str, list[Place]]:
     """The state after a step, or why it is refused; the special points and wanted values on the way, and its end."""
     if isinstance(there, str):
         return there, []
@@ -202,7 +202,7 @@ def _passed(state: State, there: State | str, bounds: Bounds) -> tuple[State | s
     places = []
     for (low, one, _), (high, other, kind) in pairwise([(0.0, state, ""), *special, (reach, there, "")]):
         for value in bounds.inside(one.p, other.p):
-            found = _located(state, low, high, partial(_above, value))
+            found = _locate(state, low, high, partial(_above, value))
             if found is None:
                 return f"the equilibrium at {value:.10g} could not be located", []
             places.append(found[1].recorded())
@@ -217,9 +217,9 @@ def _special(state: State, there: State, reach: float) -> list[tuple[float, Stat
         at = state.curve.at(state.node.w)
         if at is not None and at[0].is_tied:
             helix = at[0].start in at[0].angles and state.rises * there.rises > 0
-            found.append((_located(state, 0.0, reach, lambda at: at.x), CROSSING if helix else PITCHFORK))
+            found.append((_locate(state, 0.0, reach, lambda at: at.x), CROSSING if helix else PITCHFORK))
     if state.rises * there.rises < 0 and not found:
-        found.append((_located(state, 0.0, reach, lambda at: at.rises), FOLD))
+        found.append((_locate(state, 0.0, reach, lambda at: at.rises), FOLD))
     some = [(*place, kind) for place, kind in found if place is not None]
     return some if len(some) == len(found) else None
 
@@ -228,13 +228,13 @@ def _above(value: float, at: State) -> float:
     return at.p - value
 
 
-def _located(state: State, low: float, high: float, zero: Callable[[State], float]) -> tuple[float, State] | None:
+def _locate(state: State, low: float, high: float, zero: Callable[[State], float]) -> tuple[float, State] | None:
     """The distance along the tangent, between two, at which a function of the state is zero, and the state there."""
 
     def at(distance: float) -> State:
         if distance == 0:
             return state
-        found = advanced(state.curve, state.node, distance)
+        found = advance(state.curve, state.node, distance)
         if isinstance(found, str):
             raise ArithmeticError(found)
         return State(state.curve, found)
@@ -287,10 +287,10 @@ def _held_leap(
     given = family.given(far)
     if given is None:
         return LEFT
-    found = carried(here, given)
+    found = carry(here, given)
     if isinstance(found, Stopped):
         return found.reason
-    return begun_at(replace(family, begun=found.problem), found.path, far, rises)
+    return begin_at(replace(family, begun=found.problem), found.path, far, rises)
 
 
 def _leap(state: State, bounds: Bounds) -> State | None:
@@ -317,7 +317,7 @@ def _leap_from(family: Family, path: Path, p: float, rises: bool, bounds: Bounds
     found = leapt(Line(first, last), LinePoint(first), path, 0.0)
     if found is None:
         return None
-    begun = begun_at(family, found[1], p + found[2] * (far - p), rises)
+    begun = begin_at(family, found[1], p + found[2] * (far - p), rises)
     return None if isinstance(begun, str) else begun
 
 

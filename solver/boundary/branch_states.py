@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..numerics.arclength import LEFT, Node, corrected, node_at
+from ..numerics.arclength import LEFT, Node, correct, node_at
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate
@@ -102,7 +102,7 @@ class State:
         return Place(self.p, found[1], found[0].problem, index, kind)
 
 
-def begun_at(family: Family | HeldFamily, path: Path, p: float, rises: bool) -> State | str:
+def begin_at(family: Family | HeldFamily, path: Path, p: float, rises: bool) -> State | str:
     """The equilibrium at p, corrected there, to be travelled with p rising or falling."""
     found = family.start(path, p)
     if found is None:
@@ -110,10 +110,10 @@ def begun_at(family: Family | HeldFamily, path: Path, p: float, rises: bool) -> 
     curve, w = found
     along = np.zeros(w.size)
     along[1] = 1.0 if rises else -1.0
-    return _corrected_state(curve, w, along)
+    return _correct_state(curve, w, along)
 
 
-def _corrected_state(curve: EquilibriumCurve | HeldCurve, w: Array, along: Array) -> State | str:
+def _correct_state(curve: EquilibriumCurve | HeldCurve, w: Array, along: Array) -> State | str:
     """The point of the curve next to w, travelled along a direction; p is held, or x at a fold."""
     jacobian = curve.jacobian(w)
     if jacobian is None:
@@ -121,7 +121,7 @@ def _corrected_state(curve: EquilibriumCurve | HeldCurve, w: Array, along: Array
     order = (1, 0) if abs(along[1]) > abs(along[0]) else (0, 1)
     reason = LEFT
     for held in order:
-        found = corrected(curve, w, np.eye(w.size)[held], jacobian)
+        found = correct(curve, w, np.eye(w.size)[held], jacobian)
         node = found if isinstance(found, str) else node_at(curve, found, along)
         if not isinstance(node, str):
             return State(curve, node)
@@ -133,7 +133,7 @@ def _charts(curve: EquilibriumCurve | HeldCurve, place: LinePoint, path: Path) -
     return charts(place, path, isinstance(curve, HeldCurve) and curve.family.hinged)
 
 
-def recharted(state: State, step: float, keep: bool = False) -> State:
+def rechart(state: State, step: float, keep: bool = False) -> State:
     """The same in the coordinate that is best there, where it can be changed; keep: in its own, made anew.
 
     step: length of the next step.
@@ -145,12 +145,12 @@ def recharted(state: State, step: float, keep: bool = False) -> State:
         return state
     every = _charts(state.curve, *at)
     if not keep and not _alike(every[0], state.curve.chart):
-        changed = _changed(state, every[0])
+        changed = _change(state, every[0])
         if changed is not None:
             return changed
     for chart in every:
         if _alike(chart, state.curve.chart):
-            return _rescaled(state, chart)
+            return _rescale(state, chart)
     return state
 
 
@@ -159,7 +159,7 @@ def in_other_charts(state: State) -> Iterator[State]:
     at = state.curve.at(state.node.w)
     for chart in _charts(state.curve, *at) if at is not None else ():
         if not _alike(chart, state.curve.chart):
-            changed = _changed(state, chart)
+            changed = _change(state, chart)
             if changed is not None:
                 yield changed
 
@@ -170,7 +170,7 @@ def _alike(one: Chart, other: Chart) -> bool:
     return same and (one.kind != "saddle" or abs(np.sin((one.at.pin - other.at.pin) / 2)) < _SAME_SADDLE)
 
 
-def _rescaled(state: State, chart: Chart) -> State:
+def _rescale(state: State, chart: Chart) -> State:
     curve, node = replace(state.curve, chart=chart), state.node
     ratio = state.curve.scales / curve.scales
     tangent = node.tangent * ratio
@@ -178,7 +178,7 @@ def _rescaled(state: State, chart: Chart) -> State:
     return State(curve, replace(node, w=node.w * ratio, jacobian=node.jacobian / ratio, tangent=tangent))
 
 
-def _changed(state: State, chart: Chart) -> State | None:
+def _change(state: State, chart: Chart) -> State | None:
     """The same in another chart; the direction of travel is that of two neighbouring points."""
     curve = replace(state.curve, chart=chart)
     for nudge in (_NUDGE, -_NUDGE):
@@ -196,7 +196,7 @@ def _changed(state: State, chart: Chart) -> State | None:
                 if not along.any():
                     continue
                 along /= np.linalg.norm(along)
-                found = _corrected_state(curve, w, along)
+                found = _correct_state(curve, w, along)
                 if not isinstance(found, str) and found.node.tangent @ along < _PARALLEL:
                     continue
                 if not isinstance(found, str) and found.rises * state.rises > 0:

@@ -44,11 +44,11 @@ class Census:
 
 def census(problem: EndsProblem) -> Census:
     """The equilibria of one ends problem (of size 1)."""
-    found = _counted(problem, 0.25)
-    return found if found.complete else _counted(problem, 0.0625)
+    found = _count(problem, 0.25)
+    return found if found.complete else _count(problem, 0.0625)
 
 
-def _counted(problem: EndsProblem, step: float) -> Census:
+def _count(problem: EndsProblem, step: float) -> Census:
     boundary, grid = level_grid_of(boundary_of(problem), step)
     roots, reason = level_roots(boundary, grid, MOST_PERIODS, None)
     turns, levels = roots.paths.turns, roots.levels

@@ -41,7 +41,7 @@ class Ended:
     reason: str
 
 
-def continued(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended:
+def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended:
     """The equilibrium of the problem `last` on the branch of an equilibrium of `first`.
 
     All numbers of the two problems change together, in proportion.
@@ -61,32 +61,32 @@ def continued(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended
     if not path.helix:
         begin, end = (np.concatenate([getattr(one, name) for name in FIELDS]) for one in (first, last))
         level, way = (path.pin, path.sign, path.y), (path.leaving, path.turns)
-        found = core.continued(begin, end, level, way, grid(), NODES, CUTTING)
+        found = core.resume(begin, end, level, way, grid(), NODES, CUTTING)
         if found is not None:
             return Path(*found)
-    return _continued_by_leaps(first, path, last)
+    return _resume_by_leaps(first, path, last)
 
 
-def _continued_by_leaps(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended:
+def _resume_by_leaps(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended:
     """What the core leaves: a branch that needs a leap, passes a helix, or ends."""
     line = Line(first, last)
     place, target = line.at(0.0), line.at(1.0)
     if path.helix and target.helix is not None and first.beta0[0] == last.beta0[0]:
         return target.helix  # H is linear in the loads, so it is zero on the whole line
     if target.helix is None:
-        return _followed(line, place, path)
+        return _follow(line, place, path)
     before = Line(first, line.at(1 - LEAPS[0]).problem)
-    near = _followed(before, place, path)
+    near = _follow(before, place, path)
     if isinstance(near, Ended):
         return near
     orbits = orbit_of(before.last, near), orbit_of(last, target.helix)
     shapes, index = [shape_of(orbit) for orbit in orbits], [jacobi_zeros(orbit)[0] for orbit in orbits]
     if np.abs(shapes[0] - shapes[1]).max() < NEAR and index[0] == index[1]:
         return target.helix
-    return _followed(Line(before.last, last), LinePoint(before.last), near)
+    return _follow(Line(before.last, last), LinePoint(before.last), near)
 
 
-def _followed(line: Line, place: LinePoint, path: Path) -> Path | Ended:
+def _follow(line: Line, place: LinePoint, path: Path) -> Path | Ended:
     """The path followed along the line; not both ends of the line are helices."""
     share, step, here = 0.0, 1.0, path
     if path.helix:

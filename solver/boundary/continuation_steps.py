@@ -9,7 +9,7 @@ from ..orbit.periodic_orbit import Orbit
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate, excess, path_at, path_of
 from .level_grid import level_grid_of
-from .path_orbits import orbit_of, solved_orbits
+from .path_orbits import orbit_of, solve_orbits
 from .paths import DOWN, UP, Paths
 from .search import level_paths_of, roots_on
 from .stability import jacobi_zeros
@@ -75,11 +75,11 @@ def _advance(
         if step < SHORTEST:
             return FOLD
     there = line.at(share + step)
-    found = _corrected(there, chart, x + speed * step, rate)
+    found = _correct(there, chart, x + speed * step, rate)
     return found if isinstance(found, str) else (there, found, step)
 
 
-def _corrected(place: LinePoint, chart: Chart, guess: float, rate: float) -> Path | str:
+def _correct(place: LinePoint, chart: Chart, guess: float, rate: float) -> Path | str:
     """The root of length - span next to a guess; rate: the derivative one step before."""
     nudge, x, best = _NUDGE * chart.scale, guess, np.inf
     for round_ in range(_CORRECTIONS):
@@ -114,7 +114,7 @@ def settle(place: LinePoint, path: Path) -> Path | str:
         off = excess(place, chart, np.array([x - nudge, x + nudge]))
         rate = float(off[1] - off[0]) / (2 * nudge)
         if np.isfinite(rate) and rate != 0:
-            found = _corrected(place, chart, x, rate)
+            found = _correct(place, chart, x, rate)
             if not isinstance(found, str):
                 return found
             reason = reason or found
@@ -166,7 +166,7 @@ def _neighbours(place: LinePoint, turns: int) -> tuple[list[Path], Orbit | None]
     if not roots.lengthens.size:
         return [], None
     found, lengthens = level_paths_of(boundary, roots, None)
-    orbit, _ = solved_orbits(problem, boundary, found, lengthens)
+    orbit, _ = solve_orbits(problem, boundary, found, lengthens)
     return [path_of(found, i) for i in range(found.y.size)], orbit
 
 

@@ -20,7 +20,7 @@ class Pieces:
     curve: Integers
 
 
-def joined_pieces(lines: list[tuple[Array, Array]], lower: list[int]) -> Pieces:
+def join_pieces(lines: list[tuple[Array, Array]], lower: list[int]) -> Pieces:
     """The pieces of curves given as polylines (points, side of each)."""
     empty = np.zeros((0, 2))
     first = np.concatenate([empty, *(line[:-1] for line, _ in lines)])

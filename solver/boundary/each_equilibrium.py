@@ -8,12 +8,12 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..orbit.arcs import Arcs
-from ..orbit.panels import joined
+from ..orbit.panels import join
 from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, where_shown
 from .branch_coordinates import path_of
-from .continuation import Ended, continued
+from .continuation import Ended, resume
 from .continuation_steps import FOLD
 from .path_orbits import orbit_of, path_from_start
 from .search import search
@@ -28,7 +28,7 @@ def each_equilibrium(
 ) -> Trajectory:
     """The answer at the stations t (B, n): the equilibria near `seed`, or by `choose`."""
     if seed is not None and seed.problem is not None:
-        return together([_carried(one, t[i : i + 1], tol, seed.take(i)) for i, one in enumerate(_each(problem))], t)
+        return together([_carry(one, t[i : i + 1], tol, seed.take(i)) for i, one in enumerate(_each(problem))], t)
     slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
     near = np.isfinite(slopes)
     if near.all():
@@ -55,7 +55,7 @@ def together(found: list[Trajectory | str], t: Array) -> Trajectory:
     plain = StartProblem(**{field.name: np.array([PLAIN[field.name]]) for field in fields(StartProblem)})
     nothing = solve_orbit(plain, 1e-13)  # the tolerance of the others: the same series
     orbits = [nothing if isinstance(one, str) else one.orbit for one in found]
-    orbit = orbits[0] if len(orbits) == 1 else _joined_orbits(orbits)
+    orbit = orbits[0] if len(orbits) == 1 else _join_orbits(orbits)
     shown = np.array([not isinstance(one, str) for one in found])
     columns = np.full((4, *t.shape), np.nan)
     error, condition = np.full((2, t.shape[0]), np.inf)
@@ -77,11 +77,11 @@ def together(found: list[Trajectory | str], t: Array) -> Trajectory:
     return Trajectory(beta, dbeta, alpha, z, partial(where_shown, shown[:, None], orbit.swirl, t), *told)
 
 
-def _joined_orbits(orbits: list[Orbit]) -> Orbit:
+def _join_orbits(orbits: list[Orbit]) -> Orbit:
     """The orbits of several batches, concatenated."""
     sizes = np.array([orbit.problem.size for orbit in orbits])
     before = np.cumsum(sizes) - sizes
-    panels = joined([replace(o.panels, arc=o.panels.arc + 2 * k) for o, k in zip(orbits, before, strict=True)])
+    panels = join([replace(o.panels, arc=o.panels.arc + 2 * k) for o, k in zip(orbits, before, strict=True)])
 
     def column(name: str) -> Any:
         values = [getattr(orbit, name) for orbit in orbits]
@@ -98,13 +98,13 @@ def _joined_orbits(orbits: list[Orbit]) -> Orbit:
     return Orbit(StartProblem(**fields), arcs, panels, column("since"), np.cumsum(count) - count, count, *rest)
 
 
-def _carried(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory | str:
+def _carry(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory | str:
     """The equilibrium of one problem on the branch of the seed, or the outcome that says why there is none."""
     assert seed.problem is not None
     path = path_of_seed(seed)
     if path is None:
         return "failed: the seed is not a solution of its own ends problem"
-    found = continued(seed.problem, path, problem)
+    found = resume(seed.problem, path, problem)
     if isinstance(found, Ended):
         way = f"{found.share:.2%} of the way from the seed to this case"
         if found.reason == FOLD:

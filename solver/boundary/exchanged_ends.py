@@ -12,7 +12,7 @@ from .orbit_rates import NUMBERS, orbit_rates
 PARTNER = {name: other for pair in PAIRS for name, other in (pair, pair[::-1])}
 
 
-def exchanged(case: Case, problem: EndsProblem, path: Path, name: str) -> Case:
+def exchange(case: Case, problem: EndsProblem, path: Path, name: str) -> Case:
     """The case with one more field of `Ends` given, at its value in an equilibrium, and its partner left open.
 
     problem, path: the equilibrium under its dead loads.

@@ -65,7 +65,7 @@ class CurveSystem(Protocol):
         ...
 
 
-def corrected(system: CurveSystem, x: Array, row: Array, value: float) -> CurvePoint | None:
+def correct(system: CurveSystem, x: Array, row: Array, value: float) -> CurvePoint | None:
     """The point of the curve near x at which row . x = value; None where Newton's rule does not converge."""
     x, first = x.copy(), np.inf
     for _ in range(_ROUNDS):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..numerics.arrays import Array
-from .fold_newton import CurvePoint, CurveSystem, FoldSystem, corrected
+from .fold_newton import CurvePoint, CurveSystem, FoldSystem, correct
 from .fold_tracing import CLOSED, LEFT, STOPPED, Trace, one_way, stretch
 from .separatrix_folds import SeparatrixSystem, deep_system
 
@@ -21,7 +21,7 @@ def whole_curve(system: CurveSystem, seed: CurvePoint, lower: int) -> tuple[list
     if end == CLOSED:
         return ahead, (CLOSED, CLOSED)
     back, start = _ahead(system, replace(seed, tangent=-seed.tangent), lower)
-    return [_turned(trace) for trace in back[::-1]] + ahead, (start, end)
+    return [_turn(trace) for trace in back[::-1]] + ahead, (start, end)
 
 
 def _ahead(system: CurveSystem, seed: CurvePoint, lower: int) -> tuple[list[Trace], str]:
@@ -35,19 +35,19 @@ def _ahead(system: CurveSystem, seed: CurvePoint, lower: int) -> tuple[list[Trac
         if end != LEFT and not (end == STOPPED and isinstance(system, SeparatrixSystem)):
             break
         last = found[-1].points[-1]
-        taken = _handed_over(system, last, lower)
+        taken = _hand_over(system, last, lower)
         if taken is None:
             break
         system, seed = taken
     return found, STOPPED if end == LEFT else end
 
 
-def _turned(trace: Trace) -> Trace:
+def _turn(trace: Trace) -> Trace:
     points = [replace(point, tangent=-point.tangent) for point in trace.points[::-1]]
     return stretch(trace.system, [point for point in points if point.bend != 0])
 
 
-def _handed_over(system: CurveSystem, last: CurvePoint, lower: int) -> tuple[CurveSystem, CurvePoint] | None:
+def _hand_over(system: CurveSystem, last: CurvePoint, lower: int) -> tuple[CurveSystem, CurvePoint] | None:
     """The other equations of the curve and its point there, with its tangent in the same direction."""
     if isinstance(system, FoldSystem):
         found = deep_system(system.plane, system.scale, last.shares, system.start_rate(last.x), lower + 1, system.kind)
@@ -68,7 +68,7 @@ def _handed_over(system: CurveSystem, last: CurvePoint, lower: int) -> tuple[Cur
 def _on(system: CurveSystem, x: Array, near: CurvePoint) -> CurvePoint | None:
     """The point of the curve near x, its tangent in the direction of that of `near`."""
     for row in np.eye(x.size)[1:3][np.argsort(-np.abs(near.tangent[1:3]))]:
-        point = corrected(system, x, row, float(row @ x))
+        point = correct(system, x, row, float(row @ x))
         if point is not None and np.abs(point.shares - x[1:3]).max() < 0.02:
             if point.tangent[1:3] @ near.tangent[1:3] < 0:
                 point = replace(point, tangent=-point.tangent)

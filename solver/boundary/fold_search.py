@@ -7,7 +7,7 @@ import numpy as np
 
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array, Booleans
-from .curve_crossings import Pieces, joined_pieces
+from .curve_crossings import Pieces, join_pieces
 from .fold_paths import whole_curve
 from .fold_seeds import Counted, Seed, seed_between, strip_between, unexplained
 from .fold_tracing import PIECES, Trace, dense
@@ -64,7 +64,7 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     ticks = _ticks(lattice)
     scale = float(np.sqrt(load_size(plane.problems(np.array([0.5, 0.5])))[0] + 1))
     curves: list[Curve] = []
-    pieces = joined_pieces([], [])
+    pieces = join_pieces([], [])
     failed: list[Array] = []
 
     def known(found: Seed) -> bool:
@@ -82,7 +82,7 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
                 failed.append(np.array(found))
                 break
             curves.append(Curve(*whole_curve(found.system, found.point, found.lower), found.lower))
-            pieces = joined_pieces([one.dense() for one in curves], [one.lower for one in curves])
+            pieces = join_pieces([one.dense() for one in curves], [one.lower for one in curves])
 
     edges = _edges(ticks)
     for line in [*edges, *_probes(ticks)]:

@@ -15,7 +15,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from .census import MOST_PERIODS, Census, census
 from .curve_crossings import Pieces, change_along
-from .fold_newton import FOLD, PITCHFORK, CurvePoint, CurveSystem, FoldSystem, corrected
+from .fold_newton import FOLD, PITCHFORK, CurvePoint, CurveSystem, FoldSystem, correct
 from .parameter_plane import ParameterPlane
 from .search import near_misses
 from .separatrix_folds import deep_system
@@ -164,7 +164,7 @@ def _on_line(
     row = np.zeros(system.size)
     row[2 - along] = 1.0  # the other share is held
     x = np.concatenate([[v / scale], (start + end) / 2, np.zeros(system.size - 3)])
-    point = corrected(system, x, row, float(x[2 - along]))
+    point = correct(system, x, row, float(x[2 - along]))
     if point is None or not system.is_true(point) or not system.has_index(point, lower):
         return None
     return Seed(system, point, lower)
@@ -183,7 +183,7 @@ def _deep_on_line(
             system, x = made
             row = np.zeros(3)
             row[2 - along] = 1.0
-            point = corrected(system, x, row, float(x[2 - along]))
+            point = correct(system, x, row, float(x[2 - along]))
             if point is not None and system.has_index(point.x, lower):
                 return Seed(system, point, lower)
     return None

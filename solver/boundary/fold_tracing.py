@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..numerics.arrays import Array
-from .fold_newton import FOLD, CurvePoint, CurveSystem, FoldSystem, corrected
+from .fold_newton import FOLD, CurvePoint, CurveSystem, FoldSystem, correct
 
 _FIRST, LONGEST, _SHORTEST = 0.01, 0.04, 2e-6  # steps, in shares of the ranges
 _TURN, _EASY = 0.9, 0.985  # cosines of the angle between two tangents: a step too long, and one that may grow
@@ -31,8 +31,8 @@ def one_way(system: CurveSystem, seed: CurvePoint) -> tuple[list[CurvePoint], st
     here, step = seed, _FIRST
     for _ in range(_MOST):
         guess = here.x + step * here.tangent
-        side = _passed(guess)
-        there = corrected(system, guess, here.tangent, float(here.tangent @ guess))
+        side = _pass(guess)
+        there = correct(system, guess, here.tangent, float(here.tangent @ guess))
         cosine = -1.0 if there is None else float(there.tangent @ here.tangent)
         if there is None or cosine < _TURN or np.abs(there.x - guess).max() > 0.5 * step:
             border = _border(system, here, step) if there is None and side is not None else None
@@ -42,7 +42,7 @@ def one_way(system: CurveSystem, seed: CurvePoint) -> tuple[list[CurvePoint], st
             if step < _SHORTEST:
                 return found, STOPPED
             continue
-        if _passed(there.x) is not None:
+        if _pass(there.x) is not None:
             border = _border(system, here, step)
             if border is not None:
                 return [*found, border], BORDER
@@ -60,7 +60,7 @@ def one_way(system: CurveSystem, seed: CurvePoint) -> tuple[list[CurvePoint], st
     return found, STOPPED
 
 
-def _passed(x: Array) -> tuple[int, float] | None:
+def _pass(x: Array) -> tuple[int, float] | None:
     """The border beyond which x lies: the number of the share, and its value; None inside."""
     over = np.maximum(x[1:3] - 1, -x[1:3])
     k = int(np.argmax(over))
@@ -79,7 +79,7 @@ def _border(system: CurveSystem, here: CurvePoint, step: float) -> CurvePoint | 
         row[1 + k] = 1.0
         value = 1.0 if rate[k] > 0 else 0.0
         guess = here.x + float(far[k]) * here.tangent
-        found = corrected(system, guess, row, value)
+        found = correct(system, guess, row, value)
         if found is None or np.abs(found.shares - 0.5).max() > 0.5 + 1e-9:
             continue
         if np.linalg.norm(found.x - here.x) <= 2.5 * step:
@@ -124,7 +124,7 @@ def _turning(system: FoldSystem, one: CurvePoint, other: CurvePoint) -> list[Cur
     low, high = one, other
     for _ in range(_HALVINGS):
         chord, x = high.x - low.x, (low.x + high.x) / 2
-        between = corrected(system, x, chord / np.linalg.norm(chord), float(chord @ x / np.linalg.norm(chord)))
+        between = correct(system, x, chord / np.linalg.norm(chord), float(chord @ x / np.linalg.norm(chord)))
         if between is None or abs(between.bend) > max(abs(low.bend), abs(high.bend)):  # by rounding
             break
         low, high = (between, high) if between.bend * low.bend > 0 else (low, between)

@@ -14,7 +14,7 @@ from .branch_following import followed
 from .branch_states import Bounds
 from .held_continuation import state_of
 from .held_curve import HeldFamily
-from .held_deflation import across_fold, deflated, fold_beside, is_known, numbers_of
+from .held_deflation import across_fold, deflate, fold_beside, is_known, numbers_of
 from .held_index import index_of
 from .held_system import Given, State
 from .path_orbits import orbit_of
@@ -37,12 +37,12 @@ def alternatives_of(seed: State, found: State, wanted: Given) -> list[State]:
             others.append(state)
 
     for guess in (*across_fold(found, wanted), seed):
-        add(deflated(guess, wanted, known))
+        add(deflate(guess, wanted, known))
     for state in _on_branch(seed, found, wanted):
         add(state)
     for other in tuple(others):
         for guess in across_fold(other, wanted)[:1]:
-            add(deflated(guess, wanted, known))
+            add(deflate(guess, wanted, known))
     return others
 
 

@@ -16,10 +16,10 @@ from .held_system import (
     State,
     at_given_speeds,
     corner_state,
-    corrected,
+    correct,
     least_square,
     orientation,
-    predicted,
+    predict,
     stepped,
 )
 from .orbit_rates import orbit_rates, start_rates
@@ -68,7 +68,7 @@ def state_of(problem: EndsProblem, path: Path, hinged: bool = False) -> State:
     return State(problem, path, orbit_rates(problem, [path]))
 
 
-def carried(state: State, wanted: Given, most_steps: int = _MOST_STEPS) -> State | Stopped:
+def carry(state: State, wanted: Given, most_steps: int = _MOST_STEPS) -> State | Stopped:
     """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion."""
     first, share, step = wanted.at(state), 0.0, 1.0
     reason, before = LEFT, (0.0, state)
@@ -86,7 +86,7 @@ def carried(state: State, wanted: Given, most_steps: int = _MOST_STEPS) -> State
         if share > 1 - _ROUNDING:  # next to rest at an end each step goes a share of what is left
             return state
         step = min(step, 1 - share)
-        found = _advanced(state, first, wanted, share, step)
+        found = _advance(state, first, wanted, share, step)
         if isinstance(found, str) or (found[1] < _EASY and share > before[0]):
             leap = _past_a_helix(before, (share, state), first, wanted)
             found = found if leap is None else leap
@@ -102,7 +102,7 @@ def carried(state: State, wanted: Given, most_steps: int = _MOST_STEPS) -> State
     return Stopped(share, f"the limit of {most_steps} steps", state)
 
 
-def _crossed(before: State, after: State, given: Given, size: float) -> bool:
+def _is_crossed(before: State, after: State, given: Given, size: float) -> bool:
     """Whether a step of some size may have led to another branch: the equations change their orientation.
 
     A branching point that is passed along a branch changes it too; there the prediction of a small step is good.
@@ -134,18 +134,18 @@ def _past_a_helix(
     for speed, angle in sorted(zip(speeds, (place.start, place.end), strict=True)):
         path = Path(angle, 1.0, 2 * float(np.log(speed)), -two.path.leaving, two.path.turns)
         for chart in charts(place, path, wanted.hinged):
-            found = corrected(problem, ahead, chart, coordinate(chart), _ROUGH)
+            found = correct(problem, ahead, chart, coordinate(chart), _ROUGH)
             if not isinstance(found, str):
                 return found, share - share_1
     return None
 
 
-def _advanced(state: State, first: Given, wanted: Given, share: float, step: float) -> tuple[State, float] | str:
+def _advance(state: State, first: Given, wanted: Given, share: float, step: float) -> tuple[State, float] | str:
     """The state after at most one step, and the step taken; else why the step failed in the best coordinate."""
     reason = ""
     for chart in charts(LinePoint(state.problem), state.path, wanted.hinged):
         here, ahead = first.towards(wanted, share), first.towards(wanted, share + step)
-        change, dx, size = predicted(state, chart, here, ahead)
+        change, dx, size = predict(state, chart, here, ahead)
         factor = 1.0
         if not np.isfinite(size):
             reason = reason or DIVERGED
@@ -155,8 +155,8 @@ def _advanced(state: State, first: Given, wanted: Given, share: float, step: flo
                 ahead = first.towards(wanted, share + factor * step)
             guess = stepped(state.problem, ahead, change, factor)
             goal = 0.0 if ahead is wanted else _ROUGH
-            found = corrected(guess, ahead, chart, coordinate(chart) + factor * dx, goal)
-            if not isinstance(found, str) and not _crossed(state, found, given=wanted, size=factor * size):
+            found = correct(guess, ahead, chart, coordinate(chart) + factor * dx, goal)
+            if not isinstance(found, str) and not _is_crossed(state, found, given=wanted, size=factor * size):
                 return found, factor * step
             reason = reason or (found if isinstance(found, str) else DIVERGED)
         if step > _EASY:

@@ -16,7 +16,7 @@ from .branch_coordinates import CORNER, Chart, LinePoint, Path, charts, coordina
 from .equilibrium_curve import AHEAD
 from .held_index import held_index
 from .held_system import FREE, Given, State, corner_state, is_hinged, rates_in, rows_of, values_of
-from .orbit_rates import HOW, NUMBERS, OrbitRates, orbit_numbers, solved, start_rates
+from .orbit_rates import HOW, NUMBERS, OrbitRates, orbit_numbers, solve, start_rates
 
 _FAR = FREE.index("betaL")
 _ROUNDING = 1e-12  # of beta_t
@@ -160,11 +160,11 @@ class HeldCurve:
         if self.chart.kind != CORNER:
             matrix = np.vstack([self._row(known, x), known[names]])
             every = np.vstack([np.column_stack([rows, by_span]), np.eye(6)[5]])
-            return every @ solved(matrix[None], np.eye(6)[None])[0], np.zeros(6)
+            return every @ solve(matrix[None], np.eye(6)[None])[0], np.zeros(6)
         far, start = names[_FAR], [k for k in (0, *range(1, 6)) if k != 1 + _FAR]  # the orbit knows no beta(L)
         parts = np.zeros((5, 6))
         matrix = np.vstack([self._row(known, x), known[names]])[start, :5]
-        parts[:, start] = solved(matrix[None], np.eye(5)[None])[0]
+        parts[:, start] = solve(matrix[None], np.eye(5)[None])[0]
         every = np.vstack([rows @ parts, np.eye(6)[1 + _FAR] - rates.rows[0, far] @ parts])
         return every, np.append(by_span, -rates.by_span[0, far])
 

@@ -18,8 +18,8 @@ from .held_system import (
     State,
     answer,
     corner_state,
-    corrected,
-    moved,
+    correct,
+    move,
     problem_at,
     rates_in,
     rows_of,
@@ -27,7 +27,7 @@ from .held_system import (
     stepped,
     values_of,
 )
-from .orbit_rates import NUMBERS, solved
+from .orbit_rates import NUMBERS, solve
 
 _ROUNDS = 20
 _REACH = 0.5  # largest size of a step
@@ -48,7 +48,7 @@ def is_known(state: State, known: list[Array]) -> bool:
     return any(bool((np.abs(here - one) < _SAME * (1 + np.abs(one))).all()) for one in known)
 
 
-def deflated(start: State, wanted: Given, known: list[Array]) -> State | None:
+def deflate(start: State, wanted: Given, known: list[Array]) -> State | None:
     """An equilibrium with the wanted numbers that is none of the known ones; None where the rounds lead to none.
 
     known: the `numbers_of` each.
@@ -66,15 +66,15 @@ def deflated(start: State, wanted: Given, known: list[Array]) -> State | None:
             return None
         state, size = following
         if size < _NEAR and abs(rate) < 0.5:
-            found = finished(state, wanted)
+            found = finish(state, wanted)
             return None if found is None or is_known(found, known) else found
     return None
 
 
-def finished(state: State, wanted: Given) -> State | None:
+def finish(state: State, wanted: Given) -> State | None:
     """The equilibrium with the wanted numbers next to a state, in whichever coordinate Newton's rule converges."""
     for chart in charts(LinePoint(state.problem), state.path, wanted.hinged):
-        found = corrected(state.problem, wanted, chart, coordinate(chart))
+        found = correct(state.problem, wanted, chart, coordinate(chart))
         if not isinstance(found, str):
             return found
     return None
@@ -94,7 +94,7 @@ def _following(state: State, wanted: Given, change: Array, factor: float) -> tup
     """The state after a step, halved where no orbit is there; and the size of the step of Newton's rule itself."""
     for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
         x = coordinate(chart)
-        dx = moved(chart, x, change)
+        dx = move(chart, x, change)
         size = size_of(state.problem, chart, dx, change)
         if not np.isfinite(size) or size == 0:
             continue
@@ -129,7 +129,7 @@ def fold_beside(state: State, wanted: Given) -> tuple[Array, float] | None:
     every = state.rates.rows[0]
     if state.path.helix or not np.isfinite(every[:-1]).all():
         return None
-    unit = solved(np.linalg.qr(every[:-1])[1][None], np.eye(5)[None])[0]  # parts that change the numbers by one
+    unit = solve(np.linalg.qr(every[:-1])[1][None], np.eye(5)[None])[0]  # parts that change the numbers by one
     if not np.isfinite(unit).all():
         return None
     left, slopes, right = np.linalg.svd(rows @ unit)
@@ -161,7 +161,7 @@ def _beside(state: State, wanted: Given, change: Array, share: float) -> State |
     problem = replace(state.problem, **new)
     for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
         x = coordinate(chart)
-        beside = _state_at(problem, replace(wanted, names=()), chart, x + share * moved(chart, x, change))
+        beside = _state_at(problem, replace(wanted, names=()), chart, x + share * move(chart, x, change))
         if beside is not None:
             return beside
     return None

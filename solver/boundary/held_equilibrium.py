@@ -20,7 +20,7 @@ from .each_equilibrium import path_of_seed, together
 from .held_alternatives import alternatives_of, away
 from .held_index import dead_index_of, index_of
 from .held_starts import Reached, from_seed, nearest_start
-from .held_system import FREE, Given, State, corrected, parts_of, values_of
+from .held_system import FREE, Given, State, correct, parts_of, values_of
 from .orbit_rates import helix_change, varied_orbits
 from .path_orbits import orbit_of
 
@@ -92,7 +92,7 @@ def at_hinges(state: State, wanted: Given) -> State:
     corner = [chart for chart in every if chart.kind == CORNER]
     start = [chart for chart in every if chart.kind == "start" and not chart.logarithmic and slow]
     for chart in [*corner, *start]:
-        found = corrected(state.problem, wanted, chart, coordinate(chart))
+        found = correct(state.problem, wanted, chart, coordinate(chart))
         if not isinstance(found, str):
             return found
     return state
@@ -125,7 +125,7 @@ def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> 
     solved = EndsProblem(**{name: np.full(problem.size, PLAIN[name]) for name in (*FREE, "span")})
     for i in range(problem.size):
         one = problem.take(slice(i, i + 1))
-        reached = _reached(one, None if seed is None else seed.take(i))
+        reached = _reach(one, None if seed is None else seed.take(i))
         if isinstance(reached, str):
             found.append(reached)
             continue
@@ -135,7 +135,7 @@ def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> 
     return together(found, t), solved
 
 
-def _reached(one: HeldProblem, seed: Seed | None) -> Reached | str:
+def _reach(one: HeldProblem, seed: Seed | None) -> Reached | str:
     if why := beyond_limits(np.append(one.values[0], one.ratio[0]), float(one.span[0])):
         return why
     height = one.known("z")

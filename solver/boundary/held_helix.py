@@ -6,7 +6,7 @@ from ..mechanics.potential import slope_rate
 from ..numerics.arrays import Array
 from .branch_coordinates import LinePoint, Path, charts, coordinate
 from .held_helices import helices_of, helix_at
-from .held_system import FREE, Given, State, answer, corrected, parts_of, stepped
+from .held_system import FREE, Given, State, answer, correct, parts_of, stepped
 from .orbit_rates import NUMBERS, helix_change
 from .paths import DOWN, UP
 
@@ -42,7 +42,7 @@ def off_helix(state: State, wanted: Given) -> tuple[State, float] | None:
         if on_saddle:
             paths = [_from_saddle(place, paths[0], share * float(speeds[0]), share * float(speeds[-1])), *paths]
         for chart in (chart for path in paths for chart in charts(place, path, wanted.hinged)):
-            found = corrected(problem, ahead, chart, coordinate(chart), 0.0 if ahead is wanted else _GOAL)
+            found = correct(problem, ahead, chart, coordinate(chart), 0.0 if ahead is wanted else _GOAL)
             if not isinstance(found, str):
                 return found, share
     return None

@@ -16,7 +16,7 @@ from ..problem.reduced import EndsProblem
 from .branch_coordinates import LinePoint, Path
 from .held_system import Given, State, corner_state
 from .orbit_rates import orbit_rates, start_rates
-from .transit_times import wrapped
+from .transit_times import wrap
 
 _ODD = ({"alpha", "turn", "lam", "mu"}, {"z", "turn", "phi", "mu"})  # what beta -> -beta and beta -> pi - beta negate
 _REVERSED = {"beta0": "betaL", "betaL": "beta0", "dbeta0": "dbetaL", "dbetaL": "dbeta0"}
@@ -105,7 +105,7 @@ def _path(path: Path, old: LinePoint, new: LinePoint, mirror: Mirror) -> Path:
     if path.pin in (old.start, old.end) and path.pin not in old.saddles:
         pin = ends[0] if path.pin == old.start else ends[1]
     else:
-        apart = np.abs(np.sin((new.saddles - wrapped(mirror.angle(path.pin))) / 2))
+        apart = np.abs(np.sin((new.saddles - wrap(mirror.angle(path.pin))) / 2))
         pin = float(new.saddles[int(np.argmin(apart))])
     leaving = mirror.direction * (-path.arriving if mirror.backward else path.leaving)
     return replace(path, pin=pin, leaving=leaving)

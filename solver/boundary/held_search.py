@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..numerics.arrays import Array
-from .held_continuation import Stopped, carried
-from .held_deflation import across_fold, deflated, finished, is_known, numbers_of
+from .held_continuation import Stopped, carry
+from .held_deflation import across_fold, deflate, finish, is_known, numbers_of
 from .held_helices import helices_of
 from .held_mirrors import half_period_later, image_of, mirrors_of
 from .held_ranges import Ranges, ranges_of, within_a_turn
@@ -51,7 +51,7 @@ class HeldFound:
 
     def add(self, state: State, how: str) -> bool:
         """Add an equilibrium and its mirror images; whether it was new. A state without numbers is none."""
-        state = _settled(state, self.given)
+        state = _settle(state, self.given)
         if not np.isfinite(numbers_of(state)).all() or is_known(state, self._known):
             return False
         self._known.append(numbers_of(state))
@@ -64,7 +64,7 @@ class HeldFound:
         images = [image_of(state, mirror, self.given) for mirror in mirrors_of(self.given)]
         later = half_period_later(state, self.given)
         for image in [*images, *([] if later is None else [later])]:
-            whole = image if image.path.helix else finished(image, self.given)
+            whole = image if image.path.helix else finish(image, self.given)
             if whole is not None:
                 self.add(whole, MIRRORED)
         return True
@@ -91,22 +91,22 @@ def held_search(
     for state in helices:
         found.add(state, HELIX)  # first: an orbit whose swings fall to rounding is the helix
     for start in scanned:
-        if (whole := finished(start, given)) is not None:
+        if (whole := finish(start, given)) is not None:
             found.add(whole, SCANNED)
     if scanned:
         return found
     for some in starts_of(points, found.ranges):
         found.starts += 1
-        found.failed += not _continued(found, some)
+        found.failed += not _is_continued(found, some)
     _across_folds(found, 0)
     _deflate(found, points, tries)
     return found
 
 
-def _continued(found: HeldFound, some: list[State]) -> bool:
+def _is_continued(found: HeldFound, some: list[State]) -> bool:
     """Whether one of the starts led to an equilibrium with the given numbers."""
     for start in some:
-        state = carried(start, found.given, _STEPS)
+        state = carry(start, found.given, _STEPS)
         if not isinstance(state, Stopped):
             found.add(state, CONTINUED)
             return True
@@ -117,7 +117,7 @@ def _across_folds(found: HeldFound, first: int) -> None:
     """Add the partners across the nearest folds of the equilibria from the first on, and of these partners."""
     while first < len(found.states):
         for guess in across_fold(found.states[first], found.given)[:1]:
-            state = deflated(guess, found.given, found.known)
+            state = deflate(guess, found.given, found.known)
             if state is not None:
                 found.add(state, FOLDED)
         first += 1
@@ -129,7 +129,7 @@ def _deflate(found: HeldFound, points: list[Point], tries: int) -> None:
     fruitless = 0
     while seeds and fruitless < tries:
         found.tries += 1
-        state = deflated(seeds[int(rng.integers(len(seeds)))], found.given, found.known)
+        state = deflate(seeds[int(rng.integers(len(seeds)))], found.given, found.known)
         before = len(found.states)
         if state is None or not found.add(state, DEFLATED):
             fruitless += 1
@@ -138,7 +138,7 @@ def _deflate(found: HeldFound, points: list[Point], tries: int) -> None:
         _across_folds(found, before)
 
 
-def _settled(state: State, given: Given) -> State:
+def _settle(state: State, given: Given) -> State:
     """The state with beta(0) in [-pi, pi) where no angle is given."""
     if "beta0" in given.names or "betaL" in given.names:
         return state

@@ -18,7 +18,7 @@ from ..problem.reduced import EndsProblem
 from ..problem.trajectory import DeadStart
 from .branch_coordinates import Path, path_of
 from .held_alternatives import said_of_seed
-from .held_continuation import Stopped, carried, state_of
+from .held_continuation import Stopped, carry, state_of
 from .held_deflation import is_known, numbers_of
 from .held_helices import helices_of
 from .held_index import held_index, index_of
@@ -50,11 +50,11 @@ def from_seed(wanted: Given, problem: EndsProblem, path: Path | None) -> Reached
     if path is None:
         return "failed: the seed is not a solution of its own ends problem"
     seed = state_of(problem, path, wanted.hinged)
-    found = carried(seed, wanted)
-    return told(found) if isinstance(found, Stopped) else Reached(found, said_of_seed(seed, found, wanted), seed)
+    found = carry(seed, wanted)
+    return tell(found) if isinstance(found, Stopped) else Reached(found, said_of_seed(seed, found, wanted), seed)
 
 
-def told(found: Stopped) -> str:
+def tell(found: Stopped) -> str:
     """The outcome of a continuation that stopped."""
     return (
         f"failed: the branch of the start could not be followed to the held ends: {found.reason} "
@@ -66,17 +66,17 @@ def nearest_start(wanted: Given, problem: HeldProblem) -> Reached | str:
     """The equilibrium reached from the nearest dead-load equilibria; or the outcome that says why there is none."""
     guesses, helices = _guesses(wanted, problem), helices_of(wanted)[0]
     themselves = [Reached(state, HELIX) for state in helices]
-    reached, tried, why = _reached(wanted, _starts(wanted, problem, guesses), helices)
+    reached, tried, why = _reach(wanted, _starts(wanted, problem, guesses), helices)
     reached = reached or [one for one in themselves if index_of(one.state, wanted) == 0]
     if not reached and (near := _next_to_helices(wanted, guesses)):
-        reached, more, _ = _reached(wanted, _starts(wanted, problem, near), helices, _STEPS_NEAR)
+        reached, more, _ = _reach(wanted, _starts(wanted, problem, near), helices, _STEPS_NEAR)
         tried += more
     reached = reached or themselves
     stable = [one for one in reached if index_of(one.state, wanted) == 0]
     return [*stable, *reached][0] if reached else f"{why}; {tried} starts were tried; in Python a seed may help"
 
 
-def _reached(
+def _reach(
     wanted: Given, starts: list[State], helices: list[State], steps: int = _STEPS
 ) -> tuple[list[Reached], int, str]:
     """What the first starts lead to, up to a stable equilibrium; how many were tried; why the first of them failed.
@@ -86,9 +86,9 @@ def _reached(
     reached: list[Reached] = []
     why = ""
     for tried, start in enumerate(starts[:_TRIED], 1):
-        found = carried(start, wanted, steps)
+        found = carry(start, wanted, steps)
         if isinstance(found, Stopped):
-            why = why or told(found)
+            why = why or tell(found)
             continue
         found = next((one for one in helices if is_known(found, [numbers_of(one)])), found)
         reached.append(Reached(found, _dead(start)))

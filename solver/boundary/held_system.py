@@ -16,7 +16,7 @@ from ..orbit.periodic_orbit import solve_orbit
 from ..problem.held_ends import HeldProblem
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import CORNER, Chart, LinePoint, Path, coordinate, path_at
-from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, solved, start_rates
+from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, solve, start_rates
 from .paths import DOWN, UP
 
 FREE = ("beta0", "betaL", "lam", "mu", "phi")  # what a state consists of, beside its path
@@ -109,7 +109,7 @@ def rows_of(rates: OrbitRates, names: tuple[str, ...], ratio: float) -> tuple[Ar
 def parts_by_given(rates: OrbitRates, names: tuple[str, ...], ratio: float) -> Array:
     """The five parts of a change of one equilibrium by a unit of each given number, and last of the length, (5, 6)."""
     rows, by_span = rows_of(rates, names, ratio)
-    return solved(rows[None], np.column_stack([np.eye(5), -by_span])[None])[0]
+    return solve(rows[None], np.column_stack([np.eye(5), -by_span])[None])[0]
 
 
 def answer(rates: OrbitRates, given: Given, values: Array, span: Array) -> Array:
@@ -122,7 +122,7 @@ def answer(rates: OrbitRates, given: Given, values: Array, span: Array) -> Array
 def parts_of(rates: OrbitRates, given: Given, values: Array, span: Array) -> Array:
     """The five parts of the changes of the orbit by the same changes, (5, k)."""
     rows, by_span = rows_of(rates, given.names, given.ratio)
-    return solved(rows[None], (values - by_span[:, None] * span)[None])[0]
+    return solve(rows[None], (values - by_span[:, None] * span)[None])[0]
 
 
 def orientation(rates: OrbitRates, given: Given) -> float:
@@ -136,7 +136,7 @@ def orientation(rates: OrbitRates, given: Given) -> float:
         return float(np.linalg.slogdet(rows * column)[0])
 
 
-def moved(chart: Chart, x: float, change: Array) -> float:
+def move(chart: Chart, x: float, change: Array) -> float:
     """The change of the coordinate of a chart; change: of the `NUMBERS`, (11,), of a path with the pin of the chart."""
     if chart.kind == "saddle":
         return float(change[_AT["y"]])
@@ -165,7 +165,7 @@ def stepped(problem: EndsProblem, given: Given, change: Array, factor: float = 1
     return replace(problem, **new, span=np.array([given.span]))
 
 
-def corrected(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: float = 0.0) -> State | str:
+def correct(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: float = 0.0) -> State | str:
     """The equilibrium with the given numbers next to a guess, by Newton's rule; or why there is none.
 
     goal: the size of a correction at which it ends; 0: rounding. The rates are computed anew where corrections made
@@ -189,7 +189,7 @@ def corrected(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: 
         assert rates is not None
         off = given.values - values_of(numbers, length, given)
         change = answer(rates, given, off[:, None], np.array([given.span - length]))[:, 0]
-        dx = moved(chart, x, change)
+        dx = move(chart, x, change)
         size = size_of(problem, chart, dx, change)
         travelled += size
         if travelled > 2 * _REACH or not np.isfinite(size) or (size > 0.5 * last and size > _CLOSE):
@@ -290,7 +290,7 @@ def values_of(numbers: Array, length: float, given: Given) -> Array:
     return np.array([turn if name == "turn" else numbers[_AT[name]] for name in given.names])
 
 
-def predicted(state: State, chart: Chart, given: Given, ahead: Given) -> tuple[Array, float, float]:
+def predict(state: State, chart: Chart, given: Given, ahead: Given) -> tuple[Array, float, float]:
     """The changes of the numbers (11,) and of the coordinate to `ahead`, to first order, and their size."""
     path = None if chart.kind == CORNER else path_at(LinePoint(state.problem), chart, coordinate(chart))
     rates = state.rates
@@ -298,5 +298,5 @@ def predicted(state: State, chart: Chart, given: Given, ahead: Given) -> tuple[A
         rates = orbit_rates(state.problem, [path])
     values, span = ahead.values - given.values, np.array([ahead.span - given.span])
     change = answer(rates, given, values[:, None], span)[:, 0]
-    dx = moved(chart, coordinate(chart), change)
+    dx = move(chart, coordinate(chart), change)
     return change, dx, size_of(state.problem, chart, dx, change)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..mechanics.potential import TAU, potential, slope
 from ..numerics.arrays import Array
-from ..numerics.roots import bisected
+from ..numerics.roots import bisect
 from ..orbit.periodic_orbit import solve_orbit
 from ..problem.reduced import EndsProblem, StartProblem
 from .branch_coordinates import LinePoint
@@ -79,7 +79,7 @@ def _roots(off: Callable[[Array], Array], angles: Array) -> Array:
     every = np.unique(np.concatenate([angles, (lo + hi) / 2]))
     value = off(every)
     change = np.flatnonzero(value[1:] * value[:-1] < 0)
-    return bisected(off, every[change], every[change + 1], _BISECTIONS)
+    return bisect(off, every[change], every[change + 1], _BISECTIONS)
 
 
 def _angles(problem: EndsProblem, rate: float) -> Array:
@@ -92,6 +92,6 @@ def _angles(problem: EndsProblem, rate: float) -> Array:
             return np.asarray(rate**2 + potential(problem, angle) - height)
 
         change = np.flatnonzero(above(even[1:]) * above(even[:-1]) < 0)
-        special.append(bisected(above, even[change], even[change + 1], _BISECTIONS))
+        special.append(bisect(above, even[change], even[change + 1], _BISECTIONS))
     near = np.concatenate(special)[:, None] + np.concatenate([-_CLOSER, _CLOSER])
     return np.unique(np.concatenate([even, (near.ravel() + np.pi) % TAU - np.pi]))

@@ -39,7 +39,7 @@ class Brackets:
         return Brackets(**{name: v[index] for name, v in vars(self).items()})
 
 
-def joined_brackets(parts: list[Brackets]) -> Brackets:
+def join_brackets(parts: list[Brackets]) -> Brackets:
     names = ("pin", "sign", "first", "second", "path", "rises")
     columns: dict[str, Any] = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
     return Brackets(**columns)
@@ -75,7 +75,7 @@ def brackets_on_grid(
     second = np.where(np.isnan(y), place.y, y)
     direct = Brackets(place.pin, place.sign, first, second, n + before, above[n, k + 1])
     dips, calls = _dips(boundary, grid, some, off)
-    return joined_brackets([direct, replace(dips, path=dips.path + before)]), calls
+    return join_brackets([direct, replace(dips, path=dips.path + before)]), calls
 
 
 def _above(off: Array, span: float) -> tuple[Booleans, Booleans]:

@@ -20,8 +20,7 @@ from ..orbit.arcs import apart
 from ..orbit.critical_points import CriticalPoints, critical_points
 from ..problem.reduced import EndsProblem
 from .paths import Levels
-from .transit_times import Boundary, fall, height_scale, wrapped
-from .transit_times import repeated as repeated
+from .transit_times import Boundary, fall, height_scale, wrap
 
 _ON = 1e-110  # an end this near to a saddle lies on it
 _ROUNDING = 4e-16  # of H, in units of the size of G
@@ -59,7 +58,7 @@ def boundary_of(problem: EndsProblem) -> Boundary:
     helix = helix_of(problem, found)
     ends = [float(problem.beta0[0]), float(problem.betaL[0])]
     rising = ends[0] <= ends[1]
-    around = [wrapped(b) for b in sorted(ends)]
+    around = [wrap(b) for b in sorted(ends)]
     for i, b in enumerate(around):
         near = angles[np.abs(apart(np.full(angles.size, b), angles)) < _ON]
         around[i] = float(near[0]) if near.size else b

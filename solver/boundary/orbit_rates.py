@@ -72,7 +72,7 @@ class OrbitRates:
         forced = np.zeros((self.values.shape[0], len(at), 6))
         forced[:, range(5), range(5)] = 1
         forced[:, :, 5] = -self.by_span[:, at]
-        return solved(self.rows[:, at], forced)
+        return solve(self.rows[:, at], forced)
 
     def response(self, held: Sequence[str]) -> Array:
         """The derivatives of the `NUMBERS` by each of five of them, the others of the five held, and by the length.
@@ -104,7 +104,7 @@ class OrbitRates:
         return np.asarray(K)
 
 
-def solved(matrix: Array, forced: Array) -> Array:
+def solve(matrix: Array, forced: Array) -> Array:
     """The solutions (B, n, k) of square systems (B, n, n), rows and columns scaled; NaN for a singular one."""
     with np.errstate(all="ignore"):
         column = 1 / np.abs(matrix).max(axis=1)
@@ -213,7 +213,7 @@ def rates_of_variations(problem: EndsProblem, varied: Variations, integrals: Arr
     parts = unit[..., 0], unit[..., 1:]
     here, there = (changed(start, place, *parts) for place in (start.take((slice(None), None)), far))
     v, H = (np.stack([getattr(start, name), getattr(far, name)[:, 0]]) for name in ("v", "H"))
-    return _assembled(problem, here, there, v, H, integrals)
+    return _assemble(problem, here, there, v, H, integrals)
 
 
 def rates_of_helices(problem: EndsProblem) -> OrbitRates:
@@ -221,7 +221,7 @@ def rates_of_helices(problem: EndsProblem) -> OrbitRates:
     far = problem.span[:, None]
     here, there = (helix_change(problem, t) for t in (0 * far, far))
     s, c, none = np.sin(problem.beta0), np.cos(problem.beta0), np.zeros((2, problem.size))
-    found = _assembled(problem, here, there, none, none, np.stack([s, s * c, c]) * problem.span)
+    found = _assemble(problem, here, there, none, none, np.stack([s, s * c, c]) * problem.span)
     found.values[:, _Y], found.rows[:, _Y] = -np.inf, np.nan
     return found
 
@@ -232,12 +232,12 @@ def helix_change(problem: EndsProblem, t: Array) -> Change:
     Two parts are those of beta(0) and beta_t(0), or about a saddle those of the two end angles.
     """
     steep = slope_rate(problem, problem.beta0) < 0
-    by_ends, by_start = (vars(way(problem, t)).values() for way in (helix_variations.held, helix_variations.started))
+    by_ends, by_start = (vars(way(problem, t)).values() for way in (helix_variations.held, helix_variations.start))
     pairs = zip(by_ends, by_start, strict=True)
     return Change(*(np.where(steep.reshape(-1, *[1] * (a.ndim - 1)), a, b) for a, b in pairs))
 
 
-def _assembled(problem: EndsProblem, here: Change, there: Change, v: Array, H: Array, integrals: Array) -> OrbitRates:
+def _assemble(problem: EndsProblem, here: Change, there: Change, v: Array, H: Array, integrals: Array) -> OrbitRates:
     """here, there: the changes at the two ends, (B, 1, 5). v, H: at the two ends, (2, B). integrals: (3, B)."""
     rows, by_span = np.zeros((problem.size, len(NUMBERS), 5)), np.zeros((problem.size, len(NUMBERS)))
     of_ends = here.beta, there.beta, here.rate, there.rate

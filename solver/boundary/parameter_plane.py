@@ -8,8 +8,8 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.angles import angle
 from ..problem.case import ANGLES, Case, Ends
-from ..problem.errors import InputError, choices, shown
-from ..problem.field_rates import NUMBERS, checked_fields, field_rates
+from ..problem.errors import InputError, choices, show
+from ..problem.field_rates import NUMBERS, check_fields, field_rates
 from ..problem.reduced import EndsProblem, reduce
 
 _ACTING = ("lam", "mu", "phi", "span", "beta0", "end")  # the numbers on which equilibria depend
@@ -81,7 +81,7 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
         raise InputError(f"fold curves need one case, got a grid of shape {case.shape}")
     if len(ranges) != 2:
         raise InputError(f"fold curves need two fields with their ranges, got {choices(ranges) or 'none'}")
-    first, second = checked_fields(case, ranges)
+    first, second = check_fields(case, ranges)
     ends = np.array([_range(name, ranges[name]) for name in (first, second)])
     plane = ParameterPlane(case, (first, second), ends[:, 0], ends[:, 1])
     corners = np.array([[u, w] for u in (-MARGIN, 0.5, 1 + MARGIN) for w in (-MARGIN, 0.5, 1 + MARGIN)])
@@ -105,7 +105,7 @@ def _range(name: str, given: Any) -> tuple[float, float]:
     try:
         low, high = (angle(v) if isinstance(v, str) and name in ANGLES else float(v) for v in given)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"the range of {name} must be two numbers (from, to), got {shown(given)}") from None
+        raise InputError(f"the range of {name} must be two numbers (from, to), got {show(given)}") from None
     if not np.isfinite([low, high]).all() or not low < high:
-        raise InputError(f"the range of {name} must be two finite numbers, the first lower, got {shown(given)}")
+        raise InputError(f"the range of {name} must be two finite numbers, the first lower, got {show(given)}")
     return low, high

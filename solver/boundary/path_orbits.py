@@ -14,13 +14,13 @@ from .end_conditioning import end_response
 from .level_grid import LOWEST
 from .paths import DOWN, UP, LevelPaths, Levels, Paths
 from .saddle_panels import with_saddle_panels
-from .transit_times import STRETCH, Boundary, repeated, transit_times
+from .transit_times import STRETCH, Boundary, repeat, transit_times
 
 _TIGHT = 1e-13  # tolerance of the orbits
 _DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
 
 
-def solved_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, lengthens: Array) -> tuple[Orbit, Array]:
+def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, lengthens: Array) -> tuple[Orbit, Array]:
     """The orbits and their levels eta, (K,)."""
     K = path.y.size
     boundary = replace(boundary, deepest=max(LOWEST, boundary.deepest - _DEEPER))
@@ -31,7 +31,7 @@ def solved_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, le
     slope[moves] = path.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
     excess[moves] = np.maximum(boundary.deepest - path.y[moves], 0)
     first = boundary.low if boundary.rising else boundary.high
-    start = replace(repeated(problem, K).started(slope), beta0=np.full(K, first))
+    start = replace(repeat(problem, K).started(slope), beta0=np.full(K, first))
     level = potential(start, path.pin) + gap
     falls = np.ones((K, 2))  # of the two ends from the pin
     falls[moves] = boundary.falls[pin]
@@ -58,10 +58,10 @@ def orbit_of(problem: EndsProblem, path: Path) -> Orbit:
     """The orbit of one equilibrium, with the fields that its Morse index and its condition number need."""
     place = LinePoint(problem)
     if path.helix:
-        return solved_orbits(problem, place.boundary(path.pin), path.level_path, np.array([np.nan]))[0]
+        return solve_orbits(problem, place.boundary(path.pin), path.level_path, np.array([np.nan]))[0]
     length = place.lengths([replace(path, y=path.y - 1e-4), replace(path, y=path.y + 1e-4)])
     lengthens = np.array([float(path.sign * (length[1] - length[0]) > 0)])
-    return solved_orbits(problem, place.boundary(path.pin), path.level_path, lengthens)[0]
+    return solve_orbits(problem, place.boundary(path.pin), path.level_path, lengthens)[0]
 
 
 def path_from_start(problem: EndsProblem, slope: float) -> Path | None:

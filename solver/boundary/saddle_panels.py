@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..orbit.panels import Panels, joined
-from ..orbit.periodic_orbit import Orbit, assembled
+from ..orbit.panels import Panels, join
+from ..orbit.periodic_orbit import Orbit, assemble
 from .transit_times import half_passages
 
 
@@ -29,11 +29,11 @@ def with_saddle_panels(brief: Orbit, span: Array, gap: Array, excess: Array) -> 
     duration = stay[end, piece]
     rest = _still(panels, pieces.base[piece], duration)
     still = Panels(pieces.arc[piece], pieces.rank[piece], duration, *rest)
-    every = joined([replace(panels, series=series), still])
+    every = join([replace(panels, series=series), still])
     place = np.concatenate([np.zeros(panels.arc.size), np.where(end == 0, -1, 1)])
     number = np.concatenate([np.arange(panels.arc.size), np.arange(piece.size)])
     every = every.take(np.lexsort((number, place, every.rank, every.arc)))
-    return assembled(replace(brief.problem, span=span), brief.arcs, every)
+    return assemble(replace(brief.problem, span=span), brief.arcs, every)
 
 
 def _still(panels: Panels, angle: Array, duration: Array) -> tuple[Any, ...]:

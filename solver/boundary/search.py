@@ -10,9 +10,9 @@ from ..numerics.arrays import Array, Booleans
 from ..orbit.orbit_energy import energies
 from ..orbit.periodic_orbit import Orbit
 from ..problem.reduced import EndsProblem
-from .level_brackets import brackets_on_grid, joined_brackets, roots_in
+from .level_brackets import brackets_on_grid, join_brackets, roots_in
 from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
-from .path_orbits import solved_orbits
+from .path_orbits import solve_orbits
 from .paths import LevelPaths, Levels, Paths
 from .stability import jacobi_zeros
 from .transit_times import Boundary, TransitTimes, transit_times
@@ -95,7 +95,7 @@ def search(problem: EndsProblem, most_periods: int = 200, most_turns: int | None
     if not _fits(problem):
         return None
     for step in (0.25, 0.0625):
-        found = _searched(problem, most_periods, most_turns, step)
+        found = _search(problem, most_periods, most_turns, step)
         if found is not None and not found.remark.startswith(_COUNT):
             break
     return found
@@ -112,7 +112,7 @@ def _fits(problem: EndsProblem) -> bool:
         return bool((np.abs(np.stack([*numbers, reach, 1 / problem.span])) < _LARGEST).all())
 
 
-def _searched(problem: EndsProblem, most_periods: int, most_turns: int | None, step: float) -> Found | None:
+def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, step: float) -> Found | None:
     """One search, on a level grid of steps of `step` in log gap."""
     boundary, grid = level_grid_of(boundary_of(problem), step)
     roots, reason = level_roots(boundary, grid, most_periods, most_turns)
@@ -120,7 +120,7 @@ def _searched(problem: EndsProblem, most_periods: int, most_turns: int | None, s
     path, lengthens = level_paths_of(boundary, roots, helix)
     if not lengthens.size:
         return None
-    orbit, level = solved_orbits(problem, boundary, path, lengthens)
+    orbit, level = solve_orbits(problem, boundary, path, lengthens)
     far = orbit.at(orbit.problem.span[:, None])[0][:, 0]
     good = np.abs(far - problem.betaL[0]) < np.maximum(_MISSED, np.minimum(_end_rounding(orbit), 0.1))
     lost = roots.lost + int(np.count_nonzero(~good))
@@ -128,7 +128,7 @@ def _searched(problem: EndsProblem, most_periods: int, most_turns: int | None, s
         return None
     if not good.all():
         path, lengthens = path.take(good), lengthens[good]
-        orbit, level = solved_orbits(problem, boundary, path, lengthens)
+        orbit, level = solve_orbits(problem, boundary, path, lengthens)
     index, energy = jacobi_zeros(orbit), energies(orbit, level)
     lowest, highest = _range(orbit, problem)
     helices = index[path.helix]
@@ -164,7 +164,7 @@ def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_tur
         brackets_on_grid(boundary, grid, seen, every.take(slice(k, k + _PATHS)), k)
         for k in range(0, every.periods.size if size else 1, _PATHS)
     ]
-    brackets, calls = joined_brackets([p for p, _ in parts]), seen.calls + sum(more for _, more in parts)
+    brackets, calls = join_brackets([p for p, _ in parts]), seen.calls + sum(more for _, more in parts)
     turns = every.turns[brackets.path]
     kept = np.ones(turns.size, dtype=bool) if most_turns is None else turns <= most_turns
     afford = int(BUDGET / (_EACH * max(1.0, seen.calls / max(size, 1))))

@@ -35,7 +35,7 @@ def selected(
 
     Returns the outcome, a sentence, where there is none.
     """
-    found = _searched(problem, slope, choose)
+    found = _search(problem, slope, choose)
     if found is None:
         return NO_EQUILIBRIUM
     if slope is not None:
@@ -49,7 +49,7 @@ def selected(
     return replace(equilibrium_trajectory(problem, found.orbit.take(i), t, tol), selection=how)
 
 
-def _searched(problem: EndsProblem, slope: float | None, choose: Choose) -> Found | None:
+def _search(problem: EndsProblem, slope: float | None, choose: Choose) -> Found | None:
     """The equilibria that the rule needs.
 
     A stable one has one turning point at most, one of index K at most K + 1, and that of lowest energy is stable.
@@ -61,7 +61,7 @@ def _searched(problem: EndsProblem, slope: float | None, choose: Choose) -> Foun
     return search(problem) if not isinstance(choose, int) and needs_stable else found
 
 
-def selected_seed(
+def select_seed(
     problem: EndsProblem, choose: Choose = NEAREST, points: int = 2001
 ) -> tuple[Seed, NDArray[np.object_], list[str]]:
     """The equilibrium of each of B ends problems that the rule takes, as a seed at `points` stations.

@@ -53,7 +53,7 @@ class Selection:
         return f"shown: of those of index {self.choose} the shape that swings least"
 
 
-def checked(choose: Any) -> Choose:
+def check(choose: Any) -> Choose:
     """The rule as given; raises `InputError` unless it is one of `RULES` or a Morse index."""
     if isinstance(choose, str) and choose in RULES:
         return choose

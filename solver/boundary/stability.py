@@ -16,7 +16,7 @@ import numpy as np
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
-from ..orbit.orbit_energy import accumulated
+from ..orbit.orbit_energy import accumulate
 from ..orbit.panels import Panels
 from ..orbit.pieces import HELIX, LIBRATION
 from ..problem.reduced import Reduced, StartProblem
@@ -123,7 +123,7 @@ def jacobi_end(orbit: Any) -> Array:
         return eta
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         unit = np.where(librates, np.pi / (orbit.ahead + orbit.back), 1.0)  # in which a small libration has no shear
-        a = accumulated(orbit, _shear(problem, panels, unit), problem.span[:, None])[:, 0]
+        a = accumulate(orbit, _shear(problem, panels, unit), problem.span[:, None])[:, 0]
         beta, v, _, _ = (value[:, 0] for value in orbit.at(problem.span[:, None]))
         v0, H0 = problem.dbeta0 / unit, slope(problem, problem.beta0) / unit**2
         v, H = v / unit, slope(problem, beta) / unit**2

@@ -31,12 +31,12 @@ NODES, CUTTING = 22, Cutting(0.7, 1e-15, STRETCH)
 _BLOCK = 2048  # levels computed at once
 
 
-def repeated(problem: EndsProblem, count: int) -> EndsProblem:
+def repeat(problem: EndsProblem, count: int) -> EndsProblem:
     """`count` copies of one problem."""
     return problem.take(np.zeros(count, dtype=np.int64))
 
 
-def wrapped(angle: float) -> float:
+def wrap(angle: float) -> float:
     """The angle in [-pi, pi), as `arcs.arcs_of` wraps it."""
     angle = float(angle - TAU * np.round(angle / TAU))
     return angle - TAU if angle >= np.pi else angle

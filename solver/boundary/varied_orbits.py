@@ -22,18 +22,18 @@ _TIGHT = 1e-13  # tolerance of the orbits
 
 def varied_orbits(problem: EndsProblem, paths: list[Path], places: list[LinePoint]) -> tuple[Orbit, Variations]:
     """The orbits of B equilibria that are no helices, and their variations."""
-    start, level = _started(problem, paths, places)
-    return _plain(problem, start, level), _varied(problem, start, level)
+    start, level = _start(problem, paths, places)
+    return _plain(problem, start, level), _vary(problem, start, level)
 
 
 def equilibrium_variations(problem: EndsProblem, path: Path) -> Variations:
     """The variations of one equilibrium that is no helix."""
-    return _varied(problem, *_started(problem, [path], [LinePoint(problem)]))
+    return _vary(problem, *_start(problem, [path], [LinePoint(problem)]))
 
 
 def plain_orbit(problem: EndsProblem, path: Path, place: LinePoint) -> Orbit:
     """The orbit of one equilibrium that is no helix."""
-    return _plain(problem, *_started(problem, [path], [place]))
+    return _plain(problem, *_start(problem, [path], [place]))
 
 
 def _plain(problem: EndsProblem, start: StartProblem, level: tuple[Array, ...]) -> Orbit:
@@ -42,7 +42,7 @@ def _plain(problem: EndsProblem, start: StartProblem, level: tuple[Array, ...]) 
     return with_saddle_panels(orbit, problem.span, gap, excess) if excess.any() else orbit
 
 
-def _varied(problem: EndsProblem, start: StartProblem, level: tuple[Array, ...]) -> Variations:
+def _vary(problem: EndsProblem, start: StartProblem, level: tuple[Array, ...]) -> Variations:
     pin, gap, excess = level
     relative = relative_orbit(start, POINTS, Cutting(LENGTH, GOAL, STRETCH), (pin, gap))
     arcs = relative.arcs
@@ -52,7 +52,7 @@ def _varied(problem: EndsProblem, start: StartProblem, level: tuple[Array, ...])
     return variations_on(relative, arcs)
 
 
-def _started(
+def _start(
     problem: EndsProblem, paths: list[Path], places: list[LinePoint]
 ) -> tuple[StartProblem, tuple[Array, ...]]:
     """The start problems of B paths, without the time that a gap in floating point cannot express at a saddle; and the

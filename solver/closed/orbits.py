@@ -41,7 +41,7 @@ class ClosedOrbit:
     error: float
 
 
-def closed_orbits(period: float, azimuth: float) -> tuple[list[ClosedOrbit], list[ClosedOrbit]]:
+def close_orbits(period: float, azimuth: float) -> tuple[list[ClosedOrbit], list[ClosedOrbit]]:
     """The orbits about pi/2 of a period in which alpha gains `azimuth`, and those in which it gains its negative.
 
     0 < azimuth < period. The largest b1 first.
@@ -62,9 +62,9 @@ def _crossings(lowest: Array, y: Array, mean: Array, period: float, azimuth: flo
     for k in np.flatnonzero((excess[:-1] > 0) != (excess[1:] > 0)):
         cell = slice(k, k + 2)
         at, guess = (float(v[k] + (v[k + 1] - v[k]) * excess[k] / (excess[k] - excess[k + 1])) for v in (lowest, y))
-        one = _polished(at, guess, period, azimuth)
+        one = _polish(at, guess, period, azimuth)
         inside = lowest[k + 1] <= one.lowest <= lowest[k]
-        found.append(one if one.error < CLOSE and inside else _refined(lowest[cell], excess[cell], period, azimuth))
+        found.append(one if one.error < CLOSE and inside else _refine(lowest[cell], excess[cell], period, azimuth))
     return found
 
 
@@ -99,10 +99,10 @@ def _gaps(lowest: Array, period: float, narrow: float) -> Array:
 
 def _excess(lowest: Array, y: Array, period: float) -> Array:
     """log of the period over the wanted one, (n,), bounded; the bound too where lam cannot hold so small a gap."""
-    return np.nan_to_num(np.clip(np.log(_measured(lowest, y)[0] / period), -_FAR, _FAR), nan=_FAR)
+    return np.nan_to_num(np.clip(np.log(_measure(lowest, y)[0] / period), -_FAR, _FAR), nan=_FAR)
 
 
-def _refined(lowest: Array, excess: Array, period: float, azimuth: float) -> ClosedOrbit:
+def _refine(lowest: Array, excess: Array, period: float, azimuth: float) -> ClosedOrbit:
     """The orbit between two lowest angles (2,), at which the mean of sin(beta) exceeds the wanted one by `excess`."""
     (a, b), (fa, fb) = lowest, excess
     at, y = a, np.zeros(1)
@@ -113,10 +113,10 @@ def _refined(lowest: Array, excess: Array, period: float, azimuth: float) -> Clo
             return ClosedOrbit(float(at), np.nan, np.inf)
         f = _mean(np.array([at]), y)[0] - azimuth / period
         a, b, fa, fb = (at, b, f, fb) if np.sign(f) == np.sign(fa) else (a, at, fa, f)
-    return _polished(float(at), float(y[0]), period, azimuth)
+    return _polish(float(at), float(y[0]), period, azimuth)
 
 
-def _polished(b1: float, y: float, period: float, azimuth: float) -> ClosedOrbit:
+def _polish(b1: float, y: float, period: float, azimuth: float) -> ClosedOrbit:
     """Newton's method in b1 and log(gap), with the exact derivatives of the period and the azimuth."""
     wanted, best = np.array([period, azimuth]), ClosedOrbit(b1, _load(b1, y), np.inf)
     for _ in range(_STEPS):
@@ -132,8 +132,8 @@ def _polished(b1: float, y: float, period: float, azimuth: float) -> ClosedOrbit
 
 def residual(b1: float, y: float, wanted: Array) -> tuple[Array, Array]:
     """Period and azimuth of a period less the wanted ones, (2,); their derivatives by b1 and y = log(gap), (2, 2)."""
-    problem = started(np.array([b1]), np.array([_load(b1, y)]))
-    varied = varied_from(problem)
+    problem = start(np.array([b1]), np.array([_load(b1, y)]))
+    varied = vary_from(problem)
     T = varied.orbit.period
     a0, e = directions(varied.start)
     there = varied.at(T[:, None])
@@ -142,17 +142,17 @@ def residual(b1: float, y: float, wanted: Array) -> tuple[Array, Array]:
     plain = np.stack([later, gained + np.sin(b1) * later])[:, [0, 2]]  # by b1 and by lam
     by_lam = np.exp(y) * plain[:, 1]
     J = np.stack([plain[:, 0] + 6 * np.sin(b1) ** 2 * np.cos(b1) * plain[:, 1], -by_lam], axis=1)
-    T_now, turn = _measured(np.array([b1]), np.array([y]))
+    T_now, turn = _measure(np.array([b1]), np.array([y]))
     return np.array([T_now[0], turn[0]]) - wanted, J
 
 
-def varied_from(problem: StartProblem) -> Variations:
+def vary_from(problem: StartProblem) -> Variations:
     """The variations of the orbits of start problems."""
     orbit = orbits_to_vary(problem)
     return variations_on(orbit, orbit.arcs)
 
 
-def started(lowest: Array, lam: Array) -> StartProblem:
+def start(lowest: Array, lam: Array) -> StartProblem:
     """The start problems at a turning point, (n,)."""
     none = np.zeros(lowest.size)
     return StartProblem(lam, none, none, none + 1.0, lowest, none)
@@ -164,11 +164,11 @@ def _load(lowest: Any, y: Any) -> Any:
 
 def _mean(lowest: Array, y: Array) -> Array:
     """The mean of sin(beta), (n,): next to the ring it hardly depends on lam."""
-    period, turn = _measured(lowest, y)
+    period, turn = _measure(lowest, y)
     return turn / period
 
 
-def _measured(lowest: Array, y: Array) -> tuple[Array, Array]:
+def _measure(lowest: Array, y: Array) -> tuple[Array, Array]:
     """The periods of the orbits, and what alpha gains in one, (n,) each."""
-    orbit = solve_orbit(started(lowest, _load(lowest, y)), _TOL)
+    orbit = solve_orbit(start(lowest, _load(lowest, y)), _TOL)
     return orbit.period, 2 * orbit.gain[:, 0].reshape(-1, 2).sum(axis=1)

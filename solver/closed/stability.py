@@ -16,14 +16,14 @@ a loop of index 0 is stable there too.
 
 import numpy as np
 
-from .orbits import started, varied_from
+from .orbits import start, vary_from
 
 _HELD = [1, 3]  # the rows of M of lam and phi, whose displacements are held
 
 
 def index_of(lowest: float, lam: float, folds: int) -> int:
     """The Morse index of a loop from its orbit about pi/2; 0: stable."""
-    varied = varied_from(started(np.array([lowest]), np.array([lam])))
+    varied = vary_from(start(np.array([lowest]), np.array([lam])))
     M = np.empty((4, 4))
     rows, columns = np.triu_indices(4)
     M[rows, columns] = M[columns, rows] = varied.gain[0].sum(axis=0)

@@ -89,7 +89,7 @@ class _Curve(ctypes.Structure):
     ]
 
 
-def _called(numbers: Numbers, count: int, raised: list[BaseException]) -> Any:
+def _call(numbers: Numbers, count: int, raised: list[BaseException]) -> Any:
     """The problem at a value of the parameter as the core calls it, so many numbers; what it raises is kept."""
 
     def at(p: float, out: Any) -> int:
@@ -132,7 +132,7 @@ class Steps:
         self._pointed = points(n), cut(how[0], True), cut(how[1], False)
         told = (ctypes.cast(pointer, ctypes.c_void_p) for pointer in self._pointed)
         self._curve = _Curve(
-            _called(numbers, 7 if held else 6, self._raised),
+            _call(numbers, 7 if held else 6, self._raised),
             None,
             None,
             Grid(angles.size, address(angles), address(table)),

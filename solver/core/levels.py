@@ -77,7 +77,7 @@ def level_roots(
     return (roots, calls.value) if fine(status) else None
 
 
-def continued(
+def resume(
     first: Array, last: Array, level: tuple[float, float, float], way: tuple[int, int], grid: Any, n: int, how: Cutting
 ) -> tuple[float, float, float, int, int] | None:
     """The equilibrium of the ends problem `last` (6,) on the branch of one of `first`, by continuation.

@@ -66,7 +66,7 @@ def threads() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def shared_out(part: Callable[[int, int], None], size: int) -> None:
+def share_out(part: Callable[[int, int], None], size: int) -> None:
     """Call part(a, b) for stretches that make up 0 .. size, in several threads where there are many problems."""
     if size < 2 * _SHARE or (count := min(threads(), size // _SHARE)) < 2:
         part(0, size)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
-from .library import begin_of, function, shared_out, widest
+from .library import begin_of, function, share_out, widest
 
 LOST, TURNS, GOES_ROUND = 0, 1, 2  # how a leg ends
 ORDER = 20  # of the series
@@ -95,7 +95,7 @@ def march(
         if call(b - a, numbers, tol, filled, stations, times, *rows, *kept, lanes, widest()):
             raise MemoryError("the compiled core found no memory for its steps")
 
-    shared_out(part, size)
+    share_out(part, size)
     return orbits.view(ORBIT)[:, 0]
 
 
@@ -118,7 +118,7 @@ def read(which: Integers, orbits: Array, steps: Steps, t: Array) -> Array:
         times, *rows = (begin + 8 * a * n for begin in begins)
         call(b - a, begin_of(which) + 8 * a, *stored, n, times, *rows, None, widest())
 
-    shared_out(part, which.size)
+    share_out(part, which.size)
     return out
 
 

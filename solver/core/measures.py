@@ -8,7 +8,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
-from .library import begin_of, function, shared_out, widest
+from .library import begin_of, function, share_out, widest
 from .panels import fine
 
 NODES, LONGEST = 24, 64  # of each piece; most coefficients of a series
@@ -77,5 +77,5 @@ def measure(
     def part(a: int, b: int) -> None:
         fine(call(ctypes.addressof(rods), begin_of(out), a, b, lanes or widest()))
 
-    shared_out(part, size)
+    share_out(part, size)
     return {name: (out[:, 0, k], out[:, 1, k]) for k, name in enumerate(NUMBERS)}

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
-from .library import begin_of, function, shared_out, widest
+from .library import begin_of, function, share_out, widest
 from .panels import fine
 
 _STEPS, _NUMBERS = ("first", "since", "width", "series"), ("period", "length", "a", "apart")
@@ -54,5 +54,5 @@ def meets(orbit: Any, numbers: Mapping[str, Array], periods: Integers, limits: L
     def part(a: int, b: int) -> None:
         fine(call(ctypes.addressof(rods), begin_of(found), a, b))
 
-    shared_out(part, periods.size)
+    share_out(part, periods.size)
     return found

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
-from .library import begin_of, function, shared_out
+from .library import begin_of, function, share_out
 
 # q: lam - mu; short: t - z; round: gamma + alpha
 STATES = ("beta", "dbeta", "alpha", "q", "phi", "mu", "short", "round")
@@ -86,5 +86,5 @@ def march(
         read = None if first is None else at(first, 1), None if stations is None else begin_of(stations), begin_of(out)
         call(b - a, *rod, _TRUNCATION, shorter, *stretch, *derived, *read, at(steps, 1))
 
-    shared_out(part, count)
+    share_out(part, count)
     return March(end, found, growth, out, steps)

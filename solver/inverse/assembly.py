@@ -47,7 +47,7 @@ def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
         directions=directions,
         shares={name: row[back] for name, row in zip(names, known.shares, strict=True)},
         groups=tuple(data.groups),
-        measured=_measured(model)[back],
+        measured=_measure(model)[back],
         computed=best.found.computed[back],
         residuals=best.found.residuals[back],
         feet=_feet(model, best),
@@ -74,7 +74,7 @@ def _nothing(model: "Model") -> Fit:
         values=dict.fromkeys(names, np.nan), intervals=dict.fromkeys(names, (np.nan, np.nan)), rule="",
         covariance=empty, correlation=empty, condition=np.inf, directions=[],
         shares={name: nothing for name in names}, groups=tuple(model.data.groups),
-        measured=_measured(model)[_as_given(model)], computed=nothing, residuals=nothing, feet=None, cost=np.inf,
+        measured=_measure(model)[_as_given(model)], computed=nothing, residuals=nothing, feet=None, cost=np.inf,
         freedom=N - F, probability=np.nan, minima=(), remarks=(), case=model.case, solution=None, solves=model.solves,
         derivatives=model.derivatives,
     )  # fmt: skip
@@ -119,7 +119,7 @@ def _as_good(model: "Model", one: "Minimum", best: "Minimum", known: Uncertainty
     return bool(more <= F * variance * special.fdtri(F, known.freedom, LEVEL))
 
 
-def _measured(model: "Model") -> Array:
+def _measure(model: "Model") -> Array:
     """The data as measured, (N,); the distance of a point is 0."""
     points = model.data.points
     found = [np.array(list(model.data.targets.values()))]

@@ -9,9 +9,9 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..observe.observables import OBSERVABLES, is_count
 from ..problem.case import Case
-from ..problem.errors import InputError, choices, no_such, shown
+from ..problem.errors import InputError, choices, no_such, show
 from ..problem.quantities import quantity
-from ..sensitivity.observables import checked_observables
+from ..sensitivity.observables import check_observables
 from .parameters import natural_unit
 
 COLUMNS = ("alpha", "z", "beta")  # what is measured at a point
@@ -68,7 +68,7 @@ class Data:
         return [*self.targets, *([name for name in points.groups for _ in range(points.size)] if points else [])]
 
 
-def checked_data(case: Case, targets: Any, points: Any, sigma: Any, wrapped: bool) -> Data:
+def check_data(case: Case, targets: Any, points: Any, sigma: Any, wrapped: bool) -> Data:
     """The data. Raises `InputError` where they are invalid."""
     wanted = {name: _number(f"the target {name}", value) for name, value in dict(targets or {}).items()}
     _check_targets(wanted)
@@ -99,7 +99,7 @@ def _check_targets(names: Mapping[str, float]) -> None:
                 "derivative leads to it; a law of kind boundary or a map finds where it changes"
             )
     if names:
-        checked_observables(names)
+        check_observables(names)
 
 
 def _columns(points: Any) -> tuple[dict[str, Array], Array | None]:
@@ -138,7 +138,7 @@ def _number(what: str, value: Any) -> float:
     except (TypeError, ValueError, OverflowError):
         found = np.nan
     if not np.isfinite(found):
-        raise InputError(f"{what} must be a finite number, got {shown(value)}")
+        raise InputError(f"{what} must be a finite number, got {show(value)}")
     return found
 
 

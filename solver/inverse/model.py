@@ -15,7 +15,7 @@ from ..solution import Solution
 from ..solve import solve
 from .data import Data
 from .feet import Feet, feet
-from .parameters import Parameter, replaced, written
+from .parameters import Parameter, replace, write
 
 
 class NoValueError(Exception):
@@ -81,7 +81,7 @@ class Model:
     def evaluation(self, x: Array) -> Evaluation:
         """The residuals at x. Raises `NoValueError` where there are none."""
         if self._last is None or not np.array_equal(self._last.x, x):
-            self._last = self._evaluated(x)
+            self._last = self._evaluate(x)
         return self._last
 
     def jacobian(self, x: Array) -> Array:
@@ -93,10 +93,10 @@ class Model:
         fields, targets = [one.name for one in self.parameters], list(self.data.targets)
         known = found.sol.sensitivity(fields, targets)
         if not known.solved:
-            raise NoValueError(f"at {written(self.parameters, x)}: {known.outcome}")
+            raise NoValueError(f"at {write(self.parameters, x)}: {known.outcome}")
         for name in targets:
             if known.remarks[name]:
-                raise NoValueError(f"at {written(self.parameters, x)}: {name} has {known.remarks[name]}")
+                raise NoValueError(f"at {write(self.parameters, x)}: {name} has {known.remarks[name]}")
         rows = [known.observables[name] / self.data.sizes[name] for name in targets]
         if self.data.points is not None:
             rows += list(self._of_points(found, known))
@@ -123,10 +123,10 @@ class Model:
         return blocks
 
     @np.errstate(over="ignore", invalid="ignore")  # such values are refused at the end
-    def _evaluated(self, x: Array) -> Evaluation:
+    def _evaluate(self, x: Array) -> Evaluation:
         values = {one.name: one.value(float(v)) for one, v in zip(self.parameters, x, strict=True)}
         try:
-            case = replaced(self.case, values)
+            case = replace(self.case, values)
         except InputError as error:
             raise NoValueError(str(error)) from None
         points, found = self.data.points, None
@@ -138,7 +138,7 @@ class Model:
             if s is not None and s[-1] > float(case.rod.L):
                 raise NoValueError("the rod is shorter than the s of a point")
             sol = self._solved(case, 2 if s is None else s)
-        computed, residuals = self._compared(sol, found)
+        computed, residuals = self._compare(sol, found)
         if not np.isfinite(residuals @ residuals):
             raise NoValueError("the squares of the residuals are beyond the range of floats")
         return Evaluation(x.copy(), sol, computed, residuals, found)
@@ -155,7 +155,7 @@ class Model:
             raise NoValueError(str(sol.outcome))
         return sol
 
-    def _compared(self, sol: Solution, found: Feet | None) -> tuple[Array, Array]:
+    def _compare(self, sol: Solution, found: Feet | None) -> tuple[Array, Array]:
         """What the data measure, and the residuals. Raises `NoValueError` where an observable does not exist."""
         data, points = self.data, self.data.points
         seen = observe(sol, data.targets)

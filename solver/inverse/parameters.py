@@ -9,8 +9,8 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.angles import angle
 from ..problem.case import TWISTS, Case, Start, from_fields
-from ..problem.errors import InputError, choices, shown
-from ..problem.field_rates import checked_fields
+from ..problem.errors import InputError, choices, show
+from ..problem.field_rates import check_fields
 from ..problem.quantities import quantity
 
 POSITIVE = ("E", "EI", "GJ", "a", "L", "R")  # searched by their logarithm
@@ -77,12 +77,12 @@ class Parameter:
         return own if low <= own <= high else sum(self.span) / 2
 
 
-def checked_parameters(case: Case, vary: Any) -> list[Parameter]:
+def check_parameters(case: Case, vary: Any) -> list[Parameter]:
     """The parameters. Raises `InputError` for an unknown or repeated field and for invalid bounds."""
     if case.shape:
         raise InputError(f"fit takes a single case, got a grid of shape {case.shape}")
     given = _by_name(case, vary)
-    names = checked_fields(case, list(given))
+    names = check_fields(case, list(given))
     return [_parameter(case, name, given[name]) for name in names]
 
 
@@ -90,7 +90,7 @@ def _by_name(case: Case, vary: Any) -> dict[str, Any]:
     """Name -> bounds or None; `beta` of a start problem is beta0, as in a study."""
     if isinstance(vary, str):
         vary = (vary,)
-    pairs = list(vary.items()) if isinstance(vary, Mapping) else [(name, None) for name in _listed(vary)]
+    pairs = list(vary.items()) if isinstance(vary, Mapping) else [(name, None) for name in _list(vary)]
     own = {field: name for name, field in _FIELD.items() if field in {f.name for f in fields(case.given)}}
     names = [str(own.get(name, name)) for name, _ in pairs]
     if twice := [name for name in names if names.count(name) > 1]:
@@ -98,7 +98,7 @@ def _by_name(case: Case, vary: Any) -> dict[str, Any]:
     return {name: bounds for name, (_, bounds) in zip(names, pairs, strict=True)}
 
 
-def _listed(vary: Any) -> list[Any]:
+def _list(vary: Any) -> list[Any]:
     if not isinstance(vary, Iterable):
         raise InputError(f"vary must be names of fields, or a mapping of names to bounds, got {vary!r}")
     return list(vary)
@@ -135,7 +135,7 @@ def _numbers(name: str, bounds: Any) -> tuple[float, float]:
     try:
         low, high = (angle(one) if isinstance(one, str) else float(one) for one in bounds)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"the bounds of {name} must be two numbers, low and high, got {shown(bounds)}") from None
+        raise InputError(f"the bounds of {name} must be two numbers, low and high, got {show(bounds)}") from None
     if not low < high:
         raise InputError(f"the bounds of {name} must rise, got {low:g} to {high:g}")
     return low, high
@@ -159,7 +159,7 @@ def value_of(case: Case, name: str) -> float:
     raise InputError(f"this case has no value of {name}")
 
 
-def replaced(case: Case, values: Mapping[str, float]) -> Case:
+def replace(case: Case, values: Mapping[str, float]) -> Case:
     """The case with other values of some fields. Raises `InputError` for values that a case cannot have."""
     parts = []
     for part in (case.rod, case.cylinder, case.given):
@@ -174,6 +174,6 @@ def replaced(case: Case, values: Mapping[str, float]) -> Case:
     return Case(*parts)
 
 
-def written(parameters: list[Parameter], x: Array) -> str:
+def write(parameters: list[Parameter], x: Array) -> str:
     """``E = 1.07e+04, F1 = 5``."""
     return choices(f"{one.name} = {one.value(float(v)):.6g}" for one, v in zip(parameters, x, strict=True))

@@ -6,15 +6,15 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq, least_squares
 
-from ..boundary.selection import checked
+from ..boundary.selection import check
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.errors import InputError
-from ..problem.tolerance import checked_tolerance
+from ..problem.tolerance import check_tolerance
 from .assembly import result
-from .data import checked_data
+from .data import check_data
 from .model import Evaluation, Minimum, Model, NoValueError
-from .parameters import checked_parameters
+from .parameters import check_parameters
 from .result import Fit
 
 # Relative: a search ends where its step in x, or its gain of the sum of squares, is smaller. With 50 points this gain
@@ -32,19 +32,19 @@ def fitted(
     tol: float,
 ) -> Fit:  # fmt: skip
     """What `solver.fit` returns."""
-    parameters = checked_parameters(case, vary)
-    data = checked_data(case, targets, points, sigma, wrapped)
+    parameters = check_parameters(case, vary)
+    data = check_data(case, targets, points, sigma, wrapped)
     if not 0 <= starts <= MOST_STARTS:
         raise InputError(f"starts must be from 0 to {MOST_STARTS}, got {starts}")
-    model = Model(case, parameters, data, checked(choose), checked_tolerance(tol))
+    model = Model(case, parameters, data, check(choose), check_tolerance(tol))
     model.starts = starts
     own = np.array([one.start for one in parameters])
-    first = _searched(model, own, [])
+    first = _search(model, own, [])
     minima = [] if first is None else [first]
     others = _starts(model, starts, seed)
     idle = _idle(model, first, others)
     for start in others:
-        one = _searched(model, np.where(idle, own, start), minima)
+        one = _search(model, np.where(idle, own, start), minima)
         if one is not None:
             minima.append(one)
     moved = [one for one in minima if one.jacobian.any()]  # the others may be maxima
@@ -52,7 +52,7 @@ def fitted(
 
 
 @np.errstate(all="ignore")  # steps of SciPy where derivatives vanish: a search that they mislead says so
-def _searched(model: Model, start: Array, known: list[Minimum]) -> Minimum | None:
+def _search(model: Model, start: Array, known: list[Minimum]) -> Minimum | None:
     """The minimum to which a search from `start` leads; None where there is no value, or where it comes to a known one.
 
     A step to a place without a value is made shorter, by `least_squares`, as its residuals are NaN.
@@ -83,7 +83,7 @@ def _searched(model: Model, start: Array, known: list[Minimum]) -> Minimum | Non
             max_nfev=_EVALUATIONS, callback=near,
         )  # fmt: skip
     except NoValueError as error:
-        return _stopped(seen, str(error))
+        return _stop(seen, str(error))
     if found.status == -2:
         return None
     stop = "" if found.status > 0 else f"the search did not end in {_EVALUATIONS} evaluations"
@@ -106,7 +106,7 @@ def _idle(model: Model, first: Minimum | None, starts: list[Array]) -> Array:
     return idle
 
 
-def _stopped(seen: list[tuple[Evaluation, Array]], why: str) -> Minimum | None:
+def _stop(seen: list[tuple[Evaluation, Array]], why: str) -> Minimum | None:
     """The last place of a search that came to one without derivatives."""
     if not seen:
         return None

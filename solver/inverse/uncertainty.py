@@ -51,7 +51,7 @@ def uncertainty(
     U, sizes, Vt = np.linalg.svd(columns, full_matrices=True) if active.any() else (None, np.zeros(0), np.zeros((0, 0)))
     rank = int((sizes > SINGULAR * sizes.max(initial=0.0)).sum())
     silent = [np.eye(F)[k] for k in np.flatnonzero(free & ~active)]
-    mixed = [_whole(row / norms[active], active) for row in _reduced(Vt[rank:])]
+    mixed = [_whole(row / norms[active], active) for row in _reduce(Vt[rank:])]
     inverse = np.zeros((F, N))
     if rank and U is not None:
         inverse[active] = (Vt[:rank].T / sizes[:rank]) @ U[:, :rank].T / norms[active][:, None]
@@ -87,7 +87,7 @@ def _end(parameters: Sequence[Parameter], x: Array, away: Array) -> Array:
         return np.array([one.value(float(v)) for one, v in zip(parameters, x + away, strict=True)])
 
 
-def _reduced(rows: Array) -> list[Array]:
+def _reduce(rows: Array) -> list[Array]:
     """A basis of the same space with as many zeros as there are rows: each names the fewest parameters."""
     rows = rows.copy()
     for k in range(rows.shape[0]):

@@ -10,7 +10,7 @@ from ..problem.errors import choices
 from ..problem.quantities import quantity
 from ..problem.trajectory import SOLVED
 from .data import scale_of
-from .parameters import POSITIVE, Parameter, written
+from .parameters import POSITIVE, Parameter, write
 from .result import NO_INTERVALS, OtherMinimum
 from .uncertainty import LEVEL, Uncertainty
 
@@ -35,7 +35,7 @@ def outcome(model: "Model", best: "Minimum", directions: Sequence[dict[str, floa
     if why := missed(model, best):
         return f"failed: {why}"
     if directions:
-        return f"undetermined: {'; '.join(_told(model, best, way) for way in directions)}"
+        return f"undetermined: {'; '.join(_tell(model, best, way) for way in directions)}"
     if probability < IMPOSSIBLE:
         return f"{MISFIT}{_too_large(probability)}"
     return SOLVED
@@ -52,9 +52,9 @@ def missed(model: "Model", best: "Minimum") -> str:
         return ""
     goals = choices(f"{name} = {value:g}" for name, value in data.targets.items())
     nearest = choices(f"{name} = {value:.6g}" for name, value in zip(data.targets, reached, strict=True))
-    ranges = " and ".join(one.name + (one.between or _searched(model, one)) for one in model.parameters)
+    ranges = " and ".join(one.name + (one.between or _search(model, one)) for one in model.parameters)
     verb = "reaches" if len(model.parameters) == 1 else "reach"
-    found = written(model.parameters, best.x)
+    found = write(model.parameters, best.x)
     return f"the search found no {ranges} that {verb} {goals}; the nearest reached is {nearest}, at {found}"
 
 
@@ -86,7 +86,7 @@ def _far(model: "Model", best: "Minimum", probability: float) -> str:
     )
 
 
-def _searched(model: "Model", one: Parameter) -> str:
+def _search(model: "Model", one: Parameter) -> str:
     """Where the starts of a field without bounds lie."""
     if not model.starts:
         return f" (start: {one.value(one.start):.4g})"
@@ -104,7 +104,7 @@ def _as_good(model: "Model", count: int, exact: bool) -> str:
     return f"{count} other {found} {'reaches' if count == 1 else 'reach'} the {what}"
 
 
-def _told(model: "Model", best: "Minimum", way: dict[str, float]) -> str:
+def _tell(model: "Model", best: "Minimum", way: dict[str, float]) -> str:
     """A direction in words."""
     if len(way) == 1:
         return f"the data do not depend on {next(iter(way))}"
@@ -161,7 +161,7 @@ def remarks(
     """Sentences on what limits the result."""
     parameters = model.parameters
     if best.stop or missed(model, best):  # else the outcome says it
-        yield from (_told(model, best, way) for way in directions)
+        yield from (_tell(model, best, way) for way in directions)
     for one, x, free in zip(parameters, best.x, best.free, strict=True):
         if not free:
             yield (

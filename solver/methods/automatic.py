@@ -19,7 +19,7 @@ def varying_method(kind: str, method: str | Method, knobs: dict[str, Any] | None
     return name
 
 
-def chosen_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> StartMethod | EndsMethod:
+def choose_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> StartMethod | EndsMethod:
     """The method for a kind of problem that a caller asks for: "auto", a name, or a method with its knobs.
 
     Raises `InputError` for an unknown name, a method of another kind of problem or not installed, or an invalid knob.

@@ -78,7 +78,7 @@ class Method(ABC):
     @classmethod
     def lacks(cls) -> str:
         """What the method needs and does not find, and what to do; empty where it can run."""
-        if not cls.requires or _found(cls.requires):
+        if not cls.requires or _is_found(cls.requires):
             return ""
         return f"the package {cls.requires}, which is not installed: pip install 'rod-workbench[{cls.extra}]'"
 
@@ -122,5 +122,5 @@ class EndsMethod(Method):
 
 
 @cache
-def _found(package: str) -> bool:
+def _is_found(package: str) -> bool:
     return find_spec(package) is not None

@@ -59,14 +59,14 @@ class _Orbits:
     def add(self, orbit: Orbit) -> None:
         """Add the orbits of the next block."""
         cases, panels = orbit.problem.size, orbit.panels.arc.size
-        self.rows.add(_moved(orbit, self.cases, self.panels))
+        self.rows.add(_move(orbit, self.cases, self.panels))
         self.cases, self.panels = self.cases + cases, self.panels + panels
 
     def joined(self) -> Any:
         return self.rows.joined()
 
 
-def _moved(orbit: Orbit, cases: int, panels: int) -> Orbit:
+def _move(orbit: Orbit, cases: int, panels: int) -> Orbit:
     """The orbits renumbered to follow so many cases with so many panels."""
     way, own = orbit.arcs, orbit.panels
     return replace(

@@ -48,11 +48,11 @@ class Collocation(EndsMethod):
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
-        from ..boundary.selected_equilibrium import selected_seed
+        from ..boundary.selected_equilibrium import select_seed
 
         taken, why = None, [""] * problem.size
         if seed is None:
-            seed, taken, why = selected_seed(problem, choose)
+            seed, taken, why = select_seed(problem, choose)
         columns = np.full((5, problem.size, t.shape[1]), np.nan)
         error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
         work = np.zeros(problem.size, dtype=np.int64)
@@ -81,14 +81,14 @@ def _one(
     for size in _FIRST if nodes is None else (nodes,):
         x = np.linspace(0, span, size)
         guess = seed.on(problem, size)
-        answer, more = _collocated(problem, x, np.stack([guess, np.gradient(guess, x)]), 30 * wanted)
+        answer, more = _collocate(problem, x, np.stack([guess, np.gradient(guess, x)]), 30 * wanted)
         work += more
         if answer.status == 0:
             break
     coarse = _columns(answer, t)
     while True:
         if answer.status == 0:
-            answer, more = _collocated(problem, answer.x, answer.y, wanted)
+            answer, more = _collocate(problem, answer.x, answer.y, wanted)
             work += more
         if answer.status != 0:
             said = answer.message.rstrip(".").lower()
@@ -103,7 +103,7 @@ def _one(
         coarse, wanted = fine, max(_TIGHTEST, wanted / 30)
 
 
-def _collocated(problem: EndsProblem, x: Array, y: Array, rtol: float) -> tuple[Any, int]:
+def _collocate(problem: EndsProblem, x: Array, y: Array, rtol: float) -> tuple[Any, int]:
     """scipy's answer from a first guess y (2, m) at x (m,), and the number of points at which it took the equation."""
     first, last, points = problem.beta0[0], problem.betaL[0], 0
 

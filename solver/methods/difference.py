@@ -50,11 +50,11 @@ class Difference(EndsMethod):
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
-        from ..boundary.selected_equilibrium import selected_seed
+        from ..boundary.selected_equilibrium import select_seed
 
         taken, why = None, [""] * problem.size
         if seed is None:
-            seed, taken, why = selected_seed(problem, choose)
+            seed, taken, why = select_seed(problem, choose)
         columns = np.full((5, problem.size, t.shape[1]), np.nan)
         error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
         work, met = np.zeros(problem.size, dtype=np.int64), np.zeros(problem.size, dtype=bool)
@@ -94,7 +94,7 @@ def _one(
     span, most = float(problem.span[0]), _MOST if nodes is None else 0
     halved = halves and nodes is not None and extrapolate and nodes % 2 == 1 and nodes >= 2 * _FEWEST
     mesh, work = _first(problem, seed, (nodes + 1) // 2 if nodes is not None and halved else nodes)
-    guess = _refined(mesh.columns[0])
+    guess = _refine(mesh.columns[0])
     answers: list[Array] = []
     error = apart = np.inf
     while True:
@@ -116,7 +116,7 @@ def _one(
             if error <= tol or 2 * finer.columns.shape[1] > most:
                 break
         # plus a quarter of the last change, as order 2 predicts
-        guess = _refined(finer.columns[0]) + _refined(_refined(finer.columns[0, ::2] - mesh.columns[0])) / 4
+        guess = _refine(finer.columns[0]) + _refine(_refine(finer.columns[0, ::2] - mesh.columns[0])) / 4
         mesh = finer
     shown = answers[-1] if nodes is None or halved else answers[-2]
     h = np.array([span / (shown.shape[1] - 1)])
@@ -226,7 +226,7 @@ def _columns(problem: EndsProblem, beta: Array, h: float) -> Array:
     return out
 
 
-def _refined(beta: Array) -> Array:
+def _refine(beta: Array) -> Array:
     """A first guess on twice as many steps, by cubics through four neighbours."""
     fine = np.empty(2 * beta.size - 1)
     fine[::2] = beta

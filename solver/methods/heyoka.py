@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..orbit.growth import growth, refined
+from ..orbit.growth import growth, refine
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, verdicts
 from .base import StartMethod, knob
@@ -36,7 +36,7 @@ class Heyoka(StartMethod):
     rtol: float | None = knob(float)
 
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
-        t, k = refined(problem, t, 16)
+        t, k = refine(problem, t, 16)
         states = np.full((problem.size, 5, t.shape[1]), np.nan)
         error, calls = np.full(problem.size, np.inf), np.zeros(problem.size, dtype=np.int64)
         for i in range(problem.size):
@@ -65,7 +65,7 @@ def _one(problem: StartProblem, t: Array, tol: float, rtol: float | None) -> tup
 
 def _integrate(problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int]:
     """The state at the stations, (5, n), NaN where the march ended early; and calls of the equation."""
-    march = _compiled(rtol)
+    march = _compile(rtol)
     march.time = 0.0
     march.state[:] = problem.beta0[0], problem.dbeta0[0], 0.0, 0.0, 0.0
     march.pars[:] = problem.lam[0], problem.mu[0], problem.phi[0]
@@ -80,7 +80,7 @@ def _integrate(problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int
 
 
 @cache
-def _compiled(rtol: float) -> Any:
+def _compile(rtol: float) -> Any:
     """The integrator of that tolerance, made once in a process: compiling takes longer than integrating."""
     import heyoka as hy
 

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..orbit.growth import growth, refined
+from ..orbit.growth import growth, refine
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, verdicts
 
@@ -42,14 +42,14 @@ def marched(
     n, marches, answers = steps or 1, list[Array](), list[Array]()
     while left.size:
         some = problem.take(left)
-        grid, k = refined(some, base[left], n)
+        grid, k = refine(some, base[left], n)
         dense = scheme.march(some, grid, n // k)
         marches.append(dense[:, :, ::k])
         work[left] += scheme.calls * intervals * n
         if not extrapolate:
             answers.append(marches[-1])
         elif len(marches) > 1:
-            answers.append(_extrapolated(scheme.order, *marches[-2:]))
+            answers.append(_extrapolate(scheme.order, *marches[-2:]))
         if len(answers) > 1:
             off[:, left] = np.abs(answers[-1] - answers[-2]) * power / (power - 1)
             answer[:, left] = answers[-1 if steps is None else 0]
@@ -63,7 +63,7 @@ def marched(
     return _trajectory(tol, answer[:, :, skipped:], _error(base, off), condition, work)
 
 
-def _extrapolated(order: int, coarse: Array, fine: Array) -> Array:
+def _extrapolate(order: int, coarse: Array, fine: Array) -> Array:
     """Richardson's combination of two answers, eq. (47)."""
     power = 2.0**order
     return (power * fine - coarse) / (power - 1)

@@ -11,7 +11,7 @@ from ..orbit.panels import MOST
 from ..orbit.periodic_orbit import solve_orbit
 from ..problem.limits import TOO_LARGE, dimensionless
 from ..problem.reduced import StartProblem
-from ..problem.trajectory import Trajectory, blanked, stood_in, verdicts
+from ..problem.trajectory import Trajectory, blank, stood_in, verdicts
 from .base import StartMethod
 from .ladder import TOLERANCES, Ladder
 
@@ -31,7 +31,7 @@ class OrbitQuadrature(StartMethod):
 
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
         fit = dimensionless(problem)
-        return blanked(_run(stood_in(problem, fit), np.where(fit[:, None], t, 0), tol), fit, TOO_LARGE)
+        return blank(_run(stood_in(problem, fit), np.where(fit[:, None], t, 0), tol), fit, TOO_LARGE)
 
 
 def _run(problem: StartProblem, t: Array, tol: float) -> Trajectory:

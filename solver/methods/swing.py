@@ -41,13 +41,13 @@ class SwingTaylor(StartMethod):
         if orbit.found["sound"].all():
             verdict = all_solved(problem.size)
         else:
-            orbit, verdict = _mended(orbit, whole, t, tol)
+            orbit, verdict = _mend(orbit, whole, t, tol)
         (beta, dbeta, alpha, z), found = whole, orbit.found
         told = *verdict, found["error"], found["condition"], found["evaluations"], orbit
         return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *told)
 
 
-def _mended(orbit: MarchedOrbit, whole: Array, t: Array, tol: float) -> tuple[MarchedOrbit, Verdicts]:
+def _mend(orbit: MarchedOrbit, whole: Array, t: Array, tol: float) -> tuple[MarchedOrbit, Verdicts]:
     """The orbits and their verdicts, `orbit` in place of each march that fails; its values are written to `whole`."""
     found = orbit.found
     whole[:, orbit.lost] = np.nan

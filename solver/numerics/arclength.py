@@ -58,13 +58,13 @@ def node_at(curve: Curve, w: Array, along: Array) -> Node | str:
     return Node(w, jacobian, tangent, _sign(jacobian, tangent))
 
 
-def advanced(curve: Curve, node: Node, step: float, across: Array | None = None) -> Node | str:
+def advance(curve: Curve, node: Node, step: float, across: Array | None = None) -> Node | str:
     """The point after a step, or why there is none.
 
     across: (n + 1,), the normal of the plane in which the predictor is corrected; default: the tangent.
     """
     guess = node.w + step * node.tangent
-    found = corrected(curve, guess, node.tangent if across is None else across, node.jacobian)
+    found = correct(curve, guess, node.tangent if across is None else across, node.jacobian)
     if isinstance(found, str):
         return found
     bend = max(float(np.linalg.norm(found - guess)) - _SMALL, 0.0) / step
@@ -80,7 +80,7 @@ def advanced(curve: Curve, node: Node, step: float, across: Array | None = None)
     return Node(found, jacobian, tangent, node.sign, bend)
 
 
-def corrected(curve: Curve, guess: Array, across: Array, jacobian: Array) -> Array | str:
+def correct(curve: Curve, guess: Array, across: Array, jacobian: Array) -> Array | str:
     """The point of the curve in the plane through a guess with the normal `across`, by Broyden's method."""
     system, w, last = np.vstack([jacobian, across]), guess, np.inf
     move, off = np.zeros_like(w), np.zeros(w.size)

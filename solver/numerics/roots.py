@@ -7,7 +7,7 @@ import numpy as np
 from .arrays import Array
 
 
-def bracketed(
+def bracket(
     f: Callable[[Array], tuple[Array, Array]],
     lo: Array,
     hi: Array,
@@ -54,7 +54,7 @@ def bracketed(
     return x
 
 
-def bisected(f: Callable[[Array], Array], lo: Array, hi: Array, steps: int) -> Array:
+def bisect(f: Callable[[Array], Array], lo: Array, hi: Array, steps: int) -> Array:
     """The middles (P,) of brackets (P,) of roots after so many bisections; f: the values at x (P,)."""
     if not lo.size:
         return lo

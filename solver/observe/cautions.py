@@ -48,7 +48,7 @@ def of_cases(sol: Shape, observed: Mapping[str, Any] | None = None, unit: str = 
     known = {**observe(sol, missing, errors=True), **known}
     tight, free = _tight(sol, known)
     meets = np.asarray(known[MEETS], dtype=float)
-    pulled, held = _pulled(sol, known)
+    pulled, held = _pull(sol, known)
     unknown = zip(UNCHECKED, (~(tight | free), ~np.isfinite(meets), ~(pulled | held)), strict=True)
     text = np.full(sol.case.shape, "", dtype=object)
     sure = (TIGHT, tight), (MEETS, meets == 1), (TURNED, turns_back(sol, known["height"]))
@@ -83,7 +83,7 @@ def _tight(sol: Shape, known: Mapping[str, Any]) -> tuple[Any, Any]:
     return bend > 1, (bend <= 1) & sure
 
 
-def _pulled(sol: Shape, known: Mapping[str, Any]) -> tuple[Any, Any]:
+def _pull(sol: Shape, known: Mapping[str, Any]) -> tuple[Any, Any]:
     """Whether the cylinder would have to pull somewhere, and whether it surely does nowhere, (*cases)."""
     sure = np.isfinite(known["push_min_error"])
     low, high = np.asarray(known["push_min"]), np.asarray(known["push_max"])
@@ -105,19 +105,19 @@ def _lift_off(sol: Shape, known: Mapping[str, Any], pulled: Any, unit: str) -> A
     measured = pulled & np.isfinite(share) & np.isfinite(np.reshape(known["attached_error"], -1))
     if not measured.any():
         return words.reshape(sol.case.shape)
-    ends = _lifted_ends(sol, measured & (share <= 0.5))
+    ends = _lift_ends(sol, measured & (share <= 0.5))
     length = np.broadcast_to(sol.case.rod.L, sol.case.shape).reshape(-1)
     for i in np.flatnonzero(measured).tolist():
         kind = ALL_ALONG if share[i] >= NEARLY_ALL else AT_ENDS if i in ends else IN_PART
         near = ""
         if i in ends:
-            off = f"{_rounded(ends[i] * length[i])} {unit}" if unit else f"{_rounded(100 * ends[i])} % of it"
+            off = f"{_round(ends[i] * length[i])} {unit}" if unit else f"{_round(100 * ends[i])} % of it"
             near = f" within {off} of an end"
-        words[i] = f"{kind} (no push on {_rounded(100 * share[i])} % of the length{near})"
+        words[i] = f"{kind} (no push on {_round(100 * share[i])} % of the length{near})"
     return words.reshape(sol.case.shape)
 
 
-def _lifted_ends(sol: Shape, candidates: Booleans) -> dict[int, float]:
+def _lift_ends(sol: Shape, candidates: Booleans) -> dict[int, float]:
     """Case -> how far from an end the cylinder does not push, as a share of the length, of rods pressed in between."""
     if not candidates.any():
         return {}
@@ -125,6 +125,6 @@ def _lifted_ends(sol: Shape, candidates: Booleans) -> dict[int, float]:
     return dict(zip(cases.tolist(), distance_from_ends(sol, cases).tolist(), strict=True)) if cases.size else {}
 
 
-def _rounded(value: float) -> str:
+def _round(value: float) -> str:
     """A number with two digits, or without a fraction."""
     return f"{value:.2g}" if abs(value) < 9.95 else f"{value:.0f}"

@@ -25,7 +25,7 @@ from . import densities
 from .peaks import first_peak
 from .quadrature import EPS, Resolved, resolve
 from .rod_pieces import Pieces
-from .solution_pieces import blocks, off_between, pieces_of, resolved
+from .solution_pieces import blocks, is_resolved, off_between, pieces_of
 
 _FINEST = 1e-14  # relative: smallest goal of a series
 SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test
@@ -76,16 +76,16 @@ def _energy(density: Callable[..., densities.Density], name: str) -> Group:
     return Group((name,), measured)
 
 
-def _resolved_push(pieces: Pieces, sign: Array, error: Array, goal: float) -> tuple[Resolved, Array]:
+def _resolve_push(pieces: Pieces, sign: Array, error: Array, goal: float) -> tuple[Resolved, Array]:
     """The push, and the error of its values at the nodes, (Q, m)."""
     push = resolve(pieces, lambda some: densities.push(some, sign), goal, signs=True)
     return push, _doubt(push, error) + 2 * push.tail[:, None] + BARELY * push.size
 
 
 def _pushes(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    push, doubt = _resolved_push(pieces, sign, error, goal)
+    push, doubt = _resolve_push(pieces, sign, error, goal)
     wrong, worst = push.integral_of(doubt), _worst(push, doubt)
-    pushed, pulled, share, unsure = _parted(push, doubt)
+    pushed, pulled, share, unsure = _part(push, doubt)
     return {
         "pushed": (pushed, wrong),
         "pulled": (pulled, wrong),
@@ -96,14 +96,14 @@ def _pushes(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str,
 
 
 def _pushes_alone(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    push, doubt = _resolved_push(pieces, sign, error, goal)
-    return {"push": (_parted(push, doubt)[0], push.integral_of(doubt))}
+    push, doubt = _resolve_push(pieces, sign, error, goal)
+    return {"push": (_part(push, doubt)[0], push.integral_of(doubt))}
 
 
 def _lift_offs(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
     """The least t at which the cylinder would have to pull by more than rounding; the whole length where it nowhere
     has to. Its error: how far that t moves where the push is less or more by its doubt."""
-    push, doubt = _resolved_push(pieces, sign, error, goal)
+    push, doubt = _resolve_push(pieces, sign, error, goal)
     span = pieces.problem.span
     below = (push.less(of).first_below() for of in (-BARELY * push.size, doubt, -doubt))
     first, early, late = (np.minimum(one, span) for one in below)
@@ -112,7 +112,7 @@ def _lift_offs(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[s
 
 def _peaks(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
     """The least t at which the push is largest."""
-    push, doubt = _resolved_push(pieces, sign, error, goal)
+    push, doubt = _resolve_push(pieces, sign, error, goal)
     same = push.most(BARELY * push.size.max(axis=1) + 4 * push.tail)
     return {"peak": first_peak(push, _worst(push, doubt), same)}
 
@@ -131,7 +131,7 @@ def _tensions(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[st
     return {"tension": (np.maximum(np.abs(tension.largest()), np.abs(tension.smallest())), worst)}
 
 
-def _parted(push: Resolved, doubt: Array) -> tuple[Array, Array, Array, Array]:
+def _part(push: Resolved, doubt: Array) -> tuple[Array, Array, Array, Array]:
     """Integrals of push alone and of pull alone, the length on which the cylinder pushes, and its error, (B,) each."""
     beyond = push.less(BARELY * push.size)
     q, x, sign = beyond.crossings()
@@ -202,22 +202,22 @@ class Reading:
         """Compute every group that contains one of the names, on the same pieces."""
         missing = {name for name in wanted if name not in self._known}
         if groups := [group for group in GROUPS if missing & set(group.names)]:
-            self._known.update(self._measured(groups))
+            self._known.update(self._measure(groups))
 
     def middle(self, name: str) -> Pair:
         """An integral in t over the middle third of the length, and its error, (B,) each."""
         if name not in self._middle:
             groups = [group for group in GROUPS if name in group.names]
-            low, high = (self._measured(groups, until) for until in MIDDLE)
+            low, high = (self._measure(groups, until) for until in MIDDLE)
             for key in low:
                 self._middle[key] = high[key][0] - low[key][0], high[key][1] + low[key][1]
         return self._middle[name]
 
     def over(self, name: str, until: float) -> Pair:
         """A number measured over the first share `until` of the length, and its error, (B,) each."""
-        return self._measured([group for group in GROUPS if name in group.names], until)[name]
+        return self._measure([group for group in GROUPS if name in group.names], until)[name]
 
-    def _measured(self, groups: list[Group], until: float = 1.0) -> dict[str, Pair]:
+    def _measure(self, groups: list[Group], until: float = 1.0) -> dict[str, Pair]:
         """The numbers of some groups over the first share `until` of the length."""
         sol = self.sol
         sign = flat(sol.case.outward, sol.case.shape)
@@ -235,7 +235,7 @@ class Reading:
                     measured |= _of_groups([PEAK], pieces_of(sol, some, until), sign[some], wide, goal)
                 fewer = pieces_of(sol, some, until, 2)
                 coarse = _of_groups(groups, fewer, sign[some], error[some], goal)
-                dense, shapeless = resolved(sol)[some], np.zeros(coarse[names[0]][0].size, dtype=bool)
+                dense, shapeless = is_resolved(sol)[some], np.zeros(coarse[names[0]][0].size, dtype=bool)
                 shapeless[pieces.case[np.isnan(pieces.series[pieces.row]).any(axis=(1, 2))]] = True
                 for name, (value, doubt) in measured.items():
                     with np.errstate(invalid="ignore"):  # of a case without a shape

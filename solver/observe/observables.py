@@ -23,7 +23,7 @@ from ..shape import Shape
 from ..shooting.loaded_rod import MU, PHI, Q
 from .measurement import SPREAD, Pair, Reading
 from .self_contact import overlaps
-from .solution_pieces import resolved
+from .solution_pieces import is_resolved
 
 
 def turns(read: Reading) -> Any:
@@ -37,7 +37,7 @@ def turns(read: Reading) -> Any:
     if orbit is None:
         sign = np.sign(sol.trajectory.dbeta)
         count = np.count_nonzero(sign[:, 1:] * sign[:, :-1] < 0, axis=1)
-        return np.where(resolved(sol), np.where(_librates(read), count, 0), np.nan)
+        return np.where(is_resolved(sol), np.where(_librates(read), count, 0), np.nan)
     return np.where(_librates(read), _inner_turns(orbit), 0)
 
 
@@ -416,7 +416,7 @@ def why_unknown(name: str, values: Any) -> list[tuple[str, Any]]:
     return [*told, (f"{name} is beyond floats in these units", np.isinf(numbers))]
 
 
-def checked_names(names: Any) -> tuple[str, ...]:
+def check_names(names: Any) -> tuple[str, ...]:
     """One name or several as a tuple. Raises `InputError` for an unknown one."""
     wanted = (names,) if not isinstance(names, Iterable) or isinstance(names, str) else tuple(names)
     for name in wanted:
@@ -428,7 +428,7 @@ def checked_names(names: Any) -> tuple[str, ...]:
 @np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
 def observe(sol: Shape, names: Iterable[str], errors: bool = False) -> dict[str, Any]:
     """What `solver.observe` returns; its documentation is there."""
-    names = checked_names(names)
+    names = check_names(names)
     read = Reading(sol)
     read.measure(key for name in names for key in OBSERVABLES[name].measured)
     shapeless = ~np.isfinite(sol.trajectory.beta).all(axis=1)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import Basis, basis, derivative, means, polynomials, series_at, through, weights
-from ..numerics.roots import bracketed
+from ..numerics.roots import bracket
 from .densities import Density
 from .rod_pieces import COLUMNS, NODES, Pieces
 
@@ -159,7 +159,7 @@ def _root(series: Array, low: Array, high: Array) -> Array:
         found = np.einsum("kcn,nc->kc", both, polynomials(x, series.shape[1]))
         return found[0], found[1]
 
-    return bracketed(value_and_rate, low, high, steps=60)
+    return bracket(value_and_rate, low, high, steps=60)
 
 
 def _most(pieces: Pieces, values: Array) -> Array:
@@ -192,7 +192,7 @@ def resolve(
     total = top = np.zeros(0)
     before, stuck = np.full(pieces.case.size, np.inf), np.zeros(pieces.case.size, dtype=np.int64)
     for round_ in range(_ROUNDS + 1):
-        here = _expanded(pieces, density)
+        here = _expand(pieces, density)
         values, tail = np.abs(here.values), here.tail
         largest, length = values.max(axis=1), pieces.time * pieces.count
         if round_ == 0:
@@ -209,13 +209,13 @@ def resolve(
         if not bad.any() or 2 * np.count_nonzero(bad) > _MOST:
             done.append(here)
             break
-        done.append(_taken(here, ~bad))
+        done.append(_take(here, ~bad))
         pieces = pieces.take(bad).halves()
         before, stuck = np.repeat(tail[bad], 2), np.repeat(stuck[bad], 2)
-    return done[0] if len(done) == 1 else _joined(done)
+    return done[0] if len(done) == 1 else _join(done)
 
 
-def _expanded(pieces: Pieces, density: Callable[[Pieces], Density]) -> Resolved:
+def _expand(pieces: Pieces, density: Callable[[Pieces], Density]) -> Resolved:
     found = density(pieces)
     coefficients = through(found.values, _basis().analyse)
     tail = np.abs(coefficients[:, -3:]).max(axis=1)
@@ -225,11 +225,11 @@ def _expanded(pieces: Pieces, density: Callable[[Pieces], Density]) -> Resolved:
 _ARRAYS = tuple(f.name for f in fields(Resolved) if f.name != "pieces")
 
 
-def _taken(found: Resolved, index: Any) -> Resolved:
+def _take(found: Resolved, index: Any) -> Resolved:
     return Resolved(found.pieces.take(index), **{name: getattr(found, name)[index] for name in _ARRAYS})
 
 
-def _joined(parts: list[Resolved]) -> Resolved:
+def _join(parts: list[Resolved]) -> Resolved:
     pieces = [part.pieces for part in parts]
     columns: dict[str, Any] = {name: np.concatenate([getattr(p, name) for p in pieces]) for name in COLUMNS}
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS}

@@ -92,7 +92,7 @@ class Pieces:
         return out.transpose(1, 0, 2)
 
 
-def joined_pieces(parts: Sequence[Pieces], problem: Reduced) -> Pieces:
+def join_pieces(parts: Sequence[Pieces], problem: Reduced) -> Pieces:
     """Pieces one after the other, as those of `problem`."""
     N = max(p.series.shape[2] for p in parts)
     padded = [np.pad(p.series, ((0, 0), (0, 0), (0, N - p.series.shape[2]))) for p in parts]

@@ -20,7 +20,7 @@ from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION
 from ..problem.reduced import Reduced
 from ..shape import Shape
-from .rod_pieces import NODES, Pieces, joined_pieces
+from .rod_pieces import NODES, Pieces, join_pieces
 
 _CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
 _RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend
@@ -75,7 +75,7 @@ def of_nodes(sol: Shape, some: slice, until: float = 1.0) -> Pieces:
                 shape.t[row],
             )
         )  # fmt: skip
-    return joined_pieces(parts, problem)
+    return join_pieces(parts, problem)
 
 
 def of_orbit(orbit: Any, some: slice, until: float = 1.0) -> Pieces:
@@ -88,7 +88,7 @@ def of_orbit(orbit: Any, some: slice, until: float = 1.0) -> Pieces:
         first = int(np.count_nonzero(orbit.lost[: some.start]))
         own = first + np.arange(int(lost.sum()))
         found.append(_of_panels(orbit.rest, own, np.flatnonzero(lost), some, until, orbit))
-    return joined_pieces(found, orbit.problem.take(some))
+    return join_pieces(found, orbit.problem.take(some))
 
 
 def _of_panels(orbit: Any, own: Array, case: Array, some: slice, until: float, whole: Any = None) -> Pieces:
@@ -101,7 +101,7 @@ def _of_panels(orbit: Any, own: Array, case: Array, some: slice, until: float, w
     problem = orbit.problem.take(own)
     times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
     clock = orbit.since[mine], panels.duration[mine]
-    found = _covered(problem, panels.series[mine, :2], local, arc % 2 == 1, *clock, *times, until)
+    found = _cover(problem, panels.series[mine, :2], local, arc % 2 == 1, *clock, *times, until)
     block = (orbit if whole is None else whole).problem.take(some)
     return replace(found, problem=block, case=np.asarray(case)[found.case])
 
@@ -122,11 +122,11 @@ def _of_steps(orbit: MarchedOrbit, some: slice, case: Array, until: float) -> Pi
     series[:, 0] = through(angle, _from_powers(order.size))
     series[:, 1, :-1] = through(rate, _from_powers(order.size - 1))
     times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
-    found = _covered(problem, series, arc // 2, arc % 2 == 1, steps.since, width, *times, until)
+    found = _cover(problem, series, arc // 2, arc % 2 == 1, steps.since, width, *times, until)
     return replace(found, problem=orbit.problem.take(some), case=case[found.case])
 
 
-def _covered(
+def _cover(
     problem: Reduced,
     series: Array,
     case: Array,
@@ -169,7 +169,7 @@ def _covered(
     found = Pieces(problem, series, case[row], row, low, high, time, count, enters, monotone=True)
     still = np.flatnonzero(np.bincount(found.case, minlength=problem.size) == 0)  # nothing moves
     if still.size:
-        found = joined_pieces([found, _still(problem, still, span[still])], problem)
+        found = join_pieces([found, _still(problem, still, span[still])], problem)
     return found
 
 
@@ -209,7 +209,7 @@ def of_stations(sol: Shape, some: slice, step: int = 1, until: float = 1.0) -> P
     if not short.size:
         return found
     points = _still(replace(problem, beta0=beta[:, 0]), short, until * problem.span[short], rate[short, 0])
-    return joined_pieces([found, points], problem)
+    return join_pieces([found, points], problem)
 
 
 def off_between(sol: Shape, some: slice) -> Array:
@@ -231,7 +231,7 @@ def off_between(sol: Shape, some: slice) -> Array:
 _ENDS = (slice(None, -1), slice(1, None))
 
 
-def resolved(sol: Shape) -> Booleans:
+def is_resolved(sol: Shape) -> Booleans:
     """Whether the stations of each case cover its rod and resolve every bend that the loads allow, (B,)."""
     t, beta, span = sol.t, sol.trajectory.beta, sol.problem.span
     column = Loads.columns(sol.problem)

@@ -130,7 +130,7 @@ def meets_of(rods: Strands, most_pairs: int = PAIRS, together: int = TOGETHER) -
     met, left = np.zeros(periods.size, dtype=bool), np.full(periods.size, most_pairs)
     rod, k, lists = _near_periods(rods, periods, high, wide, together)
     while k.size:
-        here, used = _searched(rods, rod, k, left)
+        here, used = _search(rods, rod, k, left)
         met, left = met | here, left - used
         lists = {i: ks for i, ks in lists.items() if left[i] > 0 and not met[i]}
         rod, k = _next(lists)
@@ -147,7 +147,7 @@ def _near_periods(
     near &= (k >= first[:, None]) & (k <= periods[:, None])
     simple = (periods < _FEW) & (np.count_nonzero(near, axis=1) <= together)
     lists = {
-        int(i): _listed(int(first[i]), int(periods[i]), rods.turn[i], rods.rise[i], high[i], wide[i], together)
+        int(i): _list(int(first[i]), int(periods[i]), rods.turn[i], rods.rise[i], high[i], wide[i], together)
         for i in np.flatnonzero(~simple)
     }
     rod, k = np.nonzero(near & simple[:, None])
@@ -168,7 +168,7 @@ def _comes_near(k: Any, turn: Any, rise: Any, high: Any, wide: Any) -> Any:
     return (np.abs(k * rise) <= high) & (around <= wide)
 
 
-def _listed(
+def _list(
     first: int, periods: int, turn: float, rise: float, high: float, wide: float, together: int
 ) -> Iterator[Integers]:
     """The periods from number `first` on that come near the first one of a rod, some at a time."""
@@ -188,7 +188,7 @@ def _next(lists: dict[int, Iterator[Integers]]) -> tuple[Integers, Integers]:
     return rod.astype(np.int64), np.concatenate([none, *(ks for _, ks in parts)])
 
 
-def _searched(rods: Strands, rod: Integers, k: Integers, left: Integers) -> tuple[NDArray[np.bool_], Integers]:
+def _search(rods: Strands, rod: Integers, k: Integers, left: Integers) -> tuple[NDArray[np.bool_], Integers]:
     """Whether stretches of the first period of each rod meet those of its periods k, and the pairs compared, (B,) each.
 
     rod, k: (R,). left: (B,), how many pairs may be compared, about.

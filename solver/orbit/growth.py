@@ -82,7 +82,7 @@ def _transfers(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
         return np.stack([even + tilt * odd, dt * odd, -mean * dt * odd, even - tilt * odd])
 
 
-def refined(problem: Reduced, t: Array, most: int) -> tuple[Array, int]:
+def refine(problem: Reduced, t: Array, most: int) -> tuple[Array, int]:
     """The stations with k - 1 more on equal steps between neighbours, (B, (n - 1) k + 1), and k.
 
     k is a power of two that divides `most`, at most 16, and no larger than `growth` needs to resolve H' between the

@@ -11,7 +11,7 @@ from .variations import Change
 _SERIES = 1.0  # below this |z| the functions are summed
 
 
-def started(problem: Reduced, t: Array) -> Change:
+def start(problem: Reduced, t: Array) -> Change:
     """The change of B helices at t (B, n) by a unit of beta(0), beta_t(0), lam, mu and phi, (B, n, 5) each."""
     beta0 = problem.beta0
     rate = slope_rate(problem, beta0)[:, None]

@@ -7,11 +7,11 @@ import numpy as np
 from ..core import orbits as core
 from ..numerics.arrays import Array
 from .panels import running
-from .phase import unfolded
+from .phase import unfold
 from .pieces import HELIX, LIBRATION
 
 
-def accumulated(orbit: Any, series: Array, t: Array) -> Array:
+def accumulate(orbit: Any, series: Array, t: Array) -> Array:
     """The value at t (B, n) of an integral from the start; 0 on a helix.
 
     series: (P, n + 1), the integral on each panel from the panel's near end.
@@ -21,7 +21,7 @@ def accumulated(orbit: Any, series: Array, t: Array) -> Array:
     series = series.copy()
     series[:, 0] += running(ends[:, None], orbit.first, orbit.count)[:, 0]
     phase = orbit.locate(t)
-    value = unfolded(orbit.read(series[:, None], phase)[..., 0], phase, gain, (orbit.kind == LIBRATION)[:, None])
+    value = unfold(orbit.read(series[:, None], phase)[..., 0], phase, gain, (orbit.kind == LIBRATION)[:, None])
     return np.where((orbit.kind == HELIX)[:, None], 0.0, value)
 
 

@@ -45,7 +45,7 @@ def running(values: Array, first: Any, count: Any) -> Array:
     return np.cumsum(table, axis=1)[part, rank]
 
 
-def joined(parts: list[Panels]) -> Panels:
+def join(parts: list[Panels]) -> Panels:
     """Panels one after the other."""
     columns: dict[str, Any] = {f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Panels)}
     return Panels(**columns)

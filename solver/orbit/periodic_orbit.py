@@ -22,7 +22,7 @@ from ..problem.trajectory import PLAIN
 from .arcs import Arcs
 from .critical_points import grid
 from .panels import Panels, running
-from .phase import Phase, located, unfolded
+from .phase import Phase, located, unfold
 from .pieces import HELIX, LIBRATION, Pieces
 
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
@@ -171,7 +171,7 @@ class Orbit:
         on a helix."""
         kind = self.arcs.kind[case, None]
         gain = self.gain[:, column].reshape(-1, 2)[case]
-        grown = unfolded(value, phase, gain, kind == LIBRATION)
+        grown = unfold(value, phase, gain, kind == LIBRATION)
         return np.where(kind == HELIX, straight[case, None] * phase.t, grown)
 
 
@@ -233,7 +233,7 @@ def orbit_of(problem: StartProblem, found: core.FoundOrbits) -> Orbit:
     return Orbit(problem, arcs, panels, since, first, found.counts, found.duration, found.gain)
 
 
-def assembled(problem: StartProblem, arcs: Arcs, panels: Panels) -> Orbit:
+def assemble(problem: StartProblem, arcs: Arcs, panels: Panels) -> Orbit:
     """The orbits made of panels whose integrals count from their own near ends."""
     number = 2 * problem.size
     count = np.bincount(panels.arc, minlength=number)

@@ -48,7 +48,7 @@ def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Ph
     return Phase(t, arc, local, mirrored, second, periods, folded)
 
 
-def unfolded(value: Array, phase: Phase, gain: Array, librates: Array) -> Array:
+def unfold(value: Array, phase: Phase, gain: Array, librates: Array) -> Array:
     """What an integral along the orbit has grown to, from its value within an arc.
 
     value: (B, n) or (B, n, k), from the start along the arc. gain: (B, 2) or (B, 2, k), over the forward and the

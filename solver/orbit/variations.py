@@ -31,8 +31,8 @@ from ..numerics.chebyshev import basis, polynomials
 from ..problem.reduced import StartProblem
 from .arcs import Arcs
 from .panels import running
-from .periodic_orbit import Orbit, assembled, relative_orbit
-from .phase import unfolded
+from .periodic_orbit import Orbit, assemble, relative_orbit
+from .phase import unfold
 from .pieces import LIBRATION
 from .variation_nodes import PAIRS, Nodes, nearest
 
@@ -101,7 +101,7 @@ class Variations:
         values, phase = orbit.read_at(self.series, t)
         kind, direction = orbit.arcs.kind[:, None], orbit.arcs.direction[:, None]
         sign = np.where(phase.second, -direction, direction) * np.where(phase.mirrored, -1.0, 1.0)
-        ten = unfolded(values[..., 9:], phase, self.gain, kind == LIBRATION)
+        ten = unfold(values[..., 9:], phase, self.gain, kind == LIBRATION)
         return _place(sign * values[..., 0], values[..., 1:9], [*np.moveaxis(ten, -1, 0)])
 
     @cached_property
@@ -144,10 +144,10 @@ class Variations:
 
         jump: (P, k). closing: (2 B, k). The rates do not depend on the direction of travel.
         """
-        series, gain = _accumulated(self.orbit, rates, jump, closing)
+        series, gain = _accumulate(self.orbit, rates, jump, closing)
         values, phase = self.orbit.read_at(series, until[:, None])
         folded = (self.orbit.arcs.kind == LIBRATION)[:, None]
-        parts = [unfolded(values[..., k], phase, gain[..., k], folded)[:, 0] for k in range(rates.shape[1])]
+        parts = [unfold(values[..., k], phase, gain[..., k], folded)[:, 0] for k in range(rates.shape[1])]
         return np.stack(parts, axis=1)
 
     def cut(self, panel: Integers, x: Array) -> "Variations":
@@ -167,14 +167,14 @@ class Variations:
         series = np.zeros((every.size, *panels.series.shape[1:]))
         series[:, :2, :-1] = moved(panels.series[:, :2]) @ points.analyse
         duration = panels.duration[every] * (high - low) / 2
-        orbit = assembled(
+        orbit = assemble(
             self.orbit.problem, self.orbit.arcs, replace(panels.take(every), series=series, duration=duration)
         )
         state, M = moved(self.series[:, :9]), moved(self.nodes.M @ points.analyse)
         v = np.maximum(state[:, 0], 0.0)
         nodes = Nodes(v, state[:, 1], self.nodes.c[every], self.nodes.shift[every], state[:, 6:9], M)
         jump = np.where((low == -1)[:, None], self.jump[every], 0.0)
-        return _varied(orbit, self.base[every], nodes, jump, self.closing)
+        return _vary(orbit, self.base[every], nodes, jump, self.closing)
 
 
 def _place(v: Array, values: Array, ten: list[Array]) -> Place:
@@ -239,8 +239,8 @@ def variations_on(orbit: Orbit, arcs: Arcs) -> Variations:
     return Variations(orbit, base, nodes, *(found[name] for name in ("jump", "closing", "series", "gain")))
 
 
-def _varied(orbit: Orbit, base: Array, nodes: Nodes, jump: Array, closing: Array) -> Variations:
-    summed, gain = _accumulated(orbit, nodes.M, jump, closing)
+def _vary(orbit: Orbit, base: Array, nodes: Nodes, jump: Array, closing: Array) -> Variations:
+    summed, gain = _accumulate(orbit, nodes.M, jump, closing)
     series = _states(nodes)
     series[:, 9:] = summed
     return Variations(orbit, base, nodes, jump, closing, series, gain)
@@ -257,7 +257,7 @@ def _states(nodes: Nodes) -> Array:
     return series
 
 
-def _accumulated(orbit: Orbit, rates: Array, jump: Array, closing: Array) -> tuple[Array, Array]:
+def _accumulate(orbit: Orbit, rates: Array, jump: Array, closing: Array) -> tuple[Array, Array]:
     """Integrals from the start, (P, k, n + 1), and over both arcs, (B, 2, k); arguments as in `Variations.sums`."""
     panels, points = orbit.panels, basis(rates.shape[2])
     series = (rates @ points.analyse @ points.integrate) * (panels.duration / 2)[:, None, None]

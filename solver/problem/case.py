@@ -11,9 +11,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from .errors import InputError, choices, known_name, no_such, shown
+from .errors import InputError, choices, known_name, no_such, show
 from .field_values import ANGLES as ANGLES
-from .field_values import check_numbers, named_fields, refuse
+from .field_values import check_numbers, name_fields, refuse
 from .rod import STIFFNESS as STIFFNESS
 from .rod import Rod as Rod
 from .shown import table_of
@@ -26,7 +26,7 @@ SLIDING = {"forward": (1.0, False), "backward": (-1.0, False), "rotating": (1.0,
 PAIRS = (("beta0", "M10"), ("betaL", "M1L"), ("FZ", "height"), ("MZ", "azimuth"), ("M3", "rotation"))
 
 
-@named_fields
+@name_fields
 @dataclass(frozen=True, eq=False)
 class Cylinder:
     """The cylinder on which the rod lies, without friction unless a coefficient is given.
@@ -82,7 +82,7 @@ class Cylinder:
         return f"Cylinder({choices(f'{name}={value!r}' for name, value in values.items() if value is not None)})"
 
 
-@named_fields
+@name_fields
 @dataclass(frozen=True, eq=False)
 class Start:
     """A start problem: every value is given at s = 0. An initial value problem with one solution.
@@ -144,7 +144,7 @@ class Start:
             )
 
 
-@named_fields
+@name_fields
 @dataclass(frozen=True, eq=False)
 class Ends:
     """An ends problem: how both ends are held. A boundary value problem with many solutions.
@@ -255,7 +255,7 @@ class Ends:
         return f"Ends({choices(f'{name}={value!r}' for name, value in values.items() if value is not None)})"
 
 
-@named_fields
+@name_fields
 @dataclass(frozen=True, eq=False)
 class Case:
     """One case, or a grid of cases: the fields of its parts broadcast to `shape`.
@@ -288,7 +288,7 @@ class Case:
         for name, kinds in (("rod", (Rod,)), ("cylinder", (Cylinder,)), ("given", (Start, Ends))):
             if not isinstance(getattr(self, name), kinds):
                 wanted = " or ".join(kind.__name__ for kind in kinds)
-                raise InputError(f"Case.{name} must be a {wanted}, got {shown(getattr(self, name))}")
+                raise InputError(f"Case.{name} must be a {wanted}, got {show(getattr(self, name))}")
         try:
             self.shape  # noqa: B018  (computed here so that a mismatch is refused when the case is made)
         except ValueError:
@@ -386,11 +386,11 @@ class Case:
             return FZ, rho * FY + A * (m * c + s**3 / rho), A * m if given.M3 is None else given.M3
 
 
-def checked_case(function: str, value: object) -> Case:
+def check_case(function: str, value: object) -> Case:
     """The value if it is a Case. Raises `InputError` with how to make one."""
     if not isinstance(value, Case):
         how = f"{function}(Case(rod, cylinder, Start(...) or Ends(...)))"
-        raise InputError(f"{function} takes a Case, got {shown(value)}; write {how}")
+        raise InputError(f"{function} takes a Case, got {show(value)}; write {how}")
     return value
 
 

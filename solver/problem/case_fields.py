@@ -28,8 +28,8 @@ def unchecked_with_field(case: Case, name: str, value: float) -> Case:
     parts: dict[str, Any] = {}
     for part in fields(case):
         owner = getattr(case, part.name)
-        parts[part.name] = _copied(owner, {name: value}) if hasattr(owner, name) else owner
-    return _copied(case, parts)
+        parts[part.name] = _copy(owner, {name: value}) if hasattr(owner, name) else owner
+    return _copy(case, parts)
 
 
 def numbers_over(case: Case, name: str) -> Callable[[float], tuple[float, ...]]:
@@ -48,7 +48,7 @@ def numbers_over(case: Case, name: str) -> Callable[[float], tuple[float, ...]]:
     return numbers
 
 
-def _copied(value: Any, changes: dict[str, Any]) -> Any:
+def _copy(value: Any, changes: dict[str, Any]) -> Any:
     """A copy of a frozen dataclass that is not validated."""
     new = object.__new__(type(value))
     vars(new).update({one.name: changes.get(one.name, getattr(value, one.name)) for one in fields(value)})

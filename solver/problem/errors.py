@@ -27,7 +27,7 @@ class InputError(ValueError):
     """
 
 
-def shown(value: object) -> str:
+def show(value: object) -> str:
     """The value as a sentence shows it; a long one is cut."""
     try:
         text = repr(value)
@@ -49,14 +49,14 @@ def choices(names: Iterable[object]) -> str:
 def no_such(kind: str, name: object, names: Iterable[object]) -> InputError:
     """The error ``no method 'rk5', did you mean 'rk4'; choose from orbit, rk4``."""
     known = list(names)
-    return InputError(f"no {kind} {shown(name)}{near(name, known)}; choose from {choices(known)}")
+    return InputError(f"no {kind} {show(name)}{near(name, known)}; choose from {choices(known)}")
 
 
 def near(name: object, known: Iterable[object]) -> str:
     """``, did you mean 'sobol'`` where known names are close to this one or are its symbols; else nothing."""
     text, names = str(name)[:60], [str(one) for one in known]
     found = [one for one in names if one.lower() == text.lower()] or _closest(text, names, 0.9)
-    found = found or _symbols(text, names) or _begun(text, names)
+    found = found or _symbols(text, names) or _begin(text, names)
     found = found or _closest(text, names) or _one_letter_off(text, names)
     return f", did you mean {' or '.join(map(repr, found))}" if found else ""
 
@@ -72,10 +72,10 @@ def _symbols(text: str, names: list[str]) -> list[str]:
     """The names that are symbols of a word in the text: those of ``youngs_modulus`` are E."""
     word = next((word for word in SYMBOLS if word in text.lower()), "")
     found = [one for one in SYMBOLS.get(word, ()) if one in names]
-    return found and [*found, *_begun(text, names)]
+    return found and [*found, *_begin(text, names)]
 
 
-def _begun(text: str, names: list[str]) -> list[str]:
+def _begin(text: str, names: list[str]) -> list[str]:
     """The names, one to three, of which the text is the beginning: beta0 and betaL for ``beta``."""
     found = [one for one in names if len(text) > 3 and one.startswith(text)]
     return found if len(found) < 4 else []

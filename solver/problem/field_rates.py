@@ -58,7 +58,7 @@ def fields_of(case: Case) -> tuple[str, ...]:
     return (*(name for part, name, _ in case._numeric() if part is not case.given), *given)
 
 
-def checked_fields(case: Case, names: Any) -> tuple[str, ...]:
+def check_fields(case: Case, names: Any) -> tuple[str, ...]:
     """The names as a tuple. Raises `InputError` for a name that is no numeric field of the case or is repeated."""
     fields = (names,) if not isinstance(names, Iterable) or isinstance(names, str) else tuple(names)
     known = fields_of(case)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .angles import FORMS, angle, doubt, given_by_a_program, warn
-from .errors import InputError, choices, near, shown
+from .errors import InputError, choices, near, show
 
 T = TypeVar("T")
 
@@ -17,7 +17,7 @@ T = TypeVar("T")
 ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma", "azimuth", "rotation", "inclination")
 
 
-def named_fields(kind: type[T]) -> type[T]:
+def name_fields(kind: type[T]) -> type[T]:
     """Decorate a dataclass: an unknown, a missing and a surplus argument raise `InputError` with the choices."""
     known = {field.name: field.default is MISSING for field in fields(kind)}  # type: ignore[arg-type]
     make: Callable[..., None] = kind.__init__
@@ -50,10 +50,10 @@ def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
         with np.errstate(over="ignore"):  # a number beyond the floats is refused as infinite
             array = np.array(array, dtype=float)
     except OverflowError:
-        raise InputError(f"{owner}.{field} must be a number that a float can hold, got {shown(value)}") from None
+        raise InputError(f"{owner}.{field} must be a number that a float can hold, got {show(value)}") from None
     except (TypeError, ValueError):
         wanted = f"{FORMS}; or an array of these" if field in ANGLES else "a number or an array of numbers"
-        raise InputError(f"{owner}.{field} must be {wanted}, got {shown(value)}") from None
+        raise InputError(f"{owner}.{field} must be {wanted}, got {show(value)}") from None
     if array.size == 0:
         raise InputError(f"{owner}.{field} is empty; give at least one value")
     refuse(owner, field, array, ~np.isfinite(array), "finite")

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from .errors import InputError, choices, known_name, no_such
-from .field_values import check_numbers, named_fields, refuse
+from .field_values import check_numbers, name_fields, refuse
 
 STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}  # A / (E (a^4 - inner_radius^4))
 GIVEN = "given"  # in files, in place of a word of STIFFNESS: EI and GJ are given
@@ -32,7 +32,7 @@ def fourth_powers(a: Any, inner_radius: Any = None) -> Any:
     return (a - inner_radius) * (a + inner_radius) * (a * a + inner_radius * inner_radius)
 
 
-@named_fields
+@name_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class Rod:
     """A naturally straight, inextensible rod of circular section: solid, a tube, or of given stiffnesses.
@@ -114,14 +114,14 @@ class Rod:
         given = [name for name, _ in self.given()]
         elastic, direct = ([name for name in names if name in given] for names in ((*ELASTIC, "inner_radius"), DIRECT))
         if elastic and direct:
-            raise InputError(f"Rod has one section: {_PAIRS}; got {self._written(*elastic, *direct)}")
+            raise InputError(f"Rod has one section: {_PAIRS}; got {self._write(*elastic, *direct)}")
         if missing := lacking(given):
             other = "" if elastic or direct else f": {_PAIRS}"
             raise InputError(f"Rod needs {choices(missing)}{other}; got {choices(given) or 'nothing'}")
         own = [name for name in ("inner_radius", "EI") if name in given]
         if own and self.stiffness != "solid":
             why = "it is eq. (20) as printed, of a solid section with E"
-            raise InputError(f"stiffness={self.stiffness!r} excludes {self._written(*own)}: {why}; choose 'solid'")
+            raise InputError(f"stiffness={self.stiffness!r} excludes {self._write(*own)}: {why}; choose 'solid'")
         for pair in (("inner_radius", "a"), DIRECT):
             shapes = [np.shape(value) for name, value in self.given() if name in pair]
             try:
@@ -129,7 +129,7 @@ class Rod:
             except ValueError:
                 raise InputError(f"{choices(pair)} of Rod must broadcast, got the shapes {choices(shapes)}") from None
 
-    def _written(self, *names: str) -> str:
+    def _write(self, *names: str) -> str:
         return choices(f"{name}={getattr(self, name)}" for name in names)
 
     def _check_bore(self) -> None:

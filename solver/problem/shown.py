@@ -15,7 +15,7 @@ def table_of(kind: str, value: Any) -> str | None:
     return str(getattr(tables, f"of_{kind}")(value))
 
 
-def made(module: str, function: str, *values: Any) -> Any:
+def make(module: str, function: str, *values: Any) -> Any:
     """What a function of the workbench makes of the values.
 
     Raises `ModuleNotFoundError` with the command that installs what is missing.

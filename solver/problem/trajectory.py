@@ -160,7 +160,7 @@ def stood_in(problem: P, fit: NDArray[np.bool_]) -> P:
     return type(problem)(**{name: np.where(fit, value, PLAIN[name]) for name, value in vars(problem).items()})
 
 
-def blanked(told: Trajectory, fit: NDArray[np.bool_], why: str | NDArray[np.str_]) -> Trajectory:
+def blank(told: Trajectory, fit: NDArray[np.bool_], why: str | NDArray[np.str_]) -> Trajectory:
     """The answer with NaN for each problem that is not `fit` (B,); `why`, one or (B,), becomes its outcome."""
     if fit.all():
         return told

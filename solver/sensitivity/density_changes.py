@@ -11,7 +11,7 @@ import numpy as np
 from ..mechanics.potential import Loads
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, derivative, polynomials
-from ..numerics.roots import bracketed
+from ..numerics.roots import bracket
 from ..observe.density_rates import RATES
 from ..observe.rod_pieces import Angles
 from ..orbit.variations import Place, Variations
@@ -164,4 +164,4 @@ def zeros_between(values: Array) -> tuple[Integers, Integers, Array]:
         return found[0], found[1]
 
     low, high = np.where(rises, one, other), np.where(rises, other, one)
-    return q, cell, bracketed(value_and_rate, low, high, steps=60)
+    return q, cell, bracket(value_and_rate, low, high, steps=60)

@@ -25,11 +25,11 @@ def ends_field_rates(sol: Shape, fields: Sequence[str]) -> FieldRates:
     assert isinstance(problem, EndsProblem)
     plain = [name for name in fields if name not in _HELD]
     dead = under_dead_loads(case, problem) if sol.held else case
-    base = _widened(field_rates(dead, plain), plain, fields, case.size)
+    base = _widen(field_rates(dead, plain), plain, fields, case.size)
     return replace(base, given=_values(sol, base, fields, given_numbers(case)))
 
 
-def _widened(rates: FieldRates, own: Sequence[str], fields: Sequence[str], size: int) -> FieldRates:
+def _widen(rates: FieldRates, own: Sequence[str], fields: Sequence[str], size: int) -> FieldRates:
     """The rates by `fields`, 0 for those that are not among `own`."""
     columns = {}
     for name, value in vars(rates).items():

@@ -92,10 +92,10 @@ def motions(sol: Shape, outcome: Array) -> Iterator[Motion]:
 
 def _of_orbits(sol: Shape, rows: Integers, orbit: Orbit) -> Motion:
     varied = variations_on(orbit, orbit.arcs)
-    return _moved(varied, rows, orbit.problem, sol.t[rows], *directions(varied.start))
+    return _move(varied, rows, orbit.problem, sol.t[rows], *directions(varied.start))
 
 
-def _moved(varied: Variations, rows: Integers, problem: StartProblem, t: Array, a0: Array, e: Array) -> Motion:
+def _move(varied: Variations, rows: Integers, problem: StartProblem, t: Array, a0: Array, e: Array) -> Motion:
     start, places = varied.start, varied.at(marks_of(problem))
     ends = varied.at(_ends_of(problem))
     along, marks, at_ends = (changed(start, there, a0, e) for there in (varied.at(t), places, ends))
@@ -115,7 +115,7 @@ def _ends_of(problem: Reduced) -> Array:
 
 def _of_helices(sol: Shape, rows: Integers, problem: StartProblem) -> Motion:
     places = sol.t[rows], marks_of(problem), _ends_of(problem)
-    along, marks, ends = (helix_variations.started(problem, t) for t in places)
+    along, marks, ends = (helix_variations.start(problem, t) for t in places)
     return Motion(rows, problem, along, marks, ends.rate, np.zeros(rows.size))
 
 
@@ -130,7 +130,7 @@ def _of_equilibrium(sol: Shape, one: EndsProblem, path: Path, i: int) -> Motion:
     varied = equilibrium_variations(one, path)
     parts = parts_by_given(rates_of_variations(one, varied, np.full((3, 1), np.nan)), names, ratio)[None]
     each = np.eye(5)[None]
-    return replace(_moved(varied, rows, problem, t, each[..., 0], each[..., 1:]), parts=parts)
+    return replace(_move(varied, rows, problem, t, each[..., 0], each[..., 1:]), parts=parts)
 
 
 def _path(sol: Shape, one: EndsProblem, i: int) -> Path | None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..observe.measurement import Reading
-from ..observe.observables import OBSERVABLES, checked_names, is_count
+from ..observe.observables import OBSERVABLES, check_names, is_count
 from ..orbit.pieces import ROTATION
 from ..problem.errors import InputError, choices
 from ..problem.field_rates import FieldRates
@@ -34,9 +34,9 @@ PLACES = "no derivative: several places of the rod have the largest push, or the
 SIZE = f"{SEVERAL}; or there is no force along the tangent"
 
 
-def checked_observables(names: Any) -> tuple[str, ...]:
+def check_observables(names: Any) -> tuple[str, ...]:
     """The names as a tuple. Raises `InputError` for an unknown name, and for an observable without a derivative."""
-    wanted = checked_names(names)
+    wanted = check_names(names)
     able = [name for name, row in OBSERVABLES.items() if set(row.measured) <= set(MEASURED) or is_count(name)]
     for name in wanted:
         if name not in able:
@@ -181,7 +181,7 @@ def derivative_of(name: str, read: Moving) -> Array:
     return np.asarray(found.slope if isinstance(found, Dual) else found)
 
 
-def measured_of(name: str) -> tuple[str, ...]:
+def measure_of(name: str) -> tuple[str, ...]:
     """What is measured along the rod for the derivative of an observable."""
     return () if is_count(name) else OBSERVABLES[name].measured
 
@@ -192,4 +192,4 @@ def why_missing(name: str, sol: Shape) -> str:
         return NO_ORBIT if sol.trajectory.orbit is None else STRAIGHT
     if name in _WHY:
         return _WHY[name]
-    return SEVERAL if set(measured_of(name)) & set(EXTREMES) else STRAIGHT
+    return SEVERAL if set(measure_of(name)) & set(EXTREMES) else STRAIGHT

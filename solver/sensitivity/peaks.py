@@ -25,10 +25,10 @@ def first_peak(rods: DensityChange, seen: Array) -> Array:
     found = rods.refined()
     every = candidates(found)
     top, slopes = slope_of_largest(every, seen.size)
-    best = _picked(every, top)
+    best = _pick(every, top)
     near = np.abs(best.t - seen[best.case]) <= _NEAR * rods.span[best.case]
-    moved = _moved(found, _picked(best, near))
-    kept = _picked(best, near).case
+    moved = _move(found, _pick(best, near))
+    kept = _pick(best, near).case
     chosen, off = np.full(slopes.shape, np.nan), np.zeros(slopes.shape, dtype=bool)
     chosen[kept[::-1]] = moved[::-1]
     size = np.abs(moved) + np.abs(chosen[kept])
@@ -36,11 +36,11 @@ def first_peak(rods: DensityChange, seen: Array) -> Array:
     return np.where(off | np.isnan(slopes), np.nan, chosen)
 
 
-def _picked(some: Candidates, index: Array) -> Candidates:
+def _pick(some: Candidates, index: Array) -> Candidates:
     return Candidates(*(getattr(some, one.name)[index] for one in fields(Candidates)))
 
 
-def _moved(rods: DensityChange, at: Candidates) -> Array:
+def _move(rods: DensityChange, at: Candidates) -> Array:
     """The derivatives of the t of candidates, (N, F)."""
     inner = np.flatnonzero(at.panel >= 0)
     found = np.where((at.t > 0)[:, None], rods.later[at.case], 0.0)

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..problem.field_rates import checked_fields, field_rates
+from ..problem.field_rates import check_fields, field_rates
 from ..problem.reduced import EndsProblem, refuse_varying
 from ..problem.trajectory import SOLVED
 from ..shape import Shape
 from .along import along, amounts, of_rows
 from .ends_rates import ends_field_rates
 from .motions import motions
-from .observables import Moving, checked_observables, derivative_of, measured_of, why_missing
+from .observables import Moving, check_observables, derivative_of, measure_of, why_missing
 
 _ROUNDING = 32 * 2.0**-52  # of a derivative, times the condition number
 _CARRIED = 4  # of the error of the shape, on which the derivatives depend through beta, H, alpha and z
@@ -69,13 +69,13 @@ class Sensitivity:
 def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
     """The derivatives of a solution; see `Solution.sensitivity`."""
     refuse_varying(sol.case)
-    names, wanted = checked_fields(sol.case, fields), checked_observables(observables)
+    names, wanted = check_fields(sol.case, fields), check_observables(observables)
     ends = isinstance(sol.problem, EndsProblem)
     rates = ends_field_rates(sol, names) if ends else field_rates(sol.case, names)
     B, n = sol.t.shape
     out = {name: np.full((B, len(names), n), np.nan) for name in _ALONG}
     outcome = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
-    read = Moving(sol, rates, (key for name in wanted for key in measured_of(name))) if wanted else None
+    read = Moving(sol, rates, (key for name in wanted for key in measure_of(name))) if wanted else None
     with np.errstate(all="ignore"):  # what leaves the finite numbers is told by the outcome
         for motion in motions(sol, outcome):
             unit = amounts(motion, of_rows(rates, motion.rows))
@@ -87,10 +87,10 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
             if read is not None:
                 read.add(motion, unit, own)
         found = {name: derivative_of(name, read) for name in wanted if read is not None}
-    return _judged(sol, names, out, outcome, found)
+    return _judge(sol, names, out, outcome, found)
 
 
-def _judged(
+def _judge(
     sol: Shape, names: tuple[str, ...], out: dict[str, Array], outcome: Array, found: dict[str, Array]
 ) -> Sensitivity:
     """The result; a case in which no digit is left gets an outcome that says so."""

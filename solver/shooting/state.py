@@ -37,10 +37,10 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
         way = np.abs(alpha[first : last + 1] - alpha[first])
         leaves, arrives = (s[first + int(np.searchsorted(way, value))] for value in (BENT, turned - BENT))
         found += [State(STRAIGHT, s[first], leaves), State(HELICAL, leaves, arrives), State(STRAIGHT, arrives, s[last])]
-    return tuple(_joined([one for one in found if one.end > one.begin]))
+    return tuple(_join([one for one in found if one.end > one.begin]))
 
 
-def _joined(found: list[State]) -> list[State]:
+def _join(found: list[State]) -> list[State]:
     """Neighbours of the same state as one; a short straight piece between two bends belongs to them."""
     kept: list[State] = []
     longest = max((one.end - one.begin for one in found if one.word == SINUSOIDAL), default=0.0)

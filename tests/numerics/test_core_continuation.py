@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver.boundary.branch_coordinates import Path, path_of
-from solver.boundary.continuation import Ended, _continued_by_leaps, continued
+from solver.boundary.continuation import Ended, _resume_by_leaps, resume
 from solver.boundary.continuation_steps import shape_of
 from solver.boundary.path_orbits import orbit_of
 from solver.boundary.search import search
@@ -43,7 +43,7 @@ def test_the_core_reaches_the_path_of_the_steps_in_numpy(count: int) -> None:
         found = search(first)
         assert found is not None
         for path in [path_of(found.path, i) for i in range(min(found.slope.size, 6))]:
-            plain, compiled = _continued_by_leaps(first, path, last), continued(first, path, last)
+            plain, compiled = _resume_by_leaps(first, path, last), resume(first, path, last)
             if isinstance(plain, Ended):
                 assert isinstance(compiled, Ended)
                 assert compiled.reason == plain.reason
@@ -62,9 +62,9 @@ def test_a_line_there_and_back_returns_to_the_equilibrium() -> None:
     assert found is not None
     returned = 0
     for path in [path_of(found.path, i) for i in range(found.slope.size)]:
-        there = continued(first, path, last)
+        there = resume(first, path, last)
         if isinstance(there, Path):
-            back = continued(last, there, first)
+            back = resume(last, there, first)
             assert isinstance(back, Path)
             assert back.turns == path.turns
             before, after = orbit_of(first, path), orbit_of(first, back)

@@ -79,7 +79,7 @@ def test_odd_lines_give_a_path_or_none(seed: int) -> None:
         first = odd(rng, 6)
         last = first + np.where(rng.random(6) < 0.1, odd(rng, 6), 1e-2 * rng.normal(size=6))
         level, way = tuple(odd(rng, 3)), (int(rng.choice([-1, 1])), int(rng.integers(-1, 5)))
-        found = levels.continued(first, last, level, way, grid(), NODES, CUTTING)
+        found = levels.resume(first, last, level, way, grid(), NODES, CUTTING)
         if found is not None:
             assert np.isfinite([*first, *last]).all()
             assert found[4] >= 0

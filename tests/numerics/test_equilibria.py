@@ -10,7 +10,7 @@ from scipy.linalg import solve_banded
 from solver import Case, Ends, Start, equilibria, solve
 from solver.boundary.search import search
 from solver.boundary.stability import jacobi_zeros, morse_index
-from solver.boundary.transit_times import repeated
+from solver.boundary.transit_times import repeat
 from solver.end_angle_branch import to_fold
 from solver.equilibria import Equilibrium
 from solver.problem.reduced import reduce
@@ -136,7 +136,7 @@ def test_zeros_of_the_jacobi_field_are_the_negative_pivots(name: str) -> None:
     problem = reduce(ends_in_units_of_rho(*PROBLEMS[name]))
     all_of_them = search(problem)
     assert all_of_them is not None
-    wide = repeated(problem, all_of_them.slope.size)
+    wide = repeat(problem, all_of_them.slope.size)
     span = PROBLEMS[name][3]
     beta = all_of_them.orbit.at(np.tile(np.linspace(0, span, 8001), (wide.size, 1)))[0]
     zeros = jacobi_zeros(all_of_them.orbit)

@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import brentq, curve_fit
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, fit, observe, solve
-from solver.inverse.data import checked_data
+from solver.inverse.data import check_data
 from solver.inverse.model import Model
-from solver.inverse.parameters import checked_parameters
+from solver.inverse.parameters import check_parameters
 
 TRUE = {"E": 1.07e4, "M3": 18.0}
 S = np.linspace(0.4, 20.0, 50)
@@ -44,8 +44,8 @@ def test_the_derivatives_of_the_residuals_are_those_of_differences(with_s) -> No
     case = rod(M3=17.0)
     fields = ["E", "nu", "a", "L", "R", "alpha0", "beta0", "dbeta0", "F2", "F3", "M3"]
     points = points_of(rod(), S[:40], 0.03, with_s=with_s)
-    data = checked_data(case, {"height": 7.0, "push_max": 150.0}, points, None, False)
-    parameters = checked_parameters(case, fields)
+    data = check_data(case, {"height": 7.0, "push_max": 150.0}, points, None, False)
+    parameters = check_parameters(case, fields)
     model, x = Model(case, parameters, data, "nearest", 1e-12), np.array([one.start for one in parameters])
     found, h = model.jacobian(x), 1e-5
     for k, name in enumerate(fields):
@@ -60,15 +60,15 @@ def test_the_derivatives_of_the_residuals_are_those_of_differences(with_s) -> No
 
 def test_the_derivative_of_a_point_with_s_by_the_length_keeps_its_s() -> None:
     case, s = rod(), np.array([3.0, 11.0])
-    data = checked_data(case, None, points_of(case, s), None, False)
-    model = Model(case, checked_parameters(case, ["L"]), data, "nearest", 1e-12)
+    data = check_data(case, None, points_of(case, s), None, False)
+    model = Model(case, check_parameters(case, ["L"]), data, "nearest", 1e-12)
     assert np.abs(model.jacobian(np.array([np.log(20.0)]))).max() < 1e-9  # a start problem does not know its length
 
 
 def test_the_distance_to_a_point_is_the_least_of_the_whole_curve() -> None:
     case, points = rod(), points_of(rod(), S, 0.2, with_s=False)
-    data = checked_data(case, None, points, None, False)
-    found = Model(case, checked_parameters(case, ["E"]), data, "nearest", 1e-12).evaluation(np.log([1.07e4]))
+    data = check_data(case, None, points, None, False)
+    found = Model(case, check_parameters(case, ["E"]), data, "nearest", 1e-12).evaluation(np.log([1.07e4]))
     fine = solve(case, stations=200_001)
     pairs = zip(points["alpha"], points["z"], strict=True)
     nearest = np.array([np.hypot(fine.alpha - a, fine.z - z).min() for a, z in pairs])  # rho is 1

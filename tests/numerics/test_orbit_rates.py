@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from solver.boundary.branch_coordinates import Path, path_of
-from solver.boundary.continuation import Ended, continued
+from solver.boundary.continuation import Ended, resume
 from solver.boundary.orbit_rates import NUMBERS, OrbitRates, orbit_rates
 from solver.boundary.search import search
-from solver.boundary.transit_times import repeated
+from solver.boundary.transit_times import repeat
 from solver.problem.reduced import EndsProblem
 
 DEAD = ("beta0", "betaL", "lam", "mu", "phi")
@@ -24,13 +24,13 @@ def every_equilibrium(problem: EndsProblem, most_turns: int | None = None) -> tu
     found = search(problem, most_turns=most_turns)
     assert found is not None
     K = found.slope.size
-    return repeated(problem, K), [path_of(found.path, i) for i in range(K)]
+    return repeat(problem, K), [path_of(found.path, i) for i in range(K)]
 
 
 def numbers_at(problem: EndsProblem, path: Path, name: str, step: float) -> Any:
     """The numbers of the equilibrium that continues from `path` when one number of the problem changes."""
     there = replace(problem, **{name: getattr(problem, name) + step})
-    found = continued(problem, path, there)
+    found = resume(problem, path, there)
     assert not isinstance(found, Ended), found
     return orbit_rates(there, [found]).values[0]
 
@@ -121,7 +121,7 @@ def test_helices_and_orbits_of_one_batch_keep_their_places() -> None:
 def test_a_path_on_which_no_orbit_joins_the_ends_has_no_numbers() -> None:
     gone = Path(-0.9253346492170123, -1.0, 3.0, 1, 0)
     there = every_equilibrium(MANY, 1)[1][0]
-    both = orbit_rates(repeated(MANY, 2), [gone, there])
+    both = orbit_rates(repeat(MANY, 2), [gone, there])
     assert np.isnan(both.values[0]).all()
     assert np.isnan(both.response(DEAD)[0]).all()
     assert np.array_equal(both.response(DEAD)[1], orbit_rates(MANY, [there]).response(DEAD)[0])

@@ -11,7 +11,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, observe, solve
 from solver.observe.observables import OBSERVABLES, is_count
-from solver.problem.field_rates import checked_fields, fields_of
+from solver.problem.field_rates import check_fields, fields_of
 from solver.problem.held_ends import given_numbers
 from solver.problem.reduced import reduce
 from solver.sensitivity.motions import motions
@@ -228,7 +228,7 @@ def test_invalid_names_are_refused_with_the_choices() -> None:
     with pytest.raises(InputError, match="choose from"):
         solution.sensitivity(["E"], ["nothing"])
     ends = Case(TABLE.rod, TABLE.cylinder, Ends(0.5, 0.8, FZ=-1.0))
-    assert checked_fields(ends, "betaL") == ("betaL",)
+    assert check_fields(ends, "betaL") == ("betaL",)
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from solver import InputError
 from studies.law import Law
 from studies.laws import FAILS, HOLDS, UNDECIDED, decide, refused
 from studies.loader import loads
-from studies.number_verdicts import fitted_power, passing
+from studies.number_verdicts import fit_power, passing
 
 X = np.array([1.0, 2.0, 3.0, 4.0])
 HEAD = 'title = "one"\nreading = "force-first/tension/paper"\n[units]\nlength = "cm"\nforce = "N"\n'
@@ -85,7 +85,7 @@ def test_a_power_law_has_the_exponent_and_interval_of_a_regression_of_logarithms
     rng = np.random.default_rng(3)
     x = np.geomspace(1, 50, 12)
     y = 3 * x**-1.5 * np.exp(rng.normal(0, 0.02, 12))
-    exponent, half, factor = fitted_power(x, y)
+    exponent, half, factor = fit_power(x, y)
     fit = linregress(np.log(x), np.log(y))
     assert exponent == pytest.approx(fit.slope, rel=1e-12)
     assert half == pytest.approx(t.ppf(0.975, 10) * fit.stderr, rel=1e-9)
@@ -97,7 +97,7 @@ def test_the_interval_of_an_exponent_holds_the_true_one_in_95_of_100_repetitions
     x = np.geomspace(1, 10, 8)
     inside = 0
     for _ in range(2000):
-        exponent, half, _factor = fitted_power(x, 2 * x**0.7 * np.exp(rng.normal(0, 0.1, 8)))
+        exponent, half, _factor = fit_power(x, 2 * x**0.7 * np.exp(rng.normal(0, 0.1, 8)))
         inside += abs(exponent - 0.7) <= half
     assert inside / 2000 == pytest.approx(0.95, abs=0.015)  # three standard deviations
 

@@ -187,7 +187,7 @@ AT_ENDS = "pulled at the ends (no push on {} % of the length within {} m of an e
     ],
 )  # fmt: skip
 def test_the_sentence_says_how_much_and_where_and_what_was_not_checked(texts: dict[str, int], sentence: str) -> None:
-    assert cautions.told(texts) == sentence
+    assert cautions.tell(texts) == sentence
 
 
 @pytest.mark.parametrize(("FZ", "kind"), [(-1000.0, "nearly everywhere (no push on 100 %"), (-50.0, "in part")])

@@ -94,7 +94,7 @@ def command(words: str, status: int = 0) -> None:
 
 def uniform(ds: xr.Dataset, work: Study) -> tuple[np.ndarray, np.ndarray]:
     """The number of bends over the whole lattice, solved at once, and the places of the refined cases on it."""
-    found = refined.described(ds)
+    found = refined.describe(ds)
     sizes = found.lattice.sizes
     places = np.indices(sizes).reshape(len(sizes), -1).T
     case = work.case_of(found.lattice.values(places))
@@ -117,7 +117,7 @@ def test_every_boundary_cell_of_the_uniform_grid_is_found_with_fewer_cases(store
 def test_the_boundary_is_the_pairs_of_neighbours_that_differ_on_the_uniform_grid(stored: Path) -> None:
     with xr.open_dataset(stored) as ds:
         turns, _ = uniform(ds, study())
-        found, lattice = ds.rod.boundary("turns"), refined.described(ds).lattice
+        found, lattice = ds.rod.boundary("turns"), refined.describe(ds).lattice
         assert found.sizes["pair"] == sum(int((np.diff(turns, axis=k) != 0).sum()) for k in (0, 1))
         for k, axis in enumerate(("E", "R")):
             along = found.isel(pair=np.flatnonzero(found[f"{axis}_half_width"] > 0))
@@ -387,7 +387,7 @@ def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_p
     run_to_file(work, path, Options(workers=1))
     with xr.open_dataset(path) as ds:
         found = ds.rod.boundary("(1)")
-        lattice = refined.described(ds).lattice
+        lattice = refined.describe(ds).lattice
         lines = ", ".join(repr(float(R)) for R in lattice.along("R", np.arange(lattice.sizes[1])))
         fine = study(plane.partition("[axes.R]")[0] + f"[axes.R]\nvalues = [{lines}]\n" + LAW, "")
         grid = in_memory.run(fine)

@@ -30,7 +30,7 @@ from workbench.run import in_memory
 from workbench.run.in_memory import StudyResult
 from workbench.scene import opengl
 from workbench.web.report import document, law_cards, measured_runs, paper, readings_table, sisters, turning
-from workbench.web.report.errata import ERRATA, marked_up
+from workbench.web.report.errata import ERRATA, mark_up
 from workbench.web.report.formulas import bound
 
 PAPER = [name for name in names() if name.startswith("fig")]  # the studies of the report
@@ -207,7 +207,7 @@ def test_the_page_on_the_claims_has_the_verdict_of_each_reading(readings) -> Non
 def test_the_page_on_the_claims_has_the_measured_numbers_of_each_law(results) -> None:
     own = [result for result in results if result.verdicts]
     laws = [row for result in own for row in result.verdicts]
-    words = (law_verdicts.stated, law_verdicts.measured, law_verdicts.said)
+    words = (law_verdicts.state, law_verdicts.measure, law_verdicts.said)
     assert [row for row in TOLD[1:] if len(row) == 4][2:] == [[row["claim"], *(f(row) for f in words)] for row in laws]
     worst = {c: law_cards.worst([row["verdict"] for row in laws if row["claim"] == c]) for c in ("(3)", "(4)")}
     both = "(3), (4)", ", ".join(f"{claim} {reasons.PLAIN[verdict]}" for claim, verdict in worst.items())
@@ -240,7 +240,7 @@ def test_each_claim_stands_on_top_with_its_sentence_verdict_values_and_mechanism
     for result in results:
         for row in result.verdicts:
             assert row["source"] in top
-            assert f", {law_verdicts.measured(row)}" in top
+            assert f", {law_verdicts.measure(row)}" in top
             assert labels.law_text(row, law_verdicts.detail(row))[1:] in top
             if row["lines"] > 1:
                 assert f"{row['lines_hold']} of {row['lines']} rows agree, " in top
@@ -364,7 +364,7 @@ def test_the_formulas_of_the_errata_have_their_indices_and_powers(text) -> None:
     assert "∂g/∂ξ<sub>c</sub>, twice" in plain
     assert "[h − G(β)]<sup>−1/2</sup> before the brace" in plain
     assert not re.search(r"[_^~{}]", Page(section).text)
-    assert str(marked_up("a<b_{<}")) == '<span class="term">a&lt;b<sub>&lt;</sub></span>'
+    assert str(mark_up("a<b_{<}")) == '<span class="term">a&lt;b<sub>&lt;</sub></span>'
 
 
 def test_the_extremes_say_what_wrong_means_and_where_that_proves_little(measured) -> None:

@@ -363,7 +363,7 @@ def test_a_sample_is_chosen_by_its_number(stored: Path, tmp_path, capsys) -> Non
 
 
 def test_the_number_of_a_sample_is_written_in_full() -> None:
-    assert selection.written("sample", 1234567.0) == "1234567"
+    assert selection.write("sample", 1234567.0) == "1234567"
 
 
 def test_a_selected_sample_keeps_its_fields(stored: Path) -> None:

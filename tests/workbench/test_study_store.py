@@ -355,13 +355,13 @@ def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path)
 def test_outcomes_that_differ_in_numbers_alone_are_counted_together_with_their_range() -> None:
     first, others = "failed: the limit of 60 steps after 95.83% of the way to F3", ("after 7.5%", "after 1e+01%")
     counts = {first: 2, **{first.replace("after 95.83%", other): 1 for other in others}, "solved": 5}
-    found = outcomes.grouped(counts)
+    found = outcomes.group(counts)
     assert found == {"failed: the limit of 60 steps after 7.5 to 95.83% of the way to F3": 4, "solved": 5}
     more = first.replace("95.83", "-2")
-    assert outcomes.grouped(found + Counter([more])) == {first.replace("95.83", "-2 to 95.83"): 5, "solved": 5}
-    assert outcomes.grouped({first: 1}) == {first: 1}
+    assert outcomes.group(found + Counter([more])) == {first.replace("95.83", "-2 to 95.83"): 5, "solved": 5}
+    assert outcomes.group({first: 1}) == {first: 1}
     older = first.replace("95.83", "...")  # of a file that an earlier version stored
-    assert outcomes.grouped({first: 1, older: 3}) == {older: 4}
+    assert outcomes.group({first: 1, older: 3}) == {older: 4}
 
 
 def test_a_run_counts_outcomes_with_the_range_of_their_numbers(tmp_path) -> None:

@@ -342,8 +342,8 @@ def test_two_sweeps_are_not_joined(tmp_path) -> None:
 
 def test_branches_are_numbered_in_the_order_of_the_places_that_took_them_up() -> None:
     found = np.array([0, 0, 8, 8, branch_numbers.NONE, 4, 0])
-    np.testing.assert_array_equal(branch_numbers.numbered(found, found), [0, 0, 2, 2, -1, 1, 0])
-    np.testing.assert_array_equal(branch_numbers.numbered(found[2:4], found), [2, 2])
+    np.testing.assert_array_equal(branch_numbers.number(found, found), [0, 0, 2, 2, -1, 1, 0])
+    np.testing.assert_array_equal(branch_numbers.number(found[2:4], found), [2, 2])
 
 
 def test_what_is_said_of_branches() -> None:

@@ -18,9 +18,9 @@ from studies.laws import QUALIFIED, decide
 
 from ..data import schema
 from .equilibria_dataset import COUNT, EACH, PUSH, attributes, with_case
-from .followed_curves import followed_curves, shown_by_default, special_points
+from .followed_curves import follow_curves, show_by_default, special_points
 from .followed_dataset import stability
-from .held_tracing import PARTNER, traced_held
+from .held_tracing import PARTNER, trace_held
 from .tracing import Traced, traced
 
 STATIONS = 101
@@ -55,7 +55,7 @@ def sweep(
     laws = [law for law in study.laws if law.axis == name and _is_of_observables(law)]
     units = study.unit_system
     held = name in PARTNER
-    trace = traced_held if held else traced
+    trace = trace_held if held else traced
     seen = trace(case, name, [float(x) for x in values], STATIONS, lambda value: step(f"{name} = {value:.4g}"))
     found, branch = seen.found, seen.branch
     most = max((len(members) for members in found), default=0)
@@ -66,14 +66,14 @@ def sweep(
     }
     if not held:
         data["count"] = xr.Variable((name,), np.array([len(members) for members in found]), COUNT)
-    data["branch"] = xr.Variable(dims, _padded(branch, most), {"long_name": "number of the branch, -1 for none"})
+    data["branch"] = xr.Variable(dims, _pad(branch, most), {"long_name": "number of the branch, -1 for none"})
     outcome = [[str(f[i].solution.outcome) if i < len(f) else "" for i in range(most)] for f in found]
     solved = [[i < len(f) and bool(f[i].solution.solved) for i in range(most)] for f in found]
     data["solved"] = xr.Variable(dims, np.array(solved, dtype=bool).reshape(len(found), most))
     data["outcome"] = xr.Variable(dims, np.array(outcome, dtype=str).reshape(len(found), most))
-    chosen = shown_by_default(name) if show is None else show
+    chosen = show_by_default(name) if show is None else show
     shown = (chosen,) if held else (chosen, "energy")
-    data |= special_points(seen, name, units, shown) | followed_curves(
+    data |= special_points(seen, name, units, shown) | follow_curves(
         seen, name, units, shown, (values[0], values[-1])
     )
     ds = xr.Dataset(data, {name: xr.Variable((name,), values, schema.labels(quantity_of(name).name, units))})
@@ -121,7 +121,7 @@ def _is_of_observables(law: Law) -> bool:
     return law.direction is not None and set(law.observables) <= set(OBSERVABLES)
 
 
-def _padded(rows: list[list[int]], most: int) -> Any:
+def _pad(rows: list[list[int]], most: int) -> Any:
     out = np.full((len(rows), most), -1, dtype=np.int64)
     for k, numbers in enumerate(rows):
         out[k, : len(numbers)] = numbers

@@ -32,7 +32,7 @@ INDICES = {
 }
 
 
-def shown_by_default(name: str) -> str:
+def show_by_default(name: str) -> str:
     """What a diagram over a field shows: the displacement that goes with a load, or the load that holds it."""
     return PARTNER.get(name, "wraps" if name in ("MZ", "M3") else "height")
 
@@ -77,7 +77,7 @@ def _numbers(sol: Solution, keys: Sequence[str]) -> dict[str, Any]:
     return observe(sol, [key for key in keys if key not in own]) | {key: own[key]() for key in keys if key in own}
 
 
-def followed_curves(
+def follow_curves(
     seen: Traced, name: str, units: Mapping[str, str], shown: Sequence[str], ends: tuple[float, float]
 ) -> dict[str, Any]:
     """The points of the branches over `curve_point`, and the shape in the middle of each over (shape, u).
@@ -96,12 +96,12 @@ def followed_curves(
     columns = {f"curve_{key}": ([numbers[p.curve][key][at] for p, at in parts], key) for key in keys}
     columns |= {f"curve_{name}": ([seen.curves[p.curve].values[at] for p, at in parts], quantity_of(name).name)}
     data: dict[str, Any] = {
-        key: xr.Variable(dims, _joined(values), schema.labels(row, units)) for key, (values, row) in columns.items()
+        key: xr.Variable(dims, _join(values), schema.labels(row, units)) for key, (values, row) in columns.items()
     }
     which = [np.full(at.size, piece.number) for piece, at in parts]
-    data["curve_branch"] = xr.Variable(dims, _joined(which).astype(np.int64), {"long_name": "number of the branch"})
+    data["curve_branch"] = xr.Variable(dims, _join(which).astype(np.int64), {"long_name": "number of the branch"})
     for key in ("index", "dead_index"):
-        data[f"curve_{key}"] = xr.Variable(dims, _joined([numbers[p.curve][key][at] for p, at in parts]), INDICES[key])
+        data[f"curve_{key}"] = xr.Variable(dims, _join([numbers[p.curve][key][at] for p, at in parts]), INDICES[key])
     middles = [(piece, at) for piece in seen.pieces for at in _places(seen, piece, ends)]
     for key in ("alpha", "z"):
         rows = [getattr(solved[piece.curve], key)[at] for piece, at in middles]
@@ -118,7 +118,7 @@ def followed_curves(
     return data
 
 
-def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
+def _join(parts: list[NDArray[Any]]) -> NDArray[Any]:
     return np.concatenate([np.asarray(part, dtype=float) for part in parts]) if parts else np.empty(0)
 
 

@@ -21,7 +21,7 @@ PARTNER = {held: own for own, held in PAIRS}  # height -> FZ
 _NEAR = 1e-6  # between the loads of one equilibrium, relative
 
 
-def traced_held(case: Case, name: str, values: list[float], stations: int, step: Callable[[float], None]) -> Traced:
+def trace_held(case: Case, name: str, values: list[float], stations: int, step: Callable[[float], None]) -> Traced:
     """The branches over a held field on which the equilibria of a case under dead loads lie.
 
     step: called with each value of the field before the branch from it is followed. Raises `InputError` for a value

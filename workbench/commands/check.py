@@ -22,19 +22,19 @@ def check(file: File, json: Json = False) -> int:
     from ..data import file_checks, reading
 
     with reading.opened(file, whole=True) as ds, file_checks.refusing(file):
-        found = _found_in(ds, file)
+        found = _find_in(ds, file)
         text = str(ds.attrs.get("study", ""))
     for sentence in notices(text, f"{file.name}, its study"):
         angles.warn(sentence)
     return print_result(found, json)
 
 
-def _found_in(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
+def _find_in(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
     """The counts and verdicts of a dataset, computed from its numbers."""
     import numpy as np
 
     from ..data import branch_numbers, law_verdicts, schema
-    from ..data.outcomes import grouped
+    from ..data.outcomes import group
 
     outcomes, caution = ([str(text) for text in np.ravel(ds[name].values)] for name in ("outcome", "caution"))
     counts = branch_numbers.counted(ds["branch"].values) if "branch" in ds else None
@@ -47,7 +47,7 @@ def _found_in(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
         "reading": ds.attrs["reading"],
         "file": str(path),
         "unsolved": law_verdicts.unsolved(ds),
-        "outcomes": grouped(Counter(outcomes)),
+        "outcomes": group(Counter(outcomes)),
         "cautions": Counter(caution),
         "laws": law_verdicts.verdicts(ds),
     }

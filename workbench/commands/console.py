@@ -183,7 +183,7 @@ def progress(total: int, lines: bool = False) -> Iterator[Any]:
         yield step
 
 
-def stopped(error: BaseException, done: str, files: Sequence[Path]) -> None:
+def stop(error: BaseException, done: str, files: Sequence[Path]) -> None:
     """Say what an interrupted or failed command has stored: in the message of an interruption, else on stderr.
 
     done: what is finished, such as ``3 of 9 cases``. files: where it is stored.

@@ -110,7 +110,7 @@ def equilibria(
     if axis is not None:
         return _over_axis(study, case, parse_axis(axis), asked, json, show)
     found = all_equilibria(case, **search)
-    present(_listed(study, case, found, choose, _source(study, file, given)), asked, json)
+    present(_list(study, case, found, choose, _source(study, file, given)), asked, json)
     if export:
         write_cases(study, case, found, export)
         if not json:
@@ -195,7 +195,7 @@ def _source(study: "Study", file: Path | None, given: Given) -> str:
     return f"{study.title if file else f'Table 1{own}'}{changed}"
 
 
-def _listed(study: "Study", case: "Case", found: "Equilibria", choose: str | None, source: str) -> "Result":
+def _list(study: "Study", case: "Case", found: "Equilibria", choose: str | None, source: str) -> "Result":
     """The equilibria and which of them the rule selects, as they are handed over."""
     import numpy as np
 

@@ -43,7 +43,7 @@ def explore(
 
     if save is not None:
         own = own_case.preset(file, given.values, given.units)
-        return _saved(save, PRESETS if own is None else (own, *PRESETS))
+        return _save(save, PRESETS if own is None else (own, *PRESETS))
 
     try:
         from ..web.live import server
@@ -58,7 +58,7 @@ def explore(
     port = listener.getsockname()[1]
     presets = PRESETS if own is None else (own, *PRESETS)
     app = server.application(host_names(host, port, names), presets, console.warn)
-    console.say(f"the live page is at http://{_bracketed(host)}:{port}/ (Ctrl-C ends it)")
+    console.say(f"the live page is at http://{_bracket(host)}:{port}/ (Ctrl-C ends it)")
     sys.stdout.flush()
     if host not in THIS_MACHINE:
         console.warn(f"everyone who can reach {host} can use the page; it has no password")
@@ -67,7 +67,7 @@ def explore(
     return 0
 
 
-def _saved(path: Path, presets: Any) -> int:
+def _save(path: Path, presets: Any) -> int:
     """Write the page as a file."""
     from solver.problem.errors import InputError
 
@@ -127,11 +127,11 @@ def host_names(host: str, port: int, names: list[str]) -> set[str]:
     listens on its own address.
     """
     own = ["127.0.0.1", "localhost", "[::1]"] if host in (*THIS_MACHINE, *EVERYWHERE) else []
-    found = {f"{name}:{port}" for name in [_bracketed(host), *own] if name}
+    found = {f"{name}:{port}" for name in [_bracket(host), *own] if name}
     for name in names:
         found |= {name} if name.rpartition(":")[2].isdigit() else {f"{name}:{port}"}
     return found | {name.removesuffix(":80") for name in found if name.endswith(":80")}
 
 
-def _bracketed(host: str) -> str:
+def _bracket(host: str) -> str:
     return f"[{host}]" if ":" in host else host

@@ -39,10 +39,10 @@ def extremes(
                 found[name] = attempts
                 step(name)
     except BaseException as error:
-        files = _stored(found, out, "extremes_interrupted")[1] if found else []
-        console.stopped(error, f"{len(found)} of {len(named)} extremes", files)
+        files = _store(found, out, "extremes_interrupted")[1] if found else []
+        console.stop(error, f"{len(found)} of {len(named)} extremes", files)
         raise
-    ds, files = _stored(found, out, "extremes")
+    ds, files = _store(found, out, "extremes")
     counts = {
         str(method): {verdict: int((ds["verdict"].sel({"method": method}) == verdict).sum()) for verdict in VERDICTS}
         for method in ds["method"].values
@@ -57,7 +57,7 @@ def extremes(
     return 1 if any(row[INACCURATE] for row in counts.values()) else 0
 
 
-def _stored(found: "Mapping[str, Mapping[str, Attempt]]", out: Path, name: str) -> "tuple[xr.Dataset, list[Path]]":
+def _store(found: "Mapping[str, Mapping[str, Attempt]]", out: Path, name: str) -> "tuple[xr.Dataset, list[Path]]":
     """The dataset of the finished extremes, and the files made of it: NAME.h5 and NAME.png."""
     from ..compare.extremes import dataset_of
     from ..data import writing

@@ -13,7 +13,7 @@ def list_studies(json: Json = False) -> int:
     """List the shipped studies with their axes and laws."""
     from ..data import law_verdicts
 
-    rows = _listed()
+    rows = _list()
     if json:
         console.print_json(rows)
         return 0
@@ -21,13 +21,13 @@ def list_studies(json: Json = False) -> int:
     for row in rows:
         sampled = [f"{row['samples']} samples of {', '.join(row['sampled'])}"] if row["sampled"] else []
         axes = "\n".join([*sampled, *map(_range, row["axes"]), *(["refined"] if row["refined"] else [])])
-        laws = "\n".join(f"{law['claim']}: {law_verdicts.stated(law)}" for law in row["laws"])
+        laws = "\n".join(f"{law['claim']}: {law_verdicts.state(law)}" for law in row["laws"])
         table.append([row["study"], row["title"], axes or "-", laws or "-"])
     console.print_table(["study", "title", "axes", "laws"], table)
     return 0
 
 
-def _listed() -> list[dict[str, Any]]:
+def _list() -> list[dict[str, Any]]:
     """The shipped studies as plain data.
 
     study, title, samples (their number), sampled (fields), refined, axes (axis, from, to, count, unit, follow), laws.

@@ -148,7 +148,7 @@ def _kind(ds: "xr.Dataset", kind: str | None, options: dict[str, Any]) -> "tuple
     given = {name: value for name, value in options.items() if value}
     kind = study_pictures.kind_of(ds, kind, list(given))
     if kind in ("curves", "ridge", "portrait", "states"):
-        ds = drawn_rods.gridded(ds)
+        ds = drawn_rods.grid(ds)
     if "at" in given:
         given["at"] = at_option.values(ds, given["at"])
     return ds, kind, given

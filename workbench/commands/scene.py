@@ -67,7 +67,7 @@ def scene_file(
         ds = study_scene.read_dataset(file)
     found = kinds.kind_of(kind or ("equilibria" if schema.axes_of(ds) == ["equilibrium"] else "contact"))
     where = at_option.values(ds, at)
-    case = [f"{name}={selection.written(name, value)}" for name, value in where.items()]
+    case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
     named = [] if found.name in ("contact", "equilibria") else [found.name, *(axes or [])]
     default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
     path = output_file.check(out or default, SUFFIXES, force)
@@ -86,7 +86,7 @@ def scene_file(
 
     if found.cells == "one":  # the case is named also where --at was not given
         indices = selection.case(ds, where).items()
-        case = [f"{name}={selection.written(name, float(ds[name].values[i]))}" for name, i in indices]
+        case = [f"{name}={selection.write(name, float(ds[name].values[i]))}" for name, i in indices]
     shown = [*(axes or ([] if found.cells == "one" else schema.axes_of(ds)[:1])), *([along] if along else [])]
     if study is None:
         solve = study_scene.solver_of_file(ds, where, shown)

@@ -74,7 +74,7 @@ def solve(
                 "--choose selects among the equilibria of an ends problem; a start problem has one solution"
             )
     sol = solve_one(asked.case, which, tol, "auto" if method is None else method, chosen.stations or stations)
-    found = _found(sol, asked.units, chosen) | {
+    found = _find(sol, asked.units, chosen) | {
         "source": asked.source,
         "assumed": asked.assumed,
         "which": _which(sol, asked.which is not None and asked.study is None and choose is None),
@@ -104,17 +104,17 @@ def _which(sol: "Solution", wound: bool) -> str:
 def parse_choose(text: str) -> "Which":
     """``nearest``, ``lowest`` or a Morse index as the [equilibrium] table of a study. Raises `InputError`."""
     from solver import InputError
-    from solver.boundary.selection import checked
+    from solver.boundary.selection import check
     from studies.axes import Which
 
     try:
-        rule = checked(int(text) if text.isdecimal() else text)
+        rule = check(int(text) if text.isdecimal() else text)
     except InputError:
         raise InputError(f"--choose must be nearest, lowest or a Morse index (0, 1, 2, ...), got {text!r}") from None
     return Which(index=rule) if isinstance(rule, int) else Which.model_validate({"choose": rule})
 
 
-def _found(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, Any]:
+def _find(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, Any]:
     """The case, its loads, its accuracy, and the observables and arrays of a fidelity, as plain data."""
     import numpy as np
 

@@ -24,13 +24,13 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
     console.say(law_verdicts.tallied(list(verdicts)))
     rows, reasons = [], []
     for row in verdicts:
-        rows.append([law_verdicts.plain(row), row["claim"], law_verdicts.stated(row), law_verdicts.measured(row)])
+        rows.append([law_verdicts.plain(row), row["claim"], law_verdicts.state(row), law_verdicts.measure(row)])
         if detail := law_verdicts.detail(row):
             reasons.append(f"{row['claim']}, {row['observable']}: {detail}")
         for also in row["also"] if alternatives else ():
             role = "alternative" if also["alternative"] else "for information"
             rows.append([f"  {law_verdicts.plain(also)}", "", f"  {role}: {also['observable']}",
-                         law_verdicts.measured(also)])  # fmt: skip
+                         law_verdicts.measure(also)])  # fmt: skip
             if detail := law_verdicts.detail(also):
                 reasons.append(f"{row['claim']}, {also['observable']}: {detail}")
     console.print_table(["verdict", "claim", "law", "measured"], rows, title=title)
@@ -55,10 +55,10 @@ def print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
     from solver.boundary.selection import INCOMPLETE
     from solver.problem.trajectory import FEWER
 
-    from ..data.outcomes import grouped
+    from ..data.outcomes import group
 
     fewer = 0
-    for text, count in sorted(grouped(outcomes).items()):
+    for text, count in sorted(group(outcomes).items()):
         if text == f"solved; {INCOMPLETE}":
             continue
         if FEWER in text:
@@ -109,7 +109,7 @@ def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None)
 
     outcomes, cases, unsolved = found["outcomes"], sum(found["outcomes"].values()), found["unsolved"]
     status = law_verdicts.status(unsolved, found["laws"])
-    caution = cautions.told(found["cautions"])
+    caution = cautions.tell(found["cautions"])
     if as_json:
         counts = {"cases": cases, "unsolved": unsolved, "outcomes": sorted(outcomes), "caution": caution}
         run = {} if ran is None else {"solved_now": ran.solved, "seconds": ran.seconds}

@@ -160,10 +160,10 @@ def solver_of_file(ds: xr.Dataset, at: dict[str, float], shown: Sequence[str]) -
         return None
     where, kept = selection.case(ds, at), {selection.axis_of(ds, name) for name in shown}
     part = ds.isel({name: [where[name]] for name in schema.axes_of(ds) if name not in kept})
-    return partial(_solved_again, part)
+    return partial(_solve_again, part)
 
 
-def _solved_again(ds: xr.Dataset, stations: int) -> xr.Dataset:
+def _solve_again(ds: xr.Dataset, stations: int) -> xr.Dataset:
     """The cases of a stored dataset at so many stations or a little more, as its study solves them.
 
     Raises `InputError` where the shapes are not the stored ones at their stations.

@@ -30,10 +30,10 @@ def trade(
     When interrupted, the command stores and draws the finished cases as trade_interrupted; trade.h5 stays unchanged.
     """
     from ..compare import trade as comparison
-    from ..compare.trade_cases import chosen
+    from ..compare.trade_cases import choose
     from ..data import writing
 
-    named, ladders = chosen(_names(cases)), comparison.ladders_of(_names(methods))
+    named, ladders = choose(_names(cases)), comparison.ladders_of(_names(methods))
     writing.check_folder(out)
     writing.check_free(out / "trade.h5", "trade")
     rows: list[Row] = []
@@ -42,10 +42,10 @@ def trade(
             for more in comparison.rows_of(named, ladders, step):
                 rows += more
     except BaseException as error:
-        files = _stored(rows, ladders, out, "trade_interrupted")[1] if rows else []
-        console.stopped(error, f"{len({row.case for row in rows})} of {len(named)} cases", files)
+        files = _store(rows, ladders, out, "trade_interrupted")[1] if rows else []
+        console.stop(error, f"{len({row.case for row in rows})} of {len(named)} cases", files)
         raise
-    ds, files = _stored(rows, ladders, out, "trade")
+    ds, files = _store(rows, ladders, out, "trade")
     found = comparison.summary_of(ds)
     if json:
         console.print_json(found | {"file": str(files[0]), "pictures": [str(picture) for picture in files[1:]]})
@@ -54,7 +54,7 @@ def trade(
     return 0
 
 
-def _stored(
+def _store(
     rows: "Sequence[Row]", ladders: "Mapping[str, Ladder]", out: Path, name: str
 ) -> "tuple[xr.Dataset, list[Path]]":
     """The dataset of the rows, and the files made of it: NAME.h5 and its pictures."""

@@ -98,7 +98,7 @@ def _cases() -> dict[str, Named]:
 CASES: dict[str, Named] = _cases()
 
 
-def chosen(names: list[str]) -> dict[str, Named]:
+def choose(names: list[str]) -> dict[str, Named]:
     """The cases with these names or first words (gap, ends); default: all. Raises `InputError` for another name."""
     if not names:
         return CASES

@@ -7,7 +7,7 @@ import numpy as np
 from solver.problem.errors import InputError, choices, near, no_such
 from studies.dimensions import SAMPLE
 from studies.lattice import Lattice
-from studies.refinement import Refinement, stored
+from studies.refinement import Refinement, store
 from studies.study_tables import OUTCOME
 
 from . import law_verdicts, observed, refined, schema
@@ -92,7 +92,7 @@ def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
         raise no_such("law", claim, [one.claim for one in law_verdicts.laws(ds)])
     if not refined.is_refined(ds) or len(refined.axes_of(ds)) < 2:
         raise InputError("the boundary of a law needs a study that is refined in the plane of two axes")
-    found = refined.described(ds)
+    found = refined.describe(ds)
     names, coarse = list(found.lattice.axes), found.lattice.axes[law.axis]
     along = names.index(law.axis)
     cases = np.flatnonzero(found.places[:, along] % (1 << found.lattice.depth) == 0)
@@ -118,7 +118,7 @@ def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
 
 def _numbers(ds: "xr.Dataset", name: str, step: float | None) -> "tuple[Values, float]":
     """The numbers of an observable, of the shape of the cases, and the change that counts."""
-    watch = refined.described(ds).watch if refined.is_refined(ds) else {}
+    watch = refined.describe(ds).watch if refined.is_refined(ds) else {}
     if name == OUTCOME:
         return ds["solved"].values.astype(float), 0.0
     known = [*observed.observables(ds), OUTCOME]
@@ -135,11 +135,11 @@ def _numbers(ds: "xr.Dataset", name: str, step: float | None) -> "tuple[Values, 
 def _refinement(ds: "xr.Dataset", numbers: "Values") -> Refinement:
     """The cells of a refined study, or of a grid, with these numbers. Raises `InputError`."""
     if refined.is_refined(ds):
-        found = refined.described(ds)
+        found = refined.describe(ds)
         lattice, places = found.lattice, found.places
     else:
         lattice, places = _grid(ds)
-    return stored(lattice, places, numbers.reshape(-1, 1), np.zeros(1), lattice.depth)
+    return store(lattice, places, numbers.reshape(-1, 1), np.zeros(1), lattice.depth)
 
 
 def _grid(ds: "xr.Dataset") -> "tuple[Lattice, Places]":

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 NONE = -1  # the branch of a case without a solution
 
 
-def numbered(branch: NDArray[np.int64], every: Iterable[int]) -> NDArray[np.int64]:
+def number(branch: NDArray[np.int64], every: Iterable[int]) -> NDArray[np.int64]:
     """Branches renumbered from 0 in the order of the cases where they begin; every: all the old numbers."""
     order = sorted(set(every) - {NONE})
     ranks = np.array([NONE, *range(len(order))])

@@ -77,10 +77,10 @@ def sentence(ds: "xr.Dataset") -> str:
 
 def said(texts: Any) -> str:
     """One sentence on the cautions of `of_cases`; empty where there is nothing to say."""
-    return told(Counter(np.atleast_1d(texts).astype(str).ravel().tolist()))
+    return tell(Counter(np.atleast_1d(texts).astype(str).ravel().tolist()))
 
 
-def told(texts: Mapping[str, int]) -> str:
+def tell(texts: Mapping[str, int]) -> str:
     """The same of how often each caution stands."""
     cases, counts = sum(texts.values()), _parts(texts)
     known = {part: count for part, count in counts.items() if not part.startswith(UNKNOWN)}
@@ -96,24 +96,24 @@ def _parts(texts: Mapping[str, int]) -> dict[str, int]:
     for text, count in texts.items():
         for part in parts(text):
             counts[part] += count
-    each = outcomes.grouped(counts)
+    each = outcomes.group(counts)
     order = [*WORDS, *UNCHECKED]
     return dict(sorted(each.items(), key=lambda item: (order.index(keys(item[0])[0]), item[0])))
 
 
 def _grave(cases: int, counts: Mapping[str, int]) -> str:
     if cases == 1:
-        return f"The rod {_listed([phrase(part) for part in counts])}: this shape is not physically realisable."
+        return f"The rod {_list([phrase(part) for part in counts])}: this shape is not physically realisable."
     facts = []
     for part, count in counts.items():
         extent = _extent(part)
         facts.append(f"{count} {WORDS[keys(part)[0]][min(count - 1, 1)]}" + (f" ({extent})" if extent else ""))
-    return f"Of {cases} rods {_listed(facts)}: such shapes are not physically realisable."
+    return f"Of {cases} rods {_list(facts)}: such shapes are not physically realisable."
 
 
 def _slight(cases: int, counts: Mapping[str, int]) -> str:
     if cases == 1:
-        return f"The rod {_listed([phrase(part) for part in counts])}."
+        return f"The rod {_list([phrase(part) for part in counts])}."
     return " ".join(
         f"{count} of {cases} rods {WORDS[TURNED][min(count - 1, 1)]}."
         if part == TURNED
@@ -124,8 +124,8 @@ def _slight(cases: int, counts: Mapping[str, int]) -> str:
 
 def _unknown(cases: int, counts: Mapping[str, int]) -> str:
     if cases == 1:
-        return f"The rod was not checked for {_listed(list(counts))}."
-    return f"Not checked: {_listed([f'{count} of {cases} for {what}' for what, count in counts.items()])}."
+        return f"The rod was not checked for {_list(list(counts))}."
+    return f"Not checked: {_list([f'{count} of {cases} for {what}' for what, count in counts.items()])}."
 
 
 def _extent(part: str) -> str:
@@ -137,5 +137,5 @@ def _extent(part: str) -> str:
     return share + (f", all within {near} of the ends".replace("% of it", "% of the length") if near else "")
 
 
-def _listed(facts: list[str]) -> str:
+def _list(facts: list[str]) -> str:
     return facts[0] if len(facts) == 1 else f"{', '.join(facts[:-1])} and {facts[-1]}"

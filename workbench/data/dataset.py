@@ -52,7 +52,7 @@ class Stored:
     row: str
 
 
-def stored(study: Study, over: Dimensions) -> list[Stored]:
+def store(study: Study, over: Dimensions) -> list[Stored]:
     """Every variable that is stored of each case, in order. over: the samples and axes of the study."""
     axes, varied = tuple(map(dimension, over.names)), set(map(dimension, over.fields))
     rows = []
@@ -80,7 +80,7 @@ def make(study: Study, over: Dimensions, columns: Columns, first: str = "", case
     case: the grid as one case, where the study does not know it.
     """
     data = {}
-    for row in stored(study, over):
+    for row in store(study, over):
         values = columns[row.column]
         values = values.reshape((*over.shape, *values.shape[1:]))
         data[row.name] = xr.Variable(row.dims, values, labels_in(study, row.row))
@@ -99,7 +99,7 @@ def frame(study: Study, over: Dimensions, first: str = "", case: Case | None = N
         value = getattr(case if name == "rho" else case.cylinder if name in CYLINDER else case.rod, name)
         if name not in coords and value is not None:
             data[name] = xr.Variable(*_own_dims(value, axes), labels(name, units))
-    for field, value in expressions.used_by_laws(study).items():
+    for field, value in expressions.use_by_laws(study).items():
         if dimension(field) not in (*coords, *data, *LOADS):
             data[dimension(field)] = xr.Variable((), float(value), _axis_labels(study, field))
     u = np.linspace(0.0, 1.0, study.stations)
@@ -154,7 +154,7 @@ def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArr
 def _attributes(study: Study, case: Case) -> dict[str, Any]:
     sampling = {
         "sampled": " ".join(study.sampled),
-        "sampling": paired.told(study),
+        "sampling": paired.tell(study),
         "sampling_caution": paired.caution(study),
     }
     return {

@@ -82,7 +82,7 @@ def _check_inside(file: h5py.File, path: Path) -> None:
     if len(file) > MOST_VARIABLES:
         raise InputError(f"{path} holds {len(file)} variables; a study's dataset has at most {MOST_VARIABLES}")
     for name in file:
-        what = f"{path}: {shown(name)}"
+        what = f"{path}: {show(name)}"
         link = file.get(name, getlink=True)
         if not isinstance(link, h5py.HardLink):
             raise InputError(f"{what} is a link to another place; links are not followed")
@@ -96,7 +96,7 @@ def _check_inside(file: h5py.File, path: Path) -> None:
 def _check_attributes(held: h5py.File | h5py.Dataset, what: str) -> None:
     for key in held.attrs:
         if (shape := held.attrs.get_id(key).shape) is None or 0 in shape:
-            raise InputError(f"{what} the attribute {shown(key)} is empty")
+            raise InputError(f"{what} the attribute {show(key)} is empty")
 
 
 def _check_stored(variable: h5py.Dataset, what: str) -> None:
@@ -119,7 +119,7 @@ def _check_stored(variable: h5py.Dataset, what: str) -> None:
         raise InputError(f"{what} claims {variable.nbytes} bytes, but only {stored} compressed bytes are stored")
 
 
-def shown(value: object) -> str:
+def show(value: object) -> str:
     """A value from a file as a message may show it: on one line, at most 60 characters."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."

@@ -69,12 +69,12 @@ def axis_label(name: str, array: xr.DataArray, long: bool = True) -> str:
     """``Young's modulus  E [N/cm²]``, or with `long=False` ``E [N/cm²]``; angles in degrees."""
     symbol_ = axis_symbol(name)
     text = f"{long_name(array)}  " if long and long_name(array) != symbol_ else ""
-    return f"{text}{symbol_}{_bracketed('°' if is_angle(array) else _unit_of(array))}"
+    return f"{text}{symbol_}{_bracket('°' if is_angle(array) else _unit_of(array))}"
 
 
 def label(array: xr.DataArray) -> str:
     """``mean κ [1/cm]``: symbol and unit of a stored variable; angles in degrees."""
-    return f"{symbol(array)}{_bracketed('°' if is_angle(array) else _unit_of(array))}"
+    return f"{symbol(array)}{_bracket('°' if is_angle(array) else _unit_of(array))}"
 
 
 def symbol(array: xr.DataArray) -> str:
@@ -159,5 +159,5 @@ def _unit_of(array: xr.DataArray) -> str:
     return unit(str(array.attrs.get("units", "1")))
 
 
-def _bracketed(text: str) -> str:
+def _bracket(text: str) -> str:
     return f" [{text}]" if text else ""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def known(ds: "xr.Dataset", names: Iterable[str]) -> "dict[str, NDArray[np.float64]]":
     """The numbers of these names over the grid of the dataset. Raises `InputError` for a name that is missing."""
-    return {name: _over_cases(ds, name, _found(ds, name)) for name in names}
+    return {name: _over_cases(ds, name, _find(ds, name)) for name in names}
 
 
 def of_law(ds: "xr.Dataset", law: Law) -> "dict[str, NDArray[np.float64]]":
@@ -36,7 +36,7 @@ def of_line(ds: "xr.Dataset", law: Law, places: "list[dict[str, int]]") -> "dict
     return {key: values[index] for key, (values, _) in found.items()}
 
 
-def _found(ds: "xr.Dataset", name: str) -> Any:
+def _find(ds: "xr.Dataset", name: str) -> Any:
     """A number by its name in a formula: of a field, a stored variable, a stiffness or a unit."""
     if name in unit_names({key: str(ds.attrs[f"{key}_unit"]) for key in ("length", "force")}):
         return 1.0

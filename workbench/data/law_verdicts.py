@@ -142,15 +142,15 @@ def tally(rows: Sequence[Mapping[str, Any]]) -> dict[str, int]:
 
 def tallied(rows: Sequence[Mapping[str, Any]]) -> str:
     """The tally in words: ``7 laws: 3 true, 4 true in part``."""
-    return f"{counted(len(rows), 'law')}: {reasons.counted(tally(rows))}"
+    return f"{counted(len(rows), 'law')}: {reasons.count(tally(rows))}"
 
 
-def stated(row: Mapping[str, Any]) -> str:
+def state(row: Mapping[str, Any]) -> str:
     """The law in words: ``turns falls along E``."""
     return f"{row['observable']} {row['does']} along {row['axis']}"
 
 
-def measured(row: Mapping[str, Any]) -> str:
+def measure(row: Mapping[str, Any]) -> str:
     """What was measured: ``exponent 2 ± 0.001``; of a direction the values at the two ends of the axis, ``8 → 5``, or
     their ranges over the lines of a grid."""
     if row["found"]:
@@ -176,7 +176,7 @@ def detail(row: Mapping[str, Any]) -> str:
         if row["at"]:
             notes.append(f"at {', '.join(f'{name} = {value:.4g}' for name, value in row['at'].items())}")
         if row["lines"] > 1:
-            notes.append(f"of {row['lines']} rows {reasons.counted(row['line_verdicts'])}")
+            notes.append(f"of {row['lines']} rows {reasons.count(row['line_verdicts'])}")
     if row["verdict"] == QUALIFIED:
         return "; ".join(notes)
     if row["exceptions"]:

@@ -24,7 +24,7 @@ def kind_of(outcome: str) -> str:
     return _NUMBERS.sub(UNKNOWN, outcome)
 
 
-def grouped(counts: Mapping[str, int]) -> Counter[str]:
+def group(counts: Mapping[str, int]) -> Counter[str]:
     """The outcomes of one kind counted together: ``the limit of 60 steps after 12 to 99.9% of the way``.
 
     It takes what it has returned, with further outcomes, and does not depend on their order.
@@ -39,7 +39,7 @@ def check_any_solved(ds: "xr.Dataset") -> None:
     """Raise `InputError`, which says why, where no case of a dataset is solved and there is nothing to draw."""
     if ds["solved"].values.any():
         return
-    counts = grouped(Counter(map(str, ds["outcome"].values.ravel().tolist())))
+    counts = group(Counter(map(str, ds["outcome"].values.ravel().tolist())))
     cases = sum(counts.values())
     if cases == 1:
         raise InputError(f"nothing to draw: {next(iter(counts))}")

@@ -28,7 +28,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     said += _long_pipe(sol, force)
     said.append(_ends(sol, force, length))
     reach = REACHES.get(length, 1.0)
-    most = math.degrees(_observed(sol, "kappa_max")) * reach
+    most = math.degrees(_observe(sol, "kappa_max")) * reach
     said.append(f"largest dogleg {most:.4g} deg in {reach:g} {length}")
     if sol.case.rod.E is not None:
         said[-1] += f", bending stress {_stress(sol, length, force)}"
@@ -36,7 +36,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     return said
 
 
-def _observed(sol: "Solution", name: str) -> float:
+def _observe(sol: "Solution", name: str) -> float:
     from solver import observe
 
     return float(observe(sol, [name])[name])
@@ -44,7 +44,7 @@ def _observed(sol: "Solution", name: str) -> float:
 
 def _stress(sol: "Solution", length: str, force: str) -> str:
     """The largest bending stress, in MPa where lengths are in metres."""
-    most = _observed(sol, "bending_stress_max")
+    most = _observe(sol, "bending_stress_max")
     sizes = {"N": 1e-6, "kN": 1e-3, "MN": 1.0}
     return f"{most * sizes[force]:.4g} MPa" if length == "m" and force in sizes else f"{most:.4g} {force}/{length}^2"
 
@@ -84,7 +84,7 @@ def _long_pipe(sol: "Solution", force: str) -> list[str]:
 
 
 def _ends(sol: "Solution", force: str, length: str) -> str:
-    near, far = _observed(sol, "FZ0"), float(sol.FZ)
+    near, far = _observe(sol, "FZ0"), float(sol.FZ)
     wall = sol.case.cylinder
     text = f"axial force {near:.6g} {force} at s = 0 and {far:.6g} {force} at s = L"
     text += f"; push {float(sol.push[0]):.4g} and {float(sol.push[-1]):.4g} {force}/{length}"
@@ -92,7 +92,7 @@ def _ends(sol: "Solution", force: str, length: str) -> str:
         text += (
             f"; friction {' and '.join(f'{float(wall.friction * sol.push[i]):.4g}' for i in (0, -1))} {force}/{length}"
         )
-        rubbed = float(wall.friction) * _observed(sol, "push_mean") * float(sol.case.rod.L)
+        rubbed = float(wall.friction) * _observe(sol, "push_mean") * float(sol.case.rod.L)
         way = "turns in place" if SLIDING[wall.sliding][1] else f"slides {wall.sliding}"
         text += f", {rubbed:.4g} {force} in all, of a rod that {way} everywhere"
     return text

@@ -15,8 +15,8 @@ from studies.dimensions import SAMPLE
 from studies.law import Law
 
 from . import checksums, escaping, kinds, netcdf, refined, value_checks
-from .file_checks import refusing, shown, validated
-from .schema import CURVES, FORMAT, INNER, dimension, sampled_fields
+from .file_checks import refusing, show, validated
+from .schema import CURVES, FORMAT, INNER, dimension, sample_fields
 
 # The attributes that mark a study's dataset, and all that are text.
 NEEDED = ("title", "study_name", "laws")
@@ -82,7 +82,7 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
     of_laws = [*axes, *(refined.axes_of(ds) if refined.is_refined(ds) else [])]
     for law in laws(ds, path):
         if not {law.axis, *law.at} <= {*of_laws}:
-            raise InputError(f"{path}: a law is about {shown([law.axis, *law.at])}, but the axes are {shown(of_laws)}")
+            raise InputError(f"{path}: a law is about {show([law.axis, *law.at])}, but the axes are {show(of_laws)}")
     for axis in axes:
         _check_axis(ds, axis, path)
     _check_samples(ds, path)
@@ -100,7 +100,7 @@ def _check_format(ds: xr.Dataset, path: str | Path) -> None:
     """Only the format of this version is read; a study is cheap to solve again."""
     found = np.asarray(ds.attrs.get("format", 1))
     if found.size != 1 or found.dtype.kind not in "iu":
-        raise InputError(f"{path}: the attribute format must be a whole number, got {shown(ds.attrs['format'])}")
+        raise InputError(f"{path}: the attribute format must be a whole number, got {show(ds.attrs['format'])}")
     if found.item() > FORMAT:
         raise InputError(f"{path} is of format {found.item()}, but this version reads format {FORMAT}")
     if found.item() < FORMAT:
@@ -113,28 +113,28 @@ def _check_format(ds: xr.Dataset, path: str | Path) -> None:
 def _check_axis(ds: xr.Dataset, name: str, path: str | Path) -> None:
     """Raise `InputError` unless the axis has finite, different numbers; those of the samples are whole."""
     if name not in ds.coords or ds[name].dtype.kind not in ("iu" if name == SAMPLE else "f"):
-        raise InputError(f"{path}: the axis {shown(name)} has no values")
+        raise InputError(f"{path}: the axis {show(name)} has no values")
     values = ds[name].values
     if not np.isfinite(values).all():
-        raise InputError(f"{path}: the axis {shown(name)} holds values that are not finite")
+        raise InputError(f"{path}: the axis {show(name)} holds values that are not finite")
     if np.unique(values).size < values.size:
-        raise InputError(f"{path}: the axis {shown(name)} holds a value twice")
+        raise InputError(f"{path}: the axis {show(name)} holds a value twice")
 
 
 def _check_samples(ds: xr.Dataset, path: str | Path) -> None:
     """Raise `InputError` unless each sampled field is a coordinate of finite numbers along the samples."""
-    fields = sampled_fields(ds)
+    fields = sample_fields(ds)
     if bool(fields) != (SAMPLE in ds["outcome"].dims):
         raise InputError(f"{path}: the attribute sampled and the dimension {SAMPLE} belong together: one is missing")
     for field in fields:
         name = dimension(field) if field in FIELDS else field
         if name not in ds.coords or ds[name].dims != (SAMPLE,) or ds[name].dtype.kind != "f":
-            raise InputError(f"{path}: the sampled field {shown(field)} has no values")
+            raise InputError(f"{path}: the sampled field {show(field)} has no values")
         if not np.isfinite(ds[name].values).all():
-            raise InputError(f"{path}: the sampled field {shown(field)} holds values that are not finite")
+            raise InputError(f"{path}: the sampled field {show(field)} holds values that are not finite")
     if refined.is_refined(ds):
         try:
-            refined.described(ds)
+            refined.describe(ds)
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
 
@@ -146,18 +146,18 @@ def _check_variable(name: str, variable: xr.Variable, axes: list[str], path: str
     dims = [str(dim) for dim in variable.dims]
     fits = dims == [dim for dim in known if dim in dims] and (not along or name in ("u", "s") or dims == expected)
     if not fits or (name in ("u", "s") and dims[-1:] != ["u"]):
-        raise InputError(f"{path}: {shown(name)} has the dimensions {shown(dims)}, which do not fit the axes")
+        raise InputError(f"{path}: {show(name)} has the dimensions {show(dims)}, which do not fit the axes")
     scaled = [key for key in SCALED if key in variable.encoding]
     if scaled:
-        raise InputError(f"{path}: {shown(name)} has the attribute {scaled[0]}, which the format does not allow")
+        raise InputError(f"{path}: {show(name)} has the attribute {scaled[0]}, which the format does not allow")
     fill = np.asarray(variable.encoding.get("_FillValue", np.nan))
     if fill.size != 1 or fill.dtype.kind not in "iuf":
-        raise InputError(f"{path}: the attribute _FillValue of {shown(name)} must be a number")
+        raise InputError(f"{path}: the attribute _FillValue of {show(name)} must be a number")
     wanted, kinds = ("text", "OUST") if name in WORDS else ("numbers", "iuf")
     if name == "solved":
         wanted, kinds = "booleans", "b"
     if variable.dtype.kind not in kinds:
-        raise InputError(f"{path}: {shown(name)} must hold {wanted}, got {variable.dtype}")
+        raise InputError(f"{path}: {show(name)} must hold {wanted}, got {variable.dtype}")
 
 
 def text(ds: xr.Dataset, name: str) -> str:
@@ -172,7 +172,7 @@ def number(ds: xr.Dataset, name: str, path: str | Path = "the dataset") -> float
     """An attribute that is one number; `InputError` otherwise."""
     value = np.asarray(ds.attrs.get(name))
     if value.size != 1 or value.dtype.kind not in "iuf":
-        raise InputError(f"{path}: the attribute {name} must be a number, got {shown(ds.attrs.get(name))}")
+        raise InputError(f"{path}: the attribute {name} must be a number, got {show(ds.attrs.get(name))}")
     return float(value.item())
 
 
@@ -185,7 +185,7 @@ def laws(ds: xr.Dataset, path: str | Path = "the dataset") -> list[Law]:
     for law in found:
         for name, said in law.model_dump().items():
             if isinstance(said, str) and not escaping.is_line(said, value_checks.LINE):
-                raise InputError(f"{path}: {name} of a law must be one line of text, got {shown(said)}")
+                raise InputError(f"{path}: {name} of a law must be one line of text, got {show(said)}")
     return found
 
 

@@ -13,7 +13,7 @@ from solver.problem.errors import InputError
 from studies import refine as tables
 from studies.dimensions import SAMPLE
 from studies.lattice import Lattice, Places, Values
-from studies.refinement import BUDGET, Refinement, stored
+from studies.refinement import BUDGET, Refinement, store
 from studies.study_tables import OUTCOME
 
 from .schema import OF_THE_CASE, SAMPLING, dimension
@@ -93,10 +93,10 @@ def is_refined(ds: "xr.Dataset") -> bool:
 
 def axes_of(ds: "xr.Dataset") -> list[str]:
     """The refined axes of a dataset. Raises `InputError` for an invalid attribute."""
-    return list(_told(ds)["axes"])
+    return list(_tell(ds)["axes"])
 
 
-def _told(ds: "xr.Dataset") -> dict[str, Any]:
+def _tell(ds: "xr.Dataset") -> dict[str, Any]:
     """The attribute of a refined study. Raises `InputError` where it is invalid."""
     try:
         told: dict[str, Any] = json.loads(ds.attrs[KEY])
@@ -115,9 +115,9 @@ def _told(ds: "xr.Dataset") -> dict[str, Any]:
     raise InputError(f"the attribute {KEY} does not describe the refinement of the dataset")
 
 
-def described(ds: "xr.Dataset") -> Refined:
+def describe(ds: "xr.Dataset") -> Refined:
     """The refinement of a dataset. Raises `InputError` where cases of it are missing or have other values."""
-    told = _told(ds)
+    told = _tell(ds)
     names = list(told["axes"])
     fields = {name: np.atleast_1d(ds[name].values).astype(float) for name in names}
     level = np.atleast_1d(ds[tables.LEVEL].values) if tables.LEVEL in ds.variables else np.zeros(0)
@@ -138,7 +138,7 @@ def described(ds: "xr.Dataset") -> Refined:
 
 def coarse(ds: "xr.Dataset") -> "xr.Dataset":
     """The coarse grid of a refined study as a study over its axes. Raises `InputError`."""
-    found = described(ds)
+    found = describe(ds)
     first = np.flatnonzero(ds[tables.LEVEL].values == 0)
     order = first[np.lexsort(found.places[first].T[::-1])]
     return gridded(ds, order.reshape(found.lattice.shape), found.lattice.axes)
@@ -146,7 +146,7 @@ def coarse(ds: "xr.Dataset") -> "xr.Dataset":
 
 def line(ds: "xr.Dataset") -> "xr.Dataset":
     """All cases of a study that is refined along one axis, in the order of that axis. Raises `InputError`."""
-    found = described(ds)
+    found = describe(ds)
     (name,) = found.lattice.axes
     order = np.argsort(found.places[:, 0])
     return gridded(ds, order, {name: ds[name].values[order]})
@@ -158,12 +158,12 @@ def raster(ds: "xr.Dataset") -> "xr.Dataset":
     Each cell of the refinement has four quarters, and a quarter has the numbers of the case at its corner. Arrays along
     the rod are left out; `case` is the index of the case, and `level` a variable. Raises `InputError`.
     """
-    found = described(ds)
+    found = describe(ds)
     lattice = found.lattice
     depth = lattice.depth
     while depth and max((size - 1) << (depth + 1) for size in lattice.shape) > MOST_DRAWN:
         depth -= 1
-    cells = stored(lattice, found.places, np.empty((len(found.places), 0)), np.empty(0), depth)
+    cells = store(lattice, found.places, np.empty((len(found.places), 0)), np.empty(0), depth)
     index = np.empty([(size - 1) << (depth + 1) for size in lattice.shape], dtype=np.int64)
     levels = np.empty(index.shape)  # on a scale of colours, as borders between levels would hide them
     for level in range(depth + 1):
@@ -204,7 +204,7 @@ def gridded(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Val
     grid = ds.drop_vars(dropped).isel({SAMPLE: xr.DataArray(index, dims=list(values))})
     for name in (name for name in OF_THE_CASE if name in grid.data_vars):
         grid[name] = _own_axes(grid[name])
-    spacings = _told(ds)["axes"]
+    spacings = _tell(ds)["axes"]
     coords = {name: xr.Variable((name,), row, {**ds[name].attrs, "spacing": spacings[name]})
               for name, row in values.items()}  # fmt: skip
     attrs = {key: value for key, value in ds.attrs.items() if key not in (KEY, "sampled", *SAMPLING)}

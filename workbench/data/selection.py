@@ -19,7 +19,7 @@ from studies import TABLE_1
 from studies.axes import FIELDS, in_rad, is_angle
 from studies.dimensions import SAMPLE
 
-from .schema import COMPONENTS, axes_of, dimension, sampled_fields
+from .schema import COMPONENTS, axes_of, dimension, sample_fields
 
 SAME = 1e-9  # share by which a number may differ from the stored value that it means
 LISTED = 12  # values of an axis that a message lists
@@ -60,7 +60,7 @@ def axis_of(ds: xr.Dataset, name: str) -> str:
     for known in (name, dimension(name) if name in FIELDS else name):
         if known in axes:
             return known
-    if SAMPLE in axes and name in (fields := sampled_fields(ds)):
+    if SAMPLE in axes and name in (fields := sample_fields(ds)):
         raise InputError(f"{name} is no axis: the samples are of {choices(fields)}; give the number of one, sample=0")
     if name in ds.coords and not ds[name].ndim:
         raise InputError(f"{name} is selected already: it is {ds[name].item():.10g}")
@@ -83,8 +83,8 @@ def index(ds: xr.Dataset, name: str, value: Value) -> int:
             return int(close[0])
         if close.size:
             break
-    shown = value if isinstance(value, str) else written(name, wanted, 10)
-    raise InputError(f"{name} = {shown} is not on the axis; {_listed(axis, name, wanted)}")
+    shown = value if isinstance(value, str) else write(name, wanted, 10)
+    raise InputError(f"{name} = {shown} is not on the axis; {_list(axis, name, wanted)}")
 
 
 def indices(ds: xr.Dataset, name: str, value: Any) -> Any:
@@ -111,7 +111,7 @@ def real(name: str, value: Any) -> float:
     return number
 
 
-def written(name: str, value: float, digits: int = 6) -> str:
+def write(name: str, value: float, digits: int = 6) -> str:
     """A value of an axis as a user writes it: ``10905``, and ``30deg`` for an angle; a number of a sample in full."""
     if name == SAMPLE and value.is_integer():
         return str(int(value))
@@ -150,17 +150,17 @@ def _between(ds: xr.Dataset, name: str, wanted: slice) -> NDArray[np.intp]:
     inside = (axis >= low - _tolerance(axis, low)) & (axis <= high + _tolerance(axis, high))
     if not inside.any():
         near = low if np.isfinite(low) else high
-        ends = f"from {written(name, low, 10)} to {written(name, high, 10)}"
-        raise InputError(f"{name} has no values {ends}; {_listed(axis, name, near)}")
+        ends = f"from {write(name, low, 10)} to {write(name, high, 10)}"
+        raise InputError(f"{name} has no values {ends}; {_list(axis, name, near)}")
     return np.flatnonzero(inside)
 
 
-def _listed(axis: Array, name: str, near: float) -> str:
+def _list(axis: Array, name: str, near: float) -> str:
     if axis.size <= LISTED:
-        return f"its values are {choices(written(name, v, 10) for v in axis)}"
+        return f"its values are {choices(write(name, v, 10) for v in axis)}"
     nearest = np.sort(axis[np.argsort(np.abs(axis - near))[:2]])
-    ends = f"from {written(name, axis.min(), 10)} to {written(name, axis.max(), 10)}"
-    return f"its {axis.size} values go {ends}, the nearest are {choices(written(name, v, 10) for v in nearest)}"
+    ends = f"from {write(name, axis.min(), 10)} to {write(name, axis.max(), 10)}"
+    return f"its {axis.size} values go {ends}, the nearest are {choices(write(name, v, 10) for v in nearest)}"
 
 
 def _base(ds: xr.Dataset, name: str) -> int:

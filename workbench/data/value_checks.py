@@ -20,7 +20,7 @@ from studies.axes import LONGEST_LINE
 from studies.units import FORCES, LENGTHS
 
 from . import escaping, rod_fields, schema
-from .file_checks import shown
+from .file_checks import show
 from .grid_io import blocks
 from .schema import CURVES, LOADS, SECTION, TEXTS
 
@@ -63,11 +63,11 @@ def texts(ds: xr.Dataset, path: str | Path) -> None:
             _text(value, longest, f"{path}: the attribute {key}")
     for key, known in WORDS.items():
         if key in ds.attrs and ds.attrs[key] not in (*known,):
-            raise InputError(f"{path}: the attribute {key} is {shown(ds.attrs[key])}; it can be {choices(known)}")
+            raise InputError(f"{path}: the attribute {key} is {show(ds.attrs[key])}; it can be {choices(known)}")
     for name, variable in ds.variables.items():
         _text(str(name), LABEL, f"{path}: the name of a variable")
         for key, value in variable.attrs.items():
-            what = f"{path}: the attribute {shown(key)} of {shown(name)}"
+            what = f"{path}: the attribute {show(key)} of {show(name)}"
             if isinstance(value, str):
                 _text(value, LABEL, what)
             elif key in LABELS:
@@ -79,12 +79,12 @@ def _text(text: str, longest: int | None, what: str) -> None:
     try:
         text.encode()
     except UnicodeEncodeError:
-        raise InputError(f"{what} is not UTF-8 text: {shown(text)}") from None
+        raise InputError(f"{what} is not UTF-8 text: {show(text)}") from None
     if longest is None:
         if any(ord(one) < 32 and one not in "\n\r\t" for one in text) or any("\x7f" <= one <= "\x9f" for one in text):
             raise InputError(f"{what} holds control characters")
     elif not escaping.is_line(text, longest):
-        raise InputError(f"{what} must be one line of text, got {shown(text)}")
+        raise InputError(f"{what} must be one line of text, got {show(text)}")
 
 
 def fields(ds: xr.Dataset, path: str | Path) -> None:
@@ -116,7 +116,7 @@ def _section(ds: xr.Dataset, number: Mapping[str, xr.DataArray], path: str | Pat
     allowed = DIRECT if word == GIVEN else (*ELASTIC, *(["inner_radius"] if word == "solid" else []))
     for name in SECTION:
         if name in number and name not in allowed:
-            raise InputError(f"{path}: the attribute stiffness is {shown(word)}, which excludes {name}")
+            raise InputError(f"{path}: the attribute stiffness is {show(word)}, which excludes {name}")
     if {"inner_radius", "a"} <= set(number) and not bool((number["inner_radius"] < number["a"]).all()):
         raise InputError(f"{path}: inner_radius is not less than a")
 
@@ -199,7 +199,7 @@ def curves(ds: xr.Dataset, path: str | Path) -> None:
     dims = ds["solved"].dims
     for key in keys:
         if ds[key].dtype.kind not in "iuf" or ds[key].dims[: len(dims)] != dims:
-            raise InputError(f"{path}: {shown(key)} is not an array of numbers along each rod")
+            raise InputError(f"{path}: {show(key)} is not an array of numbers along each rod")
     names = [name for name in ("solved", *keys, "s", "rho") if name in ds.variables]
     for where in blocks(ds["solved"].shape, max(1, BLOCK_ALONG // ds.sizes.get("u", 1))):
         _check_block(ds[names].isel(dict(zip(dims, where, strict=True))), keys, path)
@@ -210,7 +210,7 @@ def _check_block(ds: xr.Dataset, keys: Iterable[str], path: str | Path) -> None:
     for key in keys:
         most = MOST_ANGLE if CURVES[key] in ("beta", "alpha", "gamma") else MOST
         if not (np.abs(ds[key].values[solved.values]) < most).all():
-            raise InputError(f"{path}: {shown(key)} of a solved case is not finite, or beyond {most:g}")
+            raise InputError(f"{path}: {show(key)} of a solved case is not finite, or beyond {most:g}")
     if not {"s", "rho"} <= set(ds.variables) or "u" not in ds.dims:
         return
     arc = ds["s"].diff("u")

@@ -42,7 +42,7 @@ def columns(rod: Rod) -> list[Column]:
         )
     units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
     one = ds.isel(rod.where)
-    known = {name: values for name, values in computed(line).items() if np.isfinite(values).all()}
+    known = {name: values for name, values in compute(line).items() if np.isfinite(values).all()}
     for stored, array in one.data_vars.items():
         name = schema.CURVES.get(str(stored), str(stored))
         if array.dims == ("u",) and name in QUANTITIES:
@@ -58,7 +58,7 @@ def columns(rod: Rod) -> list[Column]:
     ]  # fmt: skip
 
 
-def computed(line: Centreline) -> dict[str, Array]:
+def compute(line: Centreline) -> dict[str, Array]:
     """What the angles at the stations and the loads determine, (n,) each."""
     A, l, m, p, rho, beta, dbeta = line.A, line.l, line.m, line.p, line.rho, line.beta, line.dbeta
     FY = statics.circumferential_force(A, l, m, rho, beta)

@@ -112,7 +112,7 @@ def _frames(ds: xr.Dataset, path: Path, options: Options, force: bool, format: F
     """Write each solved rod along an axis to a file of its own; a rod that the format cannot hold is left out."""
     found = series.along(ds, path.stem, options)
     places = [rod.where[found.axis] for rod in found.rods]
-    files = [path.with_name(_numbered(path.name, i)) for i in places]
+    files = [path.with_name(_number(path.name, i)) for i in places]
     for file in files:
         check_free(file, force)
     facts: dict[str, Any] = {}
@@ -133,7 +133,7 @@ def _frames(ds: xr.Dataset, path: Path, options: Options, force: bool, format: F
     return Exported(path, found.at, about | unit, warnings)
 
 
-def _numbered(name: str, i: int) -> str:
+def _number(name: str, i: int) -> str:
     """The name of the i-th file. Raises `InputError` for a pattern that does not hold one whole number."""
     if not NUMBERED.fullmatch(name):
         raise InputError(f"the name {name!r} must hold one number in braces, such as frame_{{:03d}}{Path(name).suffix}")

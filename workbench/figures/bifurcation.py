@@ -163,7 +163,7 @@ def _verdicts(row: dict[str, Any]) -> list[str]:
     return [str(verdict) for key, verdict in row.items() if " " in key]
 
 
-def _judged(row: dict[str, Any]) -> str:
+def _judge(row: dict[str, Any]) -> str:
     """What the legend says of the laws of the study on a branch; nothing where none was judged."""
     if not _verdicts(row):
         return ""
@@ -177,7 +177,7 @@ def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     holds = _holds(row)
     stable = row["index"] == 0
     look = (style.STABLE if stable else style.UNSTABLE) | {"zorder": 4 if stable else 3 if holds else 2}
-    return look | ({"color": style.PUSHED} if holds else {}), ("stable" if stable else "unstable") + _judged(row)
+    return look | ({"color": style.PUSHED} if holds else {}), ("stable" if stable else "unstable") + _judge(row)
 
 
 def _look_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> dict[str, Any]:

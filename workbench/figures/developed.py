@@ -108,14 +108,14 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str, sheet: Sheet = SCREEN) -> Axe
     ax.set_xlim(0, width)
     some = f"; {len(cases)} of {ds.sizes[axis]} values, evenly chosen" if len(cases) < ds.sizes[axis] else ""
     said = [f"each curve at its {axis_label(ds, axis, cases[0], long)}{some}" for long in (True, False)]
-    texts = [style.wrapped(text, ax) for text in said]
+    texts = [style.wrap(text, ax) for text in said]
     ax.set_xlabel(texts["\n" in texts[0]], loc="left")  # the short label where the long one needs two lines
     ax.set_ylabel(f"z [{labels.unit(str(ds.attrs['length_unit']))}]{larger(factor, AROUND)}{larger(1 / factor)}")
     scale = "at one scale" if factor == 1 else "at two scales"
     dots = f"; other dots: {ds.sizes['u']} stations miss bends" if coarse else ""
     title = f"Unrolled view: {AROUND} to the right, z up, {scale}; dot: s = 0{dots}"
     if sheet.titled:
-        ax.set_title(style.wrapped(title, ax), loc="left")
+        ax.set_title(style.wrap(title, ax), loc="left")
     else:
         ax.set_label(f"unrolled view along {axis}")
         fig = ax.get_figure(root=True)

@@ -119,7 +119,7 @@ def choose(
         For an unknown axis or value, an axis whose value is given, and where an array is not stored and the cases
         cannot be solved again.
     """
-    ds = gridded(ds)
+    ds = grid(ds)
     at = {selection.axis_of(ds, name): value for name, value in (at or {}).items()}
     if axis is not None:
         axis = selection.axis_of(ds, axis)
@@ -140,13 +140,13 @@ def choose(
     return DrawnRods(ds, axis, held, rods, notes)
 
 
-def gridded(ds: xr.Dataset) -> xr.Dataset:
+def grid(ds: xr.Dataset) -> xr.Dataset:
     """The dataset; of a refined study its coarse grid. Raises `InputError`."""
     return refined.coarse(ds) if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims else ds
 
 
 def _rod(one: xr.Dataset, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:
-    stored = _stored(one)
+    stored = _store(one)
     names = {name: float(getattr(stored, name)) for name in ("rho", "lam", "mu", "phi")}
     told = str(one["caution"].values) if "caution" in one else ""
     text = labels.value(float(one[axis]), one[axis]) if axis else ""
@@ -155,7 +155,7 @@ def _rod(one: xr.Dataset, axis: str | None, arrays: Mapping[str, Any] | None) ->
     return DrawnRod(name, short, arrays, a=float(stored.constant("a")), caution=told, **names)
 
 
-def _stored(some: xr.Dataset) -> Stored:
+def _store(some: xr.Dataset) -> Stored:
     """What is stored of some cases; whatever would need the solver is refused."""
 
     def refuse() -> Any:
@@ -170,7 +170,7 @@ def _arrays(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[di
     kept, missing = _as_stored(some, names, count)
     stored = kept or stored
     solved = np.atleast_1d(np.asarray(some["solved"].values, dtype=bool))
-    again, reason = _solved_again(some, names, count)
+    again, reason = _solve_again(some, names, count)
     found: list[dict[str, Any] | None] = []
     coarse = 0
     for i in range(count):
@@ -192,7 +192,7 @@ def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list
         return None, "arrays along the rod"
     found: dict[str, Any] = {"s": some["s"]}
     for name in names:
-        array = _stored(some).implied(name, ())
+        array = _store(some).implied(name, ())
         if array is None:
             return None, name
         found[name] = array
@@ -205,7 +205,7 @@ def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list
     return [row if all(np.isfinite(array).all() for array in row.values()) else None for row in rows], ""
 
 
-def _solved_again(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None], str]:
+def _solve_again(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None], str]:
     """The arrays of the cases solved again at many stations, those stored among them; or none, and why."""
     from ..run import stored_case  # it loads the solver
 

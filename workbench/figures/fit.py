@@ -65,9 +65,9 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     ax.set_aspect(1 / factor, anchor="NW")
     across, along = (f"{developed.AROUND} [{unit}]", f"z [{unit}]")[:: 1 if up else -1]
     ax.set_xlabel(f"{across}{developed.larger(factor)}")
-    ax.set_ylabel(style.wrapped(f"{along}{developed.larger(1 / factor)}", ax, upward=True))
+    ax.set_ylabel(style.wrap(f"{along}{developed.larger(1 / factor)}", ax, upward=True))
     ways = "z up" if up else "z to the right"
-    title = style.wrapped(f"Unrolled view, seen from outside: {ways}", ax)
+    title = style.wrap(f"Unrolled view, seen from outside: {ways}", ax)
     ax.set_title(title, loc="left", pad=22 if "measured_z" in ds else 6)
     ax.margins(x=max(0.06, 0.55 / room[0]), y=0.12)  # room for s = 0
     if not up:
@@ -109,18 +109,18 @@ def _height(ds: xr.Dataset, room: tuple[float, float]) -> float:
 
 def region(ds: xr.Dataset, ax: Axes) -> Axes:
     """The ellipse of the first two fields that holds both with 95 %, and the interval of each."""
-    values, low, high = (_shown(ds, ds[name].values[:2]) for name in ("value", "low", "high"))
+    values, low, high = (_show(ds, ds[name].values[:2]) for name in ("value", "low", "high"))
     names = [labels.symbol_of(str(name)) for name in ds["field"].values[:2]]
     ax.set_xlabel(_label(ds, 0))
     ax.set_ylabel(_label(ds, 1))
     ax.plot(*values, "o", color=style.PAIR[1], markersize=6, zorder=4)
     others = ds["other_minimum"].values[:, :2]
     for one in others:
-        ax.plot(*_shown(ds, one), "X", color=style.INK, markersize=7, zorder=3)
+        ax.plot(*_show(ds, one), "X", color=style.INK, markersize=7, zorder=3)
     covariance = ds["covariance"].values[:2, :2] * np.outer(_factors(ds), _factors(ds))
     also = CROSSES[bool(ds.attrs["exact"])] if len(others) else ""
     if not np.isfinite(covariance).all() or not np.isfinite([low, high]).all():
-        ax.set_title(style.wrapped(f"{' and '.join(names)}: no region is known{also}", ax), loc="left")
+        ax.set_title(style.wrap(f"{' and '.join(names)}: no region is known{also}", ax), loc="left")
         return style.with_grid(ax)
     around = values[:, None] + _ellipse(covariance, _size(ds))
     ax.fill(*around, color=style.PAIR[1], alpha=0.18, linewidth=0)
@@ -129,7 +129,7 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
         for end in ends:
             draw(end, color=style.SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
     text = f"95 % region of both; dashed: 95 % interval of each{also}"
-    ax.set_title(style.wrapped(text, ax), loc="left")
+    ax.set_title(style.wrap(text, ax), loc="left")
     return style.with_grid(ax)
 
 
@@ -160,7 +160,7 @@ def shares(ds: xr.Dataset, ax: Axes) -> Axes:
     if not known:
         ax.set_axis_off()
         title = "Which data decide: no field has shares"
-    ax.set_title(style.wrapped(title, ax), loc="left")
+    ax.set_title(style.wrap(title, ax), loc="left")
     legend.add(ax, loc="best", ncols=max(len(known), 1))
     return style.with_grid(ax)
 
@@ -170,7 +170,7 @@ def _factors(ds: xr.Dataset) -> Any:
     return np.array([np.degrees(1.0) if unit == "rad" else 1.0 for unit in ds["unit"].values[:2]])
 
 
-def _shown(ds: xr.Dataset, values: Any) -> Any:
+def _show(ds: xr.Dataset, values: Any) -> Any:
     return np.asarray(values, dtype=float) * _factors(ds)
 
 

@@ -28,7 +28,7 @@ def curve(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
         key: values if key == "x" else labels.in_label_unit(ds[law.observable], values)
         for key, values in law_numbers.of_line(ds, law, places).items()
     }
-    {"equals": _equals, "bounded": _bounded, "scales": _scales, "boundary": _boundary}[law.kind](
+    {"equals": _equals, "bounded": _bound, "scales": _scales, "boundary": _boundary}[law.kind](
         ax, ds, along, numbers, law, row
     )
 
@@ -43,7 +43,7 @@ def _equals(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: A
                     label=f"what the law allows{' (hardly wider than the line)' if thin else ''}")  # fmt: skip
 
 
-def _bounded(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
+def _bound(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
     for key, word in (("least", "at least"), ("most", "at most")):
         if key in numbers:
             _line(ax, along, numbers[key], f"{word} {law_words.formula(ds, getattr(law, key), ds[law.observable])}")

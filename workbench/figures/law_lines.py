@@ -19,7 +19,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from studies.laws import VERDICTS
-from studies.reasons import PLAIN, counted
+from studies.reasons import PLAIN, count
 
 from ..data import labels, law_verdicts, refined
 from ..data.schema import SAMPLING
@@ -52,7 +52,7 @@ class JudgedLaw:
         return np.unique(self.lines.values).size > 1
 
 
-def judged(
+def judge(
     ds: xr.Dataset, choice: Choice, rows: Sequence[Mapping[str, Any]]
 ) -> tuple[list[JudgedLaw], list[JudgedLaw]]:
     """The laws on the observables shown: those along an axis of the map, and those along a further axis.
@@ -139,9 +139,9 @@ def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
 def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The refinement of a study in words, and the verdict of each of its laws."""
     told = [
-        f"law {row['claim']}: {labels.law_text(row, law_verdicts.stated(row))}; {PLAIN[row['verdict']]}" for row in rows
+        f"law {row['claim']}: {labels.law_text(row, law_verdicts.state(row))}; {PLAIN[row['verdict']]}" for row in rows
     ]
-    watched = refined.described(ds).watch
+    watched = refined.describe(ds).watch
     ended = str(ds.attrs.get(SAMPLING[-1], ""))
     ended = re.sub(r"\w+", lambda one: labels.noun_of(one[0]) if one[0] in watched else one[0], ended)
     return [f"{text[0].upper()}{text[1:]}." for text in (ended, *told) if text]
@@ -150,7 +150,7 @@ def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[st
 def counts(law: JudgedLaw, where: Mapping[str, int]) -> str:
     """How many lines of one map have each verdict: ``16 hold, 3 fail``."""
     verdicts = law.at(where).values
-    return counted({verdict: int(np.count_nonzero(verdicts == verdict)) for verdict in VERDICTS})
+    return count({verdict: int(np.count_nonzero(verdicts == verdict)) for verdict in VERDICTS})
 
 
 def _strip(

@@ -32,11 +32,11 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], sheet: Sheet = SCREE
     curve(ds, ax, row)
     title = f"{row['claim']}: {law_words.sentence(ds, row)}"
     pad = 6 + (_write_verdict(ax, row) if sheet.titled else 0.0)
-    ax.set_title(style.wrapped(title, ax), loc="left", pad=pad)
+    ax.set_title(style.wrap(title, ax), loc="left", pad=pad)
     if not sheet.titled:
         _keep(ds, ax, row, title)
     elif row["also"]:
-        text = style.wrapped(_other_observables(ds, row), ax, style.small())
+        text = style.wrap(_other_observables(ds, row), ax, style.small())
         lines = "\n" * (text.count("\n") + 2)
         ax.set_xlabel(ax.get_xlabel() + lines, linespacing=0.95)  # room that the layout sees
         note = ax.annotate(text, (0, 0), (-8, -4 * style.normal()), xycoords="axes fraction",
@@ -50,18 +50,18 @@ def _keep(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], title: str) -> None:
     """Keep the verdict and the other observables for the caption."""
     fig = ax.get_figure(root=True)
     assert fig is not None
-    told = "; ".join(text for text in (PLAIN[row["verdict"]], _measured(row), _other_observables(ds, row)) if text)
+    told = "; ".join(text for text in (PLAIN[row["verdict"]], _measure(row), _other_observables(ds, row)) if text)
     notes.keep(fig, [f"{title}; {told.rstrip('.')}."])
 
 
-def _measured(row: Mapping[str, Any]) -> str:
+def _measure(row: Mapping[str, Any]) -> str:
     return labels.law_text(row, "; ".join(text for text in (row["found"], law_verdicts.detail(row)) if text))
 
 
 def _write_verdict(ax: Axes, row: Mapping[str, Any]) -> float:
     """Write the verdict above the axes and its reason below it, in the verdict's colour; their height in points."""
     colour = style.VERDICT_COLOURS[row["verdict"]]
-    reason = style.wrapped(_measured(row), ax, style.small())
+    reason = style.wrap(_measure(row), ax, style.small())
     below = 11 * (reason.count("\n") + 1) if reason else 0
     above: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom",
                              "color": colour}  # fmt: skip

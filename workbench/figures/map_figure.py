@@ -65,7 +65,7 @@ def figure(
         thumbnails.check(source, ds, choice, shapes)
     whole = None if source is ds else source
     columns = [cells(ds, choice, where, whole) for where in choice.places()]
-    laws, elsewhere = law_lines.judged(ds, choice, verdicts) if whole is None else ([], [])
+    laws, elsewhere = law_lines.judge(ds, choice, verdicts) if whole is None else ([], [])
     maps = _Maps(ds, choice, columns, laws, sheet)
     maps.asked = bool(show)
     maps.more = law_lines.of_coarse_grid(whole, verdicts) if whole is not None else []

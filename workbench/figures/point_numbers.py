@@ -73,7 +73,7 @@ def write(
     dots_of = np.concatenate([places, *((np.asarray(mark, dtype=float)[None] - low) * per for mark in marks)])
     others = _Others(covered, dots_of, np.array(inches), [], [])
     for group in _groups(places):
-        text, place = joined([points[i].name for i in group]), places[group[0]]
+        text, place = join([points[i].name for i in group]), places[group[0]]
         size = np.array([style.width_of(text, style.small()) + 0.03, style.small() * 1.15 / 72])
         middle = _best(place, size, others)
         box = np.stack([middle - size / 2, middle + size / 2])
@@ -88,7 +88,7 @@ def write(
                                 "shrinkB": 1} if led else None)  # fmt: skip
 
 
-def joined(names: Sequence[str]) -> str:
+def join(names: Sequence[str]) -> str:
     """``1, 4–6``; names with a letter one by one."""
     if not all(name.isdigit() for name in names):
         return ", ".join(names)

@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from solver.mechanics.potential import TAU, Loads, potential, slope, slope_rate
-from solver.numerics.roots import bracketed
+from solver.numerics.roots import bracket
 from solver.problem.errors import InputError, no_such
 
 from ..data import labels, schema
@@ -148,7 +148,7 @@ def critical_angles(rod: DrawnRod, low: float, high: float) -> NDArray[np.float6
     value = slope(loads, angles)
     k = np.flatnonzero(value[1:] * value[:-1] < 0)
     sign = np.sign(value[k + 1])
-    roots = bracketed(lambda b: (sign * slope(loads, b), sign * slope_rate(loads, b)), angles[k], angles[k + 1])
+    roots = bracket(lambda b: (sign * slope(loads, b), sign * slope_rate(loads, b)), angles[k], angles[k + 1])
     return np.asarray(roots[(roots > low) & (roots < high)], dtype=float)
 
 

@@ -28,7 +28,7 @@ def fine(regions: Any, lines: Sequence[Any]) -> Numbers:
     times = max(PIXELS // max(regions.shape), 1)
     shape = regions.shape[0] * times, regions.shape[1] * times
     coarse = np.repeat(np.repeat(regions, times, axis=0), times, axis=1)
-    wall = _drawn(lines, shape)
+    wall = _draw(lines, shape)
     areas, count = ndimage.label(~wall)
     if not count:
         return coarse
@@ -49,7 +49,7 @@ def _most(areas: Any, regions: Any, numbers: Any, count: int) -> tuple[Any, Any]
         return numbers[votes.argmax(axis=0)], votes.max(axis=0) / votes.sum(axis=0)
 
 
-def _drawn(lines: Sequence[Any], shape: tuple[int, int]) -> NDArray[np.bool_]:
+def _draw(lines: Sequence[Any], shape: tuple[int, int]) -> NDArray[np.bool_]:
     """The pixels that curves pass through, without a gap at a corner."""
     wall = np.zeros(shape, dtype=bool)
     size = np.array(shape[::-1])

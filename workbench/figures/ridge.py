@@ -187,4 +187,4 @@ def _bar(ax: Axes, ridge: Ridge, ds: xr.Dataset) -> None:
     unit["push"] = f" {labels.unit(push_scale.unit(ds))}"
     foot = f"; line: {labels.number(ridge.foot)}{unit[ridge.name]}" if ridge.foot else ""
     text = f"{PANELS[ridge.name]}; bar: {labels.number(length)}{unit[ridge.name]}{foot}"
-    ax.set_title(style.wrapped(text, ax), loc="left", size=style.normal())
+    ax.set_title(style.wrap(text, ax), loc="left", size=style.normal())

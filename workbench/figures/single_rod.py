@@ -82,7 +82,7 @@ def _in_lines(ds: xr.Dataset, ax: Axes, lines: long_curve.Lines) -> list[str]:
     found = _curve(ds)
     assert found is not None
     unit = labels.unit(str(ds.attrs["length_unit"]))
-    ax.set_title(style.wrapped(_title(ds, CURVE), ax), loc="left")
+    ax.set_title(style.wrap(_title(ds, CURVE), ax), loc="left")
     return long_curve.draw(ax, found, lines, unit, _is_coarse(ds))
 
 
@@ -109,7 +109,7 @@ def angle(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
     ax.set_ylabel("β [°]")
     ax.yaxis.set_major_locator(angle_locator(float(np.ptp(ax.get_ylim())), 1.6))
-    ax.set_title(style.wrapped(_title(ds, "angle from the axis to the tangent"), ax), loc="left")
+    ax.set_title(style.wrap(_title(ds, "angle from the axis to the tangent"), ax), loc="left")
     return _along(ds, ax)
 
 
@@ -159,9 +159,9 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
     factor = developed.stretch(float(np.ptp(up)), float(np.ptp(across)), room)
     ax.set_aspect(1 / factor)
     ax.set_xlabel(f"z [{unit}]{developed.larger(factor)}")
-    ax.set_ylabel(style.wrapped(f"{developed.AROUND} [{unit}]{developed.larger(1 / factor)}", ax, upward=True))
+    ax.set_ylabel(style.wrap(f"{developed.AROUND} [{unit}]{developed.larger(1 / factor)}", ax, upward=True))
     title = f"{CURVE}, at one scale" if factor == 1 and not _is_coarse(ds) else _title(ds, CURVE)
-    ax.set_title(style.wrapped(title, ax), loc="left")
+    ax.set_title(style.wrap(title, ax), loc="left")
     ax.margins(x=max(0.08, 0.55 / style.inches(ax)[0]), y=0.15)  # room for s = 0
     ax.invert_yaxis()
     return style.with_grid(ax)

@@ -135,7 +135,7 @@ def law(ds: xr.Dataset, ax: Axes) -> None:
     trend(ds, ax, verdict["observable"], verdict["axis"], verdict["at"])
     noun, axis = labels.noun_of(verdict["observable"]), labels.axis_symbol(verdict["axis"])
     said = f"{verdict['claim']} {noun} {verdict['does']} with {axis}:"
-    title = f"{style.wrapped(said, ax, style.small())}\n{PLAIN[verdict['verdict']]}"
+    title = f"{style.wrap(said, ax, style.small())}\n{PLAIN[verdict['verdict']]}"
     ax.set_title(title, loc="left", size=style.small(), color=style.VERDICT_COLOURS[verdict["verdict"]], pad=3)
 
 

@@ -146,7 +146,7 @@ def _choice(
 
     Raises `InputError` for an unknown panel, and for more observables than have room.
     """
-    stored, laws = observed.observables(ds), _named(rows)
+    stored, laws = observed.observables(ds), _name(rows)
     if len(show) > MOST_ASKED:
         raise InputError(f"a figure shows at most {MOST_ASKED} observables, got {len(show)}: {choices(show)}")
     if show and is_sampled:
@@ -178,7 +178,7 @@ def level_notes(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
     return [text[0].upper() + text[1:] for text in texts]
 
 
-def _named(rows: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
+def _name(rows: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
     """The laws that share their claim by names of their own: ``(4) turns``, with the axis where that is not enough."""
     claims = Counter(row["claim"] for row in rows)
     short = Counter((row["claim"], row["observable"]) for row in rows)

@@ -104,7 +104,7 @@ def map_colours(count: int = 256) -> ListedColormap:
     return ListedColormap(ramp * (1 - WHITE_OF_MAP) + WHITE_OF_MAP, name="map")
 
 
-def wrapped(text: str, ax: Axes, size: float | None = None, bold: bool = False, upward: bool = False) -> str:
+def wrap(text: str, ax: Axes, size: float | None = None, bold: bool = False, upward: bool = False) -> str:
     """The text in lines that are no longer than the axes are wide (or high), for a font of that size in points."""
     return fitted(text, inches(ax)[int(upward)], size, bold)
 

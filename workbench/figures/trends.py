@@ -45,7 +45,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     _scale(ax, ds, axis, along)
     if "fold" in ds and axis == ds.attrs.get("followed") and np.isfinite(ds["fold"]):
         ax.axvline(float(np.degrees(ds["fold"])), color=style.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
-    ax.set_xlabel(style.wrapped(axis_label(ds, axis, others, long=False), ax))
+    ax.set_xlabel(style.wrap(axis_label(ds, axis, others, long=False), ax))
     ax.set_ylabel(labels.label(ds[observable]))
     ax.margins(y=0.1)
     ax.yaxis.set_major_formatter(Ticks())

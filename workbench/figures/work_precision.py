@@ -128,11 +128,11 @@ def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
     )
     handed = Line2D([], [], marker="h", markersize=4, markerfacecolor="white", label="handed over to another method",
                     color=style.SOFT)  # fmt: skip
-    was = "answered" in ds and any(_handed_over(ds, str(name)) for name in ds["ladder"].values)
+    was = "answered" in ds and any(_is_handed_over(ds, str(name)) for name in ds["ladder"].values)
     return [*rows, ("marks", [lost, more, *([handed] if was else [])])]
 
 
-def _handed_over(ds: xr.Dataset, ladder: str) -> bool:
+def _is_handed_over(ds: xr.Dataset, ladder: str) -> bool:
     """Whether another method answered on some rung of a ladder."""
     answered = np.unique(ds["answered"].sel(ladder=ladder).values.astype(str))
     return bool(set(answered.tolist()) - {"", look_of(ladder).method})

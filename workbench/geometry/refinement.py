@@ -74,7 +74,7 @@ def rings(
         _refuse(line, s.size * sides // PROBES * 2)
     place = _surface(line, s, turned)
     values = colour(s) if colour is not None else None
-    chosen = _placed(s, place, values, SHARE * left, colour_length)
+    chosen = _place(s, place, values, SHARE * left, colour_length)
     if 2 * chosen.size * sides > MOST_TRIANGLES:
         _refuse(line, 2 * chosen.size * sides)
     return Rings(s[chosen], sides, missed + left)
@@ -152,7 +152,7 @@ def _errors(s: Array, place: Array, values: Array | None, at: Any, tolerance: fl
     return np.maximum.reduceat(error, start)
 
 
-def _placed(s: Array, place: Array, values: Array | None, tolerance: float, colour_length: float) -> Any:
+def _place(s: Array, place: Array, values: Array | None, tolerance: float, colour_length: float) -> Any:
     """Indices of the probes where rings stand: about as few as keep each interval within the tolerance."""
     at = np.unique(np.linspace(0, s.size - 1, max((s.size - 1) // PROBES, 2) + 1).round().astype(int))
     middles, more = np.arange(s.size - 1) + 0.5, 1.0

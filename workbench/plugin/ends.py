@@ -99,7 +99,7 @@ def case_of(rod: Any, cylinder: Any) -> Case:
     """The case whose equilibrium the scenario comes to. Raises `NotImplementedError` for a motion that is not axial."""
     began, frame = beginning(rod, cylinder), axes(cylinder)
     beta = began.beta
-    moved, turned, slides = _moved(rod.end_motion, frame)
+    moved, turned, slides = _move(rod.end_motion, frame)
     x, y, z = frame.inward(np.asarray(rod.centerline[-1])) + moved
     if abs(np.hypot(x, y) - began.rho) > NEAR * began.rho:
         raise NotImplementedError("the moved end must end on the outside of the cylinder")
@@ -123,7 +123,7 @@ def case_of(rod: Any, cylinder: Any) -> Case:
     return Case(own, Cylinder(R=cylinder.radius, side="outside"), ends)
 
 
-def _moved(motion: Any, frame: Axes) -> tuple[Array, float, bool]:
+def _move(motion: Any, frame: Axes) -> tuple[Array, float, bool]:
     """Where a motion ends: its displacement (3,) in the frame, its turn about the axis [rad], whether it slides."""
     if motion is None:
         return np.zeros(3), 0.0, False

@@ -33,16 +33,16 @@ LIFT, RISE = 4e-5, 0.025  # [m]; reached at this arc length from each end
 
 
 @cache
-def begun() -> solver.Solution:
+def begin() -> solver.Solution:
     """The equilibrium at the beginning: pulled with 2 A/rho^2, and carried round by a moment of 2.45 A/rho."""
     rod = solver.Rod(a=RADIUS, L=LENGTH, EI=STIFFNESS, GJ=STIFFNESS * 2 / 3)
     ends = solver.Ends(beta0=ANGLE, betaL=ANGLE, FZ=2 * UNIT, MZ=2.45 * UNIT * (CYLINDER + RADIUS))
     return solver.solve(solver.Case(rod, solver.Cylinder(R=CYLINDER), ends), stations=POINTS)
 
 
-def carried(turn: float, load: float | None, height: float = 0.0) -> Scenario:
+def carry(turn: float, load: float | None, height: float = 0.0) -> Scenario:
     """The scenario: the far end is carried round by `turn` [rad], and to a height [m] or under an axial load [N]."""
-    first = begun()
+    first = begin()
     time = np.linspace(0.0, DURATION / 2, STEPS + 1)
     share = (1 - np.cos(np.pi * np.linspace(0, 1, STEPS + 1))) / 2
     rho, last = CYLINDER + RADIUS, float(first.alpha[-1])
@@ -69,12 +69,12 @@ def carried(turn: float, load: float | None, height: float = 0.0) -> Scenario:
 
 def under_load(turn: float, load: float) -> Scenario:
     """The far end slides along the axis under a dead load of `load` A/rho^2, carried round by `turn` degrees."""
-    return carried(np.radians(turn), load * UNIT)
+    return carry(np.radians(turn), load * UNIT)
 
 
 def held(height: float) -> Scenario:
     """The far end is carried round by 30 degrees, and to a height of `height` lengths of the rod."""
-    return carried(np.pi / 6, None, height * LENGTH)
+    return carry(np.pi / 6, None, height * LENGTH)
 
 
 def shape_error(scenario: Scenario, trajectory: Trajectory) -> float:

@@ -40,14 +40,14 @@ def assemble(plan: Plan, parts: Shards, output: Path, there: StoredRun | None, t
     aside = parts.folder / f".{output.name}"
     try:
         frame = dataset.frame(plan.study, plan.dimensions, first_of(plan))
-        frame = frame.assign_attrs(caution=cautions.told(tally["caution"]))
+        frame = frame.assign_attrs(caution=cautions.tell(tally["caution"]))
         if plan.refinement is not None:
             frame = frame.assign_attrs(refined.attributes(plan.study, plan.refinement))
         with ExitStack() as stack:
             sources: list[concatenation.Source] = [ShardSource(parts, plan)]
             if there is not None:
                 held = stack.enter_context(netcdf.opened(output))
-                names = [row.name for row in dataset.stored(plan.study, plan.dimensions)]
+                names = [row.name for row in dataset.store(plan.study, plan.dimensions)]
                 source = concatenation.FileSource(str(output), held, names, plan.shape, places(there, plan))
                 sources = [source, *sources] if plan.todo else [source]
             file = stack.enter_context(writing.appending(frame, aside, bytes_of_file(plan)))
@@ -74,7 +74,7 @@ def _statistics(path: Path, tally: Tally) -> dict[str, Any]:
 
 def _write_cases(file: Any, plan: Plan, sources: Sequence[concatenation.Source], tally: Tally) -> None:
     """Every variable over the axes. Whole numbers stay whole where all cases are solved."""
-    rows = dataset.stored(plan.study, plan.dimensions)
+    rows = dataset.store(plan.study, plan.dimensions)
     variables = [writing.CaseVariable(row.name, row.dims, schema.labels_in(plan.study, row.row)) for row in rows]
     windows = concatenation.gather(sources, plan.shape, bytes_a_case(plan.study))
     writing.write_cases(file, variables, plan.shape, ((start, _final(columns, tally)) for start, columns in windows))
@@ -84,7 +84,7 @@ def _final(columns: Columns, tally: Tally) -> Columns:
     """The columns as they are stored: branches numbered from 0, and numbers that some case has not as floats."""
     final = dict(columns)
     if "branch" in final:
-        final["branch"] = branch_numbers.numbered(final["branch"], tally["branch"])
+        final["branch"] = branch_numbers.number(final["branch"], tally["branch"])
     if tally["solved"][False]:
         final |= {k: v.astype(float) for k, v in final.items() if v.dtype.kind == "i" and k != "branch"}
     return final
@@ -97,8 +97,8 @@ class ShardSource:
 
     def __init__(self, parts: Shards, plan: Plan) -> None:
         self._parts, self._new = parts, plan.new
-        self._stored = shards.stored_ranges(parts.folder, plan.todo)
-        self._names = {row.column: row.name for row in dataset.stored(plan.study, plan.dimensions)}
+        self._stored = shards.store_ranges(parts.folder, plan.todo)
+        self._names = {row.column: row.name for row in dataset.store(plan.study, plan.dimensions)}
         self._held: tuple[int, int] = (0, 0)
         self._columns: Columns = {}
 

@@ -23,7 +23,7 @@ from ..data.branch_numbers import NONE
 from ..data.schema import LOADS, Columns, inner_shape
 from .shards import encode
 from .sweep import State, grid_of, walked
-from .sweep_solutions import shown
+from .sweep_solutions import show
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,10 +56,10 @@ class Chunk:
 
 def solved(study: Study, chunk: Chunk, block: int) -> bytes:
     """The chunk's results as packed by `shards.encode`. Raises `InputError` for an invalid study."""
-    return encode(joined([block_of(study, part) for part in chunk.blocks(block)]))
+    return encode(join([block_of(study, part) for part in chunk.blocks(block)]))
 
 
-def joined(parts: list[Columns]) -> Columns:
+def join(parts: list[Columns]) -> Columns:
     """Columns concatenated."""
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
@@ -68,7 +68,7 @@ def block_of(study: Study, part: Chunk) -> Columns:
     """The columns of one block."""
     if study.sweeps:
         states = walked(study, grid_of(study, part.shape), part.values, part.start, part.states)
-        return joined([_columns_of(study, state) for state in states])
+        return join([_columns_of(study, state) for state in states])
     case = study.case_of(part.values)
     sol = solve_one(case, study.equilibrium, study.tol, study.method, study.stations)
     return columns(study, sol, part.values)
@@ -76,7 +76,7 @@ def block_of(study: Study, part: Chunk) -> Columns:
 
 def _columns_of(study: Study, state: State) -> Columns:
     """The columns of one case of a sweep, with its branch."""
-    found = columns(study, shown(study, state))
+    found = columns(study, show(study, state))
     if state.remark:
         found["outcome"] = np.array([f"{found['outcome'][0]}; {state.remark}"])
     return {**found, "branch": np.array([state.branch])}

@@ -258,15 +258,15 @@ def _check_complete(problem: type, known: list[Field[Any]], values: Mapping[str,
         undecided = problem is Start and not START_ONLY & set(values)
         other = "; an ends problem needs beta0 and betaL instead" if undecided else ""
         said = f"{choices(missing[:-1])} and {missing[-1]}" if len(missing) > 1 else missing[0]
-        raise InputError(f"{_named(problem)} also needs {said}{other}{advice}")
+        raise InputError(f"{_name(problem)} also needs {said}{other}{advice}")
 
 
 def _check_known(problem: type, values: Mapping[str, Any]) -> None:
     known = [f.name for f in fields(problem)]
     for name in values:
         if name not in known:
-            raise InputError(f"this case is {_named(problem)}, which has no {name}; choose from {choices(known)}")
+            raise InputError(f"this case is {_name(problem)}, which has no {name}; choose from {choices(known)}")
 
 
-def _named(problem: type) -> str:
+def _name(problem: type) -> str:
     return "a start problem" if problem is Start else "an ends problem"

@@ -31,7 +31,7 @@ def contents(path: Path) -> dict[str, Any]:
         "fields": [_spread(ds[name]) for name in numbers if not ds[name].ndim],
         "outcomes": dict(Counter(named[named != ""].tolist())),
         "unsolved": int((~solved & (named != "")).sum()) if solved.shape == named.shape else 0,
-        "caution": cautions.told(texts),
+        "caution": cautions.tell(texts),
         "said": {key: str(ds.attrs[key]) for key in SENTENCES if ds.attrs.get(key)},
         "versions": reading.versions(ds, path) if "versions" in ds.attrs else {},
     }

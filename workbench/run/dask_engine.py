@@ -44,7 +44,7 @@ def cluster(work: Plan, missing: Iterable[tuple[int, int]], address: str, asked:
     try:
         _check_workers(client, work.light)
         threads = sum(client.nthreads().values())
-        yield from _handed_out(client, work, work.chunks(missing, work.chunk_size(threads, asked)))
+        yield from _hand_out(client, work, work.chunks(missing, work.chunk_size(threads, asked)))
     finally:
         client.close(timeout=2)
 
@@ -70,7 +70,7 @@ def _check_workers(client: Any, study: Study) -> None:
         raise InputError(f"a worker lacks what this run needs: {error}") from None
 
 
-def _solved(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
+def _solve(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
     """Solve a chunk in a worker, which may have joined later than the others."""
     check_worker(study, code)
     memory.keep()
@@ -84,7 +84,7 @@ def _solved(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
     raise RuntimeError(f"in a worker of the cluster:\n{wrong}")
 
 
-def _handed_out(client: Any, work: Plan, chunks: Iterable[Chunk]) -> Results:
+def _hand_out(client: Any, work: Plan, chunks: Iterable[Chunk]) -> Results:
     """Submit chunks and yield results; a few chunks are submitted for each thread, so that neither side holds many."""
     from distributed import CancelledError, KilledWorker, as_completed
     from distributed.comm.core import CommClosedError
@@ -94,7 +94,7 @@ def _handed_out(client: Any, work: Plan, chunks: Iterable[Chunk]) -> Results:
     done = as_completed(loop=client.loop)
 
     def hand_out(chunk: Chunk) -> None:
-        future = client.submit(_solved, work.light, chunk, work.block, code, pure=False)
+        future = client.submit(_solve, work.light, chunk, work.block, code, pure=False)
         under_way[future.key] = chunk
         done.add(future)
 

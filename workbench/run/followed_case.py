@@ -14,7 +14,7 @@ BEYOND = "failed: the followed branch"
 _STRAIGHT = 1e-6  # rad
 
 
-def followed_to(before: Solution, case: Case, field: str, neighbour: str) -> Solution:
+def follow_to(before: Solution, case: Case, field: str, neighbour: str) -> Solution:
     """The solution of a case on the branch of another one, which differs in one field; or unsolved, with the reason.
 
     field: its name in a study. neighbour: its value in the other case, in words.
@@ -30,13 +30,13 @@ def followed_to(before: Solution, case: Case, field: str, neighbour: str) -> Sol
         branch = follow(before, **wanted)
     except InputError as error:
         return _unsolved(before, case, f"{BEYOND} stops at {neighbour}: {error}")
-    if (why := _ended(branch, value)) is not None:
+    if (why := _end(branch, value)) is not None:
         return _unsolved(before, case, why)
     found = solve(case, tol=before.tol, stations=2, seed=branch.points[-1].solution)
     return found if found.solved else _unsolved(before, case, f"{BEYOND} stops before this case: {found.outcome}")
 
 
-def _ended(branch: Branch, value: float) -> str | None:
+def _end(branch: Branch, value: float) -> str | None:
     """Where and why a branch does not reach a value without turning back; None where it does."""
     for one in branch.special:
         if one.kind == FOLD:

@@ -11,7 +11,7 @@ from studies import Study
 
 from ..data import branch_numbers, dataset, law_verdicts, refined
 from ..data.schema import Columns
-from .block import block_of, joined
+from .block import block_of, join
 from .plan import Plan, bytes_a_case, first_of, plan
 from .rounds import Rounds
 
@@ -75,26 +75,26 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
             "GB; workbench run stores them as they are solved"
         )
     if study.refine is not None:
-        return _refined(work)
+        return _refine(work)
     found = _columns(work, 0)
     if work.study.sweeps:
-        found["branch"] = branch_numbers.numbered(found["branch"], found["branch"])
+        found["branch"] = branch_numbers.number(found["branch"], found["branch"])
     return dataset.make(work.study, work.dimensions, found, first_of(work))
 
 
 def _columns(work: Plan, first: int) -> Columns:
     """The columns of the cases from `first` on."""
-    return joined([block_of(work.study, part) for part in work.chunk(first, work.size).blocks(work.block)])
+    return join([block_of(work.study, part) for part in work.chunk(first, work.size).blocks(work.block)])
 
 
-def _refined(work: Plan) -> xr.Dataset:
+def _refine(work: Plan) -> xr.Dataset:
     """The dataset of a refined study."""
     rounds, parts = Rounds(work.study), []
     for part, start, _ in rounds:
         parts.append(_columns(part, start))
         rounds.take(parts[-1])
     whole = rounds.plan()
-    ds = dataset.make(whole.study, whole.dimensions, joined(parts))
+    ds = dataset.make(whole.study, whole.dimensions, join(parts))
     return ds.assign_attrs(refined.attributes(whole.study, rounds.refinement))
 
 

@@ -17,7 +17,7 @@ from studies import TABLE_1, Study
 from studies.dimensions import SAMPLE, Dimension
 from studies.loader import loads
 from studies.paired import SOURCES
-from studies.writer import dumps, dumps_paired, dumps_table, told
+from studies.writer import dumps, dumps_paired, dumps_table, tell
 
 from ..data import atomic, cautions, checksums, concatenation, law_verdicts, netcdf, reading, schema, writing
 from ..data.selection import SAME
@@ -61,7 +61,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
             with writing.appending(frame.assign_attrs(attrs), aside, most) as file:
                 windows = concatenation.gather(sources, shape, size, union, axes.index(union.axis))
                 writing.write_cases(file, variables, shape, windows)
-            result = _judged(aside, _recipe(opened, schema.field_of(studies[0], union.axis), union))
+            result = _judge(aside, _recipe(opened, schema.field_of(studies[0], union.axis), union))
     return {"file": str(out), "axis": union.axis, "values": int(union.values.size), **result}
 
 
@@ -124,7 +124,7 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
 
 def _values(ds: xr.Dataset, axis: str) -> list[bytes]:
     """The values of an axis, those of the samples by their fields, to the bit."""
-    names = map(schema.dimension, schema.sampled_fields(ds)) if axis == SAMPLE else [axis]
+    names = map(schema.dimension, schema.sample_fields(ds)) if axis == SAMPLE else [axis]
     return [ds[name].values.tobytes() for name in names]
 
 
@@ -157,12 +157,12 @@ def _attributes(
     context = None
     attrs = {key: value for key, value in files[0].attrs.items() if key not in OF_ONE_RUN}
     if union.fields:
-        text, context = _sampled_text(study, union, out)
+        text, context = _sample_text(study, union, out)
         fields = union.fields
         attrs["sampling"] = _sampling(files, union)
     else:
         field = schema.field_of(study, union.axis)
-        text = dumps(study, {field: told(union.values)})
+        text = dumps(study, {field: tell(union.values)})
         fields = {field: union.values}
     again = loads(text, "the merged study", study.name, context).coordinates()
     assert all(np.array_equal(values, again[name] if union.fields else np.sort(again[name]))
@@ -182,7 +182,7 @@ def _attributes(
     }
 
 
-def _sampled_text(study: Study, union: concatenation.Union, out: Path) -> tuple[str, dict[str, Any] | None]:
+def _sample_text(study: Study, union: concatenation.Union, out: Path) -> tuple[str, dict[str, Any] | None]:
     """The text of the study with the samples of the union, and the context in which it loads.
 
     More than `MOST_LISTED` numbers are not listed: the text names a table, and the samples are those of the file.
@@ -206,12 +206,12 @@ def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
     return {name: ", ".join(dict.fromkeys(row[name] for row in versions if name in row)) for name in packages}
 
 
-def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
+def _judge(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
     """Judge the laws of the merged file, and store the recipe and the statistics in it as a run does."""
     with netcdf.opened(path) as ds:
         outcomes, verdicts = summary.counted(ds["outcome"], ds["solved"]), law_verdicts.verdicts(ds)
         texts, unsolved = summary.counted(ds["caution"]), summary.unsolved(ds)
-    caution = cautions.told(texts)
+    caution = cautions.tell(texts)
     with h5py.File(path, "a") as file:
         file.attrs["caution"] = caution
         if recipe is not None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from solver import Case, Ends, InputError
 from solver.problem.errors import choices
-from solver.problem.tolerance import checked_tolerance
+from solver.problem.tolerance import check_tolerance
 from studies import Study
 from studies.axes import Axis
 from studies.dimensions import SAMPLE, Dimension, Dimensions
@@ -138,15 +138,15 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
 
     Raises `InputError` for a tolerance or method that `solve` refuses.
     """
-    from solver.methods.automatic import chosen_method, varying_method
+    from solver.methods.automatic import choose_method, varying_method
 
     dimensions = study.dimensions()
     first = study.case_of({name: values[0] for name, values in dimensions.fields.items()})
     if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
         first = Case(first.rod, first.cylinder, Ends(0.0, 0.0))
-    tol = checked_tolerance(study.tol if tol is None else tol)
+    tol = check_tolerance(study.tol if tol is None else tol)
     asked = study.method if method is None else method
-    name = varying_method(first.kind, asked) if study.varies else chosen_method(first.kind, asked).name
+    name = varying_method(first.kind, asked) if study.varies else choose_method(first.kind, asked).name
     if study.held and name != "shooting":
         raise InputError(f"method {name!r} needs dead loads and end angles, got {choices(study.held)}; choose shooting")
     return Plan(study.model_copy(update={"tol": tol, "method": name}), dimensions)
@@ -159,7 +159,7 @@ def first_of(plan: Plan) -> str:
     spine = plan.study.whole or plan.spine
     first, cell = spine.first().solution, spine.grid.first
     row = zip(spine.coordinates.items(), cell, strict=True)
-    at = ", ".join(sweep.told(name, float(values[i])) for (name, values), i in row)
+    at = ", ".join(sweep.tell(name, float(values[i])) for (name, values), i in row)
     which = plan.study.equilibrium
     name = MIDDLE if plan.study.followed is None else FOLLOWED
     if first.begun:

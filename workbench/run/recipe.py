@@ -60,7 +60,7 @@ def differences(was: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
         if isinstance(before, dict) and isinstance(after, dict):
             told += [f"{key}.{one}" for one in differences(before, after)]
         elif before != after:
-            told.append(f"{key} was {_told(before)}, now {_told(after)}")
+            told.append(f"{key} was {_tell(before)}, now {_tell(after)}")
     return told
 
 
@@ -123,7 +123,7 @@ def _law_line(law: Law) -> str:
     return ", ".join(f"{name} {value}" for name, value in law.model_dump(exclude_defaults=True).items())
 
 
-def _told(value: object) -> str:
+def _tell(value: object) -> str:
     if isinstance(value, list):
         return ", ".join(map(str, value)) or "none"
     return "missing" if value is None else str(value)

@@ -64,7 +64,7 @@ def is_finished(there: StoredRun, plan: Plan) -> bool:
     return not differences(there.recipe, plan.recipe)
 
 
-def replaced(there: StoredRun | None, plan: Plan, path: Path) -> str | None:
+def replace(there: StoredRun | None, plan: Plan, path: Path) -> str | None:
     """The line that a run replaces other results of the same study, with what has changed; None where it does not.
 
     ``replaces the results in rod.h5, which differ: base.E was 206000, now 210000``
@@ -76,13 +76,13 @@ def replaced(there: StoredRun | None, plan: Plan, path: Path) -> str | None:
     return f"replaces the results in {path}, which differ: {'; '.join(told[:MOST_TOLD])}{more}" if told else None
 
 
-def grown(there: StoredRun, plan: Plan) -> Plan | None:
+def grow(there: StoredRun, plan: Plan) -> Plan | None:
     """The plan of the cases that the file does not hold yet; None where it is of another study.
 
     Raises `InputError` where only the code or a library has changed: old and new cases would not be consistent.
     """
     if plan.study.refine is not None:
-        return _refined_further(there, plan)
+        return _refine_further(there, plan)
     now = plan.recipe
     if there.recipe.get("order") != now["order"] or not plan.shape:
         return None
@@ -103,7 +103,7 @@ def grown(there: StoredRun, plan: Plan) -> Plan | None:
     return Plan(plan.study, dimensions, _new(there, plan))
 
 
-def _refined_further(there: StoredRun, plan: Plan) -> Plan | None:
+def _refine_further(there: StoredRun, plan: Plan) -> Plan | None:
     """The plan of a refined study that begins with the cases of the file; None where it is of another study.
 
     A file of fewer halvings, or of a smaller budget, holds the first cases of the refinement.

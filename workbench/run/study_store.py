@@ -16,7 +16,7 @@ from . import local_pool, shards, worker_processes
 from .block import unsolved
 from .plan import Plan, plan
 from .progress import Meter, Progress, unshown
-from .resume import StoredRun, grown, is_finished, look, replaced
+from .resume import StoredRun, grow, is_finished, look, replace
 from .room import room
 from .rounds import Rounds
 from .shards import Damaged, Shards, decode, encode
@@ -108,11 +108,11 @@ def run_to_file(
     if options.workers is not None and options.scheduler is not None:
         raise InputError("--workers is for this machine, --scheduler for a cluster: give one of them")
     work = plan(study)
-    if (finished := _finished(work, output, options)) is not None:
+    if (finished := _finish(work, output, options)) is not None:
         _tidy(work, output)
         return finished
     if study.follow is not None:
-        if told := replaced(_stored(output, options), work, output):
+        if told := replace(_store(output, options), work, output):
             say(told)
         return _follow(work, output)
     if options.scheduler is None and _workers(work, work.todo, options) > 1:
@@ -123,10 +123,10 @@ def run_to_file(
     folder = shards.folder_of(output)
     with _refusing_disk(output), shards.locked(folder):
         try:
-            if (finished := _finished(work, output, options)) is not None:  # by the run that held the lock
+            if (finished := _finish(work, output, options)) is not None:  # by the run that held the lock
                 return finished
             there, work = _growing(work, output, options)
-            if there is None and (told := replaced(_stored(output, options), work, output)):
+            if there is None and (told := replace(_store(output, options), work, output)):
                 say(told)
             if options.restart:
                 shards.clear(folder, keep_lock=True)
@@ -155,16 +155,16 @@ def _follow(work: Plan, output: Path) -> Ran:
     return Ran(statistics, ds["outcome"].size, time.monotonic() - began)
 
 
-def _stored(output: Path, options: Options) -> StoredRun | None:
+def _store(output: Path, options: Options) -> StoredRun | None:
     """The run that stored the existing file, unless its results are to be discarded."""
     return None if options.restart else look(output)
 
 
-def _finished(work: Plan, output: Path, options: Options) -> Ran | None:
-    there = _stored(output, options)
+def _finish(work: Plan, output: Path, options: Options) -> Ran | None:
+    there = _store(output, options)
     if there is None:
         return None
-    work = grown(there, work) or work
+    work = grow(there, work) or work
     return Ran(there.statistics, 0, 0.0, True) if is_finished(there, work) else None
 
 
@@ -180,8 +180,8 @@ def _tidy(work: Plan, output: Path) -> None:
 
 def _growing(work: Plan, output: Path, options: Options) -> tuple[StoredRun | None, Plan]:
     """The existing file that the study extends, if any, and the plan of the remaining cases."""
-    there = _stored(output, options)
-    larger = grown(there, work) if there is not None else None
+    there = _store(output, options)
+    larger = grow(there, work) if there is not None else None
     return (there, larger) if larger is not None and larger.new is not None else (None, work)
 
 
@@ -221,7 +221,7 @@ def _verified(work: Plan, parts: Shards, tally: Tally) -> int:
     """Count the cases of the existing shards, each verified; damaged ones are removed."""
     kept = 0
     most = work.todo if work.study.refine is None else shards.MOST
-    for start, stop in shards.stored_ranges(parts.folder, most):
+    for start, stop in shards.store_ranges(parts.folder, most):
         try:
             count(parts.read(start, stop), tally)
         except Damaged:
@@ -247,7 +247,7 @@ def _solved(
 
 def _solve(work: Plan, parts: Shards, options: Options, meter: Meter, tally: Tally, first: int = 0) -> None:
     """Solve the missing cases from `first` on and store their shards."""
-    missing = shards.missing_ranges(shards.stored_ranges(parts.folder, work.todo), work.todo)
+    missing = shards.missing_ranges(shards.store_ranges(parts.folder, work.todo), work.todo)
     missing = [(max(start, first), stop) for start, stop in missing if stop > first]
     if not missing:
         return
@@ -258,12 +258,12 @@ def _solve(work: Plan, parts: Shards, options: Options, meter: Meter, tally: Tal
             parts.store(chunk.start, chunk.stop, results)
             meter.add(chunk.cases, count(decode(results), tally))
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(_kept(work, parts.folder)) from None
+        raise KeyboardInterrupt(_keep(work, parts.folder)) from None
 
 
-def _kept(work: Plan, folder: Path) -> str:
+def _keep(work: Plan, folder: Path) -> str:
     """How to continue; counted from the shards, as the interruption may come between a shard and the meter."""
-    missing = shards.missing_ranges(shards.stored_ranges(folder, work.todo), work.todo)
+    missing = shards.missing_ranges(shards.store_ranges(folder, work.todo), work.todo)
     done = work.size - sum(stop - start for start, stop in missing)
     kept = f"{done} of {work.size} cases are kept in {folder}; run the same command again to continue"
     return f"interrupted; {kept if done else 'no case was finished yet'}"

@@ -23,7 +23,7 @@ from studies import Study
 from studies.axes import Which, is_angle
 
 from ..data.branch_numbers import NONE
-from .followed_case import followed_to
+from .followed_case import follow_to
 from .sweep_order import Grid
 
 LOST = "unstable here, stable where its branch begins"
@@ -101,7 +101,7 @@ class Spine:
         if parent is None or before is None:
             return state_of(select(self.study, case), 0)
         name = list(self.coordinates)[parent[1]]
-        return stepped(self.study, case, before, place, name, self._values(parent[0])[name])
+        return step(self.study, case, before, place, name, self._values(parent[0])[name])
 
     def _values(self, place: int) -> dict[str, float]:
         cell = self.grid.cell(place)
@@ -141,14 +141,14 @@ def select(study: Study, case: Case) -> Solution:
     return solve(case, tol=study.tol, stations=2, choose=rule_of(which))
 
 
-def stepped(study: Study, case: Case, before: State, place: int, name: str, neighbour: float) -> State:
+def step(study: Study, case: Case, before: State, place: int, name: str, neighbour: float) -> State:
     """The state of a case next to another one. Along a followed axis it continues from that one.
 
     name: the axis between the two. neighbour: its value there.
     """
-    at = told(name, neighbour)
+    at = tell(name, neighbour)
     if name == study.followed:
-        return state_of(followed_to(before.solution, case, name, at), before.branch, before.stable)
+        return state_of(follow_to(before.solution, case, name, at), before.branch, before.stable)
     taken = select(study, case)
     if not before.solved:
         return state_of(taken, 1 + place, remark=f"taken anew, as none was found at {at}")
@@ -185,7 +185,7 @@ def _not_kept() -> NDArray[np.float64]:
     raise NotImplementedError("the state of a sweep keeps no shape")
 
 
-def told(name: str, value: float) -> str:
+def tell(name: str, value: float) -> str:
     """``FZ = -150``; angles in degrees."""
     return f"{name} = {np.rad2deg(value):.6g} deg" if is_angle(name) else f"{name} = {value:.6g}"
 
@@ -209,5 +209,5 @@ def walked(
                     continue
                 case = study.case_of({axis: row[place - start] for axis, row in values.items()})
                 neighbour = float(values[name][place - way - start])
-                found[place] = stepped(study, case, found[place - way], place, name, neighbour)
+                found[place] = step(study, case, found[place - way], place, name, neighbour)
     return [found[start + i] for i in range(cases)]

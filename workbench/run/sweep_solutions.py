@@ -19,7 +19,7 @@ _HELD = ("begun", "held_index")  # of a trajectory between held ends
 _DENSE = 2001  # stations of the seed of a method that knows the rod at stations only
 
 
-def shown(study: Study, state: State, stations: Any = None) -> Solution:
+def show(study: Study, state: State, stations: Any = None) -> Solution:
     """The solution of a state by the study's method, at the study's stations or at others: a number, or values of s."""
     from solver.methods.automatic import AUTOMATIC
 
@@ -38,11 +38,11 @@ def between(study: Study, case: Case, near: Callable[[], State], stations: Any) 
     near: makes the state of the nearest case of the sweep.
     """
     if study.followed is None:
-        return shown(study, state_of(select(study, case), 0), stations)
+        return show(study, state_of(select(study, case), 0), stations)
     state = near()
     if state.solved:
         state = state_of(solve(case, tol=study.tol, stations=2, seed=state.solution), state.branch, state.stable)
-    return shown(study, state, stations)
+    return show(study, state, stations)
 
 
 def together(case: Case, found: list[Solution]) -> Solution:

@@ -30,7 +30,7 @@ def count(columns: Columns, tally: Tally) -> int:
         texts, counts = np.unique(columns[name].astype(str), return_counts=True)
         for text, cases in zip(texts.tolist(), counts.tolist(), strict=True):
             tally[name][text] += cases
-        together = outcomes.grouped(tally[name])
+        together = outcomes.group(tally[name])
         tally[name].clear()
         tally[name].update(together)
     unsolved = int(np.count_nonzero(~columns["solved"]))

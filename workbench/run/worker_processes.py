@@ -45,7 +45,7 @@ class Worker:
 
     def check(self) -> None:
         """Wait until it is ready. Raises `InputError` where it ends before."""
-        if self._received() is None:
+        if self._receive() is None:
             raise InputError(f"a worker process cannot start: {self.ending()}")
 
     def give(self, chunk: Chunk, block: int) -> None:
@@ -61,7 +61,7 @@ class Worker:
         """Its chunk and the packed results, None where it died. Raises what it raised."""
         chunk, self.chunk = self.chunk, None
         assert chunk is not None
-        return chunk, self._received()
+        return chunk, self._receive()
 
     def ending(self) -> str:
         """How a process that died ended, in words."""
@@ -83,7 +83,7 @@ class Worker:
         self.process.kill()
         self.process.join()
 
-    def _received(self) -> bytes | None:
+    def _receive(self) -> bytes | None:
         try:
             results, refused, failed = self.pipe.recv()
         except (EOFError, OSError):
@@ -127,11 +127,11 @@ def _context() -> ForkServerContext | SpawnContext:
     if not FORKED:
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([PRELOAD, *_imported_by_main()])
+    context.set_forkserver_preload([PRELOAD, *_import_by_main()])
     return context
 
 
-def _imported_by_main() -> set[str]:
+def _import_by_main() -> set[str]:
     """The modules of this package that the main module uses: each worker imports the main module again."""
     package = __package__.partition(".")[0]
     owners = {

@@ -127,7 +127,7 @@ def compose(scene: Scene) -> Picture:
         raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
     size = int(np.ceil(arranged.size[0] * dpi)), int(np.ceil(arranged.size[1] * dpi))
     pixels, error, outlined = render(
-        _placed(scene, arranged, camera, size), camera, size, settings.pixel_error, settings.transparent,
+        _place(scene, arranged, camera, size), camera, size, settings.pixel_error, settings.transparent,
         max(LINE * dpi / style.DPI, 0.8), settings.samples,
     )  # fmt: skip
     blind = any(body.line.swing > APART for body in scene.bodies)  # then the push between stations is not known
@@ -163,7 +163,7 @@ def words_of(scene: Scene) -> Words:
     if any(view.hides(body, scene.camera) for view in views for body in view.bodies):
         legend.append((page.OUTLINE, BEHIND))
     notes = [*scene.notes, *(impossible(scene.bodies) if scene.kind.cells != "together" else [])]
-    notes = [note for note in notes if not (ringed and note == ITSELF)] + [left_out.stored_note(ds)] * inside
+    notes = [note for note in notes if not (ringed and note == ITSELF)] + [left_out.store_note(ds)] * inside
     subtitle, unit = " · ".join(fact for fact in facts if fact), str(ds.attrs["length_unit"])
     toward = scene.camera.seen_from if scene.glyph else None
     return Words(str(ds.attrs["title"]), subtitle, unit, legend, notes, None, scene.columns, scene.heads, toward,
@@ -262,7 +262,7 @@ def _middle(view: View, camera: Camera, arranged: Arrangement, at: tuple[int, in
     return np.array([box.x + box.width / 2, down])
 
 
-def _placed(scene: Scene, arranged: Arrangement, camera: Camera, size: tuple[int, int]) -> list[Placed]:
+def _place(scene: Scene, arranged: Arrangement, camera: Camera, size: tuple[int, int]) -> list[Placed]:
     """The views where they stand in the picture."""
     found = []
     for i, row in enumerate(scene.rows):

@@ -75,10 +75,10 @@ def render(
             view = one.view
             same = (*view.bodies, view.cylinder)
             if same not in made:
-                made[same] = _made(view, camera.per_unit, pixel_error)
+                made[same] = _make(view, camera.per_unit, pixel_error)
             walls += _place(plotter, one, made[same], camera, size, line * block)
         depth = _set_camera(plotter, drawn, camera, size)
-        outline = _drawn(drawn, camera, depth, block, line)
+        outline = _draw(drawn, camera, depth, block, line)
         window = sampling.Window(plotter, size, block, samples)
         pixels, alpha, outlined = sampling.mean(window, walls, outline, transparent)
     finally:
@@ -87,7 +87,7 @@ def render(
     return (np.concatenate([pixels, alpha], axis=-1) if transparent else pixels), error, outlined
 
 
-def _drawn(placed: Sequence[Placed], camera: Camera, depth: float, block: int, line: float) -> hidden.Drawn | None:
+def _draw(placed: Sequence[Placed], camera: Camera, depth: float, block: int, line: float) -> hidden.Drawn | None:
     """How the hidden stretches are drawn; None where nothing is hidden, or too thin for an outline."""
     bodies = [(one.view, body) for one in placed for body in one.view.bodies]
     thick = max(2 * body.a for _, body in bodies) * camera.per_unit
@@ -120,7 +120,7 @@ class _Made:
     error: float
 
 
-def _made(view: View, per_unit: float, pixel_error: float) -> _Made:
+def _make(view: View, per_unit: float, pixel_error: float) -> _Made:
     """The surfaces of a view drawn at that many pixels per length."""
     tubes, error = [], 0.0
     for body in view.bodies:

@@ -86,7 +86,7 @@ def _hash(text: str) -> str:
 def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
     return {
         "served": served,
-        "presets": [asdict(preset) | ({} if served else _begun(preset)) for preset in presets],
+        "presets": [asdict(preset) | ({} if served else _begin(preset)) for preset in presets],
         "readings": list(READINGS),
         "quantities": {
             name: [row.symbol, labels.quantity_name(row.long_name), row.dimension] for name, row in QUANTITIES.items()
@@ -96,7 +96,7 @@ def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
     }
 
 
-def _begun(preset: Preset) -> dict[str, Any]:
+def _begin(preset: Preset) -> dict[str, Any]:
     """The solved shape of a rod between two ends, from which a page without a server follows. Raises `InputError`."""
     sol = page_shape.shape(study_of(preset.state)).sol
     if sol.problem.kind != "ends":

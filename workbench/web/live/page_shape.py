@@ -56,10 +56,10 @@ def without_search(study: Study, near: Solution | None = None) -> Shape | None:
     if study.held:
         raise InputError(f"the live page shows ends under dead loads, got {choices(study.held)}: use workbench solve")
     if not isinstance(case.given, Ends):
-        return _resolved(study, case, solve(case, TOL, stations=STATIONS))
+        return _resolve(study, case, solve(case, TOL, stations=STATIONS))
     if near is None or near.problem.kind != "ends":
         return None
-    sol = _followed(study, case, near)
+    sol = _follow(study, case, near)
     return None if sol is None else Shape(study, sol)
 
 
@@ -91,12 +91,12 @@ def portable(one: Shape) -> Shape:
     return Shape(one.study, replace(one.sol, trajectory=kept))
 
 
-def searched(study: Study, lost: bool) -> Shape:
+def search(study: Study, lost: bool) -> Shape:
     """The rod where `without_search` has none, to be sent to another process. Raises `InputError`."""
     return portable(_search(study, lost))
 
 
-def _resolved(study: Study, case: Case, sol: Solution) -> Shape:
+def _resolve(study: Study, case: Case, sol: Solution) -> Shape:
     """The start problem at as many stations as its bends need, or the part of the rod that fits into `MOST`."""
     _check(sol)
     turn = float((sol.kappa.max() if sol.kappa.size else 0.0) * sol.s[-1] / (sol.s.size - 1))
@@ -127,7 +127,7 @@ def _between(study: Study, case: Case, lost: bool) -> Solution:
     return one.solution
 
 
-def _followed(study: Study, case: Case, near: Solution) -> Solution | None:
+def _follow(study: Study, case: Case, near: Solution) -> Solution | None:
     """The solution next to another by Newton's method, in one step or in more; None where a step fails."""
     before, after = field_values(near.case), field_values(case)
     both = [name for name in FOLLOWED if name in before and name in after]

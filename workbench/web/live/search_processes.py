@@ -48,14 +48,14 @@ class Tasks:
         """
         if self._asked >= AT_ONCE + WAITING:
             raise InputError(MANY)
-        with self._counted():
+        with self._count():
             while self._turn.locked():
                 await _pause(wanted)
             async with self._turn:
                 return await self._process(wanted, function, args)
 
     @contextmanager
-    def _counted(self) -> Iterator[None]:
+    def _count(self) -> Iterator[None]:
         self._asked += 1
         try:
             yield
@@ -68,7 +68,7 @@ class Tasks:
         try:
             while not pipe.poll():
                 await _pause(wanted, INTERVAL / 10)
-            kind, answer = await asyncio.to_thread(_received, pipe)
+            kind, answer = await asyncio.to_thread(_receive, pipe)
         finally:
             self.running.discard(process)
             process.kill()
@@ -87,7 +87,7 @@ async def _pause(wanted: Callable[[], bool], seconds: float = INTERVAL) -> None:
     await asyncio.sleep(seconds)
 
 
-def _received(pipe: Connection) -> tuple[str, Any]:
+def _receive(pipe: Connection) -> tuple[str, Any]:
     try:
         kind, answer = pipe.recv()
     except (EOFError, OSError):

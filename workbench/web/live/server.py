@@ -143,7 +143,7 @@ class Context:
         found = await self.in_thread(page_shape.without_search, study, near.sol if near else None)
         if found is None:
             lost = near is not None and near.sol.problem.kind == "ends"
-            found = await self.search(page_shape.searched, study, lost)
+            found = await self.search(page_shape.search, study, lost)
         return found
 
     async def again(self, asked: dict[str, Any]) -> page_shape.Shape:
@@ -190,11 +190,11 @@ async def _shape(asked: dict[str, Any], at: Context) -> web.Response:
     """The rod at its stations, and what is known of it."""
     start = time.perf_counter()
     one = await at.shape(asked.get("state"), at.shapes.find(asked.get("near")))
-    body = await at.in_thread(_told, one, at.shapes, time.perf_counter() - start)
+    body = await at.in_thread(_tell, one, at.shapes, time.perf_counter() - start)
     return web.Response(body=body, content_type="application/octet-stream")
 
 
-def _told(one: page_shape.Shape, shapes: Shapes, solving: float) -> bytes:
+def _tell(one: page_shape.Shape, shapes: Shapes, solving: float) -> bytes:
     head = {
         **page_model.facts(one), "ticket": shapes.keep(page_shape.bare(one)), "problem": one.sol.problem.kind,
         "seconds": {"solve": solving},

@@ -23,7 +23,7 @@ from ...run.in_memory import StudyResult
 from ..live.document import policy
 from ..turntable import page
 from . import case_facts, measured_runs, paper, sisters, sources, turning
-from .errata import ERRATA, marked_up
+from .errata import ERRATA, mark_up
 from .formulas import bound
 from .law_cards import CLASSES, claims_of, in_degrees, law_of, of_readings, restable, sentence
 from .measured_runs import Measured
@@ -93,7 +93,7 @@ def html(
         notes=list(dict.fromkeys(law["fixed_note"] for law in laws if law["fixed_note"])),
         readings=of_readings(readings),
         errata=ERRATA,
-        marked_up=marked_up,
+        marked_up=mark_up,
         sources=[sources.row(result) for result in results],
         versions=sources.versions(datasets),
         created=max(str(result.ds.attrs["created"]) for result in results),
@@ -107,14 +107,14 @@ def html(
         program=program,
         policy=policy(style_, program, "", served=False),
         data=page.data(figures, core=turning.core()),
-        measured=[_measured(one) for one in measured],
+        measured=[_measure(one) for one in measured],
         story=[] if story is None else [_picture(story, STORY, DRAWING)],
         left_out=left_out.SENTENCE,
         equilibria=_equilibria(*equilibria) if equilibria else None,
     )
 
 
-def _measured(one: Measured) -> dict[str, Any]:
+def _measure(one: Measured) -> dict[str, Any]:
     picture = _picture(BytesIO(one.picture), f"{TITLES[one.name]}: {one.shows}", DRAWING)
     return {"name": one.name, "title": TITLES[one.name], "shows": one.shows, "source": one.source, "picture": picture}
 
@@ -175,14 +175,14 @@ def _of(ds: xr.Dataset, name: str) -> str:
 
 def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, Any]:
     """A PNG as a data URL of WebP, a fifth of the size; edges of a drawing stay as sharp as they are."""
-    packed, pixels = BytesIO(), _trimmed(image.imread(file))
+    packed, pixels = BytesIO(), _trim(image.imread(file))
     if how is DRAWING:
         pixels = np.round(pixels * LEVELS) / LEVELS
     image.imsave(packed, pixels, format="webp", pil_kwargs=how)
     return {"src": f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}", "alt": alt}
 
 
-def _trimmed(pixels: Any) -> Any:
+def _trim(pixels: Any) -> Any:
     """A picture without its white margins but a narrow one."""
     left, top, wide, high = _inked(pixels)
     return pixels[top : top + high, left : left + wide]

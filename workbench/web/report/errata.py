@@ -88,7 +88,7 @@ ERRATA = (
 )
 
 
-def marked_up(text: str) -> str:
+def mark_up(text: str) -> str:
     """A text of `ERRATA` as HTML; no line ends within a formula."""
     return " ".join(_term(escape(word)) for word in text.split(" "))
 

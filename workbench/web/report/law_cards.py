@@ -48,17 +48,17 @@ def _verdict(row: Mapping[str, Any], array: xr.DataArray) -> dict[str, str]:
         "verdict": row["verdict"],
         "class": CLASSES[row["verdict"]],
         "plain": reasons.PLAIN[row["verdict"]].capitalize(),
-        "measured": _measured(row, array),
+        "measured": _measure(row, array),
         "detail": labels.law_text(row, law_verdicts.detail(row)),
     }
 
 
-def _measured(row: Mapping[str, Any], array: xr.DataArray) -> str:
+def _measure(row: Mapping[str, Any], array: xr.DataArray) -> str:
     """What was measured; the values of an angle at the two ends of the axis in degrees."""
     if not labels.is_angle(array) or row["found"]:
-        return labels.typeset(law_verdicts.measured(row))
+        return labels.typeset(law_verdicts.measure(row))
     ends = {key: np.degrees(row[key]).tolist() for key in ("first", "last") if row[key]}
-    return labels.typeset(law_verdicts.measured({**row, **ends}).replace(" →", "° →") + "°")
+    return labels.typeset(law_verdicts.measure({**row, **ends}).replace(" →", "° →") + "°")
 
 
 def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
@@ -100,7 +100,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
             laws = [row for row in found[reading] if row["claim"] == claim]
             verdict = worst([row["verdict"] for row in laws])
             measured = [
-                f"{labels.symbol_of(row['observable'])} {labels.minus_signs(law_verdicts.measured(row))}"
+                f"{labels.symbol_of(row['observable'])} {labels.minus_signs(law_verdicts.measure(row))}"
                 for row in laws
                 if row["first"]
             ]
@@ -115,7 +115,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
                     ),
                 }
             )
-        counts = reasons.counted(Counter(str(cell["verdict"]) for cell in cells))
+        counts = reasons.count(Counter(str(cell["verdict"]) for cell in cells))
         table.append({"name": reading, "words": reading.split("/"), "cells": cells, "counts": counts})
     return {"claims": claims, "rows": table}
 
@@ -144,6 +144,6 @@ def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
             if row["lines"]
         ]
         first = labels.law_text(untested[0], untested[0]["reason"])
-        return reasons.joined([first, *others])
+        return reasons.join([first, *others])
     kinds = dict.fromkeys(kind for row in laws for kind in row["qualifications"])
     return ", ".join(kinds) if verdict == QUALIFIED else ""

@@ -47,14 +47,14 @@ def one(folder: Path, name: str, draw: Callable[[xr.Dataset], Figure], shows: Ca
     beside, why = Path(folder) / f"{name}.h5", ""
     try:
         if beside.is_file():
-            return _made(writing.read(beside, study=False), name, draw, shows, f"{name}.h5 beside this report")
+            return _make(writing.read(beside, study=False), name, draw, shows, f"{name}.h5 beside this report")
     except (InputError, KeyError, ValueError) as error:  # a readable file may still lack variables
         why = f" ({beside.name} beside this report cannot be drawn: {error})"
     shipped = writing.read(SHIPPED / f"{name}.h5", study=False)
-    return _made(shipped, name, draw, shows, f"a run that comes with the workbench{why}")
+    return _make(shipped, name, draw, shows, f"a run that comes with the workbench{why}")
 
 
-def _made(
+def _make(
     ds: xr.Dataset,
     name: str,
     draw: Callable[[xr.Dataset], Figure],

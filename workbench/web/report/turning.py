@@ -14,7 +14,7 @@ from studies.readings import DROPPED, TABLE_1, Reading
 from ...data import labels
 from ...data.schema import axes_of
 from ..live.presets import PRESETS, Preset
-from ..turntable.stored import stored
+from ..turntable.stored import store
 from . import case_facts
 
 MOST_BYTES = 400_000  # of the stations of a panel
@@ -23,10 +23,10 @@ FIELDS = ("E", "R", "beta", "F1", "dgamma", "F3")  # those that the reading uses
 
 def figure_of(ds: xr.Dataset) -> dict[str, Any] | None:
     """The plain data of a panel's turntable; None where no case has a shape."""
-    if not axes_of(ds) and (solving := _solved(ds)):
+    if not axes_of(ds) and (solving := _solve(ds)):
         return solving
     try:
-        return stored(ds, most_bytes=MOST_BYTES, facts=case_facts.rows).data
+        return store(ds, most_bytes=MOST_BYTES, facts=case_facts.rows).data
     except InputError:
         return None
 
@@ -41,7 +41,7 @@ def script() -> str:
     return (build.HERE / "rod.js").read_text(encoding="utf-8")
 
 
-def _solved(ds: xr.Dataset) -> dict[str, Any] | None:
+def _solve(ds: xr.Dataset) -> dict[str, Any] | None:
     """The data of the rod of Table 1, which the page solves itself; None for any other rod."""
     reading, preset = str(ds.attrs.get("reading", "")), PRESETS[0]
     if not reading or any(abs(float(ds[name]) - TABLE_1[name]) > 1e-9 for name in ("E", "R", "a", "L")):

@@ -12,7 +12,7 @@ from jinja2 import Environment, StrictUndefined
 from ...data import labels, scene_look, selection
 from ...data.escaping import finite
 from ..live import document
-from .stored import stored
+from .stored import store
 
 FIRST = "turntables"  # the module of the page with which the program begins
 
@@ -32,10 +32,10 @@ def html(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> str:
     InputError
         As of `stored`.
     """
-    found = stored(ds, at)
+    found = store(ds, at)
     style, script = look() + read("page.css"), program()
     sliders = len(found.data["axes"])
-    return rendered(
+    return render(
         "page.html.j2",
         title=str(ds.attrs["title"]),
         lead=". ".join(part for part in (labels.reading(ds), _held(ds, at or {})) if part),
@@ -54,7 +54,7 @@ def figure(name: str, label: str, still: str = "", caption: str = "", reset: boo
 
     row: whether `still` shows all rods of the turntable, so that it stays above the one that turns.
     """
-    return rendered("figure.html.j2", id=name, label=label, still=still, caption=caption, reset=reset, row=row)
+    return render("figure.html.j2", id=name, label=label, still=still, caption=caption, reset=reset, row=row)
 
 
 def data(figures: Mapping[str, Any], **more: Any) -> str:
@@ -81,7 +81,7 @@ def read(name: str) -> str:
     return (files(__package__) / name).read_text(encoding="utf-8")
 
 
-def rendered(name: str, **values: Any) -> str:
+def render(name: str, **values: Any) -> str:
     """A template of this folder, filled in."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     return environment.from_string(read(name)).render(**values)

@@ -44,7 +44,7 @@ class Stored:
     left_out: list[str]
 
 
-def stored(
+def store(
     ds: xr.Dataset,
     at: Mapping[str, Any] | None = None,
     most_bytes: int = MOST_BYTES,
@@ -75,7 +75,7 @@ def stored(
     if schema.loads_vary(ds):
         raise InputError("a page of turning rods needs rods without weight and friction: make a picture, a .png")
     n = ds.sizes["u"]
-    chosen = _chosen({name: ds.sizes[name] for name in free}, base, most_bytes // (ROWS * BYTES * n))
+    chosen = _choose({name: ds.sizes[name] for name in free}, base, most_bytes // (ROWS * BYTES * n))
     wheres = [base | dict(zip(free, one, strict=True)) for one in product(*chosen.values())]
     lines = [_line(ds, where) for where in wheres]
     solved = [line for line in lines if line is not None]
@@ -93,7 +93,7 @@ def stored(
         "cases": [
             _case(ds, where, line) | _facts(ds, where, line, facts) for where, line in zip(wheres, lines, strict=True)
         ],
-        "arrays": _packed(lines, step, n),
+        "arrays": _pack(lines, step, n),
         "extremes": [min(pushes[0] for pushes in along), max(pushes[1] for pushes in along)],
         "push": labels.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}"),
     }
@@ -112,7 +112,7 @@ def _is_blind(line: Centreline) -> bool:
     return line.swing > APART and line.error > NEAR * line.a
 
 
-def _chosen(sizes: dict[str, int], base: Mapping[str, int], most: int) -> dict[str, list[int]]:
+def _choose(sizes: dict[str, int], base: Mapping[str, int], most: int) -> dict[str, list[int]]:
     """The indices of each axis that are stored, at most so many cases; both ends and the base are among them."""
     counts = dict(sizes)
     if most < 1:
@@ -177,7 +177,7 @@ def _case(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None) -> 
     numbers = {"R": line.R, "a": line.a, "rho": line.rho, "L": line.L, "A": line.A}
     loads = {"FZ": line.p * line.A, "MZ": line.l * line.A, "M3": line.m * line.A}
     caution = cautions.said(ds["caution"].isel(dict(where)).values) if "caution" in ds else ""
-    notes = (_sampled(ds, where), caution, left_out.stored_note(ds))
+    notes = (_sample(ds, where), caution, left_out.store_note(ds))
     return {"numbers": numbers | loads, "note": labels.typeset(" ".join(note for note in notes if note))}
 
 
@@ -185,16 +185,16 @@ def _facts(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None, fa
     return {} if facts is None or line is None else {"facts": facts(ds.isel(dict(where)))}
 
 
-def _sampled(ds: xr.Dataset, where: Mapping[str, int]) -> str:
+def _sample(ds: xr.Dataset, where: Mapping[str, int]) -> str:
     """The values of the sampled fields of a case, as a sentence."""
-    fields = schema.sampled_fields(ds) if SAMPLE in ds.dims else []
+    fields = schema.sample_fields(ds) if SAMPLE in ds.dims else []
     names = [name for name in map(schema.dimension, fields) if name in ds]
     values = [(name, float(ds[name].isel({k: i for k, i in where.items() if k in ds[name].dims}))) for name in names]
     texts = [f"{labels.symbol(ds[name])} = {labels.value(value, ds[name])}" for name, value in values]
     return f"{', '.join(texts)}." if texts else ""
 
 
-def _packed(lines: Sequence[Centreline | None], step: int, n: int) -> str:
+def _pack(lines: Sequence[Centreline | None], step: int, n: int) -> str:
     """beta, beta', alpha and z of every case at the stored stations, in base64."""
     nothing = np.zeros((ROWS, (n - 1) // step + 1), dtype="<f4")
     rows = [
