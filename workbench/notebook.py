@@ -208,9 +208,7 @@ def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
     owners = {
         **dict.fromkeys((name for name, _ in case.rod.given()), case.rod),
         **{
-            name: case.cylinder
-            for name in ("R", "inclination", "friction")
-            if getattr(case.cylinder, name) is not None
+            name: case.cylinder for name in ("R", "inclination", "friction") if getattr(case.cylinder, name) is not None
         },
         "rho": case,
         "FZ": sol,
