@@ -56,7 +56,7 @@ def names() -> list[str]:
     --------
     >>> from studies import names
     >>> names()[:3]
-    ['fig6', 'fig7_1_modulus', 'fig7_2_radius']
+    ['capstan', 'fig6', 'fig7_1_modulus']
     """
     return sorted(path.stem for path in SHIPPED.glob("*.toml"))
 

@@ -9,7 +9,7 @@ from scipy.integrate import solve_bvp, solve_ivp
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
 from solver.boundary.level_grid import boundary_of, level_grid_of
-from solver.boundary.paths import Levels, paths
+from solver.boundary.paths import Levels
 from solver.boundary.search import search
 from solver.boundary.transit_times import transit_times
 from solver.observe.observables import observe
@@ -207,7 +207,7 @@ def test_times_next_to_a_saddle_go_on_by_the_law_of_the_log_gap(numbers) -> None
     pin, sign = chain.levels.pin[first], chain.levels.sign[first]
     y = boundary.deepest - np.array([1.0, 60.0, 200.0])
     levels = Levels(np.full(3, pin), np.full(3, sign), y)
-    counts = paths(boundary, 4).counts(boundary.rising)
+    counts = boundary.paths(4).counts(boundary.rising)
     law = transit_times(boundary, levels).lengths(counts)
     direct = transit_times(replace(boundary, deepest=-570.0), levels).lengths(counts)
     np.testing.assert_allclose(law, direct, rtol=1e-12)
