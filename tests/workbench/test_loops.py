@@ -14,7 +14,7 @@ from tests.workbench import doc_pages
 from tests.workbench.pictures import pixels
 from workbench import cli
 from workbench.data import writing
-from workbench.geometry import centreline, self_contact
+from workbench.geometry import self_contact, stored_line
 
 ROOT = Path(__file__).parents[2]
 PAGE = doc_pages.read(ROOT / "docs" / "how-to" / "close-a-rod.md")
@@ -119,6 +119,6 @@ def test_the_ends_of_a_closed_rod_are_no_place_where_it_passes_through_itself() 
     found = loops(Rod(E=1.07e4, nu=0.25, a=0.05, L=12.0), Cylinder(R=1.05, side="inside"), folds=2)
     ds = found.to_dataset(length="cm", force="N")
     for k in range(ds.sizes["equilibrium"]):
-        line = centreline.read(ds, {"equilibrium": k})
+        line = stored_line.read(ds, {"equilibrium": k})
         end = line.frame(line.s[:1])[0]
         assert all(np.linalg.norm(place - end) > line.a for place in self_contact.places(line, (0.0, line.L)))

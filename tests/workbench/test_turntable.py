@@ -23,7 +23,7 @@ from studies.loader import loads
 from tests.workbench import browser, node, small
 from workbench import notebook
 from workbench.cli import main
-from workbench.geometry import centreline
+from workbench.geometry import stored_line
 from workbench.run import in_memory
 from workbench.web.turntable import page
 from workbench.web.turntable.stored import store
@@ -133,7 +133,7 @@ def test_the_page_draws_the_stored_rods(ds: xr.Dataset) -> None:
     script = """given.arrays = stored_shapes.numbersOf(given.arrays);
 const { s, alpha, z, push } = stored_shapes.storedShape(given, given.k); answer({ s, alpha, z, push });"""
     found = node.run(script, data, ("stored_shapes",))
-    line = centreline.read(ds, {"E": 7})
+    line = stored_line.read(ds, {"E": 7})
     s = np.array(found["s"])
     alpha, _, z = line.at(s)
     np.testing.assert_allclose(found["alpha"], alpha, atol=2e-3)  # half a hundredth of the rod's radius
@@ -259,7 +259,8 @@ def test_the_axes_of_a_solution_are_those_of_its_fields(one: Solution) -> None:
     assert dict(notebook.dataset_of(solve(both)).sizes) == {"case1": 3, "u": 201}
     ends = solve(Case(ROD, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1)))
     np.testing.assert_allclose(notebook.dataset_of(ends)["z"], ends.z)
-    np.testing.assert_array_equal(centreline.read(notebook.dataset_of(one), {}).push(one.s).argmax(), one.push.argmax())
+    line = stored_line.read(notebook.dataset_of(one), {})
+    np.testing.assert_array_equal(line.push(one.s).argmax(), one.push.argmax())
 
 
 def test_a_dataset_turns_inline(ds: xr.Dataset) -> None:

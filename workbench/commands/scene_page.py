@@ -75,7 +75,7 @@ def _stations(ds: "xr.Dataset") -> int:
     from itertools import product
 
     from ..data import schema
-    from ..geometry import centreline
+    from ..geometry import stored_line
     from ..web.turntable.stored import stations_for
 
     axes = schema.axes_of(ds)
@@ -83,5 +83,5 @@ def _stations(ds: "xr.Dataset") -> int:
     for indices in product(*(range(ds.sizes[name]) for name in axes)):
         where = dict(zip(axes, indices, strict=True))
         if bool(ds["solved"].isel(where)):
-            most = max(most, stations_for(centreline.read(ds, where)))
+            most = max(most, stations_for(stored_line.read(ds, where)))
     return most

@@ -7,7 +7,7 @@ import xarray as xr
 from solver.problem.errors import InputError, choices
 
 from ..data import schema, selection
-from ..geometry import centreline
+from ..geometry import stored_line
 from .base import Options, Rod
 
 
@@ -45,7 +45,7 @@ def along(ds: xr.Dataset, name: str, options: Options) -> Series:
     for case in cases:
         if ds["solved"].isel(case):
             title = f"{ds.attrs['study_name']} {axis}={float(ds[axis][case[axis]]):.6g}"
-            rods.append(Rod(ds, case, centreline.read(ds, case), title, options))
+            rods.append(Rod(ds, case, stored_line.read(ds, case), title, options))
     if not rods:
         raise InputError(f"no case along {axis} is solved: there is nothing to export")
     values = [float(ds[axis][rod.where[axis]]) for rod in rods]

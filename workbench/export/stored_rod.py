@@ -12,7 +12,7 @@ import xarray as xr
 from solver.problem.errors import InputError, choices
 
 from ..data import atomic, selection, writing
-from ..geometry import centreline, self_contact
+from ..geometry import self_contact, stored_line
 from . import pvd, series
 from .base import Format, Options, Rod, metres
 from .formats import FORMATS, format_of
@@ -85,7 +85,7 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
         return _frames(ds, path, options, force, format)
     where = selection.case(ds, options.at)
     at = {name: float(ds[name].values[i]) for name, i in where.items()}
-    rod = Rod(ds, where, centreline.read(ds, where), _title(ds, at), options)
+    rod = Rod(ds, where, stored_line.read(ds, where), _title(ds, at), options)
     facts, warnings = _write(path, rod, format, force)
     return Exported(path, at, facts, warnings)
 

@@ -6,22 +6,18 @@ apart than the swings of beta, such a curve may miss swings without a trace: the
 to station, and the error is the largest that a rod of that length can have.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
-from scipy.interpolate import BPoly, make_interp_spline
+from scipy.interpolate import BPoly
 
 from solver.mechanics import frames, statics
 from solver.mechanics.contact import contact_force, push_from
 from solver.mechanics.potential import Loads, dimensional_slope, potential
 from solver.problem.errors import InputError
-
-from ..data import rod_fields, schema
 
 Array = NDArray[np.float64]
 
@@ -201,45 +197,6 @@ class Centreline:
             )
 
 
-def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
-    """The centreline of one case, by its indices along the axes.
-
-    Raises `InputError` where the dataset lacks one of `NEEDED`, or the case is not solved. Where loads vary along the
-    rod the curve needs the contact force in place of the loads.
-    """
-    from .varying_line import VaryingLine
-
-    varies = schema.loads_vary(ds)
-    needed = (*NEEDED, *rod_fields.of_stiffness(ds), *["contact"] * varies)
-    missing = [name for name in needed if name not in ds]
-    if missing:
-        raise InputError(f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs")
-    one = ds.isel(dict(where))
-    outcome = str(one["outcome"].values)
-    along = {name: np.asarray(one[name], dtype=float) for name in ("alpha", "beta", "z")}
-    if not one["solved"] or not np.isfinite(list(along.values())).all():
-        raise InputError(f"this case has no shape: {outcome}")
-    number = {name: float(one[name]) for name in needed[3:] if name != "contact"}
-    A = float(rod_fields.bending_stiffness(str(ds.attrs["stiffness"]), number))
-    loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
-    s = np.asarray(one["s"].values, dtype=float)
-    is_stored = "dbeta" in ds
-    R, a, rho = (number[name] for name in ("R", "a", "rho"))
-    if is_stored:
-        dbeta = np.asarray(one["dbeta"], dtype=float)
-    elif varies:
-        dbeta = np.asarray(make_interp_spline(s, along["beta"], k=min(5, s.size - 1))(s, 1))
-    else:
-        dbeta = _slopes(s, along["beta"], rho, *loads)
-    l, m, p = (np.nan, loads[1], np.nan) if varies else loads
-    side, unit = str(ds.attrs["side"]), str(ds.attrs["length_unit"])
-    bore = number.get("inner_radius", 0.0)
-    known = (s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side, bore, unit, is_stored)
-    if varies:
-        return VaryingLine(*known, stored_contact=np.asarray(one["contact"], dtype=float))
-    return Centreline(*known)
-
-
 def through(s: Array, known: Array) -> Any:
     """The piecewise polynomial with the derivatives `known`, (n, k, ...), at s, (n,): all its pieces at once.
 
@@ -253,7 +210,7 @@ def through(s: Array, known: Array) -> Any:
     return BPoly(np.tensordot(unit, ends, axes=(1, 1)), s)
 
 
-def _slopes(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> Array:
+def slopes(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> Array:
     """beta' at the stations from beta there and beta'' = -H(beta) between them, (n,).
 
     On each interval beta' at its two ends follows from the two angles and the integral of beta''; the two values at a

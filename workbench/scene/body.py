@@ -14,7 +14,7 @@ from solver.problem.errors import InputError
 
 from ..data import schema
 from ..data.schema import SECTION
-from ..geometry import centreline, self_contact, tube
+from ..geometry import centreline, self_contact, stored_line, tube
 from ..geometry.centreline import Array, Centreline
 from ..geometry.lines import TALLEST
 from ..geometry.refinement import Rings, rings
@@ -177,7 +177,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
     if any(name in ds for name in schema.VARYING):
         also |= {name for name in ("contact", *schema.VARYING) if name in ds}
     one = ds[sorted(stored | also)]
-    line = centreline.read(one, where)
+    line = stored_line.read(one, where)
     this = one.isel(dict(where))
     gamma = np.asarray(this["gamma"], dtype=float) if "gamma" in kind.reads else None
     caution = str(this["caution"].values) if "caution" in this else ""

@@ -15,7 +15,7 @@ from studies.dimensions import SAMPLE
 
 from ...data import cautions, labels, left_out, schema, selection
 from ...data.schema import axes_of
-from ...geometry import centreline, refinement
+from ...geometry import refinement, stored_line
 from ...geometry.centreline import APART, Array, Centreline
 
 MOST_BYTES = 1_900_000  # of the stored arrays; as text a third more, so that a file stays below 3 MB
@@ -137,7 +137,7 @@ def _choose(sizes: dict[str, int], base: Mapping[str, int], most: int) -> dict[s
 
 def _line(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline | None:
     """The centreline of a case; None where it is not solved."""
-    return centreline.read(ds, where) if bool(ds["solved"].isel(dict(where))) else None
+    return stored_line.read(ds, where) if bool(ds["solved"].isel(dict(where))) else None
 
 
 def _stride(lines: Sequence[Centreline]) -> int:

@@ -1,0 +1,50 @@
+"""The centreline of a case, read from its dataset."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import make_interp_spline
+
+from solver.problem.errors import InputError
+
+from ..data import rod_fields, schema
+from .centreline import NEEDED, Centreline, slopes
+from .varying_line import VaryingLine
+
+
+def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
+    """The centreline of one case, by its indices along the axes.
+
+    Raises `InputError` where the dataset lacks one of `NEEDED`, or the case is not solved. Where loads vary along the
+    rod the curve needs the contact force in place of the loads.
+    """
+    varies = schema.loads_vary(ds)
+    needed = (*NEEDED, *rod_fields.of_stiffness(ds), *["contact"] * varies)
+    missing = [name for name in needed if name not in ds]
+    if missing:
+        raise InputError(f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs")
+    one = ds.isel(dict(where))
+    outcome = str(one["outcome"].values)
+    along = {name: np.asarray(one[name], dtype=float) for name in ("alpha", "beta", "z")}
+    if not one["solved"] or not np.isfinite(list(along.values())).all():
+        raise InputError(f"this case has no shape: {outcome}")
+    number = {name: float(one[name]) for name in needed[3:] if name != "contact"}
+    A = float(rod_fields.bending_stiffness(str(ds.attrs["stiffness"]), number))
+    loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
+    s = np.asarray(one["s"].values, dtype=float)
+    is_stored = "dbeta" in ds
+    R, a, rho = (number[name] for name in ("R", "a", "rho"))
+    if is_stored:
+        dbeta = np.asarray(one["dbeta"], dtype=float)
+    elif varies:
+        dbeta = np.asarray(make_interp_spline(s, along["beta"], k=min(5, s.size - 1))(s, 1))
+    else:
+        dbeta = slopes(s, along["beta"], rho, *loads)
+    l, m, p = (np.nan, loads[1], np.nan) if varies else loads
+    side, unit = str(ds.attrs["side"]), str(ds.attrs["length_unit"])
+    bore = number.get("inner_radius", 0.0)
+    known = (s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side, bore, unit, is_stored)
+    if varies:
+        return VaryingLine(*known, stored_contact=np.asarray(one["contact"], dtype=float))
+    return Centreline(*known)
