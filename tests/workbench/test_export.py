@@ -29,7 +29,7 @@ from workbench.export import formats, step
 from workbench.export.base import Format, Options
 from workbench.export.base import Rod as StoredRod
 from workbench.export.stored_rod import export, put
-from workbench.geometry import centreline, self_contact
+from workbench.geometry import centreline, self_contact, stored_line
 from workbench.run import in_memory
 
 # Table 1 but for E, its lengths in any unit: at 5000 a bend is tighter than the rod is thick, at 10700 turns meet, at
@@ -70,7 +70,7 @@ def ds() -> xr.Dataset:
 
 
 def line(ds: xr.Dataset, i: int = 2, every: int = 1) -> centreline.Centreline:
-    return centreline.read(ds.isel(u=slice(None, None, every)), {"E": i})
+    return stored_line.read(ds.isel(u=slice(None, None, every)), {"E": i})
 
 
 @pytest.mark.parametrize("every", [1, 2, 4, 8])
@@ -99,7 +99,7 @@ def test_too_few_stations_are_refused_and_the_number_named_is_enough(ds) -> None
     more = int(re.search(r"about (\d+)", str(told.value))[1])
     assert 60 < more < 400  # 201 give 4e-8, 101 4e-6
     study = loads(STUDY.format(length="cm").replace("201", str(more)), default_name="moduli")
-    centreline.read(in_memory.run(study), {"E": 0}).check(1e-6)
+    stored_line.read(in_memory.run(study), {"E": 0}).check(1e-6)
 
 
 def test_a_bend_tighter_than_the_rod_and_turns_that_meet_are_found_where_they_are(ds) -> None:

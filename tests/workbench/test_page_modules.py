@@ -17,7 +17,7 @@ from studies.readings import READINGS
 from tests.workbench.node import needs_node, run
 from workbench.data import labels, push_colours, scene_look
 from workbench.figures import single_rod
-from workbench.geometry import centreline, self_contact
+from workbench.geometry import self_contact, stored_line
 from workbench.scene import colours as scene_colours
 from workbench.scene import shading
 from workbench.web.live import page_model, page_shape
@@ -124,7 +124,7 @@ def test_which_rods_pass_through_themselves() -> None:
 def test_a_rod_is_ringed_where_the_stills_ring_it() -> None:
     script = SHAPE + "answer(self_contact.crossings(shape));"
     found = np.array(run(script, state(), (*MODULES, "self_contact")))
-    line = centreline.read(solve(case_of(state()), stations=2001).to_dataset(), {})
+    line = stored_line.read(solve(case_of(state()), stations=2001).to_dataset(), {})
     wanted = np.array(self_contact.places(line, (0.0, line.L)))
     away = np.linalg.norm(found[:, None] - wanted, axis=-1)
     assert len(wanted) == len(found) == 5

@@ -9,7 +9,7 @@ from benchmarks.detail import off
 from solver import Case, Cylinder, Rod, Solution, Start, solve
 from solver.problem.errors import InputError
 from studies.loader import loads
-from workbench.geometry import centreline
+from workbench.geometry import centreline, stored_line
 from workbench.geometry.refinement import rings, stations_for
 from workbench.run import in_memory
 from workbench.scene.body import Body, read
@@ -114,10 +114,10 @@ def test_the_stated_error_and_the_push_are_true_however_few_the_stations(stored:
     for _ in range(4):
         sol = near_a_helix(random.uniform(0.3, 1.4), 10 ** random.uniform(-3, 0), 10 ** random.uniform(1.5, 3), 10081)
         ds = sol.to_dataset(length="cm", force="N")
-        places, push = centreline.read(ds, {}).frame(ds["s"].values)[0], sol.push
+        places, push = stored_line.read(ds, {}).frame(ds["s"].values)[0], sol.push
         for step in (5, 40, 105, 504):
             few = ds.isel(u=slice(None, None, step))
-            line = centreline.read(few if stored else few.drop_vars("dbeta"), {})
+            line = stored_line.read(few if stored else few.drop_vars("dbeta"), {})
             off = np.linalg.norm(line.frame(ds["s"].values)[0] - places, axis=1).max()
             assert off <= line.error + 1e-9
             if stored or (line.swing > centreline.APART and line.error < line.a):  # else no picture shows that push
@@ -125,7 +125,7 @@ def test_the_stated_error_and_the_push_are_true_however_few_the_stations(stored:
 
 
 def test_a_helix_that_goes_around_twice_between_stations_is_drawn_as_it_is() -> None:
-    line = centreline.read(near_a_helix(1.2, 0.0, 2000.0, 201).to_dataset(length="cm", force="N"), {})
+    line = stored_line.read(near_a_helix(1.2, 0.0, 2000.0, 201).to_dataset(length="cm", force="N"), {})
     assert np.ptp(line.alpha) / 200 > 2 * np.pi
     drawn = rings(line, (0.0, 2000.0), 0.05)
     middles = line.frame((drawn.s[1:] + drawn.s[:-1]) / 2)[0]

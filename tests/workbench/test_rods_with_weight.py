@@ -11,7 +11,7 @@ from studies import loads
 from workbench.data import left_out
 from workbench.export import stored_rod
 from workbench.figures import portrait, states
-from workbench.geometry import centreline
+from workbench.geometry import stored_line
 from workbench.run import in_memory
 from workbench.scene import camera, layout
 from workbench.scene.settings import Settings
@@ -52,7 +52,7 @@ LYING: Mapping[str, int] = {"inclination": 1}
 
 
 def test_the_curve_of_a_stored_rod_with_weight_is_that_of_more_stations(ds: xr.Dataset) -> None:
-    line, fine = centreline.read(ds, LYING), centreline.read(pipes(961), LYING)
+    line, fine = stored_line.read(ds, LYING), stored_line.read(pipes(961), LYING)
     place, exact = line.frame(fine.s)[0], fine.frame(fine.s)[0]
     assert np.abs(place - exact).max() < 1e-5 * line.rho
     assert line.error < 1e-5 * line.rho

@@ -17,7 +17,7 @@ from studies.loader import loads
 from studies.writer import dumps
 from tests.workbench import doc_pages
 from workbench.data import law_verdicts, reading, value_checks, writing
-from workbench.geometry import centreline
+from workbench.geometry import stored_line
 from workbench.run import in_memory
 from workbench.run.case_input import field_values, from_values, with_fields
 
@@ -103,7 +103,7 @@ def test_what_reads_a_file_uses_the_stiffness_of_its_section(stored: xr.Dataset)
     case = loads(TUBE if axis == "inner_radius" else DIRECT).case()
     A = case.rod.bending_stiffness
     for k in range(3):
-        assert np.broadcast_to(A, case.shape)[k] == centreline.read(stored, {axis: k}).A
+        assert np.broadcast_to(A, case.shape)[k] == stored_line.read(stored, {axis: k}).A
     np.testing.assert_array_equal(stored.rod.M2, A[:, None] * np.sin(stored["beta"]) ** 2 / stored["rho"])
     if axis == "EI":
         (verdict,) = law_verdicts.verdicts(stored)
