@@ -20,7 +20,7 @@ from solver.observe.observables import observe
 from studies import Study
 from studies.lattice import Lattice
 from studies.loader import load, loads
-from studies.refinement import store
+from studies.refinement import refinement_of
 from workbench.data import refined
 from workbench.run import in_memory
 from workbench.run.study_store import Options, run_to_file
@@ -84,7 +84,7 @@ def main() -> None:
     turns = uniform(work, lattice)
     at = tuple(found.places.T)
     print(f"cases with another number than on the uniform grid: {int((turns[at] != ds['turns'].values).sum())}")
-    cells = store(lattice, found.places, np.empty((cases, 0)), np.empty(0), lattice.depth).cells[-1]
+    cells = refinement_of(lattice, found.places, np.empty((cases, 0)), np.empty(0), lattice.depth).cells[-1]
     wanted, known = boundary(turns), np.zeros([size - 1 for size in lattice.sizes], dtype=bool)
     known[tuple(cells.T)] = True
     print(f"boundary cells of the uniform grid: {int(wanted.sum())}; missed: {int((wanted & ~known).sum())}")

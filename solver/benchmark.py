@@ -77,7 +77,7 @@ def ladders() -> dict[str, Ladder]:
     return {ladder.name: ladder for method in methods for ladder in method.ladders}
 
 
-def offer() -> dict[str, Ladder]:
+def available_ladders() -> dict[str, Ladder]:
     """The ladders of the methods that can run here."""
     return {name: ladder for name, ladder in ladders().items() if METHODS[ladder.method].installed()}
 
@@ -107,7 +107,7 @@ def measure(
     for name, (case, reference, slope) in cases.items():
         told(name)
         seed = {} if slope is None else {"seed": _coarse(case, slope)}
-        for label, ladder in (offer() if ladders is None else ladders).items():
+        for label, ladder in (available_ladders() if ladders is None else ladders).items():
             if case.kind in METHODS[ladder.method].problems:
                 rows += _climb(name, case, reference, label, ladder, seed)
     return rows

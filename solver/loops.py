@@ -140,11 +140,11 @@ def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations
     >>> [one.index for one in found], found[0].push_min < 0
     ([2, 3], True)
     """
-    from .closed.orbits import CLOSE, close_orbits  # only a call needs the modules behind these
+    from .closed.orbits import CLOSE, orbits_of_gain  # only a call needs the modules behind these
 
     span = _check(rod, cylinder, wraps, folds)
     found, remarks = [], []
-    pairs = zip((1, -1), ("pi/2", "-pi/2"), close_orbits(span / folds, 2 * np.pi * wraps / folds), strict=True)
+    pairs = zip((1, -1), ("pi/2", "-pi/2"), orbits_of_gain(span / folds, 2 * np.pi * wraps / folds), strict=True)
     for about, word, orbits in pairs:
         some = [_loop(rod, cylinder, wraps, folds, one, about, stations) for one in orbits if one.error < CLOSE]
         worst = max((one.closure for one in some), default=0.0)

@@ -243,7 +243,7 @@ def as_given(study: StudyData) -> dict[str, Any]:
     return {**(TABLE_1 if study.reading else _DEFAULTS), **study.base.given}
 
 
-def use_by_laws(study: StudyData) -> dict[str, Any]:
+def numbers_of_laws(study: StudyData) -> dict[str, Any]:
     """The numbers of `as_given` that formulas of the laws use."""
     used = {name for law in study.laws for formula in law.formulas.values() for name in formula.names}
     return {name: value for name, value in as_given(study).items() if name in used and name not in WORDS}

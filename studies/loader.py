@@ -297,23 +297,23 @@ def _sentence(error: ValidationError) -> tuple[Where, str]:
     if kind == "extra_forbidden":
         model = _MODELS.get(str(where[0]), Study) if len(where) > 1 else Study
         keys = _keys(model)
-        inside = f" in {_tell(where[:-1])}" if len(where) > 1 else ""
+        inside = f" in {_key_in_words(where[:-1])}" if len(where) > 1 else ""
         return where, f"no key {_show(where[-1])}{inside}{near(where[-1], keys)}; choose from {choices(keys)}"
     if kind == "missing":
-        owner = _tell(where[:-1]) if len(where) > 1 else "the study"
+        owner = _key_in_words(where[:-1]) if len(where) > 1 else "the study"
         return where[:-1], f"{owner} needs the key {where[-1]!r}"
     if kind == "string_pattern_mismatch":
-        return where, f"{_tell(where)} must be letters, digits, - and _ only, got {_show(value)}"
+        return where, f"{_key_in_words(where)} must be letters, digits, - and _ only, got {_show(value)}"
     if kind == "float_type" and isinstance(value, str) and _QUANTITY.match(value):
         alone = "write the number alone; the table units says in which units all numbers are"
-        return where, f"{_tell(where)} must be a number without a unit, got {_show(value)}: {alone}"
+        return where, f"{_key_in_words(where)} must be a number without a unit, got {_show(value)}: {alone}"
     said = first["msg"].replace("Input should", "must", 1)
     if kind in ("model_type", "dict_type"):
         said = "must be a table"
-    return where, f"{_tell(where)} {said}, got {_show(value)}"
+    return where, f"{_key_in_words(where)} {said}, got {_show(value)}"
 
 
-def _tell(where: Where) -> str:
+def _key_in_words(where: Where) -> str:
     """``("axes", "E", "count")`` as ``axes.E.count``, ``("laws", 0)`` as ``laws[1]``."""
     text = ""
     for part in where:

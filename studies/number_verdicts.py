@@ -97,7 +97,7 @@ def scales(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     found = f"exponent {exponent:.4g} ± {half:.2g}"
     if off - half > within:
         return Verdict(FAILS, found=found, numbers=numbers, far=off)
-    reason = line.missing() or _cross(line)
+    reason = line.missing() or _branch_changes(line)
     if off + half > within:
         reason = "; ".join(filter(None, [reason, f"the interval of the exponent reaches beyond ± {within:g}"]))
     return Verdict(UNDECIDED if reason else HOLDS, reason=reason, found=found, numbers=numbers, far=off)
@@ -121,7 +121,7 @@ def boundary(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     place = line.along - line.targets["x"]
     steps = passing(level, line.cut)
     if not steps:
-        reason = line.missing() or _cross(line)
+        reason = line.missing() or _branch_changes(line)
         return Verdict(UNDECIDED if reason else FAILS, reason=reason, found="it does not pass", far=np.inf)
     told = [f"between {line.along[i]:.4g} and {line.along[j]:.4g}" for i, j in steps]
     found = f"passes {' and '.join(told[:3])}{' and elsewhere' if len(told) > 3 else ''}"
@@ -139,7 +139,7 @@ def boundary(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
         return Verdict(FAILS, reason=f"it passes {len(steps)} times", **told_of)
     if low > within or high < -within:
         return Verdict(FAILS, **told_of)
-    reason = line.missing() or _cross(line)
+    reason = line.missing() or _branch_changes(line)
     if far > within:
         reason = "; ".join(filter(None, [reason, f"the step is wider than ± {rule['within']:g} about the value of x"]))
     return Verdict(UNDECIDED if reason else HOLDS, reason=reason, **told_of)
@@ -166,6 +166,6 @@ def _one_sign(values: Array) -> bool:
     return bool((values > 0).all() or (values < 0).all())
 
 
-def _cross(line: NumberLine) -> str:
+def _branch_changes(line: NumberLine) -> str:
     count = int(line.cut.sum())
     return f"{count} of {line.cut.size} steps lead to another branch of equilibria" if count else ""

@@ -218,7 +218,7 @@ class Refinement:
         return fits
 
 
-def store(lattice: Lattice, places: Places, numbers: Values, steps: Values, most: int) -> Refinement:
+def refinement_of(lattice: Lattice, places: Places, numbers: Values, steps: Values, most: int) -> Refinement:
     """The refinement of stored cases, with its cells as far as the level `most`: a halved cell has a case inside it.
 
     places: of the cases, (cases, axes). numbers: (cases, watched).

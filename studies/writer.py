@@ -32,7 +32,7 @@ def dumps_table(study: Study, file: str, fields: Sequence[str]) -> str:
     return tomli_w.dumps({**said, "table": {"file": file, "columns": [*fields]}})
 
 
-def tell(values: NDArray[np.float64]) -> dict[str, Any]:
+def axis_table(values: NDArray[np.float64]) -> dict[str, Any]:
     """The table of an axis with exactly these values, (n,): from, to and count if these reproduce them, else a list."""
     first, last, count = float(values[0]), float(values[-1]), values.size
     if count > 2:

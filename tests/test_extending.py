@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
-from solver.benchmark import offer
+from solver.benchmark import available_ladders
 from solver.methods import METHODS, StartMethod, Verlet, available
 from solver.methods.automatic import AUTOMATIC
 from solver.methods.base import knob
@@ -53,7 +53,7 @@ def test_a_method_is_one_row_and_is_then_solved_with_listed_compared_and_drawn(m
         solve(CASE, method="rk5")
     with pytest.raises(InputError, match="no knob 'steps' in method 'toy'; its knobs: fineness"):
         solve(CASE, method="toy", steps=4)
-    assert offer()["toy"].values == ladders_of(["toy"])["toy"].values == (1, 2)
+    assert available_ladders()["toy"].values == ladders_of(["toy"])["toy"].values == (1, 2)
     ds = in_memory.run(small.study(), 1e-3, "toy")
     assert ds.attrs["method"] == "toy"
     assert work_precision.look_of("toy").colour == "#123456"
@@ -124,6 +124,6 @@ def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monke
     ds = in_memory.run(small.study(axis + law))
     (row,) = law_verdicts.verdicts(ds)
     assert (row["verdict"], len(row["exceptions"])) == (FAILS, 2)
-    assert law_verdicts.state(row) == "height stays level along E"
+    assert law_verdicts.law_in_words(row) == "height stays level along E"
     fig = study_figure.figure(ds)
     assert any("stays level with" in " ".join(ax.get_title(loc="left").split()) for ax in fig.axes)

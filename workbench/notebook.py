@@ -117,7 +117,7 @@ class StudyRun:
 
         self.ds = in_memory.run(study)
         self._rows = law_verdicts.verdicts(self.ds)
-        self.verdicts = [(law_verdicts.state(row), str(row["verdict"])) for row in self._rows]
+        self.verdicts = [(law_verdicts.law_in_words(row), str(row["verdict"])) for row in self._rows]
 
     def plot(self, **at: Any) -> Plot:
         """The figure of the study, or of its case at these values of axes. Raises `InputError`."""

@@ -153,11 +153,11 @@ def fold_curves(case: Case, *, lattice: int = 9, **ranges: Any) -> FoldCurves:
     if not 2 <= lattice <= MOST or lattice != int(lattice):
         raise InputError(f"lattice must be a whole number from 2 to {MOST}, got {lattice!r}")
     searched = search_curves(plane, int(lattice))
-    curves = [_tell(searched, curve) for curve in searched.curves]
+    curves = [_fold_curve(searched, curve) for curve in searched.curves]
     return FoldCurves(case, plane.names, plane.low, plane.high, curves, _remark(searched), searched)
 
 
-def _tell(searched: Searched, curve: Curve) -> FoldCurve:
+def _fold_curve(searched: Searched, curve: Curve) -> FoldCurve:
     """A traced curve in the units of its case."""
     plane = searched.plane
     line, more = curve.dense()

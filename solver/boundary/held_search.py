@@ -97,13 +97,13 @@ def held_search(
         return found
     for some in starts_of(points, found.ranges):
         found.starts += 1
-        found.failed += not _is_continued(found, some)
+        found.failed += not _continue_from(found, some)
     _across_folds(found, 0)
     _deflate(found, points, tries)
     return found
 
 
-def _is_continued(found: HeldFound, some: list[State]) -> bool:
+def _continue_from(found: HeldFound, some: list[State]) -> bool:
     """Whether one of the starts led to an equilibrium with the given numbers."""
     for start in some:
         state = carry(start, found.given, _STEPS)

@@ -51,10 +51,10 @@ def from_seed(wanted: Given, problem: EndsProblem, path: Path | None) -> Reached
         return "failed: the seed is not a solution of its own ends problem"
     seed = state_of(problem, path, wanted.hinged)
     found = carry(seed, wanted)
-    return tell(found) if isinstance(found, Stopped) else Reached(found, said_of_seed(seed, found, wanted), seed)
+    return outcome_of(found) if isinstance(found, Stopped) else Reached(found, said_of_seed(seed, found, wanted), seed)
 
 
-def tell(found: Stopped) -> str:
+def outcome_of(found: Stopped) -> str:
     """The outcome of a continuation that stopped."""
     return (
         f"failed: the branch of the start could not be followed to the held ends: {found.reason} "
@@ -88,7 +88,7 @@ def _reach(
     for tried, start in enumerate(starts[:_TRIED], 1):
         found = carry(start, wanted, steps)
         if isinstance(found, Stopped):
-            why = why or tell(found)
+            why = why or outcome_of(found)
             continue
         found = next((one for one in helices if is_known(found, [numbers_of(one)])), found)
         reached.append(Reached(found, _dead(start)))

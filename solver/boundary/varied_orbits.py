@@ -52,9 +52,7 @@ def _vary(problem: EndsProblem, start: StartProblem, level: tuple[Array, ...]) -
     return variations_on(relative, arcs)
 
 
-def _start(
-    problem: EndsProblem, paths: list[Path], places: list[LinePoint]
-) -> tuple[StartProblem, tuple[Array, ...]]:
+def _start(problem: EndsProblem, paths: list[Path], places: list[LinePoint]) -> tuple[StartProblem, tuple[Array, ...]]:
     """The start problems of B paths, without the time that a gap in floating point cannot express at a saddle; and the
     pins, the gaps, and the log by which the gaps are too large, (B,) each."""
     deepest, y = np.array([place.blank.deepest for place in places]), np.array([path.y for path in paths])

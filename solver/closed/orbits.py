@@ -41,7 +41,7 @@ class ClosedOrbit:
     error: float
 
 
-def close_orbits(period: float, azimuth: float) -> tuple[list[ClosedOrbit], list[ClosedOrbit]]:
+def orbits_of_gain(period: float, azimuth: float) -> tuple[list[ClosedOrbit], list[ClosedOrbit]]:
     """The orbits about pi/2 of a period in which alpha gains `azimuth`, and those in which it gains its negative.
 
     0 < azimuth < period. The largest b1 first.

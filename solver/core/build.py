@@ -53,7 +53,7 @@ def commands() -> list[list[str]]:
     return [*found, [sys.executable, "-m", "ziglang", "cc", "-s"]] if find_spec("ziglang") else found
 
 
-def define(digest: str) -> str:
+def digest_flag(digest: str) -> str:
     """The flag that makes the digest of the sources a part of the library."""
     return f'-DROD_SOURCES="{digest}"'
 
@@ -62,7 +62,7 @@ def arguments(target: Path) -> list[str]:
     """What each compiler is given to write the library `target`."""
     unix = [] if sys.platform == "win32" else ["-fPIC", "-lm"]
     sources = [str(path) for path in sorted(HERE.glob("*.c"))]
-    return [*FLAGS, define(digest()), "-shared", "-o", str(target), *sources, *unix]
+    return [*FLAGS, digest_flag(digest()), "-shared", "-o", str(target), *sources, *unix]
 
 
 def build_for_browsers(target: Path = HERE / WASM) -> None:
@@ -74,7 +74,7 @@ def build_for_browsers(target: Path = HERE / WASM) -> None:
 
     kind = ["--target=wasm32-wasi", "-mexec-model=reactor", "-msimd128", "-Wl,--strip-all"]
     kind += [f"-Wl,--export={name}" for name in ("rod_march", "rod_sources", "malloc", "free")]
-    options = [*kind, *FLAGS, define(digest(WASM_SOURCES)), "-o", str(target), str(HERE / "rod.c")]
+    options = [*kind, *FLAGS, digest_flag(digest(WASM_SOURCES)), "-o", str(target), str(HERE / "rod.c")]
     command = [sys.executable, "-m", "ziglang", "cc", *options]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:

@@ -88,7 +88,7 @@ static parted parted_on(const workspace *w, const stretch *p, double whole, doub
     return out;
 }
 
-/* The parts of the rod on which the cylinder pushes and pulls: `measurement._parted`; the error of the push alone. */
+/* The parts of the rod on which the cylinder pushes and pulls: `measurement._part`; the error of the push alone. */
 static void pushes_of(const workspace *w, double error, numbers *out)
 {
     double pushed = 0, pulled = 0, share = 0, unsure = 0, wrong = 0;

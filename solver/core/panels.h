@@ -224,7 +224,7 @@ INLINE void integral(int n, const double *restrict a, double *restrict b)
     b[0] = total;
 }
 
-/* A root by Newton's rule kept inside a shrinking bracket: `numerics.roots.bracketed`. */
+/* A root by Newton's rule kept inside a shrinking bracket: `numerics.roots.bracket`. */
 typedef void function(const void *of, double x, double *value, double *rate);
 double rod_bracketed(function *f, const void *of, double lo, double hi, double x);
 

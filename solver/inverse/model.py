@@ -15,7 +15,7 @@ from ..solution import Solution
 from ..solve import solve
 from .data import Data
 from .feet import Feet, feet
-from .parameters import Parameter, replace, write
+from .parameters import Parameter, replace, values_in_words
 
 
 class NoValueError(Exception):
@@ -93,10 +93,10 @@ class Model:
         fields, targets = [one.name for one in self.parameters], list(self.data.targets)
         known = found.sol.sensitivity(fields, targets)
         if not known.solved:
-            raise NoValueError(f"at {write(self.parameters, x)}: {known.outcome}")
+            raise NoValueError(f"at {values_in_words(self.parameters, x)}: {known.outcome}")
         for name in targets:
             if known.remarks[name]:
-                raise NoValueError(f"at {write(self.parameters, x)}: {name} has {known.remarks[name]}")
+                raise NoValueError(f"at {values_in_words(self.parameters, x)}: {name} has {known.remarks[name]}")
         rows = [known.observables[name] / self.data.sizes[name] for name in targets]
         if self.data.points is not None:
             rows += list(self._of_points(found, known))

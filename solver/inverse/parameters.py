@@ -174,6 +174,6 @@ def replace(case: Case, values: Mapping[str, float]) -> Case:
     return Case(*parts)
 
 
-def write(parameters: list[Parameter], x: Array) -> str:
+def values_in_words(parameters: list[Parameter], x: Array) -> str:
     """``E = 1.07e+04, F1 = 5``."""
     return choices(f"{one.name} = {one.value(float(v)):.6g}" for one, v in zip(parameters, x, strict=True))

@@ -10,7 +10,7 @@ from ..problem.errors import choices
 from ..problem.quantities import quantity
 from ..problem.trajectory import SOLVED
 from .data import scale_of
-from .parameters import POSITIVE, Parameter, write
+from .parameters import POSITIVE, Parameter, values_in_words
 from .result import NO_INTERVALS, OtherMinimum
 from .uncertainty import LEVEL, Uncertainty
 
@@ -52,9 +52,9 @@ def missed(model: "Model", best: "Minimum") -> str:
         return ""
     goals = choices(f"{name} = {value:g}" for name, value in data.targets.items())
     nearest = choices(f"{name} = {value:.6g}" for name, value in zip(data.targets, reached, strict=True))
-    ranges = " and ".join(one.name + (one.between or _search(model, one)) for one in model.parameters)
+    ranges = " and ".join(one.name + (one.between or _starts_in_words(model, one)) for one in model.parameters)
     verb = "reaches" if len(model.parameters) == 1 else "reach"
-    found = write(model.parameters, best.x)
+    found = values_in_words(model.parameters, best.x)
     return f"the search found no {ranges} that {verb} {goals}; the nearest reached is {nearest}, at {found}"
 
 
@@ -86,7 +86,7 @@ def _far(model: "Model", best: "Minimum", probability: float) -> str:
     )
 
 
-def _search(model: "Model", one: Parameter) -> str:
+def _starts_in_words(model: "Model", one: Parameter) -> str:
     """Where the starts of a field without bounds lie."""
     if not model.starts:
         return f" (start: {one.value(one.start):.4g})"

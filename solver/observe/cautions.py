@@ -105,7 +105,7 @@ def _lift_off(sol: Shape, known: Mapping[str, Any], pulled: Any, unit: str) -> A
     measured = pulled & np.isfinite(share) & np.isfinite(np.reshape(known["attached_error"], -1))
     if not measured.any():
         return words.reshape(sol.case.shape)
-    ends = _lift_ends(sol, measured & (share <= 0.5))
+    ends = _lift_off_ends(sol, measured & (share <= 0.5))
     length = np.broadcast_to(sol.case.rod.L, sol.case.shape).reshape(-1)
     for i in np.flatnonzero(measured).tolist():
         kind = ALL_ALONG if share[i] >= NEARLY_ALL else AT_ENDS if i in ends else IN_PART
@@ -117,7 +117,7 @@ def _lift_off(sol: Shape, known: Mapping[str, Any], pulled: Any, unit: str) -> A
     return words.reshape(sol.case.shape)
 
 
-def _lift_ends(sol: Shape, candidates: Booleans) -> dict[int, float]:
+def _lift_off_ends(sol: Shape, candidates: Booleans) -> dict[int, float]:
     """Case -> how far from an end the cylinder does not push, as a share of the length, of rods pressed in between."""
     if not candidates.any():
         return {}

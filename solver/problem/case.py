@@ -13,7 +13,7 @@ import numpy as np
 
 from .errors import InputError, choices, known_name, no_such, show
 from .field_values import ANGLES as ANGLES
-from .field_values import check_numbers, name_fields, refuse
+from .field_values import check_field_names, check_numbers, refuse
 from .rod import STIFFNESS as STIFFNESS
 from .rod import Rod as Rod
 from .shown import table_of
@@ -26,7 +26,7 @@ SLIDING = {"forward": (1.0, False), "backward": (-1.0, False), "rotating": (1.0,
 PAIRS = (("beta0", "M10"), ("betaL", "M1L"), ("FZ", "height"), ("MZ", "azimuth"), ("M3", "rotation"))
 
 
-@name_fields
+@check_field_names
 @dataclass(frozen=True, eq=False)
 class Cylinder:
     """The cylinder on which the rod lies, without friction unless a coefficient is given.
@@ -82,7 +82,7 @@ class Cylinder:
         return f"Cylinder({choices(f'{name}={value!r}' for name, value in values.items() if value is not None)})"
 
 
-@name_fields
+@check_field_names
 @dataclass(frozen=True, eq=False)
 class Start:
     """A start problem: every value is given at s = 0. An initial value problem with one solution.
@@ -144,7 +144,7 @@ class Start:
             )
 
 
-@name_fields
+@check_field_names
 @dataclass(frozen=True, eq=False)
 class Ends:
     """An ends problem: how both ends are held. A boundary value problem with many solutions.
@@ -255,7 +255,7 @@ class Ends:
         return f"Ends({choices(f'{name}={value!r}' for name, value in values.items() if value is not None)})"
 
 
-@name_fields
+@check_field_names
 @dataclass(frozen=True, eq=False)
 class Case:
     """One case, or a grid of cases: the fields of its parts broadcast to `shape`.

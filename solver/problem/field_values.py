@@ -17,7 +17,7 @@ T = TypeVar("T")
 ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma", "azimuth", "rotation", "inclination")
 
 
-def name_fields(kind: type[T]) -> type[T]:
+def check_field_names(kind: type[T]) -> type[T]:
     """Decorate a dataclass: an unknown, a missing and a surplus argument raise `InputError` with the choices."""
     known = {field.name: field.default is MISSING for field in fields(kind)}  # type: ignore[arg-type]
     make: Callable[..., None] = kind.__init__

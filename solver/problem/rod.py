@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from .errors import InputError, choices, known_name, no_such
-from .field_values import check_numbers, name_fields, refuse
+from .field_values import check_field_names, check_numbers, refuse
 
 STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}  # A / (E (a^4 - inner_radius^4))
 GIVEN = "given"  # in files, in place of a word of STIFFNESS: EI and GJ are given
@@ -32,7 +32,7 @@ def fourth_powers(a: Any, inner_radius: Any = None) -> Any:
     return (a - inner_radius) * (a + inner_radius) * (a * a + inner_radius * inner_radius)
 
 
-@name_fields
+@check_field_names
 @dataclass(frozen=True, eq=False, repr=False)
 class Rod:
     """A naturally straight, inextensible rod of circular section: solid, a tube, or of given stiffnesses.

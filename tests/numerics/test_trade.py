@@ -155,7 +155,7 @@ def test_collocation_follows_its_tolerance_and_says_when_nothing_is_there_to_sol
 
 def test_heyoka_where_it_is_not_installed_is_refused_with_how_to_get_it(monkeypatch) -> None:
     monkeypatch.setattr(METHODS["heyoka"], "requires", "a_package_that_nobody_has")
-    assert "heyoka" not in benchmark.offer()
+    assert "heyoka" not in benchmark.available_ladders()
     with pytest.raises(InputError, match=r"not installed: pip install 'rod-workbench\[taylor\]'"):
         solve(EXACT["catenary"].case, method="heyoka")
 

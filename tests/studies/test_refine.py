@@ -7,7 +7,7 @@ from solver import InputError
 from studies.lattice import Lattice
 from studies.loader import loads
 from studies.refine import lattice, refinement
-from studies.refinement import BUDGET, TOLERANCE, Refinement, store
+from studies.refinement import BUDGET, TOLERANCE, Refinement, refinement_of
 from studies.watched_lines import Lines
 from studies.writer import dumps
 
@@ -279,7 +279,7 @@ def test_a_step_is_the_change_that_counts() -> None:
 def test_the_cells_follow_from_the_stored_cases() -> None:
     whole = refined(waves, budget=301)
     order = np.random.default_rng(2).permutation(len(whole.places))
-    again = store(whole.lattice, whole.places[order], whole.numbers[order], whole.steps, 4)
+    again = refinement_of(whole.lattice, whole.places[order], whole.numbers[order], whole.steps, 4)
     for ours, theirs in zip(again.cells, whole.cells, strict=True):
         assert {tuple(cell) for cell in ours.tolist()} == {tuple(cell) for cell in theirs.tolist()}
 

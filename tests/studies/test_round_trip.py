@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from solver import InputError
 from studies import Study
 from studies.loader import load, loads
-from studies.writer import dumps, tell
+from studies.writer import axis_table, dumps
 from tests.studies import strategies
 
 HEAD = "title = 't'\nreading = 'force-first/tension/paper'\nunits = { length = 'cm', force = 'N' }\n"
@@ -150,8 +150,8 @@ def test_files_that_are_no_texts_are_refused_without_waiting(tmp_path) -> None:
 
 
 def test_an_axis_is_told_to_the_last_bit() -> None:
-    assert tell(np.linspace(0.1, 0.7, 7)) == {"from": 0.1, "to": 0.7, "count": 7}
+    assert axis_table(np.linspace(0.1, 0.7, 7)) == {"from": 0.1, "to": 0.7, "count": 7}
     geometric = np.geomspace(5e3, 4e4, 9)
-    assert tell(geometric) == {"from": 5e3, "to": 4e4, "count": 9, "spacing": "geometric"}
-    assert tell(np.nextafter(geometric, 0))["values"] == np.nextafter(geometric, 0).tolist()
-    assert tell(np.array([1.0, 2.0])) == {"values": [1.0, 2.0]}
+    assert axis_table(geometric) == {"from": 5e3, "to": 4e4, "count": 9, "spacing": "geometric"}
+    assert axis_table(np.nextafter(geometric, 0))["values"] == np.nextafter(geometric, 0).tolist()
+    assert axis_table(np.array([1.0, 2.0])) == {"values": [1.0, 2.0]}

@@ -21,7 +21,7 @@ def served(presets: Sequence[Any] | None = None) -> Iterator[int]:
     from workbench.web.live import server
     from workbench.web.live.presets import PRESETS
 
-    listener = explore.bound("127.0.0.1", 0)
+    listener = explore.open_socket("127.0.0.1", 0)
     port = listener.getsockname()[1]
     loop = asyncio.new_event_loop()
     app = server.application(explore.host_names("127.0.0.1", port, []), presets or PRESETS)

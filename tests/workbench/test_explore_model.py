@@ -105,7 +105,7 @@ def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_
     assert part.sol.s.size == page_shape.MOST
     assert "Only the first" in page_model.facts(part)["notes"][0]
     with pytest.raises(InputError, match="only a part of this rod is shown"):
-        page_model.store(part)
+        page_model.dataset_of_rod(part)
 
 
 def test_of_more_equilibria_than_can_be_looked_through_the_default_one_is_shown_and_a_list_refused() -> None:

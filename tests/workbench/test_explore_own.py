@@ -193,7 +193,7 @@ def test_a_page_that_cannot_be_saved_is_told_in_a_sentence(name, tmp_path, capsy
 )
 def test_what_is_no_rod_is_refused_before_anything_is_served(words, sentence, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(explore, "bound", lambda *_: pytest.fail("it listens"))
+    monkeypatch.setattr(explore, "open_socket", lambda *_: pytest.fail("it listens"))
     Path("PIPE.toml").write_text(PIPE)
     Path("GRID.toml").write_text(READ.replace("E = 5e3\n", "") + "[axes.E]\nvalues = [5e3, 6e3]\n")
     given = [f"{word}.toml" if word in ("PIPE", "GRID") else word for word in words]

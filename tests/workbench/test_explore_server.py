@@ -308,11 +308,11 @@ def test_the_memory_of_the_server_stays_bounded_over_ten_thousand_moves() -> Non
 
 
 def test_it_listens_to_this_machine_alone_unless_told() -> None:
-    listener = explore.bound("127.0.0.1", 0)
+    listener = explore.open_socket("127.0.0.1", 0)
     assert listener.getsockname()[0] == "127.0.0.1"
     port = listener.getsockname()[1]
     with pytest.raises(InputError, match=f"cannot listen on 127.0.0.1:{port}: Address already in use"):
-        explore.bound("127.0.0.1", port)
+        explore.open_socket("127.0.0.1", port)
     listener.close()
     assert explore.host_names("127.0.0.1", 80, []) >= {"127.0.0.1", "127.0.0.1:80", "localhost"}
     assert explore.host_names("lab", 81, ["x.example", "y.example:9"]) == {"lab:81", "x.example:81", "y.example:9"}

@@ -92,7 +92,7 @@ def test_a_case_where_an_expression_divides_by_zero_says_so_and_its_neighbours_a
 def test_each_kind_of_law_is_judged_from_what_is_stored(ds: xr.Dataset) -> None:
     rows = {row["claim"]: row for row in law_verdicts.verdicts(ds)}
     assert {claim: row["verdict"] for claim, row in rows.items()} == dict.fromkeys(HEADS, HOLDS)
-    assert law_verdicts.state(rows["equals"]) == "kappa_max equals kappa_mean/share within 1e-07 % along R"
+    assert law_verdicts.law_in_words(rows["equals"]) == "kappa_max equals kappa_mean/share within 1e-07 % along R"
     assert law_verdicts.measure(rows["scales"]).startswith("exponent 2 ± ")
     assert law_verdicts.measure(rows["boundary"]) == "passes between 0.75 and 1"
 

@@ -15,16 +15,24 @@ from cosseratbench.scenario import EndCondition
 import solver
 from workbench.plugin.ends import axes, case_of
 from workbench.plugin.exact import RodOnCylinder, equilibrium
-from workbench.plugin.experiments import ANGLE, CYLINDER, LENGTH, RADIUS, UNIT, begin, rod_held, rod_under_load
+from workbench.plugin.experiments import (
+    ANGLE,
+    CYLINDER,
+    LENGTH,
+    RADIUS,
+    UNIT,
+    first_equilibrium,
+    rod_held,
+    rod_under_load,
+)
 
 RHO = CYLINDER + RADIUS
 
 
 def followed(**ends: float) -> solver.Solution:
     """The same equilibrium by another way: carried from the beginning, not found from the scenario."""
-    return solver.solve(
-        solver.Case(begin().case.rod, begin().case.cylinder, solver.Ends(**ends)), seed=begin(), stations=41
-    )
+    first = first_equilibrium()
+    return solver.solve(solver.Case(first.case.rod, first.case.cylinder, solver.Ends(**ends)), seed=first, stations=41)
 
 
 def test_the_entry_points_name_the_solver_and_both_experiments() -> None:
@@ -37,7 +45,7 @@ def test_the_entry_points_name_the_solver_and_both_experiments() -> None:
 
 
 def test_the_rod_presses_on_the_cylinder_everywhere_in_every_variant() -> None:
-    assert begin().push.min() > 0
+    assert first_equilibrium().push.min() > 0
     for experiment in (rod_under_load, rod_held):
         for one in experiment.parameters:
             for value in one.values:
@@ -47,7 +55,8 @@ def test_the_rod_presses_on_the_cylinder_everywhere_in_every_variant() -> None:
 
 
 def test_the_exact_solver_is_the_equilibrium_carried_from_the_beginning() -> None:
-    azimuth, rotation = begin().alpha[-1] - begin().alpha[0] + np.pi / 6, begin().gamma[-1] - begin().gamma[0]
+    first = first_equilibrium()
+    azimuth, rotation = first.alpha[-1] - first.alpha[0] + np.pi / 6, first.gamma[-1] - first.gamma[0]
     common = {"beta0": ANGLE, "betaL": ANGLE, "azimuth": azimuth, "rotation": rotation}
     for experiment, more in ((rod_under_load, {"FZ": 2 * UNIT}), (rod_held, {"height": 0.632 * LENGTH})):
         result = run(experiment, RodOnCylinder())
@@ -139,8 +148,8 @@ def test_a_scenario_gives_the_ends_it_describes() -> None:
     assert case.given.beta0 == pytest.approx(ANGLE, abs=1e-8)
     assert case.given.betaL == pytest.approx(ANGLE, abs=1e-8)
     assert case.given.height == pytest.approx(0.632 * LENGTH)
-    assert case.given.azimuth == pytest.approx(begin().alpha[-1] - begin().alpha[0] + np.pi / 6)
-    assert case.given.rotation == pytest.approx(begin().gamma[-1] - begin().gamma[0], abs=1e-8)
+    assert case.given.azimuth == pytest.approx(first_equilibrium().alpha[-1] - first_equilibrium().alpha[0] + np.pi / 6)
+    assert case.given.rotation == pytest.approx(first_equilibrium().gamma[-1] - first_equilibrium().gamma[0], abs=1e-8)
     assert case.rho == pytest.approx(RHO)
 
 

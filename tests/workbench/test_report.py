@@ -31,7 +31,7 @@ from workbench.run.in_memory import StudyResult
 from workbench.scene import opengl
 from workbench.web.report import document, law_cards, measured_runs, paper, readings_table, sisters, turning
 from workbench.web.report.errata import ERRATA, mark_up
-from workbench.web.report.formulas import bound
+from workbench.web.report.formulas import with_hard_spaces
 
 PAPER = [name for name in names() if name.startswith("fig")]  # the studies of the report
 LOW = ("fig7_1_modulus", "fig7_2_radius")  # the studies whose pictures are low enough for one page
@@ -207,7 +207,7 @@ def test_the_page_on_the_claims_has_the_verdict_of_each_reading(readings) -> Non
 def test_the_page_on_the_claims_has_the_measured_numbers_of_each_law(results) -> None:
     own = [result for result in results if result.verdicts]
     laws = [row for result in own for row in result.verdicts]
-    words = (law_verdicts.state, law_verdicts.measure, law_verdicts.said)
+    words = (law_verdicts.law_in_words, law_verdicts.measure, law_verdicts.said)
     assert [row for row in TOLD[1:] if len(row) == 4][2:] == [[row["claim"], *(f(row) for f in words)] for row in laws]
     worst = {c: law_cards.worst([row["verdict"] for row in laws if row["claim"] == c]) for c in ("(3)", "(4)")}
     both = "(3), (4)", ", ".join(f"{claim} {reasons.PLAIN[verdict]}" for claim, verdict in worst.items())
@@ -320,7 +320,7 @@ def test_an_angle_is_told_in_degrees_and_a_rate_as_it_is(text, said) -> None:
 
 
 def test_no_line_ends_inside_a_formula(text) -> None:
-    assert bound("at F₃ = 10, κ a > 1; 8 → 5; 0.5 rad; eq. (47), tau −0.94: as said") == (
+    assert with_hard_spaces("at F₃ = 10, κ a > 1; 8 → 5; 0.5 rad; eq. (47), tau −0.94: as said") == (
         "at F₃_=_10, κ_a_>_1; 8_→_5; 0.5_rad; eq._(47), tau_−0.94: as said".replace("_", "\u00a0")
     )
     shown = re.sub(r"<style>.*?</style>|<script.*?</script>", "", text, flags=re.DOTALL)

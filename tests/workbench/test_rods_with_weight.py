@@ -84,7 +84,7 @@ def test_a_table_of_a_rod_with_weight_has_no_force_that_is_not_known(ds: xr.Data
 
 def test_a_page_of_turning_rods_with_weight_is_refused(ds: xr.Dataset) -> None:
     with pytest.raises(InputError, match="needs rods without weight and friction: make a picture"):
-        stored.store(ds, {})
+        stored.turntable_of_dataset(ds, {})
 
 
 def test_the_diagram_of_states_has_the_stretches_of_the_rods_and_a_portrait_is_refused(ds: xr.Dataset) -> None:

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from solver import InputError
-from solver.benchmark import ladders, measure, offer
+from solver.benchmark import available_ladders, ladders, measure
 from solver.observe.observables import OBSERVABLES
 from tests.workbench import forked, small
 from workbench import cli
@@ -109,7 +109,8 @@ def test_a_method_that_hands_over_has_two_lines_and_no_line_between_them(ds) -> 
     handed["answered"].loc[{"case": "elliptic", "ladder": "orbit"}] = ["swing"] * 3 + ["orbit"] * 7
     ax = work_precision.panel(handed, Figure().add_subplot(), "elliptic")
     assert sorted(len(line.get_xdata()) for line in ax.lines if line.get_marker() == "o") == [3, 5]
-    rows = measure({"x": (CASES["gap 1e-08"].case, reference("gap 1e-08"), None)}, {"swing": offer()["swing"]})
+    swing = {"swing": available_ladders()["swing"]}
+    rows = measure({"x": (CASES["gap 1e-08"].case, reference("gap 1e-08"), None)}, swing)
     assert {row.answered for row in rows} == {"orbit"}
     assert {str(name) for name in np.unique(ds["answered"].sel(ladder="orbit"))} == {"", "orbit"}
 

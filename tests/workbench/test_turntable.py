@@ -26,7 +26,7 @@ from workbench.cli import main
 from workbench.geometry import stored_line
 from workbench.run import in_memory
 from workbench.web.turntable import page
-from workbench.web.turntable.stored import store
+from workbench.web.turntable.stored import turntable_of_dataset
 
 INSIDE = """
 title = "A rod inside"
@@ -154,25 +154,25 @@ def test_a_slider_has_the_values_of_the_axis_as_the_command_line_takes_them(ds: 
 
 def test_each_case_carries_its_caution_or_why_it_has_no_shape(ds: xr.Dataset) -> None:
     broken = small.with_outcomes(ds, ["solved", "failed: for the test", *["solved"] * 7])
-    cases = store(broken).data["cases"]
+    cases = turntable_of_dataset(broken).data["cases"]
     assert cases[1] == {"numbers": None, "note": "Not solved: failed: for the test."}
     assert "passes through itself" in " ".join(case["note"] for case in cases)
     with pytest.raises(InputError, match=r"no case has a shape: failed: for the test"):
-        store(small.with_outcomes(ds, ["failed: for the test"] * 9))
+        turntable_of_dataset(small.with_outcomes(ds, ["failed: for the test"] * 9))
 
 
 def test_too_many_cases_for_a_file_are_thinned_and_the_file_says_so(ds: xr.Dataset) -> None:
-    found = store(ds, most_bytes=5 * 4 * 4 * ds.sizes["u"])
+    found = turntable_of_dataset(ds, most_bytes=5 * 4 * 4 * ds.sizes["u"])
     assert [len(axis["texts"]) for axis in found.data["axes"]] == [5]
     assert found.data["axes"][0]["texts"][0] == "5000 N/cm²"
     assert found.data["axes"][0]["texts"][-1] == "40000 N/cm²"
     assert found.left_out == ["5 of the 9 values of E, evenly chosen, are in this file."]
     with pytest.raises(InputError, match="one rod alone has too many stations"):
-        store(ds, most_bytes=100)
+        turntable_of_dataset(ds, most_bytes=100)
 
 
 def test_a_rod_inside_is_told_so() -> None:
-    found = store(in_memory.run(loads(INSIDE, default_name="inside"))).data
+    found = turntable_of_dataset(in_memory.run(loads(INSIDE, default_name="inside"))).data
     assert found["shared"] == {"sign": -1}
     raw = np.frombuffer(base64.b64decode(found["arrays"]), dtype="<f4").reshape(2, 4, -1)
     assert np.isfinite(raw).all()

@@ -18,7 +18,7 @@ from studies.laws import QUALIFIED, decide
 
 from ..data import schema
 from .equilibria_dataset import COUNT, EACH, PUSH, attributes, with_case
-from .followed_curves import follow_curves, show_by_default, special_points
+from .followed_curves import default_observable, follow_curves, special_points
 from .followed_dataset import stability
 from .held_tracing import PARTNER, trace_held
 from .tracing import Traced, traced
@@ -42,7 +42,7 @@ def sweep(
     step
         Called with a text before each value is solved.
     show
-        The observable, or dbeta0, that a diagram shows over the axis; default: `shown_by_default`.
+        The observable, or dbeta0, that a diagram shows over the axis; default: `default_observable`.
 
     Returns
     -------
@@ -71,11 +71,9 @@ def sweep(
     solved = [[i < len(f) and bool(f[i].solution.solved) for i in range(most)] for f in found]
     data["solved"] = xr.Variable(dims, np.array(solved, dtype=bool).reshape(len(found), most))
     data["outcome"] = xr.Variable(dims, np.array(outcome, dtype=str).reshape(len(found), most))
-    chosen = show_by_default(name) if show is None else show
+    chosen = default_observable(name) if show is None else show
     shown = (chosen,) if held else (chosen, "energy")
-    data |= special_points(seen, name, units, shown) | follow_curves(
-        seen, name, units, shown, (values[0], values[-1])
-    )
+    data |= special_points(seen, name, units, shown) | follow_curves(seen, name, units, shown, (values[0], values[-1]))
     ds = xr.Dataset(data, {name: xr.Variable((name,), values, schema.labels(quantity_of(name).name, units))})
     every = "Equilibria with a held" if held else "All equilibria over"
     ds.attrs = attributes(study, case, f"{every} {quantity_of(name).symbol}")

@@ -32,7 +32,7 @@ INDICES = {
 }
 
 
-def show_by_default(name: str) -> str:
+def default_observable(name: str) -> str:
     """What a diagram over a field shows: the displacement that goes with a load, or the load that holds it."""
     return PARTNER.get(name, "wraps" if name in ("MZ", "M3") else "height")
 

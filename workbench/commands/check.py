@@ -22,14 +22,14 @@ def check(file: File, json: Json = False) -> int:
     from ..data import file_checks, reading
 
     with reading.opened(file, whole=True) as ds, file_checks.refusing(file):
-        found = _find_in(ds, file)
+        found = _verdicts_of(ds, file)
         text = str(ds.attrs.get("study", ""))
     for sentence in notices(text, f"{file.name}, its study"):
         angles.warn(sentence)
     return print_result(found, json)
 
 
-def _find_in(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
+def _verdicts_of(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
     """The counts and verdicts of a dataset, computed from its numbers."""
     import numpy as np
 

@@ -54,7 +54,7 @@ def explore(
     if host in EVERYWHERE and not names:
         raise InputError(f"--host {host!r} listens on every address: give the name of this machine with --name")
     own = own_case.preset(file, given.values, given.units)
-    listener = bound(host, port)
+    listener = open_socket(host, port)
     port = listener.getsockname()[1]
     presets = PRESETS if own is None else (own, *PRESETS)
     app = server.application(host_names(host, port, names), presets, console.warn)
@@ -101,7 +101,7 @@ def _serve(app: Any, listener: socket.socket) -> None:
         asyncio.run(serve())
 
 
-def bound(host: str, port: int) -> socket.socket:
+def open_socket(host: str, port: int) -> socket.socket:
     """A socket that listens on an address. Raises `InputError` if it cannot."""
     from solver.problem.errors import InputError
 

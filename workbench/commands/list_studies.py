@@ -21,7 +21,7 @@ def list_studies(json: Json = False) -> int:
     for row in rows:
         sampled = [f"{row['samples']} samples of {', '.join(row['sampled'])}"] if row["sampled"] else []
         axes = "\n".join([*sampled, *map(_range, row["axes"]), *(["refined"] if row["refined"] else [])])
-        laws = "\n".join(f"{law['claim']}: {law_verdicts.state(law)}" for law in row["laws"])
+        laws = "\n".join(f"{law['claim']}: {law_verdicts.law_in_words(law)}" for law in row["laws"])
         table.append([row["study"], row["title"], axes or "-", laws or "-"])
     console.print_table(["study", "title", "axes", "laws"], table)
     return 0

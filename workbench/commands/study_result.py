@@ -24,7 +24,7 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
     console.say(law_verdicts.tallied(list(verdicts)))
     rows, reasons = [], []
     for row in verdicts:
-        rows.append([law_verdicts.plain(row), row["claim"], law_verdicts.state(row), law_verdicts.measure(row)])
+        rows.append([law_verdicts.plain(row), row["claim"], law_verdicts.law_in_words(row), law_verdicts.measure(row)])
         if detail := law_verdicts.detail(row):
             reasons.append(f"{row['claim']}, {row['observable']}: {detail}")
         for also in row["also"] if alternatives else ():

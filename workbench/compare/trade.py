@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from solver import InputError
-from solver.benchmark import STATIONS, Row, cheapest, measure, offer
+from solver.benchmark import STATIONS, Row, available_ladders, cheapest, measure
 from solver.methods import METHODS
 from solver.methods.ladder import Ladder
 from solver.problem.errors import choices, no_such
@@ -68,7 +68,7 @@ def ladders_of(names: Sequence[str]) -> dict[str, Ladder]:
 
     Raises `InputError` for an unknown name, and for a method that is not installed.
     """
-    able = offer()
+    able = available_ladders()
     if not names:
         return able
     picked: dict[str, Ladder] = {}

@@ -7,7 +7,7 @@ import numpy as np
 from solver.problem.errors import InputError, choices, near, no_such
 from studies.dimensions import SAMPLE
 from studies.lattice import Lattice
-from studies.refinement import Refinement, store
+from studies.refinement import Refinement, refinement_of
 from studies.study_tables import OUTCOME
 
 from . import law_verdicts, observed, refined, schema
@@ -139,7 +139,7 @@ def _refinement(ds: "xr.Dataset", numbers: "Values") -> Refinement:
         lattice, places = found.lattice, found.places
     else:
         lattice, places = _grid(ds)
-    return store(lattice, places, numbers.reshape(-1, 1), np.zeros(1), lattice.depth)
+    return refinement_of(lattice, places, numbers.reshape(-1, 1), np.zeros(1), lattice.depth)
 
 
 def _grid(ds: "xr.Dataset") -> "tuple[Lattice, Places]":

@@ -99,7 +99,7 @@ def frame(study: Study, over: Dimensions, first: str = "", case: Case | None = N
         value = getattr(case if name == "rho" else case.cylinder if name in CYLINDER else case.rod, name)
         if name not in coords and value is not None:
             data[name] = xr.Variable(*_own_dims(value, axes), labels(name, units))
-    for field, value in expressions.use_by_laws(study).items():
+    for field, value in expressions.numbers_of_laws(study).items():
         if dimension(field) not in (*coords, *data, *LOADS):
             data[dimension(field)] = xr.Variable((), float(value), _axis_labels(study, field))
     u = np.linspace(0.0, 1.0, study.stations)

@@ -145,7 +145,7 @@ def tallied(rows: Sequence[Mapping[str, Any]]) -> str:
     return f"{counted(len(rows), 'law')}: {reasons.count(tally(rows))}"
 
 
-def state(row: Mapping[str, Any]) -> str:
+def law_in_words(row: Mapping[str, Any]) -> str:
     """The law in words: ``turns falls along E``."""
     return f"{row['observable']} {row['does']} along {row['axis']}"
 

@@ -34,7 +34,7 @@ def note(case: "Case") -> str:
     return sentence({"weight": case.rod.weight, "friction": wall.friction, "sliding": wall.sliding})
 
 
-def store_note(ds: "xr.Dataset") -> str:
+def note_of_dataset(ds: "xr.Dataset") -> str:
     """The same of a stored rod, or of several."""
     if str(ds.attrs["side"]) != "inside":
         return ""

@@ -16,7 +16,7 @@ from studies.law import Law
 
 from . import checksums, escaping, kinds, netcdf, refined, value_checks
 from .file_checks import refusing, show, validated
-from .schema import CURVES, FORMAT, INNER, dimension, sample_fields
+from .schema import CURVES, FORMAT, INNER, dimension, fields_of_samples
 
 # The attributes that mark a study's dataset, and all that are text.
 NEEDED = ("title", "study_name", "laws")
@@ -123,7 +123,7 @@ def _check_axis(ds: xr.Dataset, name: str, path: str | Path) -> None:
 
 def _check_samples(ds: xr.Dataset, path: str | Path) -> None:
     """Raise `InputError` unless each sampled field is a coordinate of finite numbers along the samples."""
-    fields = sample_fields(ds)
+    fields = fields_of_samples(ds)
     if bool(fields) != (SAMPLE in ds["outcome"].dims):
         raise InputError(f"{path}: the attribute sampled and the dimension {SAMPLE} belong together: one is missing")
     for field in fields:

@@ -13,7 +13,7 @@ from solver.problem.errors import InputError
 from studies import refine as tables
 from studies.dimensions import SAMPLE
 from studies.lattice import Lattice, Places, Values
-from studies.refinement import BUDGET, Refinement, store
+from studies.refinement import BUDGET, Refinement, refinement_of
 from studies.study_tables import OUTCOME
 
 from .schema import OF_THE_CASE, SAMPLING, dimension
@@ -163,7 +163,7 @@ def raster(ds: "xr.Dataset") -> "xr.Dataset":
     depth = lattice.depth
     while depth and max((size - 1) << (depth + 1) for size in lattice.shape) > MOST_DRAWN:
         depth -= 1
-    cells = store(lattice, found.places, np.empty((len(found.places), 0)), np.empty(0), depth)
+    cells = refinement_of(lattice, found.places, np.empty((len(found.places), 0)), np.empty(0), depth)
     index = np.empty([(size - 1) << (depth + 1) for size in lattice.shape], dtype=np.int64)
     levels = np.empty(index.shape)  # on a scale of colours, as borders between levels would hide them
     for level in range(depth + 1):

@@ -74,7 +74,7 @@ def own_dimension(study: "Study", field: str) -> str:
     return SAMPLE if field in study.sampled else dimension(field)
 
 
-def sample_fields(ds: "xr.Dataset") -> list[str]:
+def fields_of_samples(ds: "xr.Dataset") -> list[str]:
     """The fields of the study that are coordinates along the samples."""
     return str(ds.attrs.get("sampled", "")).split()
 

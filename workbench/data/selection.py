@@ -19,7 +19,7 @@ from studies import TABLE_1
 from studies.axes import FIELDS, in_rad, is_angle
 from studies.dimensions import SAMPLE
 
-from .schema import COMPONENTS, axes_of, dimension, sample_fields
+from .schema import COMPONENTS, axes_of, dimension, fields_of_samples
 
 SAME = 1e-9  # share by which a number may differ from the stored value that it means
 LISTED = 12  # values of an axis that a message lists
@@ -60,7 +60,7 @@ def axis_of(ds: xr.Dataset, name: str) -> str:
     for known in (name, dimension(name) if name in FIELDS else name):
         if known in axes:
             return known
-    if SAMPLE in axes and name in (fields := sample_fields(ds)):
+    if SAMPLE in axes and name in (fields := fields_of_samples(ds)):
         raise InputError(f"{name} is no axis: the samples are of {choices(fields)}; give the number of one, sample=0")
     if name in ds.coords and not ds[name].ndim:
         raise InputError(f"{name} is selected already: it is {ds[name].item():.10g}")

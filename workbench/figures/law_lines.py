@@ -52,9 +52,7 @@ class JudgedLaw:
         return np.unique(self.lines.values).size > 1
 
 
-def judge(
-    ds: xr.Dataset, choice: Choice, rows: Sequence[Mapping[str, Any]]
-) -> tuple[list[JudgedLaw], list[JudgedLaw]]:
+def judge(ds: xr.Dataset, choice: Choice, rows: Sequence[Mapping[str, Any]]) -> tuple[list[JudgedLaw], list[JudgedLaw]]:
     """The laws on the observables shown: those along an axis of the map, and those along a further axis.
 
     rows: of `law_verdicts.verdicts`, in the same order.
@@ -139,7 +137,8 @@ def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
 def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The refinement of a study in words, and the verdict of each of its laws."""
     told = [
-        f"law {row['claim']}: {labels.law_text(row, law_verdicts.state(row))}; {PLAIN[row['verdict']]}" for row in rows
+        f"law {row['claim']}: {labels.law_text(row, law_verdicts.law_in_words(row))}; {PLAIN[row['verdict']]}"
+        for row in rows
     ]
     watched = refined.describe(ds).watch
     ended = str(ds.attrs.get(SAMPLING[-1], ""))

@@ -30,7 +30,7 @@ Values = NDArray[np.float64]
 
 def fields_of(ds: xr.Dataset) -> list[str]:
     """The sampled fields, as the dataset names them: the columns."""
-    return [schema.dimension(name) for name in schema.sample_fields(ds)]
+    return [schema.dimension(name) for name in schema.fields_of_samples(ds)]
 
 
 def blocks_of(ds: xr.Dataset, width: float) -> list[list[str]]:

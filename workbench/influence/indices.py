@@ -59,7 +59,7 @@ def sobol(
         For samples that are of another design, for too few of them, for too many that are not solved, for an unknown
         observable; and without SALib.
     """
-    fields = [schema.dimension(name) for name in schema.sample_fields(ds)]
+    fields = [schema.dimension(name) for name in schema.fields_of_samples(ds)]
     if SAMPLE not in schema.axes_of(ds) or not fields:
         raise InputError(f"Sobol' indices need a study of samples, got {_axes(ds)}; {_how(max(len(fields), 3))}")
     samples = np.stack([ds[name].values.astype(float) for name in fields], axis=1)

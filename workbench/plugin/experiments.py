@@ -33,7 +33,7 @@ LIFT, RISE = 4e-5, 0.025  # [m]; reached at this arc length from each end
 
 
 @cache
-def begin() -> solver.Solution:
+def first_equilibrium() -> solver.Solution:
     """The equilibrium at the beginning: pulled with 2 A/rho^2, and carried round by a moment of 2.45 A/rho."""
     rod = solver.Rod(a=RADIUS, L=LENGTH, EI=STIFFNESS, GJ=STIFFNESS * 2 / 3)
     ends = solver.Ends(beta0=ANGLE, betaL=ANGLE, FZ=2 * UNIT, MZ=2.45 * UNIT * (CYLINDER + RADIUS))
@@ -42,7 +42,7 @@ def begin() -> solver.Solution:
 
 def carry(turn: float, load: float | None, height: float = 0.0) -> Scenario:
     """The scenario: the far end is carried round by `turn` [rad], and to a height [m] or under an axial load [N]."""
-    first = begin()
+    first = first_equilibrium()
     time = np.linspace(0.0, DURATION / 2, STEPS + 1)
     share = (1 - np.cos(np.pi * np.linspace(0, 1, STEPS + 1))) / 2
     rho, last = CYLINDER + RADIUS, float(first.alpha[-1])

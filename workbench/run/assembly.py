@@ -97,7 +97,7 @@ class ShardSource:
 
     def __init__(self, parts: Shards, plan: Plan) -> None:
         self._parts, self._new = parts, plan.new
-        self._stored = shards.store_ranges(parts.folder, plan.todo)
+        self._stored = shards.shard_ranges(parts.folder, plan.todo)
         self._names = {row.column: row.name for row in dataset.store(plan.study, plan.dimensions)}
         self._held: tuple[int, int] = (0, 0)
         self._columns: Columns = {}

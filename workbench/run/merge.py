@@ -17,7 +17,7 @@ from studies import TABLE_1, Study
 from studies.dimensions import SAMPLE, Dimension
 from studies.loader import loads
 from studies.paired import SOURCES
-from studies.writer import dumps, dumps_paired, dumps_table, tell
+from studies.writer import axis_table, dumps, dumps_paired, dumps_table
 
 from ..data import atomic, cautions, checksums, concatenation, law_verdicts, netcdf, reading, schema, writing
 from ..data.selection import SAME
@@ -124,7 +124,7 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
 
 def _values(ds: xr.Dataset, axis: str) -> list[bytes]:
     """The values of an axis, those of the samples by their fields, to the bit."""
-    names = map(schema.dimension, schema.sample_fields(ds)) if axis == SAMPLE else [axis]
+    names = map(schema.dimension, schema.fields_of_samples(ds)) if axis == SAMPLE else [axis]
     return [ds[name].values.tobytes() for name in names]
 
 
@@ -157,12 +157,12 @@ def _attributes(
     context = None
     attrs = {key: value for key, value in files[0].attrs.items() if key not in OF_ONE_RUN}
     if union.fields:
-        text, context = _sample_text(study, union, out)
+        text, context = _text_with_samples(study, union, out)
         fields = union.fields
         attrs["sampling"] = _sampling(files, union)
     else:
         field = schema.field_of(study, union.axis)
-        text = dumps(study, {field: tell(union.values)})
+        text = dumps(study, {field: axis_table(union.values)})
         fields = {field: union.values}
     again = loads(text, "the merged study", study.name, context).coordinates()
     assert all(np.array_equal(values, again[name] if union.fields else np.sort(again[name]))
@@ -182,7 +182,7 @@ def _attributes(
     }
 
 
-def _sample_text(study: Study, union: concatenation.Union, out: Path) -> tuple[str, dict[str, Any] | None]:
+def _text_with_samples(study: Study, union: concatenation.Union, out: Path) -> tuple[str, dict[str, Any] | None]:
     """The text of the study with the samples of the union, and the context in which it loads.
 
     More than `MOST_LISTED` numbers are not listed: the text names a table, and the samples are those of the file.

@@ -183,7 +183,7 @@ class Shards:
     def read_cases(self, start: int, stop: int) -> Columns:
         """The results of the cases `start` to `stop`, all of which have shards. Raises `Damaged`."""
         pieces = []
-        for a, b in store_ranges(self.folder, MOST):
+        for a, b in shard_ranges(self.folder, MOST):
             if a < stop and b > start:
                 columns = self.read(a, b)
                 pieces.append({name: values[max(start - a, 0) : stop - a] for name, values in columns.items()})
@@ -196,7 +196,7 @@ class Shards:
         return summed.digest()
 
 
-def store_ranges(folder: Path, cases: int) -> list[tuple[int, int]]:
+def shard_ranges(folder: Path, cases: int) -> list[tuple[int, int]]:
     """The ranges of cases that have shards, in order, without overlaps."""
     found: list[tuple[int, int]] = []
     for start, stop in sorted(_shards(folder)):

@@ -18,7 +18,7 @@ from studies.dimensions import SAMPLE, Dimension
 from studies.loader import loads
 
 from ..data import reading
-from ..data.schema import dimension, field_of, own_dimension, remaining_axes, sample_fields
+from ..data.schema import dimension, field_of, fields_of_samples, own_dimension, remaining_axes
 from ..data.selection import SAME, real
 from . import sweep_solutions
 from .block import solve_one
@@ -90,7 +90,7 @@ def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str
 
 def samples_of(ds: xr.Dataset) -> dict[str, NDArray[np.float64]]:
     """The samples of a dataset, or the one that is selected: field -> values. Raises `InputError`."""
-    fields = sample_fields(ds)
+    fields = fields_of_samples(ds)
     for name in fields:
         if name not in FIELDS or dimension(name) not in ds.coords:
             raise InputError(f"the dataset has lost its sampled field {name!r}")

@@ -221,7 +221,7 @@ def _verified(work: Plan, parts: Shards, tally: Tally) -> int:
     """Count the cases of the existing shards, each verified; damaged ones are removed."""
     kept = 0
     most = work.todo if work.study.refine is None else shards.MOST
-    for start, stop in shards.store_ranges(parts.folder, most):
+    for start, stop in shards.shard_ranges(parts.folder, most):
         try:
             count(parts.read(start, stop), tally)
         except Damaged:
@@ -247,7 +247,7 @@ def _solved(
 
 def _solve(work: Plan, parts: Shards, options: Options, meter: Meter, tally: Tally, first: int = 0) -> None:
     """Solve the missing cases from `first` on and store their shards."""
-    missing = shards.missing_ranges(shards.store_ranges(parts.folder, work.todo), work.todo)
+    missing = shards.missing_ranges(shards.shard_ranges(parts.folder, work.todo), work.todo)
     missing = [(max(start, first), stop) for start, stop in missing if stop > first]
     if not missing:
         return
@@ -263,7 +263,7 @@ def _solve(work: Plan, parts: Shards, options: Options, meter: Meter, tally: Tal
 
 def _keep(work: Plan, folder: Path) -> str:
     """How to continue; counted from the shards, as the interruption may come between a shard and the meter."""
-    missing = shards.missing_ranges(shards.store_ranges(folder, work.todo), work.todo)
+    missing = shards.missing_ranges(shards.shard_ranges(folder, work.todo), work.todo)
     done = work.size - sum(stop - start for start, stop in missing)
     kept = f"{done} of {work.size} cases are kept in {folder}; run the same command again to continue"
     return f"interrupted; {kept if done else 'no case was finished yet'}"

@@ -39,7 +39,7 @@ def summary(path: Path) -> dict[str, Any]:
         told["branches"] = branch_numbers.sentence(counts) if counts else ""
         told["versions"] = reading.versions(ds, path)
         told["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
-        told["sampled"] = [_axis(ds[schema.dimension(name)]) for name in schema.sample_fields(ds)]
+        told["sampled"] = [_axis(ds[schema.dimension(name)]) for name in schema.fields_of_samples(ds)]
         told |= {key: str(ds.attrs.get(key, "")) for key in schema.SAMPLING}
         told["stations"] = ds.sizes.get("u", 0)
         told["along"] = [name for name in schema.CURVES if name in ds.data_vars]
@@ -158,7 +158,7 @@ def _worst(ds: xr.Dataset, name: str) -> dict[str, Any]:
     i = int(np.nanargmax(np.where(np.isfinite(values), values, np.nan)))
     where = np.unravel_index(i, variable.shape)
     at = {str(dim): variable[dim][k].item() for dim, k in zip(variable.dims, where, strict=True)}
-    sampled = map(schema.dimension, schema.sample_fields(ds))
+    sampled = map(schema.dimension, schema.fields_of_samples(ds))
     at |= {field: ds[field].sel({SAMPLE: at[SAMPLE]}).item() for field in sampled}
     return {"name": name, "value": float(values[i]), "at": at}
 
@@ -181,7 +181,7 @@ def _law(row: dict[str, Any]) -> dict[str, Any]:
     told = {key: value for key, value in row.items() if key not in ("exceptions", "also")}
     return {
         **told,
-        "stated": law_verdicts.state(row),
+        "stated": law_verdicts.law_in_words(row),
         "said": law_verdicts.said(row),
         "exceptions": len(row["exceptions"]),
     }

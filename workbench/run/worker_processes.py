@@ -127,11 +127,11 @@ def _context() -> ForkServerContext | SpawnContext:
     if not FORKED:
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([PRELOAD, *_import_by_main()])
+    context.set_forkserver_preload([PRELOAD, *_modules_of_main()])
     return context
 
 
-def _import_by_main() -> set[str]:
+def _modules_of_main() -> set[str]:
     """The modules of this package that the main module uses: each worker imports the main module again."""
     package = __package__.partition(".")[0]
     owners = {

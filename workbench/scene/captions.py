@@ -8,7 +8,7 @@ import xarray as xr
 from studies.dimensions import SAMPLE
 
 from ..data import labels
-from ..data.schema import dimension, sample_fields
+from ..data.schema import dimension, fields_of_samples
 
 ASKED = 6  # digits of a value with which --at finds its case again
 
@@ -72,6 +72,6 @@ def values(ds: xr.Dataset, where: Mapping[str, int], digits: int = 4) -> list[st
     for axis, i in where.items():
         names = [] if axis == "equilibrium" else [axis]
         if axis == SAMPLE:
-            names += map(dimension, sample_fields(ds))
+            names += map(dimension, fields_of_samples(ds))
         each += [f"{labels.axis_symbol(n)} = {labels.value(ds[n].values[i].item(), ds[n], digits)}" for n in names]
     return each

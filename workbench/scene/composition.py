@@ -163,7 +163,7 @@ def words_of(scene: Scene) -> Words:
     if any(view.hides(body, scene.camera) for view in views for body in view.bodies):
         legend.append((page.OUTLINE, BEHIND))
     notes = [*scene.notes, *(impossible(scene.bodies) if scene.kind.cells != "together" else [])]
-    notes = [note for note in notes if not (ringed and note == ITSELF)] + [left_out.store_note(ds)] * inside
+    notes = [note for note in notes if not (ringed and note == ITSELF)] + [left_out.note_of_dataset(ds)] * inside
     subtitle, unit = " · ".join(fact for fact in facts if fact), str(ds.attrs["length_unit"])
     toward = scene.camera.seen_from if scene.glyph else None
     return Words(str(ds.attrs["title"]), subtitle, unit, legend, notes, None, scene.columns, scene.heads, toward,

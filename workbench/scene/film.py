@@ -159,7 +159,7 @@ def _frame(
         if bar:
             page.draw_bar(fig, bar, (2 * MARGIN, 0.22), (1.6, 0.1))
         if str(ds.attrs["side"]) == "inside":
-            words = style.fitted(left_out.store_note(ds), across - 2.4, style.SMALL)
+            words = style.fitted(left_out.note_of_dataset(ds), across - 2.4, style.SMALL)
             ax.text(2.3, 0.24, words, size=style.SMALL, color=style.SOFT)
         if film.observable:
             box = ((0.62, FOOT + 0.3, across - 0.9, diagram[1] - 0.5) if lying else

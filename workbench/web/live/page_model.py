@@ -128,7 +128,7 @@ def _line(sol: Solution, rho: float) -> dict[str, list[float]]:
     return {name: [float(f"{value:.5g}") for value in row[::step]] for name, row in rows.items()}
 
 
-def store(one: Shape) -> Any:
+def dataset_of_rod(one: Shape) -> Any:
     """The dataset of a solved rod, as `workbench run` stores it. Raises `InputError` for a part of a rod."""
     if not one.whole:
         raise InputError("only a part of this rod is shown: run it as a study to export it")
@@ -140,7 +140,7 @@ def store(one: Shape) -> Any:
 
 def file(one: Shape, kind: str) -> bytes:
     """The bytes of an exported file with that suffix. Raises `InputError` as `stored_rod.export` does."""
-    ds = store(one)
+    ds = dataset_of_rod(one)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"rod.{kind}"
         try:

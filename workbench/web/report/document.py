@@ -24,7 +24,7 @@ from ..live.document import policy
 from ..turntable import page
 from . import case_facts, measured_runs, paper, sisters, sources, turning
 from .errata import ERRATA, mark_up
-from .formulas import bound
+from .formulas import with_hard_spaces
 from .law_cards import CLASSES, claims_of, in_degrees, law_of, of_readings, restable, sentence
 from .measured_runs import Measured
 from .mechanisms import mechanism
@@ -73,7 +73,7 @@ def html(
     if not results:
         raise InputError("a report needs at least one study")
     environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=bound
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=with_hard_spaces
     )
     template = environment.from_string(_text(TEMPLATE))
     figures = {f"turn-{result.ds.attrs['study_name']}": turning.figure_of(result.ds) for result in results}

@@ -11,6 +11,6 @@ SPACES = re.compile(
 )
 
 
-def bound(value: Any) -> Any:
+def with_hard_spaces(value: Any) -> Any:
     """A plain text with hard spaces in its formulas; markup and what is no text as they are."""
     return SPACES.sub(HARD, value) if type(value) is str else value

@@ -14,7 +14,7 @@ from studies.readings import DROPPED, TABLE_1, Reading
 from ...data import labels
 from ...data.schema import axes_of
 from ..live.presets import PRESETS, Preset
-from ..turntable.stored import store
+from ..turntable.stored import turntable_of_dataset
 from . import case_facts
 
 MOST_BYTES = 400_000  # of the stations of a panel
@@ -26,7 +26,7 @@ def figure_of(ds: xr.Dataset) -> dict[str, Any] | None:
     if not axes_of(ds) and (solving := _solve(ds)):
         return solving
     try:
-        return store(ds, most_bytes=MOST_BYTES, facts=case_facts.rows).data
+        return turntable_of_dataset(ds, most_bytes=MOST_BYTES, facts=case_facts.rows).data
     except InputError:
         return None
 

@@ -12,7 +12,7 @@ from jinja2 import Environment, StrictUndefined
 from ...data import labels, scene_look, selection
 from ...data.escaping import finite
 from ..live import document
-from .stored import store
+from .stored import turntable_of_dataset
 
 FIRST = "turntables"  # the module of the page with which the program begins
 
@@ -32,7 +32,7 @@ def html(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> str:
     InputError
         As of `stored`.
     """
-    found = store(ds, at)
+    found = turntable_of_dataset(ds, at)
     style, script = look() + read("page.css"), program()
     sliders = len(found.data["axes"])
     return render(

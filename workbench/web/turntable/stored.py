@@ -44,7 +44,7 @@ class Stored:
     left_out: list[str]
 
 
-def store(
+def turntable_of_dataset(
     ds: xr.Dataset,
     at: Mapping[str, Any] | None = None,
     most_bytes: int = MOST_BYTES,
@@ -177,7 +177,7 @@ def _case(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None) -> 
     numbers = {"R": line.R, "a": line.a, "rho": line.rho, "L": line.L, "A": line.A}
     loads = {"FZ": line.p * line.A, "MZ": line.l * line.A, "M3": line.m * line.A}
     caution = cautions.said(ds["caution"].isel(dict(where)).values) if "caution" in ds else ""
-    notes = (_sample(ds, where), caution, left_out.store_note(ds))
+    notes = (_sample(ds, where), caution, left_out.note_of_dataset(ds))
     return {"numbers": numbers | loads, "note": labels.typeset(" ".join(note for note in notes if note))}
 
 
@@ -187,7 +187,7 @@ def _facts(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None, fa
 
 def _sample(ds: xr.Dataset, where: Mapping[str, int]) -> str:
     """The values of the sampled fields of a case, as a sentence."""
-    fields = schema.sample_fields(ds) if SAMPLE in ds.dims else []
+    fields = schema.fields_of_samples(ds) if SAMPLE in ds.dims else []
     names = [name for name in map(schema.dimension, fields) if name in ds]
     values = [(name, float(ds[name].isel({k: i for k, i in where.items() if k in ds[name].dims}))) for name in names]
     texts = [f"{labels.symbol(ds[name])} = {labels.value(value, ds[name])}" for name, value in values]
