@@ -1,8 +1,8 @@
 """How finely a rod must be drawn: rings and sides from a pixel error, against a uniform mesh that is as good.
 
-    python benchmarks/detail.py docs/figures/detail.png
+    python -m benchmarks.detail
 
-Prints a table (stations, rings, sides, triangles, milliseconds, error in pixels) and draws one of its rods. The error
+Prints a table (stations, rings, sides, triangles, milliseconds, error in pixels). The error
 is measured on the triangles: points on them, and how far each is from the true surface, which is evaluated anew. A
 second table is of whole scenes, from the stored file to the picture, each in a process of its own.
 """
@@ -173,38 +173,6 @@ def main() -> None:
             writing.write(solved(name), file)
         heads = ["rod", "pixels allowed", "surfaces", "triangles", "processor s", "MB"]
         rows(heads, (whole(name, file, pixel_error) for name, file in files.items() for pixel_error in ERRORS))
-    if len(sys.argv) > 1:
-        draw(Path(sys.argv[1]))
-
-
-def draw(path: Path) -> None:
-    """Where the rings stand on the rod of Table 1, against its curvature."""
-    from matplotlib.figure import Figure
-
-    from workbench.data import labels
-    from workbench.figures import canvas, style
-    from workbench.figures.scales import Ticks
-
-    body = read(solved("Table 1"), {}, KINDS["plain"])
-    per_unit = WIDE / float(np.ptp(body.z))
-
-    def draw_on(fig: Figure) -> None:
-        ax = fig.add_subplot()
-        s = np.linspace(0, body.line.L, 2000)
-        ax.plot(s, body.line.kappa(s), color=style.SOFT, label="curvature [1/cm]")
-        colours = style.ramp_colours(len(ERRORS) + 1)
-        for colour, pixel_error in zip(colours, ERRORS, strict=False):
-            s = rings(body.line, body.span, pixel_error / per_unit).s
-            ax.plot((s[1:] + s[:-1]) / 2, 1 / np.diff(s), drawstyle="steps-mid", color=colour,
-                    label=f"rings per cm, {pixel_error:g} pixels allowed")  # fmt: skip
-        ax.set(xlabel="arc length s [cm]", ylabel="curvature or rings [1/cm]", yscale="log")
-        ax.yaxis.set_major_formatter(labels.power_of_ten)
-        ax.xaxis.set_major_formatter(Ticks())
-        ax.set_title("Where the rings of the rod of Table 1 stand", loc="left", weight="bold", pad=24)
-        ax.legend(ncols=3, loc="lower left", bbox_to_anchor=(-0.01, 1.0), borderaxespad=0)
-        style.with_grid(ax)
-
-    canvas.save(canvas.figure((8, 3.4), draw_on), path)
 
 
 if __name__ == "__main__":

@@ -74,8 +74,10 @@ def test_an_unknown_picture_is_answered_with_those_that_there_are(tmp_path, caps
     assert run("--only", "hero", "--out", str(tmp_path / "shown")) == 2
     told = " ".join(capsys.readouterr().err.split())
     assert "no picture 'hero'" in told
-    assert "choose from plain, contact" in told
+    assert "choose from rod, ghosts" in told
     assert "hero_sweep, hero_page" in told
+    assert run("--only", "contact", "--out", str(tmp_path / "shown")) == 2
+    assert "contact is one of four views of the picture rod: take --only rod" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []  # no folder is made for a request that is refused
 
 

@@ -148,12 +148,13 @@ def test_a_diagram_needs_no_more_than_the_file(ds, tmp_path) -> None:
         work_precision.panel(ds, None, "long")  # type: ignore[arg-type]
 
 
-def test_each_panel_of_a_trade_has_the_numbers_of_its_cost(ds) -> None:
-    names = [f"case {k}" for k in range(5)]
-    five = ds.isel(case=[0] * 5).assign_coords(case=names)
-    fig = work_precision.figure(five, "seconds")
+def test_each_panel_of_a_trade_has_the_numbers_of_its_cost_and_many_cases_are_six(ds) -> None:
+    many = ds.isel(case=[0] * 8).assign_coords(case=[f"case {k}" for k in range(8)])
+    assert work_precision.shown(many.isel(case=slice(5))) == [f"case {k}" for k in range(5)]
+    fig = work_precision.figure(many, "seconds")
     fig.draw_without_rendering()
-    assert len(fig.axes) == 5
+    assert len(fig.axes) == 6
+    assert any("6 of 8 cases" in text.get_text() for text in fig.texts)
     for ax in fig.axes:
         assert any(text.get_visible() and text.get_text() for text in ax.get_xticklabels())
 

@@ -14,7 +14,7 @@ import xarray as xr
 
 from solver import Case, Cylinder, Rod, Start, solve
 from tests.workbench import doc_pages, runs
-from tests.workbench.pictures import pixels
+from tests.workbench.pictures import pixels, share_of_ink
 from workbench import cli
 from workbench.scene import opengl
 
@@ -155,5 +155,4 @@ def test_the_page_on_other_programs_runs_as_it_stands(tmp_path, monkeypatch, cap
         assert "454.2" in capsys.readouterr().out
     if opengl.probe()[0]:
         exec(compile(series, "use-other-programs.md", "exec"), names)
-        shown = pixels(HOW_TO.parent / "figures" / "series.png")
-        assert pixels(Path("series.png")).shape == shown.shape
+        assert share_of_ink(pixels(Path("moduli.png"))) > 0.02

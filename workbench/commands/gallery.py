@@ -1,7 +1,6 @@
-"""The command gallery: one picture of every kind of scene, and the two at the top of the README."""
+"""The command gallery: the kinds of scene, and the two pictures at the top of the README."""
 
 from collections.abc import Callable
-from functools import cache
 from math import cos, pi
 from pathlib import Path
 from typing import Annotated, Any
@@ -63,19 +62,21 @@ force = "N"
 L = 800.0
 """
 OWN = {"inside": INSIDE, "long": LONG}  # drawn as `contact`
+ROD, VIEWS, VIEW_DPI = "rod", ("plain", "contact", "curvature", "twist"), 120  # four kinds of one rod, two by two
 
 
 def gallery(
     out: Annotated[Path, option("FOLDER", "Folder for the pictures.")] = Path("gallery"),
     only: Annotated[
-        list[str] | None, option("NAME", "A picture to draw, such as contact or hero_sweep; repeatable; default: all.")
+        list[str] | None, option("NAME", "A picture to draw, such as rod or hero_sweep; repeatable; default: all.")
     ] = None,
     force: ForceOutput = False,
 ) -> int:
-    """Draw one picture of every kind of scene, and the two at the top of the README.
+    """Draw every kind of scene, and the two pictures at the top of the README.
 
-    hero_sweep.webp is animated: a rod in a tube that is pushed and released. hero_page.png shows the live page; without
-    a Chromium on PATH it is left out. Exit status 1 if OpenGL does not work on this machine.
+    rod.png shows one rod in the four kinds of scene that show one. hero_sweep.webp is animated: a rod in a tube that
+    is pushed and released. hero_page.png shows the live page; without a Chromium on PATH it is left out. Exit status 1
+    if OpenGL does not work on this machine.
     """
     from ..data import writing
     from ..scene import opengl
@@ -93,33 +94,53 @@ def gallery(
         if name == PAGE:
             _page(path)
             continue
-        if name == SWEEP:
-            _animate(datasets[SWEEP](), path)
-        else:
-            _scene(name, datasets.get(name, datasets["contact"])(), path)
+        draw = {SWEEP: _animate, ROD: _four_views}.get(name, _scene)
+        draw(datasets[name](), path)
         console.say(str(path))
     return 0
 
 
 def _suffixes(only: list[str]) -> dict[str, str]:
     """The suffix of each picture that is wanted. Raises `InputError` for an unknown name."""
-    from solver.problem.errors import no_such
+    from solver.problem.errors import InputError, no_such
 
     from ..scene import kinds
 
-    known = dict.fromkeys([*kinds.KINDS, *OWN], ".png") | {SWEEP: ".webp", PAGE: ".png"}
+    several = [name for name in kinds.KINDS if name not in VIEWS]
+    known = dict.fromkeys([ROD, *several, *OWN], ".png") | {SWEEP: ".webp", PAGE: ".png"}
     for name in only:
+        if name in VIEWS:
+            raise InputError(f"{name} is one of four views of the picture {ROD}: take --only {ROD}")
         if name not in known:
             raise no_such("picture", name, list(known))
     return {name: suffix for name, suffix in known.items() if not only or name in only}
 
 
-def _scene(name: str, ds: Any, path: Path) -> None:
+def _scene(ds: Any, path: Path) -> None:
     """Draw one scene."""
     from ..scene import composition, layout
 
-    kind, axes = "contact" if name in OWN else name, ["F1", "F3"] if name == "grid" else []
+    kind, axes = "contact" if path.stem in OWN else path.stem, ["F1", "F3"] if path.stem == "grid" else []
     layout.render(ds, path, None, kind, axes, settings=composition.Settings(dpi=DPI), level=9)
+
+
+def _four_views(ds: Any, path: Path) -> None:
+    """Draw a rod in four kinds of scene, two by two."""
+    import numpy as np
+    from PIL import Image
+
+    from ..data import atomic
+    from ..scene import composition, kinds, layout, page
+
+    views = []
+    for letter, kind in zip("abcd", VIEWS, strict=True):
+        titled = ds.assign_attrs(title=f"{letter}  {kinds.KINDS[kind].description}")
+        picture = layout.compose(titled, None, kind, settings=composition.Settings(dpi=VIEW_DPI))
+        views.append(page.drawn(page.figure(picture.page)))
+    high = max(len(view) for view in views)
+    views = [np.pad(view, ((0, high - len(view)), (0, 0), (0, 0)), constant_values=255) for view in views]
+    both = Image.fromarray(np.block([[[views[0]], [views[1]]], [[views[2]], [views[3]]]]))
+    atomic.write(path, lambda aside: both.save(aside, compress_level=9))
 
 
 def _animate(ds: Any, path: Path) -> None:
@@ -142,7 +163,7 @@ def _page(path: Path) -> None:
 
 
 def _datasets() -> dict[str, Callable[[], Any]]:
-    """What solves the dataset of each picture; of a kind that is not named, that of `contact`."""
+    """What solves the dataset of each picture."""
     from studies import load
     from studies.axes import Axis
     from studies.loader import loads
@@ -167,7 +188,7 @@ def _datasets() -> dict[str, Callable[[], Any]]:
         return lambda: in_memory.run(loads(text, default_name="rod"))
 
     return {
-        "contact": cache(lambda: in_memory.run(load("fig6"))),
+        ROD: lambda: in_memory.run(load("fig6")),
         "ghosts": lambda: in_memory.run(load("fig7_1_modulus")),
         "grid": lambda: in_memory.run(load("fig7_5_forces")),
         "equilibria": equilibria,

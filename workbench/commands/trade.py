@@ -25,7 +25,7 @@ def trade(
     """Measure the accuracy and the cost of every method.
 
     Each method solves cases with a known solution, at several values of its own setting of accuracy (steps, nodes or
-    a tolerance). The folder receives trade.h5, trade_seconds.png and trade_evaluations.png.
+    a tolerance). The folder receives trade.h5, and trade_seconds.png and trade_evaluations.png with six cases at most.
 
     When interrupted, the command stores and draws the finished cases as trade_interrupted; trade.h5 stays unchanged.
     """

@@ -1,4 +1,4 @@
-"""Work-precision diagrams of a stored trade: error against seconds or evaluations, a panel a case."""
+"""Work-precision diagrams of a stored trade: error against seconds or evaluations, a panel for each of six cases."""
 
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
@@ -24,13 +24,22 @@ COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of 
 LOST = 1.0  # an error of this size and more has no correct digit
 FLOOR, TOP = 1e-16, 1e1  # the range of errors that is shown; an error of 0 is drawn at its lower end
 COLUMNS, PANEL = 3, (3.2, 2.1)  # inches
+MOST = 6  # panels
+# shown where more cases are measured
+SHOWN = ("force-first/tension", "gap 1e-02", "gap 1e-08", "long", "ends table 1", "ends stable 1")
+
+
+def shown(ds: xr.Dataset) -> list[str]:
+    """The cases of a trade that its diagrams show: all where they are few, else those of `SHOWN`, else the first."""
+    cases = [str(case) for case in ds["case"].values]
+    return cases if len(cases) <= MOST else [case for case in SHOWN if case in cases] or cases[:MOST]
 
 
 def figure(ds: xr.Dataset, cost: str = "seconds") -> Figure:
-    """All cases of a trade against one cost, a name of `COSTS`. Raises `InputError` for another name."""
+    """The shown cases of a trade against one cost, a name of `COSTS`. Raises `InputError` for another name."""
     if cost not in COSTS:
         raise no_such("cost", cost, COSTS)
-    cases = [str(case) for case in ds["case"].values]
+    cases = shown(ds)
     columns = min(COLUMNS, len(cases))
     lines = -(-len(cases) // columns)
     size = (COLUMNS * PANEL[0], lines * PANEL[1] + 1.5)
@@ -47,7 +56,8 @@ def figure(ds: xr.Dataset, cost: str = "seconds") -> Figure:
         fig.supxlabel(COSTS[cost], size=style.normal(), color=style.INK)
         error = "error achieved: of angle [rad], or of position over max(ρ, L)"
         fig.supylabel(error if lines > 2 else fill(error, 34), size=style.normal())
-        title = f"{ds.attrs['title']}: {COSTS[cost]}" if ds.attrs["title"] else ""
+        some = f", {len(cases)} of {ds.sizes['case']} cases" if len(cases) < ds.sizes["case"] else ""
+        title = f"{ds.attrs['title']}: {COSTS[cost]}{some}" if ds.attrs["title"] else ""
         fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=style.large())
         for i, (title, handles) in enumerate(_legends(ds)):
             top = 1 - (0.33 + 0.19 * i) * inch

@@ -17,14 +17,6 @@ from ...data import labels, writing
 from ...figures import canvas, robustness, work_precision
 
 SHIPPED = Path(__file__).parents[2] / "compare" / "measured"  # made with benchmarks/make_measured.py
-CASES = (
-    "force-first/tension",
-    "gap 1e-02",
-    "gap 1e-08",
-    "long",
-    "ends table 1",
-    "ends stable 1",
-)  # of 21, for one page
 
 
 @dataclass(frozen=True)
@@ -39,7 +31,7 @@ class Measured:
 
 def both(folder: Path) -> list[Measured]:
     """Extremes and trade, of the runs stored in the folder; default: of those that are shipped."""
-    return [one(folder, "extremes", robustness.figure, _extremes), one(folder, "trade", _draw_trade, _trade)]
+    return [one(folder, "extremes", robustness.figure, _extremes), one(folder, "trade", work_precision.figure, _trade)]
 
 
 def one(folder: Path, name: str, draw: Callable[[xr.Dataset], Figure], shows: Callable[[xr.Dataset], str]) -> Measured:
@@ -74,15 +66,8 @@ def _run(ds: xr.Dataset) -> str:
     return f"Measured {day} UTC on {ds.attrs.get('machine', 'an unknown machine')}, with {named}"
 
 
-def _draw_trade(ds: xr.Dataset) -> Figure:
-    """The cases of `CASES` that were measured; of a run without them the first few."""
-    there = [str(case) for case in ds["case"].values]
-    chosen = [case for case in CASES if case in there] or there[: len(CASES)]
-    return work_precision.figure(ds.sel(case=chosen), "seconds")
-
-
 def _trade(ds: xr.Dataset) -> str:
-    shown = min(ds.sizes["case"], len(CASES))
+    shown = len(work_precision.shown(ds))
     return (
         f"{ds.sizes['ladder']} methods and variants on {ds.sizes['case']} rods, {shown} of them shown: the error "
         "that is achieved against the seconds of the whole call, from the coarsest to the finest setting of each"
