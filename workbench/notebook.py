@@ -205,18 +205,10 @@ def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
     data: dict[str, Any] = {
         name: xr.Variable((*dims, "u"), getattr(sol, name), schema.labels(name, used)) for name in ALONG
     }
-    owners = {
-        **dict.fromkeys((name for name, _ in case.rod.given()), case.rod),
-        **{
-            name: case.cylinder for name in ("R", "inclination", "friction") if getattr(case.cylinder, name) is not None
-        },
-        "rho": case,
-        "FZ": sol,
-        "MZ": sol,
-    }
-    for name, owner in {**owners, "M3": sol}.items():
+    loads = {name: getattr(sol, name) for name in schema.LOADS}
+    for name, number in {**schema.numbers_of_case(case), **loads}.items():
         if name not in axes:
-            value = np.broadcast_to(np.asarray(getattr(owner, name), dtype=float), case.shape)
+            value = np.broadcast_to(np.asarray(number, dtype=float), case.shape)
             same = value.size > 0 and float(np.ptp(value)) == 0
             own: tuple[Any, Any] = ((), float(value.flat[0])) if same else (dims, value)
             data[name] = xr.Variable(own[0], own[1], schema.labels(name, used))
@@ -274,8 +266,8 @@ def _attributes(sol: Solution, units: Mapping[str, str]) -> dict[str, Any]:
     case = sol.case
     return {
         "title": "An elastic rod on a cylinder" if not case.shape else f"{case.size} elastic rods on cylinders",
-        "study_name": "solution", "study": "", "reading": "", "side": case.cylinder.side,
-        "stiffness": case.rod.section, "length_unit": units["length"], "force_unit": units["force"],
+        "study_name": "solution", "study": "", "reading": "",
+        **schema.attributes_of_case(case, units),
         "laws": json.dumps([]), "versions": json.dumps(dataset.versions()), "method": sol.method, "tolerance": sol.tol,
     }  # fmt: skip
 

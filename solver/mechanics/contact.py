@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..problem.case import SIDES, SLIDING, Case
+from ..problem.case import SIDES, Case
 
 
 def contact_force(A: Any, m: Any, rho: Any, FY: Array, H: Array, beta: Array, dbeta: Array) -> Array:
@@ -48,7 +48,7 @@ def with_weight(case: Case, contact: Array, alpha: Array, dbeta: Array) -> Array
     wall = case.cylinder
     if case.rod.weight is not None and wall.inclination is not None:
         contact = contact - column(case.rod.weight * np.sin(wall.inclination)) * np.cos(alpha)
-    sign, turning = SLIDING[wall.sliding]
+    sign, turning = wall.sense
     if turning and wall.friction is not None:
         contact = contact / (1 - case.outward * sign * column(wall.friction * case.rod.a) * dbeta)
     return contact

@@ -39,16 +39,18 @@ class Cylinder:
         The side of the wall on which the rod lies.
     inclination : float, str or array, optional
         Angle of the axis, in the direction of s, to the upward vertical [rad], 0 to pi: "90deg" lies, "180deg"
-        descends. It matters for a rod with weight. Default: 0.
+        descends. Only for a rod with weight. Default: 0.
     friction : float or array, optional
         Coefficient of the friction of a rod that slides everywhere, at least 0. Default: no friction.
-    sliding : {"forward", "backward", "rotating"}
-        How the rod moves: towards larger s, towards smaller s, or turning in place, counterclockwise seen against s.
+    sliding : {"forward", "backward", "rotating"}, optional
+        How a rod with friction moves: towards larger s, towards smaller s, or turning in place, counterclockwise seen
+        against s. Default: forward.
 
     Raises
     ------
     InputError
-        If R is not positive, the inclination is outside [0, pi], the friction is negative, or a word is unknown.
+        If R is not positive, the inclination is outside [0, pi], the friction is negative, a word is unknown, or
+        sliding is given without friction.
 
     Examples
     --------
@@ -61,24 +63,31 @@ class Cylinder:
     side: Literal["outside", "inside"] = "outside"
     inclination: Any = None
     friction: Any = None
-    sliding: Literal["forward", "backward", "rotating"] = "forward"
+    sliding: Literal["forward", "backward", "rotating"] | None = None
 
     def __post_init__(self) -> None:
         check_numbers(self, skip=("side", "sliding"))
         refuse("Cylinder", "R", self.R, np.less_equal(self.R, 0), "positive and finite")
         if not known_name(self.side, SIDES):
             raise no_such("side", self.side, SIDES)
-        if not known_name(self.sliding, SLIDING):
+        if self.sliding is not None and not known_name(self.sliding, SLIDING):
             raise no_such("sliding", self.sliding, SLIDING)
+        if self.sliding is not None and self.friction is None:
+            raise InputError(f"sliding matters only with friction, got sliding={self.sliding!r} and no friction")
         if self.inclination is not None:
             off = np.less(self.inclination, 0) | np.greater(self.inclination, np.pi * (1 + 1e-15))
             refuse("Cylinder", "inclination", self.inclination, off, "from 0 to pi")
         if self.friction is not None:
             refuse("Cylinder", "friction", self.friction, np.less(self.friction, 0), "at least 0")
+            object.__setattr__(self, "sliding", self.sliding or next(iter(SLIDING)))
+
+    @property
+    def sense(self) -> tuple[float, bool]:
+        """The sign of sliding towards larger s, and whether the rod turns in place."""
+        return SLIDING[self.sliding or "forward"]
 
     def __repr__(self) -> str:
-        plain = {"sliding"} if self.friction is None else set()
-        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name not in plain}
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
         return f"Cylinder({choices(f'{name}={value!r}' for name, value in values.items() if value is not None)})"
 
 
@@ -269,7 +278,8 @@ class Case:
     Raises
     ------
     InputError
-        If the fields do not broadcast, or a rod inside the cylinder has no room (R <= a).
+        If the fields do not broadcast, a rod inside the cylinder has no room (R <= a), or an inclination is given
+        without weight.
 
     Examples
     --------
@@ -298,6 +308,9 @@ class Case:
             tight = np.less_equal(self.cylinder.R, self.rod.a)
             rule = f"larger than Rod.a = {self.rod.a!s} for a rod inside"
             refuse("Cylinder", "R", np.broadcast_to(self.cylinder.R, np.shape(tight)), tight, rule)
+        if self.cylinder.inclination is not None and self.rod.weight is None:
+            angle = show(self.cylinder.inclination)
+            raise InputError(f"inclination matters only for a rod with weight, got inclination={angle} and no weight")
         self._check_reach()
 
     def _check_reach(self) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..core.varying_loads import SIZE
 from ..numerics.arrays import Array
-from ..problem.case import SLIDING, Case
+from ..problem.case import Case
 from ..problem.held_ends import HeldProblem, held_problem
 from ..problem.reduced import StartProblem, dimensionless_problem, flat
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
@@ -16,7 +16,7 @@ def numbers_of(case: Case) -> Array:
     """The numbers of each rod as `core.varying_loads.march` takes them, (B, 7)."""
     A, rho, wall = case.rod.bending_stiffness, case.rho, case.cylinder
     theta = 0.0 if wall.inclination is None else wall.inclination
-    sign, turning = SLIDING[wall.sliding]
+    sign, turning = wall.sense
     with np.errstate(all="ignore"):  # overflow is reported in the outcome
         omega = (0.0 if case.rod.weight is None else case.rod.weight) * rho**3 / A
         # sines of both halves of the circle, so that a rod that lies feels no weight along it

@@ -9,7 +9,6 @@ from scipy.interpolate import make_interp_spline
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, follow, observe, solve
 from solver.core.varying_loads import march
-from solver.problem.case import SLIDING
 from solver.problem.reduced import reduce
 from solver.shooting.branch import buckling_tension, index_at, straight_shape
 from solver.shooting.loaded_rod import LoadedRod
@@ -27,7 +26,7 @@ def unbalanced(sol: Any) -> tuple[float, float]:
     """
     case, s, alpha = sol.case, sol.s, sol.alpha
     theta, rubbed = case.cylinder.inclination or 0.0, case.cylinder.friction or 0.0
-    sense, turning = SLIDING[case.cylinder.sliding]
+    sense, turning = case.cylinder.sense
     out = np.stack([np.cos(alpha), np.sin(alpha), 0 * alpha], axis=-1)
     around, axis = np.stack([-np.sin(alpha), np.cos(alpha), 0 * alpha], axis=-1), np.array([0.0, 0.0, 1.0])
     sin, cos = np.sin(sol.beta)[:, None], np.cos(sol.beta)[:, None]
@@ -289,6 +288,8 @@ def test_a_long_start_problem_says_that_it_has_lost_its_digits() -> None:
         (lambda case: Cylinder(R=1.0, inclination=4.0), "Cylinder.inclination must be from 0 to pi"),
         (lambda case: Cylinder(R=1.0, friction=-0.1), "Cylinder.friction must be at least 0"),
         (lambda case: Cylinder(R=1.0, sliding="up"), "no sliding 'up'"),
+        (lambda case: Cylinder(R=1.0, sliding="backward"), "sliding matters only with friction, got sliding="),
+        (lambda case: replace(case, rod=Rod(**ROD | {"weight": None})), "inclination matters only for a rod"),
     ],
 )
 def test_what_weight_does_not_allow_is_refused_in_words(call: Any, sentence: str) -> None:

@@ -8,7 +8,7 @@ import pytest
 from typer.main import get_command
 
 from solver import Cylinder, Ends, Rod, Start
-from solver.problem.case import PAIRS, SIDES, STIFFNESS, TWISTS
+from solver.problem.case import PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS
 from solver.problem.quantities import unit_of
 from solver.problem.rod import lacking
 from studies.axes import quantity_of
@@ -58,7 +58,7 @@ def test_the_default_is_that_of_the_solver(name: str) -> None:
     defaults = {field.default for part in declared()[name] for field in fields(part) if field.name == name}
     if name in TWISTS or name in SECTION:  # required in one way or another
         assert FIELDS[name].default is None
-    elif name in ("weight", "inclination", "friction"):  # without one there is none
+    elif name in ("weight", "inclination", "friction", "sliding"):  # without one there is none
         assert defaults == {None}
         assert FIELDS[name].default is None
     elif name in {field for pair in PAIRS for field in pair}:  # a load is 0 unless its displacement is held
@@ -78,6 +78,7 @@ def test_a_rod_needs_one_of_two_pairs() -> None:
 def test_words_have_the_choices_of_the_solver() -> None:
     assert FIELDS["stiffness"].choices == tuple(STIFFNESS)
     assert FIELDS["side"].choices == tuple(SIDES)
+    assert FIELDS["sliding"].choices == tuple(SLIDING)
 
 
 @pytest.mark.parametrize(
@@ -144,6 +145,10 @@ PIPE = "--EI 1.228e6 --GJ 9.45e5 --a 0.0635 --L 60 --R 0.10795 --beta0 0 --betaL
         (["--FZ", "-1e5", "--side", "inside", "--weight", "242", "--inclination", "90deg"], 0,
          "state: straight all along"),
         (["--FZ", "-1e5", "--side", "inside", "--weight", "-1"], 2, "Rod.weight must be at least 0, got -1.0"),
+        (["--FZ", "-1e5", "--sliding", "backward"], 2,
+         "sliding matters only with friction, got sliding='backward' and no friction"),
+        (["--FZ", "-1e5", "--inclination", "90deg"], 2,
+         "inclination matters only for a rod with weight, got inclination=1.57"),
     ],
 )  # fmt: skip
 def test_a_rod_in_a_hole_is_told_what_the_model_leaves_out(args, status, sentence: str, capsys) -> None:

@@ -48,6 +48,14 @@ def ds() -> xr.Dataset:
     return pipes(121)
 
 
+def test_what_a_rod_with_weight_and_friction_is_given_is_stored() -> None:
+    rubbed = 'inclination = "90deg"\nfriction = 0.2\nsliding = "backward"\nalpha = 0.1\n[axes.FZ]\nvalues = [-100, -90]'
+    ds = in_memory.run(loads(STUDY.format(stations=3).partition("FZ")[0] + rubbed))
+    assert (ds["inclination"], ds["friction"], ds["alpha0"]) == (np.pi / 2, 0.2, 0.1)
+    assert ds.attrs["sliding"] == "backward"
+    assert bool((ds["alpha"][:, 0] == 0.1).all())
+
+
 LYING: Mapping[str, int] = {"inclination": 1}
 
 

@@ -98,8 +98,8 @@ def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:
     """The attributes that every dataset of equilibria has."""
     return {
         "title": title, "study_name": "equilibria", "study": study.text, "reading": study.reading or "",
-        "side": case.cylinder.side, "stiffness": case.rod.section, "length_unit": study.units.length,
-        "force_unit": study.units.force, "laws": json.dumps([]), "versions": json.dumps(dataset.versions()),
+        **schema.attributes_of_case(case, study.unit_system), "laws": json.dumps([]),
+        "versions": json.dumps(dataset.versions()),
         "stability": DEAD_LOADS,
     }  # fmt: skip
 
@@ -108,7 +108,7 @@ def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: str = "")
     """The dataset with the numbers of the case as scalars; skip: the field that is an axis."""
     every = {name: getattr(case.given, name) for pair in PAIRS for name in pair}
     ends = {name: value for name, value in every.items() if value is not None}
-    numbers = {**dict(case.rod.given()), "R": case.cylinder.R, "rho": case.rho, **ends}
+    numbers = {**schema.numbers_of_case(case), **ends}
     return ds.assign({
         name: xr.Variable((), float(value), schema.labels(name, units))
         for name, value in numbers.items()

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from solver import Case
 from studies import Study, expressions, paired, refine
-from studies.axes import CYLINDER, quantity_of
+from studies.axes import quantity_of
 from studies.dimensions import SAMPLE, Dimensions
 
 from . import cautions
@@ -22,13 +22,14 @@ from .schema import (
     FORMAT,
     INNER,
     LOADS,
-    OF_THE_CASE,
     Columns,
+    attributes_of_case,
     curve_name,
     dimension,
     labels,
     labels_in,
     laws_text,
+    numbers_of_case,
 )
 from .versions import version_of
 
@@ -95,9 +96,8 @@ def frame(study: Study, over: Dimensions, first: str = "", case: Case | None = N
     case = study.case_of(over.open()) if case is None else case
     coords = _coordinates(study, over)
     data = {}
-    for name in OF_THE_CASE:
-        value = getattr(case if name == "rho" else case.cylinder if name in CYLINDER else case.rod, name)
-        if name not in coords and value is not None:
+    for name, value in numbers_of_case(case).items():
+        if name not in coords:
             data[name] = xr.Variable(*_own_dims(value, axes), labels(name, units))
     for field, value in expressions.numbers_of_laws(study).items():
         if dimension(field) not in (*coords, *data, *LOADS):
@@ -164,10 +164,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "study_name": study.name,
         "study": study.text,
         "reading": study.reading or "",
-        "side": case.cylinder.side,
-        "stiffness": case.rod.section,
-        "length_unit": study.units.length,
-        "force_unit": study.units.force,
+        **attributes_of_case(case, study.unit_system),
         "tolerance": study.tol,
         "method": study.method,
         "observed": RESOLVED if _knows_orbit(study.method) else AT_STATIONS,

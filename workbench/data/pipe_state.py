@@ -3,7 +3,6 @@
 import math
 from typing import TYPE_CHECKING, Any
 
-from solver.problem.case import SLIDING
 from solver.shooting.state import in_words
 
 if TYPE_CHECKING:
@@ -93,7 +92,7 @@ def _ends(sol: "Solution", force: str, length: str) -> str:
             f"; friction {' and '.join(f'{float(wall.friction * sol.push[i]):.4g}' for i in (0, -1))} {force}/{length}"
         )
         rubbed = float(wall.friction) * _observe(sol, "push_mean") * float(sol.case.rod.L)
-        way = "turns in place" if SLIDING[wall.sliding][1] else f"slides {wall.sliding}"
+        way = "turns in place" if wall.sense[1] else f"slides {wall.sliding}"
         text += f", {rubbed:.4g} {force} in all, of a rod that {way} everywhere"
     return text
 

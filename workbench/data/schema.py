@@ -11,7 +11,7 @@ from solver.observe import observables
 from solver.observe.observables import OBSERVABLES
 from solver.problem.quantities import quantity, unit_of
 from studies import expressions
-from studies.axes import WORDS, quantity_of
+from studies.axes import CYLINDER, WORDS, quantity_of
 from studies.dimensions import SAMPLE
 from studies.formulas import parse
 from studies.model import OUTPUTS
@@ -19,6 +19,7 @@ from studies.model import OUTPUTS
 if TYPE_CHECKING:
     import xarray as xr
 
+    from solver import Case
     from studies import Study
 
 FORMAT = 2  # of the file; any other is refused
@@ -37,6 +38,21 @@ INNER = {"position": ("xyz",)}  # dimensions after u, of an output that is not o
 # The name in the file -> the output. Forces along the rod never take the name of an axis: F1 is the force at the start.
 CURVES = {f"{name}_along" if name in ("F1", "F2", "F3") else name: name for name in OUTPUTS}
 PACKED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+
+
+def numbers_of_case(case: "Case") -> dict[str, Any]:
+    """The fields of a case's rod and cylinder that are given, rho, and of rods whose loads vary the azimuth alpha0."""
+    owner = {"rho": case, **dict.fromkeys(CYLINDER, case.cylinder)}
+    values = {name: getattr(owner.get(name, case.rod), name) for name in OF_THE_CASE}
+    values |= {"alpha0": case.given.alpha} if case.varies else {}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def attributes_of_case(case: "Case", units: Mapping[str, str]) -> dict[str, str]:
+    """The words of a case, and the units of its numbers."""
+    words = {"side": case.cylinder.side, "stiffness": case.rod.section, "sliding": case.cylinder.sliding}
+    units = {f"{kind}_unit": units[kind] for kind in ("length", "force")}
+    return {name: word for name, word in words.items() if word is not None} | units
 
 
 def loads_vary(ds: "xr.Dataset") -> bool:

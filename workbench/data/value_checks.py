@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.problem.case import SIDES
+from solver.problem.case import SIDES, SLIDING
 from solver.problem.errors import InputError, choices
 from solver.problem.rod import DIRECT, ELASTIC, GIVEN
 from studies.axes import LONGEST_LINE
@@ -40,6 +40,7 @@ SHARES = ("attached", "overlaps")  # at most 1
 LABELS = ("units", "long_name", "symbol", "reading")
 WORDS: Mapping[str, Any] = {
     "side": SIDES,
+    "sliding": SLIDING,
     "stiffness": rod_fields.SECTIONS,
     "length_unit": LENGTHS,
     "force_unit": FORCES,

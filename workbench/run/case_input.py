@@ -145,8 +145,8 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
     assumed = {f.name: f.default for f in known if f.name not in values and f.default is not None}
     if rod.EI is not None:
         assumed.pop("stiffness", None)  # a factor of E, which this rod does not have
-    if cylinder.friction is None:
-        assumed.pop("sliding", None)
+    if cylinder.friction is not None and "sliding" not in values:
+        assumed["sliding"] = cylinder.sliding
     if isinstance(given, Ends):
         loads = {own: 0.0 for own, partner in PAIRS[2:] if own not in values and partner not in values}
         assumed = {f.name: {**assumed, **loads}[f.name] for f in known if f.name in {**assumed, **loads}}
@@ -213,8 +213,6 @@ def field_values(case: Case) -> dict[str, Any]:
     values = {f.name: getattr(part, f.name) for part in (case.rod, case.cylinder, case.given) for f in fields(part)}
     if case.rod.EI is not None:
         del values["stiffness"]
-    if case.cylinder.friction is None:
-        del values["sliding"]
     return {name: v if isinstance(v, str) else float(v) for name, v in values.items() if v is not None}
 
 
