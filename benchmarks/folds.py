@@ -18,7 +18,7 @@ import numpy as np
 from scipy.integrate import solve_bvp, solve_ivp
 
 from solver import Case, region_map
-from solver.boundary.fold_curves import FoldCurve, fold_curves
+from solver.folds.fold_curves import FoldCurve, fold_curves
 from solver.mechanics.potential import Loads, slope, slope_rate
 from studies import load
 from workbench.branches.equilibria import ends_problem

@@ -15,8 +15,8 @@ import numpy as np
 
 from benchmarks.ends import REFERENCE
 from solver import Case, Cylinder, Ends, Rod, equilibria, solve
-from solver.boundary.branch_coordinates import path_of
-from solver.boundary.continuation import resume
+from solver.branches.continuation import resume
+from solver.levels.line_point import path_of
 from solver.methods.orbit import OrbitQuadrature
 from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import StartProblem, reduce

@@ -1,8 +1,8 @@
 """The mechanics and the numerics of an elastic rod on a cylinder. Needs numpy and scipy, nothing else."""
 
-from .boundary.fold_curves import fold_curves
 from .branch import Branch
 from .equilibria import Equilibrium, equilibria
+from .folds.fold_curves import fold_curves
 from .follow import follow
 from .inverse import fit
 from .loops import Loop, loops

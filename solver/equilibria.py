@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .boundary.selection import NEAREST, Choose, select
+from .choose.selection import NEAREST, Choose, select
 from .equilibrium_list import Equilibria, Equilibrium, in_order
 from .held_equilibria import TRIES, held_equilibria
 from .numerics.arrays import Array
@@ -64,7 +64,7 @@ def equilibria(
     Equilibria
         A list of `Equilibrium`, lowest energy first. Its `complete` says whether the list passes the test of
         completeness; its `remark` says why not. Under held ends `HeldEquilibria`, which is never proved complete: its
-        `search` states the ranges and counts.
+        `level_search` states the ranges and counts.
 
     Raises
     ------
@@ -107,9 +107,9 @@ def equilibria(
 
 def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: int, most_swings: int) -> Equilibria:
     """All equilibria of one case under dead loads, `problem` in units of rho."""
-    from .boundary.search import search  # only a call needs the modules behind these
-    from .boundary.selected_equilibrium import equilibrium_trajectory
-    from .boundary.transit_times import repeat
+    from .choose.selected_equilibrium import equilibrium_trajectory
+    from .levels.level_search import search
+    from .levels.transit_times import repeat
     from .observe.measurement import Reading
     from .observe.observables import OBSERVABLES
 

@@ -22,9 +22,9 @@ from .solution import Solution
 from .solve import between_ends, seed_of
 
 if TYPE_CHECKING:
-    from .boundary.branch_coordinates import Path
-    from .boundary.branch_following import Stop
-    from .boundary.branch_states import Bounds, Place
+    from .branches.branch_following import Stop
+    from .branches.branch_states import Bounds, Place
+    from .levels.line_point import Path
 
 MOST = 1000
 
@@ -68,8 +68,8 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     >>> float(branch.values[-1]), branch.end.reason
     (-4.0, 'the end of the range')
     """
-    from .boundary.branch_states import Bounds
-    from .boundary.exchanged_ends import exchange
+    from .branches.branch_states import Bounds
+    from .equilibrium.exchanged_ends import exchange
 
     solution = _check(solution)
     if solution.case.varies:
@@ -163,7 +163,7 @@ def _check(solution: object) -> Solution:
 
 def _equilibrium(solution: Solution) -> tuple[Case, "Path", EndsProblem]:
     """The ends problem of a solution as a case, its path, and the problem under dead loads that it solves."""
-    from .boundary.each_equilibrium import path_of_seed
+    from .choose.each_equilibrium import path_of_seed
 
     case, given = solution.case, solution.case.given
     if not isinstance(given, Ends):
@@ -210,12 +210,12 @@ class _Solver:
 
 def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array, Trajectory]:
     """The problem of a point, and its shape at stations s/L = u."""
-    from .boundary.held_continuation import state_of
-    from .boundary.held_equilibrium import at_hinges, held_trajectory
-    from .boundary.held_starts import Reached
-    from .boundary.held_system import Given
-    from .boundary.path_orbits import orbit_of
-    from .boundary.selected_equilibrium import equilibrium_trajectory
+    from .branches.held_continuation import state_of
+    from .choose.held_equilibrium import at_hinges, held_trajectory
+    from .choose.selected_equilibrium import equilibrium_trajectory
+    from .equilibrium.system import Given
+    from .held.held_starts import Reached
+    from .levels.path_orbits import orbit_of
 
     problem, path = point.problem, point.path
     if {"M10", "M1L"} & set(held_of(point.case)) and not path.helix:
@@ -229,7 +229,7 @@ def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array
 
 def solutions_of(branch: Branch, stations: int) -> Solution:
     """All points of a branch as one solution over a grid of one axis."""
-    from .boundary.each_equilibrium import together
+    from .choose.each_equilibrium import together
 
     tol, u = branch.points[0].solution.tol, np.linspace(0, 1, stations)
     if branch.points[0].case.varies:
@@ -244,9 +244,9 @@ def solutions_of(branch: Branch, stations: int) -> Solution:
 
 def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bounds", solved: _Solver) -> Branch:
     """The branch, followed with the field falling and rising where there is room."""
-    from .boundary.branch_families import family_of
-    from .boundary.branch_following import CLOSED, END, Stop, followed, own_place
-    from .boundary.branch_states import Place
+    from .branches.branch_families import family_of
+    from .branches.branch_following import CLOSED, END, Stop, followed, own_place
+    from .branches.branch_states import Place
 
     own = value_of(case, name)
     family = family_of(case, name, begun, bounds)
@@ -272,7 +272,7 @@ def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bo
 
 def _end(name: str, stop: "Stop") -> BranchEnd:
     """Why a branch over a field stops."""
-    from .boundary.branch_following import CLOSED, END
+    from .branches.branch_following import CLOSED, END
 
     p = float(stop.p)
     if stop.helix is None:

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from .boundary.held_equilibrium import held_trajectory
-from .boundary.held_index import dead_index_of
-from .boundary.held_search import HeldFound, held_search
-from .boundary.held_starts import Reached
-from .boundary.held_system import Given, State
+from .choose.held_equilibrium import held_trajectory
+from .equilibrium.held_index import dead_index_of
+from .equilibrium.system import Given, State
 from .equilibrium_list import Equilibrium, HeldEquilibria, HeldSearch, in_order
+from .held.held_search import HeldFound, held_search
+from .held.held_starts import Reached
 from .observe import observe
 from .problem.case import PAIRS, Case, Ends
 from .problem.errors import InputError, no_such, show

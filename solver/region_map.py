@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from .boundary.fold_curves import FoldCurves, fold_curves
-from .boundary.plane_regions import regions_of
 from .equilibria import Equilibria, equilibria
+from .folds.fold_curves import FoldCurves, fold_curves
+from .folds.plane_regions import regions_of
 from .numerics.arrays import Array, Integers
 from .problem.case import Case
 from .problem.errors import InputError

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .boundary.selection import NEAREST, Choose, check
+from .choose.selection import NEAREST, Choose, check
 from .numerics.arrays import Array
 from .problem.case import Case, check_case
 from .problem.errors import InputError, choices, show
@@ -139,7 +139,7 @@ def _is_seed(case: Case, seed: Any) -> bool:
 
 def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose: Choose) -> Solution:
     """The solution of a case with held ends, under the dead loads that are found."""
-    from .boundary.held_equilibrium import each_held
+    from .choose.held_equilibrium import each_held
 
     names = choices(held_of(case))
     if method.name != "shooting":

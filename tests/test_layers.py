@@ -32,7 +32,8 @@ FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 # The parts of a package in order: each imports only from those before it, and from itself.
 LISTS = {
     "solver": [
-        "numerics", "problem", "mechanics", "core", "orbit", "closed", "boundary", "shooting", "methods", "shape",
+        "numerics", "problem", "mechanics", "core", "orbit", "closed", "levels", "equilibrium", "branches",
+        "folds", "held", "choose", "shooting", "methods", "shape",
         "observe", "sensitivity", "solution", "solve", "equilibrium_list", "held_equilibria", "varying_equilibria",
         "equilibria", "branch", "follow", "switch", "end_angle_branch", "region_map", "loops", "inverse", "benchmark",
     ],

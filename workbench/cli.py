@@ -138,11 +138,11 @@ def main(args: list[str] | None = None) -> None:
         sys.exit(2)
     with warnings.catch_warnings():
         warnings.filterwarnings("always", NOTICE)
-        warnings.showwarning = _warning_printer(warnings.showwarning)
+        warnings.showwarning = _printer_of_warnings(warnings.showwarning)
         _run(words)
 
 
-def _warning_printer(others: Callable[..., None]) -> Callable[..., None]:
+def _printer_of_warnings(others: Callable[..., None]) -> Callable[..., None]:
     """What shows a warning: a notice as one sentence, and only once; any other as before."""
     said = set()
 

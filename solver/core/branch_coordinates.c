@@ -1,4 +1,4 @@
-/* Coordinates on the equilibria of one path: solver/boundary/branch_coordinates.py. */
+/* Coordinates on the equilibria of one path: solver/equilibrium/charts.py. */
 
 #include "branches.h"
 

@@ -1,4 +1,4 @@
-/* Pseudo-arclength steps along a branch of equilibria: solver/boundary/branch_following.py,
+/* Pseudo-arclength steps along a branch of equilibria: solver/branches/branch_following.py,
    branch_states.py, equilibrium_curve.py and numerics/arclength.py. Only ordinary steps are made here: a step on which
    anything else happens is not made, and is left to the caller. */
 

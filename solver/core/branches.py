@@ -59,7 +59,7 @@ class Point(ctypes.Structure):
 
 
 def chart_of(chart: Any) -> Chart:
-    """A `branch_coordinates.Chart` as the core reads it."""
+    """A `charts.Chart` as the core reads it."""
     at = Level(chart.at.pin, chart.at.sign, chart.at.y, chart.at.leaving, chart.at.turns)
     return Chart(KINDS.index(chart.kind), chart.logarithmic, 0.0, chart.scale, at)
 

@@ -1,4 +1,4 @@
-/* Continuation of one equilibrium along a line of ends problems: solver/boundary/continuation.py and
+/* Continuation of one equilibrium along a line of ends problems: solver/branches/continuation.py and
    continuation_steps.py, but for helices and leaps, which are left to those. */
 
 #include "branches.h"

@@ -22,7 +22,7 @@ class _Boundary(ctypes.Structure):
 
 
 def fall(problem: Any, pin: float, beta: float, extremum: bool) -> float:
-    """G(pin) - G(beta) of one problem: see `boundary.transit_times.fall`."""
+    """G(pin) - G(beta) of one problem: see `levels.transit_times.fall`."""
     value: float = functions().rod_fall(problem.lam[0], problem.mu[0], problem.phi[0], pin, beta, extremum)
     return value
 

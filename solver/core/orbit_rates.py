@@ -24,7 +24,7 @@ def orbit_rates(
     Parameters
     ----------
     numbers : lam, mu, phi, span, beta(0), beta(L)
-    path : `branch_coordinates.Path`
+    path : `line_point.Path`
     grid, n, how
         As of `orbits.orbits`; how panels are cut for the length, and for the orbit.
     rates : bool

@@ -1,7 +1,7 @@
 /* What the files about quadrature over an orbit share: `orbit` and the search for equilibria.
 
    Each function does for one problem what the NumPy code of the same name does for many (solver/orbit,
-   solver/boundary), in the same order of operations where that decides a digit next to a saddle. Pieces, panels and
+   solver/levels), in the same order of operations where that decides a digit next to a saddle. Pieces, panels and
    levels are explained there. C11, libm only; no global state. */
 
 #ifndef ROD_PANELS_H

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from ..boundary.selection import NEAREST, Choose
+from ..choose.selection import NEAREST, Choose
 from ..problem.case import Case
 
 if TYPE_CHECKING:

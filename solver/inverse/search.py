@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq, least_squares
 
-from ..boundary.selection import check
+from ..choose.selection import check
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.errors import InputError

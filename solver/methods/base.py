@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from ..boundary.selection import NEAREST, Choose
+from ..choose.selection import NEAREST, Choose
 from ..numerics.arrays import Array
 from ..problem.errors import InputError, choices
 from ..problem.reduced import EndsProblem, StartProblem

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..boundary.selection import NEAREST, Choose
+from ..choose.selection import NEAREST, Choose
 from ..mechanics.potential import slope, slope_rate
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
@@ -48,7 +48,7 @@ class Collocation(EndsMethod):
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
-        from ..boundary.selected_equilibrium import select_seed
+        from ..choose.selected_equilibrium import select_seed
 
         taken, why = None, [""] * problem.size
         if seed is None:
@@ -73,7 +73,7 @@ def _one(
     problem: EndsProblem, t: Array, tol: float, rtol: float | None, nodes: int | None, seed: Seed
 ) -> tuple[Array, float, float, int, str]:
     """Columns (5, n), error, condition, evaluations, and why it failed or an empty text."""
-    from ..boundary.end_conditioning import response
+    from ..levels.end_conditioning import response
 
     span, work = float(problem.span[0]), 0
     wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))

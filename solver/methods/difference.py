@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from ..boundary.selection import NEAREST, Choose
+from ..choose.selection import NEAREST, Choose
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
@@ -50,7 +50,7 @@ class Difference(EndsMethod):
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
-        from ..boundary.selected_equilibrium import select_seed
+        from ..choose.selected_equilibrium import select_seed
 
         taken, why = None, [""] * problem.size
         if seed is None:
@@ -89,7 +89,7 @@ def _one(
 
     halves: whether a coarser mesh may be used.
     """
-    from ..boundary.end_conditioning import response
+    from ..levels.end_conditioning import response
 
     span, most = float(problem.span[0]), _MOST if nodes is None else 0
     halved = halves and nodes is not None and extrapolate and nodes % 2 == 1 and nodes >= 2 * _FEWEST

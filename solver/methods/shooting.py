@@ -7,7 +7,7 @@ does not resolve the equilibria, the search over levels and paths of `equilibria
 
 from dataclasses import dataclass
 
-from ..boundary.selection import NEAREST, Choose
+from ..choose.selection import NEAREST, Choose
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed, Trajectory
@@ -28,6 +28,6 @@ class Shooting(EndsMethod):
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
-        from ..boundary.each_equilibrium import each_equilibrium  # start problems need not load the search
+        from ..choose.each_equilibrium import each_equilibrium
 
         return each_equilibrium(problem, t, tol, seed, choose)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..boundary.stability import index_at_stations, jacobi_zeros
+from ..levels.morse_index import index_at_stations, jacobi_zeros
 from ..numerics.arrays import Array
 from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION, ROTATION

@@ -15,7 +15,7 @@ from .case import PAIRS, Case, Ends
 from .case_fields import unchecked_with_field
 from .reduced import EndsProblem, Reduced, flat, refuse_varying
 
-# The number (`boundary.orbit_rates`, and the rotation "turn") that each field of Ends fixes, in the order of PAIRS.
+# The number (`equilibrium.orbit_rates`, and the rotation "turn") that each field of Ends fixes, in the order of PAIRS.
 NUMBER_OF = {
     "beta0": "beta0", "M10": "dbeta0", "betaL": "betaL", "M1L": "dbetaL",
     "FZ": "phi", "height": "z", "MZ": "lam", "azimuth": "alpha", "M3": "mu", "rotation": "turn",

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..boundary.branch_coordinates import LinePoint, Path, path_of
-from ..boundary.continuation_steps import settle
-from ..boundary.held_system import parts_by_given
-from ..boundary.orbit_rates import helix_change, rates_of_helices, rates_of_variations
-from ..boundary.path_orbits import path_from_start
-from ..boundary.varied_orbits import equilibrium_variations
+from ..branches.continuation_steps import settle
+from ..equilibrium.orbit_rates import helix_change, rates_of_helices, rates_of_variations
+from ..equilibrium.system import parts_by_given
+from ..equilibrium.varied_orbits import equilibrium_variations
+from ..levels.line_point import LinePoint, Path, path_of
+from ..levels.path_orbits import path_from_start
 from ..numerics.arrays import Array, Integers
 from ..observe.measurement import MIDDLE
 from ..orbit import helix_variations
@@ -46,8 +46,8 @@ class Motion:
     """The motions of b cases, the `rows` of a solution, in five directions.
 
     The directions of a start problem are a unit of beta(0), of beta_t(0), and of lam, mu and phi, each with the others
-    held; those of an ends problem are the five parts of a change of its orbit (`boundary.orbit_rates`), the last three
-    those of the loads.
+    held; those of an ends problem are the five parts of a change of its orbit (`equilibrium.orbit_rates`), the last
+    three those of the loads.
 
     problem: the start problems of the orbits. along: at the stations, (b, n, 5). marks: at the shares `MARKS`
     of the length, (b, 3, 5). ends: of beta_t at the start and at the far end, (b, 2, 5). rate: beta_t at the far end,

@@ -9,9 +9,9 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
 from solver import Branch, Case, Cylinder, Ends, InputError, Rod, Solution, equilibria, follow, solve
-from solver.boundary.path_orbits import orbit_of
-from solver.boundary.stability import jacobi_zeros
 from solver.equilibria import Equilibrium
+from solver.levels.morse_index import jacobi_zeros
+from solver.levels.path_orbits import orbit_of
 from solver.problem.case_fields import with_field
 from solver.problem.reduced import reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, rod_of_unit_stiffness

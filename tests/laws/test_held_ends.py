@@ -10,11 +10,11 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, equilibria, observe, solve
-from solver.boundary.branch_coordinates import path_of
-from solver.boundary.held_index import index_of
-from solver.boundary.held_system import Given, State
-from solver.boundary.orbit_rates import orbit_rates
-from solver.boundary.path_orbits import orbit_of
+from solver.equilibrium.held_index import index_of
+from solver.equilibrium.orbit_rates import orbit_rates
+from solver.equilibrium.system import Given, State
+from solver.levels.line_point import path_of
+from solver.levels.path_orbits import orbit_of
 from solver.mechanics.potential import slope_rate
 from solver.problem.case import PAIRS
 from solver.problem.field_rates import fields_of

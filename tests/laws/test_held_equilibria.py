@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, equilibria, solve
-from solver.boundary.branch_coordinates import path_of
-from solver.boundary.held_deflation import is_known
-from solver.boundary.held_mirrors import Mirror, image_of, mirrors_of
-from solver.boundary.held_search import held_search
-from solver.boundary.held_system import Given, State
-from solver.boundary.orbit_rates import NUMBERS, orbit_rates
-from solver.boundary.search import Found, search
+from solver.branches.deflation import is_known
+from solver.equilibrium.orbit_rates import NUMBERS, orbit_rates
+from solver.equilibrium.system import Given, State
 from solver.equilibrium_list import HeldEquilibria
+from solver.held.held_mirrors import Mirror, image_of, mirrors_of
+from solver.held.held_search import held_search
+from solver.levels.level_search import Found, search
+from solver.levels.line_point import path_of
 from solver.numerics.arrays import Array
 from solver.observe import observe
 from solver.problem.held_ends import reduce_held

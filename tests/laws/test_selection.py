@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, solve
-from solver.boundary.selection import select
+from solver.choose.selection import select
 from solver.equilibria import Equilibrium, meant
 from tests.cases import ends_in_units_of_rho
 from tests.numerics.test_equilibria import PROBLEMS, found

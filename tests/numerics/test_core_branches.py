@@ -7,17 +7,18 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, follow, solve
-from solver.boundary.branch_coordinates import Chart, Path
-from solver.boundary.branch_following import followed
-from solver.boundary.branch_states import Bounds, Place
-from solver.boundary.each_equilibrium import path_of_seed
-from solver.boundary.equilibrium_curve import Family
-from solver.boundary.held_curve import HeldFamily
-from solver.boundary.held_system import Given
-from solver.boundary.orbit_rates import HOW
-from solver.boundary.transit_times import CUTTING, NODES
+from solver.branches.branch_following import followed
+from solver.branches.branch_states import Bounds, Place
+from solver.branches.equilibrium_curve import Family
+from solver.branches.held_curve import HeldFamily
+from solver.choose.each_equilibrium import path_of_seed
 from solver.core.branches import RECORD, Point, Steps, chart_of
 from solver.core.orbit_rates import orbit_rates
+from solver.equilibrium.charts import Chart
+from solver.equilibrium.orbit_rates import HOW
+from solver.equilibrium.system import Given
+from solver.levels.line_point import Path
+from solver.levels.transit_times import CUTTING, NODES
 from solver.orbit.critical_points import grid
 from solver.orbit.variations import POINTS
 from solver.problem.case_fields import numbers_over, unchecked_with_field, value_of

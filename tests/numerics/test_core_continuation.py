@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.boundary.branch_coordinates import Path, path_of
-from solver.boundary.continuation import Ended, _resume_by_leaps, resume
-from solver.boundary.continuation_steps import shape_of
-from solver.boundary.path_orbits import orbit_of
-from solver.boundary.search import search
+from solver.branches.continuation import Ended, _resume_by_leaps, resume
+from solver.branches.continuation_steps import shape_of
+from solver.levels.level_search import search
+from solver.levels.line_point import Path, path_of
+from solver.levels.path_orbits import orbit_of
 from solver.problem.reduced import EndsProblem
 from tests.numerics.test_core_orbits import REFERENCE
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.boundary.level_grid import boundary_of
-from solver.boundary.transit_times import CUTTING, NODES
 from solver.core import levels, orbits
 from solver.core.panels import Cutting
+from solver.levels.level_grid import boundary_of
+from solver.levels.transit_times import CUTTING, NODES
 from solver.orbit.critical_points import grid
 from solver.orbit.periodic_orbit import orbit_of
 from solver.problem.reduced import EndsProblem, StartProblem

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from solver.boundary.branch_coordinates import Path, path_of
-from solver.boundary.orbit_rates import orbit_numbers, orbit_rates
-from solver.boundary.search import search
+from solver.equilibrium.orbit_rates import orbit_numbers, orbit_rates
+from solver.levels.level_search import search
+from solver.levels.line_point import Path, path_of
 from solver.orbit.pieces import HELIX
 from solver.orbit.variations import (
     Variations,

@@ -8,10 +8,10 @@ import pytest
 from scipy.integrate import solve_bvp, solve_ivp
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
-from solver.boundary.level_grid import boundary_of, level_grid_of
-from solver.boundary.paths import Levels
-from solver.boundary.search import search
-from solver.boundary.transit_times import transit_times
+from solver.levels.level_grid import boundary_of, level_grid_of
+from solver.levels.level_search import search
+from solver.levels.paths import Levels
+from solver.levels.transit_times import transit_times
 from solver.observe.observables import observe
 from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import EndsProblem, Reduced, reduce
@@ -354,7 +354,7 @@ def test_ends_problems_of_any_size_are_solved_or_say_why_not(block: int) -> None
 
 def test_a_search_beyond_its_budget_solves_the_paths_of_fewest_bends_and_says_so(monkeypatch) -> None:
     """The budget counts evaluations, so the answer does not depend on the machine."""
-    monkeypatch.setattr("solver.boundary.search.BUDGET", 1e5)
+    monkeypatch.setattr("solver.levels.level_search.BUDGET", 1e5)
     found = equilibria(nylon())
     assert not found.complete
     assert "bends" in found.remark

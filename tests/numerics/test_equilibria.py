@@ -8,11 +8,11 @@ import pytest
 from scipy.linalg import solve_banded
 
 from solver import Case, Ends, Start, equilibria, solve
-from solver.boundary.search import search
-from solver.boundary.stability import jacobi_zeros, morse_index
-from solver.boundary.transit_times import repeat
 from solver.end_angle_branch import to_fold
 from solver.equilibria import Equilibrium
+from solver.levels.level_search import search
+from solver.levels.morse_index import jacobi_zeros, morse_index
+from solver.levels.transit_times import repeat
 from solver.problem.reduced import reduce
 from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 

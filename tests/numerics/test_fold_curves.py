@@ -8,11 +8,11 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fold_curves, region_map
-from solver.boundary.census import census
-from solver.boundary.fold_curves import FoldCurve, FoldCurves
-from solver.boundary.fold_newton import correct
-from solver.boundary.parameter_plane import parameter_plane
-from solver.boundary.separatrix_folds import UNIT, SeparatrixSystem
+from solver.folds.fold_curves import FoldCurve, FoldCurves
+from solver.folds.fold_newton import correct
+from solver.folds.parameter_plane import parameter_plane
+from solver.folds.separatrix_folds import UNIT, SeparatrixSystem
+from solver.levels.census import census
 from solver.region_map import RegionMap
 from studies import load
 from workbench.branches.equilibria import ends_problem

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Case, equilibria, solve
-from solver.boundary.stability import index_at_stations, jacobi_end, jacobi_zeros, morse_index
+from solver.levels.morse_index import index_at_stations, jacobi_end, jacobi_zeros, morse_index
 from solver.mechanics.potential import slope_rate
 from solver.observe.observables import observe
 from solver.orbit.periodic_orbit import solve_orbit

@@ -1,4 +1,4 @@
-"""`boundary.orbit_rates`: the derivatives of equilibria against differences, at folds and on helices."""
+"""`equilibrium.orbit_rates`: the derivatives of equilibria against differences, at folds and on helices."""
 
 from dataclasses import replace
 from typing import Any
@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.boundary.branch_coordinates import Path, path_of
-from solver.boundary.continuation import Ended, resume
-from solver.boundary.orbit_rates import NUMBERS, OrbitRates, orbit_rates
-from solver.boundary.search import search
-from solver.boundary.transit_times import repeat
+from solver.branches.continuation import Ended, resume
+from solver.equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
+from solver.levels.level_search import search
+from solver.levels.line_point import Path, path_of
+from solver.levels.transit_times import repeat
 from solver.problem.reduced import EndsProblem
 
 DEAD = ("beta0", "betaL", "lam", "mu", "phi")

@@ -9,8 +9,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver import Branch, Solution
-from solver.boundary.stability import jacobi_zeros
 from solver.follow import solutions_of
+from solver.levels.morse_index import jacobi_zeros
 from solver.observe.observables import OBSERVABLES, observe
 from solver.problem.errors import no_such
 from studies.axes import quantity_of

@@ -10,9 +10,10 @@ from dataclasses import fields, replace
 import numpy as np
 
 from solver import Branch, Case, Ends, InputError, Solution, equilibria, follow, solve
-from solver.boundary.branch_coordinates import LinePoint, path_of, same_equilibrium
 from solver.equilibria import Equilibrium
+from solver.equilibrium.charts import same_equilibrium
 from solver.follow import MOST
+from solver.levels.line_point import LinePoint, path_of
 from solver.problem.case import PAIRS
 
 from .tracing import FINE, Traced, numbered

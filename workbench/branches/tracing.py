@@ -12,10 +12,11 @@ from itertools import pairwise
 import numpy as np
 
 from solver import Branch, Case, InputError, equilibria, follow
-from solver.boundary.branch_coordinates import LinePoint, path_of, same_equilibrium
 from solver.branch import HELIX, SpecialPoint
 from solver.equilibria import Equilibrium
+from solver.equilibrium.charts import same_equilibrium
 from solver.follow import MOST
+from solver.levels.line_point import LinePoint, path_of
 from solver.problem.case_fields import with_field
 from solver.problem.reduced import EndsProblem, reduce
 

@@ -199,7 +199,7 @@ def _list(study: "Study", case: "Case", found: "Equilibria", choose: str | None,
     """The equilibria and which of them the rule selects, as they are handed over."""
     import numpy as np
 
-    from solver.boundary.selection import selection
+    from solver.choose.selection import selection
     from solver.equilibria import meant
     from solver.equilibrium_list import HeldEquilibria
 

@@ -169,7 +169,7 @@ def _vary(texts: list[str], bounds: dict[str, tuple[float, float]]) -> "dict[str
 def _rule(asked: "CaseInput", choose: str | None) -> Any:
     """Which equilibrium of an ends problem the search begins with."""
     from solver import Ends, InputError
-    from solver.boundary.selection import NEAREST
+    from solver.choose.selection import NEAREST
 
     from .solve import parse_choose
 

@@ -104,7 +104,7 @@ def _which(sol: "Solution", wound: bool) -> str:
 def parse_choose(text: str) -> "Which":
     """``nearest``, ``lowest`` or a Morse index as the [equilibrium] table of a study. Raises `InputError`."""
     from solver import InputError
-    from solver.boundary.selection import check
+    from solver.choose.selection import check
     from studies.axes import Which
 
     try:

@@ -52,7 +52,7 @@ def print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
 
     How many cases were selected from a list that may be incomplete is said on stderr.
     """
-    from solver.boundary.selection import INCOMPLETE
+    from solver.choose.selection import INCOMPLETE
     from solver.problem.trajectory import FEWER
 
     from ..data.outcomes import group
@@ -72,7 +72,7 @@ def print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
 
 def warn_of_incomplete(outcomes: Mapping[str, int], file: Path) -> None:
     """Say on stderr in how many cases the list of equilibria may be incomplete, and where this is stored."""
-    from solver.boundary.selection import INCOMPLETE
+    from solver.choose.selection import INCOMPLETE
 
     count = sum(cases for text, cases in outcomes.items() if INCOMPLETE in text)
     if count:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Solution, equilibria, solve
-from solver.boundary.selection import INCOMPLETE, NEAREST
+from solver.choose.selection import INCOMPLETE, NEAREST
 from solver.equilibria import nearest
 from studies import Study, expressions
 from studies.axes import Which

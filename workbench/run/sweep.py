@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Solution, equilibria, solve
-from solver.boundary.selection import INCOMPLETE, NEAREST, Choose
+from solver.choose.selection import INCOMPLETE, NEAREST, Choose
 from solver.equilibria import nearest
 from solver.observe.observables import observe
 from studies import Study

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from solver import Case, Ends, Solution, equilibria, solve
-from solver.boundary.selection import NEAREST
+from solver.choose.selection import NEAREST
 from solver.equilibria import meant, nearest
 from solver.problem.errors import InputError, choices
 from solver.problem.reduced import reduce

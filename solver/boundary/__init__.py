@@ -1,1 +1,0 @@
-"""Problems of two ends: transit times, search of all equilibria, stability, continuation, selection."""

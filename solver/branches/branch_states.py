@@ -1,0 +1,205 @@
+"""A point of a branch on its curve, and its change to another coordinate of the level."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..equilibrium.charts import Chart, charts, coordinate
+from ..levels.line_point import LinePoint, Path
+from ..numerics.arclength import LEFT, Node, correct, node_at
+from ..numerics.arrays import Array
+from ..problem.reduced import EndsProblem
+from .equilibrium_curve import AHEAD, EquilibriumCurve, Family
+from .held_curve import HeldCurve, HeldFamily
+
+_SAME_SADDLE = 0.1  # half of the largest angle by which a saddle moves in a step
+_SHARE = 0.1  # of the change of p in a step, over which differences in p are taken
+_LEAST = 1e-10  # the same in scales of p
+_PARALLEL = 0.7  # smallest cosine between a tangent and the direction to the neighbouring point
+_NUDGE = 1e-4  # in scales, between the two points that give the direction of travel in another chart
+
+
+@dataclass(frozen=True)
+class Place:
+    """An equilibrium of a branch.
+
+    p: the parameter. path: of its orbit. problem: which the orbit solves under dead loads. index: Morse index, None
+    where it is not known. kind: of special point.
+    """
+
+    p: float
+    path: Path
+    problem: EndsProblem
+    index: int | None
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """The range of the parameter, the values at which an equilibrium is wanted, and the largest number of points."""
+
+    low: float
+    high: float
+    wanted: tuple[float, ...]
+    most: int
+
+    def inside(self, p: float, q: float) -> list[float]:
+        """The values at which to halt strictly between two, from p to q."""
+        low, high = min(p, q) + self.rounding, max(p, q) - self.rounding
+        every = sorted(v for v in {*self.wanted, self.low, self.high} if low < v < high)
+        return every if p < q else every[::-1]
+
+    def snapped(self, p: float) -> float:
+        """The value at which to halt that is p but for rounding, else p."""
+        return next((v for v in (*self.wanted, self.low, self.high) if abs(v - p) <= self.rounding), p)
+
+    @property
+    def rounding(self) -> float:
+        """Below which two parameters are one."""
+        return 4e-15 * max(abs(self.low), abs(self.high))
+
+    def is_end(self, place: Place, rises: float) -> bool:
+        """Whether p is at an end of the range and moves out of it."""
+        return place.p >= self.high - self.rounding if rises > 0 else place.p <= self.low + self.rounding
+
+    def next(self, p: float, rises: bool) -> float:
+        """The next value beyond p at which to halt: a wanted one or the end of the range."""
+        gap = self.rounding
+        if rises:
+            return min((v for v in (*self.wanted, self.high) if v > p + gap), default=self.high)
+        return max((v for v in (*self.wanted, self.low) if v < p - gap), default=self.low)
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A point of the branch on its curve."""
+
+    curve: EquilibriumCurve | HeldCurve
+    node: Node
+
+    @property
+    def x(self) -> float:
+        return float(self.node.w[0] * self.curve.scales[0])
+
+    @property
+    def p(self) -> float:
+        return float(self.node.w[1] * self.curve.scales[1])
+
+    @property
+    def rises(self) -> float:
+        """dp along the branch, in scales."""
+        return float(self.node.tangent[1])
+
+    def path(self) -> Path:
+        found = self.curve.at(self.node.w)
+        assert found is not None
+        return found[1]
+
+    def recorded(self, kind: str = "") -> Place:
+        found = self.curve.at(self.node.w)
+        assert found is not None
+        index = self.curve.index(self.node.w, found[1], self.node.jacobian)
+        return Place(self.p, found[1], found[0].problem, index, kind)
+
+
+def begin_at(family: Family | HeldFamily, path: Path, p: float, rises: bool) -> State | str:
+    """The equilibrium at p, corrected there, to be travelled with p rising or falling."""
+    found = family.start(path, p)
+    if found is None:
+        return LEFT
+    curve, w = found
+    along = np.zeros(w.size)
+    along[1] = 1.0 if rises else -1.0
+    return _correct_state(curve, w, along)
+
+
+def _correct_state(curve: EquilibriumCurve | HeldCurve, w: Array, along: Array) -> State | str:
+    """The point of the curve next to w, travelled along a direction; p is held, or x at a fold."""
+    jacobian = curve.jacobian(w)
+    if jacobian is None:
+        return LEFT
+    order = (1, 0) if abs(along[1]) > abs(along[0]) else (0, 1)
+    reason = LEFT
+    for held in order:
+        found = correct(curve, w, np.eye(w.size)[held], jacobian)
+        node = found if isinstance(found, str) else node_at(curve, found, along)
+        if not isinstance(node, str):
+            return State(curve, node)
+        reason = node
+    return reason
+
+
+def _charts(curve: EquilibriumCurve | HeldCurve, place: LinePoint, path: Path) -> list[Chart]:
+    return charts(place, path, isinstance(curve, HeldCurve) and curve.family.hinged)
+
+
+def rechart(state: State, step: float, keep: bool = False) -> State:
+    """The same in the coordinate that is best there, where it can be changed; keep: in its own, made anew.
+
+    step: length of the next step.
+    """
+    ahead = float(np.clip(_SHARE * step * abs(state.rises), _LEAST, AHEAD))
+    state = replace(state, curve=replace(state.curve, ahead=ahead))
+    at = state.curve.at(state.node.w)
+    if at is None:
+        return state
+    every = _charts(state.curve, *at)
+    if not keep and not _alike(every[0], state.curve.chart):
+        changed = _change(state, every[0])
+        if changed is not None:
+            return changed
+    for chart in every:
+        if _alike(chart, state.curve.chart):
+            return _rescale(state, chart)
+    return state
+
+
+def in_other_charts(state: State) -> Iterator[State]:
+    """The same in every other coordinate."""
+    at = state.curve.at(state.node.w)
+    for chart in _charts(state.curve, *at) if at is not None else ():
+        if not _alike(chart, state.curve.chart):
+            changed = _change(state, chart)
+            if changed is not None:
+                yield changed
+
+
+def _alike(one: Chart, other: Chart) -> bool:
+    """Whether two charts have one coordinate."""
+    same = one.kind == other.kind and one.logarithmic == other.logarithmic and one.at.sign == other.at.sign
+    return same and (one.kind != "saddle" or abs(np.sin((one.at.pin - other.at.pin) / 2)) < _SAME_SADDLE)
+
+
+def _rescale(state: State, chart: Chart) -> State:
+    curve, node = replace(state.curve, chart=chart), state.node
+    ratio = state.curve.scales / curve.scales
+    tangent = node.tangent * ratio
+    tangent /= np.linalg.norm(tangent)
+    return State(curve, replace(node, w=node.w * ratio, jacobian=node.jacobian / ratio, tangent=tangent))
+
+
+def _change(state: State, chart: Chart) -> State | None:
+    """The same in another chart; the direction of travel is that of two neighbouring points."""
+    curve = replace(state.curve, chart=chart)
+    for nudge in (_NUDGE, -_NUDGE):
+        beyond = state.node.w + nudge * state.node.tangent
+        at = state.curve.at(beyond)
+        if at is None:
+            continue
+        for one in _charts(curve, *at):
+            if one.kind == chart.kind and one.logarithmic == chart.logarithmic and one.at.sign == chart.at.sign:
+                w, there = (
+                    np.append(coordinate(c), (point * state.curve.scales)[1:]) / curve.scales
+                    for c, point in ((chart, state.node.w), (one, beyond))
+                )
+                along = (there - w) / nudge
+                if not along.any():
+                    continue
+                along /= np.linalg.norm(along)
+                found = _correct_state(curve, w, along)
+                if not isinstance(found, str) and found.node.tangent @ along < _PARALLEL:
+                    continue
+                if not isinstance(found, str) and found.rises * state.rises > 0:
+                    return found
+    return None

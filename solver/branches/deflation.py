@@ -1,0 +1,168 @@
+"""Newton's rule led away from equilibria that are known, to find other ones with the same held ends.
+
+The equations are multiplied by the product of 1 + 1/r^2 over the known equilibria, r being the distance from one of
+them in the `NUMBERS`: the product has the same zeros but these. Newton's step for the product is that for the equations
+times a number, so nothing but this number is computed.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..equilibrium.charts import CORNER, Chart, charts, coordinate
+from ..equilibrium.orbit_rates import NUMBERS, solve
+from ..equilibrium.system import (
+    FREE,
+    Given,
+    State,
+    answer,
+    corner_state,
+    correct,
+    move,
+    problem_at,
+    rates_in,
+    rows_of,
+    size_of,
+    stepped,
+    values_of,
+)
+from ..levels.line_point import LinePoint
+from ..numerics.arrays import Array
+from ..problem.reduced import EndsProblem
+
+_ROUNDS = 20
+_REACH = 0.5  # largest size of a step
+_NEAR = 0.03  # size of a step of Newton's rule from which it converges by itself
+_HALVED = 4  # times that a step is halved where no orbit is found
+_SAME = 1e-5  # of the numbers: an equilibrium as near to a known one is that one
+_BESIDE = 1e-3  # of the numbers, over which the curvature of the equations is read
+
+
+def numbers_of(state: State) -> Array:
+    """The numbers in which distances are taken, (10,): all but the level."""
+    return np.asarray(state.rates.values[0, :-1])
+
+
+def is_known(state: State, known: list[Array]) -> bool:
+    """Whether a state is one of the known equilibria, given by their `numbers_of`."""
+    here = numbers_of(state)
+    return any(bool((np.abs(here - one) < _SAME * (1 + np.abs(one))).all()) for one in known)
+
+
+def deflate(start: State, wanted: Given, known: list[Array]) -> State | None:
+    """An equilibrium with the wanted numbers that is none of the known ones; None where the rounds lead to none.
+
+    known: the `numbers_of` each.
+    """
+    state = start
+    for _ in range(_ROUNDS):
+        values, length = state.rates.values[0], float(state.rates.length[0])
+        off = wanted.values - values_of(values, length, wanted)
+        change = answer(state.rates, wanted, off[:, None], np.array([wanted.span - length]))[:, 0]
+        if not np.isfinite(change[:-1]).all():
+            return None
+        rate = _rate(numbers_of(state), change[:-1], known)
+        following = _following(state, wanted, change, 1 / (1 - rate) if rate != 1 else np.inf)
+        if following is None:
+            return None
+        state, size = following
+        if size < _NEAR and abs(rate) < 0.5:
+            found = finish(state, wanted)
+            return None if found is None or is_known(found, known) else found
+    return None
+
+
+def finish(state: State, wanted: Given) -> State | None:
+    """The equilibrium with the wanted numbers next to a state, in whichever coordinate Newton's rule converges."""
+    for chart in charts(LinePoint(state.problem), state.path, wanted.hinged):
+        found = correct(state.problem, wanted, chart, coordinate(chart))
+        if not isinstance(found, str):
+            return found
+    return None
+
+
+def _rate(here: Array, change: Array, known: list[Array]) -> float:
+    """The derivative of the logarithm of the product along a change."""
+    total = 0.0
+    for one in known:
+        apart = here - one
+        square = max(float(apart @ apart), 1e-30)
+        total -= 2 * float(apart @ change) / (square * (square + 1))
+    return total
+
+
+def _following(state: State, wanted: Given, change: Array, factor: float) -> tuple[State, float] | None:
+    """The state after a step, halved where no orbit is there; and the size of the step of Newton's rule itself."""
+    for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
+        x = coordinate(chart)
+        dx = move(chart, x, change)
+        size = size_of(state.problem, chart, dx, change)
+        if not np.isfinite(size) or size == 0:
+            continue
+        share = float(np.clip(factor, -_REACH / size, _REACH / size))
+        for _ in range(_HALVED):
+            there = _state_at(stepped(state.problem, wanted, change, share), wanted, chart, x + share * dx)
+            if there is not None:
+                return there, size
+            share /= 2
+    return None
+
+
+def _state_at(problem: EndsProblem, wanted: Given, chart: Chart, x: float) -> State | None:
+    """The state at a coordinate; None where there is no orbit."""
+    here = problem_at(problem, wanted, chart, x)
+    if here is None:
+        return None
+    rates = rates_in(*here, chart, x)
+    if not (np.isfinite(rates.values[0, :-1]).all() and np.isfinite(rates.rows[0, :-1]).all()):
+        return None
+    return corner_state(rates, x) if chart.kind == CORNER else State(*here, rates)
+
+
+def fold_beside(state: State, wanted: Given) -> tuple[Array, float] | None:
+    """The change of the `NUMBERS` (11,), of length 1, towards the equilibrium that meets this one at the nearest fold,
+    and how much of it leads there, to second order; None where it is not known.
+
+    Along the direction in which the equations have their smallest slope sigma, they are about sigma t + b t^2, so the
+    other zero is at t = -sigma/b.
+    """
+    rows, by_span = rows_of(state.rates, wanted.names, wanted.ratio)
+    every = state.rates.rows[0]
+    if state.path.helix or not np.isfinite(every[:-1]).all():
+        return None
+    unit = solve(np.linalg.qr(every[:-1])[1][None], np.eye(5)[None])[0]  # parts that change the numbers by one
+    if not np.isfinite(unit).all():
+        return None
+    left, slopes, right = np.linalg.svd(rows @ unit)
+    change = np.asarray(every @ (unit @ right[-1]))
+    off = []
+    for share in (0.0, _BESIDE, -_BESIDE):
+        beside = _beside(state, wanted, change, share)
+        if beside is None:
+            return None
+        numbers, length = beside.rates.values[0], float(beside.rates.length[0])
+        off.append(float(left[:, -1] @ (values_of(numbers, length, wanted) + by_span * (wanted.span - length))))
+    bend = (off[1] + off[2] - 2 * off[0]) / (2 * _BESIDE**2)
+    return (change, float(-slopes[-1] / bend)) if np.isfinite(bend) and bend != 0 else None
+
+
+def across_fold(state: State, wanted: Given) -> list[State]:
+    """Guesses of the equilibrium that meets this one at the nearest fold, on either side of it, the likelier first."""
+    beside = fold_beside(state, wanted)
+    if beside is None:
+        return []
+    change, t = beside[0], float(np.clip(beside[1], -1, 1))
+    found = [_beside(state, wanted, change, share) for share in (t, -t)]
+    return [one for one in found if one is not None]
+
+
+def _beside(state: State, wanted: Given, change: Array, share: float) -> State | None:
+    """The state after a share of a change of the `NUMBERS`."""
+    new = {name: getattr(state.problem, name) + share * change[NUMBERS.index(name)] for name in FREE}
+    problem = replace(state.problem, **new)
+    for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
+        x = coordinate(chart)
+        beside = _state_at(problem, replace(wanted, names=()), chart, x + share * move(chart, x, change))
+        if beside is not None:
+            return beside
+    return None

@@ -1,0 +1,1 @@
+"""Which equilibrium a rule or a seed means, as a trajectory."""

@@ -1,0 +1,153 @@
+"""One equilibrium of each of B ends problems: near a seed, on the branch of a seed, or by a rule."""
+
+from dataclasses import fields, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..branches.continuation import Ended, resume
+from ..branches.continuation_steps import FOLD
+from ..levels.level_search import search
+from ..levels.line_point import path_of
+from ..levels.path_orbits import orbit_of, path_from_start
+from ..numerics.arrays import Array
+from ..orbit.arcs import Arcs
+from ..orbit.panels import join
+from ..orbit.periodic_orbit import Orbit, solve_orbit
+from ..problem.reduced import EndsProblem, StartProblem
+from ..problem.trajectory import PLAIN, Seed, Trajectory, where_shown
+from .selected_equilibrium import NO_EQUILIBRIUM, equilibrium_trajectory, selected
+from .selection import NEAREST, Choose
+
+_ROUNDS = 40
+
+
+def each_equilibrium(
+    problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
+) -> Trajectory:
+    """The answer at the stations t (B, n): the equilibria near `seed`, or by `choose`."""
+    if seed is not None and seed.problem is not None:
+        return together([_carry(one, t[i : i + 1], tol, seed.take(i)) for i, one in enumerate(_each(problem))], t)
+    slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
+    near = np.isfinite(slopes)
+    if near.all():
+        return equilibrium_trajectory(problem, solve_orbit(problem.started(slopes), 1e-13), t, tol)
+    found: list[Trajectory | str] = []
+    for i, one in enumerate(_each(problem)):
+        here = t[i : i + 1]
+        if near[i]:
+            found.append(equilibrium_trajectory(one, solve_orbit(one.started(slopes[i : i + 1]), 1e-13), here, tol))
+        else:
+            found.append(selected(one, here, tol, None if seed is None else float(seed.slope[i]), choose))
+    return together(found, t)
+
+
+def _each(problem: EndsProblem) -> list[EndsProblem]:
+    """The problems as problems of size 1."""
+    return [problem.take(slice(i, i + 1)) for i in range(problem.size)]
+
+
+def together(found: list[Trajectory | str], t: Array) -> Trajectory:
+    """The answers of B problems at t (B, n) as one; a problem without an answer is given by its outcome."""
+    if len(found) == 1 and not isinstance(found[0], str):
+        return found[0]
+    plain = StartProblem(**{field.name: np.array([PLAIN[field.name]]) for field in fields(StartProblem)})
+    nothing = solve_orbit(plain, 1e-13)  # the tolerance of the others: the same series
+    orbits = [nothing if isinstance(one, str) else one.orbit for one in found]
+    orbit = orbits[0] if len(orbits) == 1 else _join_orbits(orbits)
+    shown = np.array([not isinstance(one, str) for one in found])
+    columns = np.full((4, *t.shape), np.nan)
+    error, condition = np.full((2, t.shape[0]), np.inf)
+    calls, outcome = np.zeros(t.shape[0], dtype=np.int64), np.full(t.shape[0], NO_EQUILIBRIUM, dtype=object)
+    solved, taken = np.zeros(t.shape[0], dtype=bool), np.full(t.shape[0], None, dtype=object)
+    begun, held = np.full(t.shape[0], None, dtype=object), np.full(t.shape[0], np.nan)
+    for i, one in enumerate(found):
+        if isinstance(one, str):
+            outcome[i] = one
+            continue
+        columns[:, i] = one.beta[0], one.dbeta[0], one.alpha[0], one.z[0]
+        taken[i] = None if one.selection is None else one.selection[0]
+        begun[i] = None if one.begun is None else one.begun[0]
+        held[i] = np.nan if one.held_index is None else one.held_index[0]
+        error[i], condition[i], calls[i] = one.error[0], one.condition[0], one.evaluations[0]
+        solved[i], outcome[i] = one.solved[0], one.outcome[0]
+    beta, dbeta, alpha, z = columns
+    told = solved, outcome, error, condition, calls, orbit, taken, begun, held
+    return Trajectory(beta, dbeta, alpha, z, partial(where_shown, shown[:, None], orbit.swirl, t), *told)
+
+
+def _join_orbits(orbits: list[Orbit]) -> Orbit:
+    """The orbits of several batches, concatenated."""
+    sizes = np.array([orbit.problem.size for orbit in orbits])
+    before = np.cumsum(sizes) - sizes
+    panels = join([replace(o.panels, arc=o.panels.arc + 2 * k) for o, k in zip(orbits, before, strict=True)])
+
+    def column(name: str) -> Any:
+        values = [getattr(orbit, name) for orbit in orbits]
+        return None if any(v is None for v in values) else np.concatenate(values)
+
+    fields: dict[str, Any] = {
+        name: None if value is None else np.concatenate([getattr(o.problem, name) for o in orbits])
+        for name, value in vars(orbits[0].problem).items()
+    }
+    kind, direction = (np.concatenate([getattr(o.arcs, n) for o in orbits]) for n in ("kind", "direction"))
+    arcs = Arcs(kind, direction, orbits[0].arcs.pieces)
+    count = column("count")
+    rest = (column(name) for name in ("duration", "gain", "lengthens", "response", "passed"))
+    return Orbit(StartProblem(**fields), arcs, panels, column("since"), np.cumsum(count) - count, count, *rest)
+
+
+def _carry(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory | str:
+    """The equilibrium of one problem on the branch of the seed, or the outcome that says why there is none."""
+    assert seed.problem is not None
+    path = path_of_seed(seed)
+    if path is None:
+        return "failed: the seed is not a solution of its own ends problem"
+    found = resume(seed.problem, path, problem)
+    if isinstance(found, Ended):
+        way = f"{found.share:.2%} of the way from the seed to this case"
+        if found.reason == FOLD:
+            return f"failed: the branch of the seed ends, at a fold or where it meets another branch, after {way}"
+        return f"failed: the branch of the seed could not be followed beyond {way}: {found.reason}"
+    return equilibrium_trajectory(problem, orbit_of(problem, found), t, tol)
+
+
+def path_of_seed(seed: Seed) -> Any:
+    """The path of the seed's equilibrium; None if the seed is not an equilibrium."""
+    assert seed.problem is not None
+    if not np.isfinite(seed.beta[0]).all():
+        return None
+    if seed.orbit is not None and getattr(seed.orbit, "path", None) is not None:
+        return path_of(seed.orbit.path, int(seed.row[0]))
+    path = path_from_start(seed.problem, float(seed.slope[0]))
+    if path is not None:
+        return path
+    found = search(seed.problem)
+    if found is None:
+        return None
+    u = seed.problem.span[:, None] * seed.u[:1]
+    apart = np.abs(found.orbit.at(np.repeat(u, found.slope.size, axis=0))[0] - seed.beta[:1]).max(axis=1)
+    best = int(np.argmin(apart))
+    return path_of(found.path, best) if apart[best] < 0.01 else None
+
+
+def _next_to(problem: EndsProblem, slope: Array) -> Array:
+    """beta_t(0) of the solution near a guess, (B,); NaN if Newton's rule does not converge."""
+    B = problem.size
+    twice = problem.take(np.tile(np.arange(B), 2))
+    at = np.where(np.isfinite(slope), slope, 0.0)
+    off = np.full(B, np.inf)
+    for _ in range(_ROUNDS):
+        nudge = 1e-7 * np.maximum(1, np.abs(at))
+        orbit = solve_orbit(twice.started(np.concatenate([at, at + nudge])), 1e-13)
+        end = orbit.at(twice.span[:, None])[0][:, 0]
+        off = end[:B] - problem.betaL
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = -off / ((end[B:] - end[:B]) / nudge)
+        step = np.clip(np.where(np.isfinite(step), step, 0.01), -0.05, 0.05)
+        if (np.abs(off) <= 2e-13 * np.maximum(1, np.abs(problem.betaL))).all():
+            break
+        at = np.where(np.abs(off) <= 2e-13 * np.maximum(1, np.abs(problem.betaL)), at, at + step)
+    met = (np.abs(off) <= 1e-10) & np.isfinite(slope) & (np.abs(at - slope) <= 0.1 * (1 + np.abs(slope)))
+    return np.where(met, at, np.nan)

@@ -1,0 +1,150 @@
+"""One equilibrium of each of B problems with held ends, as a trajectory: from a seed or a dead-load equilibrium."""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..equilibrium.charts import CORNER, charts, coordinate
+from ..equilibrium.held_index import dead_index_of, index_of
+from ..equilibrium.orbit_rates import helix_change
+from ..equilibrium.system import FREE, Given, State, correct, parts_of, values_of
+from ..equilibrium.varied_orbits import varied_orbits
+from ..held.held_alternatives import alternatives_of, away
+from ..held.held_starts import Reached, from_seed, nearest_start
+from ..levels.line_point import LinePoint
+from ..levels.path_orbits import orbit_of
+from ..mechanics.potential import load_size
+from ..numerics.arrays import Array
+from ..orbit.panels import EPS
+from ..orbit.periodic_orbit import Orbit
+from ..orbit.variations import changed
+from ..problem.held_ends import HeldProblem
+from ..problem.limits import beyond_limits
+from ..problem.reduced import EndsProblem
+from ..problem.trajectory import PLAIN, Seed, Trajectory, verdicts
+from .each_equilibrium import path_of_seed, together
+
+_SLOW = 1e-3  # beta_t at a start
+ALTERNATIVE = "another equilibrium with the same ends"
+STRAIGHT = (
+    "failed: the far end is held at a height of L or -L, where the rod can only be straight along the axis, and then "
+    "its axial force is not determined"
+)
+_STATIONS = 129  # at which the response to the given numbers is read
+
+
+def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Trajectory:
+    """The orbit of one equilibrium under held ends at stations t (1, n); its error is that of the given numbers."""
+    state = at_hinges(reached.state, wanted)
+    orbit = orbit_of(state.problem, state.path)
+    if orbit.lengthens is not None and orbit.turns[0] > 0 and not state.path.helix:
+        lengthens = orbit.turns - dead_index_of(state)  # differences of the length fail at a hinge
+        orbit = replace(orbit, lengthens=lengthens)
+    beta, dbeta, alpha, z = orbit.at(t)
+    condition = np.array([response_of(state, wanted)])
+    values = values_of(_at_length(state, orbit), float(state.problem.span[0]), wanted)
+    size = {"z": wanted.span, "alpha": wanted.span, "turn": wanted.span, "dbeta0": _pace(state), "dbetaL": _pace(state)}
+    miss = max(
+        abs(float(value - given)) / max(size.get(name, 1.0), 1.0)
+        for name, value, given in zip(wanted.names, values, wanted.values, strict=True)
+    )
+    error = (2 * miss + 1e-14) * condition
+    calls = np.array([int(orbit.panels.calls.sum())])
+    how = np.array([reached.begun], dtype=object)
+    verdict = verdicts(beta, error, condition, tol)
+    known: dict[str, Any] = {"error": error, "condition": condition, "evaluations": calls, "orbit": orbit, "begun": how}
+    known["held_index"] = np.array([index_of(state, wanted)])
+    if reached.seed is not None:
+        known["alternatives"] = partial(_alternatives, reached.seed, reached.state, wanted, tol)
+    return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *verdict, **known)
+
+
+def _alternatives(seed: State, found: State, wanted: Given, tol: float, t: Array) -> list[tuple[Any, ...]]:
+    """Of each other equilibrium near that of the seed: its distance from the seed, problem and shape."""
+    others = alternatives_of(seed, found, wanted)
+    told = [
+        (away(seed, one), one.problem, held_trajectory(Reached(one, ALTERNATIVE), wanted, t, tol)) for one in others
+    ]
+    return sorted(told, key=lambda one: one[0])
+
+
+def _at_length(state: State, orbit: Orbit) -> Array:
+    """The `NUMBERS` of a state as its orbit has them at the length of the rod, (11,)."""
+    problem, ends = state.problem, state.problem.span[:, None] * [0, 1]
+    beta, v, alpha, z = (value[0] for value in orbit.at(ends))
+    loads = problem.lam[0], problem.mu[0], problem.phi[0]
+    swirl = orbit.swirl(ends)[0, 1]
+    return np.array([problem.beta0[0], beta[1], *v, alpha[1], swirl, z[1], *loads, state.path.y])
+
+
+def _pace(state: State) -> float:
+    """A size of beta_t for the loads of a state."""
+    return float(np.sqrt(1 + load_size(state.problem)[0]))
+
+
+def at_hinges(state: State, wanted: Given) -> State:
+    """The state as its orbit has it from the start on; read where it meets beta(L), a rod at rest there has half the
+    digits."""
+    if not wanted.hinged or state.path.helix:
+        return state
+    every = charts(LinePoint(state.problem), state.path, True)
+    slow = abs(float(state.rates.value("dbeta0")[0])) < _SLOW * _pace(state)
+    corner = [chart for chart in every if chart.kind == CORNER]
+    start = [chart for chart in every if chart.kind == "start" and not chart.logarithmic and slow]
+    for chart in [*corner, *start]:
+        found = correct(state.problem, wanted, chart, coordinate(chart))
+        if not isinstance(found, str):
+            return found
+    return state
+
+
+def response_of(state: State, wanted: Given) -> float:
+    """The largest |d beta| along the rod by a unit of a given angle, or of a displacement in units of rho, or by a
+    change of beta_t at an end of the size that the loads make."""
+    problem, path = state.problem, state.path
+    with np.errstate(all="ignore"):
+        lengths = [k for k, name in enumerate(wanted.names) if name not in FREE[2:]]
+        unit = np.eye(5)[:, lengths] * [_pace(state) if wanted.names[k].startswith("d") else 1.0 for k in lengths]
+        parts = parts_of(state.rates, wanted, unit, np.zeros(len(lengths)))
+        t = problem.span[:, None] * np.linspace(0, 1, _STATIONS)
+        if path.helix:
+            moves = helix_change(problem, t).beta[0] @ parts
+        else:
+            _, varied = varied_orbits(problem, [path], [LinePoint(problem)])
+            moves = changed(varied.start, varied.at(t), parts[None, 0], parts[None, 1:].swapaxes(1, 2)).beta
+        largest = float(np.abs(moves).max())
+    return max(1.0, largest) if np.isfinite(largest) else np.inf
+
+
+def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> tuple[Trajectory, EndsProblem]:
+    """The answers to B problems at stations t (B, n), and the problems under dead loads that they solve.
+
+    A problem that is not solved stands there as a plain one.
+    """
+    found: list[Trajectory | str] = []
+    solved = EndsProblem(**{name: np.full(problem.size, PLAIN[name]) for name in (*FREE, "span")})
+    for i in range(problem.size):
+        one = problem.take(slice(i, i + 1))
+        reached = _reach(one, None if seed is None else seed.take(i))
+        if isinstance(reached, str):
+            found.append(reached)
+            continue
+        found.append(held_trajectory(reached, Given.of(one), t[i : i + 1], tol))
+        for name, value in vars(solved).items():
+            value[i] = getattr(reached.state.problem, name)[0]
+    return together(found, t), solved
+
+
+def _reach(one: HeldProblem, seed: Seed | None) -> Reached | str:
+    if why := beyond_limits(np.append(one.values[0], one.ratio[0]), float(one.span[0])):
+        return why
+    height = one.known("z")
+    if height is not None and abs(height[0]) > one.span[0] * (1 - 4 * EPS):
+        return STRAIGHT
+    wanted = Given.of(one)
+    if seed is None:
+        return nearest_start(wanted, one)
+    assert seed.problem is not None
+    return from_seed(wanted, seed.problem, path_of_seed(seed))

@@ -1,0 +1,1 @@
+"""One equilibrium as a root: its numbers, which of them are given, their exact derivatives, charts, Morse index."""

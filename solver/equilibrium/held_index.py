@@ -1,0 +1,122 @@
+"""The Morse index of an equilibrium under the ends that are meant.
+
+Under the loads of an equilibrium the second variation is that of eta'' + H' eta = 0 with eta = 0 where the angle is
+given and eta' = 0 where a moment is. Let eta be the solution that meets the condition at the start. Its phase, the
+angle of (eta', eta) in the plane, counts the negative directions when it is compared with the condition at the far end.
+beta_t solves the same equation, and its phase is known from the turning points that the rod passes; the phases of two
+solutions never differ by more than half a turn. So the index is exact where the rod rests at both ends too.
+
+Where a displacement is held instead of its load, directions are excluded: the index falls by the number of negative
+eigenvalues of the block of the compliance d(z, alpha, gamma)/d(phi, lam, mu), at these ends, that belongs to the held
+displacements.
+"""
+
+import numpy as np
+
+from ..mechanics.potential import load_size, slope_rate
+from ..numerics.arrays import Array
+from .orbit_rates import NUMBERS, OrbitRates
+from .system import Given, State
+
+_DISPLACEMENTS = ("z", "alpha", "turn")  # in the order of `OrbitRates.compliance`
+_ANGLES = ("beta0", "betaL")
+_DOUBT = 1e-11  # of the largest eigenvalue: a smaller one has no sign
+_RESTS = 1e-7  # beta_t at both ends of a rod that rests at both, in units of the loads
+_FLAT = 1e-9  # of half a turn of the phase: nearer to the condition at the far end, the index is not decided
+
+
+def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], leaving: Array, turns: Array) -> Array:
+    """The index of B equilibria that are no helices under held ends, (B,) of floats; NaN where it is not decided.
+
+    names: the five given numbers (`problem.held_ends.HeldProblem.numbers`). leaving, turns: (B,), of their paths.
+    """
+    ends = tuple(name for name in names if name.endswith(_ANGLES))
+    held = [k for k, name in enumerate(_DISPLACEMENTS) if name in names]
+    index = dead_index(rates, leaving, turns, ends)
+    if held:
+        index -= negative(rates.compliance(ratio, ends)[:, held][:, :, held])
+    return index
+
+
+def dead_index(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str, ...] = _ANGLES) -> Array:
+    """The same under dead loads, with two given numbers of the ends."""
+    unit = np.sqrt(1 + load_size(rates.problem))  # of beta_t
+    beta0, betaL, v0, vL = (rates.rows[:, NUMBERS.index(name), :2] for name in (*_ANGLES, "dbeta0", "dbetaL"))
+    arriving = np.where(turns % 2 == 0, leaving, -leaving)
+    with np.errstate(all="ignore"):
+        start = v0 if ends[0] == "dbeta0" else beta0
+        start = start / np.abs(start).max(axis=1, keepdims=True)
+        mix = np.stack([start[:, 1], -start[:, 0]], axis=1)  # of the flow and the level: meets the condition
+        mix /= np.maximum(np.abs(beta0 * mix), np.abs(v0 * mix) / unit[:, None]).max(axis=1, keepdims=True)
+        at_ends = (beta0, v0 / unit[:, None]), (betaL, vL / unit[:, None])
+        begun, ended = _phases(*at_ends, mix, (leaving, arriving), turns)
+        half = 0.5 if ends[0] == "dbeta0" else 0.0
+        whole = np.round(begun / np.pi - half)
+        passed = ended / np.pi - whole - (0.5 if ends[1] == "dbetaL" else 1.0)
+        found = np.maximum(np.ceil(passed), 0.0)
+        return np.where(np.abs(passed - np.round(passed)) > _FLAT, found, np.nan)
+
+
+def _phases(
+    start: tuple[Array, Array], far: tuple[Array, Array], mix: Array, ways: tuple[Array, Array], turns: Array
+) -> tuple[Array, Array]:
+    """The phases at the two ends, (B,), of what `mix` (B, 2) makes of the flow and of the level.
+
+    start, far: what these add to beta and to beta_t in some unit, (B, 2) each. ways: of beta_t at the two ends.
+    """
+    phases = []
+    for (value, rate), way, passed in zip((start, far), ways, (0 * turns, turns), strict=True):
+        v, H = np.abs(value[:, 0]), rate[:, 0] * way
+        eta, slope = (mix * value).sum(axis=1) * way, (mix * rate).sum(axis=1) * way
+        across, along = eta * H - slope * v, eta * v + slope * H
+        phases.append((np.arctan2(v, H) + np.pi * passed, across, along))
+    side = np.where(phases[0][1] != 0, np.sign(phases[0][1]), np.sign(phases[0][2]))
+    found = []
+    for phase, across, along in phases:
+        apart = np.arctan2(side * across, side * along)
+        found.append(phase + np.clip(np.where(apart < -np.pi / 2, apart + 2 * np.pi, apart), 0, np.pi))
+    return found[0], found[1]
+
+
+def negative(matrix: Array) -> Array:
+    """The number of negative eigenvalues of symmetric matrices (B, n, n), (B,); NaN where one is zero to rounding."""
+    out = np.full(matrix.shape[0], np.nan)
+    for b in np.flatnonzero(np.isfinite(matrix).all(axis=(1, 2))):
+        scale = 1 / np.sqrt(np.maximum(np.abs(matrix[b]).max(axis=1), 1e-300))
+        scaled = matrix[b] * scale * scale[:, None]
+        values = np.linalg.eigvalsh((scaled + scaled.T) / 2)
+        if np.abs(values).min() > _DOUBT * np.abs(values).max():
+            out[b] = np.count_nonzero(values < 0)
+    return out
+
+
+def index_of(state: State, wanted: Given) -> float:
+    """The Morse index under the held ends; NaN where it is not decided."""
+    ratio, path = np.array([wanted.ratio]), state.path
+    if not path.helix:
+        each = np.array([path.leaving]), np.array([path.turns])
+        return float(held_index(state.rates, ratio, wanted.names, *each)[0])
+    ends = tuple(name for name in wanted.names if name.endswith(_ANGLES))
+    held = [k for k, name in enumerate(_DISPLACEMENTS) if name in wanted.names]
+    excluded = negative(state.rates.compliance(ratio, ends)[:, held][:, :, held])[0] if held else 0.0
+    return _helix_index(state, ends) - float(excluded)
+
+
+def _helix_index(state: State, ends: tuple[str, ...]) -> float:
+    """The index of a helix under dead loads: the waves of constant length between its ends that are too long."""
+    rate = float(slope_rate(state.problem, state.problem.beta0)[0])
+    hinges = sum(name.startswith("d") for name in ends)
+    if rate <= 0:
+        return 0.0 if rate < 0 or hinges < 2 else np.nan
+    waves = float(np.sqrt(rate) * state.problem.span[0]) / np.pi + hinges / 2 - 1
+    return np.nan if abs(waves - np.round(waves)) < _FLAT else max(float(np.ceil(waves)), 0.0)
+
+
+def dead_index_of(state: State) -> float:
+    """The Morse index under dead loads between its own end angles; NaN where it is not decided."""
+    if state.path.helix:
+        return _helix_index(state, _ANGLES)
+    rates, pace = state.rates, np.sqrt(1 + load_size(state.problem))
+    if (np.maximum(np.abs(rates.value("dbeta0")), np.abs(rates.value("dbetaL"))) < _RESTS * pace).all():
+        return np.nan  # beta_t itself is a direction of no stiffness
+    return float(dead_index(state.rates, np.array([state.path.leaving]), np.array([state.path.turns]))[0])

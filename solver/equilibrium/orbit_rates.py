@@ -1,0 +1,296 @@
+"""The numbers of equilibria and the linear equations between their changes, regular at folds and next to saddles.
+
+One equilibrium is an orbit from one end to the other. Its numbers are the two end angles, beta_t at both ends, the
+integrals of sin(beta), sin(beta) cos(beta) and cos(beta), the loads and the length. A change of the orbit has five
+parts: a0 along its flow, g0 of its level (`orbit.variations`), and those of the three loads. Every number answers them
+linearly. Any five numbers may be held; the five parts then follow from five equations. Two held end angles and three
+given loads make those of a dead-load problem, which are singular at its folds; with held displacements or end moments
+the equations are other ones, and their singular points are the folds of that problem.
+
+The level of `variations` counts from the critical point to which the orbit comes closest, so next to a saddle only the
+column of g0 is large, by one common factor. Columns are scaled before the equations are solved.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..core import orbit_rates as core
+from ..core.panels import Cutting
+from ..levels.line_point import LinePoint, Path
+from ..levels.transit_times import CUTTING, STRETCH
+from ..mechanics.potential import slope_higher_rates, slope_rate
+from ..numerics.arrays import Array
+from ..orbit import helix_variations
+from ..orbit.critical_points import grid
+from ..orbit.variation_nodes import height_rates, slopes_by_loads
+from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations, changed
+from ..problem.reduced import EndsProblem, StartProblem
+from .varied_orbits import plain_orbit, varied_orbits
+
+NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
+_Y = 10
+_REST = 1e-15  # beta_t at a start at rest
+_SAME = 1e-9  # rad: critical points that are this near are one
+HOW = CUTTING, Cutting(LENGTH, GOAL, STRETCH, relative=True)
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitRates:
+    """The numbers of B equilibria, and how they answer a change.
+
+    problem: the ends problems that the orbits solve, span: the lengths at which their paths meet beta(L). values:
+    (B, 11), the `NUMBERS`: end angles, beta_t at both ends, the integrals of sin(beta), sin(beta) cos(beta) and
+    cos(beta) over t, the loads, and y of the path (`line_point.Path`). rows: (B, 11, 5), what a unit of each
+    part of a change adds to them; NaN for y of a helix. by_span: (B, 11), what a unit of the length adds.
+    """
+
+    problem: EndsProblem
+    values: Array
+    rows: Array
+    by_span: Array
+
+    @property
+    def length(self) -> Array:
+        """The lengths T at which the paths meet beta(L), (B,)."""
+        return self.problem.span
+
+    def take(self, index: Any) -> "OrbitRates":
+        """The equilibria that an index array, a mask or a slice selects."""
+        return OrbitRates(self.problem.take(index), self.values[index], self.rows[index], self.by_span[index])
+
+    def value(self, name: str) -> Array:
+        """One of the `NUMBERS`, (B,)."""
+        return np.asarray(self.values[:, NUMBERS.index(name)])
+
+    def parts(self, held: Sequence[str]) -> Array:
+        """The five parts by a unit of each of five held numbers, and last of the length, (B, 5, 6)."""
+        at = [NUMBERS.index(name) for name in held]
+        forced = np.zeros((self.values.shape[0], len(at), 6))
+        forced[:, range(5), range(5)] = 1
+        forced[:, :, 5] = -self.by_span[:, at]
+        return solve(self.rows[:, at], forced)
+
+    def response(self, held: Sequence[str]) -> Array:
+        """The derivatives of the `NUMBERS` by each of five of them, the others of the five held, and by the length.
+
+        Parameters
+        ----------
+        held : sequence of str
+            Five of the `NUMBERS`.
+
+        Returns
+        -------
+        array (B, 11, 6)
+            The last column is by the length; NaN where the five do not determine the equilibrium: at a fold.
+        """
+        with np.errstate(invalid="ignore", over="ignore"):
+            found = self.rows @ self.parts(held)
+            found[:, :, 5] += self.by_span
+        return np.asarray(found)
+
+    def compliance(self, ratio: Array, ends: Sequence[str] = ("beta0", "betaL")) -> Array:
+        """d(z, alpha, gamma)/d(phi, lam, mu) with two numbers of the ends held: symmetric, (B, 3, 3).
+
+        ratio: A/C, (B,): the rotation is gamma = ratio mu span - swirl.
+        """
+        found = self.response((*ends, "phi", "lam", "mu"))
+        K = found[:, [NUMBERS.index(name) for name in ("z", "alpha", "swirl")], 2:5]
+        K[:, 2] *= -1
+        K[:, 2, 2] += ratio * self.problem.span
+        return np.asarray(K)
+
+
+def solve(matrix: Array, forced: Array) -> Array:
+    """The solutions (B, n, k) of square systems (B, n, n), rows and columns scaled; NaN for a singular one."""
+    with np.errstate(all="ignore"):
+        column = 1 / np.abs(matrix).max(axis=1)
+        scaled = matrix * column[:, None, :]
+        row = 1 / np.abs(scaled).max(axis=2)
+        scaled, wanted = scaled * row[..., None], forced * row[..., None]
+    out = np.full(forced.shape, np.nan)
+    for b in np.flatnonzero(np.isfinite(scaled).all(axis=(1, 2)) & np.isfinite(wanted).all(axis=(1, 2))):
+        try:
+            found = np.linalg.solve(scaled[b], wanted[b])
+            found += np.linalg.solve(scaled[b], wanted[b] - scaled[b] @ found)
+        except np.linalg.LinAlgError:
+            continue
+        out[b] = found * column[b][:, None]
+    return out
+
+
+def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
+    """The numbers and the equations of B equilibria.
+
+    Parameters
+    ----------
+    problem : EndsProblem
+        B ends problems.
+    paths : sequence of Path
+        The path of each. Its level need not be that at which the path has the length of the rod: the orbits are those
+        of the lengths that the paths have. The numbers are NaN where no orbit of a path joins the ends.
+
+    Returns
+    -------
+    OrbitRates
+    """
+    B = problem.size
+    values, rows, by_span, span = np.empty((B, 11)), np.empty((B, 11, 5)), np.empty((B, 11)), np.empty(B)
+    for i, path in enumerate(paths):
+        found = core.orbit_rates(_numbers(problem, i), path, grid(), POINTS, HOW, True)
+        if found is None:
+            one = _rates_beyond_core(problem.take(slice(i, i + 1)), [path])
+            found = one.values[0], one.rows[0], one.by_span[0], one.length[0]
+        values[i], rows[i], by_span[i], span[i] = found
+    return OrbitRates(replace(problem, span=span), values, rows, by_span)
+
+
+def start_rates(problem: StartProblem) -> OrbitRates:
+    """The numbers and the equations of one orbit that is given by its start, at its far end.
+
+    They are regular where the rod is at rest at an end, or at both: there the length at which an orbit meets beta(L)
+    has no derivative. y has neither value nor row. NaN for a helix, and where the core cannot follow the orbit.
+    """
+    numbers = [float(getattr(problem, name)[0]) for name in ("lam", "mu", "phi", "span", "beta0", "dbeta0")]
+    numbers[5] = numbers[5] if abs(numbers[5]) > _REST else 0.0
+    found = core.start_rates(numbers, grid(), POINTS, HOW[1], True)
+    values, rows, by_span = (
+        (np.full(11, np.nan), np.full((11, 5), np.nan), np.full(11, np.nan)) if found is None else found[:3]
+    )
+    values[NUMBERS.index("dbeta0")] = problem.dbeta0[0]  # not as it is read from the orbit
+    rows[_Y] = by_span[_Y] = np.nan
+    return OrbitRates(problem.ended(values[[NUMBERS.index("betaL")]]), values[None], rows[None], by_span[None])
+
+
+def _numbers(problem: EndsProblem, i: int) -> list[float]:
+    return [float(number[i]) for number in vars(problem).values()]
+
+
+def _rates_beyond_core(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
+    """What the core leaves: helices, and gaps that floats cannot express."""
+    with np.errstate(all="ignore"):  # beside a critical point and for long rods some terms overflow and are not taken
+        return _orbit_rates(problem, paths)
+
+
+def _orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
+    places = [LinePoint(problem.take(slice(i, i + 1))) for i in range(problem.size)]
+    still = np.array([path.helix for path in paths])
+    own = [one.problem.span if path.helix else one.lengths([path]) for one, path in zip(places, paths, strict=True)]
+    problem = replace(problem, span=np.concatenate(own))
+    found = OrbitRates(problem, *(np.full((problem.size, 11, *more), np.nan) for more in ((), (5,), ())))
+    moves = [i for i in np.flatnonzero(~still & np.isfinite(problem.span)).tolist()]
+    for rows, some in (
+        (
+            moves,
+            _of_orbits(problem.take(moves), [paths[i] for i in moves], [places[i] for i in moves]) if moves else None,
+        ),
+        (np.flatnonzero(still), rates_of_helices(problem.take(still)) if still.any() else None),
+    ):
+        if some is not None:
+            found.values[rows], found.rows[rows], found.by_span[rows] = some.values, some.rows, some.by_span
+    return found
+
+
+def _of_orbits(problem: EndsProblem, paths: list[Path], places: list[LinePoint]) -> OrbitRates:
+    orbit, varied = varied_orbits(problem, paths, places)
+    far_t = problem.span[:, None]
+    _, _, alpha, z = (value[:, 0] for value in orbit.at(far_t))
+    found = rates_of_variations(problem, varied, np.stack([alpha, orbit.swirl(far_t)[:, 0], z]))
+    _add_level(found, varied.nearest, paths, places)
+    return found
+
+
+def rates_of_variations(problem: EndsProblem, varied: Variations, integrals: Array) -> OrbitRates:
+    """The numbers of orbits that are no helices at t = span, and their rows but that of y.
+
+    integrals: of sin, sin cos and cos, (3, B).
+    """
+    start, far = varied.start, varied.at(problem.span[:, None])
+    unit = np.broadcast_to(np.eye(5), (problem.size, 5, 5))
+    parts = unit[..., 0], unit[..., 1:]
+    here, there = (changed(start, place, *parts) for place in (start.take((slice(None), None)), far))
+    v, H = (np.stack([getattr(start, name), getattr(far, name)[:, 0]]) for name in ("v", "H"))
+    return _assemble(problem, here, there, v, H, integrals)
+
+
+def rates_of_helices(problem: EndsProblem) -> OrbitRates:
+    """The numbers of helices at t = span, and their rows but that of y."""
+    far = problem.span[:, None]
+    here, there = (helix_change(problem, t) for t in (0 * far, far))
+    s, c, none = np.sin(problem.beta0), np.cos(problem.beta0), np.zeros((2, problem.size))
+    found = _assemble(problem, here, there, none, none, np.stack([s, s * c, c]) * problem.span)
+    found.values[:, _Y], found.rows[:, _Y] = -np.inf, np.nan
+    return found
+
+
+def helix_change(problem: EndsProblem, t: Array) -> Change:
+    """The changes of B helices at t (B, n) by their five parts.
+
+    Two parts are those of beta(0) and beta_t(0), or about a saddle those of the two end angles.
+    """
+    steep = slope_rate(problem, problem.beta0) < 0
+    by_ends, by_start = (vars(way(problem, t)).values() for way in (helix_variations.held, helix_variations.start))
+    pairs = zip(by_ends, by_start, strict=True)
+    return Change(*(np.where(steep.reshape(-1, *[1] * (a.ndim - 1)), a, b) for a, b in pairs))
+
+
+def _assemble(problem: EndsProblem, here: Change, there: Change, v: Array, H: Array, integrals: Array) -> OrbitRates:
+    """here, there: the changes at the two ends, (B, 1, 5). v, H: at the two ends, (2, B). integrals: (3, B)."""
+    rows, by_span = np.zeros((problem.size, len(NUMBERS), 5)), np.zeros((problem.size, len(NUMBERS)))
+    of_ends = here.beta, there.beta, here.rate, there.rate
+    of_integrals = (factor * there.integrals[..., k] for k, factor in enumerate((1, -1, 1)))
+    for k, value in enumerate((*of_ends, *of_integrals)):
+        rows[:, k] = value[:, 0]
+    rows[:, [7, 8, 9], [2, 3, 4]] = 1
+    s, c = np.sin(problem.betaL), np.cos(problem.betaL)
+    by_span[:, [1, 3, 4, 5, 6]] = np.stack([v[1], -H[1], s, s * c, c], axis=1)
+    loads = problem.lam, problem.mu, problem.phi
+    values = np.stack([problem.beta0, problem.betaL, *v, *integrals, *loads, np.zeros(problem.size)], axis=1)
+    return OrbitRates(problem, values, rows, by_span)
+
+
+def _add_level(found: OrbitRates, origin: Array, paths: list[Path], places: list[LinePoint]) -> None:
+    """The row of y. The gap is eta - G(pin); g0 is half the change of eta less that of G at `origin`."""
+    pin = np.array([path.pin for path in paths])
+    same = np.abs(np.sin((pin - origin) / 2)) < _SAME
+    heights = height_rates(np.where(same, origin, pin), origin)
+    for i, (path, place) in enumerate(zip(paths, places, strict=True)):
+        found.values[i, _Y] = path.y
+        if path.pin in place.angles:
+            gap = path.sign * np.exp(max(path.y, place.blank.deepest))
+            found.rows[i, _Y, 1:] = 2 * np.array([1, *heights[i]]) / gap
+            if path.y < place.blank.deepest:
+                found.rows[i, _Y, 2:] += (path.y - place.blank.deepest) / 2 * _steepening(place.problem, path.pin)
+            continue
+        end = NUMBERS.index("dbeta0" if path.pin == place.start else "dbetaL")
+        found.rows[i, _Y] = 2 * found.rows[i, end] / found.values[i, end]
+        found.by_span[i, _Y] = 2 * found.by_span[i, end] / found.values[i, end]
+
+
+def _steepening(problem: EndsProblem, saddle: float) -> Array:
+    """The derivative of log|H'| at a saddle by each load, (3,). The time at the saddle goes with |H'|^(-1/2)."""
+    at = np.array([saddle])
+    steep, bend = slope_rate(problem, at), slope_higher_rates(problem, at)[0]
+    moved = -slopes_by_loads(at[:, None])[0, :, 0] / steep
+    by_loads = np.array([-np.sin(saddle), 2 * np.sin(2 * saddle), -np.cos(saddle)])
+    return np.asarray((by_loads + bend * moved) / steep)
+
+
+def orbit_numbers(problem: EndsProblem, path: Path) -> tuple[Array, float]:
+    """The `NUMBERS` of one equilibrium that is no helix, (11,), without their rates; and the length of its path."""
+    found = core.orbit_rates(_numbers(problem, 0), path, grid(), POINTS, HOW, False)
+    if found is not None:
+        return found[0], float(found[3])
+    place = LinePoint(problem)
+    with np.errstate(all="ignore"):
+        length = place.lengths([path])
+        if not np.isfinite(length[0]):
+            return np.full(len(NUMBERS), np.nan), np.nan
+        orbit = plain_orbit(replace(problem, span=length), path, place)
+        _, v, alpha, z = (value[0] for value in orbit.at(length[:, None] * [0, 1]))
+        swirl = orbit.swirl(length[:, None])[0, 0]
+    ends = problem.beta0[0], problem.betaL[0], *v
+    loads = problem.lam[0], problem.mu[0], problem.phi[0]
+    return np.array([*ends, alpha[1], swirl, z[1], *loads, path.y]), float(length[0])

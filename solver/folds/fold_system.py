@@ -1,0 +1,103 @@
+"""The equations of fold and pitchfork curves in the plane of two fields.
+
+B(v; p) = beta(L) - beta(L) given, of the rod that starts with v = beta_t(0): its zeros are the equilibria. At a fold
+its derivative E = dB/dv, the Jacobi field at the far end, vanishes too, and at a cusp d^2B/dv^2. B is smooth wherever
+an end of the rod passes a turning point, where the length T(h) of a path is not: there one path changes into another
+of one turn more or less. So a curve is traced in one set of unknowns (v, p1, p2), without charts. B is known to
+rounding, so its derivatives are taken from a polynomial through seven values of v.
+
+Where the problem has a symmetry, two equilibria split off a third in a pitchfork: B, E and d^2B/dv^2 vanish together on
+a curve. A fourth unknown e, a change of the given beta(L), makes this system regular (B = e); on the curve e = 0.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..levels.line_point import LinePoint
+from ..levels.transit_times import fall
+from ..mechanics.potential import load_size
+from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import solve_orbit
+from ..problem.reduced import EndsProblem
+from .parameter_plane import ParameterPlane
+
+_TIGHT = 1e-13
+_SHARE = 0.015  # of the distance over which B changes its form: the step of the values of v
+_NUDGE = 1e-5  # of the ranges: the step of the derivatives by the fields
+DEEP = 3e-4  # of the gap between the level and a saddle
+_OFFSETS = np.arange(-3, 4)
+# d/dv, d^2/dv^2, d^3/dv^3 from seven values, of order 6, 6 and 4
+_WEIGHTS = np.array(
+    [
+        [-1 / 60, 3 / 20, -3 / 4, 0, 3 / 4, -3 / 20, 1 / 60],
+        [1 / 90, -3 / 20, 3 / 2, -49 / 18, 3 / 2, -3 / 20, 1 / 90],
+        [1 / 8, -1, 13 / 8, 0, -13 / 8, 1, -1 / 8],
+    ]
+)
+
+
+# step dB/dv of order 6 less that of order 4
+_ROUGH = _WEIGHTS[0] - np.array([0, 1 / 12, -2 / 3, 0, 2 / 3, -1 / 12, 0])
+_SMOOTH, _REDUCTIONS = 1e-6, 8  # of the change of B: how large that may be; how often the reach is reduced
+
+
+@dataclass(frozen=True, eq=False)
+class Expansion:
+    """B at one point (v, p): its derivatives by v of order 0 to 3, (4,), and of these by the two shares, (2, 4)."""
+
+    along: Array
+    across: Array
+
+
+def expansion(plane: ParameterPlane, v: float, shares: Array, reach: float) -> Expansion:
+    """B about one point. reach: a distance in v over which B changes its form; it is reduced where B shows a smaller
+    one, as where the rod nears a place at which beta almost rests."""
+    nudges = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]]) * _NUDGE
+    problems = plane.problems(np.repeat(shares + nudges, _OFFSETS.size, axis=0))
+    step, off = _values(problems, v, reach)
+    for _ in range(_REDUCTIONS):
+        if abs(_ROUGH @ off[0]) <= _SMOOTH * np.abs(off[0] - off[0, 3]).max():
+            break
+        reach /= 4
+        step, off = _values(problems, v, reach)
+    rates = np.concatenate([off[:, 3:4], off @ (_WEIGHTS / step ** np.arange(1, 4)[:, None]).T], axis=1)
+    return Expansion(rates[0], (rates[1::2] - rates[2::2]) / (2 * _NUDGE))
+
+
+def _values(problems: EndsProblem, v: float, reach: float) -> tuple[float, Array]:
+    """The step of v, and B at its values in rows of problems, (rows, 7)."""
+    step = _SHARE * reach
+    slopes = np.tile(v + step * _OFFSETS, problems.size // _OFFSETS.size)
+    return step, misses(problems, slopes).reshape(-1, _OFFSETS.size)
+
+
+def misses(problem: EndsProblem, slopes: Array) -> Array:
+    """beta(L) of rods that start with beta_t(0) = slopes (N,), less the beta(L) given, (N,)."""
+    orbit = solve_orbit(problem.started(slopes), _TIGHT)
+    return np.asarray(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
+
+
+def reach_of(plane: ParameterPlane, v: float, shares: Array) -> float:
+    """The distance in v over which B changes its form: to a separatrix, or a radian of the far end's phase."""
+    problem = plane.problems(shares)
+    place = LinePoint(problem)
+    speed2 = v * v
+    size = float(np.sqrt(load_size(problem)[0] + 1))
+    reach = 3 * max(abs(v), 0.3 * size) / (size * max(float(problem.span[0]), 1.0))
+    for saddle in place.saddles:
+        gap = abs(speed2 - fall(problem, float(saddle), place.start, True))
+        reach = min(reach, float(np.sqrt(speed2 + gap)) - abs(v))
+    return max(reach, 1e-12)
+
+
+def is_deep(plane: ParameterPlane, v: float, shares: Array) -> bool:
+    """Whether an end lies at a turning point next to a separatrix, so that v tells little."""
+    place = LinePoint(plane.problems(shares))
+    near = min(v * v, abs(v * v + place.fall(place.start, place.end))) < 1e-4
+    return near and any(abs(v * v - place.fall(float(s), place.start)) < DEEP for s in place.saddles)
+
+
+def turns_at(plane: ParameterPlane, v: float, shares: Array) -> int:
+    """The turning points that the rod passes."""
+    return int(solve_orbit(plane.problems(shares).started(np.array([v])), _TIGHT).turns[0])

@@ -1,0 +1,87 @@
+"""Other equilibria with the same held ends, near the one that a seed leads to.
+
+An equilibrium is carried from a seed along its branch. Where a fold is near, another equilibrium with the same ends may
+be as near to the seed. They are looked for across the nearest fold, by deflation from the seed, and on the branch
+itself: beyond the ends that are wanted and behind the seed it may turn back at a fold and meet these ends again.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..branches.branch_following import followed
+from ..branches.branch_states import Bounds
+from ..branches.deflation import across_fold, deflate, fold_beside, is_known, numbers_of
+from ..branches.held_continuation import state_of
+from ..branches.held_curve import HeldFamily
+from ..equilibrium.held_index import index_of
+from ..equilibrium.system import Given, State
+from ..levels.path_orbits import orbit_of
+from ..numerics.arrays import Array
+
+NEARER = "another equilibrium with these ends is nearer to this one than the seed is: see alternatives"
+_MOST = 150  # points of a branch in each direction
+_REACH = (-1.0, 3.0)  # shares of the way from the seed, 0, to the held ends, 1, over which its branch is followed
+_STATIONS = 129
+_ITSELF = 1e-9  # rad
+
+
+def alternatives_of(seed: State, found: State, wanted: Given) -> list[State]:
+    """The other equilibria, as they are found."""
+    known = [numbers_of(found)]
+    others: list[State] = []
+
+    def add(state: State | None) -> None:
+        if state is not None and not is_known(state, known):
+            known.append(numbers_of(state))
+            others.append(state)
+
+    for guess in (*across_fold(found, wanted), seed):
+        add(deflate(guess, wanted, known))
+    for state in _on_branch(seed, found, wanted):
+        add(state)
+    for other in tuple(others):
+        for guess in across_fold(other, wanted)[:1]:
+            add(deflate(guess, wanted, known))
+    return others
+
+
+def _on_branch(seed: State, found: State, wanted: Given) -> list[State]:
+    """Where the branch of the seed meets the wanted ends."""
+    first = wanted.at(seed)
+
+    def given(share: float) -> Given | None:
+        values, span = (
+            (1 - share) * getattr(first, name) + share * getattr(wanted, name) for name in ("values", "span")
+        )
+        return wanted if share == 1 else replace(wanted, values=values, span=span) if span > 0 else None
+
+    family, bounds = HeldFamily(given, found.problem, 1.0), Bounds(*_REACH, (1.0,), _MOST)
+    if found.path.helix:
+        return []
+    places = [place for rises in (True, False) for place in followed(family, found.path, 1.0, rises, bounds)[0]]
+    return [state_of(place.problem, place.path) for place in places if place.p == 1]
+
+
+def shape_of(state: State) -> Array:
+    """beta at equal steps of s/L, (n,)."""
+    t = state.problem.span[:, None] * np.linspace(0, 1, _STATIONS)
+    return np.asarray(orbit_of(state.problem, state.path).at(t)[0][0])
+
+
+def away(one: State, other: State) -> float:
+    """The largest difference of beta [rad] at equal s/L."""
+    return float(np.abs(shape_of(one) - shape_of(other)).max())
+
+
+def said_of_seed(seed: State, found: State, wanted: Given) -> str:
+    """How far the seed is, what differs there, and whether another equilibrium is nearer than the seed."""
+    far = away(seed, found)
+    words = f"the seed, {far:.3g} rad away" if far > _ITSELF else "the seed itself"
+    indices = index_of(seed, wanted.at(seed)), index_of(found, wanted)
+    if np.isfinite(indices).all() and indices[0] != indices[1]:
+        words += f"; the seed has index {indices[0]:.0f} and this equilibrium index {indices[1]:.0f}"
+    beside = fold_beside(found, wanted)
+    if beside is not None and abs(beside[1]) < np.linalg.norm(numbers_of(found) - numbers_of(seed)):
+        words += f"; {NEARER}"
+    return words

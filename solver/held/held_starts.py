@@ -1,0 +1,197 @@
+"""The equilibria from which continuation to held ends begins: a seed, or equilibria under dead loads.
+
+Guesses of the unknown loads and end angles give some dead-load problems; of their equilibria with few turning points
+those are tried first whose displacements are nearest to the held ones and whose index under the held ends is small. The
+start that is taken is the first that leads to a stable equilibrium, or else the first that leads to any. If none leads
+to one, a stable helix is taken, or what starts next to helices lead to, or any helix. There may be other equilibria.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from ..branches.deflation import is_known, numbers_of
+from ..branches.held_continuation import Stopped, carry, state_of
+from ..branches.held_helices import helices_of
+from ..equilibrium.held_index import held_index, index_of
+from ..equilibrium.orbit_rates import orbit_rates
+from ..equilibrium.system import FREE, Given, State
+from ..levels.level_search import search
+from ..levels.line_point import Path, path_of
+from ..levels.morse_index import jacobi_zeros
+from ..levels.path_orbits import orbit_of
+from ..mechanics.potential import TAU
+from ..orbit.critical_points import critical_points
+from ..problem.held_ends import HeldProblem
+from ..problem.reduced import EndsProblem
+from ..problem.trajectory import DeadStart
+from .held_alternatives import said_of_seed
+
+HELIX = "a helix, which has these ends itself"
+_TRIED, _REACHED = 8, 3  # starts from which continuation is tried; equilibria after which it ends
+_UNSTABLE = 0.3  # what a negative direction of a start adds to its distance
+_STEPS, _STEPS_NEAR = 60, 300  # from each of them, and from those next to a helix
+_MOST_TURNS = 2  # of the starts
+_SHORT = 1e-3  # share of the way to a helix by which an end angle stays away from it
+
+
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """An equilibrium under held ends, what its continuation began from, and the seed where there is one."""
+
+    state: State
+    begun: str | DeadStart
+    seed: State | None = None
+
+
+def from_seed(wanted: Given, problem: EndsProblem, path: Path | None) -> Reached | str:
+    """The equilibrium on the branch of a seed, an equilibrium of `problem`; or the outcome that says why not."""
+    if path is None:
+        return "failed: the seed is not a solution of its own ends problem"
+    seed = state_of(problem, path, wanted.hinged)
+    found = carry(seed, wanted)
+    return outcome_of(found) if isinstance(found, Stopped) else Reached(found, said_of_seed(seed, found, wanted), seed)
+
+
+def outcome_of(found: Stopped) -> str:
+    """The outcome of a continuation that stopped."""
+    return (
+        f"failed: the branch of the start could not be followed to the held ends: {found.reason} "
+        f"after {found.share:.2%} of the way"
+    )
+
+
+def nearest_start(wanted: Given, problem: HeldProblem) -> Reached | str:
+    """The equilibrium reached from the nearest dead-load equilibria; or the outcome that says why there is none."""
+    guesses, helices = _guesses(wanted, problem), helices_of(wanted)[0]
+    themselves = [Reached(state, HELIX) for state in helices]
+    reached, tried, why = _reach(wanted, _starts(wanted, problem, guesses), helices)
+    reached = reached or [one for one in themselves if index_of(one.state, wanted) == 0]
+    if not reached and (near := _next_to_helices(wanted, guesses)):
+        reached, more, _ = _reach(wanted, _starts(wanted, problem, near), helices, _STEPS_NEAR)
+        tried += more
+    reached = reached or themselves
+    stable = [one for one in reached if index_of(one.state, wanted) == 0]
+    return [*stable, *reached][0] if reached else f"{why}; {tried} starts were tried; in Python a seed may help"
+
+
+def _reach(
+    wanted: Given, starts: list[State], helices: list[State], steps: int = _STEPS
+) -> tuple[list[Reached], int, str]:
+    """What the first starts lead to, up to a stable equilibrium; how many were tried; why the first of them failed.
+
+    An orbit whose swings about one of the helices fall to rounding is that helix.
+    """
+    reached: list[Reached] = []
+    why = ""
+    for tried, start in enumerate(starts[:_TRIED], 1):
+        found = carry(start, wanted, steps)
+        if isinstance(found, Stopped):
+            why = why or outcome_of(found)
+            continue
+        found = next((one for one in helices if is_known(found, [numbers_of(one)])), found)
+        reached.append(Reached(found, _dead(start)))
+        if index_of(found, wanted) == 0 or len(reached) == _REACHED:
+            return reached, tried, why
+    return reached, len(starts[:_TRIED]), why or "failed: no equilibrium under dead loads was found to start from"
+
+
+def _dead(start: State) -> DeadStart:
+    p = start.problem
+    index = int(jacobi_zeros(orbit_of(p, start.path))[0])
+    return DeadStart(index, *(float(value[0]) for value in (p.phi, p.lam, p.mu, p.beta0, p.betaL)))
+
+
+def _starts(wanted: Given, problem: HeldProblem, guesses: list[dict[str, float]]) -> list[State]:
+    """Dead-load equilibria, that with the nearest displacements first."""
+    found: list[tuple[float, State]] = []
+    for numbers in guesses:
+        guess = EndsProblem(**{name: np.array([numbers[name]]) for name in FREE}, span=problem.span)
+        every = search(guess, most_turns=_MOST_TURNS)
+        if every is None:
+            continue
+        paths = [path_of(every.path, i) for i in range(every.slope.size)]
+        paths = [path for path in paths if not path.helix]
+        if not paths:
+            continue
+        rates = orbit_rates(guess.take(np.zeros(len(paths), dtype=int)), paths)
+        leaving, turns = (np.array([getattr(path, name) for path in paths]) for name in ("leaving", "turns"))
+        index = np.nan_to_num(
+            held_index(rates, problem.ratio.repeat(len(paths)), wanted.names, leaving, turns), nan=1.0
+        )
+        for k, path in enumerate(paths):
+            state = State(guess, path, rates.take(slice(k, k + 1)))
+            found.append((_far(state, wanted) + _UNSTABLE * index[k], state))
+    found = [one for one in found if np.isfinite(one[0])]
+    return [state for _, state in sorted(found, key=lambda one: one[0])]
+
+
+def _far(state: State, wanted: Given) -> float:
+    """How far the displacements of a state are from the wanted ones."""
+    values = wanted.at(state).values
+    size = {"z": wanted.span, "alpha": wanted.span, "turn": 1 + wanted.ratio * wanted.span}
+    scale = np.array([size.get(name, 1.0) for name in wanted.names])
+    return float(np.sqrt((((values - wanted.values) / scale) ** 2).sum()))
+
+
+def _guesses(wanted: Given, problem: HeldProblem) -> list[dict[str, float]]:
+    """Values of the loads and the end angles of dead-load problems; what is given is kept."""
+    known = dict(zip(wanted.names, wanted.values.tolist(), strict=True))
+    span = wanted.span
+    mean = _mean_angle(known, span)
+    wave = (2 * np.pi / span) ** 2
+    options: dict[str, list[float]] = {"phi": [0.0, -1.5 * wave, -4 * wave, 0.5 + wave], "mu": [0.0], "lam": [0.0]}
+    if "turn" in known:
+        swirl = span * float(np.sin(mean) * np.cos(mean))
+        options["mu"] = [0.0, (known["turn"] + swirl) / (wanted.ratio * span)]
+    for name in ("phi", "lam", "mu"):
+        if name in known:
+            options[name] = [known[name]]
+    ends = [name for name in ("beta0", "betaL") if name in known]
+    angles = [[known[n]] if n in known else [mean + d for d in ((0.3, -0.3) if ends else (0.3,))] for n in FREE[:2]]
+    found = []
+    for phi, mu, b0, bL in product(options["phi"], options["mu"], *angles):
+        if len(ends) == 0:
+            bL = 2 * mean - b0
+        lams = list(options["lam"])
+        if "lam" not in known:
+            lams.append(_helix_moment(mean, mu, phi))
+        found += [{"phi": phi, "mu": mu, "lam": lam, "beta0": b0, "betaL": bL} for lam in dict.fromkeys(lams)]
+    return found
+
+
+def _next_to_helices(wanted: Given, guesses: list[dict[str, float]]) -> list[dict[str, float]]:
+    """The guesses with the angle of one free end next to that of a helix, at a maximum of G.
+
+    At a hinge a long rod nearly is that helix: the distance falls exponentially with the length. Continuation from an
+    angle that is far from the helix does not resolve it.
+    """
+    free = [name for name in FREE[:2] if name not in wanted.names]
+    found = []
+    for guess in guesses if len(free) == 1 else []:
+        (name,) = free
+        other = guess["betaL" if name == "beta0" else "beta0"]
+        problem = EndsProblem(**{each: np.array([guess[each]]) for each in FREE}, span=np.array([wanted.span]))
+        points = critical_points(problem)
+        for angle in points.beta[~points.centre & np.isfinite(points.beta)]:
+            way = float(np.remainder(angle - other + np.pi, TAU) - np.pi)
+            if way and abs(way) < np.pi / 2:
+                found.append(guess | {name: other + (1 - _SHORT) * way})
+    return list({tuple(one.values()): one for one in found}.values())
+
+
+def _mean_angle(known: dict[str, float], span: float) -> float:
+    """The angle of a helix with the held height and azimuth, or the mean of the end angles, or 0."""
+    if "alpha" in known and "z" in known:
+        return float(np.arctan2(known["alpha"], known["z"]))
+    if "alpha" in known:
+        return float(np.arcsin(np.clip(known["alpha"] / span, -1, 1)))
+    ends = [known[name] for name in ("beta0", "betaL") if name in known]
+    return float(np.mean(ends)) if ends else 0.0
+
+
+def _helix_moment(beta: float, mu: float, phi: float) -> float:
+    """lam with H(beta) = 0; 0 at a right angle."""
+    s, c = np.sin(beta), np.cos(beta)
+    return float((mu * np.cos(2 * beta) + (phi + 2 * c * s * s) * s) / c) if abs(c) > 0.05 else 0.0

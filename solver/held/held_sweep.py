@@ -1,0 +1,162 @@
+"""Equilibria under dead loads over ranges of the unknown loads, and those from which the held ends can be reached.
+
+With one unknown, equilibria at neighbouring values are joined: on each path (direction at the start, number of turning
+points) they keep the order of their levels. Where what is held passes its wanted value between two neighbours, one of
+them is a start, and also where a cubic through their values and slopes comes back to it. Of the equilibria that have no
+neighbour, next to a fold or where a turning point leaves the rod, the nearest on either side are starts too, and those
+that a tangent takes to the wanted value between the two neighbours or a little beyond.
+
+With several unknowns, equilibria are starts if the first-order change of the unknowns is short, in steps of the grid.
+"""
+
+from collections import defaultdict
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
+from ..equilibrium.system import FREE, Given, State
+from ..levels.level_search import search
+from ..levels.line_point import path_of
+from ..mechanics.potential import potential
+from ..numerics.arrays import Array
+from ..problem.reduced import EndsProblem
+from .held_ranges import Ranges
+
+_DEAD = ("beta0", "betaL", "lam", "mu", "phi")
+_STEPS_AWAY = 1.5  # of the grid: the longest first-order change from a start
+_FEWEST, _MOST = 16, 100  # starts with several unknowns
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """The equilibria of one dead-load problem that are no helices.
+
+    off: (K, k), what is held less the wanted values. slope: (K, k, k), its derivatives by the unknowns.
+    """
+
+    states: list[State]
+    off: Array
+    slope: Array
+
+
+def swept(given: Given, ranges: Ranges, most_periods: int) -> list[Point]:
+    """The equilibria at all points of the grid."""
+    known = dict(zip(given.names, given.values.tolist(), strict=True))
+    found = []
+    for values in ranges.points():
+        numbers = {name: values.get(name, known.get(name)) for name in FREE}
+        problem = EndsProblem(
+            **{name: np.array([value]) for name, value in numbers.items()}, span=np.array([given.span])
+        )
+        found.append(_point(problem, given, list(ranges.bounds), most_periods))
+    return found
+
+
+def _point(problem: EndsProblem, given: Given, unknown: list[str], most_periods: int) -> Point:
+    every = search(problem, most_periods)
+    paths = [] if every is None else [path_of(every.path, i) for i in range(every.slope.size)]
+    paths = [path for path in paths if not path.helix]
+    k = len(unknown)
+    if not paths:
+        return Point([], np.empty((0, k)), np.empty((0, k, k)))
+    rates = orbit_rates(problem.take(np.zeros(len(paths), dtype=int)), paths)
+    off, slope = _held(rates, given, unknown)
+    states = [State(problem, path, rates.take(slice(i, i + 1))) for i, path in enumerate(paths)]
+    fine = np.flatnonzero(np.isfinite(off).all(axis=1))
+    return Point([states[i] for i in fine], off[fine], slope[fine])
+
+
+def _held(rates: OrbitRates, given: Given, unknown: list[str]) -> tuple[Array, Array]:
+    response = rates.response(_DEAD)[:, :, [_DEAD.index(name) for name in unknown]]
+    off, slope = [], []
+    for name, wanted in zip(given.names, given.values, strict=True):
+        if name == "turn":
+            twist = given.ratio * rates.length
+            mu, swirl = NUMBERS.index("mu"), NUMBERS.index("swirl")
+            off.append(twist * rates.values[:, mu] - rates.values[:, swirl] - wanted)
+            slope.append(twist[:, None] * response[:, mu] - response[:, swirl])
+        elif name not in FREE:
+            off.append(rates.value(name) - wanted)
+            slope.append(response[:, NUMBERS.index(name)])
+    return np.stack(off, axis=1), np.stack(slope, axis=1)
+
+
+def starts_of(points: list[Point], ranges: Ranges) -> list[list[State]]:
+    """The starts, each with others that may lead to the same equilibrium, the best first."""
+    if len(ranges.bounds) == 1:
+        (axis,) = ranges.axes().values()
+        return [
+            some for i, (one, two) in enumerate(pairwise(points)) for some in _between(one, two, axis[i + 1] - axis[i])
+        ]
+    return _nearest(points, ranges)
+
+
+def _between(one: Point, two: Point, step: float) -> list[list[State]]:
+    """Starts between two neighbouring values of one unknown."""
+    starts, alone = list[list[State]](), list[tuple[float, State]]()
+    first, second = _classes(one), _classes(two)
+    for kind in first.keys() | second.keys():
+        here, there = first[kind], second[kind]
+        if len(here) != len(there):
+            for point, some, inward in ((one, here, step), (two, there, -step)):
+                for i in some:
+                    off, slope = float(point.off[i, 0]), float(point.slope[i, 0, 0])
+                    alone.append((off, point.states[i]))
+                    if 0 < -off / (slope * inward or np.inf) <= _STEPS_AWAY:
+                        starts.append([point.states[i]])
+            continue
+        for i, j in zip(here, there, strict=True):
+            a, b = float(one.off[i, 0]), float(two.off[j, 0])
+            pair = [one.states[i], two.states[j]][:: 1 if abs(a) <= abs(b) else -1]
+            if a * b <= 0 or _returns(a, b, step * float(one.slope[i, 0, 0]), step * float(two.slope[j, 0, 0])):
+                starts.append(pair)
+    sides = [[one for one in alone if one[0] * sign > 0] for sign in (1, -1)]
+    if all(sides):
+        starts += [[min(side, key=lambda one: abs(one[0]))[1]] for side in sides]
+    return starts
+
+
+def _classes(point: Point) -> dict[tuple[int, int], list[int]]:
+    """The equilibria on each path, in the order of their levels."""
+    found = defaultdict[tuple[int, int], list[int]](list)
+    for i, state in enumerate(point.states):
+        found[state.path.leaving, state.path.turns].append(i)
+
+    def level(i: int) -> tuple[float, float]:
+        path = point.states[i].path
+        gap = path.sign * float(np.exp(max(path.y, -300.0)))
+        return float(potential(point.states[i].problem, np.array([path.pin]))[0]) + gap, path.sign * path.y
+
+    for some in found.values():
+        some.sort(key=level)
+    return found
+
+
+def _returns(a: float, b: float, a_slope: float, b_slope: float) -> bool:
+    """Whether the cubic with these end values and slopes, of one sign at both ends, reaches zero between."""
+    if not np.isfinite([a_slope, b_slope]).all():
+        return True
+    u = np.linspace(0, 1, 21)
+    cubic = (
+        a * (1 + 2 * u) * (1 - u) ** 2
+        + b * u * u * (3 - 2 * u)
+        + a_slope * u * (1 - u) ** 2
+        - b_slope * u * u * (1 - u)
+    )
+    return bool((cubic * a <= 0).any())
+
+
+def _nearest(points: list[Point], ranges: Ranges) -> list[list[State]]:
+    step = np.array([float(np.ptp(axis)) / (axis.size - 1) for axis in ranges.axes().values()])
+    found: list[tuple[float, State]] = []
+    for point in points:
+        for state, off, slope in zip(point.states, point.off, point.slope, strict=True):
+            away = np.inf
+            if np.isfinite(slope).all() and np.linalg.cond(slope) < 1e12:
+                away = float(np.abs(np.linalg.solve(slope, off) / step).max())
+            found.append((away, state))
+    found.sort(key=lambda one: one[0])
+    count = sum(away <= _STEPS_AWAY for away, _ in found)
+    return [[state] for _, state in found[: min(max(count, _FEWEST), _MOST)]]

@@ -1,0 +1,97 @@
+"""Equilibria under given loads with a given bending moment at an end, by a scan over the angle there.
+
+The loads, the angle of the hinge and beta_t there make a start problem, whose far end has to meet the other given
+number. It is marched from many angles of a whole turn, and each change of sign is a start. The angles lie close where
+the orbit passes next to a saddle, because there the far end moves fast.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..equilibrium.orbit_rates import start_rates
+from ..equilibrium.system import Given, State, corner_state
+from ..levels.line_point import LinePoint
+from ..mechanics.potential import TAU, potential, slope
+from ..numerics.arrays import Array
+from ..numerics.roots import bisect
+from ..orbit.periodic_orbit import solve_orbit
+from ..problem.reduced import EndsProblem, StartProblem
+
+_ANGLES = 1440  # of a turn, evenly
+_CLOSER = np.logspace(-13, -2, 89)  # distances [rad] from the angles whose orbits reach a saddle
+_TOL = 1e-12  # of the march
+_BISECTIONS = 60
+_SECTION, _DIP_STEPS = 0.382, 25  # golden section; the steps to the least size between two angles
+_STILL = 1e-9  # |beta_tt| of a helix between two hinges, in units of load, which is found as a helix
+_LOADS = ("lam", "mu", "phi")
+
+
+def hinged_states(given: Given) -> list[State]:
+    """The equilibria; none where a load is not given, or no end has a given beta_t."""
+    if not {*_LOADS} <= {*given.names} or not given.hinged:
+        return []
+    backward = "dbeta0" not in given.names  # the equation is the same from the far end, with -beta_t
+    sign, near, far = (-1.0, "betaL", "beta0") if backward else (1.0, "beta0", "betaL")
+    rate = sign * given.number(f"d{near}", 0.0)
+    loads = {name: np.array([given.number(name, 0.0)]) for name in _LOADS}
+
+    def ends(angle: Array) -> tuple[Array, Array]:
+        row = np.zeros(angle.size, dtype=int)
+        same = {name: value[row] for name, value in loads.items()}
+        span = np.full(angle.size, given.span)
+        orbit = solve_orbit(StartProblem(beta0=angle, dbeta0=np.full(angle.size, rate), span=span, **same), _TOL)
+        beta, speed, _, _ = orbit.at(span[:, None])
+        return beta[:, 0], speed[:, 0]
+
+    def off(angle: Array) -> Array:
+        beta, speed = ends(angle)
+        if f"d{far}" in given.names:
+            return np.asarray(speed - sign * given.number(f"d{far}", 0.0))
+        return np.sin((beta - given.number(far, 0.0)) / 2)  # 0 at each whole turn from the given angle
+
+    problem = EndsProblem(beta0=np.zeros(1), betaL=np.zeros(1), span=np.array([given.span]), **loads)
+    roots = _roots(off, _angles(problem, rate))
+    beta, speed = ends(roots)
+    found = []
+    for x, b, v in zip(roots, beta, speed, strict=True):
+        if rate == 0 and abs(float(slope(problem, np.array([x]))[0])) < _STILL:
+            continue
+        first, v0 = (b, -v) if backward else (x, rate)
+        turns = given.number(far, b) - b  # whole turns
+        start = StartProblem(beta0=np.array([first + turns]), dbeta0=np.array([v0]), span=problem.span, **loads)
+        rates = start_rates(start)
+        if np.isfinite(rates.values).all():
+            found.append(corner_state(rates, float(v0)))
+    return found
+
+
+def _roots(off: Callable[[Array], Array], angles: Array) -> Array:
+    """The roots between neighbouring angles; two of them between three where the size has a minimum at 0 or beyond."""
+    value = off(angles)
+    size, same = np.abs(value), value[1:] * value[:-1] > 0
+    dips = 1 + np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:]) & same[:-1] & same[1:])
+    lo, hi, sign = angles[dips - 1], angles[dips + 1], np.sign(value[dips])
+    for _ in range(_DIP_STEPS if dips.size else 0):
+        left, right = lo + _SECTION * (hi - lo), hi - _SECTION * (hi - lo)
+        falls = sign * (off(right) - off(left)) < 0
+        lo, hi = np.where(falls, left, lo), np.where(falls, hi, right)
+    every = np.unique(np.concatenate([angles, (lo + hi) / 2]))
+    value = off(every)
+    change = np.flatnonzero(value[1:] * value[:-1] < 0)
+    return bisect(off, every[change], every[change + 1], _BISECTIONS)
+
+
+def _angles(problem: EndsProblem, rate: float) -> Array:
+    """A turn of angles, rising: evenly, and close to those from which the orbit reaches a saddle."""
+    even = np.linspace(-np.pi, np.pi, _ANGLES + 1)
+    special = [LinePoint(problem).saddles]
+    for height in potential(problem, special[0]):
+
+        def above(angle: Array, height: float = height) -> Array:
+            return np.asarray(rate**2 + potential(problem, angle) - height)
+
+        change = np.flatnonzero(above(even[1:]) * above(even[:-1]) < 0)
+        special.append(bisect(above, even[change], even[change + 1], _BISECTIONS))
+    near = np.concatenate(special)[:, None] + np.concatenate([-_CLOSER, _CLOSER])
+    return np.unique(np.concatenate([even, (near.ravel() + np.pi) % TAU - np.pi]))
