@@ -64,7 +64,7 @@ def equilibria(
     Equilibria
         A list of `Equilibrium`, lowest energy first. Its `complete` says whether the list passes the test of
         completeness; its `remark` says why not. Under held ends `HeldEquilibria`, which is never proved complete: its
-        `level_search` states the ranges and counts.
+        `search` states the ranges and counts.
 
     Raises
     ------

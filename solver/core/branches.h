@@ -1,5 +1,5 @@
-/* Equilibria of ends problems by their levels and paths: `charts.Path`, `LinePoint` and `Chart`. What the
-   files about branches share: branch_coordinates.c, continuation.c, branch_steps.c, orbit_rates.c. */
+/* Equilibria of ends problems by their levels and paths: `line_point.Path`, `LinePoint` and `Chart`. What the
+   files about branches share: charts.c, continuation.c, branch_steps.c, orbit_rates.c. */
 
 #ifndef ROD_BRANCHES_H
 #define ROD_BRANCHES_H
@@ -16,7 +16,7 @@ typedef struct {
     double lam, mu, phi, span, beta0, betaL;
 } ends_problem;
 
-/* One equilibrium: `charts.Path`. */
+/* One equilibrium: `line_point.Path`. */
 typedef struct {
     double pin, sign, y;
     int64_t leaving, turns;
