@@ -5,6 +5,7 @@ and the branch claims the equilibria at the other values that it passes. So bran
 those of one curve, however coarse the axis; and none is followed twice.
 """
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -49,21 +50,24 @@ class Traced:
     remarks: list[str]
 
 
-def traced(case: Case, name: str, values: list[float], stations: int, step: Callable[[float], None]) -> Traced:
-    """The equilibria at each value, rising, of one field, and the branches on which they lie.
+def traced(
+    case: Case, name: str, values: list[float], stations: int, step: Callable[[float], None], until: float = np.inf
+) -> Traced:
+    """The equilibria at each value of one field, and the branches on which they lie.
 
-    step: called with each value before it is solved.
+    step: called with each value before it is solved. until: by `time.monotonic`; no further branch is followed then.
     """
+    low, high = min(values), max(values)
     found, owner = [], list[list[tuple[int, int] | None]]()
     for value in values:
         step(value)
         found.append(list(equilibria(with_field(case, name, value), stations=stations)))
         owner.append([None] * len(found[-1]))
     curves, remarks = list[Branch](), list[str]()
-    passed = np.union1d(values, np.linspace(values[0], values[-1], FINE))
+    passed = np.union1d(values, np.linspace(low, high, FINE))
     for k, members in enumerate(found):
-        for i, one in enumerate(members):
-            if owner[k][i] is None:
+        for i, one in reversed([*enumerate(members)]):  # those of few bends take longest
+            if owner[k][i] is None and time.monotonic() < until:
                 try:
                     branch = follow(one.solution, points=MOST, **{name: passed})
                 except InputError as error:
@@ -74,7 +78,7 @@ def traced(case: Case, name: str, values: list[float], stations: int, step: Call
                 curves.append(branch)
                 remarks += [
                     f"{name} = {end.value:.6g}: {end.reason}" for end in (branch.begin, branch.end)
-                    if end.value not in (values[0], values[-1])
+                    if end.value not in (low, high)
                 ]  # fmt: skip
     return numbered(found, owner, curves, remarks)
 

@@ -24,6 +24,7 @@ from ...branches.equilibria import row as equilibrium_row
 from ...data import cautions, dataset, labels
 from ...export.stored_rod import export
 from ...run.block import columns
+from .page_branches import SHOWN
 from .page_shape import STATIONS, TOL, Shape, refuse_many
 
 SMALL = 240  # points of a small picture
@@ -118,7 +119,13 @@ def list_equilibria(study: Study) -> list[dict[str, Any]]:
         raise InputError("a start problem has one solution only; hold both ends to list equilibria")
     refuse_many(case)
     found: list[Equilibrium] = equilibria(case, TOL, STATIONS)
-    return [equilibrium_row(one) | {"line": _line(one.solution, float(case.rho))} for one in found]
+    return [_list_row(one, float(case.rho)) for one in found]
+
+
+def _list_row(one: Equilibrium, rho: float) -> dict[str, Any]:
+    """The numbers of an equilibrium, with what a branch diagram shows of it, and its small picture."""
+    shown = {name: np.asarray(value).item() for name, value in observe(one.solution, SHOWN).items()}
+    return equilibrium_row(one) | shown | {"line": _line(one.solution, rho)}
 
 
 def _line(sol: Solution, rho: float) -> dict[str, list[float]]:

@@ -27,7 +27,7 @@ from solver.problem.errors import InputError
 from ...data import escaping
 from ...data.escaping import finite
 from ...run import worker_processes
-from . import document, page_model, page_shape, search_processes
+from . import document, page_branches, page_model, page_shape, search_processes
 from .presets import PRESETS, Preset
 
 HEADERS = {"Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",
@@ -92,7 +92,7 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Re
     app = web.Application(middlewares=[guarded], client_max_size=LARGEST)
     app.router.add_get("/", _page(document.text(presets, served=True)))
     for path, work in (("/shape", _shape), ("/numbers", _numbers), ("/equilibria", _equilibria),
-                       ("/download", _download)):  # fmt: skip
+                       ("/branches", _branches), ("/download", _download)):  # fmt: skip
         app.router.add_post(path, _answering(work, shapes, few, tasks, report))
     return app
 
@@ -157,13 +157,16 @@ Work = Callable[[dict[str, Any], Context], Awaitable[web.Response]]
 def _answering(
     work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: search_processes.Tasks, report: Report
 ) -> Handler:
-    """Answer a request's JSON; an `InputError` becomes status 422 with a sentence and the field."""
+    """Answer a request's JSON; an `InputError` becomes an answer with its sentence and the field.
+
+    Such a refusal has status 200: a browser writes every other status in its console as an error of the page.
+    """
 
     async def handler(request: web.Request) -> web.StreamResponse:
         try:
             asked = await request.json()
         except (ValueError, RecursionError):  # a number of 5000 digits is a ValueError too
-            return web.json_response({"sentence": "the request is not valid JSON", "field": ""}, status=400)
+            return _refusal("the request is not valid JSON", status=400)
 
         def wanted() -> bool:
             return request.transport is not None and not request.transport.is_closing()
@@ -173,17 +176,20 @@ def _answering(
                 raise InputError("the request must be a table")
             return await work(asked, Context(shapes, few, tasks, wanted))
         except ArithmeticError:  # a radius of 5e-324, say
-            return web.json_response({"sentence": search_processes.NO_FLOAT, "field": ""}, status=422)
+            return _refusal(search_processes.NO_FLOAT)
         except InputError as error:
-            refusal = {"sentence": str(error), "field": page_model.field_of(str(error))}
-            return web.json_response(refusal, status=422)
+            return _refusal(str(error), page_model.field_of(str(error)))
         except search_processes.ClientLeft:
             return web.Response(status=499)  # nobody receives it
         except Exception as error:  # an error of ours: reported in the terminal, and as a sentence to the page
             report(escaping.line(f"{request.path} failed: {type(error).__name__}: {error}"))
-            return web.json_response({"sentence": FAULT, "field": ""}, status=500)
+            return _refusal(FAULT, status=500)
 
     return handler
+
+
+def _refusal(sentence: str, field: str = "", status: int = 200) -> web.Response:
+    return web.json_response({"refused": sentence, "field": field}, status=status)
 
 
 async def _shape(asked: dict[str, Any], at: Context) -> web.Response:
@@ -226,6 +232,14 @@ async def _numbers(asked: dict[str, Any], at: Context) -> web.Response:
 async def _equilibria(asked: dict[str, Any], at: Context) -> web.Response:
     study = await at.in_thread(page_model.study_of, asked.get("state"))
     return web.json_response(finite({"rows": await at.search(page_model.list_equilibria, study)}))
+
+
+async def _branches(asked: dict[str, Any], at: Context) -> web.Response:
+    study = await at.in_thread(page_model.study_of, asked.get("state"))
+    field, ends = asked.get("field"), (asked.get("low"), asked.get("high"))
+    if not all(isinstance(end, (int, float)) and np.isfinite(end) for end in ends):
+        raise InputError("the range of a branch diagram must be two numbers")
+    return web.json_response(finite(await at.search(page_branches.follow_branches, study, str(field), *ends)))
 
 
 async def _download(asked: dict[str, Any], at: Context) -> web.Response:

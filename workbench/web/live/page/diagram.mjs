@@ -123,8 +123,9 @@ export function paintDiagram(ctx, spec, frame, theme, code, end) {
       theme.soft,
       1,
     );
+  for (const { x, y, width } of spec.lines || []) line(ctx, thinned(Array.from(x, px), Array.from(y, py)), theme.line, width);
   if (spec.push) pushLine(ctx, points, spec.push, chosen, theme, code, end);
-  else line(ctx, points, theme.line, 1.8);
+  else if (!spec.lines) line(ctx, points, theme.line, 1.8);
   if (spec.level !== undefined) levelOf(ctx, spec, frame, theme);
   if (spec.dot) spot(ctx, points[0], 3.5, theme.ink);
   ctx.restore();
@@ -279,9 +280,11 @@ function line(ctx, points, colour, width) {
   ctx.stroke();
 }
 
-function spot(ctx, [x, y], radius, colour) {
+/* A disc, or with a width of its line a ring. */
+export function spot(ctx, [x, y], radius, colour, width = 0) {
   ctx.beginPath();
   ctx.arc(x, y, radius, 0, 2 * Math.PI);
-  ctx.fillStyle = colour;
-  ctx.fill();
+  Object.assign(ctx, { fillStyle: colour, strokeStyle: colour, lineWidth: width });
+  if (width) ctx.stroke();
+  else ctx.fill();
 }

@@ -1,5 +1,6 @@
 // The page: the inputs make a state, the state a shape, and the shape is drawn.
 
+import { makeBranches } from "./branch_diagram.mjs";
 import { hereText, makeControls, spanOf } from "./controls.mjs";
 import { valuesAt } from "./curves.mjs";
 import { element, makeTheme, set, showRows, solvedText } from "./details.mjs";
@@ -55,6 +56,7 @@ let core = null,
 const theme = makeTheme();
 const view = makeView(element("scene"), element("mark"), data.colours, () => still.matches, true);
 const diagrams = makeDiagrams(element("diagrams"), element("unrolled"), data.colours, theme, setCursor);
+const branches = makeBranches(element("branches"), data.branches, data.quantities, theme, askBranches, takeBranch);
 makePrint(element("scene"), view, diagrams, theme);
 const context = {
   span: (name) => spanOf(name, me.centre[name], (presetOf() || {}).spans?.[name]),
@@ -230,6 +232,7 @@ function showNumbers() {
   if (shape.one.kind === "ends" && !me.head.ticket)
     state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
   const known = Object.entries(found).filter(([, value]) => Number.isFinite(value));
+  branches.mark(state, found);
   showRows(known, [...warnings(shape, found, crossed), ...partNote()], data.quantities, state.units);
   set(element("fine"), solvedText(me.head, shape));
   link();
@@ -257,19 +260,21 @@ function setCursor(s) {
 
 // what the server adds
 
-async function more(path, body, then, refused) {
+/* isOld: whether the answer is about what is no longer shown. */
+async function more(path, body, then, refused, isOld = otherShape(me.shape)) {
   if (asking[path]) asking[path].abort(); // the server then stops that search
-  const mine = (asking[path] = new AbortController()),
-    shape = me.shape;
+  const mine = (asking[path] = new AbortController());
   try {
-    const reply = await (await post(path, body, mine.signal)).json();
-    if (shape === me.shape) then(reply);
+    const reply = await post(path, body, mine.signal);
+    if (!isOld()) then(reply);
   } catch (error) {
     if (mine.signal.aborted) return; // a newer request replaced it
     if (!(error instanceof Refused)) throw error;
-    if (shape === me.shape) refused(error.sentence);
+    if (!isOld()) refused(error.sentence);
   }
 }
+
+const otherShape = (shape) => () => shape !== me.shape;
 
 /* The rows of the server are those of the whole solver: they replace the page's. */
 function askNumbers() {
@@ -294,6 +299,20 @@ function askList() {
   );
 }
 
+function askBranches(body, then, refused, isOld) {
+  more("/branches", body, then, refused, isOld);
+}
+
+/* The rod of a point of a branch, at another value of its field. */
+function takeBranch(field, value, equilibrium) {
+  const at = me.state.base[field] === value ? rowOf(me.list, equilibrium) : -1;
+  if (at >= 0) return choose(at);
+  me.state.base[field] = value;
+  me.list = [];
+  me.state.equilibrium = equilibrium;
+  return update({ chosen: true });
+}
+
 function listed(rows, why = "") {
   me.list = rows;
   me.here = rowOf(rows, me.state.equilibrium);
@@ -301,6 +320,8 @@ function listed(rows, why = "") {
   set(element("unlisted"), why);
   for (const id of ["previous", "next"]) element(id).disabled = !rows.length;
   showList(element("list"), rows, me.here, me.state.units, choose);
+  element("branches").hidden = !rows.length;
+  if (rows.length) branches.show({ state: me.state, list: rows }, context.span);
   if (me.head.method === "difference" && me.here >= 0) choose(me.here); // followed to 1e-6: now solved exactly
 }
 
@@ -374,6 +395,7 @@ function prepare() {
   dark.addEventListener("change", () => {
     theme.forget();
     diagrams.paint();
+    branches.paint();
   });
   window.addEventListener("hashchange", follow);
 }
@@ -384,5 +406,5 @@ async function start() {
   if (!follow()) begin(data.presets[0].name);
 }
 
-globalThis.page = Object.assign(me, { begin, enter, update, view, choose });
+globalThis.page = Object.assign(me, { begin, enter, update, view, choose, branches });
 start();

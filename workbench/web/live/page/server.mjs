@@ -4,6 +4,7 @@ import { Refused } from "./rod_case.mjs";
 
 const TYPES = { f8: Float64Array };
 
+/* What the server answers: JSON as plain data, else the answer itself. Throws Refused with the server's sentence. */
 export async function post(path, body, signal) {
   let answer;
   try {
@@ -20,10 +21,10 @@ export async function post(path, body, signal) {
         : "The page has lost its server. Start workbench explore again, then reload the page.",
     );
   }
-  if (answer.ok) return answer;
   const isReply = (answer.headers.get("Content-Type") || "").includes("json"),
-    reply = isReply ? await answer.json() : { sentence: await answer.text() };
-  throw new Refused(asSentence(reply.sentence), reply.field || "");
+    reply = isReply ? await answer.json() : answer;
+  if (answer.ok && reply.refused === undefined) return reply;
+  throw new Refused(asSentence(reply.refused ?? (await answer.text())), reply.field || "");
 }
 
 /* A message of the workbench as a sentence of the page. */

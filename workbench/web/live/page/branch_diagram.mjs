@@ -1,0 +1,142 @@
+// The branch diagram: an observable along the branches of equilibria, over a load or an end angle. A click takes the rod
+// that is drawn there.
+
+import { set } from "./details.mjs";
+import { frameOf, paintDiagram, spot } from "./diagram.mjs";
+import { DEGREE, kindOf, quantityOf } from "./rod_case.mjs";
+import { minus, unitText } from "./text.mjs";
+
+const HIGH = 230,
+  NEAR = 14, // pixels from the pointer
+  SHARE = 0.25; // of the slider of a field, to either side
+const STABLE = 2.6,
+  UNSTABLE = 1; // pixels: stability is the weight of a line, as in the figures
+const LIMIT = "Not all branches are drawn: the page follows them for 8 s. The command workbench equilibria --axis has no limit.";
+
+/* The diagram in a figure with two menus, a canvas and a note. names: fields and what is shown. ask(body, then, refused,
+   isOld): of the server. pick(field, value, equilibrium): take a rod. */
+export function makeBranches(figure, names, quantities, theme, ask, pick) {
+  const [shows, field] = figure.querySelectorAll("select"),
+    canvas = figure.querySelector("canvas"),
+    note = figure.querySelector("[role='status']");
+  let now = null, // state, list and observables of the rod that is shown
+    curves = null,
+    key = "",
+    near = null,
+    frame = null;
+
+  const titleOf = (name) => quantities[quantityOf(name)].slice(0, 2).join(", ");
+  for (const [menu, list] of [
+    [field, names.fields],
+    [shows, names.shown],
+  ])
+    menu.append(...list.map((name) => new Option(titleOf(name), name)));
+  field.addEventListener("change", () => follow());
+  shows.addEventListener("change", () => paint());
+  canvas.addEventListener("pointermove", ({ offsetX, offsetY }) => paint((near = nearest(offsetX, offsetY))));
+  canvas.addEventListener("pointerleave", () => paint((near = null)));
+  canvas.addEventListener("click", ({ offsetX, offsetY }) => {
+    const at = curves && nearest(offsetX, offsetY);
+    if (at) pick(field.value, at.field, { dbeta0: at.dbeta0, energy: at.energy });
+  });
+  new ResizeObserver(() => paint()).observe(canvas.parentElement);
+
+  const scaled = (name, value) => (kindOf(name) === "angle" ? value / DEGREE : value);
+  const labelOf = (name) => {
+    const [symbol, , dimension] = quantities[quantityOf(name)],
+      unit = unitText(dimension, now.state.units);
+    return unit ? `${symbol} [${unit}]` : symbol;
+  };
+
+  /* Follow the branches of a state, unless those that are drawn are its own. span: the slider's ends of a field. */
+  function show(next, span) {
+    now = { ...now, ...next, span };
+    follow();
+  }
+
+  function follow() {
+    const { state, span } = now,
+      name = field.value,
+      value = state.base[name],
+      wanted = JSON.stringify([name, state.units, { ...state.base, [name]: 0 }]);
+    if (wanted === key && value >= curves?.low && value <= curves?.high) return paint();
+    const [low, high] = span(name),
+      half = SHARE * (high - low),
+      isOld = () => key !== wanted;
+    [key, curves] = [wanted, null];
+    paint();
+    set(note, "following the branches …");
+    const took = (reply) => {
+      curves = reply;
+      set(note, reply.missing ? LIMIT : "");
+      paint();
+    };
+    const body = { state, field: name, low: value - half, high: value + half };
+    ask(body, took, (why) => set(note, why), isOld);
+  }
+
+  /* The equilibria of the list, and the points of the branches between their ends, which may be taken. */
+  function* places() {
+    const { state, list } = now;
+    for (const one of list) yield { ...one, field: state.base[field.value] };
+    for (const piece of curves?.pieces || [])
+      for (let k = 1; k < piece.field.length - 1; k++)
+        yield Object.fromEntries(Object.keys(piece).map((name) => [name, piece[name][k]]));
+  }
+
+  const spotOf = (place) => [frame.px(scaled(field.value, place.field)), frame.py(scaled(shows.value, place[shows.value]))];
+
+  function nearest(x, y) {
+    let [best, least] = [null, NEAR];
+    for (const place of places()) {
+      const [u, v] = spotOf(place),
+        off = Math.hypot(u - x, v - y);
+      if (off < least) [best, least] = [place, off];
+    }
+    return best;
+  }
+
+  /* found: the observables of the rod that is shown. */
+  function mark(state, found) {
+    now = { ...now, state, found };
+    paint();
+  }
+
+  function paint() {
+    const isDrawn = curves?.pieces.length > 0;
+    canvas.hidden = !isDrawn;
+    if (!isDrawn) return;
+    const name = shows.value,
+      wide = canvas.clientWidth,
+      ratio = window.devicePixelRatio || 1,
+      ctx = canvas.getContext("2d"),
+      colours = theme(),
+      lines = curves.pieces.map((piece) => ({
+        x: piece.field.map((value) => scaled(field.value, value)),
+        y: piece[name].map((value) => scaled(name, value)),
+        width: piece.index === 0 ? STABLE : UNSTABLE,
+      }));
+    const spec = {
+      lines,
+      x: lines.flatMap(({ x }) => x),
+      y: lines.flatMap(({ y }) => y),
+      rising: true,
+      xlabel: labelOf(field.value),
+      ylabel: labelOf(name),
+    };
+    Object.assign(canvas, { width: Math.round(wide * ratio), height: Math.round(HIGH * ratio) });
+    canvas.setAttribute("aria-label", minus(`${titleOf(name)} over ${titleOf(field.value)}; the list below has the same rods`));
+    ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+    frame = frameOf(spec, wide, HIGH);
+    paintDiagram(ctx, spec, frame, colours);
+    for (const one of now.list) spot(ctx, spotOf({ ...one, field: now.state.base[field.value] }), 3.2, colours.ink);
+    const { found, state } = now;
+    for (const [place, colour, radius] of [
+      [near, colours.soft, 4.5],
+      [found && { ...found, field: state.base[field.value] }, colours.mark, 6],
+    ])
+      if (place) spot(ctx, spotOf(place), radius, colour, 2);
+  }
+
+  return { show, mark, paint, places, spotOf };
+}
