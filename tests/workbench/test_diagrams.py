@@ -16,11 +16,10 @@ from studies import load
 from tests.workbench.small import study
 from workbench import cli
 from workbench.data import push_colours, selection, writing
-from workbench.figures import curves, drawn_data, drawn_rods, portrait, push_scale, ridge
+from workbench.figures import along, drawn_data, drawn_rods, portrait, push_scale, unrolled
 from workbench.geometry.self_intersections import places
 from workbench.run import in_memory
 
-KINDS = {"curves": curves.figure, "ridge": ridge.figure, "portrait": portrait.figure}
 OUTPUTS = 'outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n'
 AXIS = "[axes.E]\nvalues = [5e3, 1e4, 2e4, 4e4]\n"
 
@@ -40,7 +39,7 @@ def numbers(some: list[dict[str, str]], column: str) -> np.ndarray:
 
 def test_the_points_of_a_curve_and_their_push_are_those_of_the_dataset(ds) -> None:
     for i, one in enumerate(ds["E"].values):
-        drawn = [row for row in rows(curves.figure(ds)) if row["series"].startswith(f"E = {one:.0f} ")]
+        drawn = [row for row in rows(unrolled.figure(ds)) if row["series"].startswith(f"E = {one:.0f} ")]
         step = (len(drawn) - 1) // 200
         across = ds["rho"].values * (ds["alpha"][i] - ds["alpha"][i, 0])
         places = "yx" if drawn[0]["x_label"].startswith("z") else "xy"
@@ -50,7 +49,7 @@ def test_the_points_of_a_curve_and_their_push_are_those_of_the_dataset(ds) -> No
 
 
 def test_each_curve_of_a_ridge_has_the_numbers_of_the_dataset_whatever_its_offset(ds) -> None:
-    table = rows(ridge.figure(ds))
+    table = rows(along.figure(ds))
     for panel, name in (("1", "beta"), ("2", "kappa"), ("3", "contact")):
         for i, one in enumerate(ds["E"].values):
             drawn = [row for row in table if row["panel"].startswith(panel) and f" {one:.0f} " in row["series"]]
@@ -60,7 +59,7 @@ def test_each_curve_of_a_ridge_has_the_numbers_of_the_dataset_whatever_its_offse
 
 
 def test_the_values_of_the_axis_stand_at_the_same_height_in_every_panel_of_a_ridge(ds) -> None:
-    fig = ridge.figure(ds)
+    fig = along.figure(ds)
     fig.draw_without_rendering()
     heights = [[ax.transAxes.inverted().transform(ax.transData.transform((0, y)))[1] for y in ax.get_yticks()]
                for ax in fig.axes]  # fmt: skip
@@ -70,8 +69,8 @@ def test_the_values_of_the_axis_stand_at_the_same_height_in_every_panel_of_a_rid
 
 
 def test_filled_curves_of_a_ridge_hardly_overlap_and_plain_ones_may(ds) -> None:
-    fig = ridge.figure(ds.isel(E=[0, 1, 2, 3]))
-    assert max(ridge.OVERLAP.values()) > 1
+    fig = along.figure(ds.isel(E=[0, 1, 2, 3]))
+    assert along.OVERLAP > along.FILLED
     push = next(ax for ax in fig.axes if ax.get_title(loc="left").startswith("push"))
     lines = push.get_yticks()
     assert np.ptp(np.diff(lines)) < 1e-9 * lines[-1]
@@ -81,7 +80,7 @@ def test_filled_curves_of_a_ridge_hardly_overlap_and_plain_ones_may(ds) -> None:
 
 def test_a_ridge_of_sixty_values_names_as_many_as_have_room() -> None:
     many = in_memory.run(study("[axes.E]\nfrom = 5e3\nto = 4e4\ncount = 61\n"))
-    fig = ridge.figure(many)
+    fig = along.figure(many)
     fig.draw_without_rendering()
     texts = [text for text in fig.axes[0].get_yticklabels() if text.get_text()]
     boxes = sorted((text.get_window_extent().y0, text.get_window_extent().y1) for text in texts)
@@ -102,7 +101,7 @@ def test_the_colours_of_a_line_are_those_of_the_one_definition() -> None:
 
 def test_inside_a_pipe_a_push_is_positive_as_outside() -> None:
     inside = in_memory.run(load("regimes").coarse().at_stations(801))
-    fig = curves.figure(inside, "E")
+    fig = unrolled.figure(inside, "E")
     shades = np.concatenate([line.get_array() for ax in fig.axes for line in ax.collections
                              if isinstance(line, LineCollection) and line.get_array() is not None])  # fmt: skip
     row = inside.isel(R=selection.case(inside)["R"])
@@ -125,14 +124,38 @@ def test_a_crossing_is_found_where_it_is_and_neighbours_are_none() -> None:
 
 
 def test_rings_stand_on_the_rods_whose_caution_says_that_they_pass_through_themselves(ds) -> None:
-    fig = curves.figure(ds)
-    ringed = {ax.get_label().partition(" N")[0] for ax in fig.axes for dots in ax.collections
-              if dots.get_label() == curves.THROUGH}  # fmt: skip
-    told = {
-        f"E = {one:.0f}" for one, text in zip(ds["E"].values, ds["caution"].values, strict=True) if "overlaps" in text
-    }
-    assert ringed == told
-    assert 0 < len(told) < 4
+    rods = drawn_rods.choose(ds, unrolled.NAMES)
+    form = unrolled.strips(rods.rods, (8.0, 5.0))
+    ringed = [bool(unrolled._rings(rod, form)[0]) for rod in rods.rods]
+    assert ringed == ["overlaps" in text for text in ds["caution"].values]
+    assert any(ringed)
+    assert not all(ringed)
+
+
+def test_strips_have_one_scale_do_not_touch_and_are_as_large_as_the_page_allows(ds) -> None:
+    rods = drawn_rods.choose(ds, unrolled.NAMES).rods
+    for room in ((8.0, 5.0), (2.9, 3.0), (8.0, 1.5)):
+        form = unrolled.strips(rods, room)
+        assert form.factor == 1
+        assert form.lying  # these rods go farther along the cylinder than around it
+        assert form.columns * form.pitch[0] * form.scale <= room[0] * (1 + 1e-9)
+        assert form.height <= room[1] * (1 + 1e-9)
+        boxes = [(np.array(form.low) + form.shift(k), np.array(form.low) + form.shift(k) + form.size) for k in range(4)]
+        for k, (low, high) in enumerate(boxes):
+            x, y = form.places(rods[k].developed())
+            right, up = form.shift(k)
+            assert low[0] < x.min() + right <= x.max() + right < high[0]
+            assert low[1] < y.min() + up <= y.max() + up < high[1]
+            assert not any((low < other[1]).all() and (high > other[0]).all() for other in boxes[:k])
+
+
+def test_any_array_along_the_rods_is_a_panel_and_one_rod_has_numbers(ds) -> None:
+    fig = along.figure(ds, show=["F1", "alpha"])
+    assert [ax.get_title(loc="left").partition(";")[0] for ax in fig.axes] == ["F₁", "α"]
+    (ax,) = along.figure(ds, at={"E": 1e4}, show=["beta"]).axes
+    assert ax.get_ylabel() == "β [°]"
+    assert np.ptp(np.diff(ax.get_yticks())) == 0
+    assert np.diff(ax.get_yticks())[0] % 90 == 0
 
 
 def test_a_rod_lies_on_its_level_and_a_separatrix_passes_through_the_saddles(ds) -> None:

@@ -15,16 +15,16 @@ from workbench.branches.equilibria import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.data import labels, law_verdicts, writing
 from workbench.figures import (
+    along,
     canvas,
-    curves,
     law_words,
     map_figure,
     portrait,
     region_raster,
-    ridge,
     robustness,
     scales,
     study_figure,
+    unrolled,
     work_precision,
 )
 from workbench.figures import equilibria as equilibria_figure
@@ -64,7 +64,7 @@ def test_the_letters_of_every_figure_can_be_read_in_two_columns(two) -> None:
     figures = [
         equilibria_figure.figure(dataset_of(load("fig6"), case, all_equilibria(case))),
         work_precision.figure(shipped("trade"), "seconds"),
-        *(draw.figure(two) for draw in (study_figure, map_figure, curves, ridge, portrait)),
+        *(draw.figure(two) for draw in (study_figure, map_figure, unrolled, along, portrait)),
     ]
     for fig in figures:
         assert smallest(fig, TWO_COLUMNS) >= LEAST - 0.01
@@ -150,14 +150,6 @@ def test_a_count_that_is_the_same_in_all_cases_is_a_sentence_and_no_panel(two) -
     assert any("Number of bends: 3 in all cases." in text.get_text() for text in fig.findobj(Text))
     alone = study_figure.figure(level, [], sheet(panel="turns"))
     assert len(alone.axes) == 1
-
-
-def test_below_the_curves_no_band_stays_empty() -> None:
-    ds = in_memory.run(loads(small.HEAD + '[axes.E]\nvalues = [1e4, 2e4, 3e4]\n')).assign()  # fmt: skip
-    fig = study_figure.figure(ds, [])
-    fig.draw_without_rendering()
-    rooms = [ax.get_position(original=True).height - ax.get_position().height for ax in fig.axes]
-    assert max(rooms) * fig.get_figheight() < 0.1  # inches
 
 
 def test_a_figure_without_a_title_has_no_room_for_one(two) -> None:

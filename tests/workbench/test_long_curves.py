@@ -8,7 +8,8 @@ import pytest
 import xarray as xr
 
 from studies.loader import loads
-from workbench.figures import curves, drawn_data, long_curve, single_rod
+from workbench.figures import drawn_data, long_curve, study_figure, unrolled
+from workbench.figures.drawn_rods import DrawnRod
 from workbench.figures.sheet import sheet
 from workbench.run import in_memory
 
@@ -39,10 +40,11 @@ def pipe() -> xr.Dataset:
     return in_memory.run(loads(PIPE.format(L=300)))
 
 
-def helix(length: float, pitch: float, rho: float = 0.05) -> long_curve.Curve:
+def helix(length: float, pitch: float, rho: float = 0.05) -> DrawnRod:
     s = np.linspace(0, length, 2001)
     beta = np.arctan2(2 * np.pi * rho, pitch)
-    return long_curve.Curve(s, s * np.cos(beta), s * np.sin(beta), None, rho, 2 * rho)
+    arrays = {"s": s, "z": s * np.cos(beta), "alpha": s * np.sin(beta) / rho}
+    return DrawnRod("rod", "", arrays, rho, rho, 0.0, 0.0, 0.0, "")
 
 
 def test_only_a_rod_that_would_be_a_hair_is_set_in_lines() -> None:
@@ -59,16 +61,16 @@ def test_the_lines_show_all_of_a_rod_each_from_where_the_one_above_ends() -> Non
     assert found.every == found.each
     assert found.scale * found.wide >= long_curve.THINNEST
     assert found.height <= ROOM[1] * (1 + 1e-9)
-    assert found.scale * np.ptp(curve.z) / found.count <= ROOM[0]
+    assert found.scale * np.ptp(curve["z"]) / found.count <= ROOM[0]
     fewer = long_curve.lines_for(curve, (1.0, 0.3))  # no room for all
     assert fewer is not None
     assert fewer.count * fewer.each < 300
     assert fewer.every * (fewer.count - 1) + fewer.each == pytest.approx(300)  # the last line has the end
-    assert long_curve.said(fewer, curve, "m")[0].startswith(f"Only {fewer.count} pieces of ")
+    assert long_curve.said(fewer, curve["s"], "m")[1].startswith(f"Only {fewer.count} pieces of ")
 
 
 def test_each_point_of_a_line_is_on_the_rod_and_inside_the_line(pipe) -> None:
-    fig = single_rod.figure(pipe, sheet(panel="curve"))
+    fig = study_figure.figure(pipe, sheet=sheet(panel="curve"))
     (ax,) = fig.axes
     assert ax.get_aspect() == 1.0
     fig.draw_without_rendering()
@@ -91,27 +93,14 @@ def test_each_point_of_a_line_is_on_the_rod_and_inside_the_line(pipe) -> None:
 
 def test_a_long_rod_is_set_in_lines_among_the_curves_also_and_says_how_they_are_read(pipe) -> None:
     for width in (89, 183):
-        fig = curves.figure(pipe, sheet=sheet("paper", width))
+        fig = unrolled.figure(pipe, sheet=sheet("paper", width))
         notes = " ".join(fig.legends[0].get_title().get_text().split())
         assert "lines, one after the other, at one scale" in notes or "pieces of" in notes
         assert "the rod leaves it below and comes back above" in notes
 
 
 def test_without_a_title_the_notes_are_kept_and_stand_in_the_table(pipe) -> None:
-    fig = curves.figure(pipe, sheet=sheet("paper", 183, titled=False))
+    fig = unrolled.figure(pipe, sheet=sheet("paper", 183, titled=False))
     assert fig.legends[0].get_title().get_text() == ""
     told = [row["series"] for row in csv.DictReader(StringIO(drawn_data.table(fig))) if row["kind"] == "note"]
-    assert "Unrolled view, seen from outside." in told
-
-
-def test_the_start_of_a_rod_is_named_beside_its_dot_and_not_in_the_title() -> None:
-    ds = in_memory.run(loads(PIPE.format(L=6)))
-    for width in (89, 183):
-        fig = single_rod.figure(ds, sheet("paper", width, panel="curve"))
-        fig.draw_without_rendering()
-        (ax,) = fig.axes
-        (text,) = [one for one in ax.texts if one.get_text() == "s = 0"]
-        box = text.get_window_extent()
-        assert not box.overlaps(ax.title.get_window_extent())
-        assert not any(box.overlaps(one.get_window_extent()) for one in ax.get_yticklabels() if one.get_text())
-        assert box.y1 < ax.get_tightbbox().y1
+    assert any(note.startswith("Unrolled view, seen from outside") for note in told)

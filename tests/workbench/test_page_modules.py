@@ -16,7 +16,7 @@ from studies.loader import loads
 from studies.readings import READINGS
 from tests.workbench.node import needs_node, run
 from workbench.data import labels, push_colours, scene_look
-from workbench.figures import single_rod
+from workbench.figures import along, drawn_rods
 from workbench.geometry import self_contact, stored_line
 from workbench.scene import colours as scene_colours
 from workbench.scene import shading
@@ -440,7 +440,7 @@ def test_stretches_of_push_and_pull_end_where_the_push_is_zero() -> None:
 def test_push_and_pull_are_shaded_as_in_the_figures() -> None:
     ds = solve(case_of(state()), stations=401).to_dataset()
     ax = Figure().add_subplot()
-    single_rod.contact(ds, ax)
+    along.alone(ax, drawn_rods.choose(ds, ["push"]), "push")
     bands, areas = [one.get_facecolor()[0] for one in ax.collections if one.get_label().startswith("the cylinder")]
     band, area = run("answer([diagram.BAND, diagram.AREA]);", None, ("diagram",))
     np.testing.assert_allclose(bands, [*np.array(push_colours.PULLED) / 255, band])

@@ -23,7 +23,7 @@ from workbench.branches.equilibria import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands import plot
 from workbench.data import law_verdicts, writing
-from workbench.figures import canvas, map_figure, scales, single_rod, study_figure, style
+from workbench.figures import canvas, map_figure, scales, study_figure, style
 from workbench.figures import equilibria as equilibria_figure
 from workbench.figures.sheet import SCREEN, sheet
 from workbench.run import in_memory
@@ -139,8 +139,8 @@ def test_one_panel_is_drawn_alone_and_an_unknown_one_is_refused(two) -> None:
     assert len(study_figure.figure(two, sheet=sheet(panel="R")).axes) == 1
     with pytest.raises(InputError, match=r"no panel '\(3\)', did you mean '\(2\)'; choose from E, R, \(2\)"):
         study_figure.figure(two, sheet=sheet(panel="(3)"))
-    one = single_rod.figure(two.isel(E=0, R=0), sheet(panel="curve"))
-    assert [ax.get_ylabel()[:8] for ax in one.axes] == ["distance"]
+    one = study_figure.figure(two.isel(E=[0], R=[0]), sheet=sheet(panel="curve"))
+    assert [ax.get_xlabel() for ax in one.axes] == ["z [cm]"]
 
 
 def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(two, tmp_path, capsys) -> None:
@@ -156,8 +156,8 @@ def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(two, tmp_path, cap
     law = [row for row in lines if row["y_label"] == "max κ [1/cm]" and row["kind"] == "dot"]
     at = law_verdicts.verdicts(two)[0]["at"] or {"E": float(two["E"][0])}
     np.testing.assert_allclose([float(row["y"]) for row in law], two["kappa_max"].sel(at).values)
-    curve = [row for row in lines if row["series"] == "R = 0.5"]
-    assert len(curve) == two.sizes["u"]
+    curve = [row for row in lines if row["series"] == "R = 0.5 cm"]
+    assert len(curve) >= two.sizes["u"]
     turns = {(float(row["x"]), float(row["value"])) for row in cells if row["panel"].endswith("number of bends")}
     assert {value for _, value in turns} == set(two["turns"].values.ravel().tolist())
     assert capsys.readouterr().out.splitlines()[-1] == str(tmp_path / "map.csv")

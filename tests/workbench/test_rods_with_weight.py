@@ -10,7 +10,7 @@ from solver import InputError
 from studies import loads
 from workbench.data import left_out
 from workbench.export import stored_rod
-from workbench.figures import portrait, states
+from workbench.figures import along, portrait
 from workbench.geometry import stored_line
 from workbench.run import in_memory
 from workbench.scene import camera, layout
@@ -96,7 +96,7 @@ def test_a_page_of_turning_rods_with_weight_is_refused(ds: xr.Dataset) -> None:
 
 
 def test_the_diagram_of_states_has_the_stretches_of_the_rods_and_a_portrait_is_refused(ds: xr.Dataset) -> None:
-    bars = [bar for bar in states.figure(ds).axes[0].patches]
+    bars = [bar for bar in along.states(ds).axes[0].patches]
     assert {round(bar.get_y() + bar.get_height() / 2) for bar in bars} == {0, 1}
     assert sum(bar.get_width() for bar in bars) == pytest.approx(2 * 60.0)
     with pytest.raises(InputError, match="needs loads that are constant along the rod; choose --kind ridge or states"):

@@ -1,6 +1,5 @@
 """The figures of stored datasets: they show the data, the law and its verdict; one rod alone is solved again."""
 
-import re
 import sys
 from itertools import pairwise
 
@@ -16,11 +15,11 @@ from studies.reasons import PLAIN
 from tests.workbench.pictures import pixels, share_of_ink
 from tests.workbench.small import grid, study
 from workbench.data import labels, law_verdicts, observed, selection
-from workbench.figures import canvas, notes, single_rod, study_figure, style
-from workbench.figures.developed import developed, stretch
+from workbench.figures import along, canvas, drawn_rods, notes, study_figure, style, unrolled
 from workbench.figures.law_panel import panel
 from workbench.figures.sheet import sheet
 from workbench.figures.trends import trend
+from workbench.figures.unrolled import stretch
 from workbench.run import in_memory
 
 
@@ -43,30 +42,16 @@ def panels(ds: xr.Dataset) -> list:
     return [panel(ds, axes(), row) for row in law_verdicts.verdicts(ds)]
 
 
+def strips(ds: xr.Dataset, axis: str, inches: tuple[float, float] = (9.0, 4.5)):
+    """The unrolled views along an axis."""
+    rods = drawn_rods.choose(ds, ("alpha", "z"), axis)
+    ax = Figure(figsize=inches).subplots()
+    unrolled.draw(ax, rods, unrolled.plan(rods, *inches), coloured=False)
+    return ax
+
+
 def said(ax) -> str:
     return " ".join([ax.get_title(loc="left"), *(text.get_text() for text in ax.texts)]).replace("\n", " ")
-
-
-def test_developed_curves_end_at_the_right_edge_and_begin_with_a_dot(angles) -> None:
-    fig = study_figure.figure(angles, [])
-    fig.draw_without_rendering()
-    strip = next(ax for ax in fig.axes if ax.get_title(loc="left").startswith("Unrolled view"))
-    right = [ax.get_position().x1 for ax in fig.axes]
-    assert strip.get_position().x1 == pytest.approx(max(right), abs=0.01)
-    dots = [line for line in strip.lines if line.get_marker() == "o"]
-    cases = selection.spread(selection.line(angles, "beta0"), 9)
-    assert [float(dot.get_ydata()[0]) for dot in dots] == [float(angles["z"].isel(case)[0]) for case in cases]
-    assert "dot: s = 0" in " ".join(strip.get_title(loc="left").split())
-
-
-def test_curves_alone_fill_their_figure() -> None:
-    ds = in_memory.run(load("fig7_1_modulus"))
-    fig = study_figure.figure(ds.drop_vars(observed.observables(ds)), [])
-    fig.draw_without_rendering()
-    (strip,) = fig.axes
-    box = strip.get_position()
-    assert box.width > 0.85
-    assert box.height * fig.get_figheight() > fig.get_figheight() - 2  # inches of title, numbers and labels
 
 
 QUICK = ("fig7_1_modulus", "regimes")  # the report draws those of the paper, and the pages of the docs the others
@@ -146,36 +131,25 @@ def test_there_is_no_trend_of_an_observable_that_is_not_stored(angles) -> None:
         trend(angles, axes(), "bends", "beta0")
 
 
-def test_unrolled_curves_keep_their_shape_and_do_not_touch(angles) -> None:
-    ax = developed(angles, axes(), "beta0")
-    assert ax.get_aspect() == 1
-    curves = [line for line in ax.lines if len(line.get_xdata()) == angles.sizes["u"]]
-    assert len(curves) == 9
-    for i, line in enumerate(curves):
-        across, up = line.get_xdata(), line.get_ydata()
-        np.testing.assert_allclose(up, angles["z"][i])
-        np.testing.assert_allclose(across - across[0], angles["rho"] * (angles["alpha"][i] - angles["alpha"][i, 0]))
-    for left, right in pairwise(curves):
-        assert left.get_xdata().max() < right.get_xdata().min()
-    assert [label.get_text() for label in ax.get_xticklabels()][::8] == ["15°", "60°"]
-    assert ax.get_xlabel().endswith("β₀ [°]")
-
-
 def test_an_unsolved_case_is_said_to_be_so() -> None:
     ds = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4, 4e4]\n", 'observables = ["kappa_mean"]'))
     for name in ("kappa_mean", "alpha", "z"):
         ds[name][1] = np.nan
-    assert "unsolved" in said(developed(ds, axes(), "E"))
+    ds["solved"][1] = False
+    assert "unsolved" in said(strips(ds, "E"))
     ax = trend(ds, axes(), "kappa_mean", "E")
     assert "unsolved" in ax.get_legend_handles_labels()[1]
 
 
-def test_lift_off_is_shaded_where_the_cylinder_would_have_to_pull() -> None:
-    ds = in_memory.run(load("fig6"))
-    assert (single_rod.pushes(ds) == ds["contact"].values).all()
-    assert (single_rod.pushes(ds.assign_attrs(side="inside")) == -ds["contact"].values).all()
-    entries = single_rod.contact(ds, axes()).get_legend_handles_labels()[1]
-    assert any("lift off" in entry for entry in entries)
+@pytest.mark.parametrize("side", ["outside", "inside"])
+def test_a_push_is_drawn_upward_on_either_side_and_lift_off_is_shaded(side: str) -> None:
+    ds = in_memory.run(load("fig6")).assign_attrs(side=side)
+    rods = drawn_rods.choose(
+        ds.drop_attrs().assign_attrs({k: v for k, v in ds.attrs.items() if k != "study"}), ["push"]
+    )
+    ax = along.alone(axes(), rods, "push")
+    np.testing.assert_array_equal(ax.lines[0].get_ydata(), ds["contact"] * (1 if side == "outside" else -1))
+    assert any("lift off" in entry for entry in ax.get_legend_handles_labels()[1])
 
 
 def test_equal_peaks_of_push_are_drawn_equal_however_few_stations_are_stored() -> None:
@@ -187,14 +161,6 @@ def test_equal_peaks_of_push_are_drawn_equal_however_few_stations_are_stored() -
         peaks = push[1:-1][(push[1:-1] > push[:-2]) & (push[1:-1] > push[2:]) & (push[1:-1] > 160)]
         assert peaks.size == 6
         np.testing.assert_allclose(peaks, ds["push_max"].values[0], rtol=1e-3)  # a third of a pixel
-
-
-@pytest.mark.parametrize("side", ["outside", "inside"])
-def test_a_push_is_drawn_upward_on_either_side(side: str) -> None:
-    ds = in_memory.run(load("fig6")).assign_attrs(side=side)
-    ax = single_rod.contact(ds, axes())
-    np.testing.assert_array_equal(ax.lines[0].get_ydata(), single_rod.pushes(ds))
-    assert "outward" not in ax.get_title("left")
 
 
 def test_where_a_law_decides_is_where_a_picture_is_taken(forces) -> None:
@@ -272,29 +238,20 @@ def test_whatever_a_study_asks_for_no_word_is_cut_off_and_no_two_ticks_meet(kind
 
 
 @pytest.mark.parametrize(
-    "kind, said", [("thin", "distance around the cylinder drawn"), ("flat", "z [cm], drawn"), ("one value", None)]
+    ("kind", "said"), [("thin", "distance around the cylinder [cm], drawn 600 times larger"), ("one value", None)]
 )
 def test_curves_too_thin_to_see_are_drawn_at_two_scales_and_the_axis_says_so(kind: str, said: str | None) -> None:
-    ds = of_user(kind)
-    fig = Figure(figsize=(9, 6))
-    ax = developed(ds, fig.add_subplot(), "E")
-    if said is None:
-        assert ax.get_aspect() == 1
-        assert "times larger" not in ax.get_ylabel()
-    else:
-        assert said in ax.get_ylabel()
-        told = float(re.search(r"drawn ([\d.e+]+) times larger", ax.get_ylabel())[1])
-        assert ax.get_aspect() == pytest.approx(told if kind == "flat" else 1 / told)
+    ax = strips(of_user(kind), "E")
+    assert (ax.get_aspect() == 1) == (said is None)
+    assert said is None or said in ax.get_ylabel()
 
 
 def test_one_scale_is_left_only_where_the_curves_would_be_a_hair() -> None:
     room = (9.0, 4.5)
-    assert stretch(10.0, 40.0, room) == 1  # an inch wide
-    assert stretch(10.0, 149.0, room) == 1  # 0.302 inches
-    assert stretch(10.0, 151.0, room) == 30  # to 9 inches would be 30.2 times
-    assert stretch(10.0, 151.0, room, widest=10.0) == stretch(10.0, 151.0, room)
-    assert stretch(1000.0, 1.0, room) == pytest.approx(1 / 500)
-    assert stretch(0.0, 100.0, room) == stretch(1e-12, 100.0, room) == 1  # a straight rod is straight
+    assert stretch(149.0, 2.0, room) == 1  # 0.121 inches high
+    assert stretch(151.0, 2.0, room) == 30  # to 4.5 inches would be 37.8 times
+    assert stretch(1.0, 1000.0, room) == pytest.approx(1 / 2000)
+    assert stretch(100.0, 0.0, room) == stretch(100.0, 1e-12, room) == 1  # a straight rod is straight
 
 
 def test_what_differs_by_rounding_is_drawn_as_level() -> None:
@@ -306,12 +263,12 @@ def test_what_differs_by_rounding_is_drawn_as_level() -> None:
 
 def test_a_rod_that_bends_between_its_stations_is_dotted_and_said_to_be_and_else_a_line() -> None:
     for stations, dotted in ((21, True), (401, False)):
-        one = in_memory.run(study("").at_stations(stations))
-        two = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]").at_stations(stations))
-        for ax in (single_rod.angle(one, axes()), single_rod.curve(one, axes()), developed(two, axes(), "E")):
-            title = ax.get_title(loc="left").replace("\n", " ")
-            assert ("dots" in title) == (f"{stations} stations" in title) == dotted
-            assert any(line.get_marker() == "." for line in ax.lines) == dotted
+        ds = in_memory.run(study("").at_stations(stations))
+        ds.attrs.pop("study")  # so that it is drawn at its stations
+        fig = study_figure.figure(ds)
+        words = " ".join(" ".join(text.get_text().split()) for text in fig.findobj(Text))
+        assert (f"{stations} stations miss bends" in words) == dotted
+        assert any(line.get_marker() == "." for ax in fig.axes for line in ax.lines) == dotted
 
 
 def test_a_study_without_observables_and_curves_has_nothing_to_draw() -> None:
@@ -329,4 +286,4 @@ def test_any_stored_observable_is_drawn_if_asked_for_and_what_is_left_out_is_sai
     judged = {row["observable"] for row in law_verdicts.verdicts(angles)}
     level = {name for name in observed.observables(angles) if observed.is_level(angles, name)}
     left = [name for name in observed.observables(angles) if name not in judged | level]
-    assert note == f"Not drawn: {', '.join(left)}; choose with --show."
+    assert note == f"Not drawn: {', '.join(left)}; choose with --show or --panel."

@@ -25,9 +25,9 @@ def plot(
         str | None,
         option(
             "KIND",
-            "map: each observable over two axes; lines: developed curves, and observables along each axis with their "
-            "laws, or against the sampled fields; curves: developed curves in the colours of the push; ridge: β, κ and "
-            "the push along s; portrait: (β, β′) beside the potential G; states: where rods are straight, "
+            "map: each observable over two axes; lines: unrolled views, and observables along each axis with their "
+            "laws, or against the sampled fields; curves: unrolled views in the colours of the push; ridge: β, κ, the "
+            "push or other arrays along s; portrait: (β, β′) beside the potential G; states: where rods are straight, "
             "sinusoidal or helical. Default: map for a grid of two axes or more, else lines.",
         ),
     ] = None,
@@ -43,7 +43,7 @@ def plot(
         option(
             "NAMES",
             "Observables of a map or of lines, separated by commas, at most twelve; default: those of the laws, or the "
-            "first stored.",
+            "first stored. Of a ridge arrays along the rod, at most six.",
         ),
     ] = None,
     at: At = None,

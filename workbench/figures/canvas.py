@@ -1,14 +1,12 @@
 """The canvas of every figure: a Matplotlib `Figure` without pyplot, its title, and the file it is saved to."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
 from matplotlib import rc_context
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -47,35 +45,6 @@ def figure(
         if ds is not None and sheet.titled:
             _set_title(fig, " · ".join(text for text in (labels.reading(ds), said) if text), str(ds.attrs["title"]))
     return fig
-
-
-def close_gaps(fig: Figure, axes: Sequence[Axes], most: float = 0.0) -> None:
-    """Give axes of a fixed aspect, each in its own row of the grid, the height at which they are as wide as their room.
-
-    The figure becomes lower or higher by as much. most: the height in inches up to which axes grow.
-    """
-    for _ in range(2):  # a lower figure has slightly wider panels
-        fig.draw_without_rendering()
-        for ax in axes:
-            place, whole = ax.get_subplotspec(), fig.get_figheight()
-            assert place is not None
-            full, drawn = (ax.get_position(original=first) for first in (True, False))
-            room = full.height * whole
-            used = min(drawn.height * whole * full.width / drawn.width, max(room, most))
-            grid, row = place.get_gridspec(), place.rowspan.start
-            ratios = np.array(grid.get_height_ratios(), dtype=float)
-            ratios[row] *= used / room
-            grid.set_height_ratios(list(ratios))
-            _set_height(fig, whole - (room - used))
-
-
-def _set_height(fig: Figure, inches: float) -> None:
-    """Change the height of a figure; its layout keeps the same distance to the upper edge, where the title is."""
-    engine = fig.get_layout_engine()
-    assert isinstance(engine, ConstrainedLayoutEngine)
-    left, low, width, high = engine.get()["rect"]
-    engine.set(rect=(left, low, width, 1 - (1 - high) * fig.get_figheight() / inches))
-    fig.set_figheight(inches)
 
 
 def check_name(path: str | Path, suffixes: tuple[str, ...] = DIAGRAMS) -> Path:

@@ -140,6 +140,12 @@ def choose(
     return DrawnRods(ds, axis, held, rods, notes)
 
 
+def stored_rod(ds: xr.Dataset, names: Sequence[str]) -> DrawnRod:
+    """The rod of a dataset of one case at its stored stations; without arrays where it is not solved."""
+    rows = _as_stored(ds, names, 1)[0]
+    return _rod(ds, None, rows[0] if rows else None)
+
+
 def grid(ds: xr.Dataset) -> xr.Dataset:
     """The dataset; of a refined study its coarse grid. Raises `InputError`."""
     return refined.coarse(ds) if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims else ds

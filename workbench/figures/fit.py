@@ -1,4 +1,4 @@
-"""The figure of a fit: the fitted developed curve with the measured points, the joint region, which data decide."""
+"""The figure of a fit: the fitted unrolled view with the measured points, the joint region, which data decide."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from scipy import special
 from studies.axes import quantity_of
 
 from ..data import labels
-from . import canvas, developed, legend, style
+from . import canvas, legend, style, unrolled
 from .sheet import SCREEN, Sheet
 
 LOWER = 3.4  # inches: the height of the lower panels
@@ -43,7 +43,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
 
 
 def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
-    """The fitted developed curve, seen from outside, with the measured points.
+    """The fitted unrolled view, seen from outside, with the measured points.
 
     z to the right and rho alpha down; where rho alpha spans more than z, rho alpha to the right and z up.
     """
@@ -61,11 +61,11 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     ax.annotate("s = 0", (line[0][0], line[1][0]), (-6, 0), textcoords="offset points", ha="right", va="center",
                 size=style.small())  # fmt: skip
     wide, high = _extent(ds)
-    factor = developed.stretch(wide, high, room)
-    ax.set_aspect(1 / factor, anchor="NW")
-    across, along = (f"{developed.AROUND} [{unit}]", f"z [{unit}]")[:: 1 if up else -1]
-    ax.set_xlabel(f"{across}{developed.larger(factor)}")
-    ax.set_ylabel(style.wrap(f"{along}{developed.larger(1 / factor)}", ax, upward=True))
+    factor = unrolled.stretch(wide, high, room)
+    ax.set_aspect(factor, anchor="NW")
+    across, along = (f"{unrolled.AROUND} [{unit}]", f"z [{unit}]")[:: 1 if up else -1]
+    ax.set_xlabel(f"{across}{unrolled.larger(1 / factor)}")
+    ax.set_ylabel(style.wrap(f"{along}{unrolled.larger(factor)}", ax, upward=True))
     ways = "z up" if up else "z to the right"
     title = style.wrap(f"Unrolled view, seen from outside: {ways}", ax)
     ax.set_title(title, loc="left", pad=22 if "measured_z" in ds else 6)
@@ -103,7 +103,7 @@ def _extent(ds: xr.Dataset) -> tuple[float, float]:
 def _height(ds: xr.Dataset, room: tuple[float, float]) -> float:
     """The height of the panel of the curve with its labels [inches]."""
     wide, high = _extent(ds)
-    drawn = room[0] * 1.24 * high / (1.12 * wide * developed.stretch(wide, high, room))
+    drawn = room[0] * 1.24 * high * unrolled.stretch(wide, high, room) / (1.12 * wide)
     return float(np.clip(drawn, 0.6, TALLEST)) + LABELS
 
 

@@ -11,35 +11,25 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
-from ..data import labels
+from ..data import cautions, labels
 from ..geometry import lines
-from . import developed, push_scale, style
+from . import push_scale, style
+from .drawn_rods import DrawnRod
 from .scales import Ticks
 
 THINNEST = 0.07  # inches of a line; below, nothing of its curve is seen
 TALLEST = 0.5, 2.8  # height of all lines as a share of the width, and inches at least
 LABELS = 1.0  # inches beside the lines
+HAIR = 0.3  # inches: a rod less wide is a hair
 ROOM = 0.97  # of the width is for the rod, as its bends at the cuts are not known before
 MOST_WIDE = 1.15  # of the width that the rod needs is that of a line
 
 Values = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """The developed curve of one rod: s, z, rho (alpha - alpha(0)) and the push where it is known, (n,) each. rho,
-    radius: of the centreline and of all that is seen."""
-
-    s: Values
-    z: Values
-    across: Values
-    push: Values | None
-    rho: float
-    radius: float
 
 
 @dataclass(frozen=True)
@@ -65,17 +55,18 @@ class Lines:
         return self.count * lines.PITCH * self.wide * self.scale
 
 
-def lines_for(curve: Curve, room: tuple[float, float]) -> Lines | None:
+def lines_for(rod: DrawnRod, room: tuple[float, float]) -> Lines | None:
     """The lines in which a rod is largest in a room of inches; None where it needs none: in one piece it is no hair."""
-    tall, spread = float(np.ptp(curve.z)), float(np.ptp(curve.across))
-    if not lines.is_long(tall, curve.radius) or developed.stretch(tall, spread, room) == 1.0:
+    across, z = rod.developed()
+    s, tall, spread = rod["s"], float(np.ptp(z)), float(np.ptp(across))
+    if not lines.is_long(tall, rod.rho + rod.a) or spread * room[0] >= HAIR * tall:
         return None
-    turn = 2 * np.pi * curve.rho
+    turn = 2 * np.pi * rod.rho
     around = spread > turn
     wide = turn if around else max(MOST_WIDE * spread, 0.25 * turn)
-    low = -turn / 2 if around else float(curve.across.min() + curve.across.max() - wide) / 2
+    low = -turn / 2 if around else float(across.min() + across.max() - wide) / 2
     count, scale = lines.largest(tall / ROOM, wide, 0.0, room)
-    length = float(curve.s[-1] - curve.s[0])
+    length = float(s[-1] - s[0])
     if scale * wide >= THINNEST:
         each = every = length / count
     else:
@@ -90,23 +81,33 @@ def room(width: float) -> tuple[float, float]:
     return width - LABELS, max(TALLEST[0] * width, TALLEST[1])
 
 
-def draw(ax: Axes, curve: Curve, found: Lines, unit: str, dots: bool = False, name: str = "") -> list[str]:
-    """Draw a rod in its lines; returns what is to be said of them.
+def draw(
+    ax: Axes, rod: DrawnRod, found: Lines, unit: str, dots: bool = False, coloured: bool = True
+) -> tuple[LineCollection | None, list[str]]:
+    """Draw a rod in its lines; returns a line in the colours of the push, and what is to be said of the lines.
 
-    dots: whether the stations miss bends. name: of the rod, in tables of what is drawn.
+    dots: whether the stations miss bends. coloured: whether the lines have the colours of the push.
     """
-    norm = push_scale.scale([curve.push]) if curve.push is not None else None
-    starts = curve.s[0] + found.every * np.arange(found.count)
+    norm = push_scale.scale([rod["push"]]) if coloured and not dots else None
+    s, (across, z) = rod["s"], rod.developed()
+    starts = s[0] + found.every * np.arange(found.count)
     ends: list[float] = []
+    last: LineCollection | None = None
     for k, start in enumerate(starts):
         top = k * lines.PITCH * found.wide - found.low
-        left = float(np.interp(start, curve.s, curve.z))
+        left = float(np.interp(start, s, z))
         ax.axhspan(top + found.low, top + found.low + found.wide, color=style.BAND, linewidth=0, zorder=0)
-        for s, turn in _pieces(curve, found, float(start)):
-            z, across = np.interp(s, curve.s, curve.z), np.interp(s, curve.s, curve.across) - turn
-            ends += [float(z.min()) - left, float(z.max()) - left]
-            _piece(ax, curve, (s, z, across), (left, top), norm, dots, name)
-    ax.plot(0, -found.low + curve.across[0], "o", color=style.INK, markersize=4, label="s = 0", zorder=4)
+        for places, turn in _pieces(s, across, found, float(start)):
+            x, y = np.interp(places, s, z), np.interp(places, s, across) - turn
+            ends += [float(x.min()) - left, float(x.max()) - left]
+            if norm is not None:
+                push = np.interp(places, s, rod["push"])
+                last = push_scale.line(ax, x, y, push, norm, 1.6, rod.name, top, 3.0, left)
+            else:
+                look: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.5} if dots else {}
+                where = Affine2D().translate(-left, top) + ax.transData
+                ax.plot(x, y, color=style.DATA, transform=where, zorder=3, label=rod.name, **look)
+    ax.plot(0, -found.low + across[0], "o", color=style.INK, markersize=4, label="s = 0", zorder=4)
     size = max(ends) - min(ends)
     ax.set_xlim(min(ends) - 0.01 * size, max(ends) + 0.01 * size)
     ax.set_ylim((found.count - 1) * lines.PITCH * found.wide + 1.1 * found.wide, -0.1 * found.wide)
@@ -114,59 +115,46 @@ def draw(ax: Axes, curve: Curve, found: Lines, unit: str, dots: bool = False, na
     every = -(-found.count // lines.LABELLED)
     middles = (np.arange(found.count) * lines.PITCH + 0.5) * found.wide
     ax.set_yticks(middles[::every], [labels.number(float(start)) for start in starts[::every]])
+    ax.tick_params(length=2, pad=2)
     ax.tick_params(axis="y", length=0)
-    ax.spines["left"].set_visible(False)
+    ax.spines[:].set_visible(False)
     ax.set_ylabel(f"line from s [{unit}]")
-    ax.set_xlabel(f"z from the start of a line [{unit}]; distance around the cylinder down")
+    ax.set_xlabel(f"z from the start of a line [{unit}]")
     ax.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]))
     ax.xaxis.set_major_formatter(Ticks())
-    ax.grid(axis="x", color=style.FAINT, linewidth=0.6)
-    ax.set_axisbelow(True)
-    return said(found, curve, unit)
+    return last, said(found, s, unit, "overlaps" in cautions.keys(rod.caution))
 
 
-def said(found: Lines, curve: Curve, unit: str) -> list[str]:
-    """How the lines are read, and which parts are left out."""
+def said(found: Lines, s: Values, unit: str, overlaps: bool = False) -> list[str]:
+    """How the lines are read, and which parts are left out; overlaps: whether the rod passes through itself."""
     told = [f"{found.count} lines, one after the other, at one scale; each is {labels.number(found.wide)} {unit} wide."]
     if found.every > found.each * (1 + 1e-9):
-        size, whole = labels.number(found.each), labels.number(float(np.ptp(curve.s)))
+        size, whole = labels.number(found.each), labels.number(float(np.ptp(s)))
         told = [f"Only {found.count} pieces of {size} {unit} each are shown, spread over {whole} {unit}, at one scale."]
+    told = ["Unrolled view, seen from outside: z to the right, distance around the cylinder down; dot: s = 0.", *told]
     if found.turn:
         told.append("A line is the whole unrolled cylinder: the rod leaves it below and comes back above.")
+    if overlaps:
+        told.append("The rod passes through itself; the places are not marked in lines.")
     return told
 
 
-def _pieces(curve: Curve, found: Lines, start: float) -> Iterator[tuple[Values, float]]:
+def _pieces(s_of: Values, across_of: Values, found: Lines, start: float) -> Iterator[tuple[Values, float]]:
     """The arcs of a line that lie on one turn about the axis, and what is taken off there from rho alpha."""
-    stop = min(start + found.each, float(curve.s[-1]))
-    s = np.concatenate([[start], curve.s[(curve.s > start) & (curve.s < stop)], [stop]])
+    stop = min(start + found.each, float(s_of[-1]))
+    s = np.concatenate([[start], s_of[(s_of > start) & (s_of < stop)], [stop]])
     if not found.turn:
         yield s, 0.0
         return
-    across = np.interp(s, curve.s, curve.across)
+    across = np.interp(s, s_of, across_of)
     turns = np.floor((across - found.low) / found.turn)
     cuts = []
     for i in np.flatnonzero(np.diff(turns)):
         between = np.arange(min(turns[i], turns[i + 1]) + 1, max(turns[i], turns[i + 1]) + 1)
         shares = (between * found.turn + found.low - across[i]) / (across[i + 1] - across[i])
         cuts += [float(s[i] + share * (s[i + 1] - s[i])) for share in np.sort(shares)]
-    edges = [start, *cuts, stop]
-    for a, b in pairwise(edges):
+    for a, b in pairwise([start, *cuts, stop]):
         if b > a:
-            middle = np.interp((a + b) / 2, curve.s, curve.across)
+            middle = np.interp((a + b) / 2, s_of, across_of)
             turn = float(np.floor((middle - found.low) / found.turn)) * found.turn
             yield np.concatenate([[a], s[(s > a) & (s < b)], [b]]), turn
-
-
-def _piece(ax: Axes, curve: Curve, points: Any, offset: tuple[float, float], norm: Any, dots: bool, name: str) -> None:
-    """One unbroken piece of a line: its s, z and rho alpha, drawn so much further left and down."""
-    s, z, across = points
-    where = Affine2D().translate(-offset[0], offset[1]) + ax.transData
-    look: dict[str, Any] = {"color": style.PUSHED, "transform": where, "zorder": 3, "label": name or "_rod"}
-    if dots:
-        ax.plot(z, across, linestyle="none", marker=".", markersize=2.5, **look)
-    elif curve.push is not None:
-        push = np.interp(s, curve.s, curve.push)
-        push_scale.line(ax, z, across, push, norm, 1.6, name, offset[1], 3.0, offset[0])
-    else:
-        ax.plot(z, across, linewidth=1.6, **look)

@@ -93,6 +93,7 @@ def choose(
     show: Sequence[str] = (),
     at: Mapping[str, float] | None = None,
     columns: int = MOST_COLUMNS,
+    most: int = MOST_MAPS,
 ) -> Choice:
     """What a figure of maps shows.
 
@@ -107,6 +108,8 @@ def choose(
         Values of further axes.
     columns : int
         For how many values of a third axis there is room.
+    most : int
+        Observables for which there is room.
 
     Returns
     -------
@@ -118,7 +121,7 @@ def choose(
         For fewer than two axes, an unknown axis or observable, `x` equal to `y`, too many observables.
     """
     x, y = _two_axes(ds, x, y, dict(at or {}))
-    shown, left_out = _observables(ds, show)
+    shown, left_out = _observables(ds, show, most)
     held = {name: i for name, i in selection.case(ds, at).items() if name not in (x, y)}
     free = [axis for axis in mappable(ds) if axis in held and axis not in (at or {})]
     if not free:
@@ -167,7 +170,7 @@ def _two_axes(ds: xr.Dataset, x: str | None, y: str | None, at: dict[str, float]
     return first, (next(wanted) if y is None else given[-1])
 
 
-def _observables(ds: xr.Dataset, show: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _observables(ds: xr.Dataset, show: Sequence[str], most: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The observables of the figure, and those of the study that have no room."""
     names = observed.named(ds, show) if show else observed.observables(ds)
     if not names:
@@ -176,4 +179,4 @@ def _observables(ds: xr.Dataset, show: Sequence[str]) -> tuple[tuple[str, ...], 
         names = [name for name in names if not observed.is_level(ds, name)] or names[:1]
     if show and len(names) > MOST_MAPS:
         raise InputError(f"a figure shows at most {MOST_MAPS} observables, got {len(names)}: {choices(names)}")
-    return tuple(names[:MOST_MAPS]), tuple(names[MOST_MAPS:])
+    return tuple(names[:most]), tuple(names[most:])

@@ -13,14 +13,15 @@ from studies.refine import LEVEL
 
 from ..data import labels, law_verdicts, observed, refined
 from . import canvas, law_lines, legend, map_panel, style, thumbnails
-from .developed import axis_label
-from .map_cells import Cells, Choice, cells, choose
+from .map_cells import MOST_MAPS, Cells, Choice, cells, choose
 from .sheet import SCREEN, Sheet
 from .study_figure import level_notes
+from .trends import axis_label
 
 COLUMN = 2.0  # inches, the height of maps in columns
 LEAST_COLUMN = 1.45  # inches, their least width with a gap
 LINE = 0.155  # inches of a line of small text
+MOST_NARROW = 2  # observables on one column of a page, where none is asked for
 
 
 def figure(
@@ -60,7 +61,8 @@ def figure(
     """
     verdicts = law_verdicts.verdicts(ds) if "laws" in ds.attrs else []
     source, ds = ds, refined.raster(ds) if refined.is_refined(ds) else ds
-    choice = choose(ds, x, y, show, at, max(int((sheet.width - 1.5) / LEAST_COLUMN), 1))
+    most = MOST_NARROW if sheet.narrow and not show else MOST_MAPS
+    choice = choose(ds, x, y, show, at, max(int((sheet.width - 1.5) / LEAST_COLUMN), 1), most)
     if shapes is not None:
         thumbnails.check(source, ds, choice, shapes)
     whole = None if source is ds else source
@@ -171,7 +173,7 @@ class _Maps:
         if not self.asked:
             found += level_notes(self.ds, observed.observables(self.ds))
         if choice.left_out:
-            found.append(f"Not drawn: {', '.join(choice.left_out)}.")
+            found.append(f"Not drawn: {', '.join(choice.left_out)}; choose with --show.")
         if choice.along and choice.held:
             found.append(f"All maps: {', '.join(self._value(name, i) for name, i in choice.held.items())}.")
         return found

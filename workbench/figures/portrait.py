@@ -64,9 +64,10 @@ def figure(
         raise no_such("panel", sheet.panel, PANELS)
     names = [name for name in PANELS if sheet.panel in (None, name)]
     most = max(int((sheet.width - 0.6) / COLUMN), 1)
+    bands = 1 if sheet.narrow else BANDS
     if schema.loads_vary(ds):
         raise InputError("a portrait needs loads that are constant along the rod; choose --kind ridge or states")
-    found = drawn_rods.choose(ds, ("beta", "dbeta"), x, at, BANDS * most)
+    found = drawn_rods.choose(ds, ("beta", "dbeta"), x, at, bands * most)
     windows = np.array([window_of(rod) for rod in found.solved])
     window = float(windows[:, 0].min()), float(windows[:, 1].max())
     orbits = [orbit(rod, window) for rod in found.solved]
@@ -75,6 +76,7 @@ def figure(
     across = len(names) if alone and not sheet.narrow else ceil(len(orbits) / bands)
     rows = 1 if alone and not sheet.narrow else len(names) * bands
     tall = min(0.75 * sheet.width / across, 3.6) if alone else 1.9
+    tall = min(tall, 1.25) if sheet.narrow else tall
     unit = labels.unit(str(found.source.attrs["length_unit"]))
     source = found.source
     if found.axis is None and found.at():

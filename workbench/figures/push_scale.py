@@ -70,21 +70,6 @@ def line(
     return drawn
 
 
-def draw(
-    ax: Axes, x: Any, y: Any, push: Any, norm: Normalize | None = None, width: float = 2.0, dots: bool = False
-) -> None:
-    """The same without a label, on the scale of its own pushes by default; dots where the stations miss bends."""
-    norm = norm or scale([push])
-    if dots:
-        ax.plot(x, y, color=style.PUSHED, linestyle="none", marker=".", markersize=width + 0.6, zorder=2)
-        pulled = np.asarray(push) < 0
-        ax.plot(
-            np.where(pulled, x, np.nan), y, color=PULL, linestyle="none", marker=".", markersize=width + 0.6, zorder=2
-        )
-    else:
-        line(ax, x, y, push, norm, width)
-
-
 def bar(
     fig: Figure, drawn: ScalarMappable, axes: Sequence[Axes], unit: str, inches: float, below: bool = False
 ) -> None:

@@ -2,9 +2,10 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -13,16 +14,20 @@ from solver.problem.errors import InputError, choices, no_such
 from studies.dimensions import SAMPLE
 
 from ..data import labels, law_verdicts, observed, refined, schema, selection
-from . import canvas, legend, notes, scatter, single_rod
-from .developed import STRIP, developed, has_curve, strip_height
+from . import along, canvas, drawn_rods, legend, notes, scatter, unrolled
+from .drawn_rods import DrawnRods
 from .law_panel import panel
 from .sheet import SCREEN, Sheet
 from .trends import trend
 
-LAW_HEIGHT, LEAST_LAW = 4.3, 2.7  # inches
+LAW_HEIGHT, LEAST_LAW, ONE_ROD = 4.3, 2.7, 0.55  # inches; the share of the least of a narrow panel of one rod
+NARROW_LAW = 1.4, 2.2  # inches of a law on a narrow sheet
 SAMPLES = "samples"  # the panel of the scatter diagrams
-BESIDE, LEAST_BESIDE = 0.55, 3.2  # the share of the width that curves have beside a law, and inches they then need
+BESIDE = 0.58  # the share of the width that curves have beside a law
+MOST_CURVES, STRIPS = 9, 0.42  # curves along an axis; their height as a share of the width
+LABELS = 0.85  # inches below and above curves
 MOST_PLAIN = 4  # observables shown where there is no law
+MOST_NARROW = 3  # panels of laws on one column of a page, one less with curves
 MOST_ASKED = 12  # observables of one figure
 
 
@@ -67,22 +72,29 @@ def figure(
     if not axes:
         if show:
             raise InputError("the file holds one case: each observable is one number, which workbench summary prints")
-        return single_rod.figure(ds.isel(dict.fromkeys(schema.axes_of(ds), 0)), sheet)
+        return one_rod(ds, sheet)
     is_sampled = SAMPLE in axes and bool(observed.observables(ds))
     axes = [axis for axis in axes if not (is_sampled and axis == SAMPLE)]
-    chosen = _choice(ds, rows, axes if has_curve(curves) else [], is_sampled, sheet.panel, observed.named(ds, show))
+    chosen = _choice(
+        ds, rows, axes if unrolled.has_curve(curves) else [], is_sampled, sheet.panel, observed.named(ds, show)
+    )
+    if sheet.narrow and sheet.panel is None and not show:
+        chosen = _for_column(chosen)
     panels, strips, sampled = chosen.panels, chosen.strips, chosen.sampled
     if not (panels or strips or sampled):
         raise InputError("nothing to draw: the dataset has neither observables nor the arrays alpha and z")
-    along = selection.axis_of(ds, x) if x else next(iter(axes), "")
+    axis_of_trends = selection.axis_of(ds, x) if x else next(iter(axes), "")
     count, width = len(panels), sheet.width
-    beside = 0 < count <= len(strips) and all(
-        strip_height(curves, axis, width * BESIDE) > LEAST_BESIDE for axis in strips
-    )
-    beside = beside and not sampled and not sheet.narrow
-    across = 1 if sheet.narrow else 3 if len(panels) == 3 and not rows else 2
+    across = 1 if sheet.narrow else 3 if count == 3 and not rows else 2
     law_height = min(LAW_HEIGHT, max(0.9 * width / across, LEAST_LAW))
-    heights = [law_height if beside else strip_height(curves, axis, width) for axis in strips]
+    if sheet.narrow:
+        room = canvas.TALLEST - bool(strips) * (STRIPS * width + LABELS)
+        law_height = float(np.clip(room / max(count, 1), *NARROW_LAW))
+    beside = 0 < count <= len(strips) and not sampled and not sheet.narrow
+    tallest = law_height - LABELS if beside else STRIPS * width
+    rods = [drawn_rods.choose(curves, ("alpha", "z"), axis, most=MOST_CURVES) for axis in strips]
+    forms = [unrolled.plan(one, width * (BESIDE if beside else 1), tallest) for one in rods]
+    heights = [law_height if beside and i < count else form.height + LABELS for i, form in enumerate(forms)]
     below = 0 if beside else law_height * -(-count // across)
     heights += [below] if below else []
     if sampled and sheet.style == SCREEN.style and not sheet.narrow:
@@ -90,32 +102,65 @@ def figure(
     heights += [scatter.height(ds, sampled, width, sheet.narrow)] if sampled else []
 
     def draw(fig: Figure) -> None:
-        ratios = (1.3, 1) if beside else (1,)
+        ratios = (BESIDE, 1 - BESIDE) if beside else (1,)
         grid = fig.add_gridspec(len(heights), len(ratios), height_ratios=heights, width_ratios=ratios)
-        cells = [grid[i, 1] for i in range(count)] if beside else []
+        cells = [grid[i, 1].subgridspec(1, 1)[0] for i in range(count)] if beside else []
         if below:
             cells = _in_rows(grid[len(strips), 0], count, across)
-        for i, axis in enumerate(strips):
-            drawn.append(developed(curves, fig.add_subplot(grid[i, 0]), axis, sheet))
+        said: dict[str, None] = {}
+        for i, (one, form) in enumerate(zip(rods, forms, strict=True)):
+            said |= dict.fromkeys(_draw_strips(fig.add_subplot(grid[i, 0].subgridspec(1, 1)[0]), one, form))
         if sampled:
             scatter.scatter(ds, sampled, fig, grid[len(heights) - 1, 0], width)
-            legend.below(fig, [], [scatter.said(ds)], sheet)
+            said[scatter.said(ds)] = None
         for one, cell in zip(panels, cells, strict=False):
             ax = fig.add_subplot(cell)
             if not isinstance(one, str):
                 panel(ds, ax, one, sheet)
                 continue
-            trend(ds, ax, one, along)
+            trend(ds, ax, one, axis_of_trends)
             ax.set_title(labels.long_name(ds[one]), loc="left")
             legend.add(ax)
-        legend.below(fig, [], chosen.level, sheet)
-        notes.keep(fig, [f"Not drawn: {', '.join(chosen.left_out)}; choose with --show."] if chosen.left_out else [])
+        legend.below(fig, [], [*said, *chosen.level], sheet)
+        notes.keep(
+            fig, [f"Not drawn: {', '.join(chosen.left_out)}; choose with --show or --panel."] if chosen.left_out else []
+        )
 
-    drawn: list[Axes] = []
-    fig = canvas.figure((width, 0.7 * sheet.titled + 0.3 * bool(sampled) + sum(heights)), draw, ds, sheet=sheet)
-    if not beside:
-        canvas.close_gaps(fig, drawn, STRIP[1])
-    return fig
+    return canvas.figure((width, 0.7 * sheet.titled + 0.3 * bool(sampled) + sum(heights)), draw, ds, sheet=sheet)
+
+
+def _draw_strips(ax: Axes, rods: DrawnRods, form: Any) -> list[str]:
+    """The unrolled views of the rods along an axis; what is to be said of them."""
+    said = unrolled.draw(ax, rods, form, coloured=False)[1]
+    ax.set_label(f"unrolled views along {rods.axis}")
+    return [*said, *rods.said(), *rods.notes]
+
+
+def one_rod(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+    """The angle, the push and the unrolled view of one rod; what is not stored is left out. Raises `InputError`."""
+    stored = {"angle": "beta", "push": "contact", "curve": "alpha"}
+    names = [panel for panel, name in stored.items() if name in ds.data_vars and sheet.panel in (None, panel)]
+    if not names:
+        raise no_such("panel", sheet.panel, stored)
+    arrays = {"angle": ["beta"], "push": ["push"], "curve": ["alpha", "z"] + ["push"] * ("contact" in ds.data_vars)}
+    rods = drawn_rods.choose(ds, list(dict.fromkeys(name for panel in names for name in arrays[panel])))
+    form = unrolled.plan(rods, sheet.width, STRIPS * sheet.width) if "curve" in names else None
+    each = LEAST_LAW * max(min(sheet.width / SCREEN.width, 1.0), ONE_ROD)
+    heights = [form.height + LABELS if form and name == "curve" else each for name in names]
+
+    def draw(fig: Figure) -> None:
+        grid, said = fig.add_gridspec(len(names), 1, height_ratios=heights), list[str]()
+        for i, name in enumerate(names):
+            ax = fig.add_subplot(grid[i, 0])
+            if form and name == "curve":
+                said = unrolled.draw(ax, rods, form, "contact" in ds.data_vars)[1]
+            else:
+                along.alone(ax, rods, arrays[name][0], form is not None and unrolled.is_coarse(rods.rods[0]))
+        artists = [one for ax in fig.axes for one in ax.collections if str(one.get_label()).startswith("the cylinder")]
+        rings = unrolled.entries(fig.axes[-1], rods) if form and not artists else unrolled.ring_entries(fig.axes[-1])
+        legend.below(fig, [*artists, *rings], [*said, *rods.notes], sheet)
+
+    return canvas.figure((sheet.width, sum(heights) + 0.5 + 0.5 * sheet.titled), draw, ds, sheet=sheet)
 
 
 @dataclass(frozen=True)
@@ -169,6 +214,17 @@ def _choice(
     if panel in stored or panel == SAMPLES:
         return _Choice([], sampled=stored if panel == SAMPLES else [panel]) if is_sampled else _Choice([panel])
     return _Choice([laws[panel]] if panel in laws else [row for row in rows if row["claim"] == panel])
+
+
+def _for_column(chosen: _Choice) -> _Choice:
+    """What one column of a page has room for: the curves along one axis, and laws."""
+    most = MOST_NARROW - bool(chosen.strips)
+    if isinstance(one := (chosen.panels or [""])[0], str):
+        left = [str(name) for name in chosen.panels[most:]]
+    else:
+        left = [f"law {row['claim']} along {labels.axis_symbol(row['axis'])}" for row in chosen.panels[most:] if one]
+    left += [f"views along {labels.axis_symbol(axis)}" for axis in chosen.strips[1:]]
+    return replace(chosen, panels=chosen.panels[:most], strips=chosen.strips[:1], left_out=[*left, *chosen.left_out])
 
 
 def level_notes(ds: xr.Dataset, names: Sequence[str]) -> list[str]:

@@ -10,7 +10,7 @@ from solver.problem.errors import InputError, choices, no_such
 from studies.dimensions import SAMPLE
 
 from ..data import observed, refined, schema
-from . import curves, map_cells, map_figure, portrait, ridge, states, study_figure
+from . import along, map_cells, map_figure, portrait, study_figure, unrolled
 
 
 @dataclass(frozen=True)
@@ -24,10 +24,10 @@ class Kind:
 KINDS = {
     "map": Kind(map_figure.figure, ("x", "y", "show", "at", "shapes")),
     "lines": Kind(study_figure.figure, ("x", "show")),
-    "curves": Kind(curves.figure, ("x", "at")),
-    "ridge": Kind(ridge.figure, ("x", "at")),
+    "curves": Kind(unrolled.figure, ("x", "at")),
+    "ridge": Kind(along.figure, ("x", "at", "show")),
     "portrait": Kind(portrait.figure, ("x", "at")),
-    "states": Kind(states.figure, ("x", "at")),
+    "states": Kind(along.states, ("x", "at")),
 }
 
 

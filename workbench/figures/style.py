@@ -2,6 +2,8 @@
 
 import functools
 import re
+import textwrap
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -116,18 +118,19 @@ def fitted(text: str, room: float, size: float | None = None, bold: bool = False
     """
     size = size or normal()
     room = max(room, 12 * size * LETTER)
-    lines: list[str] = []
-    line = ""
-    for gap, word in re.findall(r"([ \t\n]*)((?:\d+ x )*[^ \t\n]+)", text):
-        longer = f"{line}{gap.replace(chr(10), ' ')}{word}" if line else word
-        if line and width_of(longer, size, bold) > room:
-            lines, line = [*lines, line], word
-        else:
-            line = longer
-        while width_of(line, size, bold) > room:
-            most = next(n for n in range(len(line) - 1, 0, -1) if n == 1 or width_of(line[:n], size, bold) <= room)
-            lines, line = [*lines, line[:most]], line[most:]
-    return "\n".join([*lines, line] if line else lines)
+    text = re.sub(r"(?<=\d) x (?=\d)", "\N{NO-BREAK SPACE}x\N{NO-BREAK SPACE}", text)
+    most = int(1.2 * len(text) * room / max(width_of(text, size, bold), room)) + 1
+    while True:
+        lines = textwrap.wrap(text, most, break_on_hyphens=False)
+        widest = max((width_of(line, size, bold) for line in lines), default=0.0)
+        if widest <= room or most == 1:
+            return "\n".join(lines)
+        most = max(min(most - 1, int(most * room / widest) + 1), 1)
+
+
+def shorter(texts: Sequence[str], room: float) -> str:
+    """The first text that fits into so many inches, else the last; each shorter than the one before."""
+    return next((text for text in texts if width_of(text, normal()) <= room), texts[-1])
 
 
 @functools.lru_cache(maxsize=10_000)  # `fitted` asks for each line again with a word more

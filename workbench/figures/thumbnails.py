@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,11 +12,11 @@ from matplotlib.colors import Normalize
 from solver.problem.errors import InputError
 
 from ..data import labels
-from . import developed, push_scale, style
+from . import drawn_rods, push_scale, style, unrolled
+from .drawn_rods import DrawnRod
 from .map_cells import Cells, Choice
 from .map_panel import HALO
 from .scales import Scale
-from .single_rod import pushes
 
 MOST = 12  # shapes along an axis
 FILL = 0.86  # of the room of a shape
@@ -45,7 +44,7 @@ def check(ds: xr.Dataset, grid: xr.Dataset, choice: Choice, shapes: Shapes) -> N
     for axis, count in ((choice.x, shapes.across), (choice.y, shapes.up)):
         if count > grid.sizes[axis]:
             raise InputError(f"{count} shapes along {axis} are more than its {grid.sizes[axis]} values")
-    if not developed.has_curve(ds):
+    if not unrolled.has_curve(ds):
         raise InputError('the study stores no unrolled curves: add "alpha" and "z" to its outputs, and run it again')
 
 
@@ -54,29 +53,26 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], na
     ds = cells.source
     columns, across = _spread(cells.x, shapes.across)
     rows, up = _spread(cells.y, shapes.up)
-    places = {(j, i): cells.place(j, i) for j in rows for i in columns}
-    curves = {cell: developed.curve(ds, where) if cells.solved[cell] else None for cell, where in places.items()}
-    known = [curve for curve in curves.values() if curve is not None]
+    names = [name for name, array in {"alpha": "alpha", "z": "z", "push": "contact"}.items() if array in ds.data_vars]
+    rods = {(j, i): drawn_rods.stored_rod(ds.isel(cells.place(j, i)), names) for j in rows for i in columns}
+    known = [rod for cell, rod in rods.items() if cells.solved[cell] and rod.arrays is not None]
     if not known:
         return ["None of the chosen rods is solved: no shape is drawn."]
-    extent = max(float(np.ptp(curve[0])) for curve in known), max(float(np.ptp(curve[1])) for curve in known)
-    factor = developed.stretch(*extent, (across * inches[0], up * inches[1]))
-    drawn = [ds.isel(places[cell]) for cell, curve in curves.items() if curve is not None]
-    norm = push_scale.wide_scale([pushes(one) for one in drawn]) if "contact" in ds.data_vars else None
-    coarse = False
-    for (j, i), curve in curves.items():
+    wide, tall = (max(float(np.ptp(rod.developed()[k])) for rod in known) for k in (0, 1))
+    extent = wide, tall
+    factor = unrolled.stretch(wide, tall, (across * inches[0], up * inches[1]))
+    norm = push_scale.wide_scale([rod["push"] for rod in known]) if "push" in names else None
+    for (j, i), rod in rods.items():
         left, low = (float(np.clip(scale.share(float(scale.values[k])) - room / 2, 0, 1 - room))
                      for scale, k, room in ((cells.x, i, across), (cells.y, j, up)))  # fmt: skip
-        if curve is not None:
-            dots = developed.too_coarse(ds, places[j, i])
-            _curve(ax.inset_axes((left, low, across, up)), ds.isel(places[j, i]), curve, extent, factor, dots, norm)
-            coarse |= dots
+        if rod in known:
+            _curve(ax.inset_axes((left, low, across, up)), rod, extent, factor, norm)
         ax.text(left + across / 2, low, _number(cells, name, j, i), transform=ax.transAxes, ha="center", va="bottom",
                 size=style.small(), path_effects=[HALO], zorder=20)  # fmt: skip
     if norm is not None:
         coloured = ScalarMappable(norm, push_scale.ramp())
         push_scale.bar(ax.get_figure(root=True), coloured, [ax], push_scale.unit(ds), inches[0], below=True)  # type: ignore[arg-type]
-    notes = [f"Dots: {ds.sizes['u']} stations miss bends."] if coarse else []
+    notes = [f"Dots: {ds.sizes['u']} stations miss bends."] if any(map(unrolled.is_coarse, known)) else []
     return [_scale_of(ds, extent, factor), *notes]
 
 
@@ -97,32 +93,24 @@ def _scale_of(ds: xr.Dataset, extent: tuple[float, float], factor: float) -> str
     """The scale of the shapes in words."""
     unit = labels.unit(str(ds.attrs["length_unit"]))
     size = f"the tallest is {labels.number(extent[1])} {unit} high"
-    enlarged = f"{developed.larger(factor, developed.AROUND)}{developed.larger(1 / factor, 'z')}"
+    enlarged = f"{unrolled.larger(1 / factor, unrolled.AROUND)}{unrolled.larger(factor, 'z')}"
     return f"Shapes: unrolled views, each about its own case, its number below; all at one scale{enlarged}; {size}."
 
 
-def _curve(
-    inset: Axes,
-    one: xr.Dataset,
-    curve: tuple[Any, Any],
-    extent: tuple[float, float],
-    factor: float,
-    dots: bool,
-    norm: Normalize | None,
-) -> None:
-    """One developed curve, in the middle of its own axes; where the push is stored, in the colours of the push."""
-    across, up = curve
-    look: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2} if dots else {"linewidth": 1.3}
-    look["clip_on"] = False
-    if norm is not None:
-        push_scale.draw(inset, across, up, pushes(one), norm, 1.3, dots)
-        for drawn in (*inset.lines, *inset.collections):
-            drawn.set_clip_on(False)
+def _curve(inset: Axes, rod: DrawnRod, extent: tuple[float, float], factor: float, norm: Normalize | None) -> None:
+    """One unrolled view, in the middle of its own axes; where the push is stored, in the colours of the push."""
+    across, up = rod.developed()
+    if unrolled.is_coarse(rod):
+        inset.plot(across, up, ".", color=style.DATA, markersize=2)
+    elif norm is not None:
+        push_scale.line(inset, across, up, rod["push"], norm, 1.3)
     else:
-        inset.plot(across, up, color=style.PUSHED, **look)
-    inset.plot(across[0], up[0], "o", color=style.INK, markersize=2.2, clip_on=False)
+        inset.plot(across, up, color=style.DATA, linewidth=1.3)
+    inset.plot(across[0], up[0], "o", color=style.INK, markersize=2.2)
+    for drawn in (*inset.lines, *inset.collections):
+        drawn.set_clip_on(False)
     for low_high, values, size in ((inset.set_xlim, across, extent[0]), (inset.set_ylim, up, extent[1])):
         middle, half = (values.min() + values.max()) / 2, 0.5 * size or 0.5
         low_high(middle - half, middle + half)
-    inset.set_aspect(1 / factor, adjustable="box")
+    inset.set_aspect(factor, adjustable="box")
     inset.set_axis_off()

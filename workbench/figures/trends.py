@@ -13,7 +13,6 @@ from studies.laws import FAILS, NOISE
 
 from ..data import labels, observed, selection
 from . import style
-from .developed import axis_label
 from .scales import WIDE, Ticks, is_geometric, put
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
@@ -46,7 +45,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     if "fold" in ds and axis == ds.attrs.get("followed") and np.isfinite(ds["fold"]):
         ax.axvline(float(np.degrees(ds["fold"])), color=style.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     ax.set_xlabel(style.wrap(axis_label(ds, axis, others, long=False), ax))
-    ax.set_ylabel(labels.label(ds[observable]))
+    ax.set_ylabel(style.wrap(labels.label(ds[observable]), ax, upward=True))
     ax.margins(y=0.1)
     ax.yaxis.set_major_formatter(Ticks())
     drawn = lines.values[np.isfinite(lines.values)]
@@ -59,6 +58,12 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
         middle = float(drawn.mean())
         ax.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
     return style.with_grid(ax)
+
+
+def axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = True) -> str:
+    """The axis with its unit, and the values at which the other axes are held."""
+    held = [f"{labels.axis_symbol(k)} = {labels.value(float(ds[k][i]), ds[k])}" for k, i in where.items() if k != axis]
+    return labels.axis_label(axis, ds[axis], long) + (f", at {', '.join(held)}" if held else "")
 
 
 def _branches(ds: xr.Dataset, order: Sequence[dict[str, int]]) -> Any:

@@ -1,0 +1,287 @@
+"""Quantities along the rods of an axis: a panel a quantity, in it a curve a rod, one above the other over s.
+
+One rod alone has an axis of numbers in each panel. The states of a rod (straight, sinusoidal, helical) are bars.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Affine2D
+
+from solver.problem.errors import no_such
+from studies.laws import NOISE
+
+from ..data import labels, schema
+from ..data.cautions import SLIGHT
+from . import canvas, drawn_rods, legend, push_scale, style
+from .drawn_rods import DrawnRods
+from .scales import Ticks, angle_locator
+from .sheet import SCREEN, Sheet
+
+PANELS = ("beta", "kappa", "push")
+STATES = "states"
+TITLES = {"beta": "angle β", "kappa": "curvature κ"}
+COLOURS = {"straight": "#d9d9d4", "sinusoidal": "#7fb8d6", "helical": "#2c5f8a"}  # of `solver.shooting.state`
+NEEDED = {STATES: ("beta", "alpha", "push")}  # arrays of a panel that is no array itself
+MOST, MOST_PANELS = 60, 6
+# the range of a curve in steps from one curve to the next, where there are many of them; filled curves do not overlap
+OVERLAP, FILLED = 1.6, 1.0
+EACH, TALL, NARROW = 0.3, (1.9, 7.2), (1.0, 3.4)  # inches of one curve, and of a panel; on a narrow sheet of all panels
+THICK, LINE = 0.62, 0.1  # of a row of states: its bar, and above it the line where the cylinder would have to pull
+TEXT = 1.45  # heights of a letter from one line of text to the next
+
+
+def figure(
+    ds: xr.Dataset,
+    x: str | None = None,
+    at: Mapping[str, float] | None = None,
+    show: Sequence[str] = (),
+    sheet: Sheet = SCREEN,
+) -> Figure:
+    """Draw quantities along s for the rods along an axis, a panel for each.
+
+    The curves of a panel share one scale, which its bar shows, and are offset; the value of the axis stands at the left
+    of its line, where the quantity is 0; where 0 is far from all curves, the title names another value.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+    x, at
+        As `axis` and `at` of `drawn_rods.choose`.
+    show : sequence of str
+        Arrays along the rod, or ``states``; default: beta, kappa and push.
+    sheet : Sheet
+        What the figure is drawn for. Its panel is one of them.
+
+    Raises
+    ------
+    InputError
+        As of `drawn_rods.choose`, and for an unknown panel.
+    """
+    names = list(dict.fromkeys([sheet.panel] if sheet.panel else show or PANELS))
+    known = dict.fromkeys([*PANELS, STATES, *(name for name in schema.CURVES.values() if name not in schema.INNER)])
+    for name in names:
+        if name not in known:
+            raise no_such("panel", name, known)
+    names = names[:MOST_PANELS]
+    rods = drawn_rods.choose(ds, list(dict.fromkeys(a for n in names for a in NEEDED.get(n, (n,)))), x, at, MOST)
+    curves = [_curves(rods, name) for name in names]
+    ends = min(one.ends()[0] for one in curves), max(one.ends()[1] for one in curves)
+    tall = float(np.clip(EACH * (ends[1] - ends[0]), *TALL))
+    if sheet.narrow:
+        tall = float(np.clip(tall, NARROW[0], NARROW[1] / len(names)))
+    rows, columns = (len(names), 1) if sheet.narrow else (1, len(names))
+
+    def draw(fig: Figure) -> None:
+        axes = fig.subplots(rows, columns, squeeze=False, sharex=True).ravel()
+        for i, (ax, one) in enumerate(zip(axes, curves, strict=True)):
+            _panel(ax, rods, one, ends, tall, labelled=sheet.narrow or i == 0)
+            ax.xaxis.label.set_visible(not sheet.narrow or i == len(names) - 1)
+        legend.below(fig, entries(rods, names), [*rods.said(), *rods.notes], sheet)
+
+    height = rows * (tall + (0.3 if sheet.narrow else 0.75)) + 0.75 + 0.7 * sheet.titled
+    return canvas.figure((sheet.width, height), draw, rods.source, sheet=sheet)
+
+
+states = partial(figure, show=(STATES,))
+
+
+def entries(rods: DrawnRods, names: Sequence[str]) -> list[Artist]:
+    """The legend of panels: the states, and what the colours of a push are."""
+    found: list[Artist] = [Patch(color=colour, label=word) for word, colour in COLOURS.items() if STATES in names]
+    if "push" in names:
+        found.append(Patch(color=style.PUSHED, label="the cylinder pushes"))
+    if {"push", STATES} & set(names) and any(push_scale.pulls(rod["push"]) for rod in rods.solved):
+        found.append(Patch(color=push_scale.PULL, label="the cylinder would have to pull: the rod would lift off"))
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """The curves of one panel.
+
+    values: of each rod in the unit of the panel, None where it is not solved. unit: with a blank before it where one
+    stands. foot: the value at the line of a curve. step: from one curve to the next. size: the range of nearly all.
+    """
+
+    name: str
+    title: str
+    unit: str
+    values: list[Any]
+    foot: float
+    step: float
+    size: float
+
+    def ends(self) -> tuple[float, float]:
+        """The lowest and the highest point of all curves in steps from the line of the first."""
+        drawn = [(k, values) for k, values in enumerate(self.values) if values is not None]
+        low = min(k + (values.min() - self.foot) / self.step for k, values in drawn)
+        high = max(k + (values.max() - self.foot) / self.step for k, values in drawn)
+        return float(min(low, 0.0)), float(max(high, len(self.values) - 1))
+
+
+def _curves(rods: DrawnRods, name: str) -> Curves:
+    """The curves of one quantity; a few that have a much larger range than the others do not flatten them."""
+    if name == STATES:
+        flat = [None if rod.arrays is None else np.array([-0.5, 0.5]) for rod in rods.rods]
+        return Curves(name, "states", "", flat, 0.0, 1.0, 1.0)
+    _, unit, change = _words(rods.source, name)
+    title = TITLES.get(name, labels.symbol_of(name))
+    values = [change(rod[name]) if rod.arrays is not None else None for rod in rods.rods]
+    drawn = [one for one in values if one is not None]
+    low, high = min(one.min() for one in drawn), max(one.max() for one in drawn)
+    far = low > 2 * (high - low) or high < -2 * (high - low)  # 0 lies far from all curves
+    foot = float(low) if far and high - low > NOISE * max(abs(low), abs(high)) else 0.0
+    size = float(np.quantile([max(one.max(), foot) - min(one.min(), foot) for one in drawn], 0.9)) or 1.0
+    most = FILLED if name == "push" else OVERLAP
+    return Curves(name, title, unit, values, foot, size / min(most, 0.5 + 0.2 * len(values)), size)
+
+
+def _words(ds: xr.Dataset, name: str) -> tuple[str, str, Callable[[Any], Any]]:
+    """The name of an array along the rod, its unit, and what brings its numbers into it."""
+    if name == "push":
+        return "push", f" {labels.unit(push_scale.unit(ds))}", np.asarray
+    units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
+    told = dict(ds[schema.curve_name(name)].attrs) if schema.curve_name(name) in ds else {}
+    array = xr.DataArray(0.0, attrs=told or schema.labels(name, units), name=name)
+    unit = labels.unit(str(array.attrs.get("units", "1")))
+    if labels.is_angle(array):
+        return labels.symbol_of(name), "°", np.degrees
+    return labels.symbol_of(name), f" {unit}" if unit else "", np.asarray
+
+
+def _panel(ax: Axes, rods: DrawnRods, curves: Curves, ends: tuple[float, float], tall: float, labelled: bool) -> None:
+    """One quantity of all rods, on axes of that height in inches. ends: of all panels, in steps."""
+    if curves.name == STATES:
+        _draw_states(ax, rods)
+    elif len(rods.rods) == 1:
+        alone(ax, rods, curves.name)
+        return
+    else:
+        _draw_curves(ax, rods, curves)
+    margin = 0.02 * (ends[1] - ends[0])
+    ax.set_ylim(curves.foot + (ends[0] - margin) * curves.step, curves.foot + (ends[1] + margin) * curves.step)
+    _name_curves(ax, rods, curves, tall, labelled)
+    if curves.name != STATES:
+        _bar(ax, curves)
+    _over_s(ax, rods)
+
+
+def _over_s(ax: Axes, rods: DrawnRods) -> None:
+    ax.set_xlim(0, max(float(rod["s"][-1]) for rod in rods.solved))
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
+    ax.xaxis.set_major_formatter(Ticks())
+    ax.set_xlabel(f"s [{labels.unit(str(rods.source.attrs['length_unit']))}]")
+    ax.grid(axis="x", color=style.FAINT, linewidth=0.6)
+    ax.set_axisbelow(True)
+
+
+def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> Axes:
+    """A quantity of one rod over s, on an axis of its numbers; shaded where the cylinder would have to pull.
+
+    dots: whether the stations miss bends.
+    """
+    rod, (title, unit, change) = rods.solved[0], _words(rods.source, name)
+    s, values = rod["s"], change(rod[name])
+    if dots:
+        ax.plot(s, values, ".", color=style.DATA, markersize=3, label=rod.name)
+    elif name == "push":
+        push_scale.line(ax, s, values, values, push_scale.scale([values]), 1.6, order=3)
+        _shade_pulls(ax, s, values)
+    else:
+        ax.plot(s, values, color=style.DATA, linewidth=1.8, label=rod.name)
+    ax.axhline(0, color=style.SOFT, linewidth=0.8)
+    coarse = f"; dots: {rods.source.sizes.get('u', 1)} stations miss bends" if dots else ""
+    ax.set_ylabel(f"{title} [{unit.strip()}]" if unit.strip() else title)
+    words = {"beta": "angle from the axis to the tangent", "push": "push of the cylinder per length"}
+    ax.set_title(style.wrap(f"{words.get(name, title)}{coarse}", ax), loc="left")
+    ax.yaxis.set_major_formatter(Ticks())
+    if unit == "°":
+        ax.yaxis.set_major_locator(angle_locator(float(np.ptp(ax.get_ylim())), 1.6))
+    _over_s(ax, rods)
+    return style.with_grid(ax)
+
+
+def _shade_pulls(ax: Axes, s: Any, push: Any) -> None:
+    """Shade the stretches where the cylinder would have to pull."""
+    pulled = push < -SLIGHT * np.abs(push).max()
+    if not pulled.any():
+        return
+    ax.fill_between(s, 0, 1, where=pulled, transform=ax.get_xaxis_transform(), color=style.LIFTED, alpha=0.28,
+                    linewidth=0, label="the cylinder would have to pull: the rod would lift off")  # fmt: skip
+    ax.fill_between(s, 0, push, where=~pulled, color=style.PUSHED, alpha=0.25, linewidth=0,
+                    label="the cylinder pushes")  # fmt: skip
+
+
+def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
+    """The curves of all rods, each at its offset."""
+    count, step, foot = len(curves.values), curves.step, curves.foot
+    colours = style.ramp_colours(count)
+    norm = push_scale.scale([values for values in curves.values if values is not None])
+    width = float(np.clip(16 / count, 0.7, 1.4))
+    for k, (rod, values) in enumerate(zip(rods.rods, curves.values, strict=True)):
+        ax.axhline(k * step + foot, color=style.FAINT, linewidth=0.6, zorder=1)
+        order = 3 + 0.9 * (count - k) / count  # the lower curve stands before the upper one
+        where = Affine2D().translate(0, k * step) + ax.transData
+        if values is None:
+            _say_unsolved(ax, k * step + foot)
+        elif curves.name == "push":
+            for side, colour in ((np.maximum(values, 0), style.PUSHED), (np.minimum(values, 0), push_scale.PULL)):
+                ax.fill_between(rod["s"], 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order)
+            push_scale.line(ax, rod["s"], values, values, norm, width, rod.name, k * step, order)
+        else:
+            ax.plot(rod["s"], values, color=colours[k], linewidth=1.1, transform=where, zorder=order, label=rod.name)
+
+
+def _draw_states(ax: Axes, rods: DrawnRods) -> None:
+    """A bar a rod, in the colours of its states, and above it a line where the cylinder would have to pull."""
+    from solver.shooting.state import states as states_of
+
+    for k, rod in enumerate(rods.rods):
+        if rod.arrays is None:
+            _say_unsolved(ax, k)
+            continue
+        for state in states_of(rod["s"], rod["beta"], rod["alpha"]):
+            ax.barh(k, state.end - state.begin, THICK, state.begin, color=COLOURS[state.word])
+        pulls = rod["push"] < -SLIGHT * np.abs(rod["push"]).max()
+        ax.fill_between(rod["s"], k + THICK / 2, k + THICK / 2 + LINE, where=pulls, color=push_scale.PULL, linewidth=0)
+
+
+def _say_unsolved(ax: Axes, height: float) -> None:
+    ax.text(0.5, height, "unsolved", transform=ax.get_yaxis_transform(), ha="center", va="bottom", color=style.SOFT,
+            size=style.small())  # fmt: skip
+
+
+def _name_curves(ax: Axes, rods: DrawnRods, curves: Curves, tall: float, labelled: bool) -> None:
+    """The values of the axis at the left of their curves, as many as have room."""
+    lines = tall * curves.step / float(np.ptp(ax.get_ylim())) / (style.small() * TEXT / 72)  # of text between two
+    shown = range(0, len(rods.rods), max(int(np.ceil(1 / lines)), 1))
+    ax.tick_params(axis="y", length=0)
+    ax.spines["left"].set_visible(False)
+    ax.set_yticks([curves.foot + k * curves.step for k in shown], [rods.rods[k].value * labelled for k in shown])
+    if rods.axis is not None:
+        words = [labels.axis_label(rods.axis, rods.source[rods.axis], long) for long in (True, False)]
+        ax.set_ylabel(style.shorter(words, 0.9 * tall))
+    ax.yaxis.label.set_visible(labelled)
+
+
+def _bar(ax: Axes, curves: Curves) -> None:
+    """The title of a panel, and at its right edge a bar of a round length that shows its scale."""
+    rounds: Sequence[float] = (1, 2, 5, 10, 30, 45, 90, 180, 360)
+    if curves.unit != "°" or curves.size < rounds[0]:
+        rounds = [digit * 10.0 ** np.floor(np.log10(curves.size)) for digit in (1, 2, 5)]
+    length = max(one for one in rounds if one <= curves.size * (1 + 1e-9))
+    top = ax.get_ylim()[1]
+    ax.plot([1.015, 1.015], [top - length, top], color=style.INK, linewidth=2.2, solid_capstyle="butt", clip_on=False,
+            transform=ax.get_yaxis_transform("grid"))  # fmt: skip
+    foot = f"; line: {labels.number(curves.foot)}{curves.unit}" if curves.foot else ""
+    ax.set_title(style.wrap(f"{curves.title}; bar: {labels.number(length)}{curves.unit}{foot}", ax), loc="left")
