@@ -146,7 +146,7 @@ def test_the_page_draws_a_rod_and_says_what_it_is(page, tmp_path) -> None:
         "pull, no push on 77 % of the length. Lift-off from s = 0 cm."
     )
     assert page("return page.view.camera.lying")  # along the view, as the unrolled view below it
-    assert page("return document.querySelectorAll('.diagram canvas').length") == 4
+    assert page("return document.querySelectorAll('#diagrams canvas, #unrolled canvas').length") == 4
     page.driver.save_screenshot(str(tmp_path / "page.png"))
     picture = imread(tmp_path / "page.png")[:, :, :3]
     assert min(shares_of_push(picture)) > 0.01
@@ -497,7 +497,8 @@ def test_on_paper_the_rod_is_a_copy_and_the_diagrams_keep_their_proportions(page
     browser.medium(page.driver, "print")
     shape = "[one.width / one.height, one.clientWidth / one.clientHeight, one.width / one.clientWidth]"
     shapes = page.until(
-        lambda: page(f"""const all = [...document.querySelectorAll('.diagram canvas')].map((one) => {shape});
+        lambda: page(f"""const all = [...document.querySelectorAll('#diagrams canvas, #unrolled canvas')]
+                .map((one) => {shape});
             return all.every(([, , fine]) => fine > 2) && all;"""),
         "diagrams drawn anew at the width of paper",
     )

@@ -106,6 +106,22 @@ def test_the_observables_are_those_of_the_solver() -> None:
             assert found[name] == pytest.approx(float(wanted[name]), abs=half * max(size, 1e-9)), name
 
 
+def test_the_ribbon_is_as_tall_as_the_push_is_strong_and_arrows_point_as_the_cylinder_pushes() -> None:
+    script = f"""{SHAPE}
+    const all = [...shape.s.keys()], largest = Math.max(...shape.push.map(Math.abs)),
+      corners = (kind) => push_marks.pushMarks(kind, shape, all, 1, largest).corners;
+    answer([corners("ribbon"), corners("arrows"), shape.push.map((v) => v / largest), push_marks.tallest(one)]);"""
+    ribbon, arrows, share, tall = run(script, state(), (*MODULES, "push_marks"))
+    ribbon = np.reshape(ribbon, (-1, 2, 7))  # x, y, z, normal, share of the largest push
+    np.testing.assert_allclose(np.diff(np.hypot(*ribbon.T[:2]), axis=0)[0], np.abs(share) * tall, atol=1e-6)
+    np.testing.assert_allclose(ribbon[:, 1, 6], share, atol=1e-6)
+    rings = np.reshape(arrows, (-1, 5, 8, 7))[..., [0, 1, 2, 6]]  # of each arrow, from the rod outward
+    widest = np.linalg.norm(rings[:, :, 0, :3] - rings[:, :, 4, :3], axis=-1).argmax(axis=1)
+    pushes = rings[:, 0, 0, 3] > 0
+    assert {*pushes} == {True, False}
+    np.testing.assert_array_equal(widest, np.where(pushes, 3, 1))  # the ring before the tip
+
+
 def test_which_rods_pass_through_themselves() -> None:
     states = [*STARTS, state(E=5.35e4), state(L=4.0), state("dna", dgamma=0.0), state("dna", beta=-1.52)]
     script = """

@@ -384,6 +384,7 @@ function prepare() {
     me.state.base.side = event.target.value;
     update({ refit: true });
   });
+  element("push").addEventListener("change", (event) => view.showPush(event.target.value));
   element("cursor").addEventListener("input", (event) =>
     setCursor((Number(event.target.value) / 1000) * me.shape.s[me.shape.s.length - 1]),
   );

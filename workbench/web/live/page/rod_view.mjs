@@ -4,6 +4,7 @@ import { ABOVE, aside, axesOf, between, dot, fitted, needsFit, seen, turned } fr
 import { scaleOf } from "./colours.mjs";
 import { hands } from "./hands.mjs";
 import { range } from "./numbers.mjs";
+import { pushMarks, tallest } from "./push_marks.mjs";
 import { makeScene } from "./scene.mjs";
 import { cylinder, rings, sidesFor, squeezeOf, tube } from "./tube.mjs";
 import { wallLight } from "./wall_light.mjs";
@@ -25,7 +26,7 @@ const AROUND = Array.from({ length: 24 }, (_, i) => [Math.cos((i * Math.PI) / 12
 /* The view in a canvas. code: the colours of the push. calm: whether the camera must not move by itself. lies: whether a
    long rod lies along a wide view. */
 export function makeView(canvas, mark, code, calm, lies = false) {
-  const me = { shape: null, drawn: null, camera: null, target: null, ratio: 1, touched: false, at: null };
+  const me = { shape: null, drawn: null, camera: null, target: null, ratio: 1, touched: false, at: null, push: "colours" };
   Object.assign(me, { picked: () => {}, moved: () => {} });
   let resting = 0,
     easing = 0,
@@ -54,7 +55,7 @@ export function makeView(canvas, mark, code, calm, lies = false) {
       me.camera = frontOf(shape);
       me.touched = false;
     }
-    const bounds = seen(me.camera, drawn.points, shape.one.a),
+    const bounds = boundsFrom(me.camera),
       mustFit = fresh || refit || !me.camera.half;
     if (mustFit) me.touched = false;
     if (!me.camera.half || fresh) jump(fitted(me.camera, bounds, aspect()));
@@ -69,7 +70,7 @@ export function makeView(canvas, mark, code, calm, lies = false) {
   function filled() {
     const { wall } = me.drawn,
       { one } = me.shape,
-      reach = Math.max(one.R, one.rho + one.a);
+      reach = Math.max(one.R, one.rho + reachOf(one));
     scene.setWall(wall, one.sign < 0, 2 * (reach + Math.max(Math.abs(wall.low), Math.abs(wall.high))));
     mesh(COARSE * me.ratio, true);
     paint(false);
@@ -82,6 +83,7 @@ export function makeView(canvas, mark, code, calm, lies = false) {
     const chosen = rings(shape, tolerance, drawn.scale.end, moves),
       sides = sidesFor(shape.one.a, tolerance);
     scene.setRod(tube(shape, chosen, sides, drawn.squeeze, drawn.scale.end), chosen.length, sides);
+    scene.setMarks(pushMarks(me.push, shape, chosen, drawn.squeeze, drawn.scale.end));
     scene.setLight(wallLight(shape, drawn.squeeze, drawn.wall, code, moves), shape.one.a);
     me.rings = chosen.length;
   }
@@ -141,12 +143,14 @@ export function makeView(canvas, mark, code, calm, lies = false) {
     paint(false);
     later();
   };
-  const bounds = (camera) => seen(camera, me.drawn.points, me.shape.one.a);
+  /* How far what is drawn reaches from the centreline. */
+  const reachOf = (one) => one.a + (me.push !== "colours" && one.sign > 0 ? tallest(one) : 0);
+  const boundsFrom = (camera) => seen(camera, me.drawn.points, reachOf(me.shape.one));
 
   /* All of the rod, from the same side. */
   function fit() {
     me.touched = false;
-    ease(fitted(me.camera, bounds(me.camera), aspect()));
+    ease(fitted(me.camera, boundsFrom(me.camera), aspect()));
   }
 
   /* All of the rod, from its front. */
@@ -156,13 +160,21 @@ export function makeView(canvas, mark, code, calm, lies = false) {
       way = camera.azimuth - me.camera.azimuth;
     me.touched = false;
     ease(
-      fitted({ ...camera, azimuth: me.camera.azimuth + way - full * Math.round(way / full) }, bounds(camera), aspect()),
+      fitted({ ...camera, azimuth: me.camera.azimuth + way - full * Math.round(way / full) }, boundsFrom(camera), aspect()),
     );
+  }
+
+  /* Show the push as "colours", and as "ribbon" or "arrows" too. */
+  function showPush(kind) {
+    me.push = kind;
+    if (!me.shape) return;
+    ease(fitted(me.camera, boundsFrom(me.camera), aspect()));
+    if (scene) filled();
   }
 
   const turn = (by, up) => {
     const camera = turned(me.camera, by, up);
-    moveTo(me.touched ? camera : keepSize(fitted(camera, bounds(camera), aspect())));
+    moveTo(me.touched ? camera : keepSize(fitted(camera, boundsFrom(camera), aspect())));
   };
   const keepSize = (camera) => ({ ...camera, half: Math.max(camera.half, me.camera.half) });
   const zoom = (factor) => {
@@ -249,16 +261,18 @@ export function makeView(canvas, mark, code, calm, lies = false) {
   if (scene) hands(canvas, { turn, zoom, shift, fit, picked: (x, y) => me.picked(x === null ? null : sAt(x, y)) });
   new ResizeObserver(() => {
     if (me.shape) {
-      if (!me.touched) jump(fitted(me.camera, bounds(me.camera), aspect()));
+      if (!me.touched) jump(fitted(me.camera, boundsFrom(me.camera), aspect()));
       paint(false);
       later();
     }
   }).observe(canvas);
   return Object.assign(me, {
     scene,
+    bounds: boundsFrom,
     show,
     fit,
     front,
+    showPush,
     turn,
     setMark,
     setRings,
@@ -290,7 +304,7 @@ function picture(me, scene, width, height) {
   const chosen = rings(shape, tolerance, drawn.scale.end),
     sides = sidesFor(shape.one.a, tolerance);
   scene.setRod(tube(shape, chosen, sides, drawn.squeeze, drawn.scale.end), chosen.length, sides);
-  const fits = fitted(camera, seen(camera, drawn.points, shape.one.a), width / height);
+  const fits = fitted(camera, me.bounds(camera), width / height);
   return scene.pixels(me.touched ? camera : fits, width, height);
 }
 

@@ -75,6 +75,12 @@ export function makeScene(canvas, code, onContext) {
     fill(gl, surfaces.ends, corners.subarray(STRIDE * first), endTriangles(0, sides));
   }
 
+  /* What stands off the rod to show the push; null for nothing. */
+  function setMarks(marks) {
+    surfaces.marks.size = 0;
+    if (marks) fill(gl, surfaces.marks, marks.corners, marks.triangles);
+  }
+
   function setWall({ corners, triangles, low, high }, open, depth) {
     fill(gl, surfaces.wall, corners, triangles);
     gl.uniform2f(where.ends, low, high);
@@ -119,6 +125,8 @@ export function makeScene(canvas, code, onContext) {
     }
     gl.uniform1i(where.part, ROD);
     for (const part of [surfaces.rod, surfaces.ends]) shown(gl, part);
+    gl.disable(gl.CULL_FACE);
+    shown(gl, surfaces.marks);
   }
 
   /* Draw at so many pixels for one pixel of the page; smooth: with four samples a pixel. */
@@ -164,7 +172,7 @@ export function makeScene(canvas, code, onContext) {
 
   const wait = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // until all is drawn
   const isLost = () => gl.isContextLost();
-  return { setRod, setWall, setLight, draw, pixels, wait, isLost, largest: gl.getParameter(gl.MAX_RENDERBUFFER_SIZE) };
+  return { setRod, setMarks, setWall, setLight, draw, pixels, wait, isLost, largest: gl.getParameter(gl.MAX_RENDERBUFFER_SIZE) };
 }
 
 /* The program, its buffers and colours; after a loss of the context they are made again. */
@@ -184,7 +192,7 @@ function resources(gl, code) {
   gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   return {
     where,
-    surfaces: { rod: surface(gl), ends: surface(gl), wall: surface(gl) },
+    surfaces: { rod: surface(gl), ends: surface(gl), wall: surface(gl), marks: surface(gl) },
     state: { open: false, depth: 1, a: 1, smooth: null, walls: {} },
   };
 }
