@@ -357,11 +357,11 @@ def test_the_shadow_on_the_wall_is_that_of_the_stills() -> None:
     script = (
         SHAPE
         + """
-    const wall = tube.cylinder(shape, 1), look = given.look, map = wall_light.wallLight(shape, 1, wall, look, false);
+    const wall = tube.cylinder(shape, 1), look = given.look, map = light.wallLight(shape, 1, wall, look, false);
     answer([map.width, map.height, wall.low, wall.high, Array.from(map.bytes)]);"""
     )
     look = scene_look.for_pages()
-    width, height, low, high, light = run(script, state() | {"look": look}, (*MODULES, "tube", "wall_light"))
+    width, height, low, high, light = run(script, state() | {"look": look}, (*MODULES, "tube", "light"))
     sol = solve(case_of(state()), stations=4001)
     turn = 2 * np.pi * (np.arange(width) + 0.5) / width
     z = low + (high - low) * (np.arange(height) + 0.5) / height
@@ -369,6 +369,23 @@ def test_the_shadow_on_the_wall_is_that_of_the_stills() -> None:
     curve = np.stack([np.cos(sol.alpha), np.sin(sol.alpha), sol.z]).T
     wanted = shading.on_wall(grid.reshape(-1, 3), curve, 0.25)
     assert np.abs(np.array(light) / 255 - wanted).max() < 0.02
+
+
+def test_the_light_on_the_rod_beside_its_other_stretches_is_that_of_the_pictures() -> None:
+    script = f"""{SHAPE}
+    const rings = [...shape.s.keys()], sides = 12,
+      frames = rings.map((i) => tube.frameAt(shape, i, 1, 0));
+    answer([rings.map((i) => shape.s[i]), frames.map((f) => [f.x, f.y, f.z, f.ox, f.oy, f.bx, f.by, f.bz]),
+      light.coveredTube(shape, rings, sides, 1)]);"""
+    s, frames, covered = run(script, state(), (*MODULES, "tube", "light"))
+    x, y, z, ox, oy, bx, by, bz = np.array(frames).T
+    around = 2 * np.pi * np.arange(12)[:, None] / 12
+    normals = np.stack([np.cos(around) * p + np.sin(around) * q for p, q in ((ox, bx), (oy, by), (0 * ox, bz))])
+    light = shading.on_tube(np.array(s), np.stack([x, y, z]).T, normals.T, np.stack([ox, oy, 0 * ox]).T, 0.25, True)
+    wanted = (1 - light) / scene_look.DEPTH
+    found = np.minimum(np.reshape(covered, wanted.shape), 1)
+    assert found.max() > 0.3
+    assert np.abs(found - wanted).max() < 0.05
 
 
 def test_numbers_and_units_are_written_as_in_the_figures() -> None:

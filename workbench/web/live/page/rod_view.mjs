@@ -5,9 +5,10 @@ import { scaleOf } from "./colours.mjs";
 import { hands } from "./hands.mjs";
 import { range } from "./numbers.mjs";
 import { pushMarks, tallest } from "./push_marks.mjs";
+import { coveredTube, wallLight } from "./light.mjs";
 import { makeScene } from "./scene.mjs";
 import { cylinder, rings, sidesFor, squeezeOf, tube } from "./tube.mjs";
-import { wallLight } from "./wall_light.mjs";
+
 
 const FINE = 0.12,
   COARSE = 0.8; // pixels that the tube may be off at rest, and while a slider moves
@@ -82,7 +83,7 @@ export function makeView(canvas, mark, code, calm, lies = false) {
       tolerance = (pixels * 2 * me.target.half) / Math.max(canvas.clientHeight * pixelRatio(), 1);
     const chosen = rings(shape, tolerance, drawn.scale.end, moves),
       sides = sidesFor(shape.one.a, tolerance);
-    scene.setRod(tube(shape, chosen, sides, drawn.squeeze, drawn.scale.end), chosen.length, sides);
+    setRod(scene, shape, drawn, chosen, sides);
     scene.setMarks(pushMarks(me.push, shape, chosen, drawn.squeeze, drawn.scale.end));
     scene.setLight(wallLight(shape, drawn.squeeze, drawn.wall, code, moves), shape.one.a);
     me.rings = chosen.length;
@@ -297,13 +298,18 @@ function noteBeside(canvas) {
   };
 }
 
+function setRod(scene, shape, { squeeze, scale }, chosen, sides) {
+  const covered = coveredTube(shape, chosen, sides, squeeze);
+  scene.setRod(tube(shape, chosen, sides, squeeze, scale.end), chosen.length, sides, covered);
+}
+
 /* The scene as pixels of a picture, as fine as it is large. */
 function picture(me, scene, width, height) {
   const { shape, drawn, camera } = me,
     tolerance = (FINE * 2 * camera.half) / height;
   const chosen = rings(shape, tolerance, drawn.scale.end),
     sides = sidesFor(shape.one.a, tolerance);
-  scene.setRod(tube(shape, chosen, sides, drawn.squeeze, drawn.scale.end), chosen.length, sides);
+  setRod(scene, shape, drawn, chosen, sides);
   const fits = fitted(camera, me.bounds(camera), width / height);
   return scene.pixels(me.touched ? camera : fits, width, height);
 }

@@ -7,17 +7,17 @@ import { STRIDE, endTriangles, wallTriangles } from "./tube.mjs";
 const TONES = 1024; // so many that the change from pull to push is sharp
 const OUTLINE = 1 / 350; // of the height of a view: the width of the outline of a hidden stretch
 const VERTEX = `#version 300 es
-in vec3 place; in vec3 normal; in float push;
+in vec3 place; in vec3 normal; in float push; in float cover;
 uniform mat4 view; uniform mat3 turn;
-out vec3 way, spot, outward; out float value;
-void main() { gl_Position = view * vec4(place, 1.0); way = turn * normal; spot = place; outward = normal; value = push; }`;
+out vec3 way, spot, outward; out float value, shaded;
+void main() { shaded = cover; gl_Position = view * vec4(place, 1.0); way = turn * normal; spot = place; outward = normal; value = push; }`;
 const ROD = 0,
   WALL = 1,
   HIDDEN = 2; // what a fragment belongs to; HIDDEN: a stretch behind the wall, in outline
 const UNIFORMS = ["view", "turn", "wall", "part", "ramp", "light", "line", "hidden", "ends", "depth", "covered"];
 const FRAGMENT = `#version 300 es
 precision highp float;
-in vec3 way, spot, outward; in float value;
+in vec3 way, spot, outward; in float value, shaded;
 uniform sampler2D ramp, light; uniform vec3 wall, line; uniform vec3 hidden; uniform vec2 ends; uniform int part;
 uniform float depth, covered;
 out vec4 colour;
@@ -31,7 +31,7 @@ void main() {
     colour = vec4(line * share, 1.0 - (1.0 - share) * (1.0 - hidden.z));
     return;
   }
-  float reaches = isRod ? 1.0 - depth * covered * (0.25 - 0.25 * rises)
+  float reaches = isRod ? 1.0 - depth * min(shaded + covered * (0.25 - 0.25 * rises), 1.0)
     : abs(outward.z) > 0.5 ? 1.0
     : texture(light, vec2(atan(spot.y, spot.x) / 6.2831853, (spot.z - ends.x) / (ends.y - ends.x))).r;
   vec3 base = isRod ? texture(ramp, vec2(0.5 + 0.5 * value, 0.5)).rgb : wall;
@@ -63,14 +63,17 @@ export function makeScene(canvas, code, onContext) {
     onContext(false);
   });
 
-  /* The tube: its corners, number of rings and sides. The ends share its corners. */
-  function setRod(corners, count, sides) {
+  /* The tube: its corners, number of rings and sides, and how much other stretches cover each. The ends share its corners. */
+  function setRod(corners, count, sides, covered) {
     const known = state.walls[sides];
     if (!known || known.count < count)
       state.walls = { [sides]: { count: 2 * count, triangles: wallTriangles(2 * count, sides), fresh: true } };
     fill(gl, surfaces.rod, corners, state.walls[sides].fresh ? state.walls[sides].triangles : null);
     state.walls[sides].fresh = false;
     surfaces.rod.size = 6 * (count - 1) * sides;
+    gl.bindBuffer(gl.ARRAY_BUFFER, surfaces.rod.covered);
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(corners.length / STRIDE), gl.DYNAMIC_DRAW);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, covered);
     const first = count * sides;
     fill(gl, surfaces.ends, corners.subarray(STRIDE * first), endTriangles(0, sides));
   }
@@ -192,7 +195,7 @@ function resources(gl, code) {
   gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   return {
     where,
-    surfaces: { rod: surface(gl), ends: surface(gl), wall: surface(gl), marks: surface(gl) },
+    surfaces: { rod: covering(gl, surface(gl)), ends: surface(gl), wall: surface(gl), marks: surface(gl) },
     state: { open: false, depth: 1, a: 1, smooth: null, walls: {} },
   };
 }
@@ -208,7 +211,7 @@ function linked(gl) {
     gl.compileShader(shader);
     gl.attachShader(program, shader);
   }
-  ["place", "normal", "push"].forEach((name, i) => gl.bindAttribLocation(program, i, name));
+  ["place", "normal", "push", "cover"].forEach((name, i) => gl.bindAttribLocation(program, i, name));
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
   return program;
@@ -228,6 +231,15 @@ function surface(gl) {
     gl.vertexAttribPointer(i, size, gl.FLOAT, false, 4 * STRIDE, 4 * first);
   });
   return found;
+}
+
+/* A surface of which each corner has a number of its own: how much other stretches cover it; of others it is 0. */
+function covering(gl, part) {
+  part.covered = gl.createBuffer();
+  gl.bindBuffer(gl.ARRAY_BUFFER, part.covered);
+  gl.enableVertexAttribArray(3);
+  gl.vertexAttribPointer(3, 1, gl.FLOAT, false, 4, 0);
+  return part;
 }
 
 function fill(gl, part, corners, triangles) {
