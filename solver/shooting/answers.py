@@ -11,8 +11,9 @@ from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.reduced import EndsProblem, StartProblem, flat
 from ..problem.trajectory import Trajectory, verdicts
-from .branch import Path, branch_from_straight, index_of_any, straight_shape
+from .branch import Path, branch_from_straight, straight_shape
 from .curve import Curve
+from .descent import index_of_any
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import HALF, Shape, correct, linear_at
 from .numbers import rods_of, starts_of

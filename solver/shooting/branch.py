@@ -6,23 +6,20 @@ from itertools import product
 
 import numpy as np
 
-from ..core.banded import solve_band
 from ..numerics.arrays import Array
 from .curve import Curve
-from .inertia import index_of
-from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
-from .newton import Shape, correct, linear_at, march_of
-from .varying_shapes import Nodes
+from .descent import LOOSE, descend, index_at, index_of_any, is_near, weakest_modes
+from .loaded_rod import SHORT, LoadedRod
+from .newton import Shape, correct
 
 CLOSE = 1e-6  # relative: of the load at which the straight rod buckles
-LOOSE = 1e-4  # of the scales: a correction that is enough on the way
 AMPLITUDES = tuple(
     0.05 * 4.0**-k for k in range(6)
 )  # of the angles, in their scales, with which a buckled shape is sought
-MOST_FORCES = 40  # that are tried for a held height
+MOST_FORCES, LEAST_BENT = 20, 1e-3  # that are tried for a held height; how much they shorten the rod, of the wanted
+FRICTION = "this friction: beyond, it may drive waves along the rod, and the ends hold no shape"
 FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.1, 1e-5, 0.25
 AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought to which a rod jumps
-WEAKEST, STIFFER, FIRM, ROUNDS = 1e-4, 3.0, 1e6, 300  # springs: weakest, factor, strongest; steps of a descent
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,34 +36,6 @@ class Path:
     buckled: float | None = None
     jumped: tuple[float, ...] = ()
     why: str = ""
-
-
-def index_at(shape: Shape, springs: Array | None = None) -> int:
-    """The Morse index of a shape; with springs, of the shape that they hold."""
-    shape = shape if springs is not None else divided(shape)
-    return index_of(shape.rod, march_of(shape)[1], shape.rod.scale, springs)
-
-
-def divided(shape: Shape) -> Shape:
-    """A shape with stretches so short that none holds a conjugate distance: the index counts by stretches.
-
-    The loads alone set the nodes; in a rod that goes far round, beta turns faster.
-    """
-    y, width = shape.y, np.diff(shape.t)
-    sin = np.maximum(np.abs(np.sin(y[1:, BETA])), np.abs(np.sin(y[:-1, BETA])))
-    sin = np.minimum(1, sin + width * np.maximum(np.abs(y[1:, SPEED]), np.abs(y[:-1, SPEED])))
-    loads = np.maximum(np.abs(y[1:]), np.abs(y[:-1]))
-    squares = loads[:, PHI] + (loads[:, Q] + 5 * loads[:, MU] + 6 * sin) * sin  # above |H'|
-    parts = np.ceil(width * np.sqrt(squares)).astype(int)
-    if not np.isfinite(squares).all() or (parts <= 1).all():
-        return shape
-    t = np.interp(np.arange(parts.clip(1).sum() + 1), np.append(0, np.cumsum(parts.clip(1))), shape.t)
-    return Shape(shape.rod, t, Nodes(shape.rod.numbers, shape.rod.scale, shape.t, y).at(t))
-
-
-def index_of_any(shape: Shape) -> int:
-    """The Morse index of a shape; 0 with friction, which has none."""
-    return 0 if shape.rod.rubbed else index_at(shape)
 
 
 def straight_shape(rod: LoadedRod, t: Array) -> Shape:
@@ -111,36 +80,36 @@ def branch_with_friction(rod: LoadedRod) -> Path:
     plain = branch_from_straight(rod.rubbed_by(0.0))
     if plain.shape is None:
         return plain
-    found = grow(rod.rubbed_by, plain.shape, 0.0, 1.0)
+    found = grow(rod.rubbed_by, plain.shape, 0.0, 1.0, FRICTION)
     return replace(found, buckled=plain.buckled, jumped=plain.jumped)
 
 
 def branch_to_height(rod: LoadedRod) -> Path:
-    """The same where the height is held: the axial force changes until the far end is there.
+    """The same where the height is held: it changes to the held one from that of a shape bent by an axial force.
 
-    A straight rod does not answer a change of its height, so this is a continuation in the force.
+    A straight rod does not answer a change of its height.
     """
-    low, high, best = 0.0, np.inf, None  # sizes of the force
-    size = float(rod.rate(np.array([rod.span]))[0] ** 2) / 4
+    size, why = 0.0, "no axial force was found that bends the rod"
     for _ in range(MOST_FORCES):
         far = rod.far.copy()
         far[2] = -size
+        size = 2 * size or float(rod.rate(np.array([rod.span]))[0] ** 2) / 4
         path = branch_from_straight(replace(rod, held=rod.held - {"height"}, far=far))
         if path.shape is None:
-            return replace(path, why=f"{path.why}, under a force on the way to the held height")
-        short = path.shape.y[-1, SHORT]
-        bent = short > 1e-3 * (rod.span - rod.far[2])
-        if bent:
-            best = path
-            shape = Shape(rod, path.shape.t, path.shape.y)
-            found = correct(shape, reach=1.0, most=12)
-            if found is not None and is_near(shape, found) and index_of_any(found) <= path.index:
-                return replace(path, shape=found, index=index_of_any(found))
-        low, high = (low, size) if short > rod.span - rod.far[2] else (size, high)
-        size = 2 * size if high == np.inf else (low + high) / 2
-    return Path(
-        None, why="no axial force was found that holds this height" + ("" if best else ": the rod stays straight")
-    )
+            why = f"{path.why}, under a force that would bend the rod"
+            continue
+        height = float(rod.span - path.shape.y[-1, SHORT])
+        if rod.span - height < LEAST_BENT * (rod.span - rod.far[2]):
+            continue
+
+        def at(share: float, height: float = height) -> LoadedRod:
+            held = rod.far.copy()
+            held[2] += (1 - share) * (height - held[2])
+            return replace(rod, far=held)
+
+        found = grow(at, Shape(at(0.0), path.shape.t, path.shape.y), 0.0, 1.0)
+        return replace(found, buckled=path.buckled, jumped=path.jumped + found.jumped)
+    return Path(None, why=why)
 
 
 def buckling_share(rod: LoadedRod, t: Array) -> float:
@@ -202,10 +171,12 @@ def buckle(rod: LoadedRod, t: Array, critical: float) -> tuple[Shape, float] | N
     return None if below is None else (below, share)
 
 
-def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, x: float, last: float) -> Path:
+def grow(
+    rod_at: Callable[[float], LoadedRod], shape: Shape, x: float, last: float, target: str = "these loads"
+) -> Path:
     """The equilibrium reached from one at x while x grows to its last value; a stable one stays stable.
 
-    rod_at: the rod at each x. The `jumped` of the path are values of x.
+    rod_at: the rod at each x. target: what its last value means. The `jumped` of the path are values of x.
     """
     step, before = max(x, FIRST_STEP * last), None
     jumped: list[float] = []
@@ -224,89 +195,13 @@ def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, x: float, last: flo
             continue
         ahead = min(last, x + AHEAD * last)
         rod = rod_at(ahead)
-        below = None if rod.rubbed else descend(Shape(rod, shape.t, shape.y))
+        below = descend(Shape(rod, shape.t, shape.y))
         if below is None:
-            return Path(
-                None, index, None, tuple(jumped), f"the branch ends at {x / last:.6g} of the way to these loads"
-            )
+            return Path(None, index, None, tuple(jumped), f"the branch ends at {x / last:.6g} of the way to {target}")
         jumped.append(x)
         x, shape, index, before, step = ahead, below, 0, None, AHEAD * last
     final = correct(Shape(rod_at(last), shape.t, shape.y))
     if final is None or not is_near(shape, final):
-        return Path(None, index, None, tuple(jumped), "Newton's method did not converge under the whole loads")
+        why = f"Newton's method did not converge at the end of the way to {target}"
+        return Path(None, index, None, tuple(jumped), why)
     return Path(final, index_of_any(final), None, tuple(jumped))
-
-
-def is_near(shape: Shape, other: Shape) -> bool:
-    """Whether no angle changed so much that it may be another branch."""
-    change = np.abs(other.y - shape.y)[:, [BETA, ALPHA]] / shape.rod.scale[[BETA, ALPHA]]
-    size = np.abs(shape.y[:, [BETA, ALPHA]] / shape.rod.scale[[BETA, ALPHA]]).max()
-    return bool(change.max() < 0.5 + size)
-
-
-def springs_of(shape: Shape, strength: float) -> Array:
-    """Springs at the nodes (N, 2), as much on each length, in the scales of beta and alpha."""
-    width, T = np.gradient(shape.t), shape.rod.time
-    return np.asarray(strength * width[:, None] / np.array([T**2, T**4]))
-
-
-def descend(shape: Shape, change: Array | None = None) -> Shape | None:
-    """A stable equilibrium below a shape, by steps each of which lowers the energy; None where none was reached.
-
-    Springs at the nodes hold each shape near the one before it, as weak as the stability of the next one allows.
-    """
-    strength = WEAKEST
-    while index_at(shape, springs_of(shape, strength)) > 0:
-        strength *= STIFFER
-        if strength > FIRM:
-            return None
-    y = shape.y + 0.1 * (weakest_modes(shape)[0] if change is None else change)
-    for _ in range(ROUNDS):
-        now = replace(shape, y=y)
-        found = correct(now, y, springs_of(now, strength), reach=1.0, most=15, enough=LOOSE)
-        if found is None:
-            strength *= STIFFER
-            if strength > FIRM:
-                return None
-            continue
-        y = found.y
-        if index_at(found) == 0:
-            free = correct(found, reach=1.0, most=12)
-            if free is not None and is_near(found, free) and index_at(free) == 0:
-                return free
-            strength = max(WEAKEST, strength / 2)
-    return None
-
-
-def weakest_modes(shape: Shape, count: int = 1, rounds: int = 4) -> Array:
-    """The changes of the shape (count, N, 8) that the least forces make, the weakest first; the largest angle is 1.
-
-    Fewer than asked for where they are not distinct. In a long rod the two weakest differ in their phase alone, and
-    hardly in their stiffness: hence Ritz vectors.
-    """
-    N, scale = shape.t.size, shape.rod.scale
-    u = 2.399963 * np.arange(N)
-    pushes = [np.stack([np.cos(u + k), 1 + 0.5 * np.sin(u + k)], axis=1) for k in range(count)]  # contain every mode
-    push = np.stack(pushes, axis=-1)
-    linear, angles = linear_at(shape), [BETA, ALPHA]
-    mode = np.zeros((N, scale.size, count))
-    work = (scale[angles] * scale[[SPEED, Q]])[:, None]  # of a unit force along a unit change
-    for _ in range(rounds):
-        right = np.zeros((N, scale.size, count))
-        right[:-1, [SPEED, Q]] = push[1:]
-        flat = np.concatenate([np.zeros((4, count)), right[:-1].reshape(-1, count), np.zeros((4, count))])
-        step = solve_band(linear.band, flat)
-        assert step is not None
-        mode = np.asarray(step).reshape(N, -1, count)
-        moved = mode[:, angles]
-        stiffness = np.einsum("nik,nil->kl", moved[1:] * work, push[1:])
-        sizes = np.einsum("nik,nil->kl", moved, moved)
-        if np.linalg.matrix_rank(sizes, hermitian=True) < count:  # exactly at a buckling load all tend to one mode
-            return weakest_modes(shape, count - 1, rounds)
-        found, mix = np.linalg.eig(np.linalg.solve(sizes, stiffness + stiffness.T))
-        mode = mode @ mix[:, np.argsort(-found)].real  # the force that makes an unstable change is along it here
-        mode /= np.abs(mode[:, angles]).max(axis=(0, 1))
-        push = mode[:, angles]
-    first = np.argmax(np.abs(mode[:, BETA]) > 0.3 * np.abs(mode[:, BETA]).max(axis=0), axis=0)
-    sign = np.sign(np.take_along_axis(mode[:, BETA], first[None], axis=0))
-    return np.asarray(np.moveaxis(mode * sign * scale[:, None], -1, 0))

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.errors import InputError
-from .branch import index_of_any
 from .curve import Curve, Point, inner
+from .descent import index_of_any
 from .newton import Shape
 
 FOLD, PITCHFORK, BRANCH_POINT = "fold", "pitchfork", "branch point"

@@ -6,7 +6,8 @@ import numpy as np
 
 from ..core.varying_loads import march
 from ..numerics.arrays import Array, Booleans
-from .branch import branch_from_straight, index_at, straight_shape, weakest_modes
+from .branch import branch_from_straight, straight_shape
+from .descent import index_at, on_nodes, weakest_modes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
 from .newton import Shape, correct
 
@@ -50,7 +51,7 @@ def search(rod: LoadedRod) -> Found:
         found.add(straight_shape(rod, t), STRAIGHT)
     begun = branch_from_straight(rod)
     if begun.shape is not None:
-        found.add(begun.shape, STRAIGHT)
+        found.add(on_nodes(begun.shape, t), STRAIGHT)
     if scanned is not None:
         for y in starts(rod, t, *scanned):
             found.add(correct(Shape(rod, t, y), reach=1.0, most=15), SCAN)

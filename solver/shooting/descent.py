@@ -1,0 +1,139 @@
+"""How far a shape is from being stable, and the stable shape to which a rod falls from one that is not."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..core.banded import solve_band
+from ..numerics.arrays import Array
+from .inertia import index_of
+from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, Q
+from .newton import Shape, correct, linear_at, march_of
+from .varying_shapes import Nodes
+
+LOOSE = 1e-4  # of the scales: a correction that is enough on the way
+WEAKEST, FIRST, FIRMEST, FACTOR = 1e-4, 1e-2, 1e6, 3.0  # springs: weakest, at first, strongest, change
+KICK, FAR, REST = 0.1, 0.5, 1e-3  # of the angles, in their scales: a push, the longest step, what counts as none
+ROUNDS = 1000  # steps of a fall
+
+
+def index_at(shape: Shape, springs: Array | None = None) -> int:
+    """The Morse index of a shape; with springs, of the shape that they hold."""
+    shape = shape if springs is not None else divided(shape)
+    return index_of(shape.rod, march_of(shape)[1], shape.rod.scale, springs)
+
+
+def divided(shape: Shape) -> Shape:
+    """A shape with stretches so short that none holds a conjugate distance: the index counts by stretches.
+
+    The loads alone set the nodes; in a rod that goes far round, beta turns faster.
+    """
+    y, width = shape.y, np.diff(shape.t)
+    sin = np.maximum(np.abs(np.sin(y[1:, BETA])), np.abs(np.sin(y[:-1, BETA])))
+    sin = np.minimum(1, sin + width * np.maximum(np.abs(y[1:, SPEED]), np.abs(y[:-1, SPEED])))
+    loads = np.maximum(np.abs(y[1:]), np.abs(y[:-1]))
+    squares = loads[:, PHI] + (loads[:, Q] + 5 * loads[:, MU] + 6 * sin) * sin  # above |H'|
+    parts = np.ceil(width * np.sqrt(squares)).clip(1)
+    if not np.isfinite(squares).all() or (parts == 1).all():
+        return shape
+    t = np.interp(np.arange(parts.sum() + 1), np.append(0, np.cumsum(parts)), shape.t)
+    return on_nodes(shape, t)
+
+
+def on_nodes(shape: Shape, t: Array) -> Shape:
+    """The same shape on other nodes."""
+    return Shape(shape.rod, t, Nodes(shape.rod.numbers, shape.rod.scale, shape.t, shape.y).at(t))
+
+
+def index_of_any(shape: Shape) -> int:
+    """The Morse index of a shape; 0 with friction, which has none."""
+    return 0 if shape.rod.rubbed else index_at(shape)
+
+
+def is_near(shape: Shape, other: Shape) -> bool:
+    """Whether no angle changed so much that it may be another branch."""
+    size = np.abs(shape.y[:, [BETA, ALPHA]] / shape.rod.scale[[BETA, ALPHA]]).max()
+    return bool(turned(shape, other) < 0.5 + size)
+
+
+def springs_of(shape: Shape, strength: float) -> Array:
+    """Springs at the nodes (N, 2), as much on each length, in the scales of beta and alpha."""
+    width, T = np.gradient(shape.t), shape.rod.time
+    return np.asarray(strength * width[:, None] / np.array([T**2, T**4]))
+
+
+def descend(shape: Shape, change: Array | None = None) -> Shape | None:
+    """The stable equilibrium to which a shape falls as if through a viscous fluid; None where it reaches none.
+
+    Springs at the nodes hold each shape near the one before it. Their strength keeps the steps short and the held shape
+    stable, so that each step lowers the energy. At a shape that does not move and is not stable the rod is pushed along
+    its weakest mode. A rod with friction has no energy, and none is sought.
+    """
+    if shape.rod.rubbed:
+        return None
+    strength = FIRST
+    y = shape.y + KICK * (weakest_modes(shape)[0] if change is None else change)
+    for _ in range(ROUNDS):
+        now = replace(shape, y=y)
+        springs = springs_of(now, strength)
+        there = correct(now, y, springs, reach=FAR, most=8, enough=LOOSE)
+        moved = np.inf if there is None else turned(now, there)
+        if there is None or moved > FAR or index_at(there, springs) > 0:
+            fine = divided(now)
+            if fine is now:
+                strength *= FACTOR
+            shape, y = fine, fine.y
+            if strength > FIRMEST:
+                return None
+            continue
+        y = there.y
+        stable = index_at(there) == 0
+        if stable:
+            free = correct(there, reach=1.0, most=12)
+            if free is not None and is_near(there, free) and index_at(free) == 0:
+                return free
+        if moved < FAR / 5:
+            strength = max(WEAKEST, strength / FACTOR)
+        if moved < REST and not stable:
+            y = y + KICK * weakest_modes(there)[0]
+    return None
+
+
+def turned(shape: Shape, other: Shape) -> float:
+    """The largest change of an angle, in its scale."""
+    change = (other.y - shape.y)[:, [BETA, ALPHA]] / shape.rod.scale[[BETA, ALPHA]]
+    return float(np.abs(change).max())
+
+
+def weakest_modes(shape: Shape, count: int = 1, rounds: int = 4) -> Array:
+    """The changes of the shape (count, N, 8) that the least forces make, the weakest first; the largest angle is 1.
+
+    Fewer than asked for where they are not distinct. In a long rod the two weakest differ in their phase alone, and
+    hardly in their stiffness: hence Ritz vectors.
+    """
+    N, scale = shape.t.size, shape.rod.scale
+    u = 2.399963 * np.arange(N)
+    pushes = [np.stack([np.cos(u + k), 1 + 0.5 * np.sin(u + k)], axis=1) for k in range(count)]  # contain every mode
+    push = np.stack(pushes, axis=-1)
+    linear, angles = linear_at(shape), [BETA, ALPHA]
+    mode = np.zeros((N, scale.size, count))
+    work = (scale[angles] * scale[[SPEED, Q]])[:, None]  # of a unit force along a unit change
+    for _ in range(rounds):
+        right = np.zeros((N, scale.size, count))
+        right[:-1, [SPEED, Q]] = push[1:]
+        flat = np.concatenate([np.zeros((4, count)), right[:-1].reshape(-1, count), np.zeros((4, count))])
+        step = solve_band(linear.band, flat)
+        assert step is not None
+        mode = np.asarray(step).reshape(N, -1, count)
+        moved = mode[:, angles]
+        stiffness = np.einsum("nik,nil->kl", moved[1:] * work, push[1:])
+        sizes = np.einsum("nik,nil->kl", moved, moved)
+        if np.linalg.matrix_rank(sizes, hermitian=True) < count:  # exactly at a buckling load all tend to one mode
+            return weakest_modes(shape, count - 1, rounds)
+        found, mix = np.linalg.eig(np.linalg.solve(sizes, stiffness + stiffness.T))
+        mode = mode @ mix[:, np.argsort(-found)].real  # the force that makes an unstable change is along it here
+        mode /= np.abs(mode[:, angles]).max(axis=(0, 1))
+        push = mode[:, angles]
+    first = np.argmax(np.abs(mode[:, BETA]) > 0.3 * np.abs(mode[:, BETA]).max(axis=0), axis=0)
+    sign = np.sign(np.take_along_axis(mode[:, BETA], first[None], axis=0))
+    return np.asarray(np.moveaxis(mode * sign * scale[:, None], -1, 0))
