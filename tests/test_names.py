@@ -15,8 +15,8 @@ NOUNS = """
 """
 # Older names that still begin so, because their verb is taken by another name. None may be added.
 OLDER = """
-    _answering _appended _crowded _deciding _estimated _exiting _finding _growing _inked _interleaved
-    _labelled _matched _missed _promised _remarked _required _sampling _signed _solved _titled _untested
+    _answering _appended _deciding _exiting _finding _growing _inked _interleaved
+    _labelled _matched _missed _promised _remarked _required _sampling _solved _untested
     _verified achieved advanced analysed appending changed checked coloured compared completed counted
     developed divided drawn encoding ended ending facing fitted followed gridded guarded handed hatched
     implied installed joined joined_at judged kept located locked marched measured missed moved named

@@ -137,15 +137,15 @@ class StudyRun:
 
 def plot(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Plot:
     """The figure of a dataset, or of its case at some values of its axes. Raises `InputError`."""
-    from .figures import study_figure
+    from .figures import kinds
 
     if not at:
-        return Plot(study_figure.figure(ds))
+        return Plot(kinds.figure(ds, "lines"))
     where, given = selection.case(ds, at), [selection.axis_of(ds, name) for name in at]
     part = ds.isel({name: where[name] for name in given})
     values = [f"{labels.symbol(part[name])} = {labels.value(float(part[name]), part[name], 6)}" for name in given]
     titled = part.assign_attrs(title=f"{ds.attrs['title']}, {', '.join(values)}")
-    return Plot(study_figure.figure(titled, []))  # the laws are of all cases
+    return Plot(kinds.figure(titled, "lines", verdicts=[]))  # the laws are of all cases
 
 
 def scene(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Scene:

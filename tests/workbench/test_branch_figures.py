@@ -15,7 +15,7 @@ from solver import equilibria as all_equilibria
 from studies import load
 from workbench.branches import branch_dataset
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.figures import bifurcation, canvas, point_numbers, shape_cell, smooth_line
+from workbench.figures import bifurcation, canvas, point_numbers
 from workbench.figures import equilibria as equilibria_figure
 from workbench.figures.point_numbers import Point
 
@@ -59,6 +59,10 @@ def apart(text: str) -> list[str]:
         first, _, last = part.partition("–")
         names += [str(n) for n in range(int(first), int(last) + 1)] if last else [part]
     return names
+
+
+def legend_title(fig: Figure) -> str:
+    return fig.legends[0].get_title().get_text() if fig.legends else ""
 
 
 def cells(fig: Figure) -> list:
@@ -131,7 +135,7 @@ def test_a_legend_that_names_laws_stands_in_a_picture_that_says_them(dead) -> No
     for ds, laws in ((judged, True), (dead, False)):
         fig = bifurcation.figure(ds)
         named = any("law" in text.get_text() for text in fig.axes[0].get_legend().get_texts())
-        said = "the number of bends does not fall and mean κ rises with β(L)" in fig.get_supxlabel()
+        said = "the number of bends does not fall and mean κ rises with β(L)" in " ".join(legend_title(fig).split())
         assert (named, said) == (laws, laws)
 
 
@@ -218,7 +222,8 @@ def test_no_number_of_a_diagram_of_branches_is_nearer_to_another_point(which, dr
 @pytest.mark.parametrize("wide, tall", [(10.0, 3.0), (0.2, 7.0), (5.0, 0.0)])
 def test_a_shape_fills_its_frame_and_the_bar_has_its_scale(wide, tall) -> None:
     ax = Figure(figsize=(2, 2)).add_axes((0, 0, 1, 1))
-    shape_cell.draw(ax, (np.linspace(1.0, 1.0 + wide, 9), np.linspace(0, tall, 9)), shape_cell.look(0), "cm", "1", "")
+    curve = np.linspace(1.0, 1.0 + wide, 9), np.linspace(0, tall, 9)
+    equilibria_figure.draw_frame(ax, curve, equilibria_figure.look(0), "cm", "1", "")
     size = np.ptp(ax.get_xlim())
     assert max(wide / size, tall / size) > 0.7
     bar = ax.lines[2].get_xdata()  # in shares of the frame
@@ -230,7 +235,7 @@ def test_a_shape_fills_its_frame_and_the_bar_has_its_scale(wide, tall) -> None:
 def test_a_smooth_line_passes_through_its_points_and_follows_a_circle() -> None:
     angle = np.linspace(0, np.pi, 14) + np.random.default_rng(1).uniform(-0.04, 0.04, 14)
     x, y = np.cos(angle), np.sin(angle)
-    found = np.stack(smooth_line.through(x, y, np.stack([x, y], axis=1)))
+    found = np.stack(bifurcation.smooth_line(x, y, np.stack([x, y], axis=1)))
     for point in zip(x, y, strict=True):
         assert np.linalg.norm(found.T - point, axis=1).min() < 1e-12
     straight = max(1 - np.cos(np.diff(angle) / 2))  # how far the polygon is off

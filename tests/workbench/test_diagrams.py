@@ -16,7 +16,7 @@ from studies import load
 from tests.workbench.small import study
 from workbench import cli
 from workbench.data import push_colours, selection, writing
-from workbench.figures import along, drawn_data, drawn_rods, portrait, push_scale, unrolled
+from workbench.figures import along, drawn_rods, portrait, push_scale, table, unrolled
 from workbench.geometry.self_intersections import places
 from workbench.run import in_memory
 
@@ -30,7 +30,7 @@ def ds() -> xr.Dataset:
 
 
 def rows(fig: Figure) -> list[dict[str, str]]:
-    return list(csv.DictReader(StringIO(drawn_data.table(fig))))
+    return list(csv.DictReader(StringIO(table.table(fig))))
 
 
 def numbers(some: list[dict[str, str]], column: str) -> np.ndarray:

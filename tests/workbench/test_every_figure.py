@@ -6,7 +6,7 @@ import xarray as xr
 from studies import load, names
 from tests.workbench import small
 from tests.workbench.page_faults import faults
-from workbench.figures import story, study_pictures
+from workbench.figures import kinds, story
 from workbench.figures.sheet import sheet
 from workbench.run import in_memory
 from workbench.web.report import readings_table
@@ -38,9 +38,9 @@ def two() -> xr.Dataset:
 
 
 @pytest.mark.parametrize("page", SHEETS)
-@pytest.mark.parametrize("kind", study_pictures.KINDS)
+@pytest.mark.parametrize("kind", kinds.OF_STUDIES)
 def test_every_kind_of_picture_can_be_read_at_every_width(two, kind: str, page: str) -> None:
-    fig = study_pictures.KINDS[kind].figure(two, sheet=SHEETS[page])
+    fig = kinds.figure(two, kind, SHEETS[page])
     assert fig.get_figwidth() == pytest.approx(SHEETS[page].width)
     assert faults(fig) == []
 
@@ -50,4 +50,4 @@ def test_every_kind_of_picture_can_be_read_at_every_width(two, kind: str, page: 
 @pytest.mark.parametrize("name", names())
 def test_the_picture_of_every_study_can_be_read_at_every_width(name: str, page: str) -> None:
     ds = in_memory.run(load(name).coarse())
-    assert faults(study_pictures.KINDS[study_pictures.kind_of(ds)].figure(ds, sheet=SHEETS[page])) == []
+    assert faults(kinds.figure(ds, sheet=SHEETS[page])) == []

@@ -20,7 +20,7 @@ from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench import cli
 from workbench.data import writing
-from workbench.figures import canvas, index_bars, tornado
+from workbench.figures import bars, canvas
 from workbench.influence import analysed, local, one_case, sobol
 from workbench.influence.derivatives import REAL, sentences
 from workbench.influence.design import Design, design_of
@@ -143,7 +143,7 @@ def test_the_command_prints_a_table_and_writes_csv_json_and_a_diagram(tmp_path, 
 
 def test_a_tornado_has_its_longest_bar_on_top_and_its_signs_apart() -> None:
     table = local(solve(TABLE), observables=["height"]).assign_attrs(title="one", reading="")
-    (ax,) = tornado.figure(table).axes
+    (ax,) = bars.tornado(table).axes
     sizes = [bar.get_width() for bar in ax.patches]
     assert sorted(map(abs, sizes), reverse=True) == [abs(size) for size in sizes]
     assert len({bar.get_facecolor() for bar in ax.patches if bar.get_width() < 0}) == 1
@@ -393,7 +393,7 @@ def test_without_salib_one_sentence_names_the_extra(stored: Path, monkeypatch, c
 
 def test_the_bars_of_a_study_have_a_panel_for_each_observable(stored: Path, tmp_path) -> None:
     found = sobol(xr.open_dataset(stored))
-    fig = index_bars.figure(found)
+    fig = bars.indices(found)
     assert len(fig.axes) == 2
     assert all(ax.get_xlim() == fig.axes[0].get_xlim() for ax in fig.axes)
     canvas.save(fig, tmp_path / "bars.pdf")
@@ -404,7 +404,7 @@ def test_the_bars_say_why_an_index_is_negative_or_a_total_below_that_of_first_or
     exact = found.assign(first=abs(found["first"]), total=abs(found["first"]) + 0.1)
 
     def note(ds: xr.Dataset) -> str:
-        return " ".join(index_bars.figure(ds).legends[0].get_title().get_text().split())
+        return " ".join(bars.indices(ds).legends[0].get_title().get_text().split())
 
     assert "sampling error" not in note(exact)
     low = exact.assign(first=-exact["first"])

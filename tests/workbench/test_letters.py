@@ -17,10 +17,10 @@ from workbench.data import labels, law_verdicts, writing
 from workbench.figures import (
     along,
     canvas,
-    law_words,
+    laws,
     map_figure,
     portrait,
-    region_raster,
+    regions,
     robustness,
     scales,
     study_figure,
@@ -127,7 +127,7 @@ def judged() -> xr.Dataset:
 
 
 def test_a_law_stands_in_symbols_with_the_units_of_its_panel(judged) -> None:
-    first, second = (law_words.sentence(judged, row) for row in law_verdicts.verdicts(judged))
+    first, second = (laws.sentence(judged, row) for row in law_verdicts.verdicts(judged))
     assert (
         first == "max κ equals −8·π²·L⁻²·cm + 0·EI/(N·cm³) + bowed^0.5/cm within 9·10⁹\N{NO-BREAK SPACE}1/cm, along E"
     )
@@ -175,7 +175,7 @@ def test_regions_reach_to_their_curves_and_into_a_cusp() -> None:
     x, y = np.meshgrid(*2 * [(np.arange(9) + 0.5) / 9])
     coarse = np.where(np.abs(y - 0.5) < 0.4 * (x - 0.15), 1, 0)
     lines = [np.array([[0.15, 0.5], [1.2, 0.5 + sign * 0.42]]) for sign in (-1, 1)]
-    fine = region_raster.fine(coarse, lines)
+    fine = regions.fine(coarse, lines)
     rows, columns = (np.indices(fine.shape) + 0.5) / np.array(fine.shape)[:, None, None]
     true = np.abs(rows - 0.5) < 0.4 * (columns - 0.15)
     repeated = np.kron(coarse, np.ones(np.array(fine.shape) // 9, dtype=int))
@@ -185,5 +185,5 @@ def test_regions_reach_to_their_curves_and_into_a_cusp() -> None:
 
 def test_regions_without_a_curve_between_them_stay_as_they_are_stored() -> None:
     coarse = np.array([[0, 0, 1, 1], [0, 0, 1, 1]])
-    fine = region_raster.fine(coarse, [])
+    fine = regions.fine(coarse, [])
     np.testing.assert_array_equal(fine, np.kron(coarse, np.ones(np.array(fine.shape) // (2, 4), dtype=int)))

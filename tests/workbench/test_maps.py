@@ -19,13 +19,13 @@ from workbench import cli
 from workbench.data import cautions, law_verdicts, writing
 from workbench.figures import (
     canvas,
+    kinds,
     map_cells,
     map_figure,
     push_scale,
     regions,
     scales,
     study_figure,
-    study_pictures,
     style,
 )
 from workbench.figures import thumbnails as thumbs
@@ -431,14 +431,14 @@ def test_ink_stands_out_from_every_colour_of_a_map_and_the_colours_differ_in_gre
 def test_a_study_over_two_axes_is_a_map_and_over_one_it_is_lines(regimes) -> None:
     one = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]"))
     narrow = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.75]"))
-    assert [study_pictures.kind_of(ds) for ds in (regimes, one, narrow)] == ["map", "lines", "lines"]
-    assert study_pictures.kind_of(regimes, "lines") == "lines"
+    assert [kinds.kind_of(ds) for ds in (regimes, one, narrow)] == ["map", "lines", "lines"]
+    assert kinds.kind_of(regimes, "lines") == "lines"
 
 
 def test_a_study_of_samples_over_two_axes_is_a_map_only_where_it_is_asked_for() -> None:
     axes = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 1.0]\n"
     ds = in_memory.run(study(f"{axes}[sample]\nmethod = 'sobol'\nsize = 4\n[sample.F1]\nfrom = 1.0\nto = 9.0"))
-    assert study_pictures.kind_of(ds) == "lines"
+    assert kinds.kind_of(ds) == "lines"
     fig = map_figure.figure(ds, show=["wraps"], at={"sample": 3})
     np.testing.assert_array_equal(
         meshes(fig)[0].get_array().reshape(2, 2), ds["wraps"].sel(sample=3).transpose("R", "E")

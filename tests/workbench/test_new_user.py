@@ -14,7 +14,7 @@ from solver import Rod
 from studies.loader import loads
 from tests.workbench import small
 from workbench import cli
-from workbench.figures import law_words
+from workbench.figures import laws
 from workbench.run import in_memory
 
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
@@ -146,9 +146,9 @@ def test_a_long_formula_leaves_room_for_the_curves() -> None:
     text = small.HEAD + f'[axes.E]\nvalues = [1e4, 2e4]\n[expressions]\nbowed = "{long}"\n{law}formula = "bowed/cm"\n'
     ds = in_memory.run(loads(text))
     kappa = ds["kappa_max"]
-    assert law_words.formula(ds, "bowed", kappa) == "bowed"
-    cut = law_words.formula(ds, long, kappa)
-    assert len(cut) == law_words.LONGEST
+    assert laws.formula(ds, "bowed", kappa) == "bowed"
+    cut = laws.formula(ds, long, kappa)
+    assert len(cut) == laws.LONGEST
     assert cut.endswith("…")
 
 

@@ -18,7 +18,7 @@ from tests.workbench import small
 from workbench import cli
 from workbench.data import law_numbers, law_verdicts, writing
 from workbench.figures import study_figure
-from workbench.figures.law_panel import panel
+from workbench.figures.laws import panel
 from workbench.run import in_memory
 from workbench.web.report import law_cards
 

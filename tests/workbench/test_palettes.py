@@ -16,7 +16,7 @@ from matplotlib.colors import to_rgb
 import workbench
 from solver.benchmark import ladders
 from workbench.data import push_colours, scene_look
-from workbench.figures import index_bars, push_scale, robustness, style
+from workbench.figures import bars, push_scale, robustness, style
 from workbench.scene import colours as scene_colours
 
 WHITE = "#ffffff"
@@ -77,7 +77,7 @@ LINES = {
     "push and pull": [style.PUSHED, style.LIFTED, push_scale.PULL],
     "marks": [style.CROSSED, style.SOFT, style.INK],
     "curves along an axis": style.ramp_colours(9),
-    "indices": [index_bars.FIRST, index_bars.TOTAL],
+    "indices": [bars.FIRST, bars.TOTAL],
 }
 
 

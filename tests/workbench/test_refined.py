@@ -20,7 +20,7 @@ from tests.workbench.pictures import pixels, share_of_ink
 from workbench import cli
 from workbench.data import law_verdicts, reading, refined, writing
 from workbench.data.boundary import boundary, boundary_of_law
-from workbench.figures import canvas, map_figure, study_figure, study_pictures, thumbnails
+from workbench.figures import canvas, kinds, map_figure, study_figure, thumbnails
 from workbench.run import block, in_memory, merge
 from workbench.run.progress import Meter
 from workbench.run.study_store import Options, run_to_file
@@ -427,7 +427,7 @@ def test_the_coarse_grid_of_a_refined_study_is_the_study_without_refinement(stor
 
 def test_the_default_picture_is_a_map_in_the_plane_and_lines_along_an_axis(stored: Path, line, tmp_path) -> None:
     ds = writing.read(stored)
-    assert (study_pictures.kind_of(ds), study_pictures.kind_of(line)) == ("map", "lines")
+    assert (kinds.kind_of(ds), kinds.kind_of(line)) == ("map", "lines")
     fig = map_figure.figure(ds, show=["turns", "level"])
     mesh = next(one for one in fig.axes[0].collections if hasattr(one, "get_coordinates"))
     raster = refined.raster(ds)

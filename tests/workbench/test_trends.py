@@ -15,8 +15,8 @@ from studies.reasons import PLAIN
 from tests.workbench.pictures import pixels, share_of_ink
 from tests.workbench.small import grid, study
 from workbench.data import labels, law_verdicts, observed, selection
-from workbench.figures import along, canvas, drawn_rods, notes, study_figure, style, unrolled
-from workbench.figures.law_panel import panel
+from workbench.figures import along, canvas, drawn_rods, legend, study_figure, style, unrolled
+from workbench.figures.laws import panel
 from workbench.figures.sheet import sheet
 from workbench.figures.trends import trend
 from workbench.figures.unrolled import stretch
@@ -282,7 +282,7 @@ def test_any_stored_observable_is_drawn_if_asked_for_and_what_is_left_out_is_sai
     assert [ax.get_ylabel().split(" [")[0] for ax in asked.axes] == ["turns around", "bends", "condition"]
     assert "true" in said(asked.axes[1])  # an observable with a law has the panel of its law
     assert len(study_figure.figure(angles, sheet=sheet(panel="wraps")).axes) == 1
-    (note,) = notes.kept(study_figure.figure(angles))
+    (note,) = legend.kept(study_figure.figure(angles))
     judged = {row["observable"] for row in law_verdicts.verdicts(angles)}
     level = {name for name in observed.observables(angles) if observed.is_level(angles, name)}
     left = [name for name in observed.observables(angles) if name not in judged | level]

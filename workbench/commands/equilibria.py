@@ -13,8 +13,6 @@ from .solve import parse_choose
 
 if TYPE_CHECKING:
     import numpy as np
-    import xarray as xr
-    from matplotlib.figure import Figure
 
     from solver import Case
     from solver.equilibria import Equilibria
@@ -219,11 +217,6 @@ def _list(study: "Study", case: "Case", found: "Equilibria", choose: str | None,
     remark = with_unit(found.remark, case, study.unit_system)
     search = {} if searched is None else {"search": asdict(searched)}
 
-    def figure(ds: "xr.Dataset") -> "Figure":
-        from ..figures import equilibria as equilibria_figure
-
-        return equilibria_figure.figure(ds)
-
     def show() -> None:
         reactions = list(searched.within) if searched else []
         _print_list(study, case, found, rows, reactions, remark)
@@ -240,7 +233,7 @@ def _list(study: "Study", case: "Case", found: "Equilibria", choose: str | None,
             "equilibria": rows, "complete": found.complete, "remark": remark, **search,
         }  # fmt: skip
 
-    return Result(data, show, lambda: dataset_of(study, case, found), figure)
+    return Result(data, show, lambda: dataset_of(study, case, found))
 
 
 def _print_list(
@@ -321,11 +314,6 @@ def _over_axis(
         ds = branch_dataset.sweep(study, case, name, values, step, show)
     rows, folds, remarks = branch_dataset.branches(ds), branch_dataset.folds(ds), branch_dataset.remarks(ds)
 
-    def figure(ds: "xr.Dataset") -> "Figure":
-        from ..figures import bifurcation
-
-        return bifurcation.figure(ds)
-
     def data() -> dict[str, Any]:
         numbered = [{"number": row["branch"] + 1, **row} for row in rows]
         return {"axis": name, "units": study.unit_system, "branches": numbered, "folds": folds, "remarks": remarks}
@@ -341,5 +329,5 @@ def _over_axis(
         for remark in remarks:
             console.say(f"a branch stops at {remark}")
 
-    present(Result(data, tell, lambda: ds, figure), asked, as_json)
+    present(Result(data, tell, lambda: ds), asked, as_json)
     return 0 if rows else 1

@@ -185,8 +185,7 @@ def _rule(asked: "CaseInput", choose: str | None) -> Any:
 
 def _draw(table: "xr.Dataset", path: Path, sheet: "Sheet | None", dpi: int) -> None:
     """Draw the figure of a fit."""
-    from ..figures import canvas
-    from ..figures import fit as fit_figure
+    from ..figures import canvas, kinds
     from ..figures.sheet import SCREEN
 
-    canvas.save(fit_figure.figure(table, sheet or SCREEN), path, dpi)
+    canvas.save(kinds.figure(table, "fit", sheet or SCREEN), path, dpi)

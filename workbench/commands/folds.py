@@ -11,7 +11,6 @@ from .ranges import ENDS_NUMBERS, read_range
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from solver.region_map import RegionMap
 
@@ -79,16 +78,11 @@ def folds(
         ds = dataset_of(study, found, (points, len(wrong)) if points else None)
         return ds.assign_attrs(reading="") if given.values else ds  # it would not be that of Table 1
 
-    def figure(ds: "xr.Dataset") -> "Figure":
-        from ..figures import region_map as region_figure
-
-        return region_figure.figure(ds, page)
-
     def show() -> None:
         _print(found, points, wrong)
         console.say_units(study.unit_system)
 
-    present(Result(lambda: _as_data(found, points, wrong), show, dataset, figure), asked, json, dpi)
+    present(Result(lambda: _as_data(found, points, wrong), show, dataset), asked, json, dpi, page)
     return 1 if found.remark or wrong else 0
 
 

@@ -8,9 +8,6 @@ from .case_options import ROD_FIELDS, Given, takes_case
 from .options import Json, argument, flag, option
 
 if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
-
     from solver import Cylinder, Loop, Rod
 
 MOST_FOLDS = 50
@@ -74,12 +71,7 @@ def loops(
         rows = [row(one) for one in found]
         return {"units": units, "loops": rows, "complete": complete, "remarks": remarks}
 
-    def figure(ds: "xr.Dataset") -> "Figure":
-        from ..figures import loops as loops_figure
-
-        return loops_figure.figure(ds)
-
-    result = Result(data, lambda: _print(found, remarks, units), lambda: loops_dataset.dataset_of(found, units), figure)
+    result = Result(data, lambda: _print(found, remarks, units), lambda: loops_dataset.dataset_of(found, units))
     present(result, asked if found else Files(None, None, force), json)
     return 0 if complete else 1
 

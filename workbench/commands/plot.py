@@ -1,6 +1,5 @@
 """The command plot: the figure of a stored study."""
 
-import importlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -78,7 +77,7 @@ def plot(
     from solver.problem.errors import InputError
 
     from ..data import atomic, outcomes, writing
-    from ..figures import canvas, drawn_data, notes
+    from ..figures import canvas, kinds, legend, table
     from ..figures.sheet import sheet
     from . import output_file
 
@@ -90,24 +89,24 @@ def plot(
         if named := [name for name, value in {**given, "kind": kind, "panel": panel}.items() if value]:
             raise InputError(f"{file} is {other.what}, which plot draws without --{named[0]}")
         ds = writing.read(file, study=False)
-        canvas.save(importlib.import_module(f"..figures.{other.figure}", __package__).figure(ds), path, dpi)
+        canvas.save(kinds.figure(ds, sheet=sheet(style, width, not no_title)), path, dpi)
         console.say(str(path))
         return 0
     ds = writing.read(file)
     outcomes.check_any_solved(ds)
     page = sheet(style, width, not no_title, panel)
-    ds, kind, given = _kind(ds, kind, given)
+    kind, given = _kind(ds, kind, given)
     path = output_file.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
-    table = output_file.check(data, (".csv",), force) if data else None
+    numbers = output_file.check(data, (".csv",), force) if data else None
     drawn = _figure(ds, kind, given, page)
     canvas.save(drawn, path, dpi)
-    for note in notes.kept(drawn):
+    for note in legend.kept(drawn):
         console.say(note)
     console.say(str(path))
-    if table:
-        with atomic.replacing(table) as part:
-            part.write_text(drawn_data.table(drawn), encoding="utf-8")
-        console.say(str(table))
+    if numbers:
+        with atomic.replacing(numbers) as part:
+            part.write_text(table.table(drawn), encoding="utf-8")
+        console.say(str(numbers))
     return 0
 
 
@@ -140,23 +139,21 @@ def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) 
     return 0
 
 
-def _kind(ds: "xr.Dataset", kind: str | None, options: dict[str, Any]) -> "tuple[xr.Dataset, str, dict[str, Any]]":
-    """What is drawn, the kind of picture, and its given options. Raises `InputError` for one that does not fit."""
-    from ..figures import drawn_rods, study_pictures
+def _kind(ds: "xr.Dataset", kind: str | None, options: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """The kind of picture, and its given options. Raises `InputError` for one that does not fit."""
+    from ..figures import kinds
     from . import at_option
 
     given = {name: value for name, value in options.items() if value}
-    kind = study_pictures.kind_of(ds, kind, list(given))
-    if kind in ("curves", "ridge", "portrait", "states"):
-        ds = drawn_rods.grid(ds)
+    kind = kinds.kind_of(ds, kind, list(given))
     if "at" in given:
         given["at"] = at_option.values(ds, given["at"])
-    return ds, kind, given
+    return kind, given
 
 
 def _figure(ds: "xr.Dataset", kind: str, given: dict[str, Any], page: "Sheet") -> "Figure":
     """The figure of that kind."""
-    from ..figures import study_pictures, thumbnails
+    from ..figures import kinds, thumbnails
 
     if "show" in given:
         given["show"] = [name.strip() for text in given["show"] for name in text.split(",")]
@@ -164,4 +161,4 @@ def _figure(ds: "xr.Dataset", kind: str, given: dict[str, Any], page: "Sheet") -
         given["shapes"] = thumbnails.read(given["shapes"])
     if kind == "map" and page.panel:
         given["show"] = [page.panel]
-    return study_pictures.KINDS[kind].figure(ds, sheet=page, **given)
+    return kinds.figure(ds, kind, page, **given)

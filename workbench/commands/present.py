@@ -9,7 +9,8 @@ from . import console
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
+
+    from ..figures.sheet import Sheet
 
 
 @dataclass(frozen=True)
@@ -28,13 +29,12 @@ class Files:
 class Result:
     """What a command found.
 
-    data: it as plain data. show: prints it for people. dataset: it as a dataset. figure: draws that dataset.
+    data: it as plain data. show: prints it for people. dataset: it as a dataset, which is stored and drawn.
     """
 
     data: Callable[[], Any]
     show: Callable[[], None]
     dataset: "Callable[[], xr.Dataset]"
-    figure: "Callable[[xr.Dataset], Figure]"
 
 
 def files(plot: Path | None, out: Path | None, force: bool, kind: str) -> Files:
@@ -56,8 +56,8 @@ def files(plot: Path | None, out: Path | None, force: bool, kind: str) -> Files:
     return Files(plot, out, force)
 
 
-def present(result: Result, asked: Files, as_json: bool, dpi: int = 200) -> None:
-    """Store and draw what was asked for, then print it."""
+def present(result: Result, asked: Files, as_json: bool, dpi: int = 200, sheet: "Sheet | None" = None) -> None:
+    """Store and draw what was asked for, then print it; sheet: of the picture."""
     if asked.out or asked.picture:
         from ..data import writing
 
@@ -65,9 +65,10 @@ def present(result: Result, asked: Files, as_json: bool, dpi: int = 200) -> None
         if asked.out:
             writing.write(ds, asked.out, asked.force)
         if asked.picture:
-            from ..figures import canvas
+            from ..figures import canvas, kinds
+            from ..figures.sheet import SCREEN
 
-            canvas.save(result.figure(ds), asked.picture, dpi)
+            canvas.save(kinds.figure(ds, sheet=sheet or SCREEN), asked.picture, dpi)
     if as_json:
         console.print_json(result.data())
     else:

@@ -107,12 +107,12 @@ def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[xr.Dataset, dic
 
 def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:
     """The pictures of one dataset, name -> file; scenes only if OpenGL works."""
-    from ..figures import canvas, study_figure
+    from ..figures import canvas, kinds
 
     name = result.ds.attrs["study_name"]
     ds = result.ds.assign_attrs(title="")  # the report gives the title, once
     pictures = {"figure": out / f"{name}.png"}
-    canvas.save(study_figure.figure(ds, result.verdicts), pictures["figure"])
+    canvas.save(kinds.figure(ds, "lines", verdicts=result.verdicts), pictures["figure"])
     if able:
         from ..scene import layout
 

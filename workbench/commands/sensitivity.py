@@ -49,7 +49,7 @@ def sensitivity(
     """
     from solver.problem.errors import InputError
 
-    from ..figures import canvas, index_bars, notes, tornado
+    from ..figures import canvas, kinds, legend
     from ..influence import tables
     from . import output_file, picture_page
 
@@ -69,9 +69,9 @@ def sensitivity(
     if out is not None:
         tables.write(table, out)
     if plot is not None:
-        drawn = (index_bars if whole else tornado).figure(table, sheet)
+        drawn = kinds.figure(table, "indices" if whole else "tornado", sheet)
         canvas.save(drawn, plot, dpi)
-        for note in notes.kept(drawn) if not json else ():
+        for note in legend.kept(drawn) if not json else ():
             console.say(note)
     for path in (out, plot):
         if path is not None and not json:

@@ -60,13 +60,14 @@ def _store(
     """The dataset of the rows, and the files made of it: NAME.h5 and its pictures."""
     from ..compare.trade import dataset_of
     from ..data import writing
-    from ..figures import canvas, work_precision
+    from ..figures import canvas, kinds
+    from ..figures.work_precision import COSTS
 
     ds = dataset_of(rows, ladders)
     path = writing.write(ds, out / f"{name}.h5")
-    pictures = [out / f"{name}_{cost}.png" for cost in work_precision.COSTS]
-    for cost, picture in zip(work_precision.COSTS, pictures, strict=True):
-        canvas.save(work_precision.figure(ds, cost), picture)
+    pictures = [out / f"{name}_{cost}.png" for cost in COSTS]
+    for cost, picture in zip(COSTS, pictures, strict=True):
+        canvas.save(kinds.figure(ds, "trade", cost=cost), picture)
     return ds, [path, *pictures]
 
 

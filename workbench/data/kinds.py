@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 class Kind:
     """A kind of file.
 
-    what: in words. figure: the module of `workbench.figures` that draws it, "" for none. scene: whether `scene` draws
+    what: in words. figure: its kind in `workbench.figures.kinds`, "" for none. scene: whether `scene` draws
     it. needs: dimensions and variables that no other kind has.
     """
 
@@ -24,16 +24,16 @@ class Kind:
     needs: tuple[str, ...] = ()
 
 
-STUDY = Kind("the results of a study", "study_figure", True)
+STUDY = Kind("the results of a study", "study", True)
 LOOPS = Kind("a list of closed rods", "loops", True, ("equilibrium", "wraps", "about"))
 KINDS = (
     LOOPS,
     Kind("a list of equilibria", "equilibria", True, ("equilibrium", "index")),
-    Kind("all equilibria over an axis", "bifurcation", False, ("curve_point", "curve_branch")),
-    Kind("a fold map", "region_map", False, ("region_at",)),
+    Kind("all equilibria over an axis", "branches", False, ("curve_point", "curve_branch")),
+    Kind("a fold map", "folds", False, ("region_at",)),
     Kind("a branch of equilibria", "", False, ("point", "special", "dbeta0")),
-    Kind("a trade of methods", "work_precision", False, ("ladder", "rung")),
-    Kind("extremes by method", "robustness", False, ("extreme", "method")),
+    Kind("a trade of methods", "trade", False, ("ladder", "rung")),
+    Kind("extremes by method", "extremes", False, ("extreme", "method")),
     Kind("the laws under each reading of Table 1", "", False, ("reading", "claim_verdict")),
 )
 

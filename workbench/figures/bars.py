@@ -1,51 +1,189 @@
-"""Panels of horizontal bars, one panel an observable, in one or two columns as wide as those of a journal."""
+"""Bars, a panel an observable: Sobol' indices of a sampled study, and tornado diagrams of one case."""
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
+import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
-from . import canvas, style
-from .sheet import Sheet
+from solver.problem.errors import InputError
+from solver.problem.quantities import quantity
+
+from ..data import labels
+from . import canvas, legend, style
+from .scales import Ticks
+from .sheet import SCREEN, Sheet
 
 COLUMN = 3.4  # inches: the width of a column of a journal
 BAR, FRAME, AROUND = 0.2, 0.6, 1.4  # inches of a bar, of title and ticks of a panel, of the title and the legend
+MOST = 12  # bars of a panel of a tornado
+ROOM = 0.34  # share of the width that is kept for the numbers on either side
+FIRST, TOTAL = style.PAIR
 
 
-def figure(
+def indices(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
+    """The Sobol' indices of a dataset of `influence.sobol`, of first order and total, with intervals.
+
+    sheet: what the figure is drawn for; default: a column of a journal as wide as on paper, with letters for the
+    screen, and two columns for several panels.
+    """
+    names = [str(name) for name in ds["observable"].values]
+    limits = _limits(ds)
+    entries = [
+        Patch(color=FIRST, label="first order: the field alone"),
+        Patch(color=TOTAL, label="total: with interactions"),
+    ]
+    share = f"{100 * ds.attrs['confidence']:g} %"
+    notes = [f"Shares of the variance; lines: {share} intervals.", *_notes_of_errors(ds)]
+    return _panels(ds, names, 2 * ds.sizes["field"], lambda ax, name: _indices(ds, ax, name, limits), entries, notes,
+                   sheet)  # fmt: skip
+
+
+def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
+    """How each observable of a dataset of `influence.local` answers each field, the strongest on top; sheet: as above.
+
+    ds may have the attribute varied: the fields of the axes of a study, whose values the title names. Raises
+    `InputError` where no field has an effect.
+    """
+    names = [str(name) for name in ds["observable"].values if _effects(ds, str(name))]
+    if not names:
+        raise InputError("no diagram: no observable depends on these fields, or none has a derivative")
+    most = max(len(_effects(ds, name)[:MOST]) for name in names)
+    varied = [name for name in str(ds.attrs.get("varied", "")).split() if name in ds["field"].values]
+    at = [(quantity(name).symbol, ds.sel(field=name)) for name in varied]
+    values = [f"{symbol} = {_in_unit(float(row['at']), str(row['field_unit'].values))}" for symbol, row in at]
+    titled = ds.assign_attrs(title=", ".join([str(ds.attrs["title"]), *values]))
+    entries = [Patch(color=style.PAIR[k], label=word) for k, word in ((1, "rises"), (0, "falls"))]
+    notes = ["The change of each observable if a field rises by 1 %, or by the amount beside it."]
+    return _panels(titled, names, most, lambda ax, name: draw_tornado(ds, ax, name), entries, notes, sheet)
+
+
+def _panels(
     ds: xr.Dataset,
     names: Sequence[str],
     bars: int,
-    panel: Callable[[Axes, str], object],
-    legend: Callable[[Figure], None],
-    sheet: Sheet | None = None,
+    panel: Callable[[Axes, str], None],
+    entries: Sequence[Artist],
+    notes: Sequence[str],
+    sheet: Sheet | None,
 ) -> Figure:
-    """A panel for each of the names, with room for so many bars. panel: draws one. legend: draws what stands below.
-
-    sheet: what the figure is drawn for; default: a column of a journal is as wide as on paper, with letters for the
-    screen, and several panels have two columns.
-    """
+    """A panel for each of the names, with room for so many bars, and one legend below."""
     columns = min(len(names), 2)
     if sheet is not None:
         columns = 1 if sheet.narrow else min(len(names), max(int(sheet.width / COLUMN), 1))
     page = sheet or Sheet(COLUMN * columns)
     rows = -(-len(names) // columns)
-    height = rows * (FRAME + BAR * max(bars, 2)) + AROUND - 0.6 * (not page.titled)
 
     def draw(fig: Figure) -> None:
         for i, name in enumerate(names):
             panel(fig.add_subplot(rows, columns, i + 1), name)
-        legend(fig)
+        legend.below(fig, entries, notes, sheet or SCREEN)
 
+    height = rows * (FRAME + BAR * max(bars, 2)) + AROUND - 0.6 * (not page.titled)
     return canvas.figure((page.width, height), draw, ds, sheet=page)
 
 
-def look(ax: Axes, ticks: Sequence[str]) -> None:
+def _look(ax: Axes, ticks: Sequence[str]) -> None:
     """The look of a panel whose bars lie at 0, 1, ... downward."""
     ax.set_yticks(range(len(ticks)), ticks)
     ax.set_ylim(len(ticks) - 0.4, -0.6)
     ax.tick_params(axis="y", length=0, labelcolor=style.INK, labelsize=style.small())
+    ax.axvline(0, color=style.SOFT, linewidth=0.8, zorder=4)
+    ax.xaxis.set_major_formatter(Ticks())
     ax.spines["left"].set_visible(False)
     ax.grid(axis="x", color=style.FAINT, linewidth=0.6)
     ax.set_axisbelow(True)
+
+
+def _indices(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -> None:
+    """The indices of one observable, the field of the largest total on top."""
+    row = ds.sel(observable=name)
+    ax.set_title(str(row["symbol"].values), loc="left", pad=4)
+    if not np.isfinite(row["total"].values).any():
+        ax.text(0.5, 0.5, "one value on all samples", transform=ax.transAxes, ha="center", color=style.SOFT)
+        ax.set(xticks=[], yticks=[])
+        return
+    order = np.argsort(-row["total"].values)
+    at = np.arange(order.size)
+    looks: list[dict[str, Any]] = [
+        {"ecolor": "white", "elinewidth": 2.4},
+        {"ecolor": style.INK, "elinewidth": 1, "capsize": 2},
+    ]
+    for key, color, offset in (("first", FIRST, -0.19), ("total", TOTAL, 0.19)):
+        values = row[key].values[order]
+        ax.barh(at + offset, values, 0.36, color=color, zorder=3)
+        for look in looks:
+            ax.errorbar(values, at + offset, xerr=row[f"{key}_conf"].values[order], linestyle="none", zorder=4, **look)
+    _look(ax, [str(ds["field_symbol"].values[i]) for i in order])
+    ax.set_xlim(*limits)
+    if row["lost"] > 0:
+        lost = f"{100 * float(row['lost']):.2g} % of the blocks left out"
+        ax.set_title(lost, loc="right", pad=4, size=style.small(), color=style.SOFT)
+
+
+def _notes_of_errors(ds: xr.Dataset) -> list[str]:
+    """Why an index is negative, or a total index is less than that of first order, where this is so."""
+    found = {
+        "an index can be below 0": bool((ds["first"] < 0).any() or (ds["total"] < 0).any()),
+        "a total index can be below that of first order": bool((ds["total"] < ds["first"]).any()),
+    }
+    said = " and ".join(words for words, is_so in found.items() if is_so)
+    return [f"The samples give estimates: by their sampling error {said}."] if said else []
+
+
+def _limits(ds: xr.Dataset) -> tuple[float, float]:
+    """The ends of the axis of every panel of indices: 0 and 1, and beyond them what the intervals need."""
+    low = min(float((ds[key] - ds[f"{key}_conf"]).min()) for key in ("first", "total"))
+    high = max(float((ds[key] + ds[f"{key}_conf"]).max()) for key in ("first", "total"))
+    return min(np.nan_to_num(low), 0.0) - 0.03, max(np.nan_to_num(high), 1.0) + 0.03
+
+
+def draw_tornado(ds: xr.Dataset, ax: Axes, name: str) -> None:
+    """The tornado diagram of one observable."""
+    row, found = ds.sel(observable=name), _effects(ds, name)
+    shown, rest = found[:MOST], found[MOST:]
+    sizes = np.array([effect for _, effect in shown])
+    ax.barh(range(sizes.size), sizes, 0.66, color=[style.PAIR[int(size > 0)] for size in sizes], zorder=3)
+    for i, size in enumerate(sizes):
+        text = f"{'+' if size > 0 else '−'}{labels.number(abs(size), 2)}"
+        ax.annotate(text, (size, i), (3 if size > 0 else -3, 0), textcoords="offset points",
+                    ha="left" if size > 0 else "right", va="center", color=style.INK,
+                    size=style.small())  # fmt: skip
+    _look(ax, [_tick(ds, field) for field, _ in shown])
+    low, high = min(sizes.min(), 0.0), max(sizes.max(), 0.0)
+    room = ROOM * (high - low)
+    ax.set_xlim(low - (room if low < 0 else room / 6), high + (room if high > 0 else room / 6))
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=4))
+    value = _in_unit(float(row["value"]), str(row["unit"].values))
+    unit = str(row["effect_unit"].values)
+    ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
+    change = f"change [{labels.unit(unit)}]" if unit != "1" else "change"
+    ax.set_title(change, loc="right", pad=4, size=style.small(), color=style.SOFT)
+    if rest:
+        more = f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}"
+        ax.set_xlabel(more, size=style.small(), color=style.SOFT)
+
+
+def _effects(ds: xr.Dataset, name: str) -> list[tuple[str, float]]:
+    """The fields that have an effect on an observable, and the effects, the largest first."""
+    row = ds["effect"].sel(observable=name).values
+    found = [(str(f), float(v)) for f, v in zip(ds["field"].values, row, strict=True) if np.isfinite(v) and v != 0]
+    return sorted(found, key=lambda pair: -abs(pair[1]))
+
+
+def _tick(ds: xr.Dataset, field: str) -> str:
+    """``E``, or with another amount than 1 % ``β₀, 1°``."""
+    amount = str(ds["amount"].sel(field=field).values)
+    symbol = quantity(field).symbol
+    return symbol if amount == "1 %" else f"{symbol}, {labels.unit(amount.replace(' deg', '°'))}"
+
+
+def _in_unit(number: float, unit: str) -> str:
+    """A number with its unit, an angle in degrees."""
+    text = f"{labels.number(np.degrees(number))}°" if unit == "rad" else f"{labels.number(number)} {labels.unit(unit)}"
+    return text.strip().replace("-", "−")

@@ -8,16 +8,20 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
 from studies.laws import FAILS, HOLDS, QUALIFIED
 from studies.line_verdicts import DIRECTIONS
 
 from ..branches.branch_dataset import branches
 from ..data import labels
-from . import canvas, legend, point_numbers, shape_cell, smooth_line, style
+from . import canvas, legend, point_numbers, style
+from .equilibria import draw_frame
+from .sheet import SCREEN, Sheet
 
-WIDTH, PANEL, STRIP = 9.6, (4.6, 3.0), 1.5  # inches: width, heights of the panels and of a row of shapes
-MOST, ROW = 16, 8  # shapes, and shapes in a row
+PANEL, STRIP = (4.6, 3.0), 1.5  # inches: heights of the panels on a page as wide as a screen, of a row of shapes
+MOST, ROW = 16, 8  # shapes, and shapes in a row; half as many on one column of a page
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
 SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed ones would look solid
 
@@ -29,35 +33,38 @@ _HELD: dict[int, tuple[dict[str, Any], str]] = {
 }
 
 
-def figure(ds: xr.Dataset) -> Figure:
-    """The shown quantity and the energy against the axis, and the developed curves of the branches.
+def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+    """The shown quantity and the energy against the axis, and the unrolled views of the branches.
 
     Stable branches are thick, unstable ones thin and dashed; a shape of each has a number, and its point has the same.
     Folds and other special points are marked. Where laws were judged, the branches on which none fails have a colour,
     and a note says the laws.
     """
     names = [name for name in dict.fromkeys((str(ds.attrs["shown"]), "energy")) if f"curve_{name}" in ds]
-    count = min(ds.sizes.get("shape", 0), MOST)
-    rows = -(-count // ROW)
+    part = 2 if sheet.narrow else 1
+    names, left_out = names[: 3 - part], names[3 - part :]
+    count, across = min(ds.sizes.get("shape", 0), MOST // part), ROW // part
+    rows, share = -(-count // across), max(sheet.width / SCREEN.width, 0.45)
+    strip = STRIP * max(share, 0.7)
+    panels = [share * high for high in PANEL[: len(names)]]
 
     def draw(fig: Figure) -> None:
         notes = _laws(ds)
-        grid = fig.add_gridspec(
-            len(names) + bool(rows), 1, height_ratios=[*PANEL[: len(names)], *[STRIP * rows] * bool(rows)]
-        )
+        grid = fig.add_gridspec(len(names) + bool(rows), 1, height_ratios=[*panels, *[strip * rows] * bool(rows)])
         for i, name in enumerate(names):
-            ax = panel(ds, fig.add_subplot(grid[i]), name, PANEL[i])
-            if i == 0:
+            ax = panel(ds, fig.add_subplot(grid[i]), name, panels[i])
+            if i == 0 and not sheet.narrow:
                 legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=5)
         if rows:
-            cells = grid[len(names)].subgridspec(rows, ROW)
-            _shapes(ds, fig, cells, count)
+            cells = grid[len(names)].subgridspec(rows, across)
+            _shapes(ds, fig, cells, count, across)
             some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
             notes.append("Unrolled views at the numbered points, each with its own scale" + some + "; dot: s = 0.")
-        if notes:
-            fig.supxlabel("\n".join(notes), x=0.01, ha="left", size=style.small(), color=style.SOFT)
+        notes += [f"Not drawn: {', '.join(left_out)}."] if left_out else []
+        legend.below(fig, fig.axes[0].get_legend_handles_labels()[0] if sheet.narrow else [], notes, sheet)
 
-    return canvas.figure((WIDTH, sum(PANEL[: len(names)]) + STRIP * rows + 0.8 + 0.2 * len(_laws(ds))), draw, ds)
+    height = sum(panels) + strip * rows + 0.8 + 0.2 * len(_laws(ds))
+    return canvas.figure((sheet.width, height), draw, ds, sheet=sheet)
 
 
 def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = PANEL[0]) -> Axes:
@@ -72,7 +79,7 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = PANEL[0]) -> Axes:
             if any(label == same and _lies_on(shares[run], other) for same, other in drawn):
                 continue
             drawn.append((label, shares[run]))
-            line = smooth_line.through(along[run], height[run], shares[run])
+            line = smooth_line(along[run], height[run], shares[run])
             ax.plot(*line, label=label, marker="." if on.sum() == 1 else "", **look)
         _mark_dead_folds(ds, ax, np.flatnonzero(on), along, height)
     for kind, mark in MARKS.items():
@@ -191,17 +198,17 @@ def _look_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> di
     return {key: look[key] for key in ("color", "linewidth")}
 
 
-def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, count: int) -> None:
-    """The developed curves at the numbered points, each as large as its frame."""
+def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, count: int, across: int) -> None:
+    """The unrolled views at the numbered points, each as large as its frame."""
     name, unit = str(ds.attrs["axis"]), labels.unit(str(ds["shape_z"].attrs.get("units", "1")))
-    across = ds["shape_rho"].values[:, None] * (ds["shape_alpha"].values - ds["shape_alpha"].values[:, :1])
+    around = ds["shape_rho"].values[:, None] * (ds["shape_alpha"].values - ds["shape_alpha"].values[:, :1])
     rows, of = {row["branch"]: row for row in branches(ds)}, shape_branches(ds)
     for k, number in enumerate(_names(ds)[:count]):
         at = labels.value(float(ds[f"shape_{name}"].values[k]), ds[name], 3)
         row = rows[int(of[k])]
-        ax = fig.add_subplot(cells[k // ROW, k % ROW])
-        curve = across[k], ds["shape_z"].values[k]
-        shape_cell.draw(ax, curve, _look_of_shape(ds, name, row, k), unit, f"{number}  index {row['index']}", at)
+        ax = fig.add_subplot(cells[k // across, k % across])
+        curve = around[k], ds["shape_z"].values[k]
+        draw_frame(ax, curve, _look_of_shape(ds, name, row, k), unit, f"{number}  index {row['index']}", at)
 
 
 def shape_branches(ds: xr.Dataset) -> Any:
@@ -234,3 +241,36 @@ def _number_points(ds: xr.Dataset, ax: Axes, key: str, inches: tuple[float, floa
     dots = [one for kind in MARKS for one in np.transpose(_special(ds, name, key, kind))]
     lines = [line.get_xydata() for line in ax.lines if np.size(line.get_xdata()) > 1]
     point_numbers.write(ax, points, lines, dots, inches)
+
+
+BETWEEN = 8  # places between two points
+
+Values = NDArray[np.float64]
+
+
+def smooth_line(x: Any, y: Any, shares: Any) -> tuple[Values, Values]:
+    """Places on a smooth curve through points, all the points among them.
+
+    Parameters
+    ----------
+    x, y
+        The points in their order, (n,) each.
+    shares
+        The same points, (n, 2), in units in which both directions are drawn equally large.
+
+    Returns
+    -------
+    Two arrays, x and y; the points themselves where they are fewer than three.
+    """
+    x, y, shares = (np.asarray(values, dtype=float) for values in (x, y, shares))
+    kept = np.append(True, np.linalg.norm(np.diff(shares, axis=0), axis=1) > 1e-9)
+    x, y, shares = x[kept], y[kept], shares[kept]
+    if x.size < 3:
+        return x, y
+    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(shares, axis=0), axis=1)))
+    both = np.stack([x, y], axis=1)
+    curve = Akima1DInterpolator(along, both, method="makima") if x.size > 4 else CubicSpline(along, both)
+    parts = np.linspace(0.0, 1.0, BETWEEN + 1)[:-1]
+    places = np.append((along[:-1, None] + parts * np.diff(along)[:, None]).ravel(), along[-1])
+    found = curve(places)
+    return found[:, 0], found[:, 1]

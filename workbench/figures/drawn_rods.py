@@ -140,7 +140,7 @@ def choose(
     return DrawnRods(ds, axis, held, rods, notes)
 
 
-def stored_rod(ds: xr.Dataset, names: Sequence[str]) -> DrawnRod:
+def rod_of_case(ds: xr.Dataset, names: Sequence[str]) -> DrawnRod:
     """The rod of a dataset of one case at its stored stations; without arrays where it is not solved."""
     rows = _as_stored(ds, names, 1)[0]
     return _rod(ds, None, rows[0] if rows else None)

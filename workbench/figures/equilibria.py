@@ -1,5 +1,6 @@
-"""The figure of all equilibria of one case: their developed curves and energies."""
+"""Lists of equilibria and of closed rods: their unrolled views in frames, and the energies."""
 
+from math import floor, log10
 from typing import Any
 
 import numpy as np
@@ -8,67 +9,106 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from solver.mechanics.contact import push_from
+
 from ..data import labels
-from . import canvas, point_numbers, shape_cell, style
+from . import canvas, legend, point_numbers, push_scale, style
+from .sheet import SCREEN, Sheet
 
-WIDTH, MOST = 9.6, 40  # inches; curves shown
-HIGH = 2.9  # inches of the diagram of energies
+FILL, FOOT = 0.84, 0.16  # of a frame: what a curve fills, and the strip of the bar at its foot
+BAR = 0.4  # of the width of a frame: the longest bar
+CELL, MOST = 0.8, (8, 40)  # inches of a frame at least; frames shown on one column of a page and elsewhere
+HIGH = 1.7, 2.9  # inches of the diagram of energies there
+LOOP, MOST_LOOPS = 2.3, 24  # inches of the frame of a closed rod at least; closed rods shown
 REACTIONS = ("FZ", "MZ", "M3", "beta0", "betaL")  # of held ends
-COLUMNS = (4, 8)  # the fewest and the most panels in a row
 
 
-def figure(ds: xr.Dataset) -> Figure:
-    """The developed curves in the order of energy, and below them energy against index."""
-    count = min(ds.sizes["equilibrium"], MOST)
-    columns = int(np.clip(np.ceil(np.sqrt(1.9 * count)), *COLUMNS))
-    rows, cell = max(-(-count // columns), 1), WIDTH / columns + 0.3
-
-    said = f"Unrolled views, each with its own scale, {_below(ds)} below it; dot: s = 0"
+def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+    """The unrolled views of all equilibria of one case in the order of energy, and below them energy against index."""
+    count, high = min(ds.sizes["equilibrium"], MOST[not sheet.narrow]), HIGH[not sheet.narrow]
+    columns = int(np.clip(np.ceil(np.sqrt(1.9 * count)), 4, min(sheet.width // CELL, 8)))
+    rows, cell = max(-(-count // columns), 1), sheet.width / columns + 0.3
+    reaction = next((name for name in REACTIONS if name in ds and ds[name].dims == ("equilibrium",)), None)
+    words = "the energy" if reaction is None else f"{labels.symbol(ds[reaction])} and the energy"
+    unit = labels.unit(str(ds["z"].attrs.get("units", "1")))
 
     def draw(fig: Figure) -> None:
-        grid = fig.add_gridspec(2, 1, height_ratios=[rows * cell, HIGH])
+        grid = fig.add_gridspec(2, 1, height_ratios=[rows * cell, high])
         cells = grid[0].subgridspec(rows, columns)
         for k in range(count):
-            _draw_curve(ds, fig.add_subplot(cells[k // columns, k % columns]), k)
-        energies(ds, fig.add_subplot(grid[1]))
+            one = ds.isel(equilibrium=k)
+            values = [one[name] for name in (reaction, "energy") if name is not None]
+            below = ", ".join(labels.value(float(value), value) for value in values)
+            index = int(one["index"])
+            ax = fig.add_subplot(cells[k // columns, k % columns])
+            draw_frame(ax, _curve(ds, k), look(index), unit, f"{k + 1}  index {index}", below)
+        energies(ds, fig.add_subplot(grid[1]), sheet.width, high)
+        some = f"; {count} of {ds.sizes['equilibrium']} are shown" if count < ds.sizes["equilibrium"] else ""
+        said = f"Unrolled views, each with its own scale, {words} below it; dot: s = 0{some}."
+        legend.below(fig, [], [said], sheet)
 
-    return canvas.figure((WIDTH, rows * cell + 3.6), draw, ds, said=said)
+    return canvas.figure((sheet.width, rows * cell + high + 0.7 * sheet.titled), draw, ds, sheet=sheet)
 
 
-def energies(ds: xr.Dataset, ax: Axes) -> Axes:
-    """Energy against index, a dot an equilibrium, filled where it is stable."""
-    ax.scatter(ds["index"], ds["energy"], c=["white" if index else style.INK for index in ds["index"].values], s=30,
+def energies(ds: xr.Dataset, ax: Axes, width: float = SCREEN.width, high: float = HIGH[1]) -> Axes:
+    """Energy against index on a page of so many inches, that high, a dot an equilibrium, filled where it is stable."""
+    index = ds["index"].values
+    ax.scatter(ds["index"], ds["energy"], c=["white" if one else style.INK for one in index], s=30,
                edgecolors=style.INK, linewidths=0.9, zorder=3)  # fmt: skip
-    ax.set_xlabel("Morse index: number of unstable directions (0: stable)")
+    ax.set_xlabel(style.fitted("Morse index: number of unstable directions (0: stable)", width - 0.9))
     ax.set_ylabel(labels.label(ds["energy"]))
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.margins(0.04, 0.08)
-    if ds.sizes["equilibrium"] and int(ds["index"].min()) == int(ds["index"].max()):
-        ax.set_xlim(int(ds["index"].min()) - 0.5, int(ds["index"].max()) + 0.5)
-    stable = int((ds["index"] == 0).sum())
-    noun = "equilibrium" if ds.sizes["equilibrium"] == 1 else "equilibria"
-    counts = f"{ds.sizes['equilibrium']} {noun}, {stable} stable (filled): {ds.attrs['stability']}"
-    told = [counts]
+    if index.size and index.min() == index.max():
+        ax.set_xlim(index.min() - 0.5, index.max() + 0.5)
+    noun = "equilibrium" if index.size == 1 else "equilibria"
+    sentences = [f"{index.size} {noun}, {int((index == 0).sum())} stable (filled): {ds.attrs['stability']}"]
     if "searched" in ds.attrs:
-        told.append(f"Not proved complete: searched over {labels.minus_signs(ds.attrs['searched'])}")
-    ax.set_title("\n".join(told), loc="left")
-    points = [
-        point_numbers.Point(float(ds["index"][k]), float(ds["energy"][k]), f"{k + 1}")
-        for k in range(ds.sizes["equilibrium"])
-    ]
+        sentences.append(f"Not proved complete: searched over {labels.minus_signs(ds.attrs['searched'])}")
+    ax.set_title("\n".join(style.fitted(one, width - 0.9) for one in sentences), loc="left")
+    points = [point_numbers.Point(float(x), float(y), f"{k + 1}")
+              for k, (x, y) in enumerate(zip(index, ds["energy"].values, strict=True))]  # fmt: skip
     ax.set_xlim(*ax.get_xlim()), ax.set_ylim(*ax.get_ylim())
-    point_numbers.write(ax, points, [], [], (style.inches(ax)[0], HIGH - 0.8))
+    point_numbers.write(ax, points, [], [], (style.inches(ax)[0], high - 0.8))
     return style.with_grid(ax)
 
 
-def _reaction(ds: xr.Dataset) -> str | None:
-    """The first reaction of held ends."""
-    return next((name for name in REACTIONS if name in ds and ds[name].dims == ("equilibrium",)), None)
+def loops(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+    """The unrolled view of each closed rod at one scale, in the colours of the push, with its index and energy."""
+    count = min(ds.sizes["equilibrium"], MOST_LOOPS)
+    columns = int(np.clip(count, 2, max((sheet.width - 1.0) // LOOP, 2)))
+    rows, cell = -(-count // columns), 0.9 * sheet.width / columns - 0.15
+    curves = [_curve(ds, k) for k in range(count)]
+    size = max(1.0, 1 / (1 - FOOT)) / FILL * max(max(np.ptp(x), np.ptp(z)) for x, z in curves)
+    pushes = [push_from(ds["contact"].values[k], str(ds.attrs["side"])) for k in range(count)]
+    norm, turn = push_scale.scale(pushes), 2 * np.pi * float(ds["rho"])
+    unit = labels.unit(str(ds.attrs["length_unit"]))
 
+    def draw(fig: Figure) -> None:
+        drawn: Any = None
+        axes = fig.subplots(rows, columns, squeeze=False).ravel()
+        for ax in axes[count:]:
+            ax.set_axis_off()
+        for k, ax in enumerate(axes[:count]):
+            one = ds.isel(equilibrium=k)
+            for wrap in range(int(one["wraps"]) + 1):
+                ax.axvline(wrap * turn, color=style.FAINT, linewidth=0.8, zorder=0)
+            index, waves = int(one["index"]), int(one["folds"])
+            word = "stable" if index == 0 else f"unstable in {index} way{'s' * (index > 1)}"
+            meets = "\nintersects itself" if "overlaps" in str(one["caution"].values) else ""
+            drawn = draw_frame(ax, curves[k], {"push": pushes[k], "norm": norm}, unit,
+                               f"{k + 1}: {waves} wave{'s' * (waves > 1)}, {word}",
+                               f"energy {labels.value(float(one['energy']), one['energy'])}{meets}", size)  # fmt: skip
+        push_scale.bar(fig, drawn, list(axes), push_scale.unit(ds), rows * (cell + 0.6), below=sheet.narrow)
+        sentences = [
+            "Unrolled views, z up, all at one scale; the vertical lines are one turn around the cylinder apart. "
+            f"The rod lies {ds.attrs['side']}.",
+            "Orange: the cylinder would have to pull, a rod that is free to unbind lifts off there.",
+            "Stable and index: of the closed rod on the surface, its section free to turn.",
+        ]
+        legend.below(fig, [], sentences, sheet)
 
-def _below(ds: xr.Dataset) -> str:
-    name = _reaction(ds)
-    return "the energy" if name is None else f"{labels.symbol(ds[name])} and the energy"
+    return canvas.figure((sheet.width, rows * (cell + 0.6) + 0.9), draw, ds, sheet=sheet)
 
 
 def _curve(ds: xr.Dataset, k: int) -> tuple[Any, Any]:
@@ -76,9 +116,65 @@ def _curve(ds: xr.Dataset, k: int) -> tuple[Any, Any]:
     return float(one["rho"]) * (one["alpha"].values - one["alpha"].values[0]), one["z"].values
 
 
-def _draw_curve(ds: xr.Dataset, ax: Axes, k: int) -> None:
-    one, unit = ds.isel(equilibrium=k), labels.unit(str(ds["z"].attrs.get("units", "1")))
-    values = [one[name] for name in (_reaction(ds), "energy") if name is not None]
-    below = ", ".join(labels.value(float(value), value) for value in values)
-    index = int(one["index"])
-    shape_cell.draw(ax, _curve(ds, k), shape_cell.look(index), unit, f"{k + 1}  index {index}", below)
+def look(index: int) -> dict[str, Any]:
+    """The look of a shape: thick where it is stable."""
+    return {"color": style.INK, "linewidth": 1.1 if index else 2.4}
+
+
+def draw_frame(
+    ax: Axes,
+    curve: tuple[Any, Any],
+    how: dict[str, Any],
+    unit: str,
+    title: str,
+    below: str,
+    size: float | None = None,
+) -> Any:
+    """Draw an unrolled view, the distance around the cylinder to the right and z up, at one scale; its start is a dot.
+
+    Parameters
+    ----------
+    ax
+        The frame; it becomes a square.
+    curve
+        rho alpha and z, (n,) each.
+    how
+        Colour and width of the curve; or its push and the scale of its colours.
+    unit
+        Of its lengths, as the bar names it.
+    title, below
+        Texts above and below the frame.
+    size
+        The width of the frame [length]; default: the curve fills it.
+
+    Returns
+    -------
+    The line that has the colours of the push, else None.
+    """
+    x, z = curve
+    drawn = None
+    if "push" in how:
+        drawn = push_scale.line(ax, x, z, **how)
+    else:
+        ax.plot(x, z, **how, solid_capstyle="round", solid_joinstyle="round", zorder=3)
+    ax.plot(x[0], z[0], "o", color=style.INK, markersize=3, zorder=4)
+    size = size or max(float(np.ptp(x)), float(np.ptp(z)) / (1 - FOOT), 1e-300) / FILL
+    left, low = (x.max() + x.min() - size) / 2, (z.max() + z.min() - size * (1 + FOOT)) / 2
+    ax.set(xlim=(left, left + size), ylim=(low, low + size), xticks=[], yticks=[], aspect="equal")
+    length = round_length(BAR * size)
+    begin, up = 0.06, 0.07
+    ax.plot([begin, begin + length / size], [up, up], color=style.INK, linewidth=1.6, solid_capstyle="butt",
+            transform=ax.transAxes, zorder=4)  # fmt: skip
+    ax.annotate(f"{length:g} {unit}".strip(), (begin + length / size, up), (3, 0), xycoords="axes fraction",
+                textcoords="offset points", va="center", size=style.small(), color=style.SOFT)  # fmt: skip
+    for spine in ax.spines.values():
+        spine.set(visible=True, color=style.FAINT)
+    ax.set_title(title, loc="left", size=style.small(), pad=3)
+    ax.set_xlabel(below, size=style.small(), labelpad=2)
+    return drawn
+
+
+def round_length(most: float) -> float:
+    """The largest of 1, 2 and 5 times a power of ten that is not more."""
+    power = 10.0 ** floor(log10(most) + 1e-9)
+    return max(digit * power for digit in (1, 2, 5) if digit * power <= most * (1 + 1e-9))

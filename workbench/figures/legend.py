@@ -1,4 +1,4 @@
-"""Legends: each label once, however many artists carry it."""
+"""Legends, each label once, and the sentences that belong to a figure: below it, or kept for its caption."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,10 +8,34 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from . import notes as notes_of_figures
 from . import style
 from .sheet import SCREEN, Sheet
 from .style import SOFT
+
+
+class _Kept(Artist):
+    """Sentences that a figure carries and does not draw."""
+
+    def __init__(self, texts: Sequence[str]) -> None:
+        super().__init__()
+        self.texts = list(texts)
+        self.set_in_layout(False)
+
+    def draw(self, renderer: Any) -> None:
+        """Draw nothing."""
+
+
+def keep(fig: Figure, texts: Sequence[str]) -> None:
+    """Keep sentences for the caption of a figure."""
+    if texts:
+        fig.add_artist(_Kept(texts), clip=False)
+
+
+def kept(fig: Figure) -> list[str]:
+    """The sentences that a figure keeps, each once."""
+    texts = [" ".join(text.split()) for one in fig.artists if isinstance(one, _Kept) for text in one.texts]
+    return list(dict.fromkeys(texts))
+
 
 # The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points
 PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
@@ -32,7 +56,7 @@ def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), she
     On a sheet without a title the notes are kept for the caption.
     """
     if not sheet.titled:
-        notes_of_figures.keep(fig, notes)
+        keep(fig, notes)
         notes = ()
     once = {str(entry.get_label()): entry for entry in entries}
     notes = [style.fitted(note, fig.get_figwidth() - 0.3, style.small()) for note in dict.fromkeys(notes)]

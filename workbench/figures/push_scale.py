@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from ..data import labels, push_colours
 from ..data.cautions import SLIGHT
 from . import style
-from .drawn_data import CASING
 from .scales import Ticks
+from .table import CASING
 
 PULL = style.LIFTED
 WIDE = 30.0  # ratio of the largest pushes of several rods from which one linear scale would show the weakest no more

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..data import labels
-from . import canvas, legend, region_raster, regions, style
+from . import canvas, legend, regions, style
 from .map_panel import HALO
 from .sheet import SCREEN, Sheet
 
@@ -34,7 +34,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         ax = fig.add_subplot()
         box = sheet.width - 1.1, high - 0.6
         notes, colours = panel(ds, ax, box)
-        legend.below(fig, [*colours, *entries(ds)], notes)
+        legend.below(fig, [*colours, *entries(ds)], notes, sheet)
 
     return canvas.figure((sheet.width, high + 0.75 * sheet.titled + 0.5), draw, ds, sheet=sheet)
 
@@ -50,7 +50,7 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
     lines = [np.transpose([labels.in_label_unit(ds[name], ds[f"curve_{name}"].values[k]) for name in (x, y)])
              for k in range(ds.sizes.get("curve", 0))]  # fmt: skip
     low, size = (np.array([[ends[0], np.ptp(ends)] for ends in edges]).T[k] for k in (0, 1))
-    raster = region_raster.fine(ds["region_at"].values, [(line - low) / size for line in lines])
+    raster = regions.fine(ds["region_at"].values, [(line - low) / size for line in lines])
     counts = np.append(ds["count"].values, 0)[raster].astype(float)
     counts[raster < 0] = np.nan
     known = np.unique(counts[np.isfinite(counts)])
@@ -68,7 +68,9 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
     said = {int(count) for k, count in enumerate(ds["count"].values) if k not in left_out}
     unsaid = sorted({int(ds["count"].values[k]) for k in left_out} - said)
     colours = {count: ramp(int(np.searchsorted(known, count)))[:3] for count in unsaid}
-    return notes, [Patch(color=(*colours[count], 0.8), label=f"{count} equilibria") for count in unsaid]
+    return notes, [
+        Patch(color=(*colours[count], 0.8), label=f"{count} equilibri{'um' if count == 1 else 'a'}") for count in unsaid
+    ]
 
 
 def entries(ds: xr.Dataset) -> list[Artist]:

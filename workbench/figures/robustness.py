@@ -17,7 +17,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from ..data import labels
 from . import canvas, style
-from .sheet import Sheet
+from .sheet import SCREEN, Sheet
 
 VAGUE = 0.1  # rad
 COLOURS = {"refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#f3cf8a", "vague": "#c9d8f2"}
@@ -35,8 +35,8 @@ LETTERS = 6.2  # points of the numbers in the cells
 DPI = 300  # its letters are small
 
 
-def figure(ds: xr.Dataset) -> Figure:
-    """Draw the map of a dataset of `compare.extremes`."""
+def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+    """Draw the map of a dataset of `compare.extremes`, as wide as its table is; sheet: whether it has a title."""
     rows, columns = ds.sizes["extreme"], ds.sizes["method"]
     size = (max(_NAMES + _COLUMN * (columns + 2), LEAST_WIDTH), _ROW * rows + 1.9)
 
@@ -52,7 +52,7 @@ def figure(ds: xr.Dataset) -> Figure:
         bar.outline.set_visible(False)
 
     titled = ds.assign_attrs(title=labels.powers_of_ten(str(ds.attrs["title"])))
-    return canvas.figure(size, draw, titled, dpi=DPI, sheet=Sheet(size[0], "paper"))
+    return canvas.figure(size, draw, titled, dpi=DPI, sheet=Sheet(size[0], "paper", sheet.titled))
 
 
 def promise_kept(ds: xr.Dataset) -> Any:

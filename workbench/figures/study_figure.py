@@ -14,9 +14,9 @@ from solver.problem.errors import InputError, choices, no_such
 from studies.dimensions import SAMPLE
 
 from ..data import labels, law_verdicts, observed, refined, schema, selection
-from . import along, canvas, drawn_rods, legend, notes, scatter, unrolled
+from . import along, canvas, drawn_rods, legend, scatter, unrolled
 from .drawn_rods import DrawnRods
-from .law_panel import panel
+from .laws import panel
 from .sheet import SCREEN, Sheet
 from .trends import trend
 
@@ -122,7 +122,7 @@ def figure(
             ax.set_title(labels.long_name(ds[one]), loc="left")
             legend.add(ax)
         legend.below(fig, [], [*said, *chosen.level], sheet)
-        notes.keep(
+        legend.keep(
             fig, [f"Not drawn: {', '.join(chosen.left_out)}; choose with --show or --panel."] if chosen.left_out else []
         )
 

@@ -54,7 +54,7 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], na
     columns, across = _spread(cells.x, shapes.across)
     rows, up = _spread(cells.y, shapes.up)
     names = [name for name, array in {"alpha": "alpha", "z": "z", "push": "contact"}.items() if array in ds.data_vars]
-    rods = {(j, i): drawn_rods.stored_rod(ds.isel(cells.place(j, i)), names) for j in rows for i in columns}
+    rods = {(j, i): drawn_rods.rod_of_case(ds.isel(cells.place(j, i)), names) for j in rows for i in columns}
     known = [rod for cell, rod in rods.items() if cells.solved[cell] and rod.arrays is not None]
     if not known:
         return ["None of the chosen rods is solved: no shape is drawn."]

@@ -14,6 +14,7 @@ from solver.problem.errors import no_such
 
 from ..data import labels
 from . import canvas, style
+from .sheet import SCREEN, Sheet
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
 LOST = 1.0  # an error of this size and more has no correct digit
 FLOOR, TOP = 1e-16, 1e1  # the range of errors that is shown; an error of 0 is drawn at its lower end
-COLUMNS, PANEL = 3, (3.2, 2.1)  # inches
+PANEL = 3.2, 2.1  # inches
 MOST = 6  # panels
 # shown where more cases are measured
 SHOWN = ("force-first/tension", "gap 1e-02", "gap 1e-08", "long", "ends table 1", "ends stable 1")
@@ -35,14 +36,14 @@ def shown(ds: xr.Dataset) -> list[str]:
     return cases if len(cases) <= MOST else [case for case in SHOWN if case in cases] or cases[:MOST]
 
 
-def figure(ds: xr.Dataset, cost: str = "seconds") -> Figure:
+def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figure:
     """The shown cases of a trade against one cost, a name of `COSTS`. Raises `InputError` for another name."""
     if cost not in COSTS:
         raise no_such("cost", cost, COSTS)
     cases = shown(ds)
-    columns = min(COLUMNS, len(cases))
+    columns = min(max(int(sheet.width / PANEL[0]), 1), len(cases))
     lines = -(-len(cases) // columns)
-    size = (COLUMNS * PANEL[0], lines * PANEL[1] + 1.5)
+    size = (max(sheet.width, 2 * PANEL[0]), lines * PANEL[1] + 1.5)
     inch = 1 / size[1]
 
     def draw(fig: Figure) -> None:

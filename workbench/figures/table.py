@@ -15,7 +15,7 @@ from matplotlib.collections import LineCollection, PathCollection, QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from . import notes
+from . import legend
 
 CASING = "_casing"  # the label of the grey casing of a coloured line
 COLUMNS = ("panel", "x_label", "y_label", "kind", "series", "x", "y", "value")
@@ -34,7 +34,7 @@ def table(fig: Figure) -> str:
         head = f"{number} {_one_line(str(title))}".strip()
         named = head, _one_line(ax.get_xlabel()), _one_line(ax.get_ylabel())
         writer.writerows((*named, *row) for row in rows(ax))
-    writer.writerows(("", "", "", "note", note, "", "", "") for note in notes.kept(fig))
+    writer.writerows(("", "", "", "note", note, "", "", "") for note in legend.kept(fig))
     return text.getvalue()
 
 

@@ -1,0 +1,104 @@
+"""The one table of pictures: what each kind draws, by which options, and the kind that a dataset has by default."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from solver.problem.errors import InputError, choices, no_such
+from studies.dimensions import SAMPLE
+
+from ..data import kinds as files
+from ..data import observed, refined, schema
+from . import (
+    along,
+    bars,
+    bifurcation,
+    drawn_rods,
+    equilibria,
+    fit,
+    map_cells,
+    map_figure,
+    portrait,
+    region_map,
+    robustness,
+    study_figure,
+    unrolled,
+    work_precision,
+)
+from .sheet import SCREEN, Sheet
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of picture.
+
+    family: rods, curves, map, bars or portrait. figure: of a dataset and a sheet. options: its further keywords.
+    of: the data that it draws.
+    """
+
+    family: str
+    figure: Callable[..., Figure]
+    options: tuple[str, ...] = ()
+    of: str = "study"
+
+
+KINDS = {
+    "map": Kind("map", map_figure.figure, ("x", "y", "show", "at", "shapes")),
+    "lines": Kind("curves", study_figure.figure, ("x", "show")),
+    "curves": Kind("rods", unrolled.figure, ("x", "at")),
+    "ridge": Kind("curves", along.figure, ("x", "at", "show")),
+    "portrait": Kind("portrait", portrait.figure, ("x", "at")),
+    "states": Kind("bars", along.states, ("x", "at")),
+    "equilibria": Kind("rods", equilibria.figure, of="equilibria"),
+    "loops": Kind("rods", equilibria.loops, of="loops"),
+    "branches": Kind("curves", bifurcation.figure, of="branches"),
+    "folds": Kind("map", region_map.figure, of="folds"),
+    "trade": Kind("curves", work_precision.figure, ("cost",), of="trade"),
+    "extremes": Kind("map", robustness.figure, of="extremes"),
+    "fit": Kind("curves", fit.figure, of="fit"),
+    "indices": Kind("bars", bars.indices, of="indices"),
+    "tornado": Kind("bars", bars.tornado, of="tornado"),
+}
+OF_STUDIES = {name: kind for name, kind in KINDS.items() if kind.of == "study"}
+
+
+def figure(ds: xr.Dataset, kind: str | None = None, sheet: Sheet | None = SCREEN, **options: Any) -> Figure:
+    """The picture of a dataset of any kind; kind: a name of `KINDS`, by default as the dataset says.
+
+    Raises `InputError` as of `kind_of` and of the figure.
+    """
+    name = kind or files.kind_of(ds).figure
+    if name in ("", "study"):
+        name = kind_of(ds, None, [one for one in options if one != "verdicts"])
+    if name in OF_STUDIES and name not in ("map", "lines"):
+        ds = drawn_rods.grid(ds)
+    return KINDS[name].figure(ds, sheet=sheet, **options)
+
+
+def kind_of(ds: xr.Dataset, kind: str | None = None, given: Sequence[str] = ()) -> str:
+    """The kind of picture of a study: the one that is asked for; default: a map over two axes, else lines.
+
+    given: options; a study whose default kind does not have them is drawn in the first kind that does.
+
+    Raises `InputError` for an unknown kind, and for an option that the kind does not have.
+    """
+    if kind is None:
+        default = _default_kind(ds)
+        kind = next((one for one in (default, *OF_STUDIES) if set(given) <= set(KINDS[one].options)), default)
+    elif kind not in OF_STUDIES:
+        raise no_such("kind of picture", kind, OF_STUDIES)
+    for name in given:
+        if name not in KINDS[kind].options:
+            takers = choices(other for other, row in OF_STUDIES.items() if name in row.options)
+            raise InputError(f"--{name} is no option of --kind {kind}; choose --kind from {takers}")
+    return kind
+
+
+def _default_kind(ds: xr.Dataset) -> str:
+    if refined.is_refined(ds):
+        return "map" if len(refined.axes_of(ds)) > 1 else "lines"
+    is_map = len(map_cells.mappable(ds)) > 1 and SAMPLE not in schema.axes_of(ds) and observed.observables(ds)
+    return "map" if is_map else "lines"

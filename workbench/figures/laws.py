@@ -1,0 +1,223 @@
+"""The panel of a law: its observable against its axis, what the law compares it with, the verdict with its reason."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from studies.law import Law
+from studies.law_kinds import MONOTONE
+from studies.reasons import PLAIN
+
+from ..data import labels, law_numbers, law_verdicts, selection
+from . import legend, style
+from .sheet import SCREEN, Sheet
+from .trends import trend
+
+
+def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], sheet: Sheet = SCREEN) -> Axes:
+    """Draw a law, given as a row of `law_verdicts.verdicts`: its trend, the verdict above it, its reason below that.
+
+    On a sheet without a title only the law stands above it; the verdict and the other observables are kept.
+    """
+    trend(ds, ax, row["observable"], row["axis"], row["at"])
+    for step in row["exceptions"]:
+        if all(step["at"][name] == value for name, value in row["at"].items()):
+            ends = [labels.in_label_unit(ds[row["axis"]], step[end]) for end in ("from", "to")]
+            case = step["from"] == step["to"]
+            how: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": "none"} if case else {}
+            heights = labels.in_label_unit(ds[row["observable"]], step["values"])
+            ax.plot(ends, heights, color=style.VERDICT_COLOURS[row["verdict"]], linewidth=3, alpha=0.6, zorder=3,
+                    label="a case outside" if case else "a step the wrong way", **how)  # fmt: skip
+    draw_curve(ds, ax, row)
+    title = f"{row['claim']}: {sentence(ds, row)}"
+    pad = 6 + (_write_verdict(ax, row) if sheet.titled else 0.0)
+    ax.set_title(style.wrap(title, ax), loc="left", pad=pad)
+    if not sheet.titled:
+        _keep(ds, ax, row, title)
+    elif row["also"]:
+        text = style.wrap(_other_observables(ds, row), ax, style.small())
+        lines = "\n" * (text.count("\n") + 2)
+        ax.set_xlabel(ax.get_xlabel() + lines, linespacing=0.95)  # room that the layout sees
+        note = ax.annotate(text, (0, 0), (-8, -4 * style.normal()), xycoords="axes fraction",
+                           textcoords="offset points", va="top", size=style.small(), color=style.SOFT)  # fmt: skip
+        note.set_in_layout(False)
+    legend.add(ax)
+    return ax
+
+
+def _keep(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], title: str) -> None:
+    """Keep the verdict and the other observables for the caption."""
+    fig = ax.get_figure(root=True)
+    assert fig is not None
+    told = "; ".join(text for text in (PLAIN[row["verdict"]], _measure(row), _other_observables(ds, row)) if text)
+    legend.keep(fig, [f"{title}; {told.rstrip('.')}."])
+
+
+def _measure(row: Mapping[str, Any]) -> str:
+    return labels.law_text(row, "; ".join(text for text in (row["found"], law_verdicts.detail(row)) if text))
+
+
+def _write_verdict(ax: Axes, row: Mapping[str, Any]) -> float:
+    """Write the verdict above the axes and its reason below it, in the verdict's colour; their height in points."""
+    colour = style.VERDICT_COLOURS[row["verdict"]]
+    reason = style.wrap(_measure(row), ax, style.small())
+    below = 11 * (reason.count("\n") + 1) if reason else 0
+    above: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom",
+                             "color": colour}  # fmt: skip
+    ax.annotate(reason, (0, 1), (0, 3), size=style.small(), **above)
+    ax.annotate(PLAIN[row["verdict"]], (0, 1), (0, 3 + below), weight="bold", **above)
+    return below + 14
+
+
+def _other_observables(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
+    """The verdicts of the other observables: the alternatives of the law, then those that decide nothing."""
+    sentences = []
+    for intro, equal in (("Alternative observables", True), ("For information only", False)):
+        some = [also for also in row["also"] if also["alternative"] == equal]
+        if some:
+            brief = "; ".join(f"{labels.symbol(ds[also['observable']])} {_brief(also)}" for also in some)
+            sentences.append(f"{intro}: {brief}.")
+    return " ".join(sentences)
+
+
+def _brief(row: Mapping[str, Any]) -> str:
+    """What an observable does, in the words of its verdict, and how many of its steps go the wrong way."""
+    wrong, does = len(row["exceptions"]), PLAIN[row["verdict"]]
+    return f"{does} ({wrong} step{'s' * (wrong > 1)} wrong)" if wrong else does
+
+
+DASHED = (0, (4, 2))
+SEEN = 4.0  # points across, from which a band is seen beside a line
+
+
+def draw_curve(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
+    """Draw what a law (a row of `law_verdicts.verdicts`) compares its observable with, on the line that decides."""
+    if row["kind"] == MONOTONE:
+        return
+    law = Law.model_validate({key: row[key] for key in ("claim", "kind", "observable", "axis", "source")} | row["rule"])
+    places = selection.line(ds, law.axis, row["at"])
+    along = labels.in_label_unit(ds[law.axis], ds[law.axis].values[[place[law.axis] for place in places]])
+    numbers = {
+        key: values if key == "x" else labels.in_label_unit(ds[law.observable], values)
+        for key, values in law_numbers.of_line(ds, law, places).items()
+    }
+    {"equals": _equals, "bounded": _bound, "scales": _scales, "boundary": _boundary}[law.kind](
+        ax, ds, along, numbers, law, row
+    )
+
+
+def _equals(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
+    values, array = numbers["formula"], ds[law.observable]
+    half = labels.in_label_unit(array, law.absolute) if law.relative is None else law.relative * np.abs(values)
+    _line(ax, along, values, formula(ds, law.formula, array))
+    thin = 2 * np.median(half) * style.inches(ax)[1] * 72 < SEEN * np.ptp(ax.get_ylim())
+    ax.fill_between(along, values - half, values + half, color=style.INK, alpha=0.12, linewidth=0, zorder=0,
+                    label=f"what the law allows{' (hardly wider than the line)' if thin else ''}")  # fmt: skip
+
+
+def _bound(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
+    for key, word in (("least", "at least"), ("most", "at most")):
+        if key in numbers:
+            _line(ax, along, numbers[key], f"{word} {formula(ds, getattr(law, key), ds[law.observable])}")
+
+
+def _scales(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
+    found = row["numbers"]
+    if not found:
+        return
+    stored = np.abs(np.radians(along) if labels.is_angle(ds[law.axis]) else along)
+    fitted = labels.in_label_unit(ds[law.observable], found["factor"] * stored ** found["exponent"])
+    _line(ax, along, fitted, labels.typeset(f"fit: {row['found']}"))
+
+
+def _boundary(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
+    axis = ds[law.axis]
+    places = np.unique(labels.in_label_unit(axis, numbers["x"]))
+    half = float(labels.in_label_unit(axis, law.within))
+    _line(ax, along, numbers["passes"], f"the value {formula(ds, law.passes, ds[law.observable])}")
+    if places.size == 1 and np.isfinite(places[0]):
+        ax.axvspan(places[0] - half, places[0] + half, color=style.INK, alpha=0.12, linewidth=0, zorder=0,
+                   label="where the law expects it")  # fmt: skip
+
+
+def _line(ax: Axes, along: Any, values: Any, label: str) -> None:
+    ax.plot(along, values, color=style.INK, linewidth=1.3, linestyle=DASHED, zorder=3, label=labels.minus_signs(label))
+
+
+NO_BREAK = "\N{NO-BREAK SPACE}"
+LETTERS = {"pi": "π", "bending_stiffness": "EI", "torsional_stiffness": "GJ"}  # as a study names them
+LONGEST = 60  # letters of a formula beside a curve
+
+
+def sentence(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
+    """``push in the middle equals FZ²·ρ/(4·EI) within 1 %, along FZ``.
+
+    Parameters
+    ----------
+    ds
+        The dataset of the law.
+    row
+        A row of `law_verdicts.verdicts`.
+    """
+    array, axis = ds[row["observable"]], labels.axis_symbol(row["axis"])
+    noun, rule, kind = labels.symbol(array), row["rule"], row["kind"]
+    if kind == MONOTONE:
+        return labels.typeset(f"{labels.long_name(array)} {row['does']} with {axis}")
+    if kind == "equals":
+        near = f"{100 * rule['relative']:.4g}{NO_BREAK}%" if "relative" in rule else _number(rule["absolute"], array)
+        said = f"{noun} equals {formula(ds, rule['formula'], array)} within {near}, along {axis}"
+    elif kind == "bounded":
+        said = f"{noun} is {bounds(ds, rule, array)}, along {axis}"
+    elif kind == "scales":
+        said = f"{noun} is a power of {axis}, its exponent {rule['exponent']:.4g} within {rule['within']:.4g}"
+    else:
+        place = f"{formula(ds, rule['x'], ds[row['axis']])} within {_number(rule['within'], ds[row['axis']])}"
+        said = f"{noun} passes {formula(ds, rule['passes'], array)} at {axis} = {place}"
+    return labels.typeset(said)
+
+
+def bounds(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray) -> str:
+    """``at least 0.9 and at most 1``."""
+    ends = (("least", "at least"), ("most", "at most"))
+    return " and ".join(f"{word} {formula(ds, rule[key], array)}" for key, word in ends if key in rule)
+
+
+def formula(ds: xr.Dataset, value: Any, array: xr.DataArray) -> str:
+    """A formula in symbols, or a number with the unit of a variable; an expression by its own formula, or by its name.
+
+    ``FZ**2*rho/(4*bending_stiffness)`` is ``FZ²·ρ/(4·EI)``. A formula of more than `LONGEST` letters leaves no room for
+    the curves: then an expression is named, and any other formula is cut off with "…".
+    """
+    if not isinstance(value, str):
+        return _number(value, array)
+    if value in ds and "expression" in ds[value].attrs:
+        whole = _in_symbols(ds, str(ds[value].attrs["expression"]))
+        return whole if len(whole) <= LONGEST else _symbol(ds, value)
+    whole = _in_symbols(ds, value)
+    return whole if len(whole) <= LONGEST else f"{whole[: LONGEST - 1].rstrip()}…"
+
+
+def _in_symbols(ds: xr.Dataset, value: str) -> str:
+    text = re.sub(r"[A-Za-z_]\w*", lambda found: _symbol(ds, found[0]), value)
+    text = re.sub(r"\*\*\s*(?:\((-?[\d.]+)\)|(-?[\d.]+))", lambda found: _exponent(found[1] or found[2]), text)
+    return re.sub(r"\s*\*\s*", "·", text.replace("**", "^"))
+
+
+def _symbol(ds: xr.Dataset, name: str) -> str:
+    if name in LETTERS:
+        return LETTERS[name]
+    return name.replace("_", " ") if name in ds and "expression" in ds[name].attrs else labels.symbol_of(name)
+
+
+def _exponent(text: str) -> str:
+    """A whole exponent raised, any other after a caret."""
+    return text.translate(labels.SUPERSCRIPTS) if "." not in text else f"^{text}".replace("-", "−")
+
+
+def _number(value: float, array: xr.DataArray) -> str:
+    """A number in the unit of a variable's label, which no line ends between."""
+    return labels.value(float(value), array).replace(" ", NO_BREAK)
