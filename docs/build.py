@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from docs.website import api_pages, command_pages, dataset_page, live_page, sources, study_page
+from docs.website import api_pages, command_pages, dataset_page, live_page, results, sources, study_page
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build" / "docs"
@@ -21,6 +21,7 @@ def write_sources(folder: Path) -> None:
     sources.copy(ROOT, folder)
     for part in (api_pages, command_pages, study_page, dataset_page, live_page):
         part.write(folder)
+    results.write(folder, BUILD / results.PAGE)
     sources.add_contents(folder)
 
 

@@ -17,7 +17,7 @@ ENTRY = re.compile(r"^- \[([^\]]+)\]\(([^)#]+)\.md\)", re.MULTILINE)
 
 # What is made by `docs.build`: caption -> title and page; it stands behind the list of docs/index.md of that heading.
 MADE = {
-    "Tutorial": ("Examples", (("Gallery", "gallery/index"), ("The live page", "live"))),
+    "Tutorial": ("Examples", (("Results", "results"), ("Gallery", "gallery/index"), ("The live page", "live"))),
     "Reference": (
         "Made from the code",
         (
@@ -35,6 +35,7 @@ KINDS = (
 )
 ON_THE_SITE = """## On this site
 
+- [Results](results.md): twenty pictures, each with the commands that draw it.
 - [Gallery](gallery/index.rst): ten short scripts, each with its picture and its check.
 - [The live page](live.md): move sliders, and see the rod change; it needs no server.
 - [Python](reference/python.rst): every public name, from its docstring.

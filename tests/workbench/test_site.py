@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from docs.website import api_pages, command_pages, dataset_page, sources, study_page
+from docs.website import api_pages, command_pages, dataset_page, results, sources, study_page
 from studies import Study
 from studies.law import Law
 from workbench import cli
@@ -48,6 +48,31 @@ def test_the_first_page_begins_with_the_question_and_the_pictures_of_the_readme(
         "figures/story.webp",
     ]
     assert "python -m docs.build" not in index  # who reads the site has it
+
+
+def test_twenty_results_have_commands_that_draw_them_and_three_stand_in_the_readme() -> None:
+    assert len({one.name for one in results.RESULTS}) == 20
+    for one in results.RESULTS:
+        assert one.commands[-1].endswith(f" {one.name}.png")
+        assert {command.partition(" ")[0] for command in one.commands} <= set(cli.COMMANDS)
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    printed = re.sub(r" \\\n +", " ", readme)
+    for one in results.README:
+        assert f'<img src="docs/figures/{one.name}.png"' in readme
+        assert "".join(f"workbench {command}\n" for command in one.commands) in printed
+
+
+def test_a_thumbnail_has_no_white_border_and_shows_the_upper_part_of_a_high_picture(tmp_path: Path) -> None:
+    high = Image.new("RGB", (400, 1600), "white")
+    high.paste("red", (100, 100, 300, 200))
+    high.paste("blue", (100, 200, 300, 1500))
+    high.save(tmp_path / "high.png")
+    results.shrink(tmp_path / "high.png", tmp_path / "small.webp")
+    with Image.open(tmp_path / "small.webp") as small:
+        assert small.size == results.SIZE
+        corner, foot = small.getpixel((results.EDGE + 5, results.EDGE + 5)), small.getpixel((320, 430))
+    assert corner[0] > 200 > 60 > corner[2]
+    assert foot[2] > 200 > 60 > foot[0]
 
 
 def test_the_pictures_of_the_examples_are_as_large_as_the_gallery_has_them() -> None:

@@ -9,8 +9,8 @@ import { minus, unitText } from "./text.mjs";
 const HIGH = 230,
   NEAR = 14, // pixels from the pointer
   SHARE = 0.25; // of the slider of a field, to either side
-const STABLE = 2.6,
-  UNSTABLE = 1; // pixels: stability is the weight of a line, as in the figures
+const STABLE = [2.6, [], "ink"],
+  UNSTABLE = [1.2, [4, 3], "soft"]; // pixels, dashes and colour of a line, as in the figures
 const LIMIT = "Not all branches are drawn: the page follows them for 8 s. The command workbench equilibria --axis has no limit.";
 
 /* The diagram in a figure with two menus, a canvas and a note. names: fields and what is shown. ask(body, then, refused,
@@ -114,7 +114,7 @@ export function makeBranches(figure, names, quantities, theme, ask, pick) {
       lines = curves.pieces.map((piece) => ({
         x: piece.field.map((value) => scaled(field.value, value)),
         y: piece[name].map((value) => scaled(name, value)),
-        width: piece.index === 0 ? STABLE : UNSTABLE,
+        look: piece.index === 0 ? STABLE : UNSTABLE,
       }));
     const spec = {
       lines,

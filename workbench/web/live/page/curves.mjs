@@ -2,6 +2,7 @@
 
 import { potential } from "./forces.mjs";
 import { intervalOf } from "./rod_shape.mjs";
+import { range } from "./range.mjs";
 
 const DEGREE = 180 / Math.PI;
 const ANGLES = 721; // points of the potential
@@ -78,29 +79,15 @@ function well(shape, length) {
 
 /* Whether both axes can have one scale, and else by how much across is drawn larger. */
 function scales(x, y) {
-  const size = (v) => {
-    let [low, high] = [Infinity, -Infinity];
-    for (const one of v) {
-      low = Math.min(low, one);
-      high = Math.max(high, one);
-    }
-    return high - low;
-  };
-  const wide = size(x),
-    tall = size(y);
+  const [wide, tall] = [x, y].map((row) => range(row)[1] - range(row)[0]);
   return { equal: Math.max(wide, tall) <= FLAT * Math.max(Math.min(wide, tall), 1e-9 * Math.max(wide, tall)) };
 }
 
 /* The angles of beta along the rod, and where the rotation about them begins [degrees]; within -180 to 180 if they are. */
 export function visited(beta) {
   if (known.has(beta)) return known.get(beta);
-  let low = Infinity,
-    high = -Infinity;
-  for (const b of beta) {
-    low = Math.min(low, b * DEGREE);
-    high = Math.max(high, b * DEGREE);
-  }
-  const middle = (low + high) / 2,
+  const [low, high] = range(beta).map((end) => end * DEGREE),
+    middle = (low + high) / 2,
     isWithin = low >= -180 && high <= 180,
     found = { low, high, first: isWithin || high - low >= 360 ? -180 : middle - 180 };
   known.set(beta, found);

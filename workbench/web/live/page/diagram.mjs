@@ -2,6 +2,7 @@
 
 import { css, pushColour } from "./colours.mjs";
 import { number, tickText, ticks } from "./text.mjs";
+import { range } from "./range.mjs";
 
 const LEFT = 58,
   RIGHT = 12,
@@ -54,14 +55,7 @@ const padded = (low, high, share) => [low - share * (high - low), high + share *
 
 /* Smallest and largest value; a row without a difference, or with less than `least`, gets room about it. */
 export function extent(values, more = [], least = 0) {
-  let low = Infinity,
-    high = -Infinity;
-  for (const list of [values, more])
-    for (const v of list)
-      if (Number.isFinite(v)) {
-        low = Math.min(low, v);
-        high = Math.max(high, v);
-      }
+  const [low, high] = range([...values, ...more].filter(Number.isFinite));
   if (!(low <= high)) return [0, 1];
   const size = Math.max(Math.abs(low), Math.abs(high), 1e-300);
   if (high - low < least) return [(low + high - least) / 2, (low + high + least) / 2]; // less is rounding
@@ -113,17 +107,13 @@ export function paintDiagram(ctx, spec, frame, theme, code, end) {
   ctx.rect(LEFT, TOP, w, h);
   ctx.clip();
   if (spec.shaded) for (const one of stretches(spec.x, spec.y)) shade(ctx, one, spec, frame, code);
-  if (spec.zero)
-    line(
-      ctx,
-      [
-        [LEFT, py(0)],
-        [LEFT + w, py(0)],
-      ],
-      theme.soft,
-      1,
-    );
-  for (const { x, y, width } of spec.lines || []) line(ctx, thinned(Array.from(x, px), Array.from(y, py)), theme.line, width);
+  if (spec.zero) rule(ctx, LEFT, py(0), LEFT + w, py(0), theme.soft, 1);
+  for (const { x, y, look } of spec.lines || []) {
+    const [width, dashes, colour] = look;
+    ctx.setLineDash(dashes);
+    line(ctx, thinned(Array.from(x, px), Array.from(y, py)), theme[colour], width);
+    ctx.setLineDash([]);
+  }
   if (spec.push) pushLine(ctx, points, spec.push, chosen, theme, code, end);
   else if (!spec.lines) line(ctx, points, theme.line, 1.8);
   if (spec.level !== undefined) levelOf(ctx, spec, frame, theme);
@@ -134,16 +124,7 @@ export function paintDiagram(ctx, spec, frame, theme, code, end) {
 
 /* The cursor: a mark on the line and, over s, a line through it. */
 export function paintCursor(ctx, frame, [x, y], vertical, theme) {
-  if (vertical)
-    line(
-      ctx,
-      [
-        [frame.px(x), TOP],
-        [frame.px(x), TOP + frame.h],
-      ],
-      theme.mark,
-      1,
-    );
+  if (vertical) rule(ctx, frame.px(x), TOP, frame.px(x), TOP + frame.h, theme.mark, 1);
   spot(ctx, [frame.px(x), frame.py(y)], 4.5, theme.mark);
 }
 
@@ -191,53 +172,19 @@ function pushLine(ctx, points, push, chosen, theme, code, end) {
 }
 
 function gridOf(ctx, { px, py, x0, x1, y0, y1, w, h }, theme) {
-  for (const v of ticks(x0, x1, 6))
-    line(
-      ctx,
-      [
-        [px(v), TOP],
-        [px(v), TOP + h],
-      ],
-      theme.faint,
-      1,
-    );
-  for (const v of ticks(y0, y1, 4))
-    line(
-      ctx,
-      [
-        [LEFT, py(v)],
-        [LEFT + w, py(v)],
-      ],
-      theme.faint,
-      1,
-    );
+  for (const v of ticks(x0, x1, 6)) rule(ctx, px(v), TOP, px(v), TOP + h, theme.faint, 1);
+  for (const v of ticks(y0, y1, 4)) rule(ctx, LEFT, py(v), LEFT + w, py(v), theme.faint, 1);
 }
 
 function levelOf(ctx, spec, { px, py, w }, theme) {
   const y = py(spec.level);
   ctx.setLineDash([4, 3]);
-  line(
-    ctx,
-    [
-      [LEFT, y],
-      [LEFT + w, y],
-    ],
-    theme.level,
-    1,
-  );
+  rule(ctx, LEFT, y, LEFT + w, y, theme.level, 1);
   ctx.setLineDash([]);
   for (const [from, to] of spec.ranges) {
-    const left = px(from),
-      wide = Math.max(px(to) - left, LEAST_RANGE);
-    line(
-      ctx,
-      [
-        [(left + px(to) - wide) / 2, y],
-        [(left + px(to) + wide) / 2, y],
-      ],
-      theme.level,
-      3.5,
-    );
+    const middle = (px(from) + px(to)) / 2,
+      half = Math.max(px(to) - px(from), LEAST_RANGE) / 2;
+    rule(ctx, middle - half, y, middle + half, y, theme.level, 3.5);
   }
 }
 
@@ -272,6 +219,9 @@ function badge(ctx, text, right, theme) {
   ctx.textAlign = "left";
   ctx.fillText(text, right - wide + 6, TOP + 13);
 }
+
+/* A straight line. */
+const rule = (ctx, x0, y0, x1, y1, colour, width) => line(ctx, [[x0, y0], [x1, y1]], colour, width);
 
 function line(ctx, points, colour, width) {
   ctx.beginPath();

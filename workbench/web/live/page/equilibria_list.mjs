@@ -1,6 +1,6 @@
 // The list of equilibria as a table with a small rod and a radio button a row: one tab stop, arrow keys choose.
 
-import { range } from "./numbers.mjs";
+import { range } from "./range.mjs";
 import { number } from "./text.mjs";
 
 /* The row that is nearest to an equilibrium by beta'(0) and energy, or -1. */

@@ -2,6 +2,7 @@
 
 import { forcesAlong } from "./forces.mjs";
 import { crossings } from "./self_contact.mjs";
+import { range } from "./range.mjs";
 
 const ROUNDING = 1e-9; // rad: beta of a helix changes by no more
 
@@ -65,16 +66,6 @@ export function warnings(shape, found, crossed = crossings(shape)) {
   if (crossed.length) told.push("The rod passes through itself.");
   if (found.push_min < -1e-6 * size) told.push("The rod would lift off where the cylinder has to pull.");
   return told;
-}
-
-export function range(values) {
-  let low = Infinity,
-    high = -Infinity;
-  for (const v of values) {
-    low = Math.min(low, v);
-    high = Math.max(high, v);
-  }
-  return [low, high];
 }
 
 /* The shape half way between its stations. */

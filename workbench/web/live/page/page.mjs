@@ -1,10 +1,9 @@
 // The page: the inputs make a state, the state a shape, and the shape is drawn.
 
-import { makeBranches } from "./branch_diagram.mjs";
 import { hereText, makeControls, spanOf } from "./controls.mjs";
 import { valuesAt } from "./curves.mjs";
 import { element, makeTheme, set, showRows, solvedText } from "./details.mjs";
-import { rowOf, showList } from "./equilibria_list.mjs";
+import { makeEquilibria } from "./equilibria.mjs";
 import { copyText, saveFile, savePicture, showStudy } from "./files.mjs";
 import { observables, warnings } from "./numbers.mjs";
 import { Refused, caseOf, heldState, isEnds, isState } from "./rod_case.mjs";
@@ -14,7 +13,7 @@ import { interpolated, marched, moved } from "./rod_shape.mjs";
 import { crossings } from "./self_contact.mjs";
 import { showScale } from "./scale_bar.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
-import { post, unpacked } from "./server.mjs";
+import { makeAsker, post, unpacked } from "./server.mjs";
 import { fromHash, toHash } from "./study_text.mjs";
 import { makeView } from "./rod_view.mjs";
 import { number } from "./text.mjs";
@@ -49,14 +48,13 @@ const me = {
 let core = null,
   again = null,
   timers = {},
-  asking = {},
   moves = 0,
   hash = "";
 
 const theme = makeTheme();
 const view = makeView(element("scene"), element("mark"), data.colours, () => still.matches, true);
 const diagrams = makeDiagrams(element("diagrams"), element("unrolled"), data.colours, theme, setCursor);
-const branches = makeBranches(element("branches"), data.branches, data.quantities, theme, askBranches, takeBranch);
+const ask = makeAsker(() => me.shape);
 makePrint(element("scene"), view, diagrams, theme);
 const context = {
   span: (name) => spanOf(name, me.centre[name], (presetOf() || {}).spans?.[name]),
@@ -66,6 +64,8 @@ const controls = makeControls(element("fields"), data.quantities, (name, value) 
   me.state.base[name] = value;
   update();
 });
+
+const equilibria = makeEquilibria(me, data, context, theme, ask, update);
 
 const presetOf = () => data.presets.find((one) => one.name === me.preset);
 
@@ -112,7 +112,7 @@ function update(how = {}) {
     const one = caseOf(me.state, letters),
       near = how.seed ? { ...how.seed, one } : me.shape;
     const asks = served && one.kind === "ends";
-    if (asks) return ask(one, how, since);
+    if (asks) return askShape(one, how, since);
     again = null;
     const shape = one.kind === "start" ? marched(core, one) : near && near.one.kind === "ends" && moved(one, near);
     if (shape) return took(shape, { method: "in this page" }, how, since);
@@ -126,7 +126,7 @@ function update(how = {}) {
 }
 
 /* One request at a time; of those that wait only the last is sent. */
-async function ask(one, how, since) {
+async function askShape(one, how, since) {
   if (me.busy) {
     again = { ...how, fresh: how.fresh || (again || {}).fresh };
     return;
@@ -184,7 +184,7 @@ function took(shape, head, how, since) {
     me.list = [];
     return;
   }
-  if (served && (!how.chosen || !me.list.length)) later("list", PATIENCE.list, askList);
+  if (served && (!how.chosen || !me.list.length)) later("list", PATIENCE.list, equilibria.ask);
 }
 
 function later(name, wait, work) {
@@ -232,7 +232,7 @@ function showNumbers() {
   if (shape.one.kind === "ends" && !me.head.ticket)
     state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
   const known = Object.entries(found).filter(([, value]) => Number.isFinite(value));
-  branches.mark(state, found);
+  equilibria.branches.mark(state, found);
   showRows(known, [...warnings(shape, found, crossed), ...partNote()], data.quantities, state.units);
   set(element("fine"), solvedText(me.head, shape));
   link();
@@ -260,80 +260,14 @@ function setCursor(s) {
 
 // what the server adds
 
-/* isOld: whether the answer is about what is no longer shown. */
-async function more(path, body, then, refused, isOld = otherShape(me.shape)) {
-  if (asking[path]) asking[path].abort(); // the server then stops that search
-  const mine = (asking[path] = new AbortController());
-  try {
-    const reply = await post(path, body, mine.signal);
-    if (!isOld()) then(reply);
-  } catch (error) {
-    if (mine.signal.aborted) return; // a newer request replaced it
-    if (!(error instanceof Refused)) throw error;
-    if (!isOld()) refused(error.sentence);
-  }
-}
-
-const otherShape = (shape) => () => shape !== me.shape;
-
 /* The rows of the server are those of the whole solver: they replace the page's. */
 function askNumbers() {
-  more(
-    "/numbers",
-    { state: me.state, ticket: me.head.ticket },
-    ({ rows, warnings: told }) => {
-      const found = rows.map(({ name, value }) => [name, value ?? NaN]);
-      showRows(found, [...told, ...partNote()], data.quantities, me.state.units);
-    },
-    (why) => set(element("message"), why),
-  );
+  const took = ({ rows, warnings: told }) => {
+    const found = rows.map(({ name, value }) => [name, value ?? NaN]);
+    showRows(found, [...told, ...partNote()], data.quantities, me.state.units);
+  };
+  ask("/numbers", { state: me.state, ticket: me.head.ticket }, took, (why) => set(element("message"), why));
 }
-
-function askList() {
-  set(element("searching"), "searching …");
-  more(
-    "/equilibria",
-    { state: me.state, ticket: me.head.ticket },
-    ({ rows }) => listed(rows),
-    (why) => listed([], why),
-  );
-}
-
-function askBranches(body, then, refused, isOld) {
-  more("/branches", body, then, refused, isOld);
-}
-
-/* The rod of a point of a branch, at another value of its field. */
-function takeBranch(field, value, equilibrium) {
-  const at = me.state.base[field] === value ? rowOf(me.list, equilibrium) : -1;
-  if (at >= 0) return choose(at);
-  me.state.base[field] = value;
-  me.list = [];
-  me.state.equilibrium = equilibrium;
-  return update({ chosen: true });
-}
-
-function listed(rows, why = "") {
-  me.list = rows;
-  me.here = rowOf(rows, me.state.equilibrium);
-  set(element("searching"), "");
-  set(element("unlisted"), why);
-  for (const id of ["previous", "next"]) element(id).disabled = !rows.length;
-  showList(element("list"), rows, me.here, me.state.units, choose);
-  element("branches").hidden = !rows.length;
-  if (rows.length) branches.show({ state: me.state, list: rows }, context.span);
-  if (me.head.method === "difference" && me.here >= 0) choose(me.here); // followed to 1e-6: now solved exactly
-}
-
-function choose(i) {
-  const { dbeta0, energy } = me.list[i];
-  me.state.equilibrium = { dbeta0, energy };
-  me.here = i;
-  showList(element("list"), me.list, i, me.state.units, choose);
-  update({ chosen: true });
-}
-
-const step = (by) => choose((Math.max(me.here, 0) + by + me.list.length) % me.list.length);
 
 /* The same rod between its two ends: the shape stays, and the state names it. */
 function byEnds() {
@@ -365,8 +299,8 @@ function prepare() {
     reset: () => begin(me.preset),
     "by-ends": byEnds,
     picture: () => savePicture(me, view, data),
-    previous: () => step(-1),
-    next: () => step(1),
+    previous: () => equilibria.step(-1),
+    next: () => equilibria.step(1),
     "copy-study": () => showStudy(me.state),
     "copy-link": () => {
       link();
@@ -396,7 +330,7 @@ function prepare() {
   dark.addEventListener("change", () => {
     theme.forget();
     diagrams.paint();
-    branches.paint();
+    equilibria.branches.paint();
   });
   window.addEventListener("hashchange", follow);
 }
@@ -407,5 +341,5 @@ async function start() {
   if (!follow()) begin(data.presets[0].name);
 }
 
-globalThis.page = Object.assign(me, { begin, enter, update, view, choose, branches });
+globalThis.page = Object.assign(me, { begin, enter, update, view, ...equilibria });
 start();

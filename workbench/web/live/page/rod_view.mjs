@@ -1,14 +1,14 @@
 // The view of the rod: what is drawn, from where, and the hands that turn it.
 
-import { ABOVE, aside, axesOf, between, dot, fitted, needsFit, seen, turned } from "./camera.mjs";
+import { ABOVE, between, fitted, needsFit, seen, turned } from "./camera.mjs";
 import { scaleOf } from "./colours.mjs";
 import { hands } from "./hands.mjs";
-import { range } from "./numbers.mjs";
-import { pushMarks, tallest } from "./push_marks.mjs";
 import { coveredTube, wallLight } from "./light.mjs";
+import { makeOverlay, placeOf } from "./overlay.mjs";
+import { pushMarks, tallest } from "./push_marks.mjs";
+import { range } from "./range.mjs";
 import { makeScene } from "./scene.mjs";
 import { cylinder, rings, sidesFor, squeezeOf, tube } from "./tube.mjs";
-
 
 const FINE = 0.12,
   COARSE = 0.8; // pixels that the tube may be off at rest, and while a slider moves
@@ -18,9 +18,6 @@ const REST = 160,
   EASE = 240; // ms until all is drawn finely, and of a change of the camera
 const BUDGET = 2.5,
   COARSEST = 3; // ms that drawing may take while a slider moves; largest factor by which pixels grow
-const RING = 1.1,
-  RINGS = [10, 26], // diameter of a ring in radii of the rod; its ends in pixels
-  MOST_RINGS = 40;
 const LOST = "The browser has stopped drawing in three dimensions here. The rod comes back as soon as the browser allows it.";
 const AROUND = Array.from({ length: 24 }, (_, i) => [Math.cos((i * Math.PI) / 12), Math.sin((i * Math.PI) / 12)]);
 
@@ -30,12 +27,11 @@ export function makeView(canvas, mark, code, calm, lies = false) {
   const me = { shape: null, drawn: null, camera: null, target: null, ratio: 1, touched: false, at: null, push: "colours" };
   Object.assign(me, { picked: () => {}, moved: () => {} });
   let resting = 0,
-    easing = 0,
-    rung = [];
+    easing = 0;
   const told = noteBeside(canvas);
   const scene = makeScene(canvas, code, (lost) => {
     told(lost ? LOST : "");
-    if (me.shape) placeRings();
+    if (me.shape) over.placeRings();
     if (lost || !me.shape) return;
     filled();
     weigh();
@@ -80,10 +76,8 @@ export function makeView(canvas, mark, code, calm, lies = false) {
 
   function mesh(pixels, moves = false) {
     const { shape, drawn } = me,
-      tolerance = (pixels * 2 * me.target.half) / Math.max(canvas.clientHeight * pixelRatio(), 1);
-    const chosen = rings(shape, tolerance, drawn.scale.end, moves),
-      sides = sidesFor(shape.one.a, tolerance);
-    setRod(scene, shape, drawn, chosen, sides);
+      tolerance = (pixels * 2 * me.target.half) / Math.max(canvas.clientHeight * pixelRatio(), 1),
+      chosen = setRod(scene, shape, drawn, tolerance, moves);
     scene.setMarks(pushMarks(me.push, shape, chosen, drawn.squeeze, drawn.scale.end));
     scene.setLight(wallLight(shape, drawn.squeeze, drawn.wall, code, moves), shape.one.a);
     me.rings = chosen.length;
@@ -188,78 +182,9 @@ export function makeView(canvas, mark, code, calm, lies = false) {
     moveTo({ ...me.camera, x: me.camera.x - x * size, y: me.camera.y + y * size });
   };
 
-  /* Put the mark at s, or nowhere. */
-  function setMark(at) {
-    me.at = at;
-    place();
-  }
-
-  /* Ring the places (x, y, z) where the rod passes through itself. */
-  function setRings(places) {
-    for (const { box } of rung) box.remove();
-    rung = places.slice(0, MOST_RINGS).map((spot) => {
-      const box = Object.assign(document.createElement("i"), { className: "ring" });
-      mark.before(box);
-      return { spot, box };
-    });
-    if (me.camera) placeRings();
-  }
-
-  function placeRings() {
-    const size = (RING * me.shape.one.a * canvas.clientHeight) / (2 * me.camera.half),
-      wide = Math.min(Math.max(size, RINGS[0]), RINGS[1]);
-    for (const { spot: [u, v, w], box } of rung) {
-      const { x, y, behind } = onScreen([u, v, me.drawn.squeeze * w]);
-      box.hidden = behind || !scene || scene.isLost();
-      Object.assign(box.style, { width: `${wide}px`, height: `${wide}px` });
-      box.style.transform = `translate(${(x - wide / 2).toFixed(1)}px, ${(y - wide / 2).toFixed(1)}px)`;
-    }
-  }
-
-  function place() {
-    if (me.shape) {
-      me.moved(me.camera);
-      placeRings();
-    }
-    mark.hidden = !me.at || !me.shape || !scene;
-    if (mark.hidden) return;
-    const { x, y, behind } = onScreen(placeOf(me.shape.one, me.at, me.drawn.squeeze));
-    mark.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-    mark.classList.toggle("behind", behind);
-  }
-
-  function onScreen(p) {
-    const { right, up, toward } = axesOf(me.camera),
-      size = canvas.clientHeight / (2 * me.camera.half),
-      { one } = me.shape;
-    const x = dot(p, right),
-      behind = one.sign > 0 && p[0] * toward[0] + p[1] * toward[1] < 0 && Math.abs(aside(p, me.camera)) < one.R;
-    return {
-      x: canvas.clientWidth / 2 + (x - me.camera.x) * size,
-      y: canvas.clientHeight / 2 - (dot(p, up) - me.camera.y) * size,
-      depth: dot(p, toward),
-      behind,
-    };
-  }
-
-  /* The s of the rod under the pointer, or null. */
-  function sAt(px, py) {
-    if (!me.shape) return null;
-    const { one, s, alpha, z } = me.shape,
-      near = (one.a * canvas.clientHeight) / (2 * me.camera.half) + 6;
-    let best = null,
-      nearest = -Infinity;
-    for (let i = 0; i < s.length; i++) {
-      const spot = onScreen(placeOf(one, { alpha: alpha[i], z: z[i] }, me.drawn.squeeze)),
-        off = Math.hypot(spot.x - px, spot.y - py);
-      if (off > near || spot.behind) continue;
-      const score = spot.depth - (off / near) * one.a * 3;
-      if (score > nearest) [best, nearest] = [s[i], score];
-    }
-    return best;
-  }
-
-  if (scene) hands(canvas, { turn, zoom, shift, fit, picked: (x, y) => me.picked(x === null ? null : sAt(x, y)) });
+  const over = makeOverlay(canvas, mark, me, scene),
+    { setMark, setRings, place } = over;
+  if (scene) hands(canvas, { turn, zoom, shift, fit, picked: (x, y) => me.picked(x === null ? null : over.sAt(x, y)) });
   new ResizeObserver(() => {
     if (me.shape) {
       if (!me.touched) jump(fitted(me.camera, boundsFrom(me.camera), aspect()));
@@ -298,20 +223,19 @@ function noteBeside(canvas) {
   };
 }
 
-function setRod(scene, shape, { squeeze, scale }, chosen, sides) {
-  const covered = coveredTube(shape, chosen, sides, squeeze);
+/* Give the scene the rod, so that it is off by no more than a length; returns the stations of its rings. */
+function setRod(scene, shape, { squeeze, scale }, tolerance, moves = false) {
+  const chosen = rings(shape, tolerance, scale.end, moves),
+    sides = sidesFor(shape.one.a, tolerance),
+    covered = coveredTube(shape, chosen, sides, squeeze);
   scene.setRod(tube(shape, chosen, sides, squeeze, scale.end), chosen.length, sides, covered);
+  return chosen;
 }
 
 /* The scene as pixels of a picture, as fine as it is large. */
 function picture(me, scene, width, height) {
-  const { shape, drawn, camera } = me,
-    tolerance = (FINE * 2 * camera.half) / height;
-  const chosen = rings(shape, tolerance, drawn.scale.end),
-    sides = sidesFor(shape.one.a, tolerance);
-  setRod(scene, shape, drawn, chosen, sides);
-  const fits = fitted(camera, me.bounds(camera), width / height);
-  return scene.pixels(me.touched ? camera : fits, width, height);
+  setRod(scene, me.shape, me.drawn, (FINE * 2 * me.camera.half) / height);
+  return scene.pixels(me.touched ? me.camera : fitted(me.camera, me.bounds(me.camera), width / height), width, height);
 }
 
 /* The camera before the middle of a rod; wide: lying, where the rod is longer than its cylinder is thick. */
@@ -328,17 +252,11 @@ function facing({ alpha, z, one }, wide) {
   };
 }
 
-const placeOf = (one, { alpha, z }, squeeze) => [one.rho * Math.cos(alpha), one.rho * Math.sin(alpha), squeeze * z];
-
 /* The points that a view must contain: the rod's centreline and the ends of the wall. */
 function pointsOf({ one, alpha, z }, squeeze, { low, high }) {
   const n = alpha.length,
     found = new Float32Array(3 * (n + 2 * AROUND.length));
-  for (let i = 0; i < n; i++) {
-    ((found[3 * i] = one.rho * Math.cos(alpha[i])),
-      (found[3 * i + 1] = one.rho * Math.sin(alpha[i])),
-      (found[3 * i + 2] = squeeze * z[i]));
-  }
+  for (let i = 0; i < n; i++) found.set(placeOf(one, { alpha: alpha[i], z: z[i] }, squeeze), 3 * i);
   const inner = one.sign > 0 ? one.R - one.a : one.R;
   [low, high].forEach((height, k) =>
     AROUND.forEach(([c, s], i) => found.set([inner * c, inner * s, height], 3 * (n + k * AROUND.length + i))),

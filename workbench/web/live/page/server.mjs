@@ -27,6 +27,25 @@ export async function post(path, body, signal) {
   throw new Refused(asSentence(reply.refused ?? (await answer.text())), reply.field || "");
 }
 
+/* ask(path, body, then, refused, isOld): one request a path at a time. isOld: whether the answer is about what is no longer
+   shown; default: whether there is another shape since. */
+export function makeAsker(shapeOf) {
+  const asking = {},
+    isOther = (shape) => () => shape !== shapeOf();
+  return async (path, body, then, refused, isOld = isOther(shapeOf())) => {
+    if (asking[path]) asking[path].abort(); // the server then stops that search
+    const mine = (asking[path] = new AbortController());
+    try {
+      const reply = await post(path, body, mine.signal);
+      if (!isOld()) then(reply);
+    } catch (error) {
+      if (mine.signal.aborted) return; // a newer request replaced it
+      if (!(error instanceof Refused)) throw error;
+      if (!isOld()) refused(error.sentence);
+    }
+  };
+}
+
 /* A message of the workbench as a sentence of the page. */
 export function asSentence(message) {
   const plain = message

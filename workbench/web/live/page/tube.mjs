@@ -1,5 +1,7 @@
 // The rod as a tube and the cylinder as a wall: rings where the shape needs them, and their triangles.
 
+import { range } from "./range.mjs";
+
 const LEAST_SIDES = 8,
   MOST_SIDES = 40;
 const SHADE = 0.2; // rad by which a section may turn between two rings, or the light on the tube has edges
@@ -11,12 +13,7 @@ const AROUND = 120; // sides of the wall
 
 /* By which factor the axis is compressed, at most 1. */
 export function squeezeOf({ one, z }) {
-  let low = Infinity,
-    high = -Infinity;
-  for (const v of z) {
-    low = Math.min(low, v);
-    high = Math.max(high, v);
-  }
+  const [low, high] = range(z);
   return Math.min(1, (TALLEST * 2 * Math.max(one.R, one.rho + one.a)) / Math.max(high - low, 1e-300));
 }
 
@@ -152,15 +149,10 @@ export function endTriangles(first, sides) {
 
 /* Corners and triangles of the cylinder, a little longer than the rod; with flat ends where the rod lies outside. */
 export function cylinder({ one, z }, squeeze) {
-  const beyond = one.a + 0.35 * one.R;
-  let low = Infinity,
-    high = -Infinity;
-  for (const v of z) {
-    low = Math.min(low, v);
-    high = Math.max(high, v);
-  }
-  [low, high] = [squeeze * low - beyond, squeeze * high + beyond];
-  const corners = [],
+  const beyond = one.a + 0.35 * one.R,
+    [least, most] = range(z),
+    [low, high] = [squeeze * least - beyond, squeeze * most + beyond],
+    corners = [],
     open = one.sign < 0;
   for (const height of [low, high])
     for (let j = 0; j < AROUND; j++) {
