@@ -10,6 +10,8 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 SLACK = 1.5  # pixels
+MOST_MARKERS = 50  # values of a line, beyond which it has none
+COLUMN, TALLEST = 89.5, 120.5  # millimetres: a figure no wider is no taller
 RED = 0.2  # by which red exceeds green and blue
 
 
@@ -37,6 +39,11 @@ def _is_drawn(text: Text) -> bool:
 def faults(fig: Figure, least: float = 7.0) -> list[str]:
     """A sentence for each fault; least: points of the smallest letters."""
     found, texts = [], words(fig)
+    wide, tall = 25.4 * fig.get_size_inches()
+    found += [f"{tall:.0f} mm tall"] if wide < COLUMN and tall > TALLEST else []
+    for line in (line for ax in fig.axes for line in ax.lines if line.get_linestyle() != "None"):
+        marked = line.get_marker() not in ("None", "") and len(line.get_xdata()) > MOST_MARKERS
+        found += [f"{len(line.get_xdata())} markers on a line"] if marked else []
     boxes = [Text.get_window_extent(text) for text in texts]
     for text, box in zip(texts, boxes, strict=True):
         said = " ".join(text.get_text().split())

@@ -30,7 +30,7 @@ def test_the_table_names_the_held_ends_the_reactions_both_indices_and_the_search
     said = capsys.readouterr().out
     assert said.split("\n")[0].split() == [
         "FZ", "(N)", "dbeta0", "(rad/cm)", "held", "energy", "(N", "cm)", "bending", "energy", "(N", "cm)", "bends",
-        "index", "dead", "index", "overshoot", "(rad)", "attached",
+        "index", "dead", "index", "overshoot", "(deg)", "attached",
     ]  # fmt: skip
     assert "1  -36.1824" in said
     assert "*" not in said  # solve begins from the nearest dead-load equilibrium, and selects from no list

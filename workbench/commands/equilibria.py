@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -259,9 +260,9 @@ def _print_list(
 def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequence[str] = ()) -> None:
     """The equilibria, a row each; reactions: of held ends, shown with the index under dead loads."""
     length, force = study.units.length, study.units.force
-    units = dict(zip(COLUMNS, [f"rad/{length}", *2 * [f"{force} {length}"], "", "", "rad", ""], strict=True))
+    units = dict(zip(COLUMNS, [f"rad/{length}", *2 * [f"{force} {length}"], "", "", "deg", ""], strict=True))
     moments = dict.fromkeys(("MZ", "M3"), f"{force} {length}")
-    units |= {name: {"FZ": force, **moments}.get(name, "rad") for name in reactions}
+    units |= {name: {"FZ": force, **moments}.get(name, "deg") for name in reactions}
     units["held_energy"] = units["energy"]
     shown = [*reactions, *COLUMNS[:5], *(["dead_index"] if reactions else []), *COLUMNS[5:]]
     if reactions:
@@ -269,9 +270,8 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     heads = [console.heading(HEADS.get(name, name).replace("_", " "), units.get(name, "")) for name in shown]
     marks = [f"{i} *" if r["taken"] else f"{i}" for i, r in enumerate(rows, 1)]
     every = [{**r, **r.get("reactions", {})} for r in rows]
-    console.print_table(
-        ["", *heads], [[mark, *(r[name] for name in shown)] for mark, r in zip(marks, every, strict=True)]
-    )
+    cells = [[degrees(r[name]) if units.get(name) == "deg" else r[name] for name in shown] for r in every]
+    console.print_table(["", *heads], [[mark, *row] for mark, row in zip(marks, cells, strict=True)])
 
 
 def _energy_in_words(rows: Sequence[dict[str, Any]], held: Sequence[str], unit: str) -> str:

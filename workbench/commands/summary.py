@@ -1,10 +1,13 @@
 """The command summary: print what a stored study holds."""
 
-from math import floor, log10
+from collections.abc import Mapping
+from math import degrees, floor, log10
 from typing import Any
 
 from . import console, study_result
 from .options import File, Json
+
+NUMBERS = ("from", "to", "min", "median", "max", "half_width", "at")  # of a row, in its units
 
 
 def summary(file: File, json: Json = False) -> int:
@@ -36,10 +39,14 @@ def _print_contents(found: dict[str, Any]) -> None:
     console.say(", ".join(f"{name} {size}" for name, size in found["sizes"].items()))
     console.say(f"along the rod: {', '.join(found['along']) or 'nothing'}")
     console.say("")
-    rows = [[_cell(row[key]) for key in ("name", "over", "min", "median", "max", "units")] for row in found["numbers"]]
+    rows = [
+        [_cell(row[key]) for key in ("name", "over", "min", "median", "max", "units")]
+        for row in map(in_degrees, found["numbers"])
+    ]
     console.print_table(["number", "over", "min", "median", "max", "units"], rows)
     given = (
-        f"{row['name']} = {_cell(row['min'])} {'' if row['units'] == '1' else row['units']}" for row in found["fields"]
+        f"{row['name']} = {_cell(row['min'])} {'' if row['units'] == '1' else row['units']}"
+        for row in map(in_degrees, found["fields"])
     )
     console.say(", ".join(text.strip() for text in given))
     for text, count in found["outcomes"].items():
@@ -71,21 +78,26 @@ def _print(found: dict[str, Any]) -> None:
     rows = []
     for axis in found["axes"]:
         for one in [axis, *(found["sampled"] if axis["name"] == SAMPLE else [])]:
+            row = in_degrees(one)
             name = f"{'' if one is axis else '  '}{one['name']}"
-            rows.append([name, one["count"] if one is axis else "", one["from"], one["to"], one["units"]])
+            rows.append([name, one["count"] if one is axis else "", *(row[key] for key in ("from", "to", "units"))])
     console.print_table(["axis", "values", "from", "to", "units"], rows or [["(none)", "", "", "", ""]])
     study_result.print_sampling(found)
     _print_boundaries(found["boundaries"])
     console.say("")
     if found["observables"]:
-        rows = [[_cell(o[key]) for key in ("name", "min", "median", "max", "units")] for o in found["observables"]]
+        rows = [
+            [_cell(o[key]) for key in ("name", "min", "median", "max", "units")]
+            for o in map(in_degrees, found["observables"])
+        ]
         console.print_table(["observable", "min", "median", "max", "units"], rows)
         console.say("")
     console.say(f"{found['cases']} cases, {found['unsolved']} unsolved")
     for text, count in found["outcomes"].items():
         console.say(f"  {count} x {text}")
+    units = {row["name"]: row["units"] for row in (*found["axes"], *found["sampled"])}
     for worst in found["worst"]:
-        at = ", ".join(f"{name} = {value:.6g}" for name, value in worst["at"].items())
+        at = ", ".join(_at(name, value, units.get(name, "")) for name, value in worst["at"].items())
         console.say(f"largest {worst['name']}: {_cell(worst['value'])}{f' at {at}' if at else ''}")
     for name in ("equilibria", "branches"):
         if found[name]:
@@ -99,6 +111,8 @@ def _print(found: dict[str, Any]) -> None:
 
 def _print_boundaries(rows: list[dict[str, Any]]) -> None:
     """Print where each watched observable changes; nothing for a study that is not refined."""
+    rows = [in_degrees(row) | {"places": [in_degrees({**place, "units": row["units"]}) for place in row["places"]]}
+            for row in rows]  # fmt: skip
     if not rows:
         return
     console.say("")
@@ -112,6 +126,18 @@ def _print_boundaries(rows: list[dict[str, Any]]) -> None:
             console.say(f"  {row['name']}: {_cell(place['before'])} to {_cell(place['after'])} at {at}")
     for name, unknown in {row["name"]: row["unknown"] for row in rows if row["unknown"]}.items():
         console.say(f"{unknown} pairs of neighbours are not compared: one of the two cases has no number of {name}")
+
+
+def in_degrees(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row of a table with its numbers in degrees, as in pictures, where its units are rad."""
+    if row["units"] != "rad":
+        return dict(row)
+    shown = {key: degrees(row[key]) for key in NUMBERS if isinstance(row.get(key), float)}
+    return {**row, **shown, "units": "deg"}
+
+
+def _at(name: str, value: float, unit: str) -> str:
+    return f"{name} = {degrees(value):.6g} deg" if unit == "rad" else f"{name} = {value:.6g}"
 
 
 def _cell(value: Any) -> Any:

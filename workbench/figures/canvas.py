@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
+from string import ascii_lowercase
 from typing import Any
 
 import xarray as xr
@@ -19,6 +20,7 @@ from .sheet import MILLIMETRES, SCREEN, Sheet
 from .style import DPI, RC, SOFT
 
 TALLEST, LEAST = 120 / MILLIMETRES, 0.62  # inches of a figure of one column; share of its height that stays
+MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and columns name
 DIAGRAMS = (".png", ".pdf", ".svg")
 
 
@@ -42,9 +44,25 @@ def figure(
         fig = Figure(figsize=size, dpi=dpi, layout=layout)
         FigureCanvasAgg(fig)
         draw(fig)
+        if sheet.style == "paper" and layout is not None:
+            _letter_panels(fig)
         if ds is not None and sheet.titled:
             _set_title(fig, " · ".join(text for text in (labels.reading(ds), said) if text), str(ds.attrs["title"]))
     return fig
+
+
+def _letter_panels(fig: Figure) -> None:
+    """Give several panels with scales their letters, and the labels of each column one place."""
+    shown = {ax: ax.get_subplotspec() for ax in fig.axes if ax.get_label() != "<colorbar>" and len(ax.get_xticks())}
+    grids = {ax: place.get_gridspec() for ax, place in shown.items() if place is not None}
+    panels = list(grids)
+    for grid in grids.values():
+        fig.align_ylabels([ax for ax in panels if grids[ax] is grid])
+    if not 1 < len(panels) <= MOST_LETTERS or any(" against " in str(ax.get_label()) for ax in panels):
+        return
+    for letter, ax in zip(ascii_lowercase, panels, strict=False):
+        ax.annotate(letter, (0, 1), (-6, 5), xycoords="axes fraction", textcoords="offset points", ha="right",
+                    weight="bold", size=style.normal())  # fmt: skip
 
 
 def check_name(path: str | Path, suffixes: tuple[str, ...] = DIAGRAMS) -> Path:

@@ -221,7 +221,7 @@ class _Maps:
             said, lines = law_lines.sentence(law, self.ds, self.choice), law_lines.counts(law, where)
             text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
             above += self._write(ax, text, above + 4, law, value)
-        title = labels.long_name(self.ds[name])
+        title = labels.long_name(self.ds[name]) + self.colours[name].said()
         if self.choice.along:
             title = f"{title}\n{value}" if leftmost else value
         ax.set_title(title, loc="left", pad=above + 6)

@@ -7,11 +7,10 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.colorbar import Colorbar
-from matplotlib.colors import BoundaryNorm, Colormap, LogNorm, Normalize
+from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, Normalize
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
+from matplotlib.ticker import LogLocator, MaxNLocator
 from numpy.typing import NDArray
 
 from studies.laws import NOISE
@@ -38,11 +37,14 @@ class Colours:
         known = values[np.isfinite(values)]
         self.low, self.high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
         size = max(abs(self.low), abs(self.high))
-        self.constant = not self.count and self.high - self.low <= NOISE * size  # rounding is no news
+        self.constant = self.high - self.low <= NOISE * size  # rounding is no news
         self.cmap: Colormap = style.map_colours()
         self.norm = self._norm()
 
     def _norm(self) -> Normalize:
+        if self.constant:  # written and not coloured
+            self.cmap = ListedColormap(["white"])
+            return Normalize(self.low - 1, self.high + 1)
         if self.count and self.high - self.low < MOST_COLOURS:
             levels = np.arange(self.low - 0.5, self.high + 1)
             self.cmap = style.map_colours(levels.size - 1)
@@ -51,13 +53,16 @@ class Colours:
             return LogNorm(self.low, self.high)
         if self.count:
             return Normalize(self.low - 0.5, self.high + 0.5)
-        if self.constant:
-            self.cmap = style.map_colours(1)
-            return Normalize(self.low - 1, self.high + 1)
         return Normalize(self.low, self.high)
 
-    def bar(self, mesh: Any, axes: list[Axes], inches: float) -> Colorbar:
-        """The bar of colours beside the panels, which are so many inches high."""
+    def said(self) -> str:
+        """``, 3 in all cases`` of a constant, which has no bar; else nothing."""
+        return f", {labels.value(self.low, self.array)} in all cases" if self.constant else ""
+
+    def bar(self, mesh: Any, axes: list[Axes], inches: float) -> None:
+        """The bar of colours beside the panels, which are so many inches high; none of a constant."""
+        if self.constant:
+            return
         fig = axes[0].get_figure(root=True)
         assert fig is not None
         bar = fig.colorbar(mesh, ax=axes, pad=0.015, aspect=30 * inches / 3, fraction=0.05)
@@ -65,23 +70,18 @@ class Colours:
         if self.count:
             bar.set_ticks([v for v in MaxNLocator(8, integer=True).tick_values(self.low, self.high)
                            if self.low <= v <= self.high])  # fmt: skip
-        elif self.constant:
-            bar.set_ticks([self.low])
         elif isinstance(self.norm, LogNorm):
             bar.locator = LogLocator(numticks=6)
         else:
             bar.locator = MaxNLocator(6)
         if isinstance(self.norm, LogNorm):
             bar.formatter = labels.power_of_ten  # type: ignore[assignment]
-        elif self.constant:
-            bar.formatter = FuncFormatter(lambda value, _: labels.minus_signs(labels.number(value)))
         else:
             bar.formatter = Ticks()
         bar.ax.tick_params(length=2)
         bar.update_ticks()
         bar.minorticks_off()
         bar.set_label(labels.label(self.array))
-        return bar
 
 
 def draw(ax: Axes, cells: Cells, name: str, colours: Colours, inches: tuple[float, float], pale: float = 1.0) -> Any:
@@ -97,7 +97,7 @@ def draw(ax: Axes, cells: Cells, name: str, colours: Colours, inches: tuple[floa
                          rasterized=True)  # fmt: skip
     if not cells.solved.all():
         ax.add_patch(PathPatch(regions.path(~cells.solved, x, y), facecolor=style.UNSOLVED, linewidth=0))
-    if colours.count:
+    if colours.count and not colours.constant:
         classes, step = _classes(values, colours)
         lines = regions.borders(classes, x, y)
         ax.add_collection(
