@@ -78,7 +78,8 @@ class Solution(Shape):
 
         They are exact derivatives of the solution, computed from its orbit and not from differences. Of an ends problem
         they are those along its branch: what the case gives of each pair (beta(0) or M10, FZ or height, ...) is held,
-        and beta'(0) and the rest follow.
+        and beta'(0) and the rest follow. With weight or friction the linear equations of the shape say how its states
+        answer a field, and what is read of it is differenced along that line: about nine digits.
 
         Parameters
         ----------

@@ -14,7 +14,7 @@ from ..problem.field_rates import check_fields
 from ..problem.quantities import quantity
 
 POSITIVE = ("E", "EI", "GJ", "a", "L", "R")  # searched by their logarithm
-_LIMITS = {"nu": (-1.0, 0.5)}
+_LIMITS = {"nu": (-1.0, 0.5), "weight": (0.0, np.inf), "friction": (0.0, np.inf), "inclination": (0.0, np.pi)}
 _SPREAD = 4.0  # starts of a positive field without bounds: from its value over this to its value times this
 # The fields of Start and Ends that are the value of a quantity at s = 0.
 _FIELD = {"beta0": "beta", "dbeta0": "dbeta", "alpha0": "alpha", "gamma0": "gamma"}

@@ -93,7 +93,7 @@ def refuse_varying(case: Case) -> None:
         got = " and ".join(f"{name}={value}" for name, value in given if value is not None and np.any(value))
         raise InputError(
             f"this task needs loads that are constant along the rod, got {got}; of a rod with weight or friction "
-            "solve, observe, follow and equilibria are known"
+            "solve, observe, follow, equilibria, sensitivity and fit are known"
         )
 
 

@@ -190,6 +190,8 @@ def why_missing(name: str, sol: Shape) -> str:
     """Why a derivative of an observable of a solved case does not exist."""
     if name == "bend_number":
         return NO_ORBIT if sol.trajectory.orbit is None else STRAIGHT
+    if sol.case.varies and OBSERVABLES[name].undefined:
+        return f"no derivative where {OBSERVABLES[name].undefined}"
     if name in _WHY:
         return _WHY[name]
     return SEVERAL if set(measure_of(name)) & set(EXTREMES) else STRAIGHT

@@ -8,13 +8,14 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.field_rates import check_fields, field_rates
-from ..problem.reduced import EndsProblem, refuse_varying
+from ..problem.reduced import EndsProblem
 from ..problem.trajectory import SOLVED
 from ..shape import Shape
 from .along import along, amounts, of_rows
 from .ends_rates import ends_field_rates
 from .motions import motions
 from .observables import Moving, check_observables, derivative_of, measure_of, why_missing
+from .varying_rates import STEP, varying_rates
 
 _ROUNDING = 32 * 2.0**-52  # of a derivative, times the condition number
 _CARRIED = 4  # of the error of the shape, on which the derivatives depend through beta, H, alpha and z
@@ -68,9 +69,14 @@ class Sensitivity:
 
 def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
     """The derivatives of a solution; see `Solution.sensitivity`."""
-    refuse_varying(sol.case)
     names, wanted = check_fields(sol.case, fields), check_observables(observables)
-    ends = isinstance(sol.problem, EndsProblem)
+    ends, growth = isinstance(sol.problem, EndsProblem), np.asarray(sol.trajectory.condition)
+    with np.errstate(all="ignore"):
+        error = _ROUNDING * (growth**2 if ends else growth)
+    if sol.case.varies:
+        known = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
+        with np.errstate(all="ignore"):
+            return _judge(sol, names, *varying_rates(sol, names, _ALONG, wanted), known, error / STEP)
     rates = ends_field_rates(sol, names) if ends else field_rates(sol.case, names)
     B, n = sol.t.shape
     out = {name: np.full((B, len(names), n), np.nan) for name in _ALONG}
@@ -87,16 +93,14 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
             if read is not None:
                 read.add(motion, unit, own)
         found = {name: derivative_of(name, read) for name in wanted if read is not None}
-    return _judge(sol, names, out, outcome, found)
+    return _judge(sol, names, out, found, outcome, error)
 
 
 def _judge(
-    sol: Shape, names: tuple[str, ...], out: dict[str, Array], outcome: Array, found: dict[str, Array]
+    sol: Shape, names: tuple[str, ...], out: dict[str, Array], found: dict[str, Array], outcome: Array, error: Array
 ) -> Sensitivity:
-    """The result; a case in which no digit is left gets an outcome that says so."""
+    """The result; a case in which no digit is left gets an outcome that says so. error: (B,), by rounding."""
     growth, held = np.asarray(sol.trajectory.condition), isinstance(sol.problem, EndsProblem)
-    with np.errstate(all="ignore"):
-        error = _ROUNDING * (growth**2 if held else growth)
     finite = np.logical_and.reduce([np.isfinite(value).all(axis=(1, 2)) for value in out.values()])
     begun = outcome == SOLVED
     where = "at a fold, or next to one" if held else "next to a separatrix"

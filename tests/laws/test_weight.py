@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import make_interp_spline
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, follow, observe, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fit, follow, observe, solve
 from solver.core.varying_loads import march
+from solver.problem.case_fields import values_of, with_field
 from solver.problem.reduced import reduce
 from solver.shooting.branch import buckling_tension, straight_shape
 from solver.shooting.descent import index_at
@@ -143,14 +144,12 @@ def test_a_light_rod_that_goes_far_round_has_the_index_of_a_discrete_rod() -> No
 
 
 FALLS = (
-    (6.1, 0.166, 1.77, {"betaL": 0.0, "FZ": -2.77, "M3": -0.04, "M10": 0.0}),
     (10.6, 0.0012, 2.35, {"M3": 0.182, "alpha": -0.552, "height": 7.86, "azimuth": -1.91, "M10": 0.0, "M1L": 0.653}),
     (5.8, 0.0038, 0.49, {"beta0": 0.0, "FZ": -2.99, "alpha": 2.785, "azimuth": -0.614, "M1L": 0.0}),
 )
 
 
-@pytest.mark.parametrize(("L", "weight", "angle", "ends"), [FALLS[1], *(pytest.param(*row, marks=pytest.mark.slow)
-                                                                         for row in FALLS[::2])])  # fmt: skip
+@pytest.mark.parametrize(("L", "weight", "angle", "ends"), [FALLS[0], pytest.param(*FALLS[1], marks=pytest.mark.slow)])
 def test_where_its_branch_ends_a_rod_falls_to_a_stable_shape(L: float, weight: float, angle: float, ends: Any) -> None:
     """Of 200 random rods the fall missed the stable shape, or a held height was not reached, for 52."""
     rod = Rod(EI=1.0, GJ=0.8, a=0.2, L=L, weight=weight)
@@ -289,6 +288,81 @@ def test_a_long_start_problem_says_that_it_has_lost_its_digits() -> None:
     assert "give Ends" in sol.outcome
 
 
+BENT = Case(
+    Rod(EI=1.0, GJ=0.8, a=0.2, L=8.0, weight=0.3), Cylinder(R=1.2, side="inside", inclination="50deg"),
+    Ends(M10=0.0, betaL=0.5, FZ=-0.2, MZ=0.1, M3=0.3, alpha=0.3),
+)  # fmt: skip
+
+
+def test_energy_changes_with_a_load_by_what_it_moves_and_with_the_weight_by_the_mean_height() -> None:
+    sol = solve(BENT, stations=2001)
+    slopes = sol.sensitivity(["FZ", "MZ", "weight"], ["energy"]).observables["energy"]
+    theta = BENT.cylinder.inclination
+    level = sol.z * np.cos(theta) - BENT.rho * np.sin(theta) * np.cos(sol.alpha)
+    exact = [-sol.z[-1], sol.alpha[0] - sol.alpha[-1], float(make_interp_spline(sol.s, level, k=5).integrate(0, 8.0))]
+    assert slopes == pytest.approx(exact, rel=1e-8)
+
+
+RUBBED = replace(BENT, cylinder=replace(BENT.cylinder, friction=0.1, sliding="rotating"))
+HELD_ENDS = Ends(M10=0.0, betaL=0.5, height=7.0, azimuth=0.4, rotation=1.0, alpha=0.3)
+SEEN = ["height", "wraps", "amplitude", "kappa_max", "push_min", "push_mean", "bending_energy", "F3_size_max", "FZ0"]
+
+
+@pytest.mark.parametrize(
+    ("case", "fields"),
+    [
+        (BENT, ["weight", "inclination", "betaL"]),
+        *(pytest.param(case, fields, marks=pytest.mark.slow) for case, fields in (
+            (BENT, ["EI", "GJ", "a", "L", "R", "FZ", "MZ", "M3", "alpha0"]),
+            (replace(BENT, given=HELD_ENDS), ["EI", "GJ", "L", "weight", "height", "azimuth", "rotation"]),
+            (RUBBED, ["friction", "weight", "a", "FZ"]),
+            (replace(BENT, given=Start(0.3, 0.1, F3=-0.3, F2=0.1, M3=0.4, alpha=0.2)), ["L", "weight", "beta0", "F3"]),
+        )),
+    ],
+)  # fmt: skip
+def test_derivatives_are_those_of_solves_at_other_values(case: Case, fields: list[str]) -> None:
+    sol = solve(case, stations=5)
+    known = sol.sensitivity(fields, SEEN)
+    assert known.solved
+    for k, field in enumerate(fields):
+        name = {"beta0": "beta"}.get(field, field) if isinstance(case.given, Start) else field
+        value = float(values_of(case, name))
+        h = 2e-5 * (abs(value) or 1.0)
+
+        def at(x: float, name: str = name) -> Any:
+            other = with_field(case, name, x)
+            return solve(other, stations=5, **({} if case.kind == "start" else {"seed": sol}))
+
+        ways = [(at(value + n * h), at(value - n * h)) for n in (1, 2)]
+
+        def slope(read: Any, ways: Any = ways, h: float = h) -> Any:
+            near, far = (read(high) - read(low) for high, low in ways)
+            return (8 * near - far) / (12 * h)
+
+        for name in ("beta", "alpha", "z", "gamma"):
+            exact = slope(lambda one, name=name: getattr(one, name))
+            assert getattr(known, name)[k] == pytest.approx(exact, rel=1e-6, abs=1e-6 * np.abs(exact).max() + 1e-12)
+        for name in SEEN:
+            exact = slope(lambda one, name=name: float(observe(one, [name])[name]))
+            assert known.observables[name][k] == pytest.approx(exact, rel=1e-6, abs=1e-9), (field, name)
+
+
+def test_a_derivative_that_does_not_exist_has_a_remark() -> None:
+    known = solve(lying_pipe(1.3)).sensitivity(["M10", "FZ"], ["push_max"])  # it is reached at mirrored places
+    assert np.isnan(known.observables["push_max"]).tolist() == [True, False]
+    assert "several places" in known.remarks["push_max"]
+    assert "no energy to minimise" in solve(RUBBED).sensitivity(["FZ"], ["energy"]).remarks["energy"]
+
+
+@pytest.mark.slow
+def test_weight_and_stiffness_are_fitted_to_a_measured_curve() -> None:
+    sol = solve(BENT, stations=9)
+    guess = replace(BENT, rod=replace(BENT.rod, weight=0.4, EI=1.3))
+    points = {"s": sol.s, "alpha": sol.alpha, "z": sol.z}
+    found = fit(guess, ["weight", "EI"], points=points, starts=0)
+    assert found.values == pytest.approx({"weight": 0.3, "EI": 1.0}, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
@@ -302,7 +376,6 @@ def test_a_long_start_problem_says_that_it_has_lost_its_digits() -> None:
         (lambda case: solve(case, method="orbit"), "is solved by shooting alone"),
         (lambda case: solve(case, choose="lowest"), "needs all equilibria"),
         (lambda case: solve(case, seed=0.1), "seed of a rod with weight or friction is 'straight'"),
-        (lambda case: solve(case).sensitivity(["E"]), "needs loads that are constant"),
         (lambda case: Rod(**ROD | {"weight": -1.0}), "Rod.weight must be at least 0, got -1.0"),
         (lambda case: Cylinder(R=1.0, inclination=4.0), "Cylinder.inclination must be from 0 to pi"),
         (lambda case: Cylinder(R=1.0, friction=-0.1), "Cylinder.friction must be at least 0"),
