@@ -4,15 +4,11 @@
    reading, the transfer matrix of a change of its start for the condition number, and the covariance of what its steps
    leave out and round off, carried along by the steps' own transfer matrices. */
 
-#include <float.h>
-#include <math.h>
-#include <stdint.h>
+#include "vectors.h"
+
 #include <stdlib.h>
-#include <string.h>
 
 #define ORDER 20
-#define EPS DBL_EPSILON
-#define PI 3.14159265358979323846
 #define MOST 60    /* steps of a leg: more are needed only next to a saddle or by very large loads */
 #define NODES 2    /* of each step, at which the growth of a change is looked at */
 #define STEADY 1e6 /* a growth beyond this leaves the march too few digits to tell where the orbit goes */
@@ -35,23 +31,6 @@ typedef struct {
     leg legs[2];
     int64_t status[2], count[2], sound, evaluations;
 } orbit;
-
-static inline int64_t bits_of(double x)
-{
-    int64_t y;
-    memcpy(&y, &x, sizeof y);
-    return y;
-}
-
-static inline double number_of(int64_t x)
-{
-    double y;
-    memcpy(&y, &x, sizeof y);
-    return y;
-}
-
-static inline double larger(double x, double y) { return x > y ? x : y; }
-static inline double smaller(double x, double y) { return x < y ? x : y; }
 
 static inline double value(const double *row, int n, double x)
 {
@@ -86,19 +65,6 @@ static double crossing(const double *row, int n, double level, double h)
     }
     return x;
 }
-
-/* The kernels for each width of lanes. Their loops have constant limits; unrolled, they mispredict no branch. */
-#ifdef ROLLED /* quick to compile */
-#define UNROLLED
-#elif defined(__clang__)
-#define UNROLLED _Pragma("unroll")
-#else
-#define UNROLLED _Pragma("GCC unroll 21")
-#endif
-#define ALWAYS __attribute__((always_inline))
-#define JOIN_(a, b) a##b
-#define JOIN(a, b) JOIN_(a, b)
-#define NAME(x) JOIN(x, SUFFIX)
 
 /* S E^-1 S E with S = diag(1, -1), det E = 1: the transfer out to a turning point and back. */
 static void and_back(const leg *e, double out[4])

@@ -6,19 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
-from .library import begin_of, function, share_out
+from .library import begin_of, function, share_out, widest
 
 # q: lam - mu; short: t - z; round: gamma + alpha
 STATES = ("beta", "dbeta", "alpha", "q", "phi", "mu", "short", "round")
-SIZE = len(STATES)
-BY_ANGLE, BY_STATE, BY_ALL = (
-    2,
-    6,
-    9,
-)  # columns: by beta and beta_t; by the first six of the begin; by these, the weight along and across, the friction
-_TRUNCATION = 1e-17  # of the scale of each number, in a step
+SIZE, ORDER = len(STATES), 20
+# columns: by beta and beta_t; by the first six of the begin; by these, the weight along and across, the friction
+BY_ANGLE, BY_STATE, BY_ALL = 2, 6, 9
+TRUNCATION = 1e-17  # of the scale of each number: what a step leaves out at most, where rounding bounds the error
+READ = [0, 1, 2, 3, 5, 4, 6, 7]  # the place of each state in what a march with `judge` reads: beta .. q, mu, phi, ..
 
-_INT, _AT, _FLOAT = ctypes.c_int64, ctypes.c_void_p, ctypes.c_double
+_INT, _AT, _FLOAT, _SHORT = ctypes.c_int64, ctypes.c_void_p, ctypes.c_double, ctypes.c_int
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,12 +24,14 @@ class March:
     """What `march` found of N stretches.
 
     end: (N, SIZE); NaN where the march is lost. columns: (N, SIZE, columns), derivatives of the end. growth: (N, 6),
-    the largest |d beta| by each number of the begin. out: (stations, SIZE). steps: (N,).
+    the largest |d beta| by each number of the begin. errors: (N, 2), standard deviations of beta and alpha at their
+    largest. out: the states at the stations. steps: (N,).
     """
 
     end: Array
     columns: Array
     growth: Array
+    errors: Array
     out: Array
     steps: Integers
 
@@ -45,8 +45,12 @@ def march(
     first: Integers | None = None,
     stations: Array | None = None,
     shorter: float = 1.0,
+    deep: int = ORDER,
+    judge: bool = False,
+    truncation: Array | float = TRUNCATION,
+    lanes: int = 0,
 ) -> March:
-    """March N stretches by Taylor series.
+    """March N stretches by Taylor series, as many at once as the registers hold.
 
     Parameters
     ----------
@@ -60,31 +64,44 @@ def march(
     columns : int
         0, BY_ANGLE, BY_STATE or BY_ALL: how many derivatives are marched too.
     first, stations : arrays, (N + 1,) and (first[-1],)
-        Stations first[i] .. first[i + 1] are those of stretch i, in t from its begin, rising.
+        Stations first[i] .. first[i + 1] are those of stretch i, in t from its begin, rising. `out` is (first[-1],
+        SIZE); with `judge` it is (SIZE, first[-1]), with mu before phi.
     shorter : float
         A factor of all steps.
+    deep : int
+        The order of the series of the derivatives.
+    judge : bool
+        Whether the errors are estimated, with columns BY_ANGLE.
+    truncation : float or array, (N, 1)
+        What a step may leave out, of the scales.
+    lanes : int
+        How many stretches at once, 0 for the most.
     """
     count = length.size
     rods, begin, length = (np.ascontiguousarray(v, dtype=float) for v in (rods, begin, length))
-    scale, alike = np.ascontiguousarray(scale, dtype=float), rods.ndim == 1
+    goal, alike = np.ascontiguousarray(scale * truncation, dtype=float), rods.ndim == 1
     end, found = np.empty((count, SIZE)), np.empty((count, SIZE, columns))
-    growth, steps = np.empty((count, BY_STATE)), np.empty(count, dtype=np.int64)
-    out = np.empty((0 if stations is None else stations.size, SIZE))
-    numbers = _INT, _AT, _AT, _INT, _FLOAT, _FLOAT, _AT, _AT, ctypes.c_int, *7 * [_AT]
+    growth, steps, errors = np.empty((count, BY_STATE)), np.empty(count, dtype=np.int64), np.empty((count, 2))
+    room = 0 if stations is None else stations.size
+    out = np.empty((SIZE, room) if judge else (room, SIZE))
+    places = begin_of(out) + 8 * (room * np.array(READ) if judge else np.arange(SIZE))
+    numbers = _INT, _AT, _AT, _INT, _FLOAT, _AT, _AT, _SHORT, _SHORT, *7 * [_AT], _INT, _AT, _SHORT, _SHORT
     call = function("rod_loaded", _INT, *numbers)
     if stations is not None:
         assert first is not None
         stations, first = np.ascontiguousarray(stations, dtype=float), np.ascontiguousarray(first, dtype=np.int64)
 
     def part(a: int, b: int) -> None:
-        def at(array: Array, width: int) -> int:
+        def at(array: Array | Integers, width: int) -> int:
             return begin_of(array) + 8 * a * width
 
-        rod = at(rods, 0 if alike else 7), at(scale, 0 if alike else SIZE), alike
-        stretch = at(begin, SIZE), at(length, 1), columns, at(end, SIZE)
+        rod = at(rods, 0 if alike else 7), at(goal, 0 if alike else SIZE), alike
+        stretch = at(begin, SIZE), at(length, 1), columns, deep, at(end, SIZE)
         derived = (at(found, SIZE * columns), at(growth, BY_STATE)) if columns else (None, None)
-        read = None if first is None else at(first, 1), None if stations is None else begin_of(stations), begin_of(out)
-        call(b - a, *rod, _TRUNCATION, shorter, *stretch, *derived, *read, at(steps, 1))
+        judged = at(errors, 2) if judge else None
+        read = (None, None) if first is None or stations is None else (at(first, 1), begin_of(stations))
+        written = begin_of(places), 1 if judge else SIZE, at(steps, 1)
+        call(b - a, *rod, shorter, *stretch, *derived, judged, *read, *written, lanes, widest())
 
     share_out(part, count)
-    return March(end, found, growth, out, steps)
+    return March(end, found, growth, errors, out, steps)

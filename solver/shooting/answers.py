@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..core.banded import solve_band
-from ..core.varying_loads import BY_ANGLE, SIZE, march
+from ..core.varying_loads import BY_ANGLE, SIZE, TRUNCATION, March, march
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.reduced import EndsProblem, StartProblem, flat
@@ -17,9 +17,11 @@ from .descent import index_of_any
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import HALF, Shape, correct, linear_at
 from .numbers import rods_of, starts_of
-from .varying_shapes import Marched, Nodes, VaryingShapes, read_states
+from .varying_shapes import Marched, Nodes, VaryingShapes, read_starts, read_states
 
-SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error
+SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error of an ends problem
+SHARE, COARSEST, SHALLOW = 0.01, 1e-12, 6  # of start problems: what all steps leave out of beta, as a share of the
+# tolerance; the most that one does, of the scales; the order of the series of the derivatives
 SAFETY, ROUNDING = 3.0, 2e-16
 LOST = 1e8  # condition number: beyond, a start problem has lost half its digits
 USE_ENDS = "; a long rod with weight is an ends problem: give Ends in place of Start"
@@ -28,30 +30,39 @@ USE_ENDS = "; a long rod with weight is an ends problem: give Ends in place of S
 def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Trajectory]:
     """The start problems at stations t (B, n); the problem has the loads of the far end.
 
-    The error is the difference of two marches with different steps, which holds what rounding grows to as well.
+    The error is what the steps leave out and round off, carried along the rod by their own derivatives.
     """
     problem, numbers, begin, scale = starts_of(case)
     B, n = t.shape
-    first, stations, alpha0 = n * np.arange(B + 1), t.reshape(-1), begin[:, ALPHA]
-    found = march(numbers, scale, begin, problem.span, BY_ANGLE, first, stations)
-    other = march(numbers, scale, begin, problem.span, 0, first, stations, SHORTER)
-    y, again = (np.concatenate([m.out.reshape(B, n, SIZE), m.end[:, None]], axis=1) for m in (found, other))
-    whole = np.maximum(1, problem.span)[:, None]
-    with np.errstate(invalid="ignore"):
-        parts = [np.abs(y - again)[:, :, k].max(axis=1, keepdims=True) for k in (BETA, ALPHA, SHORT)]
-        weight = np.sqrt(np.abs(begin[:, SPEED]) + scale[:, 4])
-        condition = np.maximum(1, np.maximum(found.growth[:, BETA], weight * found.growth[:, SPEED]))
-        error = SAFETY * np.max([parts[0], parts[1] / whole, parts[2] / whole], axis=0)[:, 0] + ROUNDING * condition
-    error = np.where(np.isfinite(error), error, np.inf)
-    end, twist = found.end, numbers[:, 0] * found.end[:, MU]
-    read = read_states(y[:, :-1], t, alpha0, twist)
+    span, alpha0 = problem.span, begin[:, ALPHA]
+    weight = np.sqrt(np.abs(begin[:, SPEED]) + scale[:, 4])
+
+    def judged(rows: Any, truncation: Array | float) -> tuple[March, Array, Array]:
+        first, stations = n * np.arange(span[rows].size + 1), t[rows].reshape(-1)
+        found = march(
+            numbers[rows], scale[rows], begin[rows], span[rows], BY_ANGLE, first, stations, deep=SHALLOW, judge=True,
+            truncation=truncation,
+        )  # fmt: skip
+        with np.errstate(invalid="ignore"):
+            condition = np.maximum(1, np.maximum(found.growth[:, BETA], weight[rows] * found.growth[:, SPEED]))
+            off = np.maximum(found.errors[:, 0], found.errors[:, 1] / np.maximum(1, span[rows]))
+        error = SAFETY * off + ROUNDING * (condition + span[rows] * scale[rows, SPEED])
+        return found, np.where(np.isfinite(error), error, np.inf), condition
+
+    left_out = np.clip(SHARE * tol / np.maximum(1, span * scale[:, MU]), TRUNCATION, COARSEST)
+    found, error, condition = judged(slice(None), left_out[:, None])
+    y, end = found.out.reshape(SIZE, B, n), found.end
+    rows = np.flatnonzero((error > tol) & (left_out > TRUNCATION))
+    if rows.size:
+        enough = np.maximum(TRUNCATION, 0.2 * left_out[rows] * tol / error[rows])
+        finer, error[rows], condition[rows] = judged(rows, enough[:, None])
+        y[:, rows], end[rows], found.steps[rows] = finer.out.reshape(SIZE, -1, n), finer.end, finer.steps
+    read = read_starts(y, t, alpha0, numbers[:, 0] * end[:, MU])
     solved, outcome = verdicts(read["beta"], error, condition, tol)
-    lost = ~(condition < LOST)
-    outcome = np.array(
-        [f"{one}{USE_ENDS}" if more else one for one, more in zip(outcome, lost, strict=True)], dtype=object
-    )
-    shapes = VaryingShapes(Marched(numbers, scale, begin, problem.span, found.steps), *np.full((2, B), np.nan))
-    far = StartProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], problem.span, problem.beta0, problem.dbeta0)
+    for i in np.flatnonzero(~(condition < LOST)):
+        outcome[i] = f"{outcome[i]}{USE_ENDS}"
+    shapes = VaryingShapes(Marched(numbers, scale, begin, span, found.steps), *np.full((2, B), np.nan))
+    far = StartProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], span, problem.beta0, problem.dbeta0)
     return far, Trajectory(
         **read, solved=solved, outcome=outcome, error=error, condition=condition, evaluations=found.steps, shapes=shapes
     )

@@ -155,3 +155,17 @@ def read_states(y: Array, t: Array, alpha0: Array, twist: Array) -> dict[str, An
         "z": t - y[:, :, SHORT], "swirl": partial(np.asarray, swirl),
         "loads": np.stack([y[:, :, Q] + y[:, :, MU], y[:, :, MU], y[:, :, PHI]]),
     }  # fmt: skip
+
+
+def read_starts(y: Array, t: Array, alpha0: Array, twist: Array) -> dict[str, Any]:
+    """The same from the states (8, B, n) that a march with `judge` reads, in their place."""
+    beta, dbeta, alpha, lam, mu, _, short, turned = y
+    alpha -= alpha0[:, None]
+    lam += mu
+    np.subtract(t, short, out=short)
+    swirl = partial(_swirl, twist[:, None], t, turned, alpha)
+    return {"beta": beta, "dbeta": dbeta, "alpha": alpha, "z": short, "swirl": swirl, "loads": y[Q : PHI + 2]}
+
+
+def _swirl(twist: Array, t: Array, turned: Array, alpha: Array) -> Array:
+    return np.asarray(twist * t - turned + alpha)

@@ -263,6 +263,40 @@ def test_derivatives_of_a_march_agree_with_differences() -> None:
             assert np.allclose((ends[0] - ends[1]) / 2e-6, exact[:, k], atol=1e-7 * (1 + np.abs(exact).max()))
 
 
+@pytest.mark.parametrize("sliding", ("", "forward", "rotating"))
+@pytest.mark.parametrize("tol", (1e-6, 1e-8, 1e-10, 1e-12))
+def test_the_estimated_error_of_a_start_problem_bounds_the_true_one(tol: float, sliding: str) -> None:
+    rng, N = np.random.default_rng(5), 100
+    stiff = {"EI": 10 ** rng.uniform(-1, 1, N), "GJ": 10 ** rng.uniform(-1, 1, N)}
+    rod = Rod(**stiff, a=0.2, L=rng.uniform(2, 25, N), weight=10 ** rng.uniform(-2, 1, N))
+    rubbed: dict[str, Any] = {"friction": 0.2, "sliding": sliding} if sliding else {}
+    beta, dbeta, F2, F3, M3 = rng.normal(size=(5, N))
+    given = Start(beta=beta, dbeta=dbeta, F2=F2, F3=3 * F3, M3=M3, alpha=rng.uniform(-3, 3, N))
+    case = Case(rod, Cylinder(R=0.8, inclination=rng.uniform(0, 3.1, N), **rubbed), given)
+    sol, exact = (solve(case, tol=value, stations=21) for value in (tol, 1e-15))
+    kept = sol.error < 1e-3
+    assert kept.sum() > 90
+    span = np.maximum(1, rod.L / case.rho)[:, None]
+    off = np.maximum(abs(sol.beta - exact.beta), abs(sol.alpha - exact.alpha) / span)
+    assert (off.max(axis=1) <= sol.error + exact.error)[kept].all()
+    assert np.median(sol.error[kept]) < tol
+
+
+def test_a_march_gives_the_same_bits_in_lanes_of_every_width() -> None:
+    rng, N = np.random.default_rng(3), 20
+    rods = np.concatenate([rng.normal(size=(N, 3)) / 3, np.zeros((N, 2)), np.tile([0.3, -1.0], (N, 1))], axis=1)
+    rods[::3, 3], rods[::6, 4] = 0.2, 1.0  # friction in some lanes
+    begin, length = rng.normal(size=(N, 8)) * [1, 1, 3, 1, 1, 1, 0, 0], rng.uniform(1, 6, N)
+    stations = (np.linspace(0, 1, 5) * length[:, None]).reshape(-1)
+    for columns in (2, 6, 9):
+        found = [
+            march(rods, np.ones((N, 8)), begin, length, columns, 5 * np.arange(N + 1), stations, lanes=lanes)
+            for lanes in (1, 2, 4, 8)  # or fewer, where the processor has no such registers
+        ]
+        for name in ("end", "columns", "growth", "out", "steps"):
+            assert len({getattr(one, name).tobytes() for one in found}) == 1
+
+
 def test_without_weight_the_answer_is_the_same_bits() -> None:
     given = Start(0.5, 0.5, F3=10.0, M3=0.0)
     plain, rod = solve(Case(Rod(**ROD | {"weight": None}), Cylinder(R=0.75), given)), Rod(**ROD | {"weight": 0.0})

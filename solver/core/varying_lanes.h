@@ -1,0 +1,544 @@
+/* Stretches of rods whose loads vary, W at a time: one lane a stretch.
+
+   Included once for each width W. Every lane does the same operations in the same order whatever W is and whatever its
+   neighbours are, so results are equal to the bit for all widths. */
+
+#include "vectors.h"
+
+typedef struct {
+    vec y[STATES][TERMS], s[TERMS], e[TERMS], c[TERMS], sa[TERMS], ca[TERMS], s2[TERMS], sc[TERMS], e2[TERMS];
+    vec H[TERMS], se[TERMS], g[TERMS], by_b[TERMS];        /* derivatives of H by beta; that of se is g */
+    vec d[STATES + 1][TERMS][2];                           /* two columns and the change of P */
+    vec v2[TERMS], FY[TERMS], lever[TERMS], P[TERMS], Pc[TERMS], Ps[TERMS], FYb[TERMS], P_by[GIVENS][TERMS];
+    vec rod[PARAMETERS], fine[STATES], at[STATES], t, length; /* fine: 1 over what a step may leave out */
+    vec transfer[STATES][GIVENS], D[STATES][GIVENS];          /* of the step, and from the begin */
+    vec growth[WIDE], spread[WIDE][WIDE], shift[WIDE], worst[2], lost; /* lost: what rounding took from t */
+    int64_t stretch[W], station[W], last[W], step[W]; /* the stretch of each lane (-1: none), its stations, its steps */
+} NAME(lanes);
+
+/* The same as `product` and `square`, to the bit, where the order is not known to the compiler. */
+static TARGET vec NAME(sum)(const vec *x, const vec *y, int k)
+{
+    vec parts[2] = {ZERO, ZERO};
+    for (int i = 1; i < k; i++)
+        parts[i & 1] += x[i] * y[k - i];
+    return k == 0 ? x[0] * y[0] : parts[1] + parts[0] + (x[0] * y[k] + x[k] * y[0]);
+}
+
+static TARGET vec NAME(half)(const vec *x, int k)
+{
+    vec parts[2] = {ZERO, ZERO};
+    for (int i = 1; 2 * i < k; i++)
+        parts[i & 1] += x[i] * x[k - i];
+    const vec half = parts[1] + parts[0] + x[0] * x[k], twice = half + half;
+    return k == 0 ? x[0] * x[0] : k % 2 ? twice : twice + x[k / 2] * x[k / 2];
+}
+
+/* The coefficients k of the contact force P, and of what it multiplies. */
+static TARGET void NAME(pushed)(NAME(lanes) *x, int k)
+{
+    const vec *v = x->y[SPEED], *mu = x->y[MU], side = x->rod[SIDE];
+    x->v2[k] = NAME(half)(v, k);
+    x->FY[k] = x->y[Q][k] + NAME(sum)(mu, x->e, k) - NAME(sum)(x->s, x->s2, k);
+    x->lever[k] = 3.0 * x->sc[k] - mu[k];
+    vec plain = NAME(sum)(x->FY, x->s, k) + NAME(sum)(x->H, x->lever, k) - x->rod[ACROSS] * x->ca[k];
+    plain += -3.0 * x->v2[k] + 6.0 * NAME(sum)(x->v2, x->s2, k);
+    /* beta_t mu_t holds P itself */
+    const vec much = x->rod[TURNING] * side * x->rod[FRICTION] * x->rod[RADIUS], divisor = 1.0 - much * v[0];
+    for (int j = 1; j <= k; j++)
+        plain += side * much * v[j] * x->P[k - j];
+    x->P[k] = side * plain / divisor;
+    x->Pc[k] = NAME(sum)(x->P, x->c, k);
+    x->Ps[k] = NAME(sum)(x->P, x->s, k);
+}
+
+/* What the first and the last coefficients add to the term k of a product of two series. */
+static inline ALWAYS TARGET vec NAME(ends)(const vec *x, const vec *y, int k)
+{
+    return k == 0 ? x[0] * y[0] : x[0] * y[k] + x[k] * y[0];
+}
+
+/* The coefficients k of what the states up to k give, and the coefficients k + 1 of the states. */
+static inline ALWAYS TARGET void NAME(terms)(NAME(lanes) *x, const int k, const int rubbed)
+{
+    vec(*y)[TERMS] = x->y;
+    const vec zero = ZERO, *rod = x->rod, *v = y[SPEED], *q = y[Q], *s = x->s, *c = x->c, *e = x->e;
+    const double share = 1.0 / (k + 1.0);
+    /* sums of all but the ends of seven products and a square, together because they share their factors */
+    vec vc[2], vs[2], qc[2], se[2], ee[2], cube[2], sca[2], ssa[2];
+    UNROLLED
+    for (int i = 0; i < 2; i++) {
+        const int j = 2 - i, there = j < k; /* the first of each sum */
+        vc[j & 1] = there ? c[j] * v[k - j] : zero;
+        vs[j & 1] = there ? s[j] * v[k - j] : zero;
+        qc[j & 1] = there ? c[j] * q[k - j] : zero;
+        se[j & 1] = there ? s[j] * e[k - j] : zero;
+        sca[j & 1] = there ? s[j] * x->ca[k - j] : zero;
+        ssa[j & 1] = there ? s[j] * x->sa[k - j] : zero;
+        cube[j & 1] = there ? x->sc[j] * x->s2[k - j] : zero;
+        ee[j & 1] = 2 * j < k ? e[j] * e[k - j] : zero;
+    }
+    UNROLLED
+    for (int j = 3; j < k; j++) {
+        vc[j & 1] += c[j] * v[k - j];
+        vs[j & 1] += s[j] * v[k - j];
+        qc[j & 1] += c[j] * q[k - j];
+        se[j & 1] += s[j] * e[k - j];
+        sca[j & 1] += s[j] * x->ca[k - j];
+        ssa[j & 1] += s[j] * x->sa[k - j];
+        cube[j & 1] += x->sc[j] * x->s2[k - j];
+        if (2 * j < k)
+            ee[j & 1] += e[j] * e[k - j];
+    }
+    vec squares = ee[0] + ee[1];
+    if (k > 0)
+        squares += e[0] * e[k];
+    squares += squares;
+    x->e2[k] = k % 2 ? squares : squares + e[k / 2] * e[k / 2];
+    x->s2[k] = 2.0 * e[k] - x->e2[k];
+    x->se[k] = se[0] + se[1] + NAME(ends)(s, e, k);
+    x->sc[k] = s[k] - x->se[k];
+    x->g[k] = 3.0 * e[k] - 2.0 * x->e2[k];
+    vec twisted, pulled, along = k == 0 ? rod[ALONG] : zero, across = rod[ACROSS] * x->sa[k], twist = zero;
+    if (rubbed) {
+        twisted = NAME(sum)(y[MU], x->g, k), pulled = NAME(sum)(y[PHI], s, k);
+    } else { /* the same sums, of which most terms are 0 */
+        twisted = y[MU][0] * x->g[k], pulled = y[PHI][0] * s[k];
+        if (k > 0)
+            pulled = y[PHI][1] * s[k - 1] + pulled;
+    }
+    x->H[k] = qc[0] + qc[1] + NAME(ends)(c, q, k) + twisted - pulled -
+              2.0 * (cube[0] + cube[1] + NAME(ends)(x->sc, x->s2, k));
+    if (rubbed) {
+        NAME(pushed)(x, k);
+        const vec turning = rod[TURNING], sliding = 1.0 - turning, f = rod[FRICTION];
+        twist = turning * f * rod[RADIUS] * x->P[k];
+        along += f * (sliding * x->Pc[k] + turning * rod[SIDE] * x->Ps[k]);
+        across += f * (sliding * x->Ps[k] + turning * (rod[RADIUS] - rod[SIDE]) * x->Pc[k]);
+    }
+    y[BETA][k + 1] = v[k] * share;
+    y[SPEED][k + 1] = x->H[k] * -share;
+    y[ALPHA][k + 1] = s[k] * share;
+    y[Q][k + 1] = (across - twist) * share;
+    y[PHI][k + 1] = along * share;
+    y[MU][k + 1] = twist * share;
+    y[SHORT][k + 1] = e[k] * share;
+    y[ROUND][k + 1] = (rod[RATIO] * y[MU][k] + x->se[k]) * share;
+    x->s[k + 1] = (vc[0] + vc[1] + NAME(ends)(c, v, k)) * share;
+    x->e[k + 1] = (vs[0] + vs[1] + NAME(ends)(s, v, k)) * share;
+    x->c[k + 1] = -e[k + 1];
+    x->sa[k + 1] = (sca[0] + sca[1] + NAME(ends)(s, x->ca, k)) * share;
+    x->ca[k + 1] = (ssa[0] + ssa[1] + NAME(ends)(s, x->sa, k)) * -share;
+}
+
+/* Fills the table with the series about the states where the lanes are. */
+static inline ALWAYS TARGET void NAME(expand)(NAME(lanes) *x, const int rubbed)
+{
+    vec sine, cosine;
+    for (int i = 0; i < STATES; i++)
+        x->y[i][0] = x->at[i];
+    NAME(sin_cos)(x->at[BETA] / 2.0, &sine, &cosine);
+    x->s[0] = 2.0 * sine * cosine, x->e[0] = 2.0 * sine * sine, x->c[0] = 1.0 - x->e[0];
+    NAME(sin_cos)(x->at[ALPHA], &x->sa[0], &x->ca[0]);
+    if (rubbed)
+        for (int k = 0; k < ORDER; k++)
+            NAME(terms)(x, k, 1);
+    else
+        UNROLLED
+        for (int k = 0; k < ORDER; k++)
+            NAME(terms)(x, k, 0);
+}
+
+/* The largest coefficient of order k, in what a step may leave out. */
+static inline TARGET vec NAME(size)(const NAME(lanes) *x, int k)
+{
+    vec size = ZERO;
+    for (int i = 0; i < SHORT; i++)
+        size = vmax(vabs(x->y[i][k]) * x->fine[i], size);
+    return size;
+}
+
+/* The distance at which the last four terms of the series are small enough: some may vanish by chance. */
+static inline TARGET vec NAME(reach)(const NAME(lanes) *x)
+{
+    vec least = ZERO + 1000.0;
+    double wide = 1; /* each term may be USUAL times the next */
+    for (int k = ORDER; k > ORDER - 4; k--) {
+        const vec size = NAME(size)(x, k) / wide, power = NAME(log_2)(size) / -(double)k;
+        least = PICK(MASK(size > 0) & MASK(power < least), power, least);
+        wide *= USUAL;
+    }
+    return NAME(exp_2)(least);
+}
+
+/* The derivatives of H and P, up to the order `deep`. */
+static inline ALWAYS TARGET void NAME(derive)(NAME(lanes) *x, int deep, const int rubbed)
+{
+    const vec *q = x->y[Q], *mu = x->y[MU], *phi = x->y[PHI], *v = x->y[SPEED], side = x->rod[SIDE];
+    for (int k = 0; k < deep; k++) {
+        vec twisted, pulled;
+        if (rubbed) {
+            twisted = 3.0 * NAME(sum)(mu, x->s, k) - 4.0 * NAME(sum)(mu, x->se, k);
+            pulled = NAME(sum)(phi, x->c, k);
+        } else { /* the same sums, of which most terms are 0 */
+            twisted = 3.0 * (mu[0] * x->s[k]) - 4.0 * (mu[0] * x->se[k]), pulled = phi[0] * x->c[k];
+            if (k > 0)
+                pulled = phi[1] * x->c[k - 1] + pulled;
+        }
+        x->by_b[k] = twisted - NAME(sum)(q, x->s, k) - pulled - 6.0 * NAME(half)(x->sc, k) +
+                     2.0 * NAME(half)(x->s2, k);
+    }
+    if (!rubbed)
+        return;
+    const vec much = x->rod[TURNING] * side * x->rod[FRICTION] * x->rod[RADIUS], divisor = 1.0 - much * v[0];
+    for (int k = 0; k < deep; k++) {
+        vec by[GIVENS] = {ZERO};
+        x->FYb[k] = NAME(sum)(mu, x->s, k) - 3.0 * NAME(sum)(x->s2, x->c, k);
+        by[BETA] = NAME(sum)(x->FYb, x->s, k) + NAME(sum)(x->FY, x->c, k) +
+                   NAME(sum)(x->by_b, x->lever, k) + 3.0 * x->H[k] - 6.0 * NAME(sum)(x->H, x->s2, k) +
+                   12.0 * NAME(sum)(x->v2, x->sc, k);
+        by[SPEED] = -6.0 * v[k] + 12.0 * NAME(sum)(v, x->s2, k);
+        by[ALPHA] = x->rod[ACROSS] * x->sa[k];
+        by[Q] = x->s[k] + NAME(sum)(x->c, x->lever, k);
+        by[PHI] = -NAME(sum)(x->s, x->lever, k);
+        by[MU] = x->se[k] + NAME(sum)(x->g, x->lever, k) - x->H[k];
+        by[WIDE + 1] = -x->ca[k];
+        for (int i = 0; i < GIVENS; i++) {
+            vec n = side * by[i];
+            if (i == SPEED)
+                n += much * x->P[k];
+            if (i == WIDE + 2)
+                n += x->rod[TURNING] * side * x->rod[RADIUS] * NAME(sum)(v, x->P, k);
+            for (int j = 1; j <= k; j++)
+                n += much * v[j] * x->P_by[i][k - j];
+            x->P_by[i][k] = n / divisor;
+        }
+    }
+}
+
+/* The columns first and, where m is 2, first + 1 of the transfer of a step of length h. */
+static inline ALWAYS TARGET void NAME(columns)(NAME(lanes) *x, int first, const int m, int deep, const int rubbed,
+                                               const int whole, vec h)
+{
+    vec(*d)[TERMS][2] = x->d;
+    const vec zero = ZERO, *rod = x->rod;
+    const int given = first >= WIDE;
+    for (int i = 0; i < m; i++)
+        for (int row = 0; row < STATES; row++)
+            d[row][0][i] = zero + (double)(row == first + i && !given);
+    for (int k = 0; k < deep; k++) {
+        vec H[2] = {ZERO}, pulled[2] = {ZERO}, turned[2] = {ZERO}, lost[2] = {ZERO}, bent[2] = {ZERO}, across[2] = {ZERO};
+        vec along[2] = {ZERO}, twist[2] = {ZERO};
+        for (int j = k; j >= 0; j--)
+            for (int i = 0; i < m; i++) {
+                const vec change = d[BETA][k - j][i];
+                H[i] += x->by_b[j] * change;
+                pulled[i] += x->c[j] * d[Q][k - j][i];
+                turned[i] += x->c[j] * change;
+                across[i] += x->ca[j] * d[ALPHA][k - j][i];
+                if (whole) {
+                    lost[i] += x->s[j] * change;
+                    bent[i] += x->g[j] * change;
+                }
+            }
+        for (int i = 0; i < m; i++) {
+            H[i] += pulled[i], across[i] *= rod[ACROSS];
+            if (!rubbed && !given) { /* the changes of phi and mu are constant */
+                H[i] += x->g[k] * d[MU][0][i] - x->s[k] * d[PHI][0][i];
+                continue;
+            }
+            for (int j = k; j >= 0; j--)
+                H[i] += x->g[j] * d[MU][k - j][i] - x->s[j] * d[PHI][k - j][i];
+            if (first + i == WIDE && k == 0)
+                along[i] += 1.0;
+            if (first + i == WIDE + 1)
+                across[i] += x->sa[k];
+            if (!rubbed)
+                continue;
+            vec by_s = zero, by_c = zero, change = given ? x->P_by[first + i][k] : zero;
+            for (int row = 0; row < WIDE; row++)
+                for (int j = k; j >= 0; j--)
+                    change += x->P_by[row][j] * d[row][k - j][i];
+            d[STATES][k][i] = change;
+            for (int j = k; j >= 0; j--) {
+                by_s += x->s[j] * d[STATES][k - j][i] + x->Pc[j] * d[BETA][k - j][i];
+                by_c += x->c[j] * d[STATES][k - j][i] - x->Ps[j] * d[BETA][k - j][i];
+            }
+            const vec turning = rod[TURNING], sliding = 1.0 - turning, f = rod[FRICTION], lift = rod[RADIUS] - rod[SIDE];
+            along[i] += f * (turning * rod[SIDE] * by_s + sliding * by_c);
+            across[i] += f * (turning * lift * by_c + sliding * by_s);
+            twist[i] += turning * f * rod[RADIUS] * change;
+            if (first + i == WIDE + 2) {
+                along[i] += turning * rod[SIDE] * x->Ps[k] + sliding * x->Pc[k];
+                across[i] += turning * lift * x->Pc[k] + sliding * x->Ps[k];
+                twist[i] += turning * rod[RADIUS] * x->P[k];
+            }
+        }
+        const double share = 1.0 / (k + 1.0);
+        for (int i = 0; i < m; i++) {
+            d[BETA][k + 1][i] = share * d[SPEED][k][i];
+            d[SPEED][k + 1][i] = -share * H[i];
+            d[ALPHA][k + 1][i] = share * turned[i];
+            d[Q][k + 1][i] = share * (across[i] - twist[i]);
+            d[PHI][k + 1][i] = share * along[i];
+            d[MU][k + 1][i] = share * twist[i];
+            d[SHORT][k + 1][i] = share * lost[i];
+            d[ROUND][k + 1][i] = share * (rod[RATIO] * d[MU][k][i] + bent[i]);
+        }
+    }
+    for (int i = 0; i < m; i++)
+        for (int row = 0; row < (whole ? STATES : rubbed ? WIDE : PHI); row++) {
+            vec sum = d[row][deep][i];
+            for (int k = deep - 1; k >= 0; k--)
+                sum = sum * h + d[row][k][i];
+            x->transfer[row][first + i] = sum;
+        }
+}
+
+/* The same with friction, of which fewer rods are marched, compiled once. */
+static TARGET void NAME(columns_rubbed)(NAME(lanes) *x, int first, int m, int deep, int whole, vec h)
+{
+    NAME(columns)(x, first, m, deep, 1, whole, h);
+}
+
+/* Applies the transfer of a step, of which the first `inner` numbers change, to n columns. */
+static inline ALWAYS TARGET void NAME(carry)(NAME(lanes) *x, int n, const int inner, const int rows)
+{
+    for (int i = 0; i < n; i++) {
+        vec sum[STATES];
+        for (int row = 0; row < rows; row++) {
+            sum[row] = row >= SHORT ? x->D[row][i] : i >= WIDE ? x->transfer[row][i] : ZERO;
+            if (row >= SHORT && i >= WIDE)
+                sum[row] += x->transfer[row][i];
+            for (int k = 0; k < inner; k++)
+                sum[row] += x->transfer[row][k] * x->D[k][i];
+        }
+        for (int row = 0; row < rows; row++)
+            x->D[row][i] = sum[row];
+    }
+    for (int i = 0; i < n && i < WIDE; i++)
+        x->growth[i] = vmax(x->growth[i], vabs(x->D[BETA][i]));
+}
+
+/* What the series of the state leave out at the distance h: their last four terms with a geometric rest, whose ratio is
+   that of the last eight. */
+static inline ALWAYS TARGET void NAME(left_out)(const NAME(lanes) *x, vec h, vec *out, const int inner)
+{
+    const vec most = ZERO + 0.8;
+    vec last = ZERO, earlier = ZERO + 1e-300, power = ZERO + 1.0, ratio, low;
+    for (int k = ORDER - 3; k <= ORDER; k++) {
+        last = vmax(NAME(size)(x, k) * power, last), earlier = vmax(NAME(size)(x, k - 4) * power, earlier);
+        power *= h;
+    }
+    ratio = vroot(vroot(last / earlier)) * h;
+    ratio = PICK(MASK(ratio < most), ratio, most);
+    low = h * h;
+    low *= low, low *= low, low *= low, low *= h; /* h to the power ORDER - 3 */
+    const vec rest = low * ratio / (1.0 - ratio), cube = ratio * ratio * ratio;
+    for (int i = 0; i < inner; i++) {
+        vec most_left = ZERO, factor = cube, grown = ZERO + 1.0;
+        for (int k = ORDER - 3; k <= ORDER; k++) {
+            most_left = vmax(vabs(x->y[i][k]) * grown * factor, most_left);
+            grown *= h, factor = k < ORDER - 1 ? factor / ratio : ZERO + 1.0;
+        }
+        out[i] = rest * most_left;
+    }
+}
+
+/* The covariance of the errors of the first `inner` numbers, and what the rounded loads shift them by, after a step of
+   length h. */
+static inline ALWAYS TARGET void NAME(spread)(NAME(lanes) *x, const int inner, vec h)
+{
+    const vec *at = x->at, bent = vabs(x->s[0]) + h * vabs(at[SPEED]);
+    const vec pull = vabs(at[Q]) + (vabs(at[MU]) + vabs(at[PHI]) + 2.0 * bent) * bent;
+    const vec fresh[WIDE] = {EPS * (vabs(at[BETA]) + h * vabs(at[SPEED])), EPS * (vabs(at[SPEED]) + h * pull),
+                             EPS * (vabs(at[ALPHA]) + h * bent), EPS * (vabs(at[Q]) + h * vabs(x->rod[ACROSS])),
+                             EPS * vabs(at[PHI]), EPS * vabs(at[MU])};
+    vec half[WIDE][WIDE], shift[WIDE], out[WIDE];
+    NAME(left_out)(x, h, out, inner);
+    for (int i = 0; i < inner; i++) {
+        shift[i] = ZERO;
+        for (int k = 0; k < inner; k++)
+            shift[i] += x->transfer[i][k] * x->shift[k];
+        for (int j = 0; j < inner; j++) {
+            half[i][j] = ZERO;
+            for (int k = 0; k < inner; k++)
+                half[i][j] += x->transfer[i][k] * x->spread[k][j];
+        }
+    }
+    for (int i = 0; i < inner; i++) {
+        x->shift[i] = shift[i];
+        for (int j = 0; j <= i; j++) {
+            vec sum = ZERO;
+            for (int k = 0; k < inner; k++)
+                sum += half[i][k] * x->transfer[j][k];
+            x->spread[i][j] = x->spread[j][i] = sum;
+        }
+        const vec size = out[i] + fresh[i];
+        x->spread[i][i] += size * size;
+    }
+    x->shift[SPEED] += EPS * h * pull;
+    x->shift[Q] += EPS * h * vabs(x->rod[ACROSS]);
+    x->worst[0] = vmax(x->worst[0], vroot(x->spread[BETA][BETA]) + vabs(x->shift[BETA]));
+    x->worst[1] = vmax(x->worst[1], vroot(x->spread[ALPHA][ALPHA]) + vabs(x->shift[ALPHA]));
+}
+
+static inline ALWAYS TARGET void NAME(vary)(NAME(lanes) *x, const marches *all, vec h, const int rubbed)
+{
+    const int n = all->columns, deep = all->deep, judged = all->errors != 0, inner = rubbed ? WIDE : PHI;
+    NAME(derive)(x, deep, rubbed);
+    for (int i = 0; i < (judged ? inner : n); i += 2)
+        if (rubbed)
+            NAME(columns_rubbed)(x, i, i + 1 < n || judged ? 2 : 1, deep, !judged, h);
+        else if (judged)
+            NAME(columns)(x, i, 2, deep, 0, 0, h);
+        else
+            NAME(columns)(x, i, 2, deep, 0, 1, h);
+    if (judged) {
+        NAME(spread)(x, inner, h);
+        NAME(carry)(x, n, inner, inner);
+    } else
+        NAME(carry)(x, n, WIDE, STATES);
+}
+
+/* Writes the states at the stations of each lane that lie in its step. */
+static inline TARGET void NAME(read)(NAME(lanes) *x, const marches *all, vec h, const int *final, const int rubbed)
+{
+    vec y[STATES];
+    const vec ends = x->t + h;
+    for (;;) {
+        vec t = ZERO;
+        int busy[W], any = 0;
+        for (int i = 0; i < W; i++) {
+            const int64_t k = x->station[i];
+            busy[i] = k < x->last[i] && (final[i] || all->stations[k] <= LANE(ends, i));
+            any |= busy[i];
+            if (busy[i])
+                LANE(t, i) = (all->stations[k] - LANE(x->t, i)) - LANE(x->lost, i);
+        }
+        if (!any)
+            return;
+        y[BETA] = NAME(value)(x->y[BETA], ORDER, t), y[SPEED] = NAME(value)(x->y[SPEED], ORDER, t);
+        y[ALPHA] = NAME(value)(x->y[ALPHA], ORDER, t), y[Q] = NAME(value)(x->y[Q], ORDER, t);
+        y[SHORT] = NAME(value)(x->y[SHORT], ORDER, t), y[ROUND] = NAME(value)(x->y[ROUND], ORDER, t);
+        y[PHI] = NAME(value)(x->y[PHI], rubbed ? ORDER : 1, t), y[MU] = NAME(value)(x->y[MU], rubbed ? ORDER : 0, t);
+        double values[STATES][W];
+        memcpy(values, y, sizeof values);
+        for (int i = 0; i < W; i++)
+            if (busy[i]) {
+                const int64_t at = all->stride * x->station[i]++;
+                for (int k = 0; k < STATES; k++)
+                    all->out[k][at] = values[k][i];
+            }
+    }
+}
+
+/* The lane takes stretch i; where i < 0 it stays where it is. */
+static TARGET void NAME(take)(NAME(lanes) *x, int lane, int64_t i, const marches *all)
+{
+    const int64_t rod = i < 0 || all->alike ? 0 : i;
+    x->stretch[lane] = i, x->step[lane] = 0;
+    for (int k = 0; k < PARAMETERS; k++)
+        LANE(x->rod[k], lane) = i < 0 ? 0 : all->rod[rod * PARAMETERS + k];
+    for (int k = 0; k < STATES; k++) {
+        LANE(x->fine[k], lane) = i < 0 ? 1 : 1 / all->goal[rod * STATES + k];
+        LANE(x->at[k], lane) = i < 0 ? 0 : all->begin[i * STATES + k];
+        for (int j = 0; j < GIVENS; j++)
+            LANE(x->D[k][j], lane) = k == j && j < WIDE;
+    }
+    for (int k = 0; k < WIDE; k++) {
+        LANE(x->growth[k], lane) = k == BETA, LANE(x->shift[k], lane) = 0;
+        for (int j = 0; j < WIDE; j++)
+            LANE(x->spread[k][j], lane) = 0;
+    }
+    LANE(x->worst[0], lane) = LANE(x->worst[1], lane) = LANE(x->t, lane) = LANE(x->lost, lane) = 0;
+    LANE(x->length, lane) = i < 0 ? 0 : all->length[i];
+    x->station[lane] = i < 0 || !all->first ? 0 : all->first[i];
+    x->last[lane] = i < 0 || !all->first ? 0 : all->first[i + 1];
+}
+
+/* Writes what is known of the stretch of a lane at its end; NaN where it is lost. */
+static TARGET void NAME(finish)(NAME(lanes) *x, int lane, int lost, const marches *all)
+{
+    const int64_t i = x->stretch[lane], n = all->columns;
+    for (int k = 0; k < STATES; k++) {
+        all->end[i * STATES + k] = lost ? NAN : LANE(x->at[k], lane);
+        for (int64_t j = lost ? x->station[lane] : x->last[lane]; j < x->last[lane]; j++)
+            all->out[k][all->stride * j] = NAN;
+        for (int j = 0; j < n; j++)
+            all->derived[(i * STATES + k) * n + j] = lost ? NAN : LANE(x->D[k][j], lane);
+    }
+    for (int k = 0; k < WIDE && n > 0; k++)
+        all->growth[i * WIDE + k] = lost ? NAN : LANE(x->growth[k], lane);
+    for (int k = 0; k < 2 && all->errors; k++)
+        all->errors[2 * i + k] = lost ? NAN : LANE(x->worst[k], lane);
+    all->steps[i] = x->step[lane];
+}
+
+/* One step of every lane. Returns through `over` which lanes have come to their end, or are lost. */
+static inline ALWAYS TARGET void NAME(advance)(NAME(lanes) *x, const marches *all, int *over, int *lost, const int rubbed)
+{
+    NAME(expand)(x, rubbed);
+    const vec left = (x->length - x->t) - x->lost, steps = all->shorter * NAME(reach)(x);
+    const NAME(mask) ends = MASK(steps >= left);
+    const vec h = PICK(ends, left, steps);
+    int final[W];
+    for (int i = 0; i < W; i++)
+        final[i] = LANE(steps, i) >= LANE(left, i);
+    if (all->first)
+        NAME(read)(x, all, h, final, rubbed);
+    if (all->columns > 0)
+        NAME(vary)(x, all, h, rubbed);
+    vec sum = ZERO;
+    for (int k = 0; k < STATES; k++) {
+        x->at[k] = NAME(value)(x->y[k], k == PHI && !rubbed ? 1 : k == MU && !rubbed ? 0 : ORDER, h);
+        sum += x->at[k];
+    }
+    for (int i = 0; i < W; i++) {
+        const double t = LANE(x->t, i);
+        x->step[i]++;
+        lost[i] = !(fabs(LANE(sum, i)) < INFINITY) || (!final[i] && (t + LANE(h, i) * 1e-3 <= t || x->step[i] > MOST_STEPS));
+        over[i] = final[i] || lost[i];
+    }
+    const vec t = x->t + h, back = t - x->t;
+    x->lost += (x->t - (t - back)) + (h - back), x->t = t;
+}
+
+/* March the stretches, W at a time: a lane whose stretch is done takes the next. Returns -1 if there is no memory, else
+   how many were lost. */
+static TARGET int64_t NAME(run)(const marches *all)
+{
+    char *memory = malloc(sizeof(NAME(lanes)) + 63); /* aligned by hand: Windows has no aligned_alloc */
+    if (!memory)
+        return -1;
+    NAME(lanes) *x = (NAME(lanes) *)(((uintptr_t)memory + 63) & ~(uintptr_t)63);
+    memset(x, 0, sizeof *x);
+    int64_t next = 0, count = 0;
+    int busy = 0, over[W], lost[W];
+    for (int i = 0; i < W; i++) {
+        NAME(take)(x, i, next < all->count ? next : -1, all);
+        busy += next++ < all->count;
+    }
+    while (busy) {
+        int rubbed = all->columns > WIDE;
+        for (int i = 0; i < W; i++)
+            rubbed |= LANE(x->rod[FRICTION], i) != 0;
+        if (rubbed)
+            NAME(advance)(x, all, over, lost, 1);
+        else
+            NAME(advance)(x, all, over, lost, 0);
+        for (int i = 0; i < W; i++) {
+            if (x->stretch[i] < 0 || !over[i])
+                continue;
+            NAME(finish)(x, i, lost[i], all);
+            count += lost[i];
+            busy -= next >= all->count;
+            NAME(take)(x, i, next < all->count ? next++ : -1, all);
+        }
+    }
+    free(memory);
+    return count;
+}
+
+#undef W
+#undef SUFFIX
