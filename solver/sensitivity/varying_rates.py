@@ -58,7 +58,7 @@ def varying_rates(
         bends: dict[str, list[Array]] = {name: [] for name in observables}
         sizes = {name: np.abs(value) for name, value in plain.items()}
         for count, weight in WEIGHTS.items():
-            above, below = (_moved(sol, line, sign * count) for sign in (1, -1))
+            above, below = (_at_step(sol, line, sign * count) for sign in (1, -1))
             amount = line.step * line.size
             for name in along:
                 change = getattr(above, name) - getattr(below, name)
@@ -118,7 +118,7 @@ def _case_at(case: Case, name: str, change: Array) -> Case:
     return unchecked_with_field(case, name, value)
 
 
-def _moved(sol: Shape, line: Line, count: int) -> Shape:
+def _at_step(sol: Shape, line: Line, count: int) -> Shape:
     """The rods after so many steps along their lines, at the same s/L."""
     case = _case_at(sol.case, line.name, count * line.step * line.size)
     t = flat(case.rod.L / case.rho, case.shape)[:, None] * (sol.t / sol.t[:, -1:])

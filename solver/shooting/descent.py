@@ -53,7 +53,7 @@ def index_of_any(shape: Shape) -> int:
 def is_near(shape: Shape, other: Shape) -> bool:
     """Whether no angle changed so much that it may be another branch."""
     size = np.abs(shape.y[:, [BETA, ALPHA]] / shape.rod.scale[[BETA, ALPHA]]).max()
-    return bool(turned(shape, other) < 0.5 + size)
+    return bool(largest_turn(shape, other) < 0.5 + size)
 
 
 def springs_of(shape: Shape, strength: float) -> Array:
@@ -77,7 +77,7 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
         now = replace(shape, y=y)
         springs = springs_of(now, strength)
         there = correct(now, y, springs, reach=FAR, most=8, enough=LOOSE)
-        moved = np.inf if there is None else turned(now, there)
+        moved = np.inf if there is None else largest_turn(now, there)
         if there is None or moved > FAR or index_at(there, springs) > 0:
             fine = divided(now)
             if fine is now:
@@ -99,7 +99,7 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
     return None
 
 
-def turned(shape: Shape, other: Shape) -> float:
+def largest_turn(shape: Shape, other: Shape) -> float:
     """The largest change of an angle, in its scale."""
     change = (other.y - shape.y)[:, [BETA, ALPHA]] / shape.rod.scale[[BETA, ALPHA]]
     return float(np.abs(change).max())

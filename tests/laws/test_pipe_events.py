@@ -1,10 +1,14 @@
 """The loads at which a long horizontal pipe changes its state, and a string about its neutral point, from `solve`."""
 
+import re
+
 import numpy as np
 import pytest
+from scipy.interpolate import make_interp_spline
 
 from benchmarks.pipe_events import HELIX, SINUSOID, HalfWave, energy, events, push_min, wave_number
-from solver import Case, Cylinder, Ends, Rod, solve
+from solver import Case, Cylinder, Ends, Rod, Start, solve
+from workbench.data.pipe_state import sentences
 
 
 @pytest.mark.slow
@@ -27,13 +31,36 @@ def test_helix_and_sinusoid_of_a_long_pipe_have_equal_energy_at_one_load() -> No
 
 
 def test_a_long_string_passes_its_neutral_point_as_painleve_says() -> None:
-    """Hastings and McLeod's solution of u'' = x u + 2 u^3 has u(0) = 0.3670615515."""
-    weight, below, above = 1e-12, 14.0, 10.0  # w rho^3/A, and lengths in (A/w)^(1/3)
+    """Hastings and McLeod's solution of u'' = x u + 2 u^3 has u(0) = 0.3670615515; far below, it has two series."""
+    weight, below, above, deep = 1e-12, 14.0, 10.0, 8.0  # w rho^3/A, and lengths in (A/w)^(1/3)
     size = weight ** (1 / 3)
     rod = Rod(EI=1.0, GJ=1.0, a=0.1, L=(below + above) / size, weight=weight)
     ends = Ends(M10=0.0, betaL=0.0, FZ=above * size**2)
-    sol = solve(
-        Case(rod, Cylinder(R=1.1, side="inside", inclination=0.0), ends), stations=np.array([0.0, below / size])
-    )
+    stations = (below - np.array([below, deep, 0.0, -above])) / size
+    sol = solve(Case(rod, Cylinder(R=1.1, side="inside", inclination=0.0), ends), stations=stations)
     assert sol.solved
-    assert abs(sol.beta[1]) / size == pytest.approx(0.3670615515, rel=1e-6)
+    assert abs(sol.beta[2]) / size == pytest.approx(0.3670615515, rel=1e-6)
+    assert abs(sol.beta[1]) / size == pytest.approx(np.sqrt(deep / 2) * (1 - 1 / (8 * deep**3)), rel=3e-6)
+    azimuth = np.sqrt(2) / 3 * deep**1.5 + np.log(2) / 2 + deep**-1.5 / (12 * np.sqrt(2))
+    assert abs(sol.alpha[3] - sol.alpha[1]) == pytest.approx(azimuth, rel=1e-6)
+
+
+def test_a_heavy_cable_on_a_horizontal_drum_is_pulled_as_the_capstan_equation_says() -> None:
+    """h2 = e^(mu pi) h1 + R 2 mu/(1 + mu^2) (e^(mu pi) + 1), tensions over the weight, whatever the stiffness."""
+    rod, drum = Rod(EI=1e-3, GJ=1e-3, a=0.001, L=np.pi * 0.051, weight=1.0), Cylinder(0.05, "outside", "90deg", 0.3)
+    sol = solve(Case(rod, drum, Start("90deg", 0.0, F3=0.15, M3=0.0, alpha="90deg")))
+    pulled = sol.MZ / 0.051 - 1e-3 / 0.051**2
+    assert pulled == pytest.approx(0.485068915514, abs=1e-12)
+    assert (sol.push > 0).all()
+
+
+def test_dogleg_and_bending_stress_are_those_of_the_curve_in_space() -> None:
+    rod = Rod(E=2.06e8, nu=0.3, a=0.0635, inner_radius=0.0543, L=60.0, weight=0.242)
+    ends = Ends(beta0=0.0, betaL=0.0, FZ=-220.0)
+    sol = solve(Case(rod, Cylinder(0.10795, "inside", "60deg"), ends), stations=4001)
+    curve = make_interp_spline(sol.s, sol.position, k=7)
+    bend = np.linalg.norm(curve(sol.s, 2), axis=1)[40:-40].max()  # a spline's derivatives are poor at its ends
+    said = " ".join(sentences(sol, {"length": "m", "force": "kN"}))
+    dogleg, stress = (float(re.search(words, said)[1]) for words in (r"dogleg (\S+) deg", r"stress (\S+) MPa"))
+    assert np.degrees(bend * 30) == pytest.approx(dogleg, rel=2e-4)
+    assert 2.06e8 * 0.0635 * bend / 1e3 == pytest.approx(stress, rel=2e-4)
