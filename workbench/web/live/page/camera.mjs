@@ -1,6 +1,9 @@
 // A camera without perspective that turns about the vertical axis, and what it must see.
 
-export const ABOVE = 0.28; // rad by which the camera looks down in the front view
+import { range } from "./range.mjs";
+
+const ABOVE = 0.28; // rad by which the camera looks down in the front view
+const LONG = 4; // the least length of a rod that lies along a wide view, in radii of the cylinder
 const STEEPEST = 1.5; // rad
 export const MARGIN = 1.07; // how much more is seen than the rod
 const SMALL = 0.5; // share of the view below which a rod is seen from nearer
@@ -84,4 +87,18 @@ export function matrix(camera, aspect, depth) {
     [0, 0, 0, 1],
   ];
   return Float32Array.from({ length: 16 }, (_, i) => rows[i % 4][i >> 2]);
+}
+
+/* The camera before the middle of a rod; wide: lying, where the rod is longer than its cylinder is thick. */
+export function facing({ alpha, z, one }, wide) {
+  let [x, y] = [0, 0];
+  for (const v of alpha) {
+    x += Math.cos(v);
+    y += Math.sin(v);
+  }
+  return {
+    azimuth: Math.hypot(x, y) > 0.05 * alpha.length ? Math.atan2(y, x) : alpha[alpha.length >> 1],
+    elevation: ABOVE,
+    lying: wide && range(z)[1] - range(z)[0] > LONG * one.R,
+  };
 }

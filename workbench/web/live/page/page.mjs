@@ -1,29 +1,22 @@
 // The page: the inputs make a state, the state a shape, and the shape is drawn.
 
-import { hereText, makeControls, spanOf } from "./controls.mjs";
-import { valuesAt } from "./curves.mjs";
-import { element, makeTheme, set, showRows, solvedText } from "./details.mjs";
+import { makeAddress } from "./address.mjs";
+import { makeControls, spanOf } from "./controls.mjs";
+import { element, makeTheme, set } from "./details.mjs";
 import { makeEquilibria } from "./equilibria.mjs";
 import { copyText, saveFile, savePicture, showStudy } from "./files.mjs";
-import { observables, warnings } from "./numbers.mjs";
-import { Refused, caseOf, heldState, isEnds, isState } from "./rod_case.mjs";
+import { observables } from "./numbers.mjs";
+import { Refused, caseOf, heldState, isEnds } from "./rod_case.mjs";
 import { makePrint } from "./print.mjs";
-import { showBar } from "./push_bar.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
-import { crossings } from "./self_contact.mjs";
 import { showScale } from "./scale_bar.mjs";
+import { makeShown } from "./shown.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
 import { makeAsker, post, unpacked } from "./server.mjs";
-import { fromHash, toHash } from "./study_text.mjs";
 import { makeView } from "./rod_view.mjs";
-import { number } from "./text.mjs";
 import { drawTriad } from "./triad.mjs";
 
 const PATIENCE = { numbers: 90, more: 250, list: 500 }; // ms of rest before what is slower
-const OFFLINE =
-  "This file works without a server, so it does not list all equilibria and follows only the one it began with. " +
-  "The command workbench explore starts the page with a server.";
-
 const data = JSON.parse(element("data").textContent),
   served = data.served;
 const letters = Object.fromEntries(Object.keys(data.quantities).map((name) => [name, data.quantities[name][0]]));
@@ -32,28 +25,17 @@ const copied = (value) => JSON.parse(JSON.stringify(value));
 const still = window.matchMedia("(prefers-reduced-motion: reduce)"),
   dark = window.matchMedia("(prefers-color-scheme: dark)");
 
-const me = {
-  preset: "",
-  centre: {},
-  state: null,
-  shape: null,
-  head: {},
-  list: [],
-  here: -1,
-  wrong: { sentence: "", field: "" },
-  cursor: null,
-  drawn: 0,
-  busy: false,
-};
+const me = { preset: "", centre: {}, state: null, shape: null, head: {}, list: [], here: -1, cursor: null };
+Object.assign(me, { wrong: { sentence: "", field: "" }, drawn: 0, busy: false });
 let core = null,
   again = null,
   timers = {},
-  moves = 0,
-  hash = "";
+  moves = 0;
 
 const theme = makeTheme();
 const view = makeView(element("scene"), element("mark"), data.colours, () => still.matches, true);
-const diagrams = makeDiagrams(element("diagrams"), element("unrolled"), data.colours, theme, setCursor);
+const diagrams = makeDiagrams(element("diagrams"), element("unrolled"), data.colours, theme, (s) => shown.setCursor(s));
+const address = makeAddress(data.readings);
 const ask = makeAsker(() => me.shape);
 makePrint(element("scene"), view, diagrams, theme);
 const context = {
@@ -67,6 +49,8 @@ const controls = makeControls(element("fields"), data.quantities, (name, value) 
 
 const equilibria = makeEquilibria(me, data, context, theme, ask, update);
 
+const shown = makeShown(me, data, { view, diagrams, controls, context, equilibria, ask });
+
 const presetOf = () => data.presets.find((one) => one.name === me.preset);
 
 // a state to begin with
@@ -79,7 +63,7 @@ function begin(name) {
 /* seed: s and beta of the shape between two ends with which this file was saved. */
 function enter(name, state, seed = null) {
   Object.assign(me, { preset: name, centre: copied(state.base), state, list: [], here: -1, cursor: null });
-  setCursor(null);
+  shown.setCursor(null);
   element("preset").value = name;
   element("source").textContent = presetOf().source;
   set(element("message"), "");
@@ -87,19 +71,17 @@ function enter(name, state, seed = null) {
   update({ fresh: true, seed });
 }
 
+/* Follow the address: whether it has a state. */
 function follow() {
-  if (location.hash.length < 2 || location.hash === hash) return location.hash.length > 1;
-  try {
-    const { preset, state } = fromHash(location.hash.slice(1));
-    if (!isState(state, data.readings)) throw new Error();
-    const known = data.presets.find((one) => one.name === preset) || data.presets[0];
-    enter(known.name, state, isEnds(state) ? known.shape : null);
-    return true;
-  } catch {
+  const known = address.read();
+  if (known?.state) {
+    const { name, shape } = data.presets.find((one) => one.name === known.preset) || data.presets[0];
+    enter(name, known.state, isEnds(known.state) ? shape : null);
+  } else if (known) {
     begin(data.presets[0].name);
     refuse(new Refused("This link is not complete: copy it again from the page."));
-    return true;
   }
+  return known !== null;
 }
 
 // a shape of the state
@@ -172,19 +154,25 @@ function took(shape, head, how, since) {
   view.show(shape, { fresh: how.fresh, refit: refit && locked === null, scale: locked });
   const drawn = performance.now();
   diagrams.show(shape, me.state.units, view.drawn.scale);
-  showState();
+  shown.showState();
   me.drawn += 1;
   document.dispatchEvent(
     new CustomEvent("drawn", {
       detail: { since, solve: solved - since, draw: drawn - solved, diagrams: performance.now() - drawn },
     }),
   );
-  later("numbers", PATIENCE.numbers, showNumbers);
+  later("numbers", PATIENCE.numbers, afterwards);
   if (shape.one.kind !== "ends") {
     me.list = [];
     return;
   }
   if (served && (!how.chosen || !me.list.length)) later("list", PATIENCE.list, equilibria.ask);
+}
+
+function afterwards() {
+  shown.showNumbers();
+  link();
+  if (served) later("more", PATIENCE.more, shown.askNumbers);
 }
 
 function later(name, wait, work) {
@@ -196,78 +184,10 @@ function refuse(error) {
   if (!(error instanceof Refused)) throw error;
   if (!error.sentence) return;
   me.wrong = { sentence: error.sentence, field: error.field };
-  showState();
+  shown.showState();
 }
 
-// what is shown
-
-function showState() {
-  const { state, wrong, shape, head } = me,
-    units = state.units;
-  controls.show(state, wrong, context);
-  const shown = document.querySelector(`#n-${CSS.escape(wrong.field || "-")}`) ? "" : wrong.sentence;
-  set(element("problem"), shown && shape ? `${shown} The last shape is shown.` : shown);
-  element("problem").hidden = !shown;
-  element("side").value = state.base.side || "outside";
-  element("reading-line").hidden = state.reading === undefined;
-  if (state.reading !== undefined) element("reading").value = state.reading;
-  element("by-ends").hidden = isEnds(state);
-  element("equilibria").hidden = !isEnds(state);
-  if (!shape) return;
-  showBar(element("bar"), data.colours, view.drawn.scale, `${units.force}/${units.length}`);
-  const squeezed = view.drawn.squeeze < 1;
-  element("squeeze").hidden = !squeezed;
-  if (squeezed) set(element("squeeze"), `Axis compressed 1 : ${(1 / view.drawn.squeeze).toPrecision(3)}`);
-  if (me.cursor !== null) setCursor(me.cursor);
-  set(element("unlisted"), served ? element("unlisted").textContent : OFFLINE);
-}
-
-/* What takes longer than a move of a slider may: observables, warnings, the address. */
-function showNumbers() {
-  const { shape, state } = me,
-    found = observables(shape),
-    crossed = crossings(shape);
-  element("crossed").hidden = !crossed.length;
-  view.setRings(crossed);
-  if (shape.one.kind === "ends" && !me.head.ticket)
-    state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
-  const known = Object.entries(found).filter(([, value]) => Number.isFinite(value));
-  equilibria.branches.mark(state, found);
-  showRows(known, [...warnings(shape, found, crossed), ...partNote()], data.quantities, state.units);
-  set(element("fine"), solvedText(me.head, shape));
-  link();
-  if (served) later("more", PATIENCE.more, askNumbers);
-}
-
-function partNote() {
-  const { s, one, shown } = me.shape,
-    part = `${number(s[s.length - 1])} ${me.state.units.length} of ${number(one.L)}`;
-  const note = `Only the first ${part} are shown: the rod bends too often for more.`;
-  return [...(me.head.notes || []), ...(shown < 1 ? [note] : [])];
-}
-
-function setCursor(s) {
-  const { shape } = me;
-  me.cursor = s === null || !shape ? null : Math.min(s, shape.s[shape.s.length - 1]);
-  const at = me.cursor === null ? null : valuesAt(shape, me.cursor),
-    slider = element("cursor");
-  view.setMark(at);
-  diagrams.setCursor(me.cursor);
-  slider.value = at ? (1000 * at.s) / shape.s[shape.s.length - 1] : 0;
-  set(element("here"), at ? hereText(at, me.state.units) : "");
-  slider.setAttribute("aria-valuetext", at ? hereText(at, me.state.units) : "none");
-}
-
-// what the server adds
-
-/* The rows of the server are those of the whole solver: they replace the page's. */
-function askNumbers() {
-  const took = ({ rows, warnings: told }) => {
-    const found = rows.map(({ name, value }) => [name, value ?? NaN]);
-    showRows(found, [...told, ...partNote()], data.quantities, me.state.units);
-  };
-  ask("/numbers", { state: me.state, ticket: me.head.ticket }, took, (why) => set(element("message"), why));
-}
+// the address, and what is pressed
 
 /* The same rod between its two ends: the shape stays, and the state names it. */
 function byEnds() {
@@ -280,12 +200,7 @@ function byEnds() {
   return update({ refit: true, ...(served ? { chosen: true } : { seed: shape }) });
 }
 
-// the address, and what is pressed
-
-function link() {
-  hash = `#${toHash({ preset: me.preset, state: me.state })}`;
-  history.replaceState(null, "", hash);
-}
+const link = () => address.show({ preset: me.preset, state: me.state });
 
 function prepare() {
   const option = (value, text) => Object.assign(document.createElement("option"), { value, textContent: text });
@@ -320,9 +235,9 @@ function prepare() {
   });
   element("push").addEventListener("change", (event) => view.showPush(event.target.value));
   element("cursor").addEventListener("input", (event) =>
-    setCursor((Number(event.target.value) / 1000) * me.shape.s[me.shape.s.length - 1]),
+    shown.setCursor((Number(event.target.value) / 1000) * me.shape.s[me.shape.s.length - 1]),
   );
-  view.picked = setCursor;
+  view.picked = shown.setCursor;
   view.moved = (camera) => {
     drawTriad(element("triad"), camera);
     showScale(element("scale"), view, element("scene"), me.state.units.length);

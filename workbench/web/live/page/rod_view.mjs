@@ -1,6 +1,6 @@
 // The view of the rod: what is drawn, from where, and the hands that turn it.
 
-import { ABOVE, between, fitted, needsFit, seen, turned } from "./camera.mjs";
+import { between, facing, fitted, needsFit, seen, turned } from "./camera.mjs";
 import { scaleOf } from "./colours.mjs";
 import { hands } from "./hands.mjs";
 import { coveredTube, wallLight } from "./light.mjs";
@@ -12,8 +12,7 @@ import { cylinder, rings, sidesFor, squeezeOf, tube } from "./tube.mjs";
 
 const FINE = 0.12,
   COARSE = 0.8; // pixels that the tube may be off at rest, and while a slider moves
-const WIDE = 1.15,
-  LONG = 4; // aspect of a view along which a rod may lie, and the least length of such a rod in radii of the cylinder
+const WIDE = 1.15; // aspect of a view along which a rod may lie
 const REST = 160,
   EASE = 240; // ms until all is drawn finely, and of a change of the camera
 const BUDGET = 2.5,
@@ -236,20 +235,6 @@ function setRod(scene, shape, { squeeze, scale }, tolerance, moves = false) {
 function picture(me, scene, width, height) {
   setRod(scene, me.shape, me.drawn, (FINE * 2 * me.camera.half) / height);
   return scene.pixels(me.touched ? me.camera : fitted(me.camera, me.bounds(me.camera), width / height), width, height);
-}
-
-/* The camera before the middle of a rod; wide: lying, where the rod is longer than its cylinder is thick. */
-function facing({ alpha, z, one }, wide) {
-  let [x, y] = [0, 0];
-  for (const v of alpha) {
-    x += Math.cos(v);
-    y += Math.sin(v);
-  }
-  return {
-    azimuth: Math.hypot(x, y) > 0.05 * alpha.length ? Math.atan2(y, x) : alpha[alpha.length >> 1],
-    elevation: ABOVE,
-    lying: wide && range(z)[1] - range(z)[0] > LONG * one.R,
-  };
 }
 
 /* The points that a view must contain: the rod's centreline and the ends of the wall. */

@@ -1,0 +1,83 @@
+// What the page shows of its state and shape beside the rod: fields, bar, numbers, warnings, the cursor.
+
+import { hereText } from "./controls.mjs";
+import { valuesAt } from "./curves.mjs";
+import { element, set, showRows, solvedText } from "./details.mjs";
+import { observables, warnings } from "./numbers.mjs";
+import { showBar } from "./push_bar.mjs";
+import { isEnds } from "./rod_case.mjs";
+import { crossings } from "./self_contact.mjs";
+import { number } from "./text.mjs";
+
+const OFFLINE =
+  "This file works without a server, so it does not list all equilibria and follows only the one it began with. " +
+  "The command workbench explore starts the page with a server.";
+
+/* me: the page's state and shape; the others are parts of the page. */
+export function makeShown(me, data, { view, diagrams, controls, context, equilibria, ask }) {
+  function showState() {
+    const { state, wrong, shape, head } = me,
+      units = state.units;
+    controls.show(state, wrong, context);
+    const shown = document.querySelector(`#n-${CSS.escape(wrong.field || "-")}`) ? "" : wrong.sentence;
+    set(element("problem"), shown && shape ? `${shown} The last shape is shown.` : shown);
+    element("problem").hidden = !shown;
+    element("side").value = state.base.side || "outside";
+    element("reading-line").hidden = state.reading === undefined;
+    if (state.reading !== undefined) element("reading").value = state.reading;
+    element("by-ends").hidden = isEnds(state);
+    element("equilibria").hidden = !isEnds(state);
+    if (!shape) return;
+    showBar(element("bar"), data.colours, view.drawn.scale, `${units.force}/${units.length}`);
+    const squeezed = view.drawn.squeeze < 1;
+    element("squeeze").hidden = !squeezed;
+    if (squeezed) set(element("squeeze"), `Axis compressed 1 : ${(1 / view.drawn.squeeze).toPrecision(3)}`);
+    if (me.cursor !== null) setCursor(me.cursor);
+    if (!data.served) set(element("unlisted"), OFFLINE);
+  }
+
+  /* What takes longer than a move of a slider may: observables and warnings. */
+  function showNumbers() {
+    const { shape, state } = me,
+      found = observables(shape),
+      crossed = crossings(shape);
+    element("crossed").hidden = !crossed.length;
+    view.setRings(crossed);
+    if (shape.one.kind === "ends" && !me.head.ticket)
+      state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
+    const known = Object.entries(found).filter(([, value]) => Number.isFinite(value));
+    equilibria.branches.mark(state, found);
+    showRows(known, [...warnings(shape, found, crossed), ...partNote()], data.quantities, state.units);
+    set(element("fine"), solvedText(me.head, shape));
+  }
+
+  function partNote() {
+    const { s, one, shown } = me.shape,
+      part = `${number(s[s.length - 1])} ${me.state.units.length} of ${number(one.L)}`;
+    const note = `Only the first ${part} are shown: the rod bends too often for more.`;
+    return [...(me.head.notes || []), ...(shown < 1 ? [note] : [])];
+  }
+
+  function setCursor(s) {
+    const { shape } = me;
+    me.cursor = s === null || !shape ? null : Math.min(s, shape.s[shape.s.length - 1]);
+    const at = me.cursor === null ? null : valuesAt(shape, me.cursor),
+      slider = element("cursor");
+    view.setMark(at);
+    diagrams.setCursor(me.cursor);
+    slider.value = at ? (1000 * at.s) / shape.s[shape.s.length - 1] : 0;
+    set(element("here"), at ? hereText(at, me.state.units) : "");
+    slider.setAttribute("aria-valuetext", at ? hereText(at, me.state.units) : "none");
+  }
+
+  /* The rows of the server are those of the whole solver: they replace the page's. */
+  function askNumbers() {
+    const took = ({ rows, warnings: told }) => {
+      const found = rows.map(({ name, value }) => [name, value ?? NaN]);
+      showRows(found, [...told, ...partNote()], data.quantities, me.state.units);
+    };
+    ask("/numbers", { state: me.state, ticket: me.head.ticket }, took, (why) => set(element("message"), why));
+  }
+
+  return { showState, showNumbers, setCursor, askNumbers };
+}
