@@ -123,11 +123,14 @@ def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:
 def _draw_story(results: "list[StudyResult]", readings: "xr.Dataset", path: Path) -> Path | None:
     """Draw the figure of the whole story and return its file; None where the reading leaves a study out."""
     from ..figures import canvas, story
+    from ..figures.sheet import sheet
+    from ..web.report import document
 
     datasets = {str(ds.attrs["study_name"]): ds for ds in (*(result.ds for result in results), readings)}
     if not set(story.NEEDED) <= set(datasets):
         return None
-    canvas.save(story.figure(datasets), path, dpi=300)
+    for file, wide in ((path, 183), (document.column_of(path), 89)):
+        canvas.save(story.figure(datasets, sheet("paper", wide, titled=False)), file, dpi=300)
     return path
 
 

@@ -108,10 +108,21 @@ def html(
         policy=policy(style_, program, "", served=False),
         data=page.data(figures, core=turning.core()),
         measured=[_measure(one) for one in measured],
-        story=[] if story is None else [_picture(story, STORY, DRAWING)],
+        story=[] if story is None else [_picture(story, STORY, DRAWING) | _column(story)],
         left_out=left_out.SENTENCE,
         equilibria=_equilibria(*equilibria) if equilibria else None,
     )
+
+
+def _column(story: Path) -> dict[str, Any]:
+    """The story as wide as one column, for a narrow screen, where it was drawn."""
+    narrow = column_of(story)
+    return {"narrow": _picture(narrow, STORY, DRAWING)["src"]} if narrow.exists() else {}
+
+
+def column_of(story: Path) -> Path:
+    """The file of the story that is as wide as one column."""
+    return story.with_stem(f"{story.stem}_column")
 
 
 def _measure(one: Measured) -> dict[str, Any]:

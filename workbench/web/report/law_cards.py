@@ -107,6 +107,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
             cells.append(
                 {
                     "verdict": verdict,
+                    "plain": reasons.PLAIN[verdict].capitalize(),
                     "class": CLASSES[verdict],
                     "measured": measured,
                     "reason": sentence(_short(verdict, laws)),

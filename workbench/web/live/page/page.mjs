@@ -133,22 +133,16 @@ async function askShape(one, how, since) {
     if (!isOld()) refuse(error);
   } finally {
     me.busy = false;
-    if (again) {
-      const next = again;
-      again = null;
-      update(next);
-    }
+    const next = again;
+    again = null;
+    if (next) update(next);
   }
 }
 
 function took(shape, head, how, since) {
   const solved = performance.now(),
-    refit =
-      how.refit ||
-      how.chosen ||
-      !me.shape ||
-      me.shape.one.side !== shape.one.side ||
-      me.shape.one.kind !== shape.one.kind;
+    isOther = (name) => me.shape?.one[name] !== shape.one[name],
+    refit = how.refit || how.chosen || isOther("side") || isOther("kind");
   Object.assign(me, { shape, head, wrong: { sentence: "", field: "" } });
   const locked = element("lock").checked && view.drawn && !how.fresh ? view.drawn.scale : null;
   view.show(shape, { fresh: how.fresh, refit: refit && locked === null, scale: locked });
@@ -203,9 +197,8 @@ function byEnds() {
 const link = () => address.show({ preset: me.preset, state: me.state });
 
 function prepare() {
-  const option = (value, text) => Object.assign(document.createElement("option"), { value, textContent: text });
-  element("preset").append(...data.presets.map((one) => option(one.name, one.title)));
-  element("reading").append(...data.readings.map((one) => option(one, one.split("/").join(", "))));
+  element("preset").append(...data.presets.map((one) => new Option(one.title, one.name)));
+  element("reading").append(...data.readings.map((one) => new Option(one.split("/").join(", "), one)));
   element("no-webgl").hidden = Boolean(view.scene);
   for (const button of document.querySelectorAll(".served")) button.hidden = !served;
   const acts = {
@@ -224,16 +217,14 @@ function prepare() {
     ...Object.fromEntries(["csv", "step", "stl", "glb"].map((kind) => [kind, () => saveFile(me, kind, served)])),
   };
   for (const [id, act] of Object.entries(acts)) element(id).addEventListener("click", act);
-  element("preset").addEventListener("change", (event) => begin(event.target.value));
-  element("reading").addEventListener("change", (event) => {
-    me.state.reading = event.target.value;
-    update();
-  });
-  element("side").addEventListener("change", (event) => {
-    me.state.base.side = event.target.value;
-    update({ refit: true });
-  });
-  element("push").addEventListener("change", (event) => view.showPush(event.target.value));
+  const chosen = {
+    preset: begin,
+    reading: (reading) => (Object.assign(me.state, { reading }), update()),
+    side: (side) => (Object.assign(me.state.base, { side }), update({ refit: true })),
+    push: view.showPush,
+  };
+  for (const [id, act] of Object.entries(chosen))
+    element(id).addEventListener("change", ({ target }) => act(target.value));
   element("cursor").addEventListener("input", (event) =>
     shown.setCursor((Number(event.target.value) / 1000) * me.shape.s[me.shape.s.length - 1]),
   );
