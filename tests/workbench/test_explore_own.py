@@ -189,6 +189,8 @@ def test_a_page_that_cannot_be_saved_is_told_in_a_sentence(name, tmp_path, capsy
         (["--length-unit", "mm"], "also needs E, nu, a, L, R"),
         (["--length-unit", "furlong"], "also needs E, nu, a, L, R"),
         (["PIPE", "--beta", "0.1"], "this case is an ends problem, which has no beta"),
+        (["PIPE", "--weight", "0.2"], "the live page shows rods without weight and friction"),
+        (["PIPE", "--height", "0.2"], "the live page shows ends under dead loads, got height"),
     ],
 )
 def test_what_is_no_rod_is_refused_before_anything_is_served(words, sentence, tmp_path, monkeypatch, capsys) -> None:

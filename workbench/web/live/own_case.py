@@ -8,6 +8,7 @@ from studies.axes import quantity_of
 from studies.readings import TABLE_1
 
 from ...run.case_input import CaseInput, field_values, read_case
+from .page_shape import check_shown
 from .presets import Preset
 
 NAME = "own"
@@ -23,6 +24,7 @@ def preset(file: Path | None, options: dict[str, Any], units: dict[str, str]) ->
     if file is None and not options and not units:
         return None
     rod = read_case(file, options, units)
+    check_shown(rod.case)
     title = rod.study.title if rod.study is not None else "A rod of the command line's options"
     assumed = ", ".join(f"{name} = {value}" for name, value in rod.assumed.items())
     source = f"From {rod.source}.{f' Assumed: {assumed}.' if assumed else ''} {_units(rod)}."

@@ -14,6 +14,7 @@ from solver import Case, Ends, Solution, equilibria, solve
 from solver.choose.selection import NEAREST
 from solver.equilibria import meant, nearest
 from solver.problem.errors import InputError, choices
+from solver.problem.held_ends import held_of
 from solver.problem.reduced import reduce
 from solver.problem.tolerance import DEFAULT_TOLERANCE
 from studies import Study
@@ -53,14 +54,23 @@ def without_search(study: Study, near: Solution | None = None) -> Shape | None:
     near: a solution between ends that this one follows, where that works. Raises `InputError` for an unsolved rod.
     """
     case = study.case()
-    if study.held:
-        raise InputError(f"the live page shows ends under dead loads, got {choices(study.held)}: use workbench solve")
+    check_shown(case)
     if not isinstance(case.given, Ends):
         return _resolve(study, case, solve(case, TOL, stations=STATIONS))
     if near is None or near.problem.kind != "ends":
         return None
     sol = _follow(study, case, near)
     return None if sol is None else Shape(study, sol)
+
+
+def check_shown(case: Case) -> None:
+    """Raise `InputError` for a case that the page does not show."""
+    if held := held_of(case):
+        raise InputError(f"the live page shows ends under dead loads, got {choices(held)}: use workbench solve")
+    if case.varies:
+        raise InputError(
+            "the live page shows rods without weight and friction: use workbench solve, or run and scene with a study"
+        )
 
 
 def shape(study: Study, near: Solution | None = None) -> Shape:
