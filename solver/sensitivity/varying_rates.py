@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from ..core.banded import solve_band
 from ..numerics.arrays import Array
 from ..observe import observe
 from ..problem.case import Case, Start
@@ -91,7 +90,7 @@ def _line(sol: Shape, name: str) -> Line:
         if nodes is not None:
             shape = Nodal(rod, nodes.t, nodes.y)
             curve = Curve(lambda x, i=i: near[x > 0][i], 1.0, rod.scale)  # type: ignore[misc]
-            answer = solve_band(linear_at(shape).band, -curve.rate(shape, 0.0)[:, None])
+            answer = linear_at(shape).solve(-curve.rate(shape, 0.0)[:, None])
         if answer is None:
             steps.append(STEP)
             answers.append(None)

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from ..core.banded import solve_band
 from ..core.varying_loads import BY_ANGLE, SIZE, TRUNCATION, March, march
 from ..numerics.arrays import Array
 from ..problem.case import Case
@@ -164,7 +163,7 @@ def estimate(shape: Shape) -> tuple[float, float]:
     right = np.zeros((size, 3))
     right[:, 0] = linear.open
     right[0, 1] = right[size - HALF, 2] = 1
-    found = solve_band(linear.band, right)
+    found = linear.solve(right)
     if found is None:
         return np.inf, np.inf
     moved = np.abs(found.reshape(-1, SIZE, 3)) * scale[:, None]

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.banded import solve_band
 from ..numerics.arrays import Array
 from .loaded_rod import ALPHA, BETA, PHI, LoadedRod
 from .newton import ROUNDING, Shape, linear_at, open_at, with_known_loads
@@ -67,7 +66,7 @@ class Curve:
             now = self.shape(guess, y, x)
             linear = linear_at(now)
             right = np.stack([linear.open, self.rate(now, x)], axis=1)
-            found = solve_band(linear.band, right) if np.isfinite(right).all() else None
+            found = linear.solve(right) if np.isfinite(right).all() else None
             if found is None or not np.isfinite(found).all():
                 return None
             step, by_x = np.append(found[:, 0], 0.0), np.append(-found[:, 1], 1.0)

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..core.banded import solve_band
 from ..numerics.arrays import Array
 from .inertia import index_of
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, Q
@@ -122,7 +121,7 @@ def weakest_modes(shape: Shape, count: int = 1, rounds: int = 4) -> Array:
         right = np.zeros((N, scale.size, count))
         right[:-1, [SPEED, Q]] = push[1:]
         flat = np.concatenate([np.zeros((4, count)), right[:-1].reshape(-1, count), np.zeros((4, count))])
-        step = solve_band(linear.band, flat)
+        step = linear.solve(flat)
         assert step is not None
         mode = np.asarray(step).reshape(N, -1, count)
         moved = mode[:, angles]

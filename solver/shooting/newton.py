@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.banded import solve_band
-from ..core.varying_loads import BY_STATE, SIZE, march
+from ..core.banded import solve_chain
+from ..core.varying_loads import BY_STATE, ORDER, SIZE, march
 from ..numerics.arrays import Array
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 
 HALF = SIZE // 2
-WIDTH = SIZE + HALF - 1  # of the band, on each side of the diagonal
+DEEP = 13  # the order of the series of the derivatives by which Newton's method goes
 MOST_STEPS = 40
 ROUNDING = 1e-12  # of the scales: a correction below this is rounding
 
@@ -29,19 +29,25 @@ class Shape:
 class Linear:
     """The equations at a shape, scaled.
 
-    band: by rows, as of `core.banded`. open: (8 N,), what is left open at the start, by the stretches and at the far
-    end. transfer: (N - 1, 8, 8), of the stretches.
+    open: (8 N,), what is left open at the start, by the stretches and at the far end. transfer: (N - 1, 8, 8), of the
+    stretches. stiffness: (N, 2), of springs, or None.
     """
 
-    band: Array
+    rod: LoadedRod
     open: Array
     transfer: Array
+    stiffness: Array | None = None
+
+    def solve(self, right: Array) -> Array | None:
+        """The changes of the states, in their scales, for right sides (8 N, m); None where there are none."""
+        start, _, end, _ = self.rod.conditions()
+        return solve_chain(self.transfer, self.rod.scale, start, end, self.stiffness, right)
 
 
-def march_of(shape: Shape, shorter: float = 1.0) -> tuple[Array, Array]:
+def march_of(shape: Shape, shorter: float = 1.0, deep: int = ORDER) -> tuple[Array, Array]:
     """The ends (N, 8) of the stretches and their transfer matrices (N, 8, 8): heights and rotations only add."""
     rod = shape.rod
-    found = march(rod.numbers, rod.scale, shape.y[:-1], np.diff(shape.t), BY_STATE, shorter=shorter)
+    found = march(rod.numbers, rod.scale, shape.y[:-1], np.diff(shape.t), BY_STATE, shorter=shorter, deep=deep)
     columns = found.columns
     whole = np.zeros((columns.shape[0], SIZE, SIZE))
     whole[:, :, :BY_STATE] = columns
@@ -50,27 +56,22 @@ def march_of(shape: Shape, shorter: float = 1.0) -> tuple[Array, Array]:
 
 
 def linear_at(
-    shape: Shape, anchor: Array | None = None, stiffness: Array | None = None, shorter: float = 1.0
+    shape: Shape,
+    anchor: Array | None = None,
+    stiffness: Array | None = None,
+    shorter: float = 1.0,
+    deep: int = ORDER,
 ) -> Linear:
     """The equations of a shape and their derivatives, scaled.
 
     anchor, stiffness: (N, 8) and (N, 2): springs at the nodes that pull beta and alpha towards those of the anchor.
+    deep: the order of the series of the derivatives.
     """
-    rod, N = shape.rod, shape.t.size - 1
-    pulled, transfer = march_of(shape, shorter)
-    after = np.tile(np.eye(SIZE), (N, 1, 1))
+    pulled, transfer = march_of(shape, shorter, deep)
     if stiffness is not None and anchor is not None:
         for k, (angle, moment) in enumerate(((BETA, SPEED), (ALPHA, Q))):
-            after[:-1, moment, angle] -= stiffness[1:-1, k]
             pulled[:-1, moment] += stiffness[1:-1, k] * (shape.y[1:-1, angle] - anchor[1:-1, angle])
-    start, _, end, _ = rod.conditions()
-    band = np.zeros((SIZE * (N + 1), 3 * WIDTH + 1))
-    scale = rod.scale
-    put(band, 0, 0, (start * scale)[None])
-    put(band, HALF, 0, -transfer * scale / scale[:, None])
-    put(band, HALF, SIZE, after * scale / scale[:, None])
-    put(band, SIZE * N + HALF, SIZE * N, (end * scale)[None])
-    return Linear(band, left_open(shape, pulled), transfer)
+    return Linear(shape.rod, left_open(shape, pulled), transfer, stiffness)
 
 
 def left_open(shape: Shape, after: Array) -> Array:
@@ -83,14 +84,6 @@ def left_open(shape: Shape, after: Array) -> Array:
 def open_at(shape: Shape) -> Array:
     """What is left open in the equations of a shape, scaled, as of `Linear`."""
     return left_open(shape, march(shape.rod.numbers, shape.rod.scale, shape.y[:-1], np.diff(shape.t)).end)
-
-
-def put(band: Array, row: int, column: int, blocks: Array) -> None:
-    """Write blocks (K, m, 8), each SIZE rows and columns after the one before, into the band matrix by rows."""
-    K, m, n = blocks.shape
-    for i in range(m):
-        first = WIDTH + column - row - i
-        band[row + i : row + i + SIZE * K : SIZE, first : first + n][:K] = blocks[:, i]
 
 
 def with_known_loads(rod: LoadedRod, t: Array, y: Array) -> Array:
@@ -119,10 +112,10 @@ def correct(
     y, scale, best = shape.y, shape.rod.scale, np.inf
     for count in range(1, most + 1):
         now = Shape(shape.rod, shape.t, y)
-        linear = linear_at(now, anchor, stiffness)
+        linear = linear_at(now, anchor, stiffness, deep=DEEP)
         if not np.isfinite(linear.open).all():
             return None
-        found = solve_band(linear.band, linear.open)
+        found = linear.solve(linear.open)
         if found is None:
             return None
         step = found.reshape(y.shape)
