@@ -13,7 +13,7 @@ from workbench.export import stored_rod
 from workbench.figures import along, portrait
 from workbench.geometry import stored_line
 from workbench.run import in_memory
-from workbench.scene import camera, layout
+from workbench.scene import camera, kinds, layout
 from workbench.scene.settings import Settings
 from workbench.web.turntable import stored
 
@@ -77,6 +77,9 @@ def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Data
         assert above > 0.5
         assert (seen.page @ np.array([0.0, 0.0, 1.0]))[0] > 0.5  # s goes to the right
     assert camera.gravity(ds, {}) is None  # one picture, two inclinations
+    rows, seen = layout._cells(ds, kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
+    assert [view.turned for view in rows[0]] == [0.0, 0.0]  # in a row of lying pipes each low side is below
+    assert seen.page @ seen.down == pytest.approx([0.0, -np.sqrt(3) / 2], abs=1e-12)
     made = layout.compose(ds, {"inclination": np.pi / 2}, settings=Settings(span=(20.0, 24.0))).page
     assert made.words.down == pytest.approx([0.0, made.words.down[1]], abs=1e-12)
     assert made.words.notes[-1] == left_out.sentence({"weight": 0.242})

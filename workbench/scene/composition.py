@@ -167,10 +167,10 @@ def words_of(scene: Scene) -> Words:
     subtitle, unit = " · ".join(fact for fact in facts if fact), str(ds.attrs["length_unit"])
     toward = scene.camera.seen_from if scene.glyph else None
     return Words(str(ds.attrs["title"]), subtitle, unit, legend, notes, None, scene.columns, scene.heads, toward,
-                 scene.camera.along_axis, _weight_on_page(scene))  # fmt: skip
+                 scene.camera.along_axis, weight_on_page(scene))  # fmt: skip
 
 
-def _weight_on_page(scene: Scene) -> Array | None:
+def weight_on_page(scene: Scene) -> Array | None:
     """The direction of the weight on the page, (2,), of views that are turned alike."""
     turns = {view.turned for row in scene.rows for view in row}
     if scene.camera.down is None or len(turns) != 1:

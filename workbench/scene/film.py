@@ -144,6 +144,7 @@ def _frame(
                         size=(round(wide * film.dpi), round(high * film.dpi)))  # fmt: skip
     scene = composition.Scene(ds, kind, [[view]], context, "", camera, settings)
     bar, picture = composition.coloured(scene)[1], composition.compose(scene).page if view.bodies else None
+    weight = composition.weight_on_page(scene)
 
     def draw(fig: Figure) -> None:
         ax = fig.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -156,10 +157,12 @@ def _frame(
             page.put(fig, picture.pixels, *(round(length * film.dpi) for length in corner))
         else:
             ax.text(MARGIN, low + high / 2, str(ds["outcome"].isel(where).values), color=style.SOFT)
+        if weight is not None:
+            page.draw_weight(ax, across - 1.0, 0.27, weight)
         if bar:
             page.draw_bar(fig, bar, (2 * MARGIN, 0.22), (1.6, 0.1))
         if str(ds.attrs["side"]) == "inside":
-            words = style.fitted(left_out.note_of_dataset(ds), across - 2.4, style.SMALL)
+            words = style.fitted(left_out.note_of_dataset(ds), across - (2.4 if weight is None else 3.5), style.SMALL)
             ax.text(2.3, 0.24, words, size=style.SMALL, color=style.SOFT)
         if film.observable:
             box = ((0.62, FOOT + 0.3, across - 0.9, diagram[1] - 0.5) if lying else

@@ -272,16 +272,23 @@ def _table(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float]
 def _cells(
     ds: xr.Dataset, kind: Kind, names: list[str], cases: Sequence[Sequence[Where]], settings: Settings
 ) -> tuple[list[list[View]], Camera]:
-    """The views of cases, in which each rod faces the camera; of a case without a shape its reason."""
+    """The views of cases, in which each rod faces the camera; of a case without a shape its reason.
+
+    Rods with weight in one direction lie or are inclined as they are.
+    """
     azimuth, elevation = cameras.views_of(settings.camera)[0] if settings.camera else (0.0, LEVEL)
-    camera, rows = cameras.facing([], elevation), []
+    held = {name: i for name, i in cases[0][0].items() if all(each[name] == i for row in cases for each in row)}
+    down = None if settings.camera else cameras.gravity(ds, held)
+    camera = cameras.upright(cameras.facing([], 0.0 if down is not None else elevation, down is not None, down))
+    rows = []
     for row in cases:
         views = []
         for where in row:
             body, why = rods.of_case(ds, where, kind, settings.span)
             body = rods.beginning(body) if body and not settings.span else body
             cell = replace(kind.cell(ds, names, where) if names else Cell(), why_empty=why)
-            turned = -np.radians(azimuth) - (cameras.azimuth_of([body]) if body else 0.0)
+            own = cameras.azimuth_of([body]) if body and down is None else 0.0
+            turned = -np.radians(azimuth) - own
             views.append(View([body] if body else [], cell, turned))
         rows.append(views)
     return rows, camera

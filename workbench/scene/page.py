@@ -250,7 +250,7 @@ def _draw_foot(fig: Figure, ax: Axes, page: Page) -> None:
         _draw_glyph(ax, x, middle, words.toward)
         x += GLYPH + APART
     if words.down is not None:
-        _draw_weight(ax, x, middle, words.down)
+        draw_weight(ax, x, middle, words.down)
         x += WEIGHT + APART
     _draw_scale(ax, x, middle, page.arrangement.per_unit * words.along, words.unit, words.along)
     x += SCALE + APART
@@ -316,7 +316,7 @@ def _draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> No
         ax.text(middle[0] + radius + 0.03, y, "α = 0", size=0.75 * style.SMALL, color=style.SOFT, va="center")
 
 
-def _draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None:
+def draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None:
     """An arrow along the weight of the rods."""
     way = 0.17 * np.asarray(down) / max(float(np.hypot(*down)), 1e-9)
     middle = np.array([x + 0.14, y])
