@@ -19,8 +19,9 @@ export function makeBranches(figure, names, quantities, theme, ask, pick) {
   const [shows, field] = figure.querySelectorAll("select"),
     canvas = figure.querySelector("canvas"),
     note = figure.querySelector("[role='status']");
-  let now = null, // state, list and observables of the rod that is shown
+  let now = { list: [] }, // the state, observables of its rod, the list of equilibria, and the base of their state
     curves = null,
+    range = [], // of the field, over which they are followed
     key = "",
     near = null,
     frame = null;
@@ -50,20 +51,23 @@ export function makeBranches(figure, names, quantities, theme, ask, pick) {
 
   /* Follow the branches of a state, unless those that are drawn are its own. span: the slider's ends of a field. */
   function show(next, span) {
-    now = { ...now, ...next, span };
+    now = { ...now, ...next, base: { ...next.state.base }, span };
     follow();
   }
+
+  /* Whose branches these are: all of the state but the field along them. */
+  const keyOf = () => JSON.stringify([field.value, now.state.units, { ...now.state.base, [field.value]: 0 }]);
 
   function follow() {
     const { state, span } = now,
       name = field.value,
       value = state.base[name],
-      wanted = JSON.stringify([name, state.units, { ...state.base, [name]: 0 }]);
-    if (wanted === key && value >= curves?.low && value <= curves?.high) return paint();
+      wanted = keyOf();
+    if (wanted === key && value >= range[0] && value <= range[1]) return paint();
     const [low, high] = span(name),
       half = SHARE * (high - low),
       isOld = () => key !== wanted;
-    [key, curves] = [wanted, null];
+    [key, curves, range] = [wanted, null, [value - half, value + half]];
     paint();
     set(note, "following the branches …");
     const took = (reply) => {
@@ -71,14 +75,13 @@ export function makeBranches(figure, names, quantities, theme, ask, pick) {
       set(note, reply.missing ? LIMIT : "");
       paint();
     };
-    const body = { state, field: name, low: value - half, high: value + half };
+    const body = { state, field: name, low: range[0], high: range[1] };
     ask(body, took, (why) => set(note, why), isOld);
   }
 
   /* The equilibria of the list, and the points of the branches between their ends, which may be taken. */
   function* places() {
-    const { state, list } = now;
-    for (const one of list) yield { ...one, field: state.base[field.value] };
+    for (const one of now.list) yield { ...one, field: now.base[field.value] };
     for (const piece of curves?.pieces || [])
       for (let k = 1; k < piece.field.length - 1; k++)
         yield Object.fromEntries(Object.keys(piece).map((name) => [name, piece[name][k]]));
@@ -99,6 +102,10 @@ export function makeBranches(figure, names, quantities, theme, ask, pick) {
   /* found: the observables of the rod that is shown. */
   function mark(state, found) {
     now = { ...now, state, found };
+    if (key !== keyOf()) {
+      [key, curves] = ["", null];
+      set(note, "");
+    }
     paint();
   }
 
@@ -129,7 +136,7 @@ export function makeBranches(figure, names, quantities, theme, ask, pick) {
     ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
     frame = frameOf(spec, wide, HIGH);
     paintDiagram(ctx, spec, frame, colours);
-    for (const one of now.list) spot(ctx, spotOf({ ...one, field: now.state.base[field.value] }), 3.2, colours.ink);
+    for (const one of now.list) spot(ctx, spotOf({ ...one, field: now.base[field.value] }), 3.2, colours.ink);
     const { found, state } = now;
     for (const [place, colour, radius] of [
       [near, colours.soft, 4.5],
