@@ -5,7 +5,8 @@ import xarray as xr
 
 from studies import load, names
 from tests.workbench import small
-from tests.workbench.page_faults import faults
+from tests.workbench.page_faults import faults, picture
+from tests.workbench.pictures import share_of_ink
 from workbench.figures import kinds, story
 from workbench.figures.sheet import sheet
 from workbench.run import in_memory
@@ -48,6 +49,9 @@ def test_every_kind_of_picture_can_be_read_at_every_width(two, kind: str, page: 
 @pytest.mark.slow
 @pytest.mark.parametrize("page", SHEETS)
 @pytest.mark.parametrize("name", names())
-def test_the_picture_of_every_study_can_be_read_at_every_width(name: str, page: str) -> None:
+def test_the_pictures_of_every_study_can_be_read_at_every_width_and_are_not_empty(name: str, page: str) -> None:
     ds = in_memory.run(load(name).coarse())
-    assert faults(kinds.figure(ds, sheet=SHEETS[page])) == []
+    for kind in dict.fromkeys((kinds.kind_of(ds), "lines")):
+        fig = kinds.figure(ds, kind, SHEETS[page])
+        assert faults(fig) == []
+        assert 0.02 < share_of_ink(picture(fig)) < 0.6

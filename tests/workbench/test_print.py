@@ -119,19 +119,6 @@ def two() -> xr.Dataset:
     return in_memory.run(small.grid())
 
 
-@pytest.mark.parametrize("width", (89, pytest.param(183, marks=pytest.mark.slow)))
-def test_a_figure_for_print_has_its_width_and_letters_of_seven_and_eight_points(width, two, tmp_path) -> None:
-    page = sheet("paper", width, titled=False)
-    for name, fig in {"lines": study_figure.figure(two, sheet=page), "map": map_figure.figure(two, sheet=page)}.items():
-        canvas.save(fig, tmp_path / f"{name}.pdf")
-        box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ", (tmp_path / f"{name}.pdf").read_bytes())
-        assert box is not None
-        assert float(box[1]) == pytest.approx(72 * width / 25.4, abs=0.5)
-        texts = [text for text in fig.findobj(Text) if text.get_text().strip() and text.get_visible()]
-        assert {round(text.get_fontsize(), 6) for text in texts} <= {7.0, 8.0}
-        assert two.attrs["title"] not in {text.get_text() for text in texts}
-
-
 def test_one_panel_is_drawn_alone_and_an_unknown_one_is_refused(two) -> None:
     alone = study_figure.figure(two, sheet=sheet(panel="(2)"))
     assert len(alone.axes) == 1
