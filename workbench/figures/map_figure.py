@@ -222,6 +222,7 @@ class _Maps:
             text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
             above += self._write(ax, text, above + 4, law, value)
         title = labels.long_name(self.ds[name]) + self.colours[name].said()
+        title = style.fitted(title, self.inches[0] + 0.3)
         if self.choice.along:
             title = f"{title}\n{value}" if leftmost else value
         ax.set_title(title, loc="left", pad=above + 6)
