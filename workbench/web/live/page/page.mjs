@@ -48,7 +48,6 @@ const controls = makeControls(element("fields"), data.quantities, (name, value) 
 });
 
 const equilibria = makeEquilibria(me, data, context, theme, ask, update);
-
 const shown = makeShown(me, data, { view, diagrams, controls, context, equilibria, ask });
 
 const presetOf = () => data.presets.find((one) => one.name === me.preset);
