@@ -171,25 +171,29 @@ static inline TARGET vec NAME(reach)(const NAME(lanes) *x)
     return NAME(exp_2)(least);
 }
 
-/* The derivatives of H and P, up to the order `deep`. */
-static inline ALWAYS TARGET void NAME(derive)(NAME(lanes) *x, int deep, const int rubbed)
+/* The derivative of H by beta, up to the order `deep`, where phi is a line and mu is constant. */
+static inline ALWAYS TARGET void NAME(derive)(NAME(lanes) *x, int deep)
+{
+    const vec *mu = x->y[MU], *phi = x->y[PHI];
+    UNROLLED
+    for (int k = 0; k < ORDER; k++) {
+        if (k >= deep)
+            break;
+        vec pulled = phi[0] * x->c[k];
+        if (k > 0)
+            pulled = phi[1] * x->c[k - 1] + pulled;
+        x->by_b[k] = 3.0 * (mu[0] * x->s[k]) - 4.0 * (mu[0] * x->se[k]) - NAME(product)(x->y[Q], x->s, k) - pulled -
+                     6.0 * NAME(square)(x->sc, k) + 2.0 * NAME(square)(x->s2, k);
+    }
+}
+
+/* The derivatives of H and P, up to the order `deep`, with friction. */
+static TARGET void NAME(derive_rubbed)(NAME(lanes) *x, int deep)
 {
     const vec *q = x->y[Q], *mu = x->y[MU], *phi = x->y[PHI], *v = x->y[SPEED], side = x->rod[SIDE];
-    for (int k = 0; k < deep; k++) {
-        vec twisted, pulled;
-        if (rubbed) {
-            twisted = 3.0 * NAME(sum)(mu, x->s, k) - 4.0 * NAME(sum)(mu, x->se, k);
-            pulled = NAME(sum)(phi, x->c, k);
-        } else { /* the same sums, of which most terms are 0 */
-            twisted = 3.0 * (mu[0] * x->s[k]) - 4.0 * (mu[0] * x->se[k]), pulled = phi[0] * x->c[k];
-            if (k > 0)
-                pulled = phi[1] * x->c[k - 1] + pulled;
-        }
-        x->by_b[k] = twisted - NAME(sum)(q, x->s, k) - pulled - 6.0 * NAME(half)(x->sc, k) +
-                     2.0 * NAME(half)(x->s2, k);
-    }
-    if (!rubbed)
-        return;
+    for (int k = 0; k < deep; k++)
+        x->by_b[k] = 3.0 * NAME(sum)(mu, x->s, k) - 4.0 * NAME(sum)(mu, x->se, k) - NAME(sum)(q, x->s, k) -
+                     NAME(sum)(phi, x->c, k) - 6.0 * NAME(half)(x->sc, k) + 2.0 * NAME(half)(x->s2, k);
     const vec much = x->rod[TURNING] * side * x->rod[FRICTION] * x->rod[RADIUS], divisor = 1.0 - much * v[0];
     for (int k = 0; k < deep; k++) {
         vec by[GIVENS] = {ZERO};
@@ -295,6 +299,41 @@ static inline ALWAYS TARGET void NAME(columns)(NAME(lanes) *x, int first, const 
         }
 }
 
+/* The columns by beta, beta_t, alpha and q of the transfer of a step of length h, of a low order. */
+static inline TARGET void NAME(sketch)(NAME(lanes) *x, vec h)
+{
+    vec d[PHI][SHALLOW + 1][PHI];
+    for (int i = 0; i < PHI; i++)
+        for (int row = 0; row < PHI; row++)
+            d[row][0][i] = ZERO + (double)(row == i);
+    UNROLLED
+    for (int k = 0; k < SHALLOW; k++) {
+        const double share = 1.0 / (k + 1.0);
+        UNROLLED
+        for (int i = 0; i < PHI; i++) {
+            vec H = ZERO, turned = ZERO, across = ZERO;
+            UNROLLED
+            for (int j = k; j >= 0; j--) {
+                H += x->by_b[j] * d[BETA][k - j][i] + x->c[j] * d[Q][k - j][i];
+                turned += x->c[j] * d[BETA][k - j][i];
+                across += x->ca[j] * d[ALPHA][k - j][i];
+            }
+            d[BETA][k + 1][i] = share * d[SPEED][k][i];
+            d[SPEED][k + 1][i] = -share * H;
+            d[ALPHA][k + 1][i] = share * turned;
+            d[Q][k + 1][i] = share * (across * x->rod[ACROSS]);
+        }
+    }
+    for (int i = 0; i < PHI; i++)
+        for (int row = 0; row < PHI; row++) {
+            vec sum = d[row][SHALLOW][i];
+            UNROLLED
+            for (int k = SHALLOW - 1; k >= 0; k--)
+                sum = sum * h + d[row][k][i];
+            x->transfer[row][i] = sum;
+        }
+}
+
 /* The same with friction, of which fewer rods are marched, compiled once. */
 static TARGET void NAME(columns_rubbed)(NAME(lanes) *x, int first, int m, int deep, int whole, vec h)
 {
@@ -385,15 +424,20 @@ static inline ALWAYS TARGET void NAME(spread)(NAME(lanes) *x, const int inner, v
 
 static inline ALWAYS TARGET void NAME(vary)(NAME(lanes) *x, const marches *all, vec h, const int rubbed)
 {
-    const int n = all->columns, deep = all->deep, judged = all->errors != 0, inner = rubbed ? WIDE : PHI;
-    NAME(derive)(x, deep, rubbed);
-    for (int i = 0; i < (judged ? inner : n); i += 2)
-        if (rubbed)
+    const int n = all->columns, judged = all->errors != 0, inner = rubbed ? WIDE : PHI;
+    const int deep = judged ? SHALLOW : all->deep;
+    if (rubbed) {
+        NAME(derive_rubbed)(x, deep);
+        for (int i = 0; i < (judged ? inner : n); i += 2)
             NAME(columns_rubbed)(x, i, i + 1 < n || judged ? 2 : 1, deep, !judged, h);
-        else if (judged)
-            NAME(columns)(x, i, 2, deep, 0, 0, h);
+    } else {
+        NAME(derive)(x, deep);
+        if (judged)
+            NAME(sketch)(x, h);
         else
-            NAME(columns)(x, i, 2, deep, 0, 1, h);
+            for (int i = 0; i < n; i += 2)
+                NAME(columns)(x, i, 2, deep, 0, 1, h);
+    }
     if (judged) {
         NAME(spread)(x, inner, h);
         NAME(carry)(x, n, inner, inner);
@@ -401,10 +445,10 @@ static inline ALWAYS TARGET void NAME(vary)(NAME(lanes) *x, const marches *all, 
         NAME(carry)(x, n, WIDE, STATES);
 }
 
-/* Writes the states at the stations of each lane that lie in its step. */
+/* Writes the states at the stations of each lane that lie in its step; without friction all but phi and mu. */
 static inline TARGET void NAME(read)(NAME(lanes) *x, const marches *all, vec h, const int *final, const int rubbed)
 {
-    vec y[STATES];
+    vec y[STATES] = {ZERO};
     const vec ends = x->t + h;
     for (;;) {
         vec t = ZERO;
@@ -421,14 +465,16 @@ static inline TARGET void NAME(read)(NAME(lanes) *x, const marches *all, vec h, 
         y[BETA] = NAME(value)(x->y[BETA], ORDER, t), y[SPEED] = NAME(value)(x->y[SPEED], ORDER, t);
         y[ALPHA] = NAME(value)(x->y[ALPHA], ORDER, t), y[Q] = NAME(value)(x->y[Q], ORDER, t);
         y[SHORT] = NAME(value)(x->y[SHORT], ORDER, t), y[ROUND] = NAME(value)(x->y[ROUND], ORDER, t);
-        y[PHI] = NAME(value)(x->y[PHI], rubbed ? ORDER : 1, t), y[MU] = NAME(value)(x->y[MU], rubbed ? ORDER : 0, t);
+        if (rubbed)
+            y[PHI] = NAME(value)(x->y[PHI], ORDER, t), y[MU] = NAME(value)(x->y[MU], ORDER, t);
         double values[STATES][W];
         memcpy(values, y, sizeof values);
         for (int i = 0; i < W; i++)
             if (busy[i]) {
                 const int64_t at = all->stride * x->station[i]++;
                 for (int k = 0; k < STATES; k++)
-                    all->out[k][at] = values[k][i];
+                    if (rubbed || (k != PHI && k != MU))
+                        all->out[k][at] = values[k][i];
             }
     }
 }
@@ -461,6 +507,11 @@ static TARGET void NAME(take)(NAME(lanes) *x, int lane, int64_t i, const marches
 static TARGET void NAME(finish)(NAME(lanes) *x, int lane, int lost, const marches *all)
 {
     const int64_t i = x->stretch[lane], n = all->columns;
+    if (all->first && LANE(x->rod[FRICTION], lane) == 0)
+        for (int64_t j = all->first[i]; j < x->last[lane]; j++) {
+            all->out[PHI][all->stride * j] = all->begin[i * STATES + PHI] + LANE(x->rod[ALONG], lane) * all->stations[j];
+            all->out[MU][all->stride * j] = all->begin[i * STATES + MU];
+        }
     for (int k = 0; k < STATES; k++) {
         all->end[i * STATES + k] = lost ? NAN : LANE(x->at[k], lane);
         for (int64_t j = lost ? x->station[lane] : x->last[lane]; j < x->last[lane]; j++)

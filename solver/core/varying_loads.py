@@ -69,7 +69,7 @@ def march(
     shorter : float
         A factor of all steps.
     deep : int
-        The order of the series of the derivatives.
+        The order of the series of the derivatives; with `judge` it is low.
     judge : bool
         Whether the errors are estimated, with columns BY_ANGLE.
     truncation : float or array, (N, 1)

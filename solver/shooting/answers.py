@@ -19,8 +19,8 @@ from .numbers import rods_of, starts_of
 from .varying_shapes import Marched, Nodes, VaryingShapes, read_starts, read_states
 
 SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error of an ends problem
-SHARE, COARSEST, SHALLOW = 0.01, 1e-12, 6  # of start problems: what all steps leave out of beta, as a share of the
-# tolerance; the most that one does, of the scales; the order of the series of the derivatives
+SHARE, COARSEST = 0.01, 1e-12  # of start problems: what all steps leave out of beta, as a share of the tolerance; the
+# most that one does, of the scales
 SAFETY, ROUNDING = 3.0, 2e-16
 LOST = 1e8  # condition number: beyond, a start problem has lost half its digits
 USE_ENDS = "; a long rod with weight is an ends problem: give Ends in place of Start"
@@ -39,8 +39,7 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
     def judged(rows: Any, truncation: Array | float) -> tuple[March, Array, Array]:
         first, stations = n * np.arange(span[rows].size + 1), t[rows].reshape(-1)
         found = march(
-            numbers[rows], scale[rows], begin[rows], span[rows], BY_ANGLE, first, stations, deep=SHALLOW, judge=True,
-            truncation=truncation,
+            numbers[rows], scale[rows], begin[rows], span[rows], BY_ANGLE, first, stations, judge=True, truncation=truncation,
         )  # fmt: skip
         with np.errstate(invalid="ignore"):
             condition = np.maximum(1, np.maximum(found.growth[:, BETA], weight[rows] * found.growth[:, SPEED]))
