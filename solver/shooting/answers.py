@@ -39,7 +39,8 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
     def judged(rows: Any, truncation: Array | float) -> tuple[March, Array, Array]:
         first, stations = n * np.arange(span[rows].size + 1), t[rows].reshape(-1)
         found = march(
-            numbers[rows], scale[rows], begin[rows], span[rows], BY_ANGLE, first, stations, judge=True, truncation=truncation,
+            numbers[rows], scale[rows], begin[rows], span[rows], BY_ANGLE, first, stations, judge=True,
+            truncation=truncation,
         )  # fmt: skip
         with np.errstate(invalid="ignore"):
             condition = np.maximum(1, np.maximum(found.growth[:, BETA], weight[rows] * found.growth[:, SPEED]))
