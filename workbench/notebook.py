@@ -156,7 +156,7 @@ def scene(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Scene:
 
 
 def plot_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Plot:
-    """The figure of a solution: of one case with peaks to the pixel, of several their developed curves."""
+    """The figure of a solution: of one case with peaks to the pixel, of several their unrolled views."""
     return plot(dataset_of(_fine(sol) if not sol.case.shape else sol, units))
 
 

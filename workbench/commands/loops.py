@@ -27,7 +27,7 @@ def loops(
         bool, flag("List also the loops that oscillate about -pi/2; they intersect themselves.", "--all")
     ] = False,
     picture: Annotated[
-        Path | None, option("FILE", "Picture of the developed curves, .png, .pdf or .svg.", "--plot", "-o")
+        Path | None, option("FILE", "Picture of the unrolled views, .png, .pdf or .svg.", "--plot", "-o")
     ] = None,
     out: Annotated[Path | None, option("FILE", "HDF5 file of the loops, which scene and export read.", "--out")] = None,
     export: Annotated[

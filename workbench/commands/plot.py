@@ -47,7 +47,7 @@ def plot(
     ] = None,
     at: At = None,
     shapes: Annotated[
-        str | None, option("NxM", "Draw N x M developed shapes over the first map, such as 5x5 (at most 12x12).")
+        str | None, option("NxM", "Draw N x M unrolled views over the first map, such as 5x5 (at most 12x12).")
     ] = None,
     style: Style = "screen",
     width: Width = None,

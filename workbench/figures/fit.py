@@ -15,7 +15,7 @@ from . import canvas, legend, style, unrolled
 from .sheet import SCREEN, Sheet
 
 LOWER = 3.4  # inches: the height of the lower panels
-ROOM = (8.8, 2.2)  # inches of the developed curve
+ROOM = (8.8, 2.2)  # inches of the unrolled view
 TALLEST, LABELS = 4.4, 1.1  # inches: the highest curve, and the title, legend and labels beside it
 TITLE = 0.5  # inches above all panels
 LEVEL = 0.95

@@ -1,4 +1,4 @@
-"""The developed curve of a long rod in lines, as text is: z to the right, rho alpha down, both at one scale.
+"""The unrolled view of a long rod in lines, as text is: z to the right, rho alpha down, both at one scale.
 
 Each line continues the one above it and shows the whole unrolled cylinder, or as much of its width as the rod needs. A
 rod that leaves a line below comes back above, as it goes about the axis.

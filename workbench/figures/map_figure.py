@@ -46,7 +46,7 @@ def figure(
     x, y, show, at
         As of `map_cells.choose`.
     shapes : thumbnails.Shapes, optional
-        Numbers of developed shapes that a further panel shows; default: no such panel.
+        Numbers of unrolled views that a further panel shows; default: no such panel.
     sheet : Sheet
         What the figure is drawn for.
 

@@ -26,7 +26,7 @@ MOST, PAD = 4, 0.05  # shapes in a region; inches around a text
 def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     """The map: colours and numbers by region, curves where stable equilibria appear or disappear thick.
 
-    A shape stands beside the number where there is room: the developed curves of the stable equilibria there.
+    A shape stands beside the number where there is room: the unrolled views of the stable equilibria there.
     """
     high = sheet.width * (HIGH if not sheet.narrow else 1.0)
 

@@ -1,4 +1,4 @@
-"""The figure of a stored study: its developed curves along each axis, its samples, and a panel for each law."""
+"""The figure of a stored study: its unrolled views along each axis, its samples, and a panel for each law."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -40,17 +40,17 @@ def figure(
 ) -> Figure:
     """Draw all of a study, or the observables that are asked for.
 
-    With axes: for each axis of several values the developed curves, beside them each law in its panel (where there is
+    With axes: for each axis of several values the unrolled views, beside them each law in its panel (where there is
     no law, the first observables); of a refined study those of its coarse grid, along one axis with the observables of
     all cases. With samples: each observable against each sampled field. One case alone: its angle, its push and its
-    developed curve. The figure keeps a note of the observables that it leaves out.
+    unrolled view. The figure keeps a note of the observables that it leaves out.
 
     Parameters
     ----------
     verdicts
         The rows of `law_verdicts.verdicts` where they are known already; default: they are computed.
     sheet
-        What the figure is drawn for. Its `panel` is an axis (the developed curves along it), the claim of a law (of
+        What the figure is drawn for. Its `panel` is an axis (the unrolled views along it), the claim of a law (of
         several laws of one claim also the claim with the observable), any stored observable, or ``samples``.
     show
         Observables; each has a panel, or a panel for each law on it, and nothing else is drawn.
@@ -167,7 +167,7 @@ def one_rod(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
 class _Choice:
     """What a figure shows.
 
-    panels: rows of `law_verdicts.verdicts`, and names of observables. strips: axes with developed curves. sampled:
+    panels: rows of `law_verdicts.verdicts`, and names of observables. strips: axes with unrolled views. sampled:
     observables in scatter diagrams. level: sentences about observables that are the same in all cases. left_out: stored
     observables that nothing of the figure shows.
     """

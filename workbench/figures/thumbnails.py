@@ -1,4 +1,4 @@
-"""Developed shapes of the rod at chosen cells of a map, all at one scale."""
+"""Unrolled views of the rod at chosen cells of a map, all at one scale."""
 
 import re
 from dataclasses import dataclass

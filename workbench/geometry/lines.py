@@ -1,4 +1,4 @@
-"""In how many lines a long rod is set, as text is: the one rule of scenes and of developed curves."""
+"""In how many lines a long rod is set, as text is: the one rule of scenes and of unrolled views."""
 
 from typing import Any
 
