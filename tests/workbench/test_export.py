@@ -8,6 +8,7 @@ import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
+from typing import get_type_hints
 
 import numpy as np
 import pytest
@@ -24,11 +25,13 @@ from tests.workbench import small
 from workbench import cli
 from workbench.commands import at_option
 from workbench.commands import export as export_command
+from workbench.commands import plot as plot_command
 from workbench.data import writing
 from workbench.export import formats, step
 from workbench.export.base import Format, Options
 from workbench.export.base import Rod as StoredRod
 from workbench.export.stored_rod import export, put
+from workbench.figures import kinds
 from workbench.geometry import centreline, self_contact, stored_line
 from workbench.run import in_memory
 
@@ -490,8 +493,10 @@ def test_a_disk_that_refuses_the_file_is_one_sentence_and_no_file_is_left(folder
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_help_lists_the_endings_that_a_refusal_lists() -> None:
+def test_the_help_lists_the_endings_and_the_kinds_of_pictures_that_a_refusal_lists() -> None:
     assert export_command.SUFFIXES.split() == list(formats.FORMATS)
+    help_of_kinds = get_type_hints(plot_command.plot, include_extras=True)["kind"].__metadata__[0].help
+    assert re.findall(r"(\w+):", help_of_kinds.split("Default")[0]) == list(kinds.OF_STUDIES)
 
 
 @pytest.mark.parametrize("at", ["write", "fsync", "replace"])

@@ -1,5 +1,6 @@
 """Stored rods with weight: their curve between stations, exports, and scenes in which the weight points down."""
 
+import csv
 from collections.abc import Mapping
 
 import numpy as np
@@ -10,7 +11,7 @@ from solver import InputError
 from studies import loads
 from workbench.data import left_out
 from workbench.export import stored_rod
-from workbench.figures import along, portrait
+from workbench.figures import along, portrait, table
 from workbench.geometry import stored_line
 from workbench.run import in_memory
 from workbench.scene import camera, kinds, layout
@@ -99,7 +100,13 @@ def test_a_page_of_turning_rods_with_weight_is_refused(ds: xr.Dataset) -> None:
 
 
 def test_the_diagram_of_states_has_the_stretches_of_the_rods_and_a_portrait_is_refused(ds: xr.Dataset) -> None:
-    bars = [bar for bar in along.states(ds).axes[0].patches]
+    drawn = along.states(ds)
+    bars = [bar for bar in drawn.axes[0].patches]
+    listed = [row[4:] for row in csv.reader(table.table(drawn).splitlines()) if row[3] == "bar"]
+    assert [(float(end), float(begin)) for _, end, _, begin in listed] == [
+        (bar.get_x() + bar.get_width(), bar.get_x()) for bar in bars
+    ]
+    assert all(name.split()[-1] in along.COLOURS for name, *_ in listed)
     assert {round(bar.get_y() + bar.get_height() / 2) for bar in bars} == {0, 1}
     assert sum(bar.get_width() for bar in bars) == pytest.approx(2 * 60.0)
     with pytest.raises(InputError, match="needs loads that are constant along the rod; choose --kind ridge or states"):

@@ -251,7 +251,7 @@ def _draw_states(ax: Axes, rods: DrawnRods) -> None:
             _say_unsolved(ax, k)
             continue
         for state in states_of(rod["s"], rod["beta"], rod["alpha"]):
-            ax.barh(k, state.end - state.begin, THICK, state.begin, color=COLOURS[state.word])
+            ax.barh(k, state.end - state.begin, THICK, state.begin, color=COLOURS[state.word], gid=state.word)
         pulls = rod["push"] < -SLIGHT * np.abs(rod["push"]).max()
         ax.fill_between(rod["s"], k + THICK / 2, k + THICK / 2 + LINE, where=pulls, color=push_scale.PULL, linewidth=0)
 

@@ -1,7 +1,8 @@
 """The panel of a law: its observable against its axis, what the law compares it with, the verdict with its reason."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -105,9 +106,7 @@ def draw_curve(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
         key: values if key == "x" else labels.in_label_unit(ds[law.observable], values)
         for key, values in law_numbers.of_line(ds, law, places).items()
     }
-    {"equals": _equals, "bounded": _bound, "scales": _scales, "boundary": _boundary}[law.kind](
-        ax, ds, along, numbers, law, row
-    )
+    WITH_NUMBERS[law.kind].draw(ax, ds, along, numbers, law, row)
 
 
 def _equals(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
@@ -164,20 +163,29 @@ def sentence(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
         A row of `law_verdicts.verdicts`.
     """
     array, axis = ds[row["observable"]], labels.axis_symbol(row["axis"])
-    noun, rule, kind = labels.symbol(array), row["rule"], row["kind"]
-    if kind == MONOTONE:
+    if row["kind"] == MONOTONE:
         return labels.typeset(f"{labels.long_name(array)} {row['does']} with {axis}")
-    if kind == "equals":
-        near = f"{100 * rule['relative']:.4g}{NO_BREAK}%" if "relative" in rule else _number(rule["absolute"], array)
-        said = f"{noun} equals {formula(ds, rule['formula'], array)} within {near}, along {axis}"
-    elif kind == "bounded":
-        said = f"{noun} is {bounds(ds, rule, array)}, along {axis}"
-    elif kind == "scales":
-        said = f"{noun} is a power of {axis}, its exponent {rule['exponent']:.4g} within {rule['within']:.4g}"
-    else:
-        place = f"{formula(ds, rule['x'], ds[row['axis']])} within {_number(rule['within'], ds[row['axis']])}"
-        said = f"{noun} passes {formula(ds, rule['passes'], array)} at {axis} = {place}"
-    return labels.typeset(said)
+    predicate = WITH_NUMBERS[row["kind"]].predicate(ds, row["rule"], array, row["axis"])
+    return labels.typeset(f"{labels.symbol(array)} {predicate}")
+
+
+def _equals_words(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
+    near = f"{100 * rule['relative']:.4g}{NO_BREAK}%" if "relative" in rule else _number(rule["absolute"], array)
+    return f"equals {formula(ds, rule['formula'], array)} within {near}, along {labels.axis_symbol(axis)}"
+
+
+def _bounded_words(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
+    return f"is {bounds(ds, rule, array)}, along {labels.axis_symbol(axis)}"
+
+
+def _scales_words(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
+    exponent = f"{rule['exponent']:.4g} within {rule['within']:.4g}"
+    return f"is a power of {labels.axis_symbol(axis)}, its exponent {exponent}"
+
+
+def _boundary_words(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
+    place = f"{formula(ds, rule['x'], ds[axis])} within {_number(rule['within'], ds[axis])}"
+    return f"passes {formula(ds, rule['passes'], array)} at {labels.axis_symbol(axis)} = {place}"
 
 
 def bounds(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray) -> str:
@@ -221,3 +229,19 @@ def _exponent(text: str) -> str:
 def _number(value: float, array: xr.DataArray) -> str:
     """A number in the unit of a variable's label, which no line ends between."""
     return labels.value(float(value), array).replace(" ", NO_BREAK)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """How a kind of law with numbers is drawn, and what its sentence says of the observable."""
+
+    draw: Callable[..., None]
+    predicate: Callable[..., str]
+
+
+WITH_NUMBERS = {
+    "equals": Panel(_equals, _equals_words),
+    "bounded": Panel(_bound, _bounded_words),
+    "scales": Panel(_scales, _scales_words),
+    "boundary": Panel(_boundary, _boundary_words),
+}

@@ -1,4 +1,4 @@
-"""What a figure shows, as a table: the points of its lines and dots, and the values of its coloured cells.
+"""What a figure shows, as a table: the points of its lines and dots, its bars, and the values of its coloured cells.
 
 The numbers are in the units of the axis labels. Marks that say where something is, and not what (grid lines, legends,
 hatching, the tube of a scene), are left out.
@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.collections import LineCollection, PathCollection, QuadMesh
+from matplotlib.container import BarContainer
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -22,7 +24,9 @@ COLUMNS = ("panel", "x_label", "y_label", "kind", "series", "x", "y", "value")
 
 
 def table(fig: Figure) -> str:
-    """The table as CSV: a row for each point and each cell, with `COLUMNS`; `value` is that of its colour.
+    """The table as CSV: a row for each point, bar and cell, with `COLUMNS`; `value` is that of its colour.
+
+    Of a bar, `value` is where it begins; its series is the name at its foot.
 
     Sentences that the figure keeps for its caption are rows of the kind `note`, as their series.
     """
@@ -59,6 +63,14 @@ def rows(ax: Axes) -> Iterator[tuple[str, str, Any, Any, Any]]:
         offsets: Any = np.ma.getdata(dot.get_offsets()).astype(float)
         for x, y in offsets[np.isfinite(offsets).all(axis=1)].tolist():
             yield "dot", _label(dot, k), x, y, ""
+    for bars in (one for one in ax.containers if isinstance(one, BarContainer)):
+        lies = bars.orientation == "horizontal"
+        for bar in bars.patches:
+            (left, low), (right, high) = bar.get_bbox().get_points()
+            foot, begin, end = ((low + high) / 2, left, right) if lies else ((left + right) / 2, low, high)
+            begin, end = (begin, end) if (bar.get_width() if lies else bar.get_height()) >= 0 else (end, begin)
+            name = " ".join(filter(None, (_name_at(ax.yaxis if lies else ax.xaxis, foot), bar.get_gid())))
+            yield "bar", name, *((end, foot) if lies else (foot, end)), begin
     for k, mesh in enumerate((one for one in ax.collections if isinstance(one, QuadMesh)), 1):
         corners: Any = mesh.get_coordinates()
         values: Any = np.ma.asarray(mesh.get_array())
@@ -70,6 +82,13 @@ def rows(ax: Axes) -> Iterator[tuple[str, str, Any, Any, Any]]:
 def _panels(fig: Figure) -> list[Axes]:
     """The axes of a figure that show data; the bar of a scale of colours does not."""
     return [ax for ax in fig.axes if ax.get_label() != "<colorbar>"]
+
+
+def _name_at(axis: Axis, place: float) -> str:
+    """The words of the tick nearest to a place, within half a unit."""
+    apart = [abs(tick - place) for tick in axis.get_ticklocs()]
+    near = int(np.argmin(apart)) if apart else -1
+    return _one_line(axis.get_ticklabels()[near].get_text()) if apart and apart[near] <= 0.5 else ""
 
 
 def _is_mark(ax: Axes, line: Line2D) -> bool:
