@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.branches.continuation import Stopped, resume
+from solver.branches.continuation import Ended, resume
 from solver.equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
 from solver.levels.level_search import search
 from solver.levels.line_point import Path, path_of
@@ -31,7 +31,7 @@ def numbers_at(problem: EndsProblem, path: Path, name: str, step: float) -> Any:
     """The numbers of the equilibrium that continues from `path` when one number of the problem changes."""
     there = replace(problem, **{name: getattr(problem, name) + step})
     found = resume(problem, path, there)
-    assert not isinstance(found, Stopped), found
+    assert not isinstance(found, Ended), found
     return orbit_rates(there, [found]).values[0]
 
 

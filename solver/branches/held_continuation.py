@@ -1,0 +1,165 @@
+"""Continuation of one equilibrium while the numbers that its ends hold change, through folds under dead loads."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..equilibrium.charts import charts, coordinate
+from ..equilibrium.orbit_rates import orbit_rates, start_rates
+from ..equilibrium.system import (
+    AT_REST,
+    DIVERGED,
+    FREE,
+    LEFT,
+    Given,
+    State,
+    at_given_speeds,
+    corner_state,
+    correct,
+    least_square,
+    orientation,
+    predict,
+    stepped,
+)
+from ..levels.line_point import LinePoint, Path
+from ..problem.reduced import EndsProblem
+from .held_helix import helix_ahead, off_helix
+
+_MOST_STEPS = 400
+_SHORTEST = 1e-6  # share of the line below which a step is abandoned
+_REACH = 0.25  # largest size of a predicted change
+_ROUGH = 1e-7  # size of the last correction of a state before the last one
+_EASY = 1e-2  # length of a step above which only the best coordinate is tried
+_SMALL = 0.03  # size of a step
+_GOOD = 0.05  # size of the corrections of a good prediction, over that of the step
+_FAR = 0.1  # share of the line over which a helix is passed
+_ROUNDING = 1e-15  # share of the line
+_CORNER = 1e-6  # rad: a rod that its start determines ends as near to its angle there
+_SAME = 1e-12  # largest change of a number that leaves a helix as it is
+FOLD = "a fold of the problem with held ends"
+STILL = "the start is a helix, and the change does not bend its ends; give a bent seed"
+
+
+@dataclass(frozen=True)
+class Stopped:
+    """Why a branch could not be followed, the share of the line that was covered, and the last state."""
+
+    share: float
+    reason: str
+    state: State
+
+
+def state_of(problem: EndsProblem, path: Path, hinged: bool = False) -> State:
+    """The state of an equilibrium under dead loads; an end that its orbit does not reach by rounding is moved.
+
+    hinged: whether it is meant to have given end moments.
+    """
+    place = LinePoint(problem)
+    if hinged and not path.helix and path.pin == place.start and path.sign > 0:
+        v = path.leaving * float(np.exp(path.y / 2)) if path.y > AT_REST else 0.0
+        rates = start_rates(problem.started(np.array([v])))
+        if abs(float((rates.problem.betaL - problem.betaL)[0])) < _CORNER:
+            return corner_state(rates, v)
+    if not path.helix:
+        gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
+        ends = {"dbeta0": place.start, "dbetaL": place.end}
+        reached = {name: gap + place.fall(path.pin, angle) for name, angle in ends.items()}
+        rest = tuple(name for name, square in reached.items() if square < least_square(problem, ends[name], False))
+        problem = at_given_speeds(problem, place, path, Given(rest, np.zeros(len(rest)), 0.0, 0.0))
+    return State(problem, path, orbit_rates(problem, [path]))
+
+
+def carry(state: State, wanted: Given, most_steps: int = _MOST_STEPS) -> State | Stopped:
+    """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion."""
+    first, share, step = wanted.at(state), 0.0, 1.0
+    reason, before = LEFT, (0.0, state)
+    if state.path.helix:
+        off = np.abs(np.append(first.values - wanted.values, first.span - wanted.span))
+        if (off <= _SAME * (1 + np.abs(np.append(wanted.values, wanted.span)))).all():
+            return state
+        bent = off_helix(state, wanted)
+        if bent is None:
+            helix = helix_ahead(state, wanted)
+            return Stopped(0.0, STILL, state) if helix is None else helix
+        state, share = bent
+        before = share, state
+    for _ in range(most_steps):
+        if share > 1 - _ROUNDING:  # next to rest at an end each step goes a share of what is left
+            return state
+        step = min(step, 1 - share)
+        found = _advance(state, first, wanted, share, step)
+        if isinstance(found, str) or (found[1] < _EASY and share > before[0]):
+            leap = _past_a_helix(before, (share, state), first, wanted)
+            found = found if leap is None else leap
+        if isinstance(found, str):
+            reason, step = found, step / 3
+            if step < _SHORTEST:
+                return Stopped(share, FOLD if reason == DIVERGED else reason, state)
+            continue
+        before = share, state
+        state, taken = found
+        share = 1.0 if taken >= 1 - share else share + taken
+        step = 3 * taken
+    return Stopped(share, f"the limit of {most_steps} steps", state)
+
+
+def _is_crossed(before: State, after: State, given: Given, size: float) -> bool:
+    """Whether a step of some size may have led to another branch: the equations change their orientation.
+
+    A branching point that is passed along a branch changes it too; there the prediction of a small step is good.
+    """
+    turned = orientation(before.rates, given) * orientation(after.rates, given) < 0
+    return turned and (size > _SMALL or after.corrected > _GOOD * size)
+
+
+def _past_a_helix(
+    before: tuple[float, State], here: tuple[float, State], first: Given, wanted: Given
+) -> tuple[State, float] | None:
+    """The state beyond a helix that a branch passes, and the step taken, from two states before it.
+
+    On a helix no path has a level: beta_t falls to zero along the whole rod and grows again with the other sign.
+    """
+    (share_0, one), (share_1, two) = before, here
+    v_0, v_1 = (state.rates.values[0, 2:4] for state in (one, two))
+    if share_1 <= share_0 or two.path.helix or not (np.abs(v_1) < 0.9 * np.abs(v_0)).all() or (v_0 * v_1 < 0).any():
+        return None
+    zero = share_1 + (share_1 - share_0) * float(v_1[0] / (v_0[0] - v_1[0]))
+    share = 2 * zero - share_1
+    if not share_1 < share < 1 or share - share_1 > _FAR:
+        return None
+    along = (share - share_1) / (share_1 - share_0)
+    guess = {name: getattr(two.problem, name) + along * (getattr(two.problem, name) - getattr(one.problem, name))
+             for name in (*FREE, "span")}  # fmt: skip
+    problem, speeds = EndsProblem(**guess), np.abs(v_1 + along * (v_1 - v_0))
+    place, ahead = LinePoint(problem), first.towards(wanted, share)
+    for speed, angle in sorted(zip(speeds, (place.start, place.end), strict=True)):
+        path = Path(angle, 1.0, 2 * float(np.log(speed)), -two.path.leaving, two.path.turns)
+        for chart in charts(place, path, wanted.hinged):
+            found = correct(problem, ahead, chart, coordinate(chart), _ROUGH)
+            if not isinstance(found, str):
+                return found, share - share_1
+    return None
+
+
+def _advance(state: State, first: Given, wanted: Given, share: float, step: float) -> tuple[State, float] | str:
+    """The state after at most one step, and the step taken; else why the step failed in the best coordinate."""
+    reason = ""
+    for chart in charts(LinePoint(state.problem), state.path, wanted.hinged):
+        here, ahead = first.towards(wanted, share), first.towards(wanted, share + step)
+        change, dx, size = predict(state, chart, here, ahead)
+        factor = 1.0
+        if not np.isfinite(size):
+            reason = reason or DIVERGED
+        else:
+            if size > _REACH:
+                factor = _REACH / size
+                ahead = first.towards(wanted, share + factor * step)
+            guess = stepped(state.problem, ahead, change, factor)
+            goal = 0.0 if ahead is wanted else _ROUGH
+            found = correct(guess, ahead, chart, coordinate(chart) + factor * dx, goal)
+            if not isinstance(found, str) and not _is_crossed(state, found, given=wanted, size=factor * size):
+                return found, factor * step
+            reason = reason or (found if isinstance(found, str) else DIVERGED)
+        if step > _EASY:
+            break
+    return reason
