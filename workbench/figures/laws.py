@@ -169,21 +169,21 @@ def sentence(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
     return labels.typeset(f"{labels.symbol(array)} {predicate}")
 
 
-def _equals_words(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
+def _words_of_equals(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
     near = f"{100 * rule['relative']:.4g}{NO_BREAK}%" if "relative" in rule else _number(rule["absolute"], array)
     return f"equals {formula(ds, rule['formula'], array)} within {near}, along {labels.axis_symbol(axis)}"
 
 
-def _bounded_words(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
+def _words_of_bounds(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
     return f"is {bounds(ds, rule, array)}, along {labels.axis_symbol(axis)}"
 
 
-def _scales_words(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
+def _words_of_scales(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
     exponent = f"{rule['exponent']:.4g} within {rule['within']:.4g}"
     return f"is a power of {labels.axis_symbol(axis)}, its exponent {exponent}"
 
 
-def _boundary_words(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
+def _words_of_boundary(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
     place = f"{formula(ds, rule['x'], ds[axis])} within {_number(rule['within'], ds[axis])}"
     return f"passes {formula(ds, rule['passes'], array)} at {labels.axis_symbol(axis)} = {place}"
 
@@ -240,8 +240,8 @@ class Panel:
 
 
 WITH_NUMBERS = {
-    "equals": Panel(_equals, _equals_words),
-    "bounded": Panel(_bound, _bounded_words),
-    "scales": Panel(_scales, _scales_words),
-    "boundary": Panel(_boundary, _boundary_words),
+    "equals": Panel(_equals, _words_of_equals),
+    "bounded": Panel(_bound, _words_of_bounds),
+    "scales": Panel(_scales, _words_of_scales),
+    "boundary": Panel(_boundary, _words_of_boundary),
 }
