@@ -209,7 +209,8 @@ def draw(
     if isinstance(form, long_curve.Lines):
         return long_curve.draw(ax, rods.rods[0], form, unit, is_coarse(rods.rods[0]), coloured)
     norm = push_scale.scale([rod["push"] for rod in rods.solved]) if coloured else None
-    width = float(np.clip(2.4 * (form.size[1] * form.scale * form.factor) ** 0.5, 1.0, 2.4))
+    narrowest = min(float(np.ptp(form.places(rod.developed())[1])) for rod in rods.solved) * form.scale * form.factor
+    width = float(np.clip(2.4 * narrowest**0.5, 1.0, 2.4))
     last, notes, rings = None, list[str](), list[Any]()
     column = form.pitch[0] * form.scale
     named = all(style.width_of(rod.name, style.small()) < column for rod in rods.rods)
