@@ -72,16 +72,18 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = PANEL[0]) -> Axes:
     name = str(ds.attrs["axis"])
     along, height = labels.in_label_unit(ds[name], ds[f"curve_{name}"].values), _values(ds, f"curve_{key}")
     drawn: list[tuple[str, Any]] = []
-    shares = np.stack([values / (np.ptp(values) or 1.0) for values in (along, height)], axis=1)
+    sizes = np.array([np.ptp(values) or 1.0 for values in (along, height)])
     for row in branches(ds):
-        on = ds["curve_branch"].values == row["branch"]
-        for run, look, label in _runs(ds, row, np.flatnonzero(on)):
-            if any(label == same and _lies_on(shares[run], other) for same, other in drawn):
+        on = np.flatnonzero(ds["curve_branch"].values == row["branch"])
+        points = np.stack([along[on], height[on]], axis=1)
+        runs = [(points, *_look(row))] if "member" in ds.sizes else _runs(ds, ax, on, points)
+        for run, look, label in runs:
+            share = run / sizes
+            if any(label == same and _lies_on(share, other) for same, other in drawn):
                 continue
-            drawn.append((label, shares[run]))
-            line = smooth_line(along[run], height[run], shares[run])
-            ax.plot(*line, label=label, marker="." if on.sum() == 1 else "", **look)
-        _mark_dead_folds(ds, ax, np.flatnonzero(on), along, height)
+            drawn.append((label, share))
+            line = smooth_line(run[:, 0], run[:, 1], share)
+            ax.plot(*line, label=label, marker="." if on.size == 1 else "", **look)
     for kind, mark in MARKS.items():
         x, y = _special(ds, name, key, kind)
         if x.size:
@@ -123,31 +125,29 @@ def _special(ds: xr.Dataset, name: str, key: str, kind: str) -> tuple[Any, Any]:
     return labels.in_label_unit(ds[name], ds[dim].values)[some], _values(ds, f"{dim}_{key}")[some]
 
 
-def _runs(ds: xr.Dataset, row: dict[str, Any], on: Any) -> list[tuple[Any, dict[str, Any], str]]:
-    """The parts of a branch of one look: places among the points, look and entry in the legend.
+def _runs(ds: xr.Dataset, ax: Axes, on: Any, points: Any) -> list[tuple[Any, dict[str, Any], str]]:
+    """The parts of a branch under held ends of one look: their points (n, 2), look and entry in the legend.
 
-    Under held ends those are told apart that would be stable under dead loads too.
+    Those are told apart that would be stable under dead loads too. They meet half way between two stored points, where
+    a mark says that a rod would snap through under dead loads.
     """
-    if "member" in ds.sizes:
-        return [(on, *_look(row))]
     index, dead = ds["curve_index"].values[on], ds["curve_dead_index"].values[on]
     kind = np.where(index > 0, 0, np.where(dead > 0, 1, 2))
-    if kind.size > 2:  # at a fold the smaller index is stored
+    if kind.size > 2:
         kind[[0, -1]] = kind[[1, -2]]
-    cuts = [0, *(np.flatnonzero(np.diff(kind)) + 1), on.size]
-    return [(on[a : b + 1], *_HELD[int(kind[a])]) for a, b in pairwise(cuts)]
-
-
-def _mark_dead_folds(ds: xr.Dataset, ax: Axes, on: Any, along: Any, height: Any) -> None:
-    """Mark where a rod that is held becomes unstable under dead loads: there it would snap through."""
-    if "member" in ds.sizes or on.size < 3:
-        return
-    index, dead = ds["curve_index"].values[on], ds["curve_dead_index"].values[on]
-    at = [int(on[k]) for k in np.flatnonzero(np.diff(dead > 0)) if not index[k : k + 2].any()]
-    middle = [tuple((values[k] + values[k + 1]) / 2 for values in (along, height)) for k in at]
-    if middle:
-        ax.plot(*zip(*middle, strict=True), "^", color=style.INK, markersize=5.5, markerfacecolor="white", zorder=6,
-                linestyle="none", label="fold under dead loads: the rod snaps through")  # fmt: skip
+        at = 1 + np.flatnonzero(np.diff(dead > 0) & (index[1:] == 0) & (index[:-1] == 0))
+        middle = (points[at - 1] + points[at]) / 2
+        points, kind = np.insert(points, at, middle, axis=0), np.insert(kind, at, 2)
+        if at.size:
+            ax.plot(*middle.T, "^", color=style.INK, markersize=5.5, markerfacecolor="white", zorder=6,
+                    linestyle="none", label="fold under dead loads: the rod snaps through")  # fmt: skip
+    cuts = [0, *(np.flatnonzero(np.diff(kind)) + 1), kind.size]
+    runs = []
+    for a, b in pairwise(cuts):  # a fold has the smaller index of its two sides: the other side reaches to it
+        first = a - (a > 0 and kind[a - 1] > kind[a])
+        last = b + (b < kind.size and kind[b] > kind[b - 1])
+        runs.append((points[first:last], *_HELD[int(kind[a])]))
+    return runs
 
 
 def _laws(ds: xr.Dataset) -> list[str]:
