@@ -197,7 +197,9 @@ def grow(
         rod = rod_at(ahead)
         below = descend(Shape(rod, shape.t, shape.y))
         if below is None:
-            return Path(None, index, None, tuple(jumped), f"the branch ends at {x / last:.6g} of the way to {target}")
+            hint = "; an end without a given azimuth may have an answer" if rod.rubbed and "azimuth" in rod.held else ""
+            why = f"the branch ends at {x / last:.6g} of the way to {target}{hint}"
+            return Path(None, index, None, tuple(jumped), why)
         jumped.append(x)
         x, shape, index, before, step = ahead, below, 0, None, AHEAD * last
     final = correct(Shape(rod_at(last), shape.t, shape.y))

@@ -24,7 +24,7 @@ from solver.problem.errors import InputError
 from studies import READINGS, load, names, reasons
 from tests.workbench import browser, node, small
 from tests.workbench.pictures import shares_of_push
-from workbench.data import labels, law_verdicts, writing
+from workbench.data import cautions, labels, law_verdicts, writing
 from workbench.figures import style
 from workbench.run import in_memory
 from workbench.run.in_memory import StudyResult
@@ -403,8 +403,8 @@ def test_each_verdict_carries_its_caution(text, results) -> None:
     assert top.count("None of the 81 rods could rest there") == 1
     ds = results[1].ds
     free = ds.assign(caution=ds["caution"].copy(data=["", "pulled", *[""] * 7]))
-    assert law_cards.restable(free) == "eight of the nine rods could rest there"
-    assert law_cards.restable(ds.assign(caution=ds["caution"].copy(data=[""] * 9))) == ""
+    assert cautions.restable(free) == "eight of the nine rods could rest there"
+    assert cautions.restable(ds.assign(caution=ds["caution"].copy(data=[""] * 9))) == ""
 
 
 def test_the_report_tells_a_reader_nothing_about_its_making(text) -> None:

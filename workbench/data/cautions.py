@@ -17,7 +17,19 @@ from . import outcomes
 if TYPE_CHECKING:  # workers do not need it
     import xarray as xr
 
-__all__ = ["JUDGED", "SLIGHT", "UNCHECKED", "WORDS", "holding", "keys", "of_cases", "parts", "phrase", "sentence"]
+__all__ = [
+    "JUDGED",
+    "SLIGHT",
+    "UNCHECKED",
+    "WORDS",
+    "holding",
+    "keys",
+    "of_cases",
+    "parts",
+    "phrase",
+    "restable",
+    "sentence",
+]
 
 # key -> words for one rod, and for several
 WORDS = {
@@ -32,6 +44,7 @@ WORDS = {
     ),
     PULLED: ("would lift off where the cylinder has to pull", "would lift off where the cylinder has to pull"),
 }
+NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
 _POSSIBLE = (TURNED, AT_ENDS)  # what a real rod can do
 _EXTENT = re.compile(r"\((no push on .+? % of the length)(?: within (?:\S+ to )?(.+) of an end)?\)")
 
@@ -139,3 +152,17 @@ def _extent(part: str) -> str:
 
 def _list(facts: list[str]) -> str:
     return facts[0] if len(facts) == 1 else f"{', '.join(facts[:-1])} and {facts[-1]}"
+
+
+def restable(ds: "xr.Dataset") -> str:
+    """How many rods of a dataset could rest as they are drawn: the caution that a verdict on their shapes carries."""
+    texts = np.asarray(ds["caution"].values).astype(str).ravel() if "caution" in ds else np.array([], dtype=str)
+    barred = sum(map(is_barred, texts.tolist()))
+    if not barred:
+        return ""
+    count = NUMBERS.get(texts.size, str(texts.size))
+    if texts.size == 1:
+        return "this rod could not rest there"
+    if barred == texts.size:
+        return f"none of the {count} rods could rest there"
+    return f"{NUMBERS.get(texts.size - barred, texts.size - barred)} of the {count} rods could rest there"

@@ -91,7 +91,8 @@ def _ends(sol: "Solution", force: str, length: str) -> str:
         text += (
             f"; friction {' and '.join(f'{float(wall.friction * sol.push[i]):.4g}' for i in (0, -1))} {force}/{length}"
         )
-        rubbed = float(wall.friction) * _observe(sol, "push_mean") * float(sol.case.rod.L)
+        mean = _observe(sol, "push_mean") - _observe(sol, "pull_mean")  # the model's friction turns round with the push
+        rubbed = float(wall.friction) * mean * float(sol.case.rod.L)
         way = "turns in place" if wall.sense[1] else f"slides {wall.sliding}"
         text += f", {rubbed:.4g} {force} in all, of a rod that {way} everywhere"
     return text

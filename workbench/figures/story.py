@@ -15,7 +15,7 @@ from solver.mechanics import frames
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 from studies.reasons import PLAIN
 
-from ..data import labels, law_verdicts
+from ..data import cautions, labels, law_verdicts
 from . import canvas, drawn_rods, push_scale, solid, style
 from .sheet import Sheet, sheet
 from .solid import Eye
@@ -135,7 +135,9 @@ def law(ds: xr.Dataset, ax: Axes) -> None:
     trend(ds, ax, verdict["observable"], verdict["axis"], verdict["at"])
     noun, axis = labels.noun_of(verdict["observable"]), labels.axis_symbol(verdict["axis"])
     said = f"{verdict['claim']} {noun} {verdict['does']} with {axis}:"
-    title = f"{style.wrap(said, ax, style.small())}\n{PLAIN[verdict['verdict']]}"
+    rest = cautions.restable(ds)
+    plain = PLAIN[verdict["verdict"]] + (f"; {rest}" if rest else "")
+    title = "\n".join(style.wrap(text, ax, style.small()) for text in (said, plain))
     ax.set_title(title, loc="left", size=style.small(), color=style.VERDICT_COLOURS[verdict["verdict"]], pad=3)
 
 

@@ -147,6 +147,8 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
         assumed.pop("stiffness", None)  # a factor of E, which this rod does not have
     if cylinder.friction is not None and "sliding" not in values:
         assumed["sliding"] = cylinder.sliding
+    if rod.weight is not None and "inclination" not in values:
+        assumed["inclination"] = 0.0
     if isinstance(given, Ends):
         loads = {own: 0.0 for own, partner in PAIRS[2:] if own not in values and partner not in values}
         assumed = {f.name: {**assumed, **loads}[f.name] for f in known if f.name in {**assumed, **loads}}

@@ -16,7 +16,7 @@ from PIL import Image
 
 from solver.problem.errors import InputError
 
-from ...data import atomic, labels, law_verdicts, left_out
+from ...data import atomic, cautions, labels, law_verdicts, left_out
 from ...data.schema import axes_of
 from ...figures import style
 from ...run.in_memory import StudyResult
@@ -25,7 +25,7 @@ from ..turntable import page
 from . import case_facts, measured_runs, paper, sisters, sources, turning
 from .errata import ERRATA, mark_up
 from .formulas import with_hard_spaces
-from .law_cards import CLASSES, claims_of, in_degrees, law_of, of_readings, restable, sentence
+from .law_cards import CLASSES, claims_of, in_degrees, law_of, of_readings, sentence
 from .measured_runs import Measured
 from .mechanisms import mechanism
 
@@ -152,7 +152,7 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
         "title": title,
         "turning": turning,
         "row": bool(axes_of(ds)) and bool(scenes),
-        "restable": restable(ds),
+        "restable": cautions.restable(ds),
         "sentences": list(dict.fromkeys(row["source"] for row in result.verdicts)),
         "laws": laws,
         "single": case_facts.rows(ds) if not axes_of(ds) else [],

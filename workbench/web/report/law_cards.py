@@ -13,9 +13,8 @@ from studies import reasons
 from studies.law_kinds import MONOTONE
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
-from ...data import cautions, labels, law_verdicts
+from ...data import labels, law_verdicts
 
-NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
 CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
 
 
@@ -71,20 +70,6 @@ def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
             verdict = worst([law["verdict"], claim["verdict"]])
             claim |= {"verdict": verdict, "class": CLASSES[verdict], "plain": reasons.PLAIN[verdict].capitalize()}
     return list(claims.values())
-
-
-def restable(ds: xr.Dataset) -> str:
-    """How many rods of a dataset could rest as they are drawn: the caution that a verdict on their shapes carries."""
-    texts = np.asarray(ds["caution"].values).astype(str).ravel() if "caution" in ds else np.array([], dtype=str)
-    barred = sum(map(cautions.is_barred, texts.tolist()))
-    if not barred:
-        return ""
-    count = NUMBERS.get(texts.size, str(texts.size))
-    if texts.size == 1:
-        return "this rod could not rest there"
-    if barred == texts.size:
-        return f"none of the {count} rods could rest there"
-    return f"{NUMBERS.get(texts.size - barred, texts.size - barred)} of the {count} rods could rest there"
 
 
 def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
