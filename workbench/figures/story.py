@@ -130,14 +130,15 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
 
 
 def law(ds: xr.Dataset, ax: Axes) -> None:
-    """The first law of a dataset: its observable as steps, and its verdict."""
+    """The first law of a dataset: its observable as steps, its verdict, and how many of its rods could rest there."""
     (verdict, *_) = law_verdicts.verdicts(ds)
     trend(ds, ax, verdict["observable"], verdict["axis"], verdict["at"])
     noun, axis = labels.noun_of(verdict["observable"]), labels.axis_symbol(verdict["axis"])
     said = f"{verdict['claim']} {noun} {verdict['does']} with {axis}:"
-    rest = cautions.restable(ds)
-    plain = PLAIN[verdict["verdict"]] + (f"; {rest}" if rest else "")
-    title = "\n".join(style.wrap(text, ax, style.small()) for text in (said, plain))
+    title = f"{style.wrap(said, ax, style.small())}\n{PLAIN[verdict['verdict']]}"
+    rest = cautions.restable(ds).replace(" could", "\ncould")
+    ax.text(0.98, 0.96, rest, transform=ax.transAxes, ha="right", va="top", size=style.small(), color=style.SOFT,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0})  # fmt: skip
     ax.set_title(title, loc="left", size=style.small(), color=style.VERDICT_COLOURS[verdict["verdict"]], pad=3)
 
 
