@@ -17,21 +17,16 @@ from ..levels.line_point import LinePoint
 from ..levels.path_orbits import orbit_of
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
-from ..orbit.panels import EPS
 from ..orbit.periodic_orbit import Orbit
 from ..orbit.variations import changed
 from ..problem.held_ends import HeldProblem
-from ..problem.limits import beyond_limits
+from ..problem.limits import TAUT, beyond_limits, is_taut
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, verdicts
 from .each_equilibrium import path_of_seed, together
 
 _SLOW = 1e-3  # beta_t at a start
 ALTERNATIVE = "another equilibrium with the same ends"
-STRAIGHT = (
-    "failed: the far end is held at a height of L or -L, where the rod can only be straight along the axis, and then "
-    "its axial force is not determined"
-)
 _STATIONS = 129  # at which the response to the given numbers is read
 
 
@@ -141,8 +136,8 @@ def _reach(one: HeldProblem, seed: Seed | None) -> Reached | str:
     if why := beyond_limits(np.append(one.values[0], one.ratio[0]), float(one.span[0])):
         return why
     height = one.known("z")
-    if height is not None and abs(height[0]) > one.span[0] * (1 - 4 * EPS):
-        return STRAIGHT
+    if height is not None and is_taut(height[0], one.span[0]):
+        return f"failed: {TAUT}"
     wanted = Given.of(one)
     if seed is None:
         return nearest_start(wanted, one)

@@ -12,6 +12,11 @@ TOO_LARGE = "failed: loads, slope or L/rho are beyond 1e100 in units of A and rh
 LONGEST = 1e16  # of L/rho between two ends: beyond, a rounding of s is larger than rho
 TOO_LONG = "failed: L/rho of a problem between two ends must be below 1e16; beyond, rounding of s exceeds rho"
 OUT_OF_RANGE = "failed: stiffness, radius, forces or curvatures are beyond 1e290 or 1e-290 in these units"
+TAUT = (
+    "the far end is held at a height of L or -L, where the rod can only be straight along the axis, and then its axial "
+    "force is not determined"
+)
+_ROUNDING = 2.0**-50  # of L/rho: a held height is no nearer to it
 _ORDINARY = 1e30  # with it the largest sum of decades in `representable` is 62 + 7 * 30 = 272
 _DECADES = 290.0  # a float has 308; the margin is for factors and sums
 
@@ -56,6 +61,11 @@ def units_held(case: Case) -> NDArray[np.bool_]:
     with np.errstate(all="ignore"):
         A, rho = (np.log10(flat(v, case.shape)) for v in (case.rod.bending_stiffness, case.rho))
         return np.asarray((np.abs(A) < _DECADES) & (2 * np.abs(rho) < _DECADES))
+
+
+def is_taut(height: float, span: float) -> bool:
+    """Whether a height, in the unit of the span, leaves the rod no other shape than a straight one."""
+    return abs(height) > span * (1 - _ROUNDING)
 
 
 def representable(case: Case, problem: Reduced) -> NDArray[np.bool_]:

@@ -8,6 +8,7 @@ import numpy as np
 from ..core.varying_loads import BY_ANGLE, SIZE, TRUNCATION, March, march
 from ..numerics.arrays import Array
 from ..problem.case import Case
+from ..problem.limits import TAUT, is_taut
 from ..problem.reduced import EndsProblem, StartProblem, flat
 from ..problem.trajectory import Trajectory, verdicts
 from .branch import Path, branch_from_straight, straight_shape
@@ -36,7 +37,7 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
     span, alpha0 = problem.span, begin[:, ALPHA]
     weight = np.sqrt(np.abs(begin[:, SPEED]) + scale[:, 4])
 
-    def judged(rows: Any, truncation: Array | float) -> tuple[March, Array, Array]:
+    def march_with_errors(rows: Any, truncation: Array | float) -> tuple[March, Array, Array]:
         first, stations = n * np.arange(span[rows].size + 1), t[rows].reshape(-1)
         found = march(
             numbers[rows], scale[rows], begin[rows], span[rows], BY_ANGLE, first, stations, judge=True,
@@ -49,12 +50,12 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
         return found, np.where(np.isfinite(error), error, np.inf), condition
 
     left_out = np.clip(SHARE * tol / np.maximum(1, span * scale[:, MU]), TRUNCATION, COARSEST)
-    found, error, condition = judged(slice(None), left_out[:, None])
+    found, error, condition = march_with_errors(slice(None), left_out[:, None])
     y, end = found.out.reshape(SIZE, B, n), found.end
     rows = np.flatnonzero((error > tol) & (left_out > TRUNCATION))
     if rows.size:
         enough = np.maximum(TRUNCATION, 0.2 * left_out[rows] * tol / error[rows])
-        finer, error[rows], condition[rows] = judged(rows, enough[:, None])
+        finer, error[rows], condition[rows] = march_with_errors(rows, enough[:, None])
         y[:, rows], end[rows], found.steps[rows] = finer.out.reshape(SIZE, -1, n), finer.end, finer.steps
     read = read_starts(y, t, alpha0, numbers[:, 0] * end[:, MU])
     solved, outcome = verdicts(read["beta"], error, condition, tol)
@@ -121,6 +122,8 @@ def path_to(rod: LoadedRod, seed: Any, i: int) -> Path:
     """The shape of one rod that a seed means."""
     if isinstance(seed, list):
         return seed[i]
+    if "height" in rod.held and is_taut(rod.far[2], rod.span):
+        return Path(None, why=TAUT)
     if seed is None:
         return branch_from_straight(rod)
     if isinstance(seed, str):

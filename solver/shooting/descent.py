@@ -18,11 +18,11 @@ ROUNDS = 1000  # steps of a fall
 
 def index_at(shape: Shape, springs: Array | None = None) -> int:
     """The Morse index of a shape; with springs, of the shape that they hold."""
-    shape = shape if springs is not None else divided(shape)
+    shape = shape if springs is not None else fine_shape(shape)
     return index_of(shape.rod, march_of(shape)[1], shape.rod.scale, springs)
 
 
-def divided(shape: Shape) -> Shape:
+def fine_shape(shape: Shape) -> Shape:
     """A shape with stretches so short that none holds a conjugate distance: the index counts by stretches.
 
     The loads alone set the nodes; in a rod that goes far round, beta turns faster.
@@ -78,7 +78,7 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
         there = correct(now, y, springs, reach=FAR, most=8, enough=LOOSE)
         moved = np.inf if there is None else largest_turn(now, there)
         if there is None or moved > FAR or index_at(there, springs) > 0:
-            fine = divided(now)
+            fine = fine_shape(now)
             if fine is now:
                 strength *= FACTOR
             shape, y = fine, fine.y

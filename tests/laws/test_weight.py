@@ -397,6 +397,12 @@ def test_weight_and_stiffness_are_fitted_to_a_measured_curve() -> None:
     assert found.values == pytest.approx({"weight": 0.3, "EI": 1.0}, rel=1e-9)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_height_of_the_whole_length_leaves_the_axial_force_open(sign: int) -> None:
+    case = Case(Rod(**ROD), Cylinder(R=0.75, inclination="90deg"), Ends(beta0=0.0, betaL=0.0, height=sign * ROD["L"]))
+    assert "its axial force is not determined" in str(solve(case).outcome)
+
+
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
