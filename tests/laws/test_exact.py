@@ -59,7 +59,7 @@ def test_dop853_follows_every_closed_form(name: str) -> None:
         np.testing.assert_allclose(got, exact, rtol=0, atol=atol)
 
 
-@pytest.mark.parametrize("name", ("elliptic k=0.25 L=20", "elliptic k=0.9 L=60"))
+@pytest.mark.parametrize("name", ("elliptic k=0.25 L=20", pytest.param("elliptic k=0.9 L=60", marks=pytest.mark.slow)))
 def test_verlet_follows_the_closed_forms_to_its_tolerance(name: str) -> None:
     named = EXACT[name]
     sol = solve(named.case, tol=1e-7, method="verlet", stations=201)

@@ -329,6 +329,7 @@ def test_a_wire_in_a_tube_is_followed_to_where_its_helix_ceases_to_exist() -> No
     assert [(one.kind, one.position) for one in branch.special] == [("helix ceases", len(branch) - 1)]
 
 
+@pytest.mark.slow
 def test_branches_beside_that_helix_reach_their_folds_whatever_values_they_pass() -> None:
     """They went on in short leaps, and a sentence told to choose a range that ended 14 N away."""
     wire, tube = Rod(E=60e9, nu=0.3, a=0.25e-3, L=0.12), Cylinder(2e-3, side="inside")

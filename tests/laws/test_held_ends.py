@@ -213,6 +213,7 @@ def test_a_rod_held_as_high_as_it_is_long_is_said_to_be_straight(height: float) 
     assert "straight along the axis, and then its axial force is not determined" in str(sol.outcome)
 
 
+@pytest.mark.slow
 def test_a_hinged_end_keeps_index_and_bends_along_a_branch() -> None:
     """A turning point at the hinge itself is no bend, whichever side of the end rounding puts it."""
     seed, told = None, []
@@ -344,7 +345,9 @@ def test_loads_that_are_not_yet_known_are_refused_by_name() -> None:
         Case(SHORT, DRUM, Ends(beta0=0.5, betaL=0.5, height=4.0, rotation=1.0)).loads  # noqa: B018
 
 
-@pytest.mark.parametrize("length", (3.0, 20.0, 60.0))
+@pytest.mark.parametrize(
+    "length", (pytest.param(3.0, marks=pytest.mark.slow), 20.0, pytest.param(60.0, marks=pytest.mark.slow))
+)
 def test_a_compressed_pipe_with_a_hinge_is_straight_or_ends_next_to_its_helix(length: float) -> None:
     """The distance from the helix at the hinge falls exponentially with the length: collocation does not need it."""
     pipe = Rod(E=2.1e11, nu=0.3, a=0.0635, L=length, inner_radius=0.0543)

@@ -48,6 +48,7 @@ def listed() -> HeldEquilibria:
     return found
 
 
+@pytest.mark.slow
 def test_mirror_images_are_listed_and_each_index_is_that_of_the_constrained_second_variation(
     listed: HeldEquilibria,
 ) -> None:
@@ -290,6 +291,7 @@ def test_known_equilibria_with_one_held_quantity_are_found(first: int) -> None:
     assert all(finds_a_known_one(seed, 1) for seed in range(first, first + 10))
 
 
+@pytest.mark.slow
 def test_two_equilibria_between_a_value_of_the_sweep_and_a_fold_are_found() -> None:
     assert finds_a_known_one(4, 1)
 

@@ -57,6 +57,7 @@ def test_a_held_azimuth_has_no_derivative_by_a_load() -> None:
     assert found.observables["wraps"] == pytest.approx([0, 1 / (2 * np.pi)], abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("M3", (pytest.param(-4.954, marks=pytest.mark.slow), -0.954))
 def test_every_point_of_a_branch_with_a_hinge_is_an_equilibrium_of_its_index(M3: float) -> None:
     branch = follow(solve(between_hinges(**AT_ONE_END)), M3=M3)
@@ -70,8 +71,8 @@ def test_every_point_of_a_branch_with_a_hinge_is_an_equilibrium_of_its_index(M3:
 
 @pytest.mark.parametrize("given", (
     {"GJ": 0.8, "L": 3.6, "FZ": 1.2, "MZ": -1.2, "M3": 0.8},
-    {"GJ": 1.4658755695561991, "L": 5.170419536228204, "FZ": 0.3129545991362497, "MZ": -0.009387661996193952,
-     "M3": -1.5223550219450055},
+    pytest.param({"GJ": 1.4658755695561991, "L": 5.170419536228204, "FZ": 0.3129545991362497,
+                  "MZ": -0.009387661996193952, "M3": -1.5223550219450055}, marks=pytest.mark.slow),
 ))  # fmt: skip
 def test_equilibria_between_hinges_have_their_index_and_none_of_two_images_is_missing(given: dict[str, float]) -> None:
     case = between_hinges(**given)
@@ -97,7 +98,7 @@ def test_a_helix_between_two_hinges_is_its_own_seed_and_leads_to_the_next_one() 
     assert "helix" in end
 
 
-@pytest.mark.parametrize("betaL", (None, 1.4))
+@pytest.mark.parametrize("betaL", (pytest.param(None, marks=pytest.mark.slow), 1.4))
 def test_the_list_between_hinges_is_that_of_a_fine_march(betaL: float | None) -> None:
     free = {} if betaL is None else {"betaL": betaL}
     case = between_hinges(GJ=0.5275591, L=4.890809, FZ=0.6906972, MZ=-0.6810731, M3=1.1537148, **free)

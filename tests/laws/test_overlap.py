@@ -40,6 +40,7 @@ def closest(case: Case) -> float:
     return float(away.min(initial=2.1 * a)) / (2 * a)
 
 
+@pytest.mark.slow
 def test_dense_points_agree() -> None:
     seen = []
     for seed in range(60):

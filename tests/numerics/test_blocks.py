@@ -85,6 +85,7 @@ def test_observables_do_not_depend_on_the_blocks(method: str, monkeypatch: pytes
         np.testing.assert_allclose(parts[name], whole[name], rtol=1e-8, atol=1e-8, err_msg=name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [m for m in ("swing", "verlet", "rk4", "dop853", "lsoda") if m in available()])
 def test_blocks_change_no_bit_of_a_method_that_keeps_its_cases_apart(
     method: str, monkeypatch: pytest.MonkeyPatch

@@ -123,6 +123,7 @@ def cusps(found: FoldCurves) -> np.ndarray:
     return np.concatenate([np.column_stack([one.cusps, one.cusp_dbeta0]) for one in found.curves])
 
 
+@pytest.mark.slow
 def test_the_mirror_image_has_the_same_curves() -> None:
     """beta -> -beta with lam and mu of the other sign."""
     mirror = Case(ROD, CASE.cylinder, Ends(beta0=-0.5, betaL=-0.8, M3=-5.0))
@@ -132,6 +133,7 @@ def test_the_mirror_image_has_the_same_curves() -> None:
         assert (mine.lower, mine.kind, mine.ends) == (theirs.lower, theirs.kind, theirs.ends)
 
 
+@pytest.mark.slow
 def test_scaling_the_stiffness_and_the_loads_leaves_the_curves() -> None:
     stiff = Case(Rod(2 * ROD.E, 0.25, 0.25, 3.0), CASE.cylinder, Ends(0.5, 0.8, M3=10.0))
     found = fold_curves(stiff, FZ=(-140, -40), L=(1.5, 3.5), lattice=3)
@@ -203,6 +205,7 @@ def nearing(end: str) -> FoldCurves:
     return fold_curves(Case(LONG.rod, LONG.cylinder, Ends(beta0, betaL, M3=8.0)), lattice=2, FZ=FZ, L=L)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", NEARING)
 def test_a_curve_is_whole_and_exact_where_it_comes_next_to_a_separatrix(end: str) -> None:
     folds = nearing(end)
@@ -313,6 +316,7 @@ def test_a_grid_of_cases_is_refused() -> None:
         fold_curves(grid, FZ=(0, 1), MZ=(0, 1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("field, cusps", [("betaL", 1), ("M3", 3)])
 def test_no_pitchfork_line_goes_where_a_field_breaks_the_symmetry(field, cusps) -> None:
     """The straight rod buckles at FZ = -1.8986 and exists at betaL = M3 = 0 only: there folds meet in a cusp."""
@@ -339,6 +343,7 @@ STRIPS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["EI", pytest.param("R", marks=pytest.mark.slow)])
 def test_a_strip_between_two_folds_that_undo_each_other_is_seen(name) -> None:
     """It has 5 equilibria; on both sides there are 3, one of them another."""

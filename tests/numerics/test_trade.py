@@ -113,6 +113,7 @@ def test_a_march_takes_the_steps_that_the_tolerance_needs_and_no_more_than_its_b
     assert loose.evaluations < tight.evaluations
 
 
+@pytest.mark.slow
 def test_a_march_whose_budget_is_spent_says_so() -> None:
     sol = solve(in_units_of_rho(0, 0, 0, 2.0, 0.5, 0.1), tol=1e-14, method="euler", stations=11)
     assert sol.outcome.startswith("failed: error")
@@ -136,6 +137,7 @@ def test_an_adaptive_method_states_an_error_however_loose_its_tolerance(method: 
         assert achieved(sol, known)["error_beta"] <= 10 * sol.error
 
 
+@pytest.mark.slow
 def test_far_stations_do_not_spoil_the_condition_number_of_a_march() -> None:
     case = in_units_of_rho(0, 0, 0, 60.0, np.pi / 6, 0.0)
     near, far = (solve(case, tol=1e-4, method="rk4", stations=n).condition for n in (961, 31))

@@ -217,6 +217,7 @@ def test_arrays_stay_lazy_and_a_selection_reads_no_more_than_it_needs(tmp_path) 
         assert not any(variable._in_memory for name, variable in ds.variables.items() if variable.ndim > 1)
 
 
+@pytest.mark.slow
 def test_unsolved_cases_stay_nan_when_they_are_solved_again(monkeypatch) -> None:
     class Failing(Verlet):
         def run(self, problem, t, tol):

@@ -146,6 +146,7 @@ def test_one_branch_alone_has_a_row_of_shapes(held) -> None:
     assert set(held["shape_branch"].values) == {0}
 
 
+@pytest.mark.slow
 def test_the_shapes_of_a_branch_that_goes_on_beyond_a_short_axis_lie_on_the_axis() -> None:
     ds = swept(Ends(beta0=0.5, betaL=0.5, FZ=-0.5), "height", np.array([3.9, 4.1]))
     assert np.ptp(ds["curve_height"].values) > 1.0

@@ -566,7 +566,13 @@ def test_a_list_of_choices_is_not_cut(capsys) -> None:
 @pytest.mark.parametrize("buffered", [True, False])
 @pytest.mark.parametrize(
     "words",
-    [["--version"], ["--help"], ["list"], ["list", "--json"], ["solve", "--table1"], ["run", "small.toml"]],
+    [
+        ["--version"],
+        *(
+            pytest.param(words.split(), marks=pytest.mark.slow)
+            for words in ("--help", "list", "list --json", "solve --table1", "run small.toml")
+        ),
+    ],
     ids=" ".join,
 )
 def test_a_full_disk_behind_stdout_is_one_sentence_and_status_2(words, buffered, tmp_path) -> None:

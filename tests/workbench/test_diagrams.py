@@ -78,6 +78,7 @@ def test_filled_curves_of_a_ridge_hardly_overlap_and_plain_ones_may(ds) -> None:
     assert np.quantile(ranges, 0.9) <= (lines[1] - lines[0]) * (1 + 1e-9)
 
 
+@pytest.mark.slow
 def test_a_ridge_of_sixty_values_names_as_many_as_have_room() -> None:
     many = in_memory.run(study("[axes.E]\nfrom = 5e3\nto = 4e4\ncount = 61\n"))
     fig = along.figure(many)
@@ -99,6 +100,7 @@ def test_the_colours_of_a_line_are_those_of_the_one_definition() -> None:
     assert norm(-50.0) + norm(50.0) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_inside_a_pipe_a_push_is_positive_as_outside() -> None:
     inside = in_memory.run(load("regimes").coarse().at_stations(801))
     fig = unrolled.figure(inside, "E")

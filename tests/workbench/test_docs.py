@@ -1,18 +1,24 @@
 """The pages: their links resolve, the index lists them all, their tables agree with the code, the tutorials run."""
 
+import json
 import re
-import shlex
+import runpy
 from dataclasses import fields
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from docs import notebook
 from solver.methods import METHODS
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.quantities import unit_of
-from studies import names
+from studies import load, names
+from studies.law_kinds import KINDS as KINDS_OF_LAWS
+from studies.loader import loads
 from studies.model import OUTPUTS
 from tests.workbench import doc_pages
+from tests.workbench.pictures import pixels
 from workbench import cli
 
 ROOT = Path(__file__).parents[2]
@@ -119,18 +125,6 @@ def test_every_command_is_listed() -> None:
     assert {found[1] for found in table if found} == set(commands)
 
 
-def test_the_python_of_the_tutorial_prints_what_the_page_says(capsys) -> None:
-    exec(compile("".join(code(DOCS / "tutorial" / "solve-from-python.md", "python")), "tutorial", "exec"), {})
-    shown = capsys.readouterr().out
-    for part in ("solved\n", "(201,)\n7.075", "(9, 201)\n[8 7 6 6 6 5 5 5 5]\nTrue", "\n21 True\n"):
-        assert part in shown
-    page = text(DOCS / "tutorial" / "solve-from-python.md")
-    printed = re.findall(r"This prints\n\n```\n(.*?)```", page, re.DOTALL)
-    assert len(printed) == 2
-    for block in printed:
-        assert re.sub(r"(\.\d{6})\d+", r"\1", block) in re.sub(r"(\.\d{6})\d+", r"\1", shown)  # the last digits vary
-
-
 def test_the_python_of_large_studies_runs_on_a_small_one(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     (block,) = code(DOCS / "how-to" / "run-large-studies.md", "python")
@@ -150,28 +144,6 @@ def test_the_tutorial_names_every_shipped_study() -> None:
     assert said.startswith({14: "14 "}[len(shipped)])
 
 
-@pytest.mark.slow
-def test_the_commands_of_the_tutorial_run_as_they_stand(tmp_path, monkeypatch, capsys) -> None:
-    page = DOCS / "tutorial" / "reproduce-a-figure.md"
-    monkeypatch.chdir(tmp_path)
-    Path("radius.toml").write_text(code(page, "toml")[0], encoding="utf-8")
-    lines = [line for block in code(page, "sh") for line in block.splitlines() if line.startswith("workbench ")]
-    for line in lines:
-        if line.startswith("workbench scene"):
-            continue  # needs OpenGL
-        with pytest.raises(SystemExit) as end:
-            cli.main(shlex.split(line.removeprefix("workbench ")))
-        assert not end.value.code, line
-    shown = capsys.readouterr().out
-    for part in ("8 → 5", "6 → 3", "9 cases, 0 unsolved"):
-        assert part in shown
-    (printed,) = re.findall(r"^```\n[^`]*?(verdict .*?)^```$", text(page), re.DOTALL | re.MULTILINE)
-    for line in printed.partition("caution")[0].splitlines():  # the table of the laws
-        assert line in shown
-    caution = printed.partition("caution")[2]  # which a terminal breaks
-    assert " ".join(caution.split()) in shown
-
-
 def test_the_table_of_fidelities_is_that_of_the_code() -> None:
     from workbench.run.fidelity import FIDELITIES
 
@@ -179,3 +151,43 @@ def test_the_table_of_fidelities_is_that_of_the_code() -> None:
         told = FIDELITIES[name.strip("`")]
         assert float(tolerance) == told.tol
         assert told.stations is None or int(stations) == told.stations
+
+
+def test_the_tables_of_laws_name_every_kind_and_every_key() -> None:
+    page, reference = text(DOCS / "how-to" / "write-a-law.md"), text(DOCS / "reference" / "study-file.md")
+    (study,) = code(DOCS / "how-to" / "write-a-law.md", "toml")
+    for kind, row in KINDS_OF_LAWS.items():
+        assert f"| `{kind}`" in page
+        assert all(f"`{key}`" in reference for key in row.all_keys)
+    assert {law.kind for law in loads(study).laws} == set(KINDS_OF_LAWS) - {"monotone"}
+    (example,) = re.findall(r"```toml\n(\[expressions\].*?)```", reference, re.DOTALL)
+    study = study.split("[expressions]")[0]
+    assert loads(study + example).expressions.keys() == {"lift", "mitchell", "push_share"}
+
+
+@pytest.mark.parametrize("page, name", [("sample-a-study", "samples_pipe"), ("refine-a-boundary", "regimes_refined")])
+def test_the_first_study_of_a_page_is_the_shipped_one(page: str, name: str) -> None:
+    first = code(DOCS / "how-to" / f"{page}.md", "toml")[0]
+    assert loads(first, default_name=name).model_dump() == load(name).model_dump()
+
+
+def test_the_notebook_of_the_examples_is_the_tutorial() -> None:
+    stored = text(notebook.NOTEBOOK)
+    assert stored == notebook.notebook(text(notebook.PAGE))  # else: python -m docs.notebook
+    lines = [line for cell in json.loads(stored)["cells"] for line in cell["source"]]
+    links = re.findall(r"\]\(([^)#]+)\)", "".join(lines))
+    assert links
+    assert all((notebook.NOTEBOOK.parent / link).exists() for link in links)
+
+
+def test_the_sketch_of_the_variables_is_what_its_script_draws(tmp_path) -> None:
+    script = runpy.run_path(str(DOCS / "figures" / "variables.py"))
+    script["draw"]().savefig(tmp_path / "now.png", dpi=200)
+    shown, now = pixels(DOCS / "figures" / "variables.png"), pixels(tmp_path / "now.png")
+    assert shown.shape == now.shape
+    assert np.abs(shown - now).mean() < 0.01
+    # its directions are those of the page: B = T x N, and the tangent is that of the centreline
+    s = np.array([3.0, 3.0 + 1e-6])
+    step = np.diff(script["centreline"](s), axis=0)[0] / 1e-6
+    assert step[2] == pytest.approx(np.cos(script["PITCH"]))
+    assert np.linalg.norm(step) == pytest.approx(1)

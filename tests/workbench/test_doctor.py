@@ -5,6 +5,7 @@ import shutil
 from collections.abc import Callable
 from typing import Any
 
+import pytest
 from typer.testing import CliRunner
 
 from workbench import cli
@@ -24,6 +25,7 @@ def test_every_optional_part_has_a_row() -> None:
     assert {part.extra for part in EXTRAS} == {"cad", "explore", "animate", "taylor", "cluster", "parquet", "global"}
 
 
+@pytest.mark.slow
 def test_a_film_and_the_cad_kernel_are_tried_for_real() -> None:
     told = found(*(part for part in EXTRAS if part.extra in ("animate", "cad")))
     assert told["films (animate)"]["works"], told

@@ -244,6 +244,7 @@ def test_the_papers_claim_is_not_contradicted_on_its_own_branch_and_fails_on_oth
     assert any(row["kappa_mean rises"] == "fails" for row in rows)
 
 
+@pytest.mark.slow
 def test_over_a_load_too_and_for_programs(capsys, tmp_path) -> None:
     words = ("--L", "4", "--axis", "FZ=-30:30:7", "--json", "--out", tmp_path / "FZ.h5", "--plot", tmp_path / "FZ.png")
     status, text = run(capsys, *words)
@@ -365,3 +366,21 @@ def test_a_study_may_name_its_equilibrium_by_a_rule_or_an_index() -> None:
         assert sol.solved
         np.testing.assert_array_equal(sol.beta, solve(study.case(), choose=rule).beta)
         assert sol.selection.choose == rule
+
+
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        ("--show wraps", "--show wraps names what --axis shows; give --axis too"),
+        ("--axis FZ=-1:1:2 --show colour", "no quantity to show 'colour'"),
+    ],
+)
+def test_what_a_diagram_cannot_show_is_refused(capsys, options: str, said: str) -> None:
+    status, text = run(capsys, *options.split())
+    assert status == 2
+    assert said in text
+
+
+@pytest.mark.parametrize("name", ["height", "azimuth", "rotation", "M10", "M1L"])
+def test_what_an_end_holds_may_be_an_axis(name: str) -> None:
+    assert parse_axis(f"{name}=-1:1:3")[0] == name

@@ -600,6 +600,7 @@ def test_on_a_phone_the_rod_comes_first_and_stays_and_the_controls_are_large(pag
         page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
+@pytest.mark.slow
 def test_an_answer_that_comes_too_late_does_not_replace_a_newer_rod(page) -> None:
     page("page.begin('cable'); page.begin('dna')")
     page.until(lambda: not page("return page.busy"), "the late answer")

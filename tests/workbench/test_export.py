@@ -180,6 +180,7 @@ def parts(kernel, shape, kind: str, outside: str = "SHAPE") -> list:
     return out
 
 
+@pytest.mark.slow
 def test_the_solid_in_a_step_file_is_valid_and_has_the_rods_volume_in_its_unit(kernel, step_file) -> None:
     (solid,) = parts(kernel, shapes(kernel, step_file), "SOLID")
     assert kernel.BRepCheck_Analyzer(solid).IsValid()
@@ -480,7 +481,17 @@ def test_the_command_tells_what_it_chose_and_status_1_where_turns_meet(folder, t
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no limit of the size of files there")
-@pytest.mark.parametrize("kind", [".stl", ".obj", ".glb", ".usda", ".vtp", ".csv"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param(".stl", marks=pytest.mark.slow),
+        ".obj",
+        pytest.param(".glb", marks=pytest.mark.slow),
+        pytest.param(".usda", marks=pytest.mark.slow),
+        pytest.param(".vtp", marks=pytest.mark.slow),
+        pytest.param(".csv", marks=pytest.mark.slow),
+    ],
+)
 def test_a_disk_that_refuses_the_file_is_one_sentence_and_no_file_is_left(folder, tmp_path, kind) -> None:
     path = tmp_path / f"rod{kind}"
     run = subprocess.run(

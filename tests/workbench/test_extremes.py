@@ -34,6 +34,7 @@ def test_orbit_is_right_to_its_promise_at_every_extreme_that_a_march_of_25_digit
             assert sol.solved, (one.name, sol.outcome)
 
 
+@pytest.mark.slow
 def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
     named = [one for one in extremes() if one.name in ("L/ρ = 1e-6", "R = 1e9 a")]
     ds = dataset_of({one.name: attempts_at(one, references()[one.name]) for one in named})

@@ -238,7 +238,7 @@ def test_the_cores_that_may_be_used_are_counted() -> None:
 # Ctrl-C
 
 
-@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.slow), 2])
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)])
 def test_ctrl_c_says_how_to_go_on_and_leaves_no_process(workers, whole, tmp_path) -> None:
     runs.study(tmp_path, GRID)
     before = TELLING.replace("part.start == 32", "part.start == 80") + (

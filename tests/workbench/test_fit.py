@@ -132,6 +132,7 @@ def test_an_ends_problem_keeps_the_equilibrium_in_the_fitted_study(tmp_path, cap
     assert json.loads(capsys.readouterr().out)["observables"]["wraps"] == pytest.approx(wanted, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_what_the_data_cannot_tell_is_status_1_and_a_sentence(points, tmp_path, capsys) -> None:
     given = ["--table1", "--M3", 17, "--points", points, "--vary", "E,F3,M3", "--starts", 0]
     status, said, _ = run(capsys, *given, "--plot", tmp_path / "fit.pdf")

@@ -1,8 +1,6 @@
 """The command folds: what it prints, stores and draws; the page that shows it."""
 
 import json
-import re
-import shlex
 from functools import cache
 from pathlib import Path
 
@@ -12,17 +10,13 @@ import xarray as xr
 
 from solver import Case, Cylinder, Ends, Rod, region_map
 from studies import load
-from tests.workbench import doc_pages
-from tests.workbench.pictures import pixels
 from workbench import cli
 from workbench.branches.region_dataset import dataset_of
 from workbench.data import writing
-from workbench.figures import canvas
 from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
 
 ROOT = Path(__file__).parents[2]
-PAGE = doc_pages.read(ROOT / "docs" / "how-to" / "map-the-folds.md")
 SHORT = ["--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", "--axis", "FZ=-15:-5", "--axis", "L=1.5:3"]
 
 
@@ -56,6 +50,7 @@ def test_it_prints_curves_and_regions_as_data_and_stores_them(capsys, tmp_path, 
     assert Path("map.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_the_dataset_holds_what_the_map_found() -> None:
     ds = made()
     assert ds["region_at"].dims == ("L", "FZ")
@@ -106,24 +101,3 @@ def test_what_cannot_be_mapped_is_refused_with_one_sentence(why: str, capsys, tm
     assert sentence in text
     assert text.count("\n") == 1
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.slow
-def test_the_commands_of_the_page_run_as_they_stand(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    lines = [line for block in re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL) for line in block.splitlines()]
-    assert len(lines) == 3
-    for line in lines:
-        words = shlex.split(line, comments=True)
-        assert words[:2] == ["workbench", "folds"]
-        assert run(capsys, *words[2:])[0] == 0, line
-    shown, drawn = pixels(ROOT / "docs" / "figures" / "folds_atlas.png"), pixels(Path("folds_atlas.png"))
-    assert shown.shape == drawn.shape
-
-
-def test_the_python_of_the_page_runs() -> None:
-    (code,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-    namespace: dict[str, object] = {}
-    exec(code, namespace)
-    assert namespace["found"].remark == ""  # type: ignore[attr-defined]
-    canvas.check_name("map.png")

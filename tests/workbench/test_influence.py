@@ -338,6 +338,7 @@ def test_a_stored_study_of_the_design_has_indices(stored: Path, tmp_path, monkey
     assert [row["observable"] for row in told["rows"]] == ["height"] * 3
 
 
+@pytest.mark.slow
 def test_a_larger_sample_solves_only_the_new_blocks(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     text = small.HEAD.replace("[units]", f"{OBSERVED}stations = 5\n[units]")

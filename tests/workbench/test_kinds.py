@@ -57,6 +57,7 @@ def folder(tmp_path_factory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MADE)
 def test_a_file_of_any_kind_is_summarised_and_drawn_or_called_what_it_is(name, folder, monkeypatch) -> None:
     monkeypatch.chdir(folder)

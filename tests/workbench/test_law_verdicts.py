@@ -78,6 +78,7 @@ def test_the_exit_status_is_0_where_every_law_holds_in_full(verdict: str, status
     assert (law_verdicts.status(1, []), law_verdicts.refuted(1, [])) == (1, True)
 
 
+@pytest.mark.slow
 def test_every_command_tells_a_qualified_law_with_its_reason_and_counts_it(ds: xr.Dataset, tmp_path) -> None:
     path = writing.write(ds, tmp_path / "small.h5")
     reason = "kappa_max falls, but amplitude rises instead at 9 of 9 steps"

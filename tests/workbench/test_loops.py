@@ -1,7 +1,6 @@
-"""The command loops: its table, its files and its refusals; the page docs/how-to/close-a-rod.md runs."""
+"""The command loops: its table, its files and its refusals."""
 
 import json
-import re
 import shlex
 from math import pi
 from pathlib import Path
@@ -10,14 +9,11 @@ import numpy as np
 import pytest
 
 from solver import Cylinder, InputError, Rod, loops
-from tests.workbench import doc_pages
-from tests.workbench.pictures import pixels
 from workbench import cli
 from workbench.data import writing
 from workbench.geometry import self_contact, stored_line
 
 ROOT = Path(__file__).parents[2]
-PAGE = doc_pages.read(ROOT / "docs" / "how-to" / "close-a-rod.md")
 
 
 def run(line: str, status: int = 0) -> None:
@@ -88,31 +84,6 @@ def test_a_loop_is_exported_as_a_case_that_closes(tmp_path, monkeypatch, capsys)
     found = json.loads(capsys.readouterr().out.partition("{")[2].join(["{", ""]))
     assert found["observables"]["wraps"] == pytest.approx(1, abs=1e-10)
     assert found["observables"]["height"] == pytest.approx(0, abs=1e-10)
-
-
-def commands() -> list[str]:
-    blocks = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
-    return [line.removeprefix("workbench ") for block in blocks for line in block.splitlines()]
-
-
-def test_the_picture_of_the_page_is_the_one_of_its_command(tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    run(commands()[0])
-    shown, made = pixels(ROOT / "docs" / "figures" / "loops.png"), pixels(Path("loops.png"))
-    assert shown.shape == made.shape
-
-
-@pytest.mark.slow
-def test_the_page_runs_as_it_stands(tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    for line in commands():
-        run(line)
-    assert Path("loops_scene.png").stat().st_size > 10_000
-    for block in re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL):
-        names: dict = {}
-        exec(block, names)
-        assert names["found"][0].index == 2
-        assert names["found"][0].push_min == pytest.approx(-4 * 0.0947948, abs=1e-4)  # solid, not paper
 
 
 def test_the_ends_of_a_closed_rod_are_no_place_where_it_passes_through_itself() -> None:

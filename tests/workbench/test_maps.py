@@ -143,6 +143,7 @@ def test_a_narrow_logarithmic_axis_has_even_ticks() -> None:
     assert np.ptp(np.diff(found)) < 1e-12
 
 
+@pytest.mark.slow
 def test_one_scale_of_colours_serves_every_panel_of_an_observable(three) -> None:
     fig = map_figure.figure(three, show=["turns", "wraps"])
     found = meshes(fig)
@@ -466,6 +467,7 @@ def test_more_observables_than_a_figure_has_room_for_are_refused_or_named(regime
         map_figure.figure(more, show=["turns", *(f"push_{k}" for k in range(12))])
 
 
+@pytest.mark.slow
 def test_the_command_draws_the_kind_that_it_is_asked_for(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     ds = in_memory.run(grid())
@@ -482,3 +484,23 @@ def test_the_command_draws_the_kind_that_it_is_asked_for(tmp_path, monkeypatch, 
         assert end.value.code == 0
         canvas.save(expected[name], tmp_path / "expected.png", 50)
         np.testing.assert_array_equal(pixels(tmp_path / f"{name}.png"), pixels(tmp_path / "expected.png"))
+
+
+def test_the_two_regimes_of_the_page_are_those_of_the_potential() -> None:
+    ds = in_memory.run(load("regimes").at_stations(401))
+    highest = np.degrees(ds["beta"].max("u").values)
+    near, bent = highest < 30, ds["turns"].values > 0  # a rod that ends before its first bend has not turned yet
+    assert highest[near & bent].max() < 28
+    assert highest[~near & bent].min() > 50
+    # beta'^2 + G(beta) = h: beta turns where G is again that of the start, near the helix or beyond its saddle
+    case, start = load("regimes").case(), np.radians(10.0)
+    A, rho = (np.broadcast_to(one, near.shape)[..., None] for one in (case.rod.bending_stiffness, case.rho))
+    FZ, FY = -10.0 * np.cos(start), -10.0 * np.sin(start)  # F3 = -10 and F2 = 0 at the start; M3 = 0
+    twice_l = 2 * (FY * rho / A + np.sin(start) ** 3 / rho)
+
+    def G(beta):
+        return (twice_l - np.sin(beta) ** 3 / rho) * np.sin(beta) / rho + 2 * FZ / A * np.cos(beta)
+
+    turns = (G(np.radians(np.linspace(10.01, 30, 2000))) > G(start)).any(axis=-1)
+    np.testing.assert_array_equal(turns[bent], near[bent])
+    np.testing.assert_array_equal((ds["attached"].values > 1 - 1e-9)[bent], near[bent])

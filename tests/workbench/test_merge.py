@@ -191,6 +191,7 @@ def test_the_same_case_with_other_numbers_is_refused_and_nothing_is_left_behind(
     assert sorted(os.listdir(tmp_path)) == ["0.h5", "1.h5"]
 
 
+@pytest.mark.slow
 def test_one_file_a_followed_study_and_a_place_that_is_taken_are_refused(tmp_path) -> None:
     files = stored(tmp_path, one_by_one(E1), one_by_one(E2))
     with pytest.raises(InputError, match="two files or more, got 1"):

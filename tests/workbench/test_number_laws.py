@@ -206,6 +206,7 @@ def test_the_report_has_a_card_for_each_kind_of_law(pipe: xr.Dataset) -> None:
     assert cards["Lubinski"]["measured"].startswith("at most 0.0182 % off, at FZ = −300")
 
 
+@pytest.mark.slow
 def test_another_formula_under_the_same_name_is_computed_anew_and_not_merged(tmp_path: Path) -> None:
     from workbench.run.study_store import run_to_file
 

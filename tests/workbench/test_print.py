@@ -107,6 +107,7 @@ def test_without_background_only_what_is_drawn_is_opaque(ds, tmp_path) -> None:
     assert np.quantile(differ, 0.999) <= 6
 
 
+@pytest.mark.slow
 def test_the_pages_of_a_pdf_are_as_wide_as_the_pictures(ds, tmp_path) -> None:
     canvas.save(study_figure.figure(ds), tmp_path / "one.pdf")
     box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ([0-9.]+) ?\]", (tmp_path / "one.pdf").read_bytes())
@@ -181,6 +182,7 @@ def shown(fig: Figure) -> list[str]:
     return [" ".join(text.get_text().split()) for text in fig.findobj(Text) if text.get_visible() and text.get_text()]
 
 
+@pytest.mark.slow
 def test_without_a_title_the_notes_go_to_the_terminal_and_the_table(two, tmp_path, capsys) -> None:
     writing.write(two, tmp_path / "small.h5")
     for kind in ("lines", "map"):

@@ -444,6 +444,7 @@ def test_the_default_picture_is_a_map_in_the_plane_and_lines_along_an_axis(store
     canvas.save(study_figure.figure(ds), tmp_path / "lines.png", dpi=50)
 
 
+@pytest.mark.slow
 def test_shapes_are_drawn_over_the_refined_map(tmp_path) -> None:
     ds = in_memory.run(study(refine=REFINE.replace("15", "8"), head=HEAD.replace("[]", '["alpha", "z", "contact"]')))
     fig = map_figure.figure(ds, shapes=thumbnails.Shapes(3, 2))

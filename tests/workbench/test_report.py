@@ -378,6 +378,7 @@ def test_the_extremes_say_what_wrong_means_and_where_that_proves_little(measured
     assert f"the largest is {ds['error'].values[wide].max():.1g} rad (euler, turns 10⁻¹² before a saddle)" in shows
 
 
+@pytest.mark.slow
 def test_without_opengl_every_panel_still_turns(results, readings) -> None:
     page = Page(document.html(without_scenes(results), readings))
     assert len(page.pictures) == len(results)
@@ -420,6 +421,7 @@ def test_without_readings_the_report_says_so(results) -> None:
     assert "The readings were not computed." in document.html(results[:1])
 
 
+@pytest.mark.slow
 def test_a_study_that_a_reading_does_not_admit_is_named_with_its_reason(results, readings) -> None:
     told = document.html(results, readings, refusals=["Fig. 7 (4): its own end angle lies beyond 60 degrees"])
     assert "Fig. 7 (4): its own end angle lies beyond 60 degrees" in Page(told).text
@@ -517,6 +519,7 @@ def test_paper_gets_the_still_picture_and_whole_tables(text) -> None:
     assert not re.search(r"table[^{}]*\{[^}]*min-width", text.partition("</style>")[0])  # as wide as a page of paper
 
 
+@pytest.mark.slow
 def test_a_run_beside_the_report_is_drawn_and_a_broken_one_gives_way(tmp_path, measured) -> None:
     for one in measured:
         assert "a run that comes with the workbench" in one.source

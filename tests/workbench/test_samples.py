@@ -221,6 +221,7 @@ def test_samples_of_an_ends_problem_are_each_solved_by_the_rule() -> None:
 # merge
 
 
+@pytest.mark.slow
 def test_merged_samples_are_those_of_all_files_each_once(stored: Path, tmp_path) -> None:
     longer, other = tmp_path / "longer.h5", tmp_path / "other.h5"
     run_to_file(study(50), longer)
@@ -246,6 +247,7 @@ def test_repeated_samples_of_one_file_stay_repeated(tmp_path) -> None:
         assert ds["E"].values.tolist() == [1e4, 1e4, 2e4, 3e4]
 
 
+@pytest.mark.slow
 def test_a_merged_study_of_too_many_samples_names_a_table_and_keeps_them_as_arrays(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(merge, "MOST_LISTED", 9)  # as with a million samples
     paths = [tmp_path / "a.h5", tmp_path / "b.h5"]
@@ -267,6 +269,7 @@ def test_a_merged_study_of_too_many_samples_names_a_table_and_keeps_them_as_arra
     assert merge.merge([tmp_path / "d.h5", paths[0]], tmp_path / "e.h5")["cases"] == 6
 
 
+@pytest.mark.slow
 def test_files_with_other_sampled_fields_or_the_same_samples_are_not_merged(stored: Path, tmp_path) -> None:
     fewer = tmp_path / "fewer.h5"
     writing.write(in_memory.run(small.study("[zip]\nE = [1e4]\nbeta = [0.5]\n", HEAD)), fewer)
@@ -433,6 +436,7 @@ def drawn(ds: xr.Dataset) -> list:
     return canvas.figure((9, 6), lambda fig: scatter.scatter(ds, names, fig, fig.add_gridspec(1, 1)[0, 0], 9.0)).axes
 
 
+@pytest.mark.slow
 def test_the_figure_has_a_panel_for_each_observable_and_sampled_field(stored: Path, tmp_path) -> None:
     ds = writing.read(stored)
     panels = drawn(ds)

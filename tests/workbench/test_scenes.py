@@ -503,6 +503,7 @@ def test_what_no_real_rod_could_do_is_said_of_one_rod_or_counted() -> None:
     assert composition.impossible(rods[2:]) == []
 
 
+@pytest.mark.slow
 @draws
 def test_a_table_of_two_axes_says_how_many_values_it_shows(tmp_path) -> None:
     from workbench.scene import composition, layout

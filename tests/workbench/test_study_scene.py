@@ -117,7 +117,7 @@ M3 = 0.0
 
 
 @draws
-@pytest.mark.parametrize("suffix", [".png", ".html"])
+@pytest.mark.parametrize("suffix", [".png", pytest.param(".html", marks=pytest.mark.slow)])
 def test_a_file_with_too_few_stations_is_solved_again_and_without_a_study_refused(suffix, tmp_path, capsys) -> None:
     ds = in_memory.run(loads(WOUND, default_name="wound"))
     stored, out = tmp_path / "wound.h5", tmp_path / f"wound{suffix}"

@@ -60,6 +60,7 @@ axes.height.values = [{heights}]
 """
 
 
+@pytest.mark.slow
 def test_the_reactions_of_held_ends_are_among_the_observables(tmp_path) -> None:
     for end, names in (('betaL = "20deg"', ["wraps", "FZ", "held_index"]),
                        ("M1L = 0.0", ["wraps", "betaL", "FZ", "held_index"])):  # fmt: skip

@@ -116,6 +116,7 @@ def test_there_is_no_trend_of_an_observable_that_is_not_stored(angles) -> None:
         trend(angles, axes(), "bends", "beta0")
 
 
+@pytest.mark.slow
 def test_an_unsolved_case_is_said_to_be_so() -> None:
     ds = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4, 4e4]\n", 'observables = ["kappa_mean"]'))
     for name in ("kappa_mean", "alpha", "z"):

@@ -45,6 +45,7 @@ def status(*args: str) -> int:
     return int(ended.value.code or 0)
 
 
+@pytest.mark.slow
 def test_all_but_the_scenes_is_done(bare, capsys) -> None:
     kinds = ("stl", "glb", "vtp", "csv")
     exports = (f"export mine.h5 --at E=4e4 -o rod.{kind}" for kind in kinds)

@@ -26,6 +26,7 @@ def parent(pid: int | None) -> int:
     return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
 
 
+@pytest.mark.slow
 @linux
 def test_what_workers_are_copies_of_has_one_thread_so_that_copying_is_safe() -> None:
     code = "import os, workbench.run.preload; print(len(os.listdir('/proc/self/task')))"

@@ -186,7 +186,7 @@ def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monk
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no limit of the size of files there")
-@pytest.mark.parametrize("room", [0, 5000])
+@pytest.mark.parametrize("room", [pytest.param(0, marks=pytest.mark.slow), 5000])
 def test_a_full_disk_is_one_sentence_where_hdf5_would_end_the_process(ds, tmp_path, room) -> None:
     path = writing.write(ds, tmp_path / "small.h5")
     limited = (
