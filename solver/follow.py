@@ -210,7 +210,7 @@ class _Solver:
 
 def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array, Trajectory]:
     """The problem of a point, and its shape at stations s/L = u."""
-    from .branches.held_continuation import state_of
+    from .branches.continuation import state_of
     from .choose.held_equilibrium import at_hinges, held_trajectory
     from .choose.selected_equilibrium import equilibrium_trajectory
     from .equilibrium.system import Given

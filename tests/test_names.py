@@ -17,7 +17,7 @@ NOUNS = """
 OLDER = """
     _answering _appended _deciding _exiting _finding _growing _inked _interleaved
     _labelled _matched _missed _promised _remarked _required _sampling _solved _untested
-    _verified achieved advanced analysed appending changed checked coloured compared completed counted
+    _verified achieved analysed appending changed checked coloured compared completed counted
     developed drawn encoding ended ending facing fitted followed gridded guarded handed hatched
     implied installed joined joined_at judged kept located locked marched measured missed moved named
     numbered observed opened packed parsed passing printed ranged recorded refined refused refuted

@@ -18,7 +18,7 @@ from ..equilibrium.charts import CORNER
 from ..equilibrium.held_index import index_of
 from ..equilibrium.system import LEFT
 from ..equilibrium.system import State as HeldState
-from ..levels.line_point import LinePoint, Path
+from ..levels.line_point import Path
 from ..levels.path_orbits import orbit_of
 from ..levels.transit_times import height_scale
 from ..mechanics.potential import slope
@@ -26,18 +26,18 @@ from ..numerics.arclength import advance
 from ..numerics.arrays import Array
 from .branch_states import Bounds, Place, State, begin_at, in_other_charts, rechart
 from .branch_steps import AT_END, IS_CLOSED, ordinary_steps
-from .continuation_steps import Line, leapt, shape_of
+from .continuation import Stopped, carry, state_of
 from .equilibrium_curve import Family
-from .held_continuation import Stopped, carry, state_of
 from .held_curve import HeldFamily
 from .helix_branch import CROSSING, PITCHFORK, ceasing_helix, helix_place, helix_places
+from .leaps import Line, leap, shape_of
 
 FOLD = "fold"
 FIRST, LONGEST, SHORTEST = 0.02, 0.25, 1e-7  # lengths of steps, in scales
 NARROW = 1e-3  # length of a step below which other coordinates and a leap are tried
 _KEPT = 10  # steps for which another coordinate is kept
 _EASY_BEND = 0.05  # distance from the predictor, as a share of the step, that the next step aims at
-_LEAP = 1.0  # of the parameter's scale: the line whose shares `continuation_steps.LEAPS` are leapt
+_LEAP = 1.0  # of the parameter's scale: the line whose shares `leaps.LEAPS` are leapt
 _BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix
 _BESIDE_HELD_HELIX, _HELD_LEAP = 1e-3, 0.05  # the same with held ends; of p's scale, the way past a helix
 _BESIDE_HINGE, _SHORTER = 0.01, (5e-3, 5e-4)  # rad between the ends of a hinged rod there; shorter ways past it
@@ -280,7 +280,7 @@ def _is_near_helix(state: State) -> bool:
 def _held_leap(
     here: HeldState, p: float, rises: bool, family: HeldFamily, bounds: Bounds, share: float = _HELD_LEAP
 ) -> State | str:
-    """The equilibrium beyond a helix, or from it on, by the continuation of `held_continuation`.
+    """The equilibrium beyond a helix, or from it on, by the continuation of `continuation`.
 
     share: of p's scale, the longest way.
     """
@@ -315,10 +315,10 @@ def _leap_from(family: Family, path: Path, p: float, rises: bool, bounds: Bounds
     first, last = family.problem(p), family.problem(far)
     if first is None or last is None:
         return None
-    found = leapt(Line(first, last), LinePoint(first), path, 0.0)
+    found = leap(Line(first, last), first, path, 0.0)
     if found is None:
         return None
-    begun = begin_at(family, found[1], p + found[2] * (far - p), rises)
+    begun = begin_at(family, found[0].path, p + found[1] * (far - p), rises)
     return None if isinstance(begun, str) else begun
 
 

@@ -1,48 +1,206 @@
-"""Continuation of one equilibrium while its ends, its loads, its length or the cylinder change.
+"""Continuation of one equilibrium while the numbers that are given change: its ends, its loads, its length.
 
-An equilibrium is one orbit: the direction in which it leaves, the number of turning points that it passes, and its
-level. For a fixed path the level follows from one scalar equation, length(level) = span. The unknown is one of
-
-* log|gap| above or below a saddle that the rod passes or turns before: a rod that stays near a saddle is as easy to
-  follow as any other;
-* log beta_t^2 at one of the two ends;
-* beta_t at an end, with its sign, where it is small: there the orbit that leaves upward and the one that leaves
-  downward meet, and the path changes by one turning point.
-
-Steps lead from the given problem to the wanted one, by predictor and corrector. d length/d unknown must keep its sign
-from step to step: it changes at a fold, and between two neighbouring equilibria of one path. So the steps stop at a
-fold and before a neighbour; small steps make a jump over both unlikely, but do not exclude it. Where steps become small
-and the branch does not end (an end of the rod crosses a saddle, in a range as narrow as exp(-r L)), a leap is made: all
-equilibria of the neighbouring paths are computed a little farther on, and the branch continues with the only one of the
-same Morse index whose shape is close to the last.
+Steps lead from the given numbers to the wanted ones, by predictor and corrector in a coordinate of the path (`charts`).
+The orientation of the equations must not change from step to step: it changes at a fold, and between two neighbouring
+equilibria of one path. So the steps stop at a fold and before a neighbour; small steps make a jump over both unlikely,
+but do not exclude it. Where steps become small and a branch under dead loads does not end (an end of the rod crosses a
+saddle, in a range as narrow as exp(-r L)), a leap is made (`leaps`).
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..core import levels as core
+from ..equilibrium.charts import charts, coordinate
+from ..equilibrium.orbit_rates import orbit_rates, start_rates
+from ..equilibrium.system import (
+    AT_REST,
+    DIVERGED,
+    FREE,
+    LEFT,
+    Given,
+    State,
+    at_given_speeds,
+    corner_state,
+    correct,
+    least_square,
+    orientation,
+    predict,
+    stepped,
+)
 from ..levels.line_point import LinePoint, Path
 from ..levels.morse_index import jacobi_zeros
 from ..levels.path_orbits import orbit_of
 from ..levels.transit_times import CUTTING, NODES
 from ..orbit.critical_points import grid
 from ..problem.reduced import EndsProblem
-from .continuation_steps import FIELDS, LEAPS, NEAR, SHORTEST, Line, advanced, leapt, settle, shape_of
+from .held_helix import helix_ahead, off_helix
+from .leaps import LEAPS, NEAR, Line, leap, shape_of
 
-_MOST_STEPS = 4000
+_MOST_STEPS = 400
+_MOST_LEAPT = 4000  # the same under dead loads
+_SHORTEST = 1e-6  # share of the line below which a step is abandoned
+_REACH = 0.25  # largest size of a predicted change
+_ROUGH = 1e-7  # size of the last correction of a state before the last one
+_EASY = 1e-2  # length of a step above which only the best coordinate is tried
+_SMALL = 0.03  # size of a step
+_GOOD = 0.05  # size of the corrections of a good prediction, over that of the step
+_POOR, _CLOSE = 0.3, 1e-6  # the same of a poor one under dead loads; size of corrections that are never too large
+_FAR = 0.1  # share of the line over which a helix is passed
+_ROUNDING = 1e-15  # share of the line
+_CORNER = 1e-6  # rad: a rod that its start determines ends as near to its angle there
+_SAME = 1e-12  # largest change of a number that leaves a helix as it is
+FOLD = "a fold"
+STILL = "the start is a helix, and the change does not bend its ends; give a bent seed"
 
 
 @dataclass(frozen=True)
-class Ended:
-    """Why a branch could not be followed, and the share of the line to the wanted problem that was covered."""
+class Stopped:
+    """Why a branch could not be followed, the share of the line that was covered, and the last state."""
 
     share: float
     reason: str
+    state: State
 
 
-def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended:
-    """The equilibrium of the problem `last` on the branch of an equilibrium of `first`.
+def state_of(problem: EndsProblem, path: Path, hinged: bool = False) -> State:
+    """The state of an equilibrium under dead loads; an end that its orbit does not reach by rounding is moved.
+
+    hinged: whether it is meant to have given end moments.
+    """
+    place = LinePoint(problem)
+    if hinged and not path.helix and path.pin == place.start and path.sign > 0:
+        v = path.leaving * float(np.exp(path.y / 2)) if path.y > AT_REST else 0.0
+        rates = start_rates(problem.started(np.array([v])))
+        if abs(float((rates.problem.betaL - problem.betaL)[0])) < _CORNER:
+            return corner_state(rates, v)
+    if not path.helix:
+        gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
+        ends = {"dbeta0": place.start, "dbetaL": place.end}
+        reached = {name: gap + place.fall(path.pin, angle) for name, angle in ends.items()}
+        rest = tuple(name for name, square in reached.items() if square < least_square(problem, ends[name], False))
+        problem = at_given_speeds(problem, place, path, Given(rest, np.zeros(len(rest)), 0.0, 0.0))
+    return State(problem, path, orbit_rates(problem, [path]))
+
+
+def carry(
+    state: State,
+    wanted: Given,
+    most_steps: int = _MOST_STEPS,
+    poor: float = np.inf,
+    leap_from: Callable[[State, float], tuple[State, float] | None] = lambda state, share: None,
+) -> State | Stopped:
+    """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion.
+
+    poor: the size of the corrections over that of a step, above which it is refused as it may pass a pair of folds.
+    leap_from: from a state at a share of the line, where the steps have become too small.
+    """
+    first, share, step = wanted.at(state), 0.0, 1.0
+    reason, before = LEFT, (0.0, state)
+    if state.path.helix:
+        off = np.abs(np.append(first.values - wanted.values, first.span - wanted.span))
+        if (off <= _SAME * (1 + np.abs(np.append(wanted.values, wanted.span)))).all():
+            return state
+        bent = off_helix(state, wanted)
+        if bent is None:
+            helix = helix_ahead(state, wanted)
+            return Stopped(0.0, STILL, state) if helix is None else helix
+        state, share = bent
+        before = share, state
+    for _ in range(most_steps):
+        if share > 1 - _ROUNDING:  # next to rest at an end each step goes a share of what is left
+            return state
+        step = min(step, 1 - share)
+        ahead = _advance(state, first, wanted, share, step, poor)
+        if isinstance(ahead, str) or (ahead[1] < _EASY and share > before[0]):
+            beyond = _past_a_helix(before, (share, state), first, wanted)
+            ahead = ahead if beyond is None else beyond
+        if isinstance(ahead, str):
+            reason, step = ahead, step / 3
+            if step >= _SHORTEST:
+                continue
+            beyond = leap_from(state, share)
+            if beyond is None:
+                return Stopped(share, FOLD if reason == DIVERGED else reason, state)
+            ahead = beyond
+        before = share, state
+        state, taken = ahead
+        share = 1.0 if taken >= 1 - share else share + taken
+        step = 3 * taken
+    return Stopped(share, f"the limit of {most_steps} steps", state)
+
+
+def _is_crossed(before: State, after: State, given: Given, size: float, poor: float) -> bool:
+    """Whether a step of some size may have led to another branch: it was predicted badly, or the equations change their
+    orientation.
+
+    A branching point that is passed along a branch changes it too; there the prediction of a small step is good.
+    """
+    if after.corrected > max(poor * size, _CLOSE):
+        return True
+    turned = orientation(before.rates, given) * orientation(after.rates, given) < 0
+    return turned and (size > _SMALL or after.corrected > _GOOD * size)
+
+
+def _past_a_helix(
+    before: tuple[float, State], here: tuple[float, State], first: Given, wanted: Given
+) -> tuple[State, float] | None:
+    """The state beyond a helix that a branch passes, and the step taken, from two states before it.
+
+    On a helix no path has a level: beta_t falls to zero along the whole rod and grows again with the other sign.
+    """
+    (share_0, one), (share_1, two) = before, here
+    v_0, v_1 = (state.rates.values[0, 2:4] for state in (one, two))
+    if share_1 <= share_0 or two.path.helix or not (np.abs(v_1) < 0.9 * np.abs(v_0)).all() or (v_0 * v_1 < 0).any():
+        return None
+    zero = share_1 + (share_1 - share_0) * float(v_1[0] / (v_0[0] - v_1[0]))
+    share = 2 * zero - share_1
+    if not share_1 < share < 1 or share - share_1 > _FAR:
+        return None
+    along = (share - share_1) / (share_1 - share_0)
+    guess = {name: getattr(two.problem, name) + along * (getattr(two.problem, name) - getattr(one.problem, name))
+             for name in (*FREE, "span")}  # fmt: skip
+    problem, speeds = EndsProblem(**guess), np.abs(v_1 + along * (v_1 - v_0))
+    place, ahead = LinePoint(problem), first.towards(wanted, share)
+    for speed, angle in sorted(zip(speeds, (place.start, place.end), strict=True)):
+        path = Path(angle, 1.0, 2 * float(np.log(speed)), -two.path.leaving, two.path.turns)
+        for chart in charts(place, path, wanted.hinged):
+            found = correct(problem, ahead, chart, coordinate(chart), _ROUGH)
+            if not isinstance(found, str):
+                return found, share - share_1
+    return None
+
+
+def _advance(
+    state: State, first: Given, wanted: Given, share: float, step: float, poor: float
+) -> tuple[State, float] | str:
+    """The state after at most one step, and the step taken; else why the step failed in the best coordinate."""
+    reason = ""
+    for chart in charts(LinePoint(state.problem), state.path, wanted.hinged):
+        here, ahead = first.towards(wanted, share), first.towards(wanted, share + step)
+        change, dx, size = predict(state, chart, here, ahead)
+        factor = 1.0
+        if not np.isfinite(size):
+            reason = reason or DIVERGED
+        else:
+            if size > _REACH:
+                factor = _REACH / size
+                ahead = first.towards(wanted, share + factor * step)
+            guess = stepped(state.problem, ahead, change, factor)
+            goal = 0.0 if ahead is wanted else _ROUGH
+            found = correct(guess, ahead, chart, coordinate(chart) + factor * dx, goal)
+            if not isinstance(found, str) and not _is_crossed(state, found, wanted, factor * size, poor):
+                return found, factor * step
+            reason = reason or (found if isinstance(found, str) else DIVERGED)
+        if step > _EASY:
+            break
+    return reason
+
+
+def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
+    """The equilibrium of the problem `last` under dead loads on the branch of an equilibrium of `first`.
 
     All numbers of the two problems change together, in proportion.
 
@@ -55,11 +213,11 @@ def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended:
 
     Returns
     -------
-    Path or Ended
-        `Ended` where the branch ends between the two; no other equilibrium is returned in its place.
+    Path or Stopped
+        `Stopped` where the branch ends between the two; no other equilibrium is returned in its place.
     """
     if not path.helix:
-        begin, end = (np.concatenate([getattr(one, name) for name in FIELDS]) for one in (first, last))
+        begin, end = (np.concatenate(list(vars(one).values())) for one in (first, last))
         level, way = (path.pin, path.sign, path.y), (path.leaving, path.turns)
         found = core.resume(begin, end, level, way, grid(), NODES, CUTTING)
         if found is not None:
@@ -67,53 +225,36 @@ def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended:
     return _resume_by_leaps(first, path, last)
 
 
-def _resume_by_leaps(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended:
+def _resume_by_leaps(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
     """What the core leaves: a branch that needs a leap, passes a helix, or ends."""
-    line = Line(first, last)
-    place, target = line.at(0.0), line.at(1.0)
-    if path.helix and target.helix is not None and first.beta0[0] == last.beta0[0]:
-        return target.helix  # H is linear in the loads, so it is zero on the whole line
-    if target.helix is None:
-        return _follow(line, place, path)
-    before = Line(first, line.at(1 - LEAPS[0]).problem)
-    near = _follow(before, place, path)
-    if isinstance(near, Ended):
+    target = LinePoint(last).helix
+    if path.helix and target is not None and first.beta0[0] == last.beta0[0]:
+        return target  # H is linear in the loads, so it is zero on the whole line
+    if target is None:
+        return _follow(first, path, last)
+    before = Line(first, last).at(1 - LEAPS[0])
+    near = _follow(first, path, before)
+    if isinstance(near, Stopped):
         return near
-    orbits = orbit_of(before.last, near), orbit_of(last, target.helix)
+    orbits = orbit_of(before, near), orbit_of(last, target)
     shapes, index = [shape_of(orbit) for orbit in orbits], [jacobi_zeros(orbit)[0] for orbit in orbits]
     if np.abs(shapes[0] - shapes[1]).max() < NEAR and index[0] == index[1]:
-        return target.helix
-    return _follow(Line(before.last, last), LinePoint(before.last), near)
+        return target
+    return _follow(before, near, last)
 
 
-def _follow(line: Line, place: LinePoint, path: Path) -> Path | Ended:
+def _follow(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
     """The path followed along the line; not both ends of the line are helices."""
-    share, step, here = 0.0, 1.0, path
+    line = Line(first, last)
     if path.helix:
-        begun = leapt(line, place, path, share)
+        begun = leap(line, first, path, 0.0)
         if begun is None:
-            return Ended(share, "no equilibrium next to the helix")
-        place, here, share = begun
-    else:
-        settled = settle(place, path)
-        if isinstance(settled, str):
-            return Ended(share, settled)
-        if line.is_point:
-            return settled
-        here = settled
-    for _ in range(_MOST_STEPS):
-        if share >= 1:
-            return here
-        advance = advanced(line, place, here, share, min(step, 1 - share))
-        if isinstance(advance, str):
-            step = min(step, 1 - share) / 4
-            if step >= SHORTEST:
-                continue
-            leap = leapt(line, place, here, share)
-            if leap is None:
-                return Ended(share, advance)
-            advance = leap
-        place, here, taken = advance
-        share = 1.0 if taken >= 1 - share else share + taken
-        step = 2 * taken
-    return Ended(share, f"the limit of {_MOST_STEPS} steps")
+            return Stopped(0.0, "no equilibrium next to the helix", state_of(first, path))
+        state, share = begun
+        found = _follow(state.problem, state.path, last)
+        return replace(found, share=share + (1 - share) * found.share) if isinstance(found, Stopped) else found
+    carried = carry(
+        state_of(first, path), Given.dead(last), _MOST_LEAPT, _POOR,
+        lambda state, share: leap(line, state.problem, state.path, share),
+    )  # fmt: skip
+    return carried if isinstance(carried, Stopped) else carried.path

@@ -13,7 +13,6 @@ from ..levels.transit_times import CUTTING, NODES
 from ..numerics.arrays import Array
 from ..orbit.critical_points import grid
 from ..problem.reduced import EndsProblem
-from .continuation_steps import FIELDS
 
 _NUDGE = 1e-5  # of the unknown's scale, for differences
 AHEAD = 1e-6  # of the parameter's scale, for differences
@@ -66,7 +65,7 @@ def scale_of(problem: Callable[[float], EndsProblem | None], p: float, reach: fl
     assert here is not None
     if not sides:
         return reach
-    numbers, moved = (np.array([getattr(one, name)[0] for name in FIELDS]) for one in (here, sides[0]))
+    numbers, moved = (np.concatenate(list(vars(one).values())) for one in (here, sides[0]))
     rate = float((np.abs(moved - numbers) / nudge / (1 + np.abs(numbers))).max())
     return reach if rate * reach < 1 else 1 / rate
 

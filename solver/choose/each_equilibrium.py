@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..branches.continuation import Ended, resume
-from ..branches.continuation_steps import FOLD
+from ..branches.continuation import FOLD, Stopped, resume
 from ..levels.level_search import search
 from ..levels.line_point import path_of
 from ..levels.path_orbits import orbit_of, path_from_start
@@ -105,7 +104,7 @@ def _carry(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory
     if path is None:
         return "failed: the seed is not a solution of its own ends problem"
     found = resume(seed.problem, path, problem)
-    if isinstance(found, Ended):
+    if isinstance(found, Stopped):
         way = f"{found.share:.2%} of the way from the seed to this case"
         if found.reason == FOLD:
             return f"failed: the branch of the seed ends, at a fold or where it meets another branch, after {way}"

@@ -1,5 +1,5 @@
-/* Continuation of one equilibrium along a line of ends problems: solver/branches/continuation.py and
-   continuation_steps.py, but for helices and leaps, which are left to those. */
+/* Continuation of one equilibrium along a line of ends problems under dead loads: the ordinary steps of
+   solver/branches/continuation.py, which goes on where they end, at a helix or before a leap. */
 
 #include "branches.h"
 

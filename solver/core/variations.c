@@ -2,8 +2,7 @@
 
 #include "variations.h"
 
-#define NEAR 0.5   /* rad: the largest distance from a critical point at which its shift is split off */
-#define STEEPEST 1e-3 /* of the size of the loads: the least |H'| of such a point */
+#define NEAR 0.5 /* rad: the largest distance from a critical point at which its shift is split off */
 
 const int rod_pairs[2][PAIRS] = {{0, 0, 0, 0, 1, 1, 1, 2, 2, 3}, {0, 1, 2, 3, 1, 2, 3, 2, 3, 3}};
 
@@ -79,19 +78,23 @@ void rod_varied_state(const double *loads, double origin, double half, int n, co
     const double lam = loads[0], mu = loads[1], phi = loads[2], s = sin(origin), c = cos(origin);
     const double s2 = 2 * s * c, c2 = (c - s) * (c + s), s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
     const double steep = slope_rate(lam, mu, phi, origin), turn = 4 * (mu * s2 - c2 / 2), even = lam * c - phi * s;
-    double far = 0, at[3], sine[NODES], cosine[NODES], rate[NODES];
+    double far = 0, bent = 0, at[3], sine[NODES], cosine[NODES], rate[NODES], rest[NODES];
     distances d;
     distances_of(n, x, &d);
-    for (int i = 0; i < n; i++)
-        far = larger(far, fabs(x[i]));
-    const int near = far < NEAR && fabs(steep) > STEEPEST * (1 + fabs(lam) + fabs(mu) + fabs(phi));
+    for (int i = 0; i < n; i++) {
+        const double q = d.q[i], sx = d.sx[i], sx2 = sx * sx, w = -2 * q - 2 * sx2 + 4 * q * sx2;
+        rest[i] = -turn * q * sx + c4 * sx * w - 2 * q * even + sx2 * (2 * mu * c2 + s2) -
+                  s4 * d.s2x[i] * d.s2x[i] / 2;
+        far = larger(far, fabs(x[i])), bent = larger(bent, fabs(rest[i]));
+    }
+    /* farther from a point that is about to vanish, its large shift would cancel; nearer, an orbit in a gap far below
+       floats has no digits without it */
+    const int near = far < NEAR && steep != 0 && bent <= fabs(steep) * far;
     slopes_by_loads(s, c, at);
     for (int k = 0; k < 3; k++)
         out->shift[k] = near ? -at[k] / steep : 0;
     for (int i = 0; i < n; i++) {
-        const double q = d.q[i], sx = d.sx[i], sx2 = sx * sx, w = -2 * q - 2 * sx2 + 4 * q * sx2;
-        double R = -turn * q * sx + c4 * sx * w - 2 * q * even + sx2 * (2 * mu * c2 + s2);
-        R -= s4 * d.s2x[i] * d.s2x[i] / 2;
+        const double q = d.q[i], sx = d.sx[i], sx2 = sx * sx, R = rest[i];
         out->v[i] = v[i] > 0 ? v[i] : 0;
         out->H[i] = steep * sx + R;
         for (int k = 0; k < 3; k++) {

@@ -17,7 +17,7 @@ from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import solve_orbit
 from ..problem.held_ends import HeldProblem
 from ..problem.reduced import EndsProblem
-from .charts import CORNER, Chart, coordinate, path_at
+from .charts import CORNER, Chart, charts, coordinate, path_at
 from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, solve, start_rates
 
 FREE = ("beta0", "betaL", "lam", "mu", "phi")  # what a state consists of, beside its path
@@ -71,6 +71,12 @@ class Given:
     def number(self, name: str, otherwise: float) -> float:
         """The value of a given number, or another one where it is not given."""
         return float(self.values[self.names.index(name)]) if name in self.names else otherwise
+
+    @classmethod
+    def dead(cls, problem: EndsProblem) -> "Given":
+        """The end angles and the loads of one problem under dead loads."""
+        values = np.array([float(getattr(problem, name)[0]) for name in FREE])
+        return cls(FREE, values, float(problem.span[0]), np.nan)
 
     @classmethod
     def of(cls, problem: HeldProblem) -> "Given":
@@ -204,6 +210,17 @@ def correct(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: fl
         last = size
         problem, x = stepped(problem, given, change), x + dx
     return DIVERGED
+
+
+def settle(problem: EndsProblem, path: Path) -> State | str:
+    """The equilibrium of a problem under its own dead loads next to a path; or why there is none."""
+    given, reason = Given.dead(problem), ""
+    for chart in charts(LinePoint(problem), path):
+        found = correct(problem, given, chart, coordinate(chart))
+        if not isinstance(found, str):
+            return found
+        reason = reason or found
+    return reason
 
 
 def problem_at(problem: EndsProblem, given: Given, chart: Chart, x: float) -> tuple[EndsProblem, Path] | None:

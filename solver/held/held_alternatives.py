@@ -11,8 +11,8 @@ import numpy as np
 
 from ..branches.branch_following import followed
 from ..branches.branch_states import Bounds
+from ..branches.continuation import state_of
 from ..branches.deflation import across_fold, deflate, fold_beside, is_known, numbers_of
-from ..branches.held_continuation import state_of
 from ..branches.held_curve import HeldFamily
 from ..equilibrium.held_index import index_of
 from ..equilibrium.system import Given, State

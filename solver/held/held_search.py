@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..branches.continuation import Stopped, carry
 from ..branches.deflation import across_fold, deflate, finish, is_known, numbers_of
-from ..branches.held_continuation import Stopped, carry
 from ..branches.held_helices import helices_of
 from ..equilibrium.orbit_rates import orbit_rates
 from ..equilibrium.system import FREE, Given, State

@@ -11,8 +11,8 @@ from itertools import product
 
 import numpy as np
 
+from ..branches.continuation import FOLD, Stopped, carry, state_of
 from ..branches.deflation import is_known, numbers_of
-from ..branches.held_continuation import Stopped, carry, state_of
 from ..branches.held_helices import helices_of
 from ..equilibrium.held_index import held_index, index_of
 from ..equilibrium.orbit_rates import orbit_rates
@@ -56,8 +56,9 @@ def from_seed(wanted: Given, problem: EndsProblem, path: Path | None) -> Reached
 
 def outcome_of(found: Stopped) -> str:
     """The outcome of a continuation that stopped."""
+    why = f"{FOLD} of the problem with held ends" if found.reason == FOLD else found.reason
     return (
-        f"failed: the branch of the start could not be followed to the held ends: {found.reason} "
+        f"failed: the branch of the start could not be followed to the held ends: {why} "
         f"after {found.share:.2%} of the way"
     )
 

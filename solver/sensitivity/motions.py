@@ -5,11 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..branches.continuation_steps import settle
 from ..equilibrium.orbit_rates import helix_change, rates_of_helices, rates_of_variations
-from ..equilibrium.system import parts_by_given
+from ..equilibrium.system import parts_by_given, settle
 from ..equilibrium.varied_orbits import equilibrium_variations
-from ..levels.line_point import LinePoint, Path, path_of
+from ..levels.line_point import Path, path_of
 from ..levels.path_orbits import path_from_start
 from ..numerics.arrays import Array, Integers
 from ..observe.measurement import MIDDLE
@@ -141,5 +140,5 @@ def _path(sol: Shape, one: EndsProblem, i: int) -> Path | None:
     path = path_from_start(one, float(sol.trajectory.dbeta[i, 0]))
     if path is None or path.helix:
         return path
-    own = settle(LinePoint(one), path)  # the slope is as exact as the method
-    return path if isinstance(own, str) else own
+    own = settle(one, path)  # the slope is as exact as the method
+    return path if isinstance(own, str) else own.path

@@ -1,14 +1,15 @@
-"""Continuation by the compiled core reaches the path that the steps in NumPy reach."""
+"""Continuation by the compiled core reaches the path that the general continuation reaches."""
 
 from typing import Any
 
 import numpy as np
 import pytest
 
-from solver.branches.continuation import Ended, _resume_by_leaps, resume
-from solver.branches.continuation_steps import shape_of
+from solver.branches.continuation import Stopped, _resume_by_leaps, resume
+from solver.branches.leaps import shape_of
+from solver.equilibrium.charts import charts, coordinate
 from solver.levels.level_search import search
-from solver.levels.line_point import Path, path_of
+from solver.levels.line_point import LinePoint, Path, path_of
 from solver.levels.path_orbits import orbit_of
 from solver.problem.reduced import EndsProblem
 from tests.numerics.test_core_orbits import REFERENCE
@@ -29,28 +30,29 @@ def pairs(count: int) -> list[tuple[EndsProblem, EndsProblem]]:
     return [(problem_of(row), problem_of(row * (1 + step))) for row, step in zip(rows, steps, strict=True)]
 
 
-def same_path(a: Any, b: Any) -> bool:
-    """Whether two paths are one to rounding: y counts in units of the gap."""
-    if (a.leaving, a.turns, a.sign) != (b.leaving, b.turns, b.sign):
+def same_path(problem: EndsProblem, a: Path, b: Path) -> bool:
+    """Whether two paths are one to rounding, from whichever angles their levels are measured."""
+    if (a.leaving, a.turns) != (b.leaving, b.turns):
         return False
-    return abs(a.pin - b.pin) < 1e-12 and abs(a.y - b.y) < 1e-9 * max(1, abs(a.y))
+    one, other = (charts(LinePoint(problem), path)[0] for path in (a, b))
+    return one.kind == other.kind and abs(coordinate(one) - coordinate(other)) < 1e-9 * one.scale
 
 
 @pytest.mark.parametrize("count", [8, pytest.param(150, marks=pytest.mark.slow)])
-def test_the_core_reaches_the_path_of_the_steps_in_numpy(count: int) -> None:
+def test_the_core_reaches_the_path_of_the_general_continuation(count: int) -> None:
     reached = ended = 0
     for first, last in pairs(count):
         found = search(first)
         assert found is not None
         for path in [path_of(found.path, i) for i in range(min(found.slope.size, 6))]:
             plain, compiled = _resume_by_leaps(first, path, last), resume(first, path, last)
-            if isinstance(plain, Ended):
-                assert isinstance(compiled, Ended)
+            if isinstance(plain, Stopped):
+                assert isinstance(compiled, Stopped)
                 assert compiled.reason == plain.reason
                 ended += 1
             else:
                 assert isinstance(compiled, Path)
-                assert same_path(plain, compiled)
+                assert same_path(last, plain, compiled)
                 reached += 1
     assert reached > 2 * count
     assert ended >= count // 20

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.branches.continuation import Ended, resume
+from solver.branches.continuation import Stopped, resume
 from solver.equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
 from solver.levels.level_search import search
-from solver.levels.line_point import Path, path_of
+from solver.levels.line_point import LinePoint, Path, path_of
 from solver.levels.transit_times import repeat
 from solver.problem.reduced import EndsProblem
 
@@ -31,7 +31,7 @@ def numbers_at(problem: EndsProblem, path: Path, name: str, step: float) -> Any:
     """The numbers of the equilibrium that continues from `path` when one number of the problem changes."""
     there = replace(problem, **{name: getattr(problem, name) + step})
     found = resume(problem, path, there)
-    assert not isinstance(found, Ended), found
+    assert not isinstance(found, Stopped), found
     return orbit_rates(there, [found]).values[0]
 
 
@@ -59,6 +59,14 @@ def test_the_response_agrees_with_differences(span: float) -> None:
             up, down = (numbers_at(problem, paths[i], name, sign * 1e-4) for sign in (1, -1))
             scale = 1e-6 * (1 + np.abs(found[i, :, k]))
             assert (np.abs((up - down) / 2e-4 - found[i, :, k]) <= scale).all(), (i, name)
+
+
+def test_the_level_of_a_rod_along_a_flat_saddle_answers_its_tension() -> None:
+    """A pipe of 200 m in a borehole lies in a gap of exp(-120): d y/d phi as of mpmath."""
+    pipe = ends_problem(0.0, 0.0, -0.00028311728717822894, 4494.38202247191, 0.0, 0.0)
+    path = Path(float(LinePoint(pipe).saddles[2]), -1.0, -120.50624556638076, 1, 1)
+    rate = orbit_rates(pipe, [path]).response(DEAD)[0, NUMBERS.index("y"), DEAD.index("phi")]
+    assert rate == pytest.approx(181770.256957, rel=1e-9)
 
 
 def test_held_displacements_stay_regular_where_dead_loads_have_a_fold() -> None:

@@ -1,0 +1,92 @@
+"""A leap along a line of problems under dead loads, where steps become too small and the branch goes on.
+
+All equilibria of the neighbouring paths are computed a little farther on; the branch continues with the only one of the
+same Morse index whose shape is close.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..equilibrium.system import State, settle
+from ..levels.level_grid import level_grid_of
+from ..levels.level_search import level_paths_of, roots_on
+from ..levels.line_point import LinePoint, Path, path_of
+from ..levels.morse_index import jacobi_zeros
+from ..levels.path_orbits import orbit_of, solve_orbits
+from ..levels.paths import DOWN, UP, Paths
+from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import Orbit
+from ..problem.reduced import EndsProblem
+
+LEAPS = (1e-3, 1e-4, 1e-5)  # shares of the line over which a leap is tried
+NEAR, _CLEAR = 0.05, 4.0  # rad between two shapes of a branch after a leap; factor by which others must be farther
+
+
+@dataclass(frozen=True)
+class Line:
+    """The line of problems from the first (share 0) to the last (share 1)."""
+
+    first: EndsProblem
+    last: EndsProblem
+
+    def at(self, share: float) -> EndsProblem:
+        """The problem at a share of the line."""
+        if share >= 1:
+            return self.last
+        pairs = zip(vars(self.first).values(), vars(self.last).values(), strict=True)
+        return EndsProblem(*((1 - share) * first + share * last for first, last in pairs))
+
+
+def leap(line: Line, problem: EndsProblem, path: Path, share: float) -> tuple[State, float] | None:
+    """The equilibrium a little farther on with a close shape and the same Morse index, and the share that is leapt.
+
+    problem, path: the equilibrium at a share of the line. None where there is none beyond, or more than one.
+    """
+    before = orbit_of(problem, path)
+    index, shape = jacobi_zeros(before)[0], shape_of(before)
+    turns = int(index) if path.helix else path.turns
+    for length in LEAPS:
+        if share + length > 1:
+            continue
+        there = line.at(share + length)
+        every, orbit = _neighbours(LinePoint(there), turns)
+        if orbit is None:
+            continue
+        same = np.flatnonzero(jacobi_zeros(orbit) == index)
+        apart = np.abs(shape_of(orbit)[same] - shape).max(axis=1)
+        order = np.argsort(apart)
+        if not order.size or apart[order[0]] > NEAR:
+            continue
+        if order.size > 1 and apart[order[1]] < _CLEAR * apart[order[0]]:
+            continue
+        found = settle(there, every[int(same[order[0]])])
+        if not isinstance(found, str):
+            return found, length
+    return None
+
+
+def _neighbours(place: LinePoint, turns: int) -> tuple[list[Path], Orbit | None]:
+    """Every equilibrium whose path passes up to two turning points more or fewer."""
+    problem = place.problem
+    boundary, grid = level_grid_of(place.blank)
+    near = np.arange(max(turns - 2, 0), turns + 3)
+    leaving = np.repeat([UP, DOWN], near.size)
+    near = np.tile(near, 2)
+    plain = (leaving == (UP if boundary.rising else DOWN)) & (problem.beta0[0] != problem.betaL[0])
+    kept = (near > 0) | plain
+    leaving, near = leaving[kept], near[kept]
+    some = Paths(leaving, np.where(near % 2 == 0, leaving, -leaving), near // 2)
+    if not grid.place.size:
+        return [], None
+    roots = roots_on(boundary, grid, some)
+    if not roots.lengthens.size:
+        return [], None
+    found, lengthens = level_paths_of(boundary, roots, None)
+    orbit, _ = solve_orbits(problem, boundary, found, lengthens)
+    return [path_of(found, i) for i in range(found.y.size)], orbit
+
+
+def shape_of(orbit: Orbit) -> Array:
+    """beta at equal shares of the rod, (K, 257)."""
+    return orbit.at(orbit.problem.span[:, None] * np.linspace(0, 1, 257))[0]
