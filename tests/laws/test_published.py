@@ -1,4 +1,4 @@
-"""Published numbers and claims, each with its source; docs/explanation/published-numbers.md lists the verdicts.
+"""Published numbers and claims, each with its source; docs/explanation/claims.md lists the verdicts.
 
 "Read in" names the text that was read. "Derived" marks a limit that was derived here, not quoted. Lubinski's pitch and
 Mitchell's push are in `test_limits` and `test_selection`, the separatrix of a twisted rod in `test_limits`.

@@ -80,7 +80,7 @@ PAGES = [
     ),
     Page("how-to/is-my-pipe-buckled", made=("pipe_states.png",)),
     Page("how-to/map-the-folds", made=("folds_atlas.png", "buckling.png")),
-    Page("how-to/refine-a-boundary", files=("", "critical.toml"), made=("critical.png",),
+    Page("how-to/sample-a-study", "Refine a boundary", files=("", "critical.toml"), made=("critical.png",),
          said=("29947 cases, 6.7 % of the uniform grid of 769 x 577", "60 cases, 0 unsolved", "turns E 3 ")),
     Page("how-to/sample-a-study", files=("", "", "cases.csv", "measured.toml"),
          said=("256 cases, 0 unsolved", "256 samples of E, R, F1: scrambled Sobol' sequence", "3 samples of E,")),
