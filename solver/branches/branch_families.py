@@ -3,8 +3,6 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 
-import numpy as np
-
 from ..equilibrium.system import Given
 from ..problem.case import Case
 from ..problem.case_fields import numbers_over, unchecked_with_field, value_of, with_field
@@ -12,54 +10,36 @@ from ..problem.errors import InputError
 from ..problem.held_ends import held_numbers_over, held_of, reduce_held
 from ..problem.reduced import EndsProblem, reduce
 from .branch_states import Bounds
-from .equilibrium_curve import Family, scale_of
-from .held_curve import HeldFamily
+from .family import Family, problem_of, scale_of
 
 Numbers = Callable[[float], Sequence[float] | None]
 
 
-def family_of(case: Case, name: str, begun: EndsProblem, bounds: Bounds) -> Family | HeldFamily:
-    """The problems over one field; begun: one equilibrium, as a problem under dead loads."""
-    return held_family(case, name, begun, bounds) if held_of(case) else dead_family(case, name, bounds)
+def family_of(case: Case, name: str, begun: EndsProblem, bounds: Bounds) -> Family:
+    """The problems over one field; also a little beyond the range, as differences need them.
 
-
-def dead_family(case: Case, name: str, bounds: Bounds) -> Family:
-    """The problems under dead loads over one field; also a little beyond the range, as differences need them."""
-    own, reach = value_of(case, name), bounds.high - bounds.low
-
-    def problem(value: float) -> EndsProblem | None:
-        found = _case(case, name, bounds, value) if abs(value - own) <= 2 * reach else None
-        some = None if found is None else reduce(found)
-        return some if isinstance(some, EndsProblem) else None
-
-    def beyond(value: float) -> Sequence[float] | None:
-        found = problem(value)
-        return None if found is None else [float(number[0]) for number in vars(found).values()]
-
-    return Family(problem, scale_of(problem, own, reach), partial(_numbers, numbers_over(case, name), beyond, bounds))
-
-
-def held_family(case: Case, name: str, begun: EndsProblem, bounds: Bounds) -> HeldFamily:
-    """The problems with held ends over one field; begun as in `family_of`."""
+    begun: one equilibrium, as a problem under dead loads.
+    """
+    is_held, own, reach = bool(held_of(case)), value_of(case, name), bounds.high - bounds.low
 
     def given(value: float) -> Given | None:
-        found = _case(case, name, bounds, value)
-        return None if found is None else Given.of(reduce_held(found))
+        found = _case(case, name, bounds, value) if abs(value - own) <= 2 * reach else None
+        if found is None or is_held:
+            return None if found is None else Given.of(reduce_held(found))
+        problem = reduce(found)
+        return Given.dead(problem) if isinstance(problem, EndsProblem) else None
 
     def beyond(value: float) -> Sequence[float] | None:
         found = given(value)
-        return None if found is None else [*found.values.tolist(), found.span, found.ratio]
+        if found is None or is_held:
+            return None if found is None else [*found.values.tolist(), found.span, found.ratio]
+        return [float(number[0]) for number in vars(problem_of(found, {})).values()]
 
-    own, reach = value_of(case, name), bounds.high - bounds.low
-    nudge = 1e-6 * reach * (1 if own < bounds.high else -1)
-    here, there = given(own), given(own + nudge)
+    inside = (held_numbers_over if is_held else numbers_over)(case, name)
+    here = given(own)
     assert here is not None
-    assert there is not None
-    moved = np.abs(np.append(there.values - here.values, there.span - here.span)) / abs(nudge)
-    size = np.append(np.where(np.isin(here.names, ("z", "alpha", "turn")), 1.0, 1 + np.abs(here.values)), 1 + here.span)
-    rate = float((moved / size).max())
-    numbers = partial(_numbers, held_numbers_over(case, name), beyond, bounds)
-    return HeldFamily(given, begun, reach if rate * reach < 1 else 1 / rate, here.names, numbers)
+    numbers = partial(_numbers, inside, beyond, bounds)
+    return Family(given, begun, scale_of(given, own, reach), here.names, numbers)
 
 
 def _case(case: Case, name: str, bounds: Bounds, value: float) -> Case | None:

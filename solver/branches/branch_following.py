@@ -27,8 +27,7 @@ from ..numerics.arrays import Array
 from .branch_states import Bounds, Place, State, begin_at, in_other_charts, rechart
 from .branch_steps import AT_END, IS_CLOSED, ordinary_steps
 from .continuation import Stopped, carry, state_of
-from .equilibrium_curve import Family
-from .held_curve import HeldFamily
+from .family import Family
 from .helix_branch import CROSSING, PITCHFORK, ceasing_helix, helix_place, helix_places
 from .leaps import Line, leap, shape_of
 
@@ -63,22 +62,20 @@ class Stop:
     helix: tuple[float, float] | None = None
 
 
-def followed(
-    family: Family | HeldFamily, path: Path, p: float, rises: bool, bounds: Bounds
-) -> tuple[list[Place], Stop]:
+def followed(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
     """The equilibria after the one at p, in order, and why there are no more."""
     places, stop = _places(family, path, p, rises, bounds)
-    if not places or isinstance(family, HeldFamily) or stop.reason in (END, CLOSED):
+    if not places or not family.is_dead or stop.reason in (END, CLOSED):
         return places, stop
     orbit = orbit_of(places[-1].problem, places[-1].path)
     return places, replace(stop, helix=ceasing_helix(family, stop.p, shape_of(orbit)[0]))
 
 
-def _places(family: Family | HeldFamily, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
+def _places(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
     """The same without the reason that a helix ceases to exist."""
-    if isinstance(family, HeldFamily) and path.helix:
+    if not family.is_dead and path.helix:
         return _from_held_helix(family, path, p, rises, bounds)
-    if not path.helix or isinstance(family, HeldFamily):
+    if not path.helix or not family.is_dead:
         begun = begin_at(family, path, p, rises)
         return ([], Stop(begun, p)) if isinstance(begun, str) else _follow(begun, [], bounds)
     places, last = helix_places(family, p, rises, bounds)
@@ -91,7 +88,7 @@ def _places(family: Family | HeldFamily, path: Path, p: float, rises: bool, boun
     return _follow(leap, [*places, leap.recorded()], bounds)
 
 
-def _from_held_helix(family: HeldFamily, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
+def _from_held_helix(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
     """The same from a helix under held ends, which bend it."""
     given = family.given(p)
     if given is not None and all(given.number(name, np.nan) == 0 for name in ("dbeta0", "dbetaL")):
@@ -106,12 +103,12 @@ def _from_held_helix(family: HeldFamily, path: Path, p: float, rises: bool, boun
     return _follow(begun, [first], bounds)
 
 
-def own_place(family: Family | HeldFamily, path: Path, p: float) -> Place | str:
+def own_place(family: Family, path: Path, p: float) -> Place | str:
     """The equilibrium at p itself, or why it cannot be followed."""
-    place = family.place(p) if isinstance(family, Family) else None
+    place = family.place(p) if family.is_dead else None
     if path.helix and place is not None and place.helix is not None:
         return helix_place(place, p)
-    if path.helix and isinstance(family, HeldFamily):
+    if path.helix and not family.is_dead:
         given = family.given(p)
         assert given is not None
         index = index_of(state_of(family.begun, path), given)
@@ -266,19 +263,18 @@ def _shape(state: State) -> Array:
 def _is_near_helix(state: State) -> bool:
     """Whether the rod would be a helix at a parameter so near that its level leaves the range of floats there."""
     found, family = state.curve.at(state.node.w), state.curve.family
-    hinged = isinstance(family, HeldFamily) and family.hinged
-    if found is None or abs(np.sin((found[0].start - found[0].end) / 2)) > (_BESIDE_HINGE if hinged else 0):
+    if found is None or abs(np.sin((found[0].start - found[0].end) / 2)) > (_BESIDE_HINGE if family.hinged else 0):
         return False
     problem = found[0].problem
-    near = _BESIDE_HELIX if isinstance(family, Family) else _BESIDE_HELD_HELIX
+    near = _BESIDE_HELIX if family.is_dead else _BESIDE_HELD_HELIX
     pull = np.abs([slope(problem, end)[0] for end in (problem.beta0, problem.betaL)])
     if not 0 < pull.max() < near * height_scale(problem):
         return False
-    return not hinged or bool(np.ptp(_shape(state)) < _SLIGHT)  # ends of a long rod rest next to saddles too
+    return not family.hinged or bool(np.ptp(_shape(state)) < _SLIGHT)  # ends of a long rod rest next to saddles too
 
 
 def _held_leap(
-    here: HeldState, p: float, rises: bool, family: HeldFamily, bounds: Bounds, share: float = _HELD_LEAP
+    here: HeldState, p: float, rises: bool, family: Family, bounds: Bounds, share: float = _HELD_LEAP
 ) -> State | str:
     """The equilibrium beyond a helix, or from it on, by the continuation of `continuation`.
 
@@ -296,7 +292,7 @@ def _held_leap(
 
 def _leap(state: State, bounds: Bounds) -> State | None:
     """The equilibrium a little farther on, with a close shape and the same Morse index."""
-    if isinstance(state.curve.family, HeldFamily):
+    if not state.curve.family.is_dead:
         at = state.curve.at(state.node.w) if _is_near_helix(state) else None
         if at is None:
             return None
@@ -312,10 +308,10 @@ def _leap(state: State, bounds: Bounds) -> State | None:
 
 def _leap_from(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> State | None:
     far = p + float(np.clip(bounds.next(p, rises) - p, -family.scale, family.scale))
-    first, last = family.problem(p), family.problem(far)
+    first, last = family.place(p), family.place(far)
     if first is None or last is None:
         return None
-    found = leap(Line(first, last), first, path, 0.0)
+    found = leap(Line(first.problem, last.problem), first.problem, path, 0.0)
     if found is None:
         return None
     begun = begin_at(family, found[0].path, p + found[1] * (far - p), rises)

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..equilibrium.charts import Chart, charts, coordinate
-from ..levels.line_point import LinePoint, Path
+from ..levels.line_point import Path
 from ..numerics.arclength import LEFT, Node, correct, node_at
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
-from .equilibrium_curve import AHEAD, EquilibriumCurve, Family
-from .held_curve import HeldCurve, HeldFamily
+from .equilibrium_curve import AHEAD, EquilibriumCurve, curve_through
+from .family import Family
 
 _SAME_SADDLE = 0.1  # half of the largest angle by which a saddle moves in a step
 _SHARE = 0.1  # of the change of p in a step, over which differences in p are taken
@@ -75,7 +75,7 @@ class Bounds:
 class State:
     """A point of the branch on its curve."""
 
-    curve: EquilibriumCurve | HeldCurve
+    curve: EquilibriumCurve
     node: Node
 
     @property
@@ -103,9 +103,9 @@ class State:
         return Place(self.p, found[1], found[0].problem, index, kind)
 
 
-def begin_at(family: Family | HeldFamily, path: Path, p: float, rises: bool) -> State | str:
+def begin_at(family: Family, path: Path, p: float, rises: bool) -> State | str:
     """The equilibrium at p, corrected there, to be travelled with p rising or falling."""
-    found = family.start(path, p)
+    found = curve_through(family, path, p)
     if found is None:
         return LEFT
     curve, w = found
@@ -114,7 +114,7 @@ def begin_at(family: Family | HeldFamily, path: Path, p: float, rises: bool) -> 
     return _correct_state(curve, w, along)
 
 
-def _correct_state(curve: EquilibriumCurve | HeldCurve, w: Array, along: Array) -> State | str:
+def _correct_state(curve: EquilibriumCurve, w: Array, along: Array) -> State | str:
     """The point of the curve next to w, travelled along a direction; p is held, or x at a fold."""
     jacobian = curve.jacobian(w)
     if jacobian is None:
@@ -130,10 +130,6 @@ def _correct_state(curve: EquilibriumCurve | HeldCurve, w: Array, along: Array) 
     return reason
 
 
-def _charts(curve: EquilibriumCurve | HeldCurve, place: LinePoint, path: Path) -> list[Chart]:
-    return charts(place, path, isinstance(curve, HeldCurve) and curve.family.hinged)
-
-
 def rechart(state: State, step: float, keep: bool = False) -> State:
     """The same in the coordinate that is best there, where it can be changed; keep: in its own, made anew.
 
@@ -144,7 +140,7 @@ def rechart(state: State, step: float, keep: bool = False) -> State:
     at = state.curve.at(state.node.w)
     if at is None:
         return state
-    every = _charts(state.curve, *at)
+    every = charts(*at, state.curve.family.hinged)
     if not keep and not _alike(every[0], state.curve.chart):
         changed = _change(state, every[0])
         if changed is not None:
@@ -158,7 +154,7 @@ def rechart(state: State, step: float, keep: bool = False) -> State:
 def in_other_charts(state: State) -> Iterator[State]:
     """The same in every other coordinate."""
     at = state.curve.at(state.node.w)
-    for chart in _charts(state.curve, *at) if at is not None else ():
+    for chart in charts(*at, state.curve.family.hinged) if at is not None else ():
         if not _alike(chart, state.curve.chart):
             changed = _change(state, chart)
             if changed is not None:
@@ -187,7 +183,7 @@ def _change(state: State, chart: Chart) -> State | None:
         at = state.curve.at(beyond)
         if at is None:
             continue
-        for one in _charts(curve, *at):
+        for one in charts(*at, curve.family.hinged):
             if one.kind == chart.kind and one.logarithmic == chart.logarithmic and one.at.sign == chart.at.sign:
                 w, there = (
                     np.append(coordinate(c), (point * state.curve.scales)[1:]) / curve.scales

@@ -14,8 +14,8 @@ from ..numerics.arclength import Node
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from .branch_states import Bounds, Place, State
-from .equilibrium_curve import EquilibriumCurve, Family
-from .held_curve import HeldCurve, HeldFamily
+from .equilibrium_curve import EquilibriumCurve
+from .family import Family
 
 AT_END, IS_CLOSED = core.AT_END, core.IS_CLOSED
 
@@ -37,16 +37,15 @@ class OrdinarySteps:
     def after(self, state: State, step: float, kept: int, most: int) -> tuple[list[Place], State, float, int, int]:
         """At most so many places after a state; the state at the last, the next step, and why there are no more."""
         at, curve = _point_of(state), state.curve
-        loads = curve.loads if isinstance(curve, HeldCurve) else 0.0
-        told = self._first, most, self._halts, self._rounding, loads
+        told = self._first, most, self._halts, self._rounding, curve.loads
         found, rates, step, kept, why = self._steps.run(at, step, kept, *told)
         if not found.size:
             return [], state, step, kept, why
-        index = _held_indices(curve.family, found, rates) if isinstance(curve, HeldCurve) else found["index"].tolist()
+        index = found["index"].tolist() if curve.family.is_dead else _held_indices(curve.family, found, rates)
         return _places(found, index), _state_of(at, curve), step, kept, why
 
 
-def ordinary_steps(family: Family | HeldFamily, bounds: Bounds, first: Place) -> OrdinarySteps | None:
+def ordinary_steps(family: Family, bounds: Bounds, first: Place) -> OrdinarySteps | None:
     """None where the problem is not known as numbers."""
     return None if family.steps is None else OrdinarySteps(family.steps, bounds, first)
 
@@ -58,7 +57,7 @@ def _places(found: Array, index: list[int | None]) -> list[Place]:
     return [Place(p, Path(*path), EndsProblem(*numbers[:, i]), known) for i, (p, path, known) in each]
 
 
-def _held_indices(family: HeldFamily, found: Array, rates: Array) -> list[int | None]:
+def _held_indices(family: Family, found: Array, rates: Array) -> list[int | None]:
     """The Morse indices under the ends that are meant; None where an eigenvalue is zero to rounding."""
     values, rows, by_span, length = split(rates)
     problem = replace(EndsProblem(*found["numbers"].T), span=length)
@@ -78,7 +77,7 @@ def _point_of(state: State) -> core.Point:
     return point
 
 
-def _state_of(at: core.Point, curve: EquilibriumCurve | HeldCurve) -> State:
+def _state_of(at: core.Point, curve: EquilibriumCurve) -> State:
     """The state at a point; curve: that of another state of the branch."""
     chart, path, n = at.chart, at.chart.at, curve.scales.size
     own = Path(path.pin, path.sign, path.y, path.leaving, path.turns)

@@ -1,134 +1,202 @@
-"""The equilibria of one path over a parameter p, as a curve in the plane of p and a coordinate of the level."""
+"""The equilibria of one path over a parameter p, as a curve of p, a coordinate of the path and what is not given."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
 from ..core import branches as core
-from ..equilibrium.charts import Chart, charts, coordinate, excess, path_at
+from ..equilibrium.charts import CORNER, Chart, charts, coordinate, excess, path_at
+from ..equilibrium.held_index import held_index
+from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_numbers, solve, start_rates
+from ..equilibrium.system import FREE, Given, State, corner_state, rates_in, rows_of, values_of
 from ..levels.line_point import LinePoint, Path
-from ..levels.transit_times import CUTTING, NODES
+from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
-from ..orbit.critical_points import grid
 from ..problem.reduced import EndsProblem
+from .family import Family, problem_of
 
-_NUDGE = 1e-5  # of the unknown's scale, for differences
 AHEAD = 1e-6  # of the parameter's scale, for differences
-_KEPT = 6  # problems kept, as one is needed several times in a step
-
-
-@dataclass(frozen=True, eq=False)
-class Family:
-    """Ends problems (of size 1) over one parameter p; None from `problem`: there is none.
-
-    scale: the change of p over which the problem changes. numbers: lam, mu, phi, span, beta(0) and beta(L) of the same
-    problems; the compiled core needs them.
-    """
-
-    problem: Callable[[float], EndsProblem | None]
-    scale: float
-    numbers: Callable[[float], Sequence[float] | None] | None = None
-    _known: dict[float, LinePoint | None] = field(default_factory=dict, repr=False)  # the last few
-
-    @cached_property
-    def steps(self) -> core.Steps | None:
-        """The core's functions on these problems; None without `numbers`."""
-        if self.numbers is None:
-            return None
-        return core.Steps(self.numbers, self.scale, grid(), NODES, (CUTTING, CUTTING))
-
-    def place(self, p: float) -> LinePoint | None:
-        """The problem at p with its critical points."""
-        if p not in self._known:
-            problem = self.problem(p)
-            while len(self._known) >= _KEPT:
-                del self._known[next(iter(self._known))]
-            self._known[p] = None if problem is None else LinePoint(problem)
-        return self._known[p]
-
-    def start(self, path: Path, p: float) -> "tuple[EquilibriumCurve, Array] | None":
-        """The curve through an equilibrium at p, in its best coordinate, and its w."""
-        place = self.place(p)
-        if place is None:
-            return None
-        curve = EquilibriumCurve(self, charts(place, path)[0])
-        return curve, np.array([coordinate(curve.chart), p]) / curve.scales
-
-
-def scale_of(problem: Callable[[float], EndsProblem | None], p: float, reach: float) -> float:
-    """The change of p over which a number of the problem changes by about itself or by one; at most `reach`."""
-    nudge = 1e-6 * min(reach, max(abs(p), 1e-3 * reach))
-    sides = [one for one in (problem(p + nudge), problem(p - nudge)) if one is not None]
-    here = problem(p)
-    assert here is not None
-    if not sides:
-        return reach
-    numbers, moved = (np.concatenate(list(vars(one).values())) for one in (here, sides[0]))
-    rate = float((np.abs(moved - numbers) / nudge / (1 + np.abs(numbers))).max())
-    return reach if rate * reach < 1 else 1 / rate
+_NUDGE = 1e-5  # of the unknown's scale, for differences
+_FAR = FREE.index("betaL")
+_ROUNDING = 1e-12  # of beta_t
 
 
 @dataclass(frozen=True, eq=False)
 class EquilibriumCurve:
-    """The zeros of length(x, p) less the rod's, in w = (x, p) over their scales.
+    """The zeros of the given numbers and the length less those of the path, in w = (x, p, unknowns) over their scales.
 
-    ahead: of p's scale, over which differences are taken.
+    The unknowns are `FREE`, those that are given too; under dead loads there are none, and the length is all that must
+    vanish. loads: the scale of the loads. ahead: of p's scale, over which differences are taken.
     """
 
     family: Family
     chart: Chart
+    loads: float
     ahead: float = AHEAD
+    _rates: dict[bytes, OrbitRates] = field(default_factory=dict, repr=False)  # at the last w
+
+    @property
+    def unknowns(self) -> tuple[str, ...]:
+        """Of `FREE`."""
+        return () if self.family.is_dead else FREE
 
     @property
     def scales(self) -> Array:
-        """Of x and p."""
-        return np.array([self.chart.scale, self.family.scale])
+        """Of x, p, and the two angles and the three loads."""
+        return np.array([self.chart.scale, self.family.scale, *[1.0, 1.0, *[self.loads] * 3][: len(self.unknowns)]])
 
     def at(self, w: Array) -> tuple[LinePoint, Path] | None:
-        """The problem and the path at w."""
-        x, p = w * self.scales
-        place = self.family.place(float(p))
-        path = None if place is None else path_at(place, self.chart, float(x))
+        """The problem under dead loads and the path at w."""
+        x, p, *free = (w * self.scales).tolist()
+        if self.family.is_dead:
+            place = self.family.place(p)
+        else:
+            given = self.family.given(p)
+            problem = None if given is None else problem_of(given, dict(zip(FREE, free, strict=True)))
+            if given is not None and problem is not None and self.chart.kind == CORNER:
+                rest = given.number("dbeta0", x)  # what is given, but for rounding
+                state = self._corner(problem, rest if abs(rest - x) < _ROUNDING * self.loads else x)
+                return None if state is None else (LinePoint(state.problem), state.path)
+            place = None if problem is None else LinePoint(problem)
+        path = None if place is None else path_at(place, self.chart, x)
         return None if place is None or path is None or path.turns < 0 else (place, path)
 
-    def value(self, w: Array) -> Array | None:
-        """The excess of length, (1,)."""
-        x, p = w * self.scales
-        return self._excess(float(p), np.array([x]))
+    def _corner(self, problem: EndsProblem, x: float) -> State | None:
+        """The orbit that starts with beta_t = x, whatever its angle at the far end."""
+        rates = start_rates(problem.started(np.array([x])))
+        return corner_state(rates, x) if np.isfinite(rates.rows[0, :-1]).all() else None
 
-    def jacobian(self, w: Array) -> Array | None:
-        """Its derivatives, (1, 2), by differences."""
-        x, p = w * self.scales
-        nudge, ahead = _NUDGE * self.chart.scale, self.ahead * self.family.scale
-        off = self._excess(float(p), x + nudge * np.array([-1.0, 0.0, 1.0]))
-        beyond = self._excess(float(p) + ahead, np.array([x]))
-        if beyond is None:
-            ahead = -ahead
-            beyond = self._excess(float(p) + ahead, np.array([x]))
-        if off is None or beyond is None:
+    def value(self, w: Array) -> Array | None:
+        """The equations at w, (6,), or (1,) under dead loads."""
+        x, p = (w * self.scales)[:2].tolist()
+        if self.family.is_dead:
+            return self._excess(p, np.array([x]))
+        at, given = self.at(w), self.family.given(p)
+        if at is None or given is None:
             return None
-        rates = np.array([(off[2] - off[0]) / (2 * nudge), (beyond[0] - off[1]) / ahead])
-        return np.asarray(rates * self.scales)[None]
+        if self.chart.kind == CORNER:
+            rates = start_rates(at[0].problem.started(np.array([x])))
+            return self._less(rates.values[0], given.span, given, w)
+        numbers, length = orbit_numbers(at[0].problem, at[1])
+        return self._less(numbers, length, given, w)
 
     def _excess(self, p: float, x: Array) -> Array | None:
+        """The length of the path less that of the rod under dead loads, at each x."""
         if self.family.steps is not None:
             found = self.family.steps.excess(core.chart_of(self.chart), p, x)
             if found is not None:
                 return found
         place = self.family.place(p)
-        if place is None:
-            return None
-        off = excess(place, self.chart, x)
+        off = np.array([np.nan]) if place is None else excess(place, self.chart, x)
         return off if np.isfinite(off).all() else None
 
+    def _less(self, numbers: Array, length: float, given: Given, w: Array) -> Array | None:
+        """The numbers less the given ones; those that are unknowns and given are read from w."""
+        off = values_of(numbers, length, given) - given.values
+        free = w[2:] * self.scales[2:]
+        for k, name in enumerate(given.names):
+            if name in FREE:
+                off[k] = free[FREE.index(name)] - given.values[k]
+        corner = self.chart.kind == CORNER
+        off = np.append(off, free[_FAR] - numbers[NUMBERS.index("betaL")] if corner else length - given.span)
+        return off if np.isfinite(off).all() else None
+
+    def jacobian(self, w: Array) -> Array | None:
+        """The derivatives, (6, 7), or (1, 2) under dead loads."""
+        at, (x, p) = self.at(w), (w * self.scales)[:2].tolist()
+        given, ahead = self.family.given(p), self.ahead * self.family.scale
+        beyond = self.family.given(p + ahead)
+        if beyond is None:
+            ahead = -ahead
+            beyond = self.family.given(p + ahead)
+        if at is None or given is None or beyond is None:
+            return None
+        if self.family.is_dead:
+            return self._differences(x, p, ahead)
+        rates = rates_in(at[0].problem, at[1], self.chart, x)
+        numbers, length = rates.values[0], float(rates.length[0])
+        here, there = (self._less(numbers, length, one, w) for one in (given, beyond))
+        if here is None or there is None:
+            return None
+        answers, by_span = self._answers(rates, given, x)
+        drift = (there - here + by_span * (beyond.span - given.span)) / ahead
+        for k, name in enumerate(given.names):  # an unknown that is given follows p, whatever its place in w
+            if name in FREE and not (name == "betaL" and self.chart.kind == CORNER):
+                own, others = 1 + FREE.index(name), np.arange(6) != k
+                drift[others] -= answers[others, own] * drift[k]
+                answers[others, own] = 0
+        found = np.column_stack([answers[:, 0], drift, answers[:, 1:]]) * self.scales
+        self._rates.clear()
+        self._rates[w.tobytes()] = rates
+        return found if np.isfinite(found).all() else None
+
+    def _differences(self, x: float, p: float, ahead: float) -> Array | None:
+        """The derivatives under dead loads: a rod may rest at both ends, where `orbit_rates` has none of its length."""
+        nudge = _NUDGE * self.chart.scale
+        off, beyond = self._excess(p, x + nudge * np.array([-1.0, 0.0, 1.0])), self._excess(p + ahead, np.array([x]))
+        if beyond is None:
+            ahead = -ahead
+            beyond = self._excess(p + ahead, np.array([x]))
+        if off is None or beyond is None:
+            return None
+        return np.array([[(off[2] - off[0]) / (2 * nudge), (beyond[0] - off[1]) / ahead]]) * self.scales
+
+    def _answers(self, rates: OrbitRates, given: Given, x: float) -> tuple[Array, Array]:
+        """The derivatives of the six equations by x and `FREE`, (6, 6), and what a unit of the length adds, (6,)."""
+        names = [NUMBERS.index(name) for name in FREE]
+        rows, by_span = rows_of(rates, given.names, given.ratio)
+        known = np.column_stack([rates.rows[0], rates.by_span[0]])
+        if self.chart.kind != CORNER:
+            matrix = np.vstack([self._row(known, x), known[names]])
+            every = np.vstack([np.column_stack([rows, by_span]), np.eye(6)[5]])
+            return every @ solve(matrix[None], np.eye(6)[None])[0], np.zeros(6)
+        far, start = names[_FAR], [k for k in (0, *range(1, 6)) if k != 1 + _FAR]  # the orbit knows no beta(L)
+        parts = np.zeros((5, 6))
+        matrix = np.vstack([self._row(known, x), known[names]])[start, :5]
+        parts[:, start] = solve(matrix[None], np.eye(5)[None])[0]
+        every = np.vstack([rows @ parts, np.eye(6)[1 + _FAR] - rates.rows[0, far] @ parts])
+        return every, np.append(by_span, -rates.by_span[0, far])
+
+    def _row(self, known: Array, x: float) -> Array:
+        """What the parts of a change of the orbit, and a change of its length, add to the coordinate."""
+        if self.chart.kind == "saddle":
+            return np.asarray(known[NUMBERS.index("y")])
+        rate = known[NUMBERS.index("dbetaL" if self.chart.kind == "end" else "dbeta0")]
+        if not self.chart.logarithmic:
+            return np.asarray(rate)
+        direction = self.chart.at.leaving if self.chart.kind == "start" else self.chart.at.arriving
+        return np.asarray(2 * rate / (direction * float(np.exp(x / 2))))
+
     def index(self, w: Array, path: Path, jacobian: Array) -> int | None:
-        """The Morse index under dead loads."""
-        return index_of(self.chart, path, float(w[0] * self.chart.scale), float(jacobian[0, 0]))
+        """The Morse index under the ends that are meant; None where an eigenvalue is zero to rounding."""
+        x, p = (w * self.scales)[:2].tolist()
+        if self.family.is_dead:
+            return _dead_index(self.chart, path, x, float(jacobian[0, 0]))
+        given, rates = self.family.given(p), self._rates.get(w.tobytes())
+        if rates is None:
+            at = self.at(w)
+            assert at is not None
+            rates = rates_in(at[0].problem, at[1], self.chart, x)
+        assert given is not None
+        way = np.array([path.leaving]), np.array([path.turns])
+        index = float(held_index(rates, np.array([given.ratio]), given.names, *way)[0])
+        return int(index) if np.isfinite(index) else None
 
 
-def index_of(chart: Chart, path: Path, x: float, rate: float) -> int:
+def curve_through(family: Family, path: Path, p: float) -> tuple[EquilibriumCurve, Array] | None:
+    """The curve through an equilibrium at p, in its best coordinate, and its w."""
+    place = family.place(p) if family.is_dead else LinePoint(family.begun)
+    if place is None:
+        return None
+    chart = charts(place, path, family.hinged)[0]
+    if not np.isfinite(coordinate(chart)):
+        return None
+    curve = EquilibriumCurve(family, chart, 1 + float(load_size(place.problem)[0]))
+    free = [float(getattr(place.problem, name)[0]) for name in curve.unknowns]
+    return curve, np.array([coordinate(chart), p, *free]) / curve.scales
+
+
+def _dead_index(chart: Chart, path: Path, x: float, rate: float) -> int:
     """The Morse index under dead loads at x, as in `morse_index.jacobi_zeros`; rate: d length/dx."""
     lengthens = rate * (path.sign if chart.logarithmic else x) > 0
     return max(path.turns - int(lengthens), 0)

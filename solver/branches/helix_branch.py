@@ -11,7 +11,7 @@ from ..levels.line_point import LinePoint
 from ..mechanics.potential import slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array
 from .branch_states import Bounds, Place
-from .equilibrium_curve import Family
+from .family import Family
 
 PITCHFORK, CROSSING = "pitchfork", "branch point"
 _STEP = 0.25  # of the parameter's scale

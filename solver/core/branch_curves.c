@@ -1,4 +1,4 @@
-/* A branch of equilibria as a curve: solver/branches/equilibrium_curve.py and held_curve.py. */
+/* A branch of equilibria as a curve: solver/branches/equilibrium_curve.py. */
 
 #include "branch_steps.h"
 

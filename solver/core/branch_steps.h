@@ -1,5 +1,5 @@
 /* A branch of equilibria over one parameter p as a curve in its unknowns, and pseudo-arclength steps along it:
-   solver/branches/equilibrium_curve.py, held_curve.py and numerics/arclength.py. */
+   solver/branches/equilibrium_curve.py and numerics/arclength.py. */
 
 #ifndef ROD_BRANCH_STEPS_H
 #define ROD_BRANCH_STEPS_H

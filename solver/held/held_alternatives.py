@@ -13,7 +13,7 @@ from ..branches.branch_following import followed
 from ..branches.branch_states import Bounds
 from ..branches.continuation import state_of
 from ..branches.deflation import across_fold, deflate, fold_beside, is_known, numbers_of
-from ..branches.held_curve import HeldFamily
+from ..branches.family import Family
 from ..equilibrium.held_index import index_of
 from ..equilibrium.system import Given, State
 from ..levels.path_orbits import orbit_of
@@ -56,7 +56,7 @@ def _on_branch(seed: State, found: State, wanted: Given) -> list[State]:
         )
         return wanted if share == 1 else replace(wanted, values=values, span=span) if span > 0 else None
 
-    family, bounds = HeldFamily(given, found.problem, 1.0), Bounds(*_REACH, (1.0,), _MOST)
+    family, bounds = Family(given, found.problem, 1.0, wanted.names), Bounds(*_REACH, (1.0,), _MOST)
     if found.path.helix:
         return []
     places = [place for rises in (True, False) for place in followed(family, found.path, 1.0, rises, bounds)[0]]

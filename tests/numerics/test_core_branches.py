@@ -9,14 +9,13 @@ import pytest
 from solver import Case, Cylinder, Ends, Rod, equilibria, follow, solve
 from solver.branches.branch_following import followed
 from solver.branches.branch_states import Bounds, Place
-from solver.branches.equilibrium_curve import Family
-from solver.branches.held_curve import HeldFamily
+from solver.branches.family import Family
 from solver.choose.each_equilibrium import path_of_seed
 from solver.core.branches import RECORD, Point, Steps, chart_of
 from solver.core.orbit_rates import orbit_rates
 from solver.equilibrium.charts import Chart
 from solver.equilibrium.orbit_rates import HOW
-from solver.equilibrium.system import Given
+from solver.equilibrium.system import FREE, Given
 from solver.levels.line_point import Path
 from solver.levels.transit_times import CUTTING, NODES
 from solver.orbit.critical_points import grid
@@ -72,12 +71,13 @@ def test_branches_under_dead_loads_are_those_of_the_steps_in_python(which: slice
     bounds, many = Bounds(-8.66, 0.0, tuple(wanted), 400), 0
     fast = numbers_over(DEAD, "FZ")
 
-    def problem(value: float) -> Any:
-        return reduce(unchecked_with_field(DEAD, "FZ", value))
+    def given(value: float) -> Given:
+        return Given.dead(reduce(unchecked_with_field(DEAD, "FZ", value)))
 
     for one in list(equilibria(DEAD))[which]:
-        path = path_of_seed(seed_of(DEAD, between_ends(one.solution), one.solution))
-        plain, quick = Family(problem, 1.0), Family(problem, 1.0, fast)
+        begun = between_ends(one.solution)
+        path = path_of_seed(seed_of(DEAD, begun, one.solution))
+        plain, quick = (Family(given, begun, 1.0, FREE, numbers) for numbers in (None, fast))
         assert plain.steps is None
         assert quick.steps is not None
         (here, stop), (there, end) = (followed(one, path, -8.66, True, bounds) for one in (quick, plain))
@@ -107,8 +107,8 @@ def test_branches_with_held_ends_are_those_of_the_steps_in_python(held: tuple[st
 
     names = numbers(high).names
     families = (
-        HeldFamily(numbers, begun, 1.0, names, held_numbers_over(case, held[0])),
-        HeldFamily(numbers, begun, 1.0, names),
+        Family(numbers, begun, 1.0, names, held_numbers_over(case, held[0])),
+        Family(numbers, begun, 1.0, names),
     )
     bounds = Bounds(low, high, tuple(wanted), 60)
     (here, stop), (there, end) = (followed(one, path, high, False, bounds) for one in families)
