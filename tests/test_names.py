@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -26,6 +27,7 @@ OLDER = """
 """
 
 
+@cache
 def names_with_a_participle() -> set[str]:
     found = set()
     for file in (file for part in ("solver", "studies", "workbench") for file in (ROOT / part).rglob("*.py")):

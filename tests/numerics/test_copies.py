@@ -70,7 +70,10 @@ def original(kind: str) -> Any:
     return MAKERS[kind]()
 
 
-@pytest.mark.parametrize("kind", MAKERS)
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(name, marks=pytest.mark.slow) if name in ("euler", "seeded", "folds") else name for name in MAKERS],
+)
 @pytest.mark.parametrize("again", [lambda x: pickle.loads(pickle.dumps(x)), copy.copy, copy.deepcopy])
 def test_a_copy_reads_as_the_original(kind: str, again: Any) -> None:
     value = original(kind)

@@ -219,6 +219,7 @@ def test_a_curve_is_whole_and_exact_where_it_comes_next_to_a_separatrix(end: str
             assert abs(eta) < 1e-3  # of the size of the next derivative times the error of beta_t(0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", NEARING)
 def test_the_equilibria_that_meet_next_to_a_separatrix_have_the_indices_of_the_curve(end: str) -> None:
     folds = nearing(end)

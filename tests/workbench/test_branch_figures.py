@@ -69,6 +69,7 @@ def cells(fig: Figure) -> list:
     return [ax for ax in fig.axes if "index" in ax.get_title(loc="left")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", ["dead", "held"])
 def test_each_shape_has_the_number_of_its_point_in_every_panel(which, drawn) -> None:
     fig = drawn[which]

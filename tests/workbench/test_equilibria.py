@@ -181,6 +181,7 @@ def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
     assert ["overlaps" in text for text in ds["caution"].values] == meets
 
 
+@pytest.mark.slow
 def test_pictures_are_drawn_from_the_datasets_alone(swept, tmp_path) -> None:
     study, case = load(DEFAULT), default()
     ds = dataset_of(study, case, equilibria(case))

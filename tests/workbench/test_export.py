@@ -226,6 +226,7 @@ def test_open_cascades_default_measures_the_volume_of_pappus(kernel, tmp_path, n
     assert shell.Closed()
 
 
+@pytest.mark.slow
 def test_the_curve_in_a_step_file_is_the_solvers_at_every_arc_length(kernel, step_file) -> None:
     (edge,) = parts(kernel, shapes(kernel, step_file), "EDGE", outside="FACE")
     from OCP.BRep import BRep_Tool

@@ -52,6 +52,7 @@ def two() -> xr.Dataset:
     return in_memory.run(small.grid())
 
 
+@pytest.mark.slow
 def test_the_extremes_can_be_read_in_two_columns() -> None:
     fig = robustness.figure(shipped("extremes"))
     assert fig.get_figwidth() == pytest.approx(TWO_COLUMNS, abs=0.05)

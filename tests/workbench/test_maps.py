@@ -320,6 +320,7 @@ def test_a_law_along_a_further_axis_has_a_map_of_verdicts_where_its_lines_differ
     assert "Law (2): the number of bends falls with F₁; false." in notes(fig)
 
 
+@pytest.mark.slow
 def test_shapes_are_developed_curves_at_one_scale_each_in_its_cell(regimes, tmp_path) -> None:
     fig = map_figure.figure(regimes, show=["turns"], shapes=thumbs.Shapes(4, 3))
     canvas.save(fig, tmp_path / "shapes.png")
@@ -386,7 +387,16 @@ def test_a_rod_that_is_not_solved_has_no_shape(regimes) -> None:
 OF_THREE = pytest.param("three", marks=pytest.mark.slow)
 
 
-@pytest.mark.parametrize("kind", ["small", "shapes", OF_THREE, "nothing solved", "large counts"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "small",
+        pytest.param("shapes", marks=pytest.mark.slow),
+        pytest.param(OF_THREE, marks=pytest.mark.slow),
+        pytest.param("nothing solved", marks=pytest.mark.slow),
+        pytest.param("large counts", marks=pytest.mark.slow),
+    ],
+)
 def test_no_word_of_a_map_is_cut_off_and_no_two_ticks_meet(kind: str, regimes, three, tmp_path) -> None:
     everything = np.ones(regimes["turns"].shape, dtype=bool)
     shapes = thumbs.Shapes(3, 2)

@@ -128,6 +128,7 @@ def status(done: dict[str, Any]) -> int:
     return law_verdicts.status(done["unsolved"], done["laws"])
 
 
+@pytest.mark.slow
 def test_a_law_is_judged_again_on_all_values(tmp_path) -> None:
     falling, rising = counted(axis("E", [1e4, 2e4]) + LAW), counted(axis("E", [3e4, 4e4]) + LAW)
     assert merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")["laws"][0]["verdict"] == "holds"

@@ -119,6 +119,7 @@ def test_a_run_to_a_file_stores_what_a_run_in_memory_gives(ds: xr.Dataset, tmp_p
             assert stored[name].attrs == ds[name].attrs
 
 
+@pytest.mark.slow
 def test_two_parts_of_a_study_with_expressions_are_merged(tmp_path: Path) -> None:
     law = f"[[laws]]\nclaim = 'equals'\naxis = 'R'\nsource = 's'\n{HEADS['equals']}\n"
     for name, values in (("a", "[0.5, 0.75]"), ("b", "[1.0, 1.25]")):

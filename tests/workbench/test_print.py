@@ -62,6 +62,7 @@ def test_a_diagram_for_print_is_vectors_with_its_letters_inside(ds, tmp_path, na
             assert said.count(b"<path") > 20
 
 
+@pytest.mark.slow
 def test_the_dots_an_inch_of_a_plot_change_its_pixels_and_not_its_inches(ds, tmp_path) -> None:
     file = writing.write(ds, tmp_path / "one.h5")
     sizes = {}

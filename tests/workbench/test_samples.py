@@ -238,6 +238,7 @@ def test_merged_samples_are_those_of_all_files_each_once(stored: Path, tmp_path)
         np.testing.assert_array_equal(again["kappa_max"], ds["kappa_max"])
 
 
+@pytest.mark.slow
 def test_repeated_samples_of_one_file_stay_repeated(tmp_path) -> None:
     paths = [tmp_path / "a.h5", tmp_path / "b.h5"]
     for path, E in zip(paths, ([1e4, 1e4, 2e4], [2e4, 3e4]), strict=True):

@@ -76,6 +76,7 @@ def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
     assert stations == 9 * study_scene.FIRST
 
 
+@pytest.mark.slow
 @draws
 def test_a_study_is_drawn_as_its_file_is_and_finer_takes_more_stations(file, solved, tmp_path, capsys) -> None:
     def draw(what: Path, name: str, error: float) -> np.ndarray:

@@ -343,7 +343,7 @@ def test_more_than_memory_holds_is_refused_in_memory() -> None:
 
 
 def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path) -> None:
-    path = runs.study(tmp_path, {"E": [1e4], "beta": [0.5]}, method="euler")
+    path = runs.study(tmp_path, {"E": [1e4], "beta": [0.5]}, method="dop853")
     path.write_text(path.read_text().replace("stations", "tol = 1e-15\nstations"))
     run_to_file(load(path), tmp_path / "many.h5")
     with xr.open_dataset(whole) as good, xr.open_dataset(tmp_path / "many.h5") as bad:
@@ -365,7 +365,7 @@ def test_outcomes_that_differ_in_numbers_alone_are_counted_together_with_their_r
 
 
 def test_a_run_counts_outcomes_with_the_range_of_their_numbers(tmp_path) -> None:
-    path = runs.study(tmp_path, {"E": [1e4, 2e4], "beta": [0.5, 0.6]}, method="euler")
+    path = runs.study(tmp_path, {"E": [1e4, 2e4], "beta": [0.5, 0.6]}, method="dop853")
     path.write_text(path.read_text().replace("stations", "tol = 1e-15\nstations"))
     ran = run_to_file(load(path), tmp_path / "many.h5")
     with xr.open_dataset(tmp_path / "many.h5") as ds:
@@ -398,8 +398,11 @@ GROWN = {
 }
 
 
-@pytest.mark.parametrize("axes", GROWN.values(), ids=GROWN)
-def test_values_added_to_an_axis_are_solved_alone_and_the_others_copied(half, axes, monkeypatch) -> None:
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if "both" in name else pytest.mark.slow) for name in GROWN]
+)
+def test_values_added_to_an_axis_are_solved_alone_and_the_others_copied(half, name: str, monkeypatch) -> None:
+    axes = GROWN[name]
     output = half.with_suffix(".h5")
     with xr.open_dataset(output) as ds:
         old = ds.load()

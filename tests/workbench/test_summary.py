@@ -110,6 +110,7 @@ HELD = (
 )
 
 
+@pytest.mark.slow
 def test_reactions_that_a_study_names_and_the_index_of_held_ends_are_listed(tmp_path, capsys) -> None:
     ds = in_memory.run(loads(HELD, "held.toml"))
     path = writing.write(ds, tmp_path / "held.h5")
