@@ -66,14 +66,14 @@ def legend_title(fig: Figure) -> str:
 
 
 def cells(fig: Figure) -> list:
-    return [ax for ax in fig.axes if "index" in ax.get_title(loc="left")]
+    return [ax for ax in fig.axes if "stable" in ax.get_title(loc="left")]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("which", ["dead", "held"])
 def test_each_shape_has_the_number_of_its_point_in_every_panel(which, drawn) -> None:
     fig = drawn[which]
-    below = sorted(ax.get_title(loc="left").split()[0] for ax in cells(fig))
+    below = sorted(ax.get_title(loc="left").split(":")[0] for ax in cells(fig))
     assert len(below) > 3
     panels = len(fig.axes) - len(below)
     for panel in range(panels):
@@ -231,7 +231,7 @@ def test_a_shape_fills_its_frame_and_the_bar_has_its_scale(wide, tall) -> None:
     bar = ax.lines[2].get_xdata()  # in shares of the frame
     assert ax.texts[0].get_text() == f"{(bar[1] - bar[0]) * size:g} cm"
     low = ax.get_ylim()[0]
-    assert low + 0.12 * size < 0.0  # the bar lies below the curve
+    assert low - 0.12 * size > tall  # the bar lies below the curve
 
 
 def test_a_smooth_line_passes_through_its_points_and_follows_a_circle() -> None:

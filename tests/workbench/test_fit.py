@@ -172,21 +172,20 @@ def wide(beta=1.3) -> Case:
     return Case(rod, cylinder, Start(beta, 0.0, M3=float(rod.bending_stiffness) * np.sin(beta) * np.cos(beta)))
 
 
-@pytest.mark.parametrize(("case", "across", "along"), ((wide(), "distance", "z"), (table1(), "z", "distance")))
-def test_the_longer_extent_of_the_curve_is_drawn_to_the_right(case, across, along) -> None:
+@pytest.mark.parametrize(("case", "least"), ((wide(), 0.1), (table1(), 0.8)))
+def test_z_is_to_the_right_of_the_curve_also_where_it_is_the_shorter_extent(case, least) -> None:
     figure, _ = drawn(case, ["M3"])
     panel = figure.axes[0]
-    assert panel.get_xlabel().startswith(across)
-    assert panel.get_ylabel().startswith(along)
-    assert panel.get_title(loc="left").endswith("z up" if across == "distance" else "z to the right")
-    assert panel.yaxis_inverted() == (along == "distance")
+    assert panel.get_xlabel().startswith("z ")
+    assert panel.get_ylabel().startswith("distance")
+    assert panel.yaxis_inverted()
     box, legend = panel.get_window_extent(), panel.get_legend().get_window_extent()
     title = next(
         text for text in panel.findobj(Text) if text.get_text() == panel.get_title(loc="left")
     ).get_window_extent()
     assert box.y1 <= legend.y0 + 1
     assert legend.y1 <= title.y0 + 1
-    assert box.width > 0.8 * figure.bbox.width
+    assert box.width > least * figure.bbox.width
     assert box.height > 0.1 * figure.bbox.height
 
 

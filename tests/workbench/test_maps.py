@@ -329,11 +329,11 @@ def test_shapes_are_developed_curves_at_one_scale_each_in_its_cell(regimes, tmp_
     inches = []
     for inset in panel.child_axes:
         box = inset.get_window_extent()
-        inches.append((box.width / np.ptp(inset.get_xlim()), box.height / np.ptp(inset.get_ylim())))
+        inches.append((box.width / np.ptp(inset.get_xlim()), box.height / abs(np.ptp(inset.get_ylim()))))
         E, R = panel.transData.inverted().transform(((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2))
         one = regimes.sel(E=E, R=R, method="nearest")
         assert np.log([E / float(one["E"]), R / float(one["R"])]) == pytest.approx(0, abs=0.02)  # cells are 0.08 wide
-        drawn = max((line.get_ydata() for line in inset.lines), key=len)
+        drawn = max((line.get_xdata() for line in inset.lines), key=len)
         np.testing.assert_array_equal(drawn, one["z"])
     np.testing.assert_allclose(inches, inches[0][0], rtol=1e-6)  # pixels per length, to the right and up
 

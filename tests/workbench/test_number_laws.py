@@ -150,7 +150,9 @@ def test_a_panel_shows_the_formula_the_bounds_the_fit_and_the_boundary(ds: xr.Da
     drawn = panels(ds)
     labels = {claim: [line.get_label() for line in ax.get_lines()] for claim, ax in drawn.items()}
     assert "mean κ/share" in labels["equals"]
-    assert {"at least 0", "at most max κ/max κ"} <= set(labels["bounded"])
+    bounds = [label for label in labels["bounded"] if label.startswith("at ")]
+    assert [label.split(" (")[0] for label in bounds] == ["at least 0", "at most max κ/max κ"]
+    assert all(label.endswith(" inside)") for label in bounds)  # how near the cases come to them
     assert any(label.startswith("fit: exponent") for label in labels["scales"])
     assert "the value 0.5" in labels["boundary"]
     formula = next(line for line in drawn["equals"].get_lines() if line.get_label() == "mean κ/share")
@@ -163,8 +165,8 @@ def test_a_band_that_the_line_hides_is_named_so(ds: xr.Dataset) -> None:
     for relative, hidden in ((1e-4, True), (0.3, False)):
         ax = panel(ds, Figure().add_subplot(), {**row, "rule": {**row["rule"], "relative": relative}})
         named = [text.get_text() for text in ax.get_legend().get_texts()]
-        assert ("what the law allows (hardly wider than the line)" in named) == hidden
-        assert ("what the law allows" in named) == (not hidden)
+        assert (f"allowed: ± {100 * relative:g}\N{NO-BREAK SPACE}% (hardly wider than the line)" in named) == hidden
+        assert (f"allowed: ± {100 * relative:g}\N{NO-BREAK SPACE}%" in named) == (not hidden)
 
 
 def test_a_panel_marks_the_cases_outside(ds: xr.Dataset) -> None:

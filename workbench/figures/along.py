@@ -6,6 +6,7 @@ One rod alone has an axis of numbers in each panel. The states of a rod (straigh
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -33,9 +34,8 @@ TITLES = {"beta": "angle β", "kappa": "curvature κ"}
 COLOURS = {"straight": "#d9d9d4", "sinusoidal": "#7fb8d6", "helical": "#2c5f8a"}  # of `solver.shooting.state`
 NEEDED = {STATES: ("beta", "alpha", "push")}  # arrays of a panel that is no array itself
 MOST, MOST_PANELS = 60, 6
-# the range of a curve in steps from one curve to the next, where there are many of them; filled curves do not overlap
-OVERLAP, FILLED = 1.6, 1.0
-EACH, TALL, NARROW = 0.3, (1.9, 7.2), (1.0, 3.4)  # inches of one curve, and of a panel; on a narrow sheet of all panels
+CLEAR = 1.25  # the step from one curve to the next over the least at which no curve reaches the next
+EACH, TALL, NARROW = 0.55, (1.9, 7.2), (1.0, 3.4)  # inches of one curve, and of a panel; on a narrow sheet of all panels
 THICK, LINE = 0.62, 0.1  # of a row of states: its bar, and above it the line where the cylinder would have to pull
 TEXT = 1.45  # heights of a letter from one line of text to the next
 
@@ -86,7 +86,8 @@ def figure(
         for i, (ax, one) in enumerate(zip(axes, curves, strict=True)):
             _panel(ax, rods, one, ends, tall, labelled=sheet.narrow or i == 0)
             ax.xaxis.label.set_visible(not sheet.narrow or i == len(names) - 1)
-        legend.below(fig, entries(rods, names), [*rods.said(), *rods.notes], sheet)
+        lines = ["Faint line: where the quantity of a rod is 0."] * any(not one.foot for one in curves if len(names) > 1)
+        legend.below(fig, entries(rods, names), [*lines, *rods.said(), *rods.notes], sheet)
 
     height = rows * (tall + (0.3 if sheet.narrow else 0.75)) + 0.75 + 0.7 * sheet.titled
     return canvas.figure((sheet.width, height), draw, rods.source, sheet=sheet)
@@ -110,7 +111,7 @@ class Curves:
     """The curves of one panel.
 
     values: of each rod in the unit of the panel, None where it is not solved. unit: with a blank before it where one
-    stands. foot: the value at the line of a curve. step: from one curve to the next. size: the range of nearly all.
+    stands. foot: the value at the line of a curve. step: from one curve to the next. size: the largest range.
     """
 
     name: str
@@ -130,7 +131,7 @@ class Curves:
 
 
 def _curves(rods: DrawnRods, name: str) -> Curves:
-    """The curves of one quantity; a few that have a much larger range than the others do not flatten them."""
+    """The curves of one quantity, so far from each other that none reaches the next."""
     if name == STATES:
         flat = [None if rod.arrays is None else np.array([-0.5, 0.5]) for rod in rods.rods]
         return Curves(name, "states", "", flat, 0.0, 1.0, 1.0)
@@ -141,9 +142,19 @@ def _curves(rods: DrawnRods, name: str) -> Curves:
     low, high = min(one.min() for one in drawn), max(one.max() for one in drawn)
     far = low > 2 * (high - low) or high < -2 * (high - low)  # 0 lies far from all curves
     foot = float(low) if far and high - low > NOISE * max(abs(low), abs(high)) else 0.0
-    size = float(np.quantile([max(one.max(), foot) - min(one.min(), foot) for one in drawn], 0.9)) or 1.0
-    most = FILLED if name == "push" else OVERLAP
-    return Curves(name, title, unit, values, foot, size / min(most, 0.5 + 0.2 * len(values)), size)
+    size = float(np.max([max(one.max(), foot) - min(one.min(), foot) for one in drawn])) or 1.0
+    step = _clear_step(rods, values, foot, name == "push")
+    return Curves(name, title, unit, values, foot, max(step, 0.25 * size), size)
+
+
+def _clear_step(rods: DrawnRods, values: Sequence[Any], foot: float, filled: bool) -> float:
+    """From the line of one curve to the next, so that no curve reaches the next one; filled: down to its line."""
+    rows = [(rod["s"], one - foot) for rod, one in zip(rods.rods, values, strict=True) if one is not None]
+    most = 0.0
+    for (s, low), (s_next, high) in pairwise(rows):
+        above = np.interp(s, s_next, high, right=np.inf)
+        most = max(most, float((np.maximum(low, 0) - np.minimum(above, 0) if filled else low - above).max()))
+    return CLEAR * most
 
 
 def _words(ds: xr.Dataset, name: str) -> tuple[str, str, Callable[[Any], Any]]:
@@ -284,4 +295,4 @@ def _bar(ax: Axes, curves: Curves) -> None:
     ax.plot([1.015, 1.015], [top - length, top], color=style.INK, linewidth=2.2, solid_capstyle="butt", clip_on=False,
             transform=ax.get_yaxis_transform("grid"))  # fmt: skip
     foot = f"; line: {labels.number(curves.foot)}{curves.unit}" if curves.foot else ""
-    ax.set_title(style.wrap(f"{curves.title}; bar: {labels.number(length)}{curves.unit}{foot}", ax), loc="left")
+    ax.set_title(style.wrap(f"{curves.title}; bar: {labels.number(length)}{curves.unit.replace(' 1/', '/')}{foot}", ax), loc="left")

@@ -17,7 +17,7 @@ from studies.line_verdicts import DIRECTIONS
 from ..branches.branch_dataset import branches
 from ..data import labels
 from . import canvas, legend, point_numbers, style
-from .equilibria import draw_frame
+from .equilibria import draw_frame, stability
 from .sheet import SCREEN, Sheet
 
 PANEL, STRIP = (4.6, 3.0), 1.5  # inches: heights of the panels on a page as wide as a screen, of a row of shapes
@@ -59,7 +59,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
             cells = grid[len(names)].subgridspec(rows, across)
             _shapes(ds, fig, cells, count, across)
             some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
-            notes.append("Unrolled views at the numbered points, each with its own scale" + some + "; dot: s = 0.")
+            notes.append(f"Unrolled views at the numbered points: {style.WAYS}, each with its own scale{some}; dot: s = 0.")
         notes += [f"Not drawn: {', '.join(left_out)}."] if left_out else []
         legend.below(fig, fig.axes[0].get_legend_handles_labels()[0] if sheet.narrow else [], notes, sheet)
 
@@ -202,13 +202,14 @@ def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, count: int, across: int) ->
     """The unrolled views at the numbered points, each as large as its frame."""
     name, unit = str(ds.attrs["axis"]), labels.unit(str(ds["shape_z"].attrs.get("units", "1")))
     around = ds["shape_rho"].values[:, None] * (ds["shape_alpha"].values - ds["shape_alpha"].values[:, :1])
+    room = fig.get_figwidth() / across - 0.4
     rows, of = {row["branch"]: row for row in branches(ds)}, shape_branches(ds)
     for k, number in enumerate(_names(ds)[:count]):
         at = labels.value(float(ds[f"shape_{name}"].values[k]), ds[name], 3)
         row = rows[int(of[k])]
         ax = fig.add_subplot(cells[k // across, k % across])
-        curve = around[k], ds["shape_z"].values[k]
-        draw_frame(ax, curve, _look_of_shape(ds, name, row, k), unit, f"{number}  index {row['index']}", at)
+        curve, title = (ds["shape_z"].values[k], around[k]), f"{number}: {stability(int(row['index']), room)}"
+        draw_frame(ax, curve, _look_of_shape(ds, name, row, k), unit, title, at)
 
 
 def shape_branches(ds: xr.Dataset) -> Any:

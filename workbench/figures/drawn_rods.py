@@ -51,9 +51,9 @@ class DrawnRod:
         return replace(self, arrays={name: np.asarray(array)[kept] for name, array in self.arrays.items()})
 
     def developed(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """rho (alpha - alpha(0)) and z, (n,) each."""
+        """To the right and down on the unrolled cylinder: z and rho (alpha - alpha(0)), (n,) each."""
         alpha = self["alpha"]
-        return self.rho * (alpha - alpha[0]), self["z"]
+        return self["z"], self.rho * (alpha - alpha[0])
 
 
 @dataclass(frozen=True, eq=False)

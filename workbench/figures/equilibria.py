@@ -41,10 +41,11 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
             below = ", ".join(labels.value(float(value), value) for value in values)
             index = int(one["index"])
             ax = fig.add_subplot(cells[k // columns, k % columns])
-            draw_frame(ax, _curve(ds, k), look(index), unit, f"{k + 1}  index {index}", below)
+            title = f"{k + 1}: {stability(index, sheet.width / columns - 0.35)}"
+            draw_frame(ax, _curve(ds, k), look(index), unit, title, below)
         energies(ds, fig.add_subplot(grid[1]), sheet.width, high)
         some = f"; {count} of {ds.sizes['equilibrium']} are shown" if count < ds.sizes["equilibrium"] else ""
-        said = f"Unrolled views, each with its own scale, {words} below it; dot: s = 0{some}."
+        said = f"Unrolled views, {style.WAYS}, each with its own scale, {words} below it; dot: s = 0{some}."
         legend.below(fig, [], [said], sheet)
 
     return canvas.figure((sheet.width, rows * cell + high + 0.7 * sheet.titled), draw, ds, sheet=sheet)
@@ -79,7 +80,7 @@ def loops(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     columns = int(np.clip(count, 2, max((sheet.width - 1.0) // LOOP, 2)))
     rows, cell = -(-count // columns), 0.9 * sheet.width / columns - 0.15
     curves = [_curve(ds, k) for k in range(count)]
-    size = max(1.0, 1 / (1 - FOOT)) / FILL * max(max(np.ptp(x), np.ptp(z)) for x, z in curves)
+    size = 1 / (1 - FOOT) / FILL * max(float(np.ptp(values)) for curve in curves for values in curve)
     pushes = [push_from(ds["contact"].values[k], str(ds.attrs["side"])) for k in range(count)]
     norm, turn = push_scale.scale(pushes), 2 * np.pi * float(ds["rho"])
     unit = labels.unit(str(ds.attrs["length_unit"]))
@@ -92,16 +93,15 @@ def loops(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         for k, ax in enumerate(axes[:count]):
             one = ds.isel(equilibrium=k)
             for wrap in range(int(one["wraps"]) + 1):
-                ax.axvline(wrap * turn, color=style.FAINT, linewidth=0.8, zorder=0)
+                ax.axhline(wrap * turn, color=style.FAINT, linewidth=0.8, zorder=0)
             index, waves = int(one["index"]), int(one["folds"])
-            word = "stable" if index == 0 else f"unstable in {index} way{'s' * (index > 1)}"
             meets = "\nintersects itself" if "overlaps" in str(one["caution"].values) else ""
             drawn = draw_frame(ax, curves[k], {"push": pushes[k], "norm": norm}, unit,
-                               f"{k + 1}: {waves} wave{'s' * (waves > 1)}, {word}",
+                               f"{k + 1}: {waves} wave{'s' * (waves > 1)}, {stability(index)}",
                                f"energy {labels.value(float(one['energy']), one['energy'])}{meets}", size)  # fmt: skip
         push_scale.bar(fig, drawn, list(axes), push_scale.unit(ds), rows * (cell + 0.6), below=sheet.narrow)
         sentences = [
-            "Unrolled views, z up, all at one scale; the vertical lines are one turn around the cylinder apart. "
+            f"Unrolled views, {style.WAYS}, all at one scale; the lines are one turn around the cylinder apart. "
             f"The rod lies {ds.attrs['side']}.",
             "Orange: the cylinder would have to pull, a rod that is free to unbind lifts off there.",
             "Stable and index: of the closed rod on the surface, its section free to turn.",
@@ -113,7 +113,13 @@ def loops(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
 
 def _curve(ds: xr.Dataset, k: int) -> tuple[Any, Any]:
     one = ds.isel(equilibrium=k)
-    return float(one["rho"]) * (one["alpha"].values - one["alpha"].values[0]), one["z"].values
+    return one["z"].values, float(one["rho"]) * (one["alpha"].values - one["alpha"].values[0])
+
+
+def stability(index: int, room: float = np.inf) -> str:
+    """``stable`` or ``unstable in 2 ways``, in as many words as have room in so many inches of small letters."""
+    words = ["stable"] if index == 0 else [f"unstable in {index} way{'s' * (index > 1)}", f"unstable ({index})"]
+    return next((text for text in words if style.width_of(text, style.small()) <= room), words[-1])
 
 
 def look(index: int) -> dict[str, Any]:
@@ -130,14 +136,14 @@ def draw_frame(
     below: str,
     size: float | None = None,
 ) -> Any:
-    """Draw an unrolled view, the distance around the cylinder to the right and z up, at one scale; its start is a dot.
+    """Draw an unrolled view, z to the right and the distance around the cylinder down, at one scale; a dot at its start.
 
     Parameters
     ----------
     ax
         The frame; it becomes a square.
     curve
-        rho alpha and z, (n,) each.
+        z and rho alpha, (n,) each.
     how
         Colour and width of the curve; or its push and the scale of its colours.
     unit
@@ -151,16 +157,16 @@ def draw_frame(
     -------
     The line that has the colours of the push, else None.
     """
-    x, z = curve
+    x, y = curve
     drawn = None
     if "push" in how:
-        drawn = push_scale.line(ax, x, z, **how)
+        drawn = push_scale.line(ax, x, y, **how)
     else:
-        ax.plot(x, z, **how, solid_capstyle="round", solid_joinstyle="round", zorder=3)
-    ax.plot(x[0], z[0], "o", color=style.INK, markersize=3, zorder=4)
-    size = size or max(float(np.ptp(x)), float(np.ptp(z)) / (1 - FOOT), 1e-300) / FILL
-    left, low = (x.max() + x.min() - size) / 2, (z.max() + z.min() - size * (1 + FOOT)) / 2
-    ax.set(xlim=(left, left + size), ylim=(low, low + size), xticks=[], yticks=[], aspect="equal")
+        ax.plot(x, y, **how, solid_capstyle="round", solid_joinstyle="round", zorder=3)
+    ax.plot(x[0], y[0], "o", color=style.INK, markersize=3, zorder=4)
+    size = size or max(float(np.ptp(x)), float(np.ptp(y)) / (1 - FOOT), 1e-300) / FILL
+    left, low = (x.max() + x.min() - size) / 2, (y.max() + y.min() + size * (1 + FOOT)) / 2
+    ax.set(xlim=(left, left + size), ylim=(low, low - size), xticks=[], yticks=[], aspect="equal")
     length = round_length(BAR * size)
     begin, up = 0.06, 0.07
     ax.plot([begin, begin + length / size], [up, up], color=style.INK, linewidth=1.6, solid_capstyle="butt",

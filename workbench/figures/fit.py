@@ -45,11 +45,10 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
 def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     """The fitted unrolled view, seen from outside, with the measured points.
 
-    z to the right and rho alpha down; where rho alpha spans more than z, rho alpha to the right and z up.
+    z is to the right and rho alpha down.
     """
-    unit, up = labels.unit(str(ds.attrs["length_unit"])), _upright(ds)
-    names = ("alpha", "z") if up else ("z", "alpha")
-    line, feet, points = ([_places(ds, part + name) for name in names] for part in ("", "foot_", "measured_"))
+    unit = labels.unit(str(ds.attrs["length_unit"]))
+    line, feet, points = ([_places(ds, part + name) for name in ("z", "alpha")] for part in ("", "foot_", "measured_"))
     ax.plot(*line, color=style.PAIR[1], linewidth=2.0, label="fitted rod")
     if "measured_z" in ds:
         for a, b, c, d in zip(*points, *feet, strict=True):
@@ -60,18 +59,14 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     ax.plot(line[0][0], line[1][0], "o", color=style.INK, markersize=5)
     ax.annotate("s = 0", (line[0][0], line[1][0]), (-6, 0), textcoords="offset points", ha="right", va="center",
                 size=style.small())  # fmt: skip
-    wide, high = _extent(ds)
-    factor = unrolled.stretch(wide, high, room)
+    factor = unrolled.stretch(*_extent(ds), room)
     ax.set_aspect(factor, anchor="NW")
-    across, along = (f"{unrolled.AROUND} [{unit}]", f"z [{unit}]")[:: 1 if up else -1]
-    ax.set_xlabel(f"{across}{unrolled.larger(1 / factor)}")
-    ax.set_ylabel(style.wrap(f"{along}{unrolled.larger(factor)}", ax, upward=True))
-    ways = "z up" if up else "z to the right"
-    title = style.wrap(f"Unrolled view, seen from outside: {ways}", ax)
+    ax.set_xlabel(f"z [{unit}]{unrolled.larger(1 / factor)}")
+    ax.set_ylabel(style.wrap(f"{style.AROUND} [{unit}]{unrolled.larger(factor)}", ax, upward=True))
+    title = style.wrap("Unrolled view, seen from outside: z to the right", ax)
     ax.set_title(title, loc="left", pad=22 if "measured_z" in ds else 6)
     ax.margins(x=max(0.06, 0.55 / room[0]), y=0.12)  # room for s = 0
-    if not up:
-        ax.invert_yaxis()
+    ax.invert_yaxis()
     return style.with_grid(ax)
 
 
@@ -82,22 +77,10 @@ def _places(ds: xr.Dataset, name: str) -> Any:
     return ds[name].values * (float(ds["rho"]) if name.endswith("alpha") else 1.0)
 
 
-def _spans(ds: xr.Dataset) -> tuple[float, float]:
+def _extent(ds: xr.Dataset) -> tuple[float, float]:
     """The extents of z and of rho alpha, of the curve and the points together [length]."""
     z, alpha = (np.ptp(np.concatenate([_places(ds, k) for k in (name, f"measured_{name}")])) for name in ("z", "alpha"))
     return float(z), float(alpha)
-
-
-def _upright(ds: xr.Dataset) -> bool:
-    """Whether z is drawn up: the longer extent is drawn to the right."""
-    z, across = _spans(ds)
-    return across > z
-
-
-def _extent(ds: xr.Dataset) -> tuple[float, float]:
-    """The width and the height of what is drawn [length]."""
-    z, across = _spans(ds)
-    return max(z, across), min(z, across)
 
 
 def _height(ds: xr.Dataset, room: tuple[float, float]) -> float:

@@ -35,7 +35,7 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], sheet: Sheet = SCREE
                     label="a case outside" if case else "a step the wrong way", **how)  # fmt: skip
     draw_curve(ds, ax, row)
     title = f"{row['claim']}: {sentence(ds, row)}"
-    pad = 6 + (_write_verdict(ax, row) if sheet.titled else 0.0)
+    pad = 6 + (_write_verdict(ds, ax, row) if sheet.titled else 0.0)
     ax.set_title(style.wrap(title, ax), loc="left", pad=pad)
     if not sheet.titled:
         _keep(ds, ax, row, title)
@@ -54,18 +54,36 @@ def _keep(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], title: str) -> None:
     """Keep the verdict and the other observables for the caption."""
     fig = ax.get_figure(root=True)
     assert fig is not None
-    told = "; ".join(text for text in (PLAIN[row["verdict"]], _measure(row), _other_observables(ds, row)) if text)
+    told = "; ".join(text for text in (PLAIN[row["verdict"]], _measure(ds, row), _other_observables(ds, row)) if text)
     legend.keep(fig, [f"{title}; {told.rstrip('.')}."])
 
 
-def _measure(row: Mapping[str, Any]) -> str:
-    return labels.law_text(row, "; ".join(text for text in (row["found"], law_verdicts.detail(row)) if text))
+def _measure(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
+    """What was measured, its numbers with their units, and the reason of the verdict."""
+    numbers, axis = row["numbers"], ds[row["axis"]]
+    said = WITH_NUMBERS[row["kind"]].measured(ds, row, numbers, axis) if numbers else row["found"]
+    return labels.law_text(row, "; ".join(text for text in (said, law_verdicts.detail(row)) if text))
 
 
-def _write_verdict(ax: Axes, row: Mapping[str, Any]) -> float:
+def _off(ds: xr.Dataset, row: Mapping[str, Any], numbers: Mapping[str, float], axis: xr.DataArray) -> str:
+    off = f"{100 * numbers['off']:.3g} %" if "relative" in row["rule"] else _number(numbers["off"], ds[row["observable"]])
+    return f"at most {off} off, at {row['axis']} = {_number(numbers['at'], axis)}"
+
+
+def _range(ds: xr.Dataset, row: Mapping[str, Any], numbers: Mapping[str, float], axis: xr.DataArray) -> str:
+    return " to ".join(_number(numbers[end], ds[row["observable"]]) for end in ("smallest", "largest"))
+
+
+def _passed(ds: xr.Dataset, row: Mapping[str, Any], numbers: Mapping[str, float], axis: xr.DataArray) -> str:
+    if row["found"].count("between") > 1:
+        return str(row["found"])
+    return f"passes between {' and '.join(_number(numbers[end], axis) for end in ('from', 'to'))}"
+
+
+def _write_verdict(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> float:
     """Write the verdict above the axes and its reason below it, in the verdict's colour; their height in points."""
     colour = style.VERDICT_COLOURS[row["verdict"]]
-    reason = style.wrap(_measure(row), ax, style.small())
+    reason = style.wrap(_measure(ds, row), ax, style.small())
     below = 11 * (reason.count("\n") + 1) if reason else 0
     above: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom",
                              "color": colour}  # fmt: skip
@@ -106,22 +124,30 @@ def draw_curve(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
         key: values if key == "x" else labels.in_label_unit(ds[law.observable], values)
         for key, values in law_numbers.of_line(ds, law, places).items()
     }
-    WITH_NUMBERS[law.kind].draw(ax, ds, along, numbers, law, row)
+    observed = labels.in_label_unit(ds[law.observable], [float(ds[law.observable].isel(place)) for place in places])
+    WITH_NUMBERS[law.kind].draw(ax, ds, along, numbers | {"observed": observed}, law, row)
 
 
 def _equals(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
     values, array = numbers["formula"], ds[law.observable]
     half = labels.in_label_unit(array, law.absolute) if law.relative is None else law.relative * np.abs(values)
     _line(ax, along, values, formula(ds, law.formula, array))
-    thin = 2 * np.median(half) * style.inches(ax)[1] * 72 < SEEN * np.ptp(ax.get_ylim())
-    ax.fill_between(along, values - half, values + half, color=style.INK, alpha=0.12, linewidth=0, zorder=0,
-                    label=f"what the law allows{' (hardly wider than the line)' if thin else ''}")  # fmt: skip
+    _allow(ax, along, values - half, values + half, f"± {_tolerance(row['rule'], array)}")
+
+
+def _allow(ax: Axes, along: Any, low: Any, high: Any, tolerance: str) -> None:
+    """Shade what a law allows, with its number."""
+    thin = np.median(high - low) * style.inches(ax)[1] * 72 < SEEN * np.ptp(ax.get_ylim())
+    ax.fill_between(along, low, high, color=style.INK, alpha=0.12, linewidth=0, zorder=0,
+                    label=f"allowed: {tolerance}{' (hardly wider than the line)' if thin else ''}")  # fmt: skip
 
 
 def _bound(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
     for key, word in (("least", "at least"), ("most", "at most")):
         if key in numbers:
-            _line(ax, along, numbers[key], f"{word} {formula(ds, getattr(law, key), ds[law.observable])}")
+            least = float(np.nanmin((numbers["observed"] - numbers[key]) * (1 if key == "least" else -1)))
+            near = f"nearest: {labels.number(least, 3)} {'inside' if least >= 0 else 'outside'}".replace("-", "")
+            _line(ax, along, numbers[key], f"{word} {formula(ds, getattr(law, key), ds[law.observable])} ({near})")
 
 
 def _scales(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
@@ -131,6 +157,8 @@ def _scales(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: A
     stored = np.abs(np.radians(along) if labels.is_angle(ds[law.axis]) else along)
     fitted = labels.in_label_unit(ds[law.observable], found["factor"] * stored ** found["exponent"])
     _line(ax, along, fitted, labels.typeset(f"fit: {row['found']}"))
+    wide = np.exp(law.within * np.abs(np.log(stored / np.exp(np.mean(np.log(stored))))))
+    _allow(ax, along, *np.sort([fitted / wide, fitted * wide], axis=0), labels.minus_signs(f"exponent {law.exponent:g} ± {law.within:g}"))
 
 
 def _boundary(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
@@ -139,8 +167,14 @@ def _boundary(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row:
     half = float(labels.in_label_unit(axis, law.within))
     _line(ax, along, numbers["passes"], f"the value {formula(ds, law.passes, ds[law.observable])}")
     if places.size == 1 and np.isfinite(places[0]):
-        ax.axvspan(places[0] - half, places[0] + half, color=style.INK, alpha=0.12, linewidth=0, zorder=0,
-                   label="where the law expects it")  # fmt: skip
+        ax.axvspan(places[0] - half, places[0] + half, color=style.INK, alpha=0.12, linewidth=0, zorder=0)
+        ax.axvline(places[0], color=style.SOFT, linewidth=1, zorder=1, label=(
+            f"expected: {_number(float(numbers['x'][0]), axis)} ± {_number(law.within, axis)}"))  # fmt: skip
+        if row["numbers"]:
+            at, there = row["numbers"]["at"], float(numbers["x"][0])
+            share = f", {100 * abs(at - there) / abs(there):.2g} % off" if there else ""
+            ax.plot(labels.in_label_unit(axis, at), numbers["passes"][0], "D", color="white", markersize=6, zorder=5,
+                    markeredgecolor=style.INK, label=f"measured: {_number(at, axis)}{share}")  # fmt: skip
 
 
 def _line(ax: Axes, along: Any, values: Any, label: str) -> None:
@@ -170,8 +204,11 @@ def sentence(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
 
 
 def _words_of_equals(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
-    near = f"{100 * rule['relative']:.4g}{NO_BREAK}%" if "relative" in rule else _number(rule["absolute"], array)
-    return f"equals {formula(ds, rule['formula'], array)} within {near}, along {labels.axis_symbol(axis)}"
+    return f"equals {formula(ds, rule['formula'], array)} within {_tolerance(rule, array)}, along {labels.axis_symbol(axis)}"
+
+
+def _tolerance(rule: Mapping[str, Any], array: xr.DataArray) -> str:
+    return f"{100 * rule['relative']:.4g}{NO_BREAK}%" if "relative" in rule else _number(rule["absolute"], array)
 
 
 def _words_of_bounds(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
@@ -212,7 +249,7 @@ def formula(ds: xr.Dataset, value: Any, array: xr.DataArray) -> str:
 def _in_symbols(ds: xr.Dataset, value: str) -> str:
     text = re.sub(r"[A-Za-z_]\w*", lambda found: _symbol(ds, found[0]), value)
     text = re.sub(r"\*\*\s*(?:\((-?[\d.]+)\)|(-?[\d.]+))", lambda found: _exponent(found[1] or found[2]), text)
-    return re.sub(r"\s*\*\s*", "·", text.replace("**", "^"))
+    return re.sub(r"\s*\*\s*", "·", text.replace("**", "^").replace(" - ", " − "))
 
 
 def _symbol(ds: xr.Dataset, name: str) -> str:
@@ -233,15 +270,16 @@ def _number(value: float, array: xr.DataArray) -> str:
 
 @dataclass(frozen=True)
 class Panel:
-    """How a kind of law with numbers is drawn, and what its sentence says of the observable."""
+    """How a kind of law with numbers is drawn, what its sentence says of the observable, and of what was measured."""
 
     draw: Callable[..., None]
     predicate: Callable[..., str]
+    measured: Callable[..., str]
 
 
 WITH_NUMBERS = {
-    "equals": Panel(_equals, _words_of_equals),
-    "bounded": Panel(_bound, _words_of_bounds),
-    "scales": Panel(_scales, _words_of_scales),
-    "boundary": Panel(_boundary, _words_of_boundary),
+    "equals": Panel(_equals, _words_of_equals, _off),
+    "bounded": Panel(_bound, _words_of_bounds, _range),
+    "scales": Panel(_scales, _words_of_scales, lambda ds, row, numbers, axis: row["found"]),
+    "boundary": Panel(_boundary, _words_of_boundary, _passed),
 }

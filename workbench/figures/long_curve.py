@@ -57,7 +57,7 @@ class Lines:
 
 def lines_for(rod: DrawnRod, room: tuple[float, float]) -> Lines | None:
     """The lines in which a rod is largest in a room of inches; None where it needs none: in one piece it is no hair."""
-    across, z = rod.developed()
+    z, across = rod.developed()
     s, tall, spread = rod["s"], float(np.ptp(z)), float(np.ptp(across))
     if not lines.is_long(tall, rod.rho + rod.a) or spread * room[0] >= HAIR * tall:
         return None
@@ -89,7 +89,7 @@ def draw(
     dots: whether the stations miss bends. coloured: whether the lines have the colours of the push.
     """
     norm = push_scale.scale([rod["push"]]) if coloured and not dots else None
-    s, (across, z) = rod["s"], rod.developed()
+    s, (z, across) = rod["s"], rod.developed()
     starts = s[0] + found.every * np.arange(found.count)
     ends: list[float] = []
     last: LineCollection | None = None
@@ -131,7 +131,7 @@ def said(found: Lines, s: Values, unit: str, overlaps: bool = False) -> list[str
     if found.every > found.each * (1 + 1e-9):
         size, whole = labels.number(found.each), labels.number(float(np.ptp(s)))
         told = [f"Only {found.count} pieces of {size} {unit} each are shown, spread over {whole} {unit}, at one scale."]
-    told = ["Unrolled view, seen from outside: z to the right, distance around the cylinder down; dot: s = 0.", *told]
+    told = [f"Unrolled view, seen from outside: {style.WAYS}; dot: s = 0.", *told]
     if found.turn:
         told.append("A line is the whole unrolled cylinder: the rod leaves it below and comes back above.")
     if overlaps:

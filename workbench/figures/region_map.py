@@ -136,7 +136,7 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
         else:
             left_out.append(k)
     some = "; where there is not room for all, those of lowest energy" if fewer else ""
-    note = f"Shapes: unrolled views of the stable equilibria, all at one scale{some}."
+    note = f"Shapes: unrolled views of the stable equilibria, {style.WAYS}, all at one scale{some}."
     return [note] if drawn else [], left_out
 
 
@@ -152,13 +152,13 @@ def _draw_shapes(
     for i in range(count):
         left = middle[0] + (i - count / 2) * side[0]
         inset = ax.inset_axes((left, middle[1] - side[1] / 2, side[0], side[1]), zorder=6)
-        places = rho[k] * (alpha[k, i] - alpha[k, i, 0]), z[k, i]
+        places = z[k, i], rho[k] * (alpha[k, i] - alpha[k, i, 0])
         inset.plot(*places, color="white", linewidth=2.6, alpha=0.8, clip_on=False)
         inset.plot(*places, color=style.INK, linewidth=1.1, clip_on=False)
         inset.plot(places[0][0], places[1][0], "o", color=style.INK, markersize=2.2, clip_on=False)
         middles = [(one.min() + one.max()) / 2 for one in places]
         inset.set(
-            xlim=(middles[0] - half, middles[0] + half), ylim=(middles[1] - half, middles[1] + half), aspect="equal"
+            xlim=(middles[0] - half, middles[0] + half), ylim=(middles[1] + half, middles[1] - half), aspect="equal"
         )
         inset.set_axis_off()
 

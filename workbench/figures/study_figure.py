@@ -1,5 +1,6 @@
 """The figure of a stored study: its unrolled views along each axis, its samples, and a panel for each law."""
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -230,7 +231,10 @@ def _for_column(chosen: _Choice) -> _Choice:
 def level_notes(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
     """A sentence about each observable that is the same in all cases."""
     level = [(ds[name], float(ds[name].max())) for name in names if observed.is_level(ds, name)]
-    texts = [f"{labels.long_name(array)}: {labels.value(value, array)} in all cases." for array, value in level]
+    asked = re.compile(r"[<>]|==|!=|\b(and|or|not)\b")  # an expression that is true or false
+    said = [("false", "true")[bool(value)] if asked.search(str(array.attrs.get("expression", "")))
+            else labels.value(value, array) for array, value in level]  # fmt: skip
+    texts = [f"{labels.long_name(array)}: {text} in all cases." for (array, _), text in zip(level, said, strict=True)]
     return [text[0].upper() + text[1:] for text in texts]
 
 

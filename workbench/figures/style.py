@@ -38,6 +38,8 @@ MAP_ENDS = (0.0, 0.88)
 # Maps: the same ramp mixed with white, so that ink (numbers, hatching, lines) stands out from every colour of it
 WHITE_OF_MAP = 0.42
 UNSOLVED, UNKNOWN = INK, "#ffffff"  # a cell without a solution, darker than every colour of a map; one without a number
+AROUND = "distance around the cylinder"
+WAYS = f"z to the right, {AROUND} down"  # of every unrolled view
 HATCHES = {"pulled": "///", "overlaps": "\\\\\\"}  # key of `cautions.WORDS` -> how its cells are hatched
 
 DPI = 200

@@ -92,24 +92,24 @@ def _number(cells: Cells, name: str, j: int, i: int) -> str:
 def _scale_of(ds: xr.Dataset, extent: tuple[float, float], factor: float) -> str:
     """The scale of the shapes in words."""
     unit = labels.unit(str(ds.attrs["length_unit"]))
-    size = f"the tallest is {labels.number(extent[1])} {unit} high"
-    enlarged = f"{unrolled.larger(1 / factor, unrolled.AROUND)}{unrolled.larger(factor, 'z')}"
-    return f"Shapes: unrolled views, each about its own case, its number below; all at one scale{enlarged}; {size}."
+    size = f"the longest is {labels.number(extent[0])} {unit} long"
+    enlarged = f"{unrolled.larger(1 / factor, 'z')}{unrolled.larger(factor, style.AROUND)}"
+    return f"Shapes: unrolled views, {style.WAYS}, each about its own case, its number below; all at one scale{enlarged}; {size}."
 
 
 def _curve(inset: Axes, rod: DrawnRod, extent: tuple[float, float], factor: float, norm: Normalize | None) -> None:
     """One unrolled view, in the middle of its own axes; where the push is stored, in the colours of the push."""
-    across, up = rod.developed()
+    across, down = rod.developed()
     if unrolled.is_coarse(rod):
-        inset.plot(across, up, ".", color=style.DATA, markersize=2)
+        inset.plot(across, down, ".", color=style.DATA, markersize=2)
     elif norm is not None:
-        push_scale.line(inset, across, up, rod["push"], norm, 1.3)
+        push_scale.line(inset, across, down, rod["push"], norm, 1.3)
     else:
-        inset.plot(across, up, color=style.DATA, linewidth=1.3)
-    inset.plot(across[0], up[0], "o", color=style.INK, markersize=2.2)
+        inset.plot(across, down, color=style.DATA, linewidth=1.3)
+    inset.plot(across[0], down[0], "o", color=style.INK, markersize=2.2)
     for drawn in (*inset.lines, *inset.collections):
         drawn.set_clip_on(False)
-    for low_high, values, size in ((inset.set_xlim, across, extent[0]), (inset.set_ylim, up, extent[1])):
+    for low_high, values, size in ((inset.set_xlim, across, extent[0]), (inset.set_ylim, down, -extent[1])):
         middle, half = (values.min() + values.max()) / 2, 0.5 * size or 0.5
         low_high(middle - half, middle + half)
     inset.set_aspect(factor, adjustable="box")

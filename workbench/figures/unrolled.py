@@ -1,7 +1,6 @@
 """Unrolled views: the cylinder is cut open and laid flat, and the rods lie on it in strips, all at one scale.
 
-z is to the right and the distance around the cylinder down, as one sees it from outside; rods that go farther around
-the cylinder than along it have their distance around it to the right and z up. A rod a thousand times as long as it is
+z is to the right and the distance around the cylinder down, as one sees it from outside. A rod a thousand times as long as it is
 wide is a hair at one scale: one such rod is set in lines (`long_curve`), several have one direction drawn larger.
 """
 
@@ -46,7 +45,6 @@ STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SHORT = 0.9  # of the arc: a shorter chord has turned by a right angle or more in between
 RING = 3.5, 7.0  # points across at least, in the smallest and in the largest strips
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
-AROUND = "distance around the cylinder"
 THROUGH = "the rod passes through itself"
 TOO_LONG = "is too long to search for the places where it passes through itself"
 PULLED = "the cylinder would have to pull: the rod would lift off"
@@ -56,9 +54,8 @@ PULLED = "the cylinder would have to pull: the rod would lift off"
 class Strips:
     """How the curves stand.
 
-    columns, rows: their number. low, size: where each strip begins, to the right and up or down, and its extent
-    [length]. scale: inches per length to the right. factor: how many times larger than that the other direction is
-    drawn. lying: whether z is to the right.
+    columns, rows: their number. low, size: where each strip begins, to the right and down, and its extent [length]. scale: inches per length to the right. factor: how many times larger than that the other direction is
+    drawn.
     """
 
     columns: int
@@ -67,7 +64,6 @@ class Strips:
     size: tuple[float, float]
     scale: float
     factor: float
-    lying: bool
 
     @property
     def pitch(self) -> tuple[float, float]:
@@ -80,14 +76,9 @@ class Strips:
         return self.rows * self.pitch[1] * self.scale * self.factor
 
     def shift(self, k: int) -> tuple[float, float]:
-        """How far the k-th curve is drawn to the right and up [length]."""
+        """How far the k-th curve is drawn to the right and down [length]."""
         row, column = divmod(k, self.columns)
-        down = row * self.pitch[1]
-        return column * self.pitch[0], down if self.lying else -down
-
-    def places(self, curve: tuple[Any, Any]) -> tuple[Any, Any]:
-        """The numbers of a curve to the right and up."""
-        return curve[::-1] if self.lying else curve
+        return column * self.pitch[0], row * self.pitch[1]
 
 
 def strips(rods: Sequence[DrawnRod], room: tuple[float, float]) -> Strips:
@@ -97,8 +88,7 @@ def strips(rods: Sequence[DrawnRod], room: tuple[float, float]) -> Strips:
     whole = max(high - low for low, high in ends) or 1.0
     spare = [MARGIN * max(high - low, 0.4 * whole * (high - low <= STRAIGHT * whole)) for low, high in ends]
     ends = [(float(low - more), float(high + more)) for (low, high), more in zip(ends, spare, strict=True)]
-    lying = np.ptp(ends[1]) >= np.ptp(ends[0])
-    (left, right), (low, high) = ends[::-1] if lying else ends
+    (left, right), (low, high) = ends
     wide, tall = right - left, high - low
     best: tuple[Any, Any] = ((False, 0.0), None)
     for columns in range(1, len(rods) + 1):
@@ -110,7 +100,7 @@ def strips(rods: Sequence[DrawnRod], room: tuple[float, float]) -> Strips:
         scale = min(cell[0] / wide, cell[1] / (tall * factor))
         size = fits, round(scale * min(factor, 1.0) * wide, 6)
         if size > best[0]:
-            best = size, (columns, rows, (left, low), (wide, tall), scale, factor, bool(lying))
+            best = size, (columns, rows, (left, low), (wide, tall), scale, factor)
     return Strips(*best[1])
 
 
@@ -144,8 +134,8 @@ def has_curve(ds: xr.Dataset) -> bool:
 
 def is_coarse(rod: DrawnRod) -> bool:
     """Whether the stations of a rod miss a bend: some chord is much shorter than the arc between its ends."""
-    across, z = rod.developed()
-    return bool((np.hypot(np.diff(across), np.diff(z)) < SHORT * np.diff(rod["s"])).any())
+    x, y = rod.developed()
+    return bool((np.hypot(np.diff(x), np.diff(y)) < SHORT * np.diff(rod["s"])).any())
 
 
 def figure(
@@ -209,7 +199,7 @@ def draw(
     if isinstance(form, long_curve.Lines):
         return long_curve.draw(ax, rods.rods[0], form, unit, is_coarse(rods.rods[0]), coloured)
     norm = push_scale.scale([rod["push"] for rod in rods.solved]) if coloured else None
-    narrowest = min(float(np.ptp(form.places(rod.developed())[1])) for rod in rods.solved) * form.scale * form.factor
+    narrowest = min(float(np.ptp(rod.developed()[1])) for rod in rods.solved) * form.scale * form.factor
     width = float(np.clip(2.4 * narrowest**0.5, 1.0, 2.4))
     last, notes, rings = None, list[str](), list[Any]()
     column = form.pitch[0] * form.scale
@@ -219,8 +209,7 @@ def draw(
         corner = form.low[0] + right, form.low[1] + up
         ax.add_patch(Rectangle(corner, *form.size, facecolor=style.BAND, linewidth=0, zorder=0))
         if rods.axis:
-            top = corner[1] + (0 if form.lying else form.size[1])
-            ax.annotate(rod.name if named else rod.value, (corner[0], top), (0, 2), textcoords="offset points",
+            ax.annotate(rod.name if named else rod.value, corner, (0, 2), textcoords="offset points",
                         va="bottom", size=style.small())  # fmt: skip
         if rod.arrays is None:
             middle = corner[0] + form.size[0] / 2, corner[1] + form.size[1] / 2
@@ -246,7 +235,7 @@ def _draw_curve(
     ax: Axes, rod: DrawnRod, form: Strips, shift: tuple[float, float], norm: Any, width: float
 ) -> LineCollection | None:
     """One curve and its start; a line where the stations are close enough, else dots."""
-    x, y = form.places(rod.developed())
+    x, y = rod.developed()
     where = Affine2D().translate(*shift) + ax.transData
     ax.plot(x[0], y[0], "o", color=style.INK, markersize=1.6 * width, label="s = 0", zorder=4, transform=where)
     if is_coarse(rod):
@@ -268,7 +257,7 @@ def _rings(rod: DrawnRod, form: Strips) -> tuple[list[Any], list[str]]:
     rings: list[Any] = []
     least = float(np.clip(5 * min(form.size[0] * form.scale, form.size[1] * form.scale * form.factor), *RING))
     for pair in pairs:
-        both = np.array([np.interp(pair, rod["s"], values) for values in form.places(rod.developed())]).T
+        both = np.array([np.interp(pair, rod["s"], values) for values in rod.developed()]).T
         apart = float(np.linalg.norm((both[1] - both[0]) * (1, form.factor)))
         near = np.linalg.norm(both[1] - both[0]) < NEAR * rod.a
         rings += [(both.mean(axis=0), 72 * form.scale * apart + least / 2)] if near else [(one, least) for one in both]
@@ -280,13 +269,11 @@ def _frame(ax: Axes, rods: DrawnRods, form: Strips, unit: str) -> None:
     columns = min(form.columns, len(rods.rods))
     ends = form.low[0], form.low[0] + (columns - 1) * form.pitch[0] + form.size[0]
     head, foot = HEAD / (form.scale * form.factor), (form.rows - 1) * form.pitch[1]
-    up = (form.low[1] + foot + form.size[1], form.low[1] - head) if form.lying else (
-        form.low[1] - foot, form.low[1] + form.size[1] + head)  # fmt: skip
-    ax.set(xlim=ends, ylim=up, aspect=form.factor, anchor="NW")
-    down = 1 if form.lying else -1
+    down = form.low[1] + foot + form.size[1], form.low[1] - head
+    ax.set(xlim=ends, ylim=down, aspect=form.factor, anchor="NW")
     for axis, low, size, pitch, count, scale in (
         (ax.xaxis, form.low[0], form.size[0], form.pitch[0], columns, form.scale),
-        (ax.yaxis, form.low[1], form.size[1], down * form.pitch[1], form.rows, form.scale * form.factor),
+        (ax.yaxis, form.low[1], form.size[1], form.pitch[1], form.rows, form.scale * form.factor),
     ):
         most = max(min(int(size * scale / (0.5 if axis is ax.xaxis else 0.35)), 8), 1)
         ticks: list[float] = []
@@ -295,25 +282,24 @@ def _frame(ax: Axes, rods: DrawnRods, form: Strips, unit: str) -> None:
                 low, low + size) if low <= t <= low + size]  # fmt: skip
         if size * scale < 0.3:
             ticks = [t for t in ticks if t == 0]
-        axis.set_ticks([t + k * pitch for k in range(count) for t in ticks], Ticks().format_ticks(ticks) * count)
-    ax.tick_params(length=2, pad=2)
+        texts = Ticks().format_ticks(ticks)
+        full = count if axis is ax.yaxis else len(rods.rods) - (form.rows - 1) * columns  # have a strip at the edge
+        axis.set_ticks([t + k * pitch for k in range(full) for t in ticks], texts * full)
+        for place, text in ((t + k * pitch, text) for k in range(full, count) for t, text in zip(ticks, texts, strict=True)):
+            ax.annotate(text, (place, down[0] - form.pitch[1]), (0, -2), textcoords="offset points", ha="center", va="top",
+                        size=style.small(), color=style.SOFT)  # fmt: skip
+    ax.tick_params(length=0, pad=2)
     ax.spines[:].set_visible(False)
-    names = f"{AROUND} [{unit}]", f"z [{unit}]"
-    right, upward = names[::-1] if form.lying else names
-    ax.set_xlabel(f"{right}{larger(1 / form.factor)}", labelpad=1)
+    ax.set_xlabel(f"z [{unit}]{larger(1 / form.factor)}", labelpad=1)
     brief = f", ×{form.factor:g}" if form.factor > 1 else ""
-    words = [
-        f"{upward}{larger(form.factor)}",
-        *(f"{upward.replace(AROUND, word)}{brief}" for word in (AROUND, "around")),
-    ]
+    words = [f"{style.AROUND} [{unit}]{larger(form.factor)}", *(f"{word} [{unit}]{brief}" for word in (style.AROUND, "around"))]
     ax.set_ylabel(style.shorter(words, form.height), labelpad=1)
 
 
 def _said(form: Strips) -> str:
     """How the views are read."""
-    ways = f"z to the right, {AROUND} down" if form.lying else f"{AROUND} to the right, z up"
     scale = f"{'all ' if form.rows * form.columns > 1 else ''}at one scale" if form.factor == 1 else "at two scales"
-    return f"Unrolled view, seen from outside: {ways}, {scale}; dot: s = 0."
+    return f"Unrolled view, seen from outside: {style.WAYS}, {scale}; dot: s = 0."
 
 
 def entries(ax: Axes, rods: DrawnRods) -> list[Artist]:
