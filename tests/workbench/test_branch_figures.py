@@ -225,13 +225,14 @@ def test_no_number_of_a_diagram_of_branches_is_nearer_to_another_point(which, dr
 def test_a_shape_fills_its_frame_and_the_bar_has_its_scale(wide, tall) -> None:
     ax = Figure(figsize=(2, 2)).add_axes((0, 0, 1, 1))
     curve = np.linspace(1.0, 1.0 + wide, 9), np.linspace(0, tall, 9)
-    equilibria_figure.draw_frame(ax, curve, equilibria_figure.look(0), "cm", "1", "")
-    size = np.ptp(ax.get_xlim())
-    assert max(wide / size, tall / size) > 0.7
+    form = equilibria_figure.frames([curve], 2.0, 2.0)
+    equilibria_figure.draw_frame(ax, curve, equilibria_figure.look(0), "cm", "1", "", form.size)
+    size, high = np.ptp(ax.get_xlim()), abs(np.ptp(ax.get_ylim()))
+    assert max(wide / size, tall / high) > 0.7
     bar = ax.lines[2].get_xdata()  # in shares of the frame
     assert ax.texts[0].get_text() == f"{(bar[1] - bar[0]) * size:g} cm"
     low = ax.get_ylim()[0]
-    assert low - 0.12 * size > tall  # the bar lies below the curve
+    assert low - 0.1 * high > tall  # the bar lies below the curve
 
 
 def test_a_smooth_line_passes_through_its_points_and_follows_a_circle() -> None:

@@ -79,6 +79,15 @@ def test_the_picture_shows_curves_of_stable_folds_cusps_and_numbers() -> None:
     assert words[1:] == ["fold of a stable and an unstable equilibrium", "cusp"]
 
 
+@pytest.mark.parametrize(("given", "inside"), [((-30.0, 2.0), True), ((0.0, 3.0), False)])
+def test_the_given_case_is_marked_and_named_where_it_lies(given, inside) -> None:
+    assert made().attrs["given"] == [0.0, 3.0]
+    ax = region_figure.figure(made().assign_attrs(given=given, reading="a"), sheet()).axes[0]
+    marks = [line.get_xydata()[0].tolist() for line in ax.lines if line.get_marker() == "P"]
+    assert marks == [list(given)] * inside
+    assert ("Table 1" in [text.get_text() for text in ax.texts]) == inside
+
+
 REFUSED = {
     "no axis": ((), "folds takes --axis NAME=FROM:TO twice, with two different fields, got none"),
     "one axis": (("--axis", "FZ=0:1"), "got FZ=0:1"),

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from solver import Case
+from solver.problem.case_fields import value_of
 from solver.region_map import Region, RegionMap
 from studies import Study
 
@@ -50,6 +51,7 @@ def dataset_of(study: Study, found: RegionMap, checked: Checked | None = None) -
     ds = xr.Dataset(data, coords, attributes(study, folds.case, f"The number of equilibria over {symbols}"))
     ds.attrs |= {"study_name": "folds", "fields": json.dumps([x, y]), "remark": found.remark}
     ds.attrs["low"], ds.attrs["high"] = folds.low.tolist(), folds.high.tolist()
+    ds.attrs["given"] = [value_of(folds.case, name) for name in folds.names]
     if checked is not None:
         ds.attrs["checked_points"], ds.attrs["failed_points"] = checked
     ds = _with_case(ds, folds.case, units, (x, y))

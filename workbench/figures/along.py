@@ -35,8 +35,12 @@ COLOURS = {"straight": "#d9d9d4", "sinusoidal": "#7fb8d6", "helical": "#2c5f8a"}
 NEEDED = {STATES: ("beta", "alpha", "push")}  # arrays of a panel that is no array itself
 MOST, MOST_PANELS = 60, 6
 CLEAR = 1.25  # the step from one curve to the next over the least at which no curve reaches the next
-EACH, TALL, NARROW = 0.55, (1.9, 7.2), (1.0, 3.4)  # inches of one curve, and of a panel; on a narrow sheet of all panels
-THICK, LINE = 0.62, 0.1  # of a row of states: its bar, and above it the line where the cylinder would have to pull
+EACH, TALL, NARROW = (
+    0.55,
+    (1.9, 7.2),
+    (1.0, 3.4),
+)  # inches of one curve, and of a panel; on a narrow sheet of all panels
+THICK, LINE = 0.62, 0.13  # of a row of states: its bar, and above it the line where the cylinder would have to pull
 TEXT = 1.45  # heights of a letter from one line of text to the next
 
 
@@ -86,7 +90,9 @@ def figure(
         for i, (ax, one) in enumerate(zip(axes, curves, strict=True)):
             _panel(ax, rods, one, ends, tall, labelled=sheet.narrow or i == 0)
             ax.xaxis.label.set_visible(not sheet.narrow or i == len(names) - 1)
-        lines = ["Faint line: where the quantity of a rod is 0."] * any(not one.foot for one in curves if len(names) > 1)
+        lines = ["Faint line: where the quantity of a rod is 0."] * any(
+            not one.foot for one in curves if len(names) > 1
+        )
         legend.below(fig, entries(rods, names), [*lines, *rods.said(), *rods.notes], sheet)
 
     height = rows * (tall + (0.3 if sheet.narrow else 0.75)) + 0.75 + 0.7 * sheet.titled
@@ -98,7 +104,8 @@ states = partial(figure, show=(STATES,))
 
 def entries(rods: DrawnRods, names: Sequence[str]) -> list[Artist]:
     """The legend of panels: the states, and what the colours of a push are."""
-    found: list[Artist] = [Patch(color=colour, label=word) for word, colour in COLOURS.items() if STATES in names]
+    seen = {state.word for rod in rods.solved for state in _states(rod)} if STATES in names else set()
+    found: list[Artist] = [Patch(color=colour, label=word) for word, colour in COLOURS.items() if word in seen]
     if "push" in names:
         found.append(Patch(color=style.PUSHED, label="the cylinder pushes"))
     if {"push", STATES} & set(names) and any(push_scale.pulls(rod["push"]) for rod in rods.solved):
@@ -255,16 +262,22 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
 
 def _draw_states(ax: Axes, rods: DrawnRods) -> None:
     """A bar a rod, in the colours of its states, and above it a line where the cylinder would have to pull."""
-    from solver.shooting.state import states as states_of
-
     for k, rod in enumerate(rods.rods):
         if rod.arrays is None:
             _say_unsolved(ax, k)
             continue
-        for state in states_of(rod["s"], rod["beta"], rod["alpha"]):
+        for state in _states(rod):
             ax.barh(k, state.end - state.begin, THICK, state.begin, color=COLOURS[state.word], gid=state.word)
         pulls = rod["push"] < -SLIGHT * np.abs(rod["push"]).max()
-        ax.fill_between(rod["s"], k + THICK / 2, k + THICK / 2 + LINE, where=pulls, color=push_scale.PULL, linewidth=0)
+        ax.fill_between(
+            rod["s"], k + THICK / 2, k + THICK / 2 + LINE, where=pulls, color=push_scale.PULL, linewidth=1.5
+        )
+
+
+def _states(rod: drawn_rods.DrawnRod) -> Sequence[Any]:
+    from solver.shooting.state import states
+
+    return states(rod["s"], rod["beta"], rod["alpha"])
 
 
 def _say_unsolved(ax: Axes, height: float) -> None:
@@ -295,4 +308,7 @@ def _bar(ax: Axes, curves: Curves) -> None:
     ax.plot([1.015, 1.015], [top - length, top], color=style.INK, linewidth=2.2, solid_capstyle="butt", clip_on=False,
             transform=ax.get_yaxis_transform("grid"))  # fmt: skip
     foot = f"; line: {labels.number(curves.foot)}{curves.unit}" if curves.foot else ""
-    ax.set_title(style.wrap(f"{curves.title}; bar: {labels.number(length)}{curves.unit.replace(' 1/', '/')}{foot}", ax), loc="left")
+    ax.set_title(
+        style.wrap(f"{curves.title}; bar: {labels.number(length)}{curves.unit.replace(' 1/', '/')}{foot}", ax),
+        loc="left",
+    )

@@ -1,5 +1,6 @@
 """The bifurcation diagram of a dataset of branches: all equilibria over an axis, folds, and a shape of each branch."""
 
+from collections.abc import Sequence
 from itertools import pairwise
 from string import ascii_lowercase
 from typing import Any
@@ -17,11 +18,11 @@ from studies.line_verdicts import DIRECTIONS
 from ..branches.branch_dataset import branches
 from ..data import labels
 from . import canvas, legend, point_numbers, style
-from .equilibria import draw_frame, stability
+from .equilibria import Frames, draw_frame, frames, stability
 from .sheet import SCREEN, Sheet
 
-PANEL, STRIP = (4.6, 3.0), 1.5  # inches: heights of the panels on a page as wide as a screen, of a row of shapes
-MOST, ROW = 16, 8  # shapes, and shapes in a row; half as many on one column of a page
+PANEL, SHAPES = (4.6, 3.0), 3.6  # inches: heights of the panels on a page as wide as a screen, of all shapes
+MOST = 16, 8  # shapes; those on one column of a page
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
 SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed ones would look solid
 
@@ -43,27 +44,27 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     names = [name for name in dict.fromkeys((str(ds.attrs["shown"]), "energy")) if f"curve_{name}" in ds]
     part = 2 if sheet.narrow else 1
     names, left_out = names[: 3 - part], names[3 - part :]
-    count, across = min(ds.sizes.get("shape", 0), MOST // part), ROW // part
-    rows, share = -(-count // across), max(sheet.width / SCREEN.width, 0.45)
-    strip = STRIP * max(share, 0.7)
+    count, share = min(ds.sizes.get("shape", 0), MOST[sheet.narrow]), max(sheet.width / SCREEN.width, 0.45)
+    curves = _curves(ds, count)
+    form = frames(curves, sheet.width, SHAPES * max(share, 0.55))
     panels = [share * high for high in PANEL[: len(names)]]
 
     def draw(fig: Figure) -> None:
         notes = _laws(ds)
-        grid = fig.add_gridspec(len(names) + bool(rows), 1, height_ratios=[*panels, *[strip * rows] * bool(rows)])
+        grid = fig.add_gridspec(len(names) + bool(curves), 1, height_ratios=[*panels, *[form.height] * bool(curves)])
         for i, name in enumerate(names):
             ax = panel(ds, fig.add_subplot(grid[i]), name, panels[i])
             if i == 0 and not sheet.narrow:
                 legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=5)
-        if rows:
-            cells = grid[len(names)].subgridspec(rows, across)
-            _shapes(ds, fig, cells, count, across)
+        if curves:
+            _shapes(ds, fig, grid[len(names)].subgridspec(form.rows, form.columns), curves, form)
             some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
-            notes.append(f"Unrolled views at the numbered points: {style.WAYS}, each with its own scale{some}; dot: s = 0.")
+            short = form.said(row["index"] for row in branches(ds))
+            notes.append(f"Unrolled views at the points: {style.WAYS}, all at one scale{some}; dot: s = 0{short}.")
         notes += [f"Not drawn: {', '.join(left_out)}."] if left_out else []
-        legend.below(fig, fig.axes[0].get_legend_handles_labels()[0] if sheet.narrow else [], notes, sheet)
+        legend.below(fig, legend.entries(fig.axes[0]) if sheet.narrow else [], notes, sheet)
 
-    height = sum(panels) + strip * rows + 0.8 + 0.2 * len(_laws(ds))
+    height = sum(panels) + form.height * bool(curves) + 0.8 + 0.2 * len(_laws(ds))
     return canvas.figure((sheet.width, height), draw, ds, sheet=sheet)
 
 
@@ -198,18 +199,24 @@ def _look_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> di
     return {key: look[key] for key in ("color", "linewidth")}
 
 
-def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, count: int, across: int) -> None:
-    """The unrolled views at the numbered points, each as large as its frame."""
-    name, unit = str(ds.attrs["axis"]), labels.unit(str(ds["shape_z"].attrs.get("units", "1")))
+def _curves(ds: xr.Dataset, count: int) -> list[tuple[Any, Any]]:
+    """z and rho alpha of the first shapes."""
+    if not count:
+        return []
     around = ds["shape_rho"].values[:, None] * (ds["shape_alpha"].values - ds["shape_alpha"].values[:, :1])
-    room = fig.get_figwidth() / across - 0.4
+    return list(zip(ds["shape_z"].values, around, strict=True))[:count]
+
+
+def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, curves: Sequence[tuple[Any, Any]], form: Frames) -> None:
+    """The unrolled views at the numbered points."""
+    name, unit = str(ds.attrs["axis"]), labels.unit(str(ds["shape_z"].attrs.get("units", "1")))
     rows, of = {row["branch"]: row for row in branches(ds)}, shape_branches(ds)
-    for k, number in enumerate(_names(ds)[:count]):
+    for k, number in enumerate(_names(ds)[: len(curves)]):
         at = labels.value(float(ds[f"shape_{name}"].values[k]), ds[name], 3)
         row = rows[int(of[k])]
-        ax = fig.add_subplot(cells[k // across, k % across])
-        curve, title = (ds["shape_z"].values[k], around[k]), f"{number}: {stability(int(row['index']), room)}"
-        draw_frame(ax, curve, _look_of_shape(ds, name, row, k), unit, title, at)
+        ax = fig.add_subplot(cells[k // form.columns, k % form.columns])
+        title = f"{number}: {stability(int(row['index']), form.room)}"
+        draw_frame(ax, curves[k], _look_of_shape(ds, name, row, k), unit * (k == 0), title, at, form.size)
 
 
 def shape_branches(ds: xr.Dataset) -> Any:
@@ -229,7 +236,7 @@ def _number_points(ds: xr.Dataset, ax: Axes, key: str, inches: tuple[float, floa
     name, rows = str(ds.attrs["axis"]), {row["branch"]: row for row in branches(ds)}
     if f"shape_{key}" not in ds:
         return
-    x, y = (_values(ds, f"shape_{one}")[:MOST] for one in (name, key))
+    x, y = (_values(ds, f"shape_{one}")[: MOST[0]] for one in (name, key))
     (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
     inside = (x >= left) & (x <= right) & (y >= low) & (y <= high)
     of, names = shape_branches(ds), _names(ds)

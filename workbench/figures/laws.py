@@ -66,7 +66,9 @@ def _measure(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
 
 
 def _off(ds: xr.Dataset, row: Mapping[str, Any], numbers: Mapping[str, float], axis: xr.DataArray) -> str:
-    off = f"{100 * numbers['off']:.3g} %" if "relative" in row["rule"] else _number(numbers["off"], ds[row["observable"]])
+    off = (
+        f"{100 * numbers['off']:.3g} %" if "relative" in row["rule"] else _number(numbers["off"], ds[row["observable"]])
+    )
     return f"at most {off} off, at {row['axis']} = {_number(numbers['at'], axis)}"
 
 
@@ -74,7 +76,7 @@ def _range(ds: xr.Dataset, row: Mapping[str, Any], numbers: Mapping[str, float],
     return " to ".join(_number(numbers[end], ds[row["observable"]]) for end in ("smallest", "largest"))
 
 
-def _passed(ds: xr.Dataset, row: Mapping[str, Any], numbers: Mapping[str, float], axis: xr.DataArray) -> str:
+def _crossing(ds: xr.Dataset, row: Mapping[str, Any], numbers: Mapping[str, float], axis: xr.DataArray) -> str:
     if row["found"].count("between") > 1:
         return str(row["found"])
     return f"passes between {' and '.join(_number(numbers[end], axis) for end in ('from', 'to'))}"
@@ -158,20 +160,21 @@ def _scales(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: A
     fitted = labels.in_label_unit(ds[law.observable], found["factor"] * stored ** found["exponent"])
     _line(ax, along, fitted, labels.typeset(f"fit: {row['found']}"))
     wide = np.exp(law.within * np.abs(np.log(stored / np.exp(np.mean(np.log(stored))))))
-    _allow(ax, along, *np.sort([fitted / wide, fitted * wide], axis=0), labels.minus_signs(f"exponent {law.exponent:g} ± {law.within:g}"))
+    low, high = np.sort([fitted / wide, fitted * wide], axis=0)
+    _allow(ax, along, low, high, labels.minus_signs(f"exponent {law.exponent:g} ± {law.within:g}"))
 
 
 def _boundary(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
     axis = ds[law.axis]
     places = np.unique(labels.in_label_unit(axis, numbers["x"]))
-    half = float(labels.in_label_unit(axis, law.within))
+    half, there = float(labels.in_label_unit(axis, law.within)), float(numbers["x"][0])
     _line(ax, along, numbers["passes"], f"the value {formula(ds, law.passes, ds[law.observable])}")
     if places.size == 1 and np.isfinite(places[0]):
         ax.axvspan(places[0] - half, places[0] + half, color=style.INK, alpha=0.12, linewidth=0, zorder=0)
-        ax.axvline(places[0], color=style.SOFT, linewidth=1, zorder=1, label=(
-            f"expected: {_number(float(numbers['x'][0]), axis)} ± {_number(law.within, axis)}"))  # fmt: skip
+        ax.axvline(places[0], color=style.SOFT, linewidth=1, zorder=1,
+                   label=f"expected: {_number(there, axis)} ± {_number(law.within or 0.0, axis)}")  # fmt: skip
         if row["numbers"]:
-            at, there = row["numbers"]["at"], float(numbers["x"][0])
+            at = row["numbers"]["at"]
             share = f", {100 * abs(at - there) / abs(there):.2g} % off" if there else ""
             ax.plot(labels.in_label_unit(axis, at), numbers["passes"][0], "D", color="white", markersize=6, zorder=5,
                     markeredgecolor=style.INK, label=f"measured: {_number(at, axis)}{share}")  # fmt: skip
@@ -204,7 +207,8 @@ def sentence(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
 
 
 def _words_of_equals(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
-    return f"equals {formula(ds, rule['formula'], array)} within {_tolerance(rule, array)}, along {labels.axis_symbol(axis)}"
+    near = _tolerance(rule, array)
+    return f"equals {formula(ds, rule['formula'], array)} within {near}, along {labels.axis_symbol(axis)}"
 
 
 def _tolerance(rule: Mapping[str, Any], array: xr.DataArray) -> str:
@@ -281,5 +285,5 @@ WITH_NUMBERS = {
     "equals": Panel(_equals, _words_of_equals, _off),
     "bounded": Panel(_bound, _words_of_bounds, _range),
     "scales": Panel(_scales, _words_of_scales, lambda ds, row, numbers, axis: row["found"]),
-    "boundary": Panel(_boundary, _words_of_boundary, _passed),
+    "boundary": Panel(_boundary, _words_of_boundary, _crossing),
 }

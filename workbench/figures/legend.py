@@ -6,6 +6,7 @@ from typing import Any
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from . import style
@@ -44,10 +45,16 @@ HANDLE = 0.45  # inches of an entry beside its label
 
 def add(ax: Axes, **where: Any) -> None:
     """The legend of what is drawn on the axes, none where nothing has a label; where: options of `Axes.legend`."""
-    handles, labels = ax.get_legend_handles_labels()
-    once = dict(zip(labels, handles, strict=True))
+    once = {str(entry.get_label()): entry for entry in entries(ax)}
     if once:
         ax.legend(list(once.values()), list(once), **{"loc": "best", **PADDED, **where})
+
+
+def entries(ax: Axes) -> list[Any]:
+    """The labelled artists of axes: lines and areas in their order, then marks."""
+    return sorted(
+        ax.get_legend_handles_labels()[0], key=lambda one: isinstance(one, Line2D) and one.get_linestyle() == "None"
+    )
 
 
 def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), sheet: Sheet = SCREEN) -> None:

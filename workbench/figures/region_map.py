@@ -21,6 +21,7 @@ HIGH = 0.72  # height of the map over its width
 SHAPE, SMALL_SHAPE = 0.62, 0.4  # inches, the side of a shape, and that on a narrow map
 NARROW = 4.0  # inches of a map
 MOST, PAD = 4, 0.05  # shapes in a region; inches around a text
+GIVEN = ("the given case", "Table 1")  # what the map was made of
 
 
 def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
@@ -64,6 +65,7 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
         cusps = [labels.in_label_unit(ds[name], ds[f"cusp_{name}"].values) for name in (x, y)]
         ax.plot(*cusps, "D", color="white", markeredgecolor=style.INK, markersize=4, zorder=5, linestyle="none")
     ax.set(xlim=edges[0], ylim=edges[1], xlabel=labels.axis_label(x, ds[x]), ylabel=labels.axis_label(y, ds[y]))
+    _mark_given_case(ds, ax, (x, y))
     notes, left_out = _name_regions(ds, ax, inches)
     said = {int(count) for k, count in enumerate(ds["count"].values) if k not in left_out}
     unsaid = sorted({int(ds["count"].values[k]) for k in left_out} - said)
@@ -71,6 +73,20 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
     return notes, [
         Patch(color=(*colours[count], 0.8), label=f"{count} equilibri{'um' if count == 1 else 'a'}") for count in unsaid
     ]
+
+
+def _mark_given_case(ds: xr.Dataset, ax: Axes, names: tuple[str, str]) -> None:
+    """Mark and name the case that the map was made of, where it lies on the map."""
+    stored = ds.attrs.get("given", (np.nan, np.nan))  # older files have none
+    x, y = (float(labels.in_label_unit(ds[name], value)) for name, value in zip(names, stored, strict=True))
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    if not (left <= x <= right and low <= y <= high):
+        return
+    ax.plot(x, y, "P", color=style.INK, markeredgecolor="white", markersize=8, zorder=7, linestyle="none")
+    before = x > (left + right) / 2
+    ax.annotate(GIVEN[bool(ds.attrs.get("reading"))], (x, y), (-8 if before else 8, 0), textcoords="offset points",
+                ha="right" if before else "left", va="center", size=style.small(), weight="bold", zorder=7,
+                path_effects=[HALO])  # fmt: skip
 
 
 def entries(ds: xr.Dataset) -> list[Artist]:
@@ -121,16 +137,16 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
             wide = max(style.width_of(part, style.small()) for part in said.split("\n"))
             high = line * (1 + said.count("\n"))
             middle = regions.place(
-                numbers == k, cell, (high + side * bool(shapes) + PAD, max(wide, shapes * side) + PAD)
+                numbers == k, cell, (high + (side + 2 * PAD) * bool(shapes) + PAD, max(wide, shapes * side) + PAD)
             )
             if middle is not None:
                 up, across = (place / size for place, size in zip(middle, numbers.shape, strict=True))
                 fewer, drawn = fewer or 0 < shapes < stable, drawn or shapes > 0
-                lift = side / 2 / inches[1] * bool(shapes)
+                lift = (side / 2 + PAD) / inches[1] * bool(shapes)
                 ax.text(across, up + lift, said, transform=ax.transAxes, ha="center", va="center", size=style.small(),
                         color=style.INK, linespacing=1.1, path_effects=[HALO], zorder=6)  # fmt: skip
                 _draw_shapes(
-                    ds, ax, k, shapes, (across, up - line / 2 / inches[1]), (side / inches[0], side / inches[1])
+                    ds, ax, k, shapes, (across, up - (line / 2 + PAD) / inches[1]), (side / inches[0], side / inches[1])
                 )
                 break
         else:

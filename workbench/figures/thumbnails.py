@@ -94,7 +94,8 @@ def _scale_of(ds: xr.Dataset, extent: tuple[float, float], factor: float) -> str
     unit = labels.unit(str(ds.attrs["length_unit"]))
     size = f"the longest is {labels.number(extent[0])} {unit} long"
     enlarged = f"{unrolled.larger(1 / factor, 'z')}{unrolled.larger(factor, style.AROUND)}"
-    return f"Shapes: unrolled views, {style.WAYS}, each about its own case, its number below; all at one scale{enlarged}; {size}."
+    where = f"{style.WAYS}, each about its own case, its number below"
+    return f"Shapes: unrolled views, {where}; all at one scale{enlarged}; {size}."
 
 
 def _curve(inset: Axes, rod: DrawnRod, extent: tuple[float, float], factor: float, norm: Normalize | None) -> None:

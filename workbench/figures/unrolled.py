@@ -1,7 +1,8 @@
 """Unrolled views: the cylinder is cut open and laid flat, and the rods lie on it in strips, all at one scale.
 
-z is to the right and the distance around the cylinder down, as one sees it from outside. A rod a thousand times as long as it is
-wide is a hair at one scale: one such rod is set in lines (`long_curve`), several have one direction drawn larger.
+z is to the right and the distance around the cylinder down, as one sees it from outside. A rod a thousand times as long
+as it is wide is a hair at one scale: one such rod is set in lines (`long_curve`), several have one direction drawn
+larger.
 """
 
 from collections.abc import Mapping, Sequence
@@ -54,8 +55,8 @@ PULLED = "the cylinder would have to pull: the rod would lift off"
 class Strips:
     """How the curves stand.
 
-    columns, rows: their number. low, size: where each strip begins, to the right and down, and its extent [length]. scale: inches per length to the right. factor: how many times larger than that the other direction is
-    drawn.
+    columns, rows: their number. low, size: where each strip begins, to the right and down, and its extent [length].
+    scale: inches per length to the right. factor: how many times larger than that the other direction is drawn.
     """
 
     columns: int
@@ -285,14 +286,19 @@ def _frame(ax: Axes, rods: DrawnRods, form: Strips, unit: str) -> None:
         texts = Ticks().format_ticks(ticks)
         full = count if axis is ax.yaxis else len(rods.rods) - (form.rows - 1) * columns  # have a strip at the edge
         axis.set_ticks([t + k * pitch for k in range(full) for t in ticks], texts * full)
-        for place, text in ((t + k * pitch, text) for k in range(full, count) for t, text in zip(ticks, texts, strict=True)):
-            ax.annotate(text, (place, down[0] - form.pitch[1]), (0, -2), textcoords="offset points", ha="center", va="top",
-                        size=style.small(), color=style.SOFT)  # fmt: skip
+        for place, text in (
+            (t + k * pitch, text) for k in range(full, count) for t, text in zip(ticks, texts, strict=True)
+        ):
+            ax.annotate(text, (place, down[0] - form.pitch[1]), (0, -2), textcoords="offset points", ha="center",
+                        va="top", size=style.small(), color=style.SOFT)  # fmt: skip
     ax.tick_params(length=0, pad=2)
     ax.spines[:].set_visible(False)
     ax.set_xlabel(f"z [{unit}]{larger(1 / form.factor)}", labelpad=1)
     brief = f", ×{form.factor:g}" if form.factor > 1 else ""
-    words = [f"{style.AROUND} [{unit}]{larger(form.factor)}", *(f"{word} [{unit}]{brief}" for word in (style.AROUND, "around"))]
+    words = [
+        f"{style.AROUND} [{unit}]{larger(form.factor)}",
+        *(f"{word} [{unit}]{brief}" for word in (style.AROUND, "around")),
+    ]
     ax.set_ylabel(style.shorter(words, form.height), labelpad=1)
 
 
