@@ -115,7 +115,7 @@ class Base(BaseModel):
     side: Literal["outside", "inside"] | None = None
     inclination: Angle | None = None
     friction: float | None = None
-    sliding: Literal["forward", "backward", "rotating"] | None = None
+    sliding: Literal["forward", "backward", "rotating", "axial-forward", "axial-backward"] | None = None
     beta: Angle | None = None
     dbeta: float | None = None
     F1: float | None = None

@@ -34,6 +34,18 @@ static TARGET vec NAME(half)(const vec *x, int k)
     return k == 0 ? x[0] * x[0] : k % 2 ? twice : twice + x[k / 2] * x[k / 2];
 }
 
+/* Which way each rod moves against the wall: of the three, one is 1. */
+typedef struct {
+    vec sliding, turning, moving;
+} NAME(way);
+
+static inline ALWAYS TARGET NAME(way) NAME(ways)(const NAME(lanes) *x)
+{
+    const vec k = x->rod[WAY];
+    const NAME(way) found = {1.0 - k * k, 0.5 * k * (k + 1.0), 0.5 * k * (k - 1.0)};
+    return found;
+}
+
 /* The coefficients k of the contact force P, and of what it multiplies. */
 static TARGET void NAME(pushed)(NAME(lanes) *x, int k)
 {
@@ -44,7 +56,7 @@ static TARGET void NAME(pushed)(NAME(lanes) *x, int k)
     vec plain = NAME(sum)(x->FY, x->s, k) + NAME(sum)(x->H, x->lever, k) - x->rod[ACROSS] * x->ca[k];
     plain += -3.0 * x->v2[k] + 6.0 * NAME(sum)(x->v2, x->s2, k);
     /* beta_t mu_t holds P itself */
-    const vec much = x->rod[TURNING] * side * x->rod[FRICTION] * x->rod[RADIUS], divisor = 1.0 - much * v[0];
+    const vec much = NAME(ways)(x).turning * side * x->rod[FRICTION] * x->rod[RADIUS], divisor = 1.0 - much * v[0];
     for (int j = 1; j <= k; j++)
         plain += side * much * v[j] * x->P[k - j];
     x->P[k] = side * plain / divisor;
@@ -111,10 +123,11 @@ static inline ALWAYS TARGET void NAME(terms)(NAME(lanes) *x, const int k, const 
               2.0 * (cube[0] + cube[1] + NAME(ends)(x->sc, x->s2, k));
     if (rubbed) {
         NAME(pushed)(x, k);
-        const vec turning = rod[TURNING], sliding = 1.0 - turning, f = rod[FRICTION];
-        twist = turning * f * rod[RADIUS] * x->P[k];
-        along += f * (sliding * x->Pc[k] + turning * rod[SIDE] * x->Ps[k]);
-        across += f * (sliding * x->Ps[k] + turning * (rod[RADIUS] - rod[SIDE]) * x->Pc[k]);
+        const NAME(way) is = NAME(ways)(x);
+        const vec f = rod[FRICTION];
+        twist = is.turning * f * rod[RADIUS] * x->P[k];
+        along += f * (is.sliding * x->Pc[k] + is.moving * x->P[k] + is.turning * rod[SIDE] * x->Ps[k]);
+        across += f * (is.sliding * x->Ps[k] + is.turning * (rod[RADIUS] - rod[SIDE]) * x->Pc[k]);
     }
     y[BETA][k + 1] = v[k] * share;
     y[SPEED][k + 1] = x->H[k] * -share;
@@ -194,7 +207,7 @@ static TARGET void NAME(derive_rubbed)(NAME(lanes) *x, int deep)
     for (int k = 0; k < deep; k++)
         x->by_b[k] = 3.0 * NAME(sum)(mu, x->s, k) - 4.0 * NAME(sum)(mu, x->se, k) - NAME(sum)(q, x->s, k) -
                      NAME(sum)(phi, x->c, k) - 6.0 * NAME(half)(x->sc, k) + 2.0 * NAME(half)(x->s2, k);
-    const vec much = x->rod[TURNING] * side * x->rod[FRICTION] * x->rod[RADIUS], divisor = 1.0 - much * v[0];
+    const vec much = NAME(ways)(x).turning * side * x->rod[FRICTION] * x->rod[RADIUS], divisor = 1.0 - much * v[0];
     for (int k = 0; k < deep; k++) {
         vec by[GIVENS] = {ZERO};
         x->FYb[k] = NAME(sum)(mu, x->s, k) - 3.0 * NAME(sum)(x->s2, x->c, k);
@@ -212,7 +225,7 @@ static TARGET void NAME(derive_rubbed)(NAME(lanes) *x, int deep)
             if (i == SPEED)
                 n += much * x->P[k];
             if (i == WIDE + 2)
-                n += x->rod[TURNING] * side * x->rod[RADIUS] * NAME(sum)(v, x->P, k);
+                n += NAME(ways)(x).turning * side * x->rod[RADIUS] * NAME(sum)(v, x->P, k);
             for (int j = 1; j <= k; j++)
                 n += much * v[j] * x->P_by[i][k - j];
             x->P_by[i][k] = n / divisor;
@@ -268,14 +281,15 @@ static inline ALWAYS TARGET void NAME(columns)(NAME(lanes) *x, int first, const 
                 by_s += x->s[j] * d[STATES][k - j][i] + x->Pc[j] * d[BETA][k - j][i];
                 by_c += x->c[j] * d[STATES][k - j][i] - x->Ps[j] * d[BETA][k - j][i];
             }
-            const vec turning = rod[TURNING], sliding = 1.0 - turning, f = rod[FRICTION], lift = rod[RADIUS] - rod[SIDE];
-            along[i] += f * (turning * rod[SIDE] * by_s + sliding * by_c);
-            across[i] += f * (turning * lift * by_c + sliding * by_s);
-            twist[i] += turning * f * rod[RADIUS] * change;
+            const NAME(way) is = NAME(ways)(x);
+            const vec f = rod[FRICTION], lift = rod[RADIUS] - rod[SIDE];
+            along[i] += f * (is.turning * rod[SIDE] * by_s + is.sliding * by_c + is.moving * change);
+            across[i] += f * (is.turning * lift * by_c + is.sliding * by_s);
+            twist[i] += is.turning * f * rod[RADIUS] * change;
             if (first + i == WIDE + 2) {
-                along[i] += turning * rod[SIDE] * x->Ps[k] + sliding * x->Pc[k];
-                across[i] += turning * lift * x->Pc[k] + sliding * x->Ps[k];
-                twist[i] += turning * rod[RADIUS] * x->P[k];
+                along[i] += is.turning * rod[SIDE] * x->Ps[k] + is.sliding * x->Pc[k] + is.moving * x->P[k];
+                across[i] += is.turning * lift * x->Pc[k] + is.sliding * x->Ps[k];
+                twist[i] += is.turning * rod[RADIUS] * x->P[k];
             }
         }
         const double share = 1.0 / (k + 1.0);

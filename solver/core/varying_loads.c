@@ -6,6 +6,7 @@ lam - mu, 1 - cos(beta) and t - z keep their digits in a slender rod, where beta
     beta_tt = -H,  H = q cos + mu e (3 - 2 e) - (phi + 2 cos sin^2) sin,  e = 1 - cos(beta)
     alpha_t = sin,  u_t = e,  g_t = (A/C) mu + sin e
     phi_t = ws_c + k P cos,  lam_t = ws_s sin(alpha) + k P sin        k = sigma mu_f, along the rod
+    phi_t = ws_c + k P                                                              a rod that moves along the axis
     mu_t = k a P,  phi_t = ws_c + k o P sin,  lam_t = ws_s sin(alpha) + k P (a - o) cos      a rod that turns in place
     P = o f,  f = sin (q + mu e - sin^3) + H (3 sin cos - mu) - 3 beta_t^2 cos(2 beta) - ws_s cos(alpha) + beta_t mu_t
 
@@ -24,7 +25,7 @@ with o = 1 outside and -1 inside. */
 #define USUAL 5.0 /* the ratio of a term to the next, at the end of a usual step */
 
 enum { BETA, SPEED, ALPHA, Q, PHI, MU, SHORT, ROUND };
-enum { RATIO, ALONG, ACROSS, FRICTION, TURNING, RADIUS, SIDE, PARAMETERS }; /* of a rod */
+enum { RATIO, ALONG, ACROSS, FRICTION, WAY, RADIUS, SIDE, PARAMETERS }; /* of a rod; WAY: 0 slides along itself, 1 turns in place, -1 moves along the axis */
 
 /* What is marched, and where the results go: see `rod_loaded`. */
 typedef struct {

@@ -55,7 +55,7 @@ def march(
     Parameters
     ----------
     rods, scale : arrays, (7,) and (SIZE,), or (N, 7) and (N, SIZE)
-        A/C, omega cos(theta), omega sin(theta), sigma mu_f, 1 for a rod that turns in place, a/rho, 1 outside or -1;
+        A/C, omega cos(theta), omega sin(theta), sigma mu_f, the way as of `Cylinder.sense`, a/rho, 1 outside or -1;
         the sizes of the numbers of the state, by which the error of a step is judged.
     begin : array, (N, SIZE)
         The states at which the stretches begin.

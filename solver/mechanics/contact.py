@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..problem.case import SIDES, Case
+from ..problem.case import IN_PLACE, SIDES, Case
 
 
 def contact_force(A: Any, m: Any, rho: Any, FY: Array, H: Array, beta: Array, dbeta: Array) -> Array:
@@ -48,8 +48,8 @@ def with_weight(case: Case, contact: Array, alpha: Array, dbeta: Array) -> Array
     wall = case.cylinder
     if case.rod.weight is not None and wall.inclination is not None:
         contact = contact - column(case.rod.weight * np.sin(wall.inclination)) * np.cos(alpha)
-    sign, turning = wall.sense
-    if turning and wall.friction is not None:
+    sign, way = wall.sense
+    if way == IN_PLACE and wall.friction is not None:
         contact = contact / (1 - case.outward * sign * column(wall.friction * case.rod.a) * dbeta)
     return contact
 

@@ -20,8 +20,15 @@ from .shown import table_of
 
 SIDES = {"outside": 1.0, "inside": -1.0}  # the sign of rho - R, and of the contact force where the cylinder pushes
 TWISTS = ("F1", "dgamma", "M3")  # fields of Start: each alone determines the twisting moment
-# how the rod moves against the wall: the sign of sliding towards larger s, and whether it turns in place
-SLIDING = {"forward": (1.0, False), "backward": (-1.0, False), "rotating": (1.0, True)}
+ALONG_ITSELF, IN_PLACE, ALONG_AXIS = 0, 1, -1  # ways to move against the wall
+# the sign of sliding towards larger s, and the way
+SLIDING = {
+    "forward": (1.0, ALONG_ITSELF),
+    "backward": (-1.0, ALONG_ITSELF),
+    "rotating": (1.0, IN_PLACE),
+    "axial-forward": (1.0, ALONG_AXIS),
+    "axial-backward": (-1.0, ALONG_AXIS),
+}
 # fields of Ends: one of each pair is given, the other one is then unknown
 PAIRS = (("beta0", "M10"), ("betaL", "M1L"), ("FZ", "height"), ("MZ", "azimuth"), ("M3", "rotation"))
 
@@ -42,9 +49,9 @@ class Cylinder:
         descends. Only for a rod with weight. Default: 0.
     friction : float or array, optional
         Coefficient of the friction of a rod that slides everywhere, at least 0. Default: no friction.
-    sliding : {"forward", "backward", "rotating"}, optional
-        How a rod with friction moves: towards larger s, towards smaller s, or turning in place, counterclockwise seen
-        against s. Default: forward.
+    sliding : {"forward", "backward", "rotating", "axial-forward", "axial-backward"}, optional
+        How a rod with friction moves: along itself towards larger s or smaller s, turning in place, counterclockwise
+        seen against s, or as a whole along the axis of the cylinder. Default: forward.
 
     Raises
     ------
@@ -63,7 +70,7 @@ class Cylinder:
     side: Literal["outside", "inside"] = "outside"
     inclination: Any = None
     friction: Any = None
-    sliding: Literal["forward", "backward", "rotating"] | None = None
+    sliding: Literal["forward", "backward", "rotating", "axial-forward", "axial-backward"] | None = None
 
     def __post_init__(self) -> None:
         check_numbers(self, skip=("side", "sliding"))
@@ -82,8 +89,8 @@ class Cylinder:
             object.__setattr__(self, "sliding", self.sliding or next(iter(SLIDING)))
 
     @property
-    def sense(self) -> tuple[float, bool]:
-        """The sign of sliding towards larger s, and whether the rod turns in place."""
+    def sense(self) -> tuple[float, int]:
+        """The sign of sliding towards larger s, and the way: ALONG_ITSELF, IN_PLACE or ALONG_AXIS."""
         return SLIDING[self.sliding or "forward"]
 
     def __repr__(self) -> str:

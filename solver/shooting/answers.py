@@ -152,6 +152,8 @@ def words_of(path: Path) -> str:
     if path.buckled is not None:
         said.append(f"which buckles at {path.buckled:.6g} times these loads")
     said += [f"leaves its branch at {share:.4g} times them for another stable shape" for share in path.jumped]
+    if path.slipped is not None:
+        said.append(f"leaves its branch at {path.slipped:.4g} of the friction for another sinusoid")
     return ", ".join(said)
 
 

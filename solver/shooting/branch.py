@@ -10,6 +10,7 @@ from ..numerics.arrays import Array
 from .curve import Curve
 from .descent import LOOSE, descend, index_at, index_of_any, is_near, weakest_modes
 from .loaded_rod import SHORT, LoadedRod
+from .local_sinusoid import passes_fold, sinusoid
 from .newton import Shape, correct
 
 CLOSE = 1e-6  # relative: of the load at which the straight rod buckles
@@ -17,8 +18,14 @@ AMPLITUDES = tuple(
     0.05 * 4.0**-k for k in range(6)
 )  # of the angles, in their scales, with which a buckled shape is sought
 MOST_FORCES, LEAST_BENT = 20, 1e-3  # that are tried for a held height; how much they shorten the rod, of the wanted
-FRICTION = "this friction: beyond, it may drive waves along the rod, and the ends hold no shape"
-FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.1, 1e-5, 0.25
+FRICTION = "this friction"
+FOLD = f"{FRICTION}; it raises the compression beyond 5.26 sqrt(EI w sin(inclination)/rho), where no sinusoid is left"
+WAVES = (
+    f"{FRICTION}: beyond, it may drive waves along the rod; hinged ends (M10 and M1L in place of beta0 and betaL) or "
+    "a rod that moves as a whole (sliding 'axial-forward' or 'axial-backward') may have an answer"
+)
+FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.1, 1e-4, 0.25
+LEAST_RUBBED = 3e-3  # least step of a rod with friction, whose branch ends where its waves run
 AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought to which a rod jumps
 
 
@@ -28,13 +35,15 @@ class Path:
 
     shape: None if none was. index: its Morse index; 0 with friction, which has none. buckled: the share of the loads at
     which the straight rod buckles; None if it does not. jumped: shares at which the branch ended and the rod fell to
-    another one. why: why no shape, or none under the whole loads, was reached.
+    another one. slipped: the share of the friction at which the branch ended and another sinusoid was taken. why: why
+    no shape, or none under the whole loads, was reached.
     """
 
     shape: Shape | None
     index: int = 0
     buckled: float | None = None
     jumped: tuple[float, ...] = ()
+    slipped: float | None = None
     why: str = ""
 
 
@@ -80,8 +89,10 @@ def branch_with_friction(rod: LoadedRod) -> Path:
     plain = branch_from_straight(rod.rubbed_by(0.0))
     if plain.shape is None:
         return plain
-    found = grow(rod.rubbed_by, plain.shape, 0.0, 1.0, FRICTION)
-    return replace(found, buckled=plain.buckled, jumped=plain.jumped)
+    target = FRICTION if rod.turning else FOLD if passes_fold(rod) else WAVES
+    found = grow(rod.rubbed_by, plain.shape, 0.0, 1.0, target)
+    slipped = found.jumped[0] if found.jumped else None
+    return replace(found, buckled=plain.buckled, jumped=plain.jumped, slipped=slipped)
 
 
 def branch_to_height(rod: LoadedRod) -> Path:
@@ -178,7 +189,7 @@ def grow(
 
     rod_at: the rod at each x. target: what its last value means. The `jumped` of the path are values of x.
     """
-    step, before = max(x, FIRST_STEP * last), None
+    step, before, eased = max(x, FIRST_STEP * last), None, True
     jumped: list[float] = []
     index = index_of_any(shape)
     while x < last:
@@ -188,22 +199,25 @@ def grow(
         if found is not None and is_near(shape, found) and index_of_any(found) <= index:
             before = x, shape.y
             x, shape = ahead, found
-            step = min(2 * step, LONGEST_STEP * last) if found.steps <= 5 else step
+            step = min(2 * step, LONGEST_STEP * last) if found.steps <= 5 and eased else step
+            eased = True
             continue
-        step /= 3
-        if step > LEAST_STEP * last:
+        step, eased = step / 3, False
+        if step > (LEAST_RUBBED if shape.rod.rubbed else LEAST_STEP) * last:
             continue
+        final = sinusoid(rod_at(last))
+        if final is not None and index_of_any(final) == 0:
+            return Path(final, 0, None, (*jumped, x))
         ahead = min(last, x + AHEAD * last)
         rod = rod_at(ahead)
         below = descend(Shape(rod, shape.t, shape.y))
         if below is None:
-            hint = "; an end without a given azimuth may have an answer" if rod.rubbed and "azimuth" in rod.held else ""
-            why = f"the branch ends at {x / last:.6g} of the way to {target}{hint}"
-            return Path(None, index, None, tuple(jumped), why)
+            why = f"the branch ends at {x / last:.6g} of the way to {target}"
+            return Path(None, index, None, tuple(jumped), why=why)
         jumped.append(x)
         x, shape, index, before, step = ahead, below, 0, None, AHEAD * last
     final = correct(Shape(rod_at(last), shape.t, shape.y))
     if final is None or not is_near(shape, final):
         why = f"Newton's method did not converge at the end of the way to {target}"
-        return Path(None, index, None, tuple(jumped), why)
+        return Path(None, index, None, tuple(jumped), why=why)
     return Path(final, index_of_any(final), None, tuple(jumped))

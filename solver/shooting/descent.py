@@ -1,5 +1,6 @@
 """How far a shape is from being stable, and the stable shape to which a rod falls from one that is not."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,16 +11,24 @@ from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, Q
 from .newton import Shape, correct, linear_at, march_of
 from .varying_shapes import Nodes
 
-LOOSE = 1e-4  # of the scales: a correction that is enough on the way
-WEAKEST, FIRST, FIRMEST, FACTOR = 1e-4, 1e-2, 1e6, 3.0  # springs: weakest, at first, strongest, change
+LOOSE, FLUID = 1e-4, 1e-2  # of the scales: a correction that is enough on the way, and in a fall
+WEAKEST, FIRST, FIRMEST, FACTOR = 1e-7, 1e-2, 1e6, 3.0  # springs: weakest, at first, strongest, change
 KICK, FAR, REST = 0.1, 0.5, 1e-3  # of the angles, in their scales: a push, the longest step, what counts as none
-ROUNDS = 1000  # steps of a fall
+EASY, QUICK = 5.0, 4  # how much weaker the springs are when a shape without them is tried; steps of an easy correction
+ROUNDS = 150  # steps of a fall
 
 
-def index_at(shape: Shape, springs: Array | None = None) -> int:
-    """The Morse index of a shape; with springs, of the shape that they hold."""
-    shape = shape if springs is not None else fine_shape(shape)
-    return index_of(shape.rod, march_of(shape)[1], shape.rod.scale, springs)
+def index_at(shape: Shape) -> int:
+    """The Morse index of a shape."""
+    return held_indices(shape, ())[0]
+
+
+def held_indices(shape: Shape, strengths: Sequence[float]) -> list[int]:
+    """The Morse index of a shape alone, and where springs of each strength hold it."""
+    shape = fine_shape(shape)
+    springs = [None, *(springs_of(shape, strength) for strength in strengths)]
+    transfer = march_of(shape)[1]
+    return [index_of(shape.rod, transfer, shape.rod.scale, one) for one in springs]
 
 
 def fine_shape(shape: Shape) -> Shape:
@@ -70,30 +79,30 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
     """
     if shape.rod.rubbed:
         return None
-    strength = FIRST
-    y = shape.y + KICK * (weakest_modes(shape)[0] if change is None else change)
+    strength, tried, eased = FIRST, FIRST, False
+    y = shape.y + (KICK * weakest_modes(shape)[0] if change is None else change)
     for _ in range(ROUNDS):
         now = replace(shape, y=y)
-        springs = springs_of(now, strength)
-        there = correct(now, y, springs, reach=FAR, most=8, enough=LOOSE)
+        there = correct(now, y, springs_of(now, strength), reach=FAR, most=6, enough=FLUID)
         moved = np.inf if there is None else largest_turn(now, there)
-        if there is None or moved > FAR or index_at(there, springs) > 0:
-            fine = fine_shape(now)
-            if fine is now:
-                strength *= FACTOR
-            shape, y = fine, fine.y
+        index, held = (1, 1) if there is None or moved > FAR else held_indices(there, (strength,))
+        if there is None or held > 0:
+            strength, eased = strength * FACTOR, False
             if strength > FIRMEST:
                 return None
             continue
         y = there.y
-        stable = index_at(there) == 0
-        if stable:
+        if index == 0 and strength <= tried / EASY:
+            tried = strength
             free = correct(there, reach=1.0, most=12)
             if free is not None and is_near(there, free) and index_at(free) == 0:
                 return free
-        if moved < FAR / 5:
+        if index > 0:
+            tried = FIRST
+        if eased and there.steps <= QUICK:
             strength = max(WEAKEST, strength / FACTOR)
-        if moved < REST and not stable:
+        eased = True
+        if moved < REST and index > 0:
             y = y + KICK * weakest_modes(there)[0]
     return None
 

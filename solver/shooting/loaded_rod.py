@@ -7,6 +7,7 @@ import numpy as np
 
 from ..core.varying_loads import SIZE
 from ..numerics.arrays import Array
+from ..problem.case import IN_PLACE
 
 BETA, SPEED, ALPHA, Q, PHI, MU, SHORT, ROUND = range(SIZE)
 FAR = ("beta", "azimuth", "height", "rotation")  # what the far end can hold, in the order of its four conditions
@@ -132,7 +133,7 @@ class LoadedRod:
     @property
     def turning(self) -> bool:
         """Whether the rod turns in place against friction."""
-        return bool(self.numbers[4] != 0 and self.rubbed)
+        return bool(self.numbers[4] == IN_PLACE and self.rubbed)
 
     def nodes(self, density: float = 1.0) -> Array:
         """Nodes from 0 to the span, about one on each length on which the shape changes."""

@@ -16,13 +16,13 @@ def numbers_of(case: Case) -> Array:
     """The numbers of each rod as `core.varying_loads.march` takes them, (B, 7)."""
     A, rho, wall = case.rod.bending_stiffness, case.rho, case.cylinder
     theta = 0.0 if wall.inclination is None else wall.inclination
-    sign, turning = wall.sense
+    sign, way = wall.sense
     with np.errstate(all="ignore"):  # overflow is reported in the outcome
         omega = (0.0 if case.rod.weight is None else case.rod.weight) * rho**3 / A
         # sines of both halves of the circle, so that a rod that lies feels no weight along it
         along, across = omega * np.sin(np.pi / 2 - theta), omega * np.sin(theta)
         rubbed = sign * (0.0 if wall.friction is None else wall.friction)
-        columns = (case.rod.stiffness_ratio, along, across, rubbed, float(turning), case.rod.a / rho, case.outward)
+        columns = (case.rod.stiffness_ratio, along, across, rubbed, float(way), case.rod.a / rho, case.outward)
         return np.stack([flat(column, case.shape) for column in columns], axis=1)
 
 

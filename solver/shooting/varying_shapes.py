@@ -11,6 +11,7 @@ from ..core.varying_loads import SIZE, march
 from ..mechanics.contact import contact_force
 from ..mechanics.potential import Loads, slope
 from ..numerics.arrays import Array, Integers
+from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, Q
 from .state import State, states
 
@@ -48,8 +49,8 @@ class Nodes:
 
         beta, beta_t, lam, mu, phi, omega sin(theta) cos(alpha), and what friction divides the contact force by.
         """
-        _, _, across, rubbed, turning, a, outward = self.numbers
-        divisor = 1 - turning * outward * rubbed * a * y[:, :, SPEED]
+        _, _, across, rubbed, way, a, outward = self.numbers
+        divisor = 1 - (way == IN_PLACE) * outward * rubbed * a * y[:, :, SPEED]
         beta, speed, lam, mu, phi = (y[:, :, k] for k in (BETA, SPEED, Q, MU, PHI))
         return np.stack([beta, speed, lam + mu, mu, phi, across * np.cos(y[:, :, ALPHA]), divisor], axis=1)
 

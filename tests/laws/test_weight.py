@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.interpolate import make_interp_spline
+from scipy.optimize import minimize
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fit, follow, observe, solve
 from solver.core.varying_loads import march
@@ -13,7 +14,10 @@ from solver.problem.case_fields import values_of, with_field
 from solver.problem.reduced import reduce
 from solver.shooting.branch import buckling_tension, straight_shape
 from solver.shooting.descent import index_at
-from solver.shooting.loaded_rod import LoadedRod
+from solver.shooting.loaded_rod import PHI, LoadedRod
+from solver.shooting.local_sinusoid import TABLE, local_sinusoid, sinusoid
+from solver.shooting.newton import open_at
+from solver.shooting.numbers import rods_of
 
 ROD: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 8.0, "weight": 3.0}
 PIPE: dict[str, Any] = {"EI": 1.228e6, "GJ": 9.45e5, "a": 0.0635, "weight": 242.0}  # 5 inch, in N and m
@@ -28,17 +32,17 @@ def unbalanced(sol: Any) -> tuple[float, float]:
     """
     case, s, alpha = sol.case, sol.s, sol.alpha
     theta, rubbed = case.cylinder.inclination or 0.0, case.cylinder.friction or 0.0
-    sense, turning = case.cylinder.sense
+    sense, way = case.cylinder.sense
     out = np.stack([np.cos(alpha), np.sin(alpha), 0 * alpha], axis=-1)
     around, axis = np.stack([-np.sin(alpha), np.cos(alpha), 0 * alpha], axis=-1), np.array([0.0, 0.0, 1.0])
     sin, cos = np.sin(sol.beta)[:, None], np.cos(sol.beta)[:, None]
     tangent, across = sin * around + cos * axis, cos * around - sin * axis
     force = -sol.F1[:, None] * out - sol.F2[:, None] * across + sol.F3[:, None] * tangent
     up = np.cos(theta) * axis - np.sin(theta) * np.array([1.0, 0.0, 0.0])
-    slides = -case.outward * across if turning else tangent  # where the wall touches the rod
+    slides = {0: tangent, 1: -case.outward * across, -1: axis}[way]  # where the wall touches the rod
     drag = -sense * rubbed * sol.push[:, None] * slides
     load = sol.contact[:, None] * out - (case.rod.weight or 0.0) * up + drag
-    twisting = np.cross(-case.outward * case.rod.a * out, drag) if turning else np.zeros_like(drag)
+    twisting = np.cross(-case.outward * case.rod.a * out, drag) if way == 1 else np.zeros_like(drag)
 
     def rate(values: Any) -> Any:
         return make_interp_spline(s, values, k=9)(s, 1)
@@ -52,7 +56,7 @@ def unbalanced(sol: Any) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("side", ("outside", "inside"))
-@pytest.mark.parametrize("sliding", ("", "forward", "backward", "rotating"))
+@pytest.mark.parametrize("sliding", ("", "forward", "backward", "rotating", "axial-forward", "axial-backward"))
 def test_a_marched_rod_is_in_balance_in_space(side: str, sliding: str) -> None:
     rubbed: dict[str, Any] = {"friction": 0.3, "sliding": sliding} if sliding else {}
     cylinder = Cylinder(R=1.0, side=side, inclination="60deg", **rubbed)
@@ -73,6 +77,69 @@ def test_a_pipe_between_ends_is_in_balance_in_space_and_stable(ends: dict[str, f
     total = sol.F3 + case.rod.bending_stiffness * sol.kappa**2 / 2  # F3 + A kappa^2/2 - w height is constant
     height = sol.z * np.cos(np.pi / 3) - case.rho * np.sin(np.pi / 3) * np.cos(sol.alpha)
     assert np.ptp(total - 242 * height) < 1e-9 * np.abs(sol.FZ)
+
+
+CLAMPED, HINGED = {"beta0": 0.0, "betaL": 0.0}, {"M10": 0.0, "M1L": 0.0}
+LONG_PIPES = (  # 1 km: inclination, load, sliding, ends
+    (84.6, 249e3, "axial-backward", CLAMPED),
+    (64.8, 203e3, "axial-forward", CLAMPED),
+    (90.0, 200e3, "backward", HINGED),
+)
+
+
+def long_pipe(inclination: float, load: float, sliding: str, ends: dict[str, float]) -> Case:
+    wall = Cylinder(**HOLE, inclination=f"{inclination}deg", friction=0.15, sliding=sliding)
+    return Case(Rod(L=1000.0, **PIPE), wall, Ends(**ends, azimuth=0.0, FZ=-load))
+
+
+@pytest.mark.parametrize("pipe", LONG_PIPES)
+def test_a_long_pipe_with_friction_is_nearly_its_local_sinusoid(pipe: Any) -> None:
+    rod = rods_of(long_pipe(*pipe))[1][0]
+    found = sinusoid(rod)
+    assert found is not None
+    assert np.abs(open_at(found)).max() < 1e-9
+    assert local_sinusoid(rod, found.t).y[0, PHI] == pytest.approx(found.y[0, PHI], rel=0.005)  # FZ at s = 0
+
+
+@pytest.mark.slow
+def test_friction_takes_a_long_pipe_to_another_sinusoid_in_balance() -> None:
+    sol = solve(long_pipe(*LONG_PIPES[1]), stations=10001)
+    assert sol.solved
+    assert sol.begun.endswith("of the friction for another sinusoid")
+    assert max(unbalanced(sol)) < 1e-7
+
+
+@pytest.mark.parametrize("place", (2, 5, 8))
+def test_the_sinusoid_of_a_table_has_the_least_energy_density(place: int) -> None:
+    over, k, first, third, stiff, push, itself, axis = TABLE[place]
+    F, phase = 2 + over, np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    n = np.array([[1.0], [3.0], [5.0]])
+
+    def wave(k: float, sizes: Any) -> list[Any]:
+        sine, cosine = np.sin(n * phase), np.cos(n * phase)
+        return [sizes @ v for v in (sine, k * n * cosine, -((k * n) ** 2) * sine, -((k * n) ** 3) * cosine)]
+
+    def energy(k: float, sizes: Any) -> float:
+        alpha, rate, bend, _ = wave(k, sizes)
+        return float(np.mean(bend**2 / 2 + rate**4 / 2 - F / 2 * rate**2 + 1 - np.cos(alpha)))
+
+    sizes = first * np.sqrt(over) * np.array([1.0, third * first**2 * over, 0.0])
+
+    def least(k: float) -> Any:
+        return minimize(lambda v: energy(k, v), sizes, method="BFGS", options={"gtol": 1e-10})
+
+    best, h = least(k), 1e-3
+    assert np.allclose(best.x[:2], sizes[:2], rtol=2e-3)
+    low, high = least(k - h).fun, least(k + h).fun
+    assert abs(high - low) / (high + low - 2 * best.fun) < 0.01  # of h: how far k is from that of the least energy
+    assert (high + low - 2 * best.fun) / h**2 == pytest.approx(stiff * over, rel=1e-3)
+    alpha, rate, bend, third_rate = wave(k, best.x)
+    P = np.cos(alpha) + 4 * rate * third_rate + 3 * bend**2 + F * rate**2 - rate**4
+    both = np.mean(P * rate**2), np.mean(P) * np.mean(rate**2)
+    assert np.mean(P) == pytest.approx(push, rel=1e-3)
+    assert np.array([sum(both), both[1] - both[0]]) / (2 * k) == pytest.approx(
+        [itself * over, axis * over**2], rel=2e-3
+    )
 
 
 @pytest.mark.parametrize("load", (1.1, pytest.param(1.3, marks=pytest.mark.slow)))
@@ -263,7 +330,7 @@ def test_derivatives_of_a_march_agree_with_differences() -> None:
             assert np.allclose((ends[0] - ends[1]) / 2e-6, exact[:, k], atol=1e-7 * (1 + np.abs(exact).max()))
 
 
-@pytest.mark.parametrize("sliding", ("", "forward", "rotating"))
+@pytest.mark.parametrize("sliding", ("", "forward", "rotating", "axial-backward"))
 @pytest.mark.parametrize("tol", (1e-6, 1e-8, 1e-10, 1e-12))
 def test_the_estimated_error_of_a_start_problem_bounds_the_true_one(tol: float, sliding: str) -> None:
     rng, N = np.random.default_rng(5), 100

@@ -11,6 +11,13 @@ if TYPE_CHECKING:
 # A long lying pipe without torque, slender: forces in sqrt(A w sin(theta)/rho), `studies/pipe_horizontal.toml`.
 SINUSOID, PRESSED, LEAST_ENERGY, LIFTS_OFF = 2.0, 2.744687, 2.901122, 3.541672
 LEAVES = "leaves its branch"  # as `solver.shooting.answers.words_of` says it
+WAYS = {
+    "forward": "slides forward along itself everywhere",
+    "backward": "slides backward along itself everywhere",
+    "rotating": "turns in place everywhere",
+    "axial-forward": "moves forward as a whole",
+    "axial-backward": "moves backward as a whole",
+}
 REACHES = {"m": 30.0, "ft": 100.0}  # lengths on which drillers state a dogleg
 
 
@@ -22,7 +29,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     said = [f"state: {in_words(sol.states, length)}"]
     begun = str(sol.begun or "")
     if LEAVES in begun:
-        said.append(f"while the loads and the weight along the hole grow, the rod {begun[begun.index(LEAVES) :]}")
+        said.append(f"on the way to these loads the rod {begun[begun.index(LEAVES) :]}")
     said += _buckling(sol, force)
     said += _long_pipe(sol, force)
     said.append(_ends(sol, force, length))
@@ -93,8 +100,8 @@ def _ends(sol: "Solution", force: str, length: str) -> str:
         )
         mean = _observe(sol, "push_mean") - _observe(sol, "pull_mean")  # the model's friction turns round with the push
         rubbed = float(wall.friction) * mean * float(sol.case.rod.L)
-        way = "turns in place" if wall.sense[1] else f"slides {wall.sliding}"
-        text += f", {rubbed:.4g} {force} in all, of a rod that {way} everywhere"
+        way = WAYS[str(wall.sliding)]
+        text += f", {rubbed:.4g} {force} in all, of a rod that {way}"
     return text
 
 
