@@ -48,13 +48,13 @@ def compression(rod: LoadedRod, t: Array) -> tuple[Array, Array]:
     lost = rod.span - t
     over, columns = -(given - rubbed * lost) / unit - 2, np.empty(0)
     for _ in range(ROUNDS if rubbed else 1):
-        columns = np.polynomial.polynomial.polyval(np.minimum(softened(over), TABLE[-1, 0]), CURVES)
+        columns = np.polynomial.polynomial.polyval(np.minimum(positive_part(over), TABLE[-1, 0]), CURVES)
         passed = integral(columns[4], t)
         over = -(given - rubbed * (passed[-1] - passed)) / unit - 2
     return over, columns
 
 
-def softened(over: Array) -> Array:
+def positive_part(over: Array) -> Array:
     """F - 2 where it is positive, and nearly 0 elsewhere."""
     return np.asarray((over + np.sqrt(over**2 + SOFT**2)) / 2)
 
@@ -70,7 +70,7 @@ def local_sinusoid(rod: LoadedRod, nodes: Array, more: int = 0) -> Shape:
     t = np.linspace(0, rod.span, FINE * nodes.size)
     x = t / ell
     over, (k, first, third, stiff, _, itself, axis) = compression(rod, t)
-    soft = softened(over)
+    soft = positive_part(over)
     pull = itself * soft if rod.numbers[4] == ALONG_ITSELF else axis * soft**2
     flux = integral(rod.numbers[3] * rod.across * ell**3 * pull, x)
     ends = soft[[0, -1]] ** 1.5  # as much as each end can bear
