@@ -132,7 +132,7 @@ def _climb(
         sol, seconds = _time(case, {**seed, **ladder.options(value)}, ladder.cold)
         taken = float(sol.evaluations)
         yield Row(name, label, ladder.knob, value, bool(sol.solved), str(sol.outcome), _answer(sol), seconds,
-                  taken, **achieved(sol, reference), estimate=float(sol.error), condition=float(sol.condition),
+                  taken, **errors_against(sol, reference), estimate=float(sol.error), condition=float(sol.condition),
                   **drift(sol))  # fmt: skip
         before = value
 
@@ -159,7 +159,7 @@ def _once(case: Case, options: Mapping[str, Any]) -> tuple[Solution, float]:
     return sol, time.perf_counter() - begun
 
 
-def achieved(sol: Solution, reference: Reference) -> dict[str, float]:
+def errors_against(sol: Solution, reference: Reference) -> dict[str, float]:
     """Errors of a single case by their names in `Row`, inf where not finite; its stations include the reference's."""
     at = np.rint(reference.u * (sol.beta.size - 1)).astype(int)
     rho, A = float(sol.case.rho), float(sol.case.rod.bending_stiffness)

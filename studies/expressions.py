@@ -172,7 +172,7 @@ def needed(formulas: Iterable[Formula], expressions: Mapping[str, str]) -> list[
     return list(found)
 
 
-def observed(
+def observables_of(
     study: StudyData, sol: Solution, wanted: Iterable[str], given: Mapping[str, Any]
 ) -> tuple[dict[str, NDArray[Any]], NDArray[np.str_]]:
     """Observables and expressions of a solution with their errors, (cases,) each, and remarks on missing values.

@@ -41,7 +41,7 @@ from .reasons import ON_OBSERVABLE
 
 __all__ = [
     "DIRECTIONS", "FAILS", "HOLDS", "NOISE", "QUALIFIED", "TREND", "UNDECIDED", "VERDICTS", "Law", "Verdict",
-    "by_line", "decide", "judge", "refused", "targets", "worst",
+    "by_line", "decide", "judge", "refusal", "targets", "worst",
 ]  # fmt: skip
 
 # fields of a law copied to its row
@@ -164,7 +164,7 @@ def by_line(
     return np.array(words).reshape(lines.shape[:-1])
 
 
-def refused(law: Law, reason: str) -> dict[str, Any]:
+def refusal(law: Law, reason: str) -> dict[str, Any]:
     """The row of a law that could not be tested, in the form of `decide`: not decided, with the reason."""
     counts = {"lines": 0, "line_verdicts": {}, "lines_hold": 0, "lines_trend": 0}
     nothing = {"qualifications": [], "reason": reason, "tau": None, "at": {}, **counts, "steps": 0, "exceptions": []}

@@ -119,7 +119,7 @@ def boundary(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     and nowhere else."""
     level = line.values - line.targets["passes"]
     place = line.along - line.targets["x"]
-    steps = passing(level, line.cut)
+    steps = passes(level, line.cut)
     if not steps:
         reason = line.missing() or _branch_changes(line)
         return Verdict(UNDECIDED if reason else FAILS, reason=reason, found="it does not pass", far=np.inf)
@@ -145,7 +145,7 @@ def boundary(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     return Verdict(UNDECIDED if reason else HOLDS, reason=reason, **told_of)
 
 
-def passing(level: Array, cut: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def passes(level: Array, cut: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """The pairs of neighbouring known values between which a level changes its sign, without those across a cut."""
     known = np.flatnonzero(np.isfinite(level))
     crossed = np.concatenate([[0], np.cumsum(cut)])

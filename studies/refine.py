@@ -112,7 +112,7 @@ def refinement(study: StudyData) -> Refinement:
     return Refinement(lattice(study), np.array(steps), table.budget, tuple(lines))
 
 
-def watched_laws(study: StudyData) -> list[Law]:
+def laws_to_watch(study: StudyData) -> list[Law]:
     """The laws whose verdict is watched."""
     return [law for claim in (study.refine.laws if study.refine else ()) for law in study.laws if law.claim == claim]
 
@@ -120,7 +120,7 @@ def watched_laws(study: StudyData) -> list[Law]:
 def _lines(study: StudyData, claim: str, column: int) -> Lines:
     """The lines of a watched law, whose observable is this column of the numbers."""
     assert study.refine is not None
-    law = watched_laws(study)[study.refine.laws.index(claim)]
+    law = laws_to_watch(study)[study.refine.laws.index(claim)]
     along = np.sort(study.axes[law.axis].numbers())
     text = study.expressions.get(law.observable)
     counts = [law.observable] if text is not None and parse(text).whole else []

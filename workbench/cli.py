@@ -106,7 +106,7 @@ OLD = {  # name of a command that goes -> what does the same
 }
 
 
-def _exiting(name: str, command: Callable[..., int]) -> Callable[..., None]:
+def _with_exit_status(name: str, command: Callable[..., int]) -> Callable[..., None]:
     """The command as the parser calls it: it exits with its status, and an interruption keeps its message."""
 
     @wraps(command)
@@ -125,7 +125,7 @@ def _exiting(name: str, command: Callable[..., int]) -> Callable[..., None]:
 
 
 for _name, _command in COMMANDS.items():
-    app.command(_name, cls=help_pages.CommandHelp)(_exiting(_name, _command))
+    app.command(_name, cls=help_pages.CommandHelp)(_with_exit_status(_name, _command))
 
 
 def main(args: list[str] | None = None) -> None:

@@ -130,7 +130,7 @@ class StudyRun:
     def _repr_html_(self) -> str:
         from .data import law_verdicts
 
-        title = f"{self.ds.attrs['title']}: {law_verdicts.counted(int(self.ds['solved'].size), 'case')}"
+        title = f"{self.ds.attrs['title']}: {law_verdicts.count_of(int(self.ds['solved'].size), 'case')}"
         return of_laws(title, [(stated, law_verdicts.said(row)) for (stated, _), row in zip(self.verdicts, self._rows,
                                                                                            strict=True)])  # fmt: skip
 

@@ -16,7 +16,7 @@ from ..orbit.panels import join
 from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, where_shown
-from .selected_equilibrium import NO_EQUILIBRIUM, equilibrium_trajectory, selected
+from .selected_equilibrium import NO_EQUILIBRIUM, equilibrium_trajectory, selection_of
 from .selection import NEAREST, Choose
 
 _ROUNDS = 40
@@ -38,7 +38,7 @@ def each_equilibrium(
         if near[i]:
             found.append(equilibrium_trajectory(one, solve_orbit(one.started(slopes[i : i + 1]), 1e-13), here, tol))
         else:
-            found.append(selected(one, here, tol, None if seed is None else float(seed.slope[i]), choose))
+            found.append(selection_of(one, here, tol, None if seed is None else float(seed.slope[i]), choose))
     return together(found, t)
 
 

@@ -28,7 +28,7 @@ def equilibrium_trajectory(problem: EndsProblem, orbit: Orbit, t: Array, tol: fl
     return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *verdict, error, condition, calls, orbit)
 
 
-def selected(
+def selection_of(
     problem: EndsProblem, t: Array, tol: float, slope: float | None, choose: Choose = NEAREST
 ) -> Trajectory | str:
     """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or without `slope` the one of the rule.
@@ -74,7 +74,7 @@ def select_seed(
     slopes, shapes = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)
     for i in range(problem.size):
         one = problem.take(slice(i, i + 1))
-        found = selected(one, one.span[:, None] * u, 1e-8, None, choose)
+        found = selection_of(one, one.span[:, None] * u, 1e-8, None, choose)
         if isinstance(found, str):
             why[i] = found
             continue

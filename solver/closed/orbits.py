@@ -19,7 +19,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import solve_orbit
-from ..orbit.variations import Variations, changed, directions, orbits_to_vary, variations_on
+from ..orbit.variations import Variations, change_between, directions, orbits_to_vary, variations_on
 from ..problem.reduced import StartProblem
 
 AMPLITUDES = 32  # of the curve of one period, at which the azimuth is compared with the wanted one
@@ -137,7 +137,7 @@ def residual(b1: float, y: float, wanted: Array) -> tuple[Array, Array]:
     T = varied.orbit.period
     a0, e = directions(varied.start)
     there = varied.at(T[:, None])
-    gained = changed(varied.start, there, a0, e).integrals[0, 0, :, 0]
+    gained = change_between(varied.start, there, a0, e).integrals[0, 0, :, 0]
     later = -2 * np.einsum("bk,bfk->bf", varied.gain[:, :, :4].sum(axis=1), e)[0]
     plain = np.stack([later, gained + np.sin(b1) * later])[:, [0, 2]]  # by b1 and by lam
     by_lam = np.exp(y) * plain[:, 1]

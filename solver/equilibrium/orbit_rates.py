@@ -26,7 +26,7 @@ from ..numerics.arrays import Array
 from ..orbit import helix_variations
 from ..orbit.critical_points import grid
 from ..orbit.variation_nodes import height_rates, slopes_by_loads
-from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations, changed
+from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations, change_between
 from ..problem.reduced import EndsProblem, StartProblem
 from .varied_orbits import plain_orbit, varied_orbits
 
@@ -210,7 +210,7 @@ def rates_of_variations(problem: EndsProblem, varied: Variations, integrals: Arr
     start, far = varied.start, varied.at(problem.span[:, None])
     unit = np.broadcast_to(np.eye(5), (problem.size, 5, 5))
     parts = unit[..., 0], unit[..., 1:]
-    here, there = (changed(start, place, *parts) for place in (start.take((slice(None), None)), far))
+    here, there = (change_between(start, place, *parts) for place in (start.take((slice(None), None)), far))
     v, H = (np.stack([getattr(start, name), getattr(far, name)[:, 0]]) for name in ("v", "H"))
     return _assemble(problem, here, there, v, H, integrals)
 

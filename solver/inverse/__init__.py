@@ -81,6 +81,6 @@ def fit(
     >>> print(f"F1 = {found.values['F1']:.4f}")
     F1 = 6.0274
     """
-    from .search import fitted  # only a call needs SciPy's optimiser
+    from .search import fit_from  # only a call needs SciPy's optimiser
 
-    return fitted(case, vary, targets, points, sigma, wrapped, starts, seed, choose, tol)
+    return fit_from(case, vary, targets, points, sigma, wrapped, starts, seed, choose, tol)

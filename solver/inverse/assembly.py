@@ -37,7 +37,7 @@ def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
         correlation = known.covariance / np.outer(spread, spread)
     return Fit(
         outcome=wording.outcome(model, best, directions, probability),
-        reached=wording.missed(model, best) == "",
+        reached=wording.miss_of(model, best) == "",
         values=_values(model, best.x),
         intervals={n: (float(a), float(b)) for n, a, b in zip(names, known.low, known.high, strict=True)},
         rule=wording.rule(data.known, known),

@@ -27,7 +27,7 @@ _ZERO = 1e-16  # a sum of squares of N data is 0 where it is smaller than N time
 MOST_STARTS = 100_000
 
 
-def fitted(
+def fit_from(
     case: Case, vary: Any, targets: Any, points: Any, sigma: Any, wrapped: bool, starts: int, seed: int, choose: Any,
     tol: float,
 ) -> Fit:  # fmt: skip

@@ -32,7 +32,7 @@ def outcome(model: "Model", best: "Minimum", directions: Sequence[dict[str, floa
     """Solved, undetermined, a misfit, or failed, with the reason."""
     if best.stop:
         return f"failed: {best.stop}"
-    if why := missed(model, best):
+    if why := miss_of(model, best):
         return f"failed: {why}"
     if directions:
         return f"undetermined: {'; '.join(_tell(model, best, way) for way in directions)}"
@@ -41,7 +41,7 @@ def outcome(model: "Model", best: "Minimum", directions: Sequence[dict[str, floa
     return SOLVED
 
 
-def missed(model: "Model", best: "Minimum") -> str:
+def miss_of(model: "Model", best: "Minimum") -> str:
     """That no value reaches the targets, where there are no more of them than parameters; else ""."""
     data = model.data
     if data.points is not None or data.size > len(model.parameters):
@@ -160,7 +160,7 @@ def remarks(
 ) -> Iterator[str]:
     """Sentences on what limits the result."""
     parameters = model.parameters
-    if best.stop or missed(model, best):  # else the outcome says it
+    if best.stop or miss_of(model, best):  # else the outcome says it
         yield from (_tell(model, best, way) for way in directions)
     for one, x, free in zip(parameters, best.x, best.free, strict=True):
         if not free:

@@ -14,7 +14,7 @@ from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
 from .base import StartMethod, knob
 from .ladder import Ladder, twos
-from .marching import Scheme, marched
+from .marching import Scheme, march
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Euler(StartMethod):
     steps: int | None = knob(int, least=1)
 
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
-        return marched(SCHEME, problem, t, tol, self.steps)
+        return march(SCHEME, problem, t, tol, self.steps)
 
 
 def _march(problem: StartProblem, t: Array, steps: int) -> Array:

@@ -25,7 +25,7 @@ class Scheme:
     most: int
 
 
-def marched(
+def march(
     scheme: Scheme, problem: StartProblem, t: Array, tol: float, steps: int | None, extrapolate: bool = False
 ) -> Trajectory:
     """All problems at once, with `steps` equal steps between neighbouring stations.

@@ -10,7 +10,7 @@ from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
 from .base import StartMethod, knob
 from .ladder import Ladder, twos
-from .marching import Scheme, marched
+from .marching import Scheme, march
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class RK4(StartMethod):
     steps: int | None = knob(int, least=1)
 
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
-        return marched(SCHEME, problem, t, tol, self.steps)
+        return march(SCHEME, problem, t, tol, self.steps)
 
 
 def _march(problem: StartProblem, t: Array, steps: int) -> Array:

@@ -15,7 +15,7 @@ from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
 from .base import StartMethod, knob
 from .ladder import Ladder, twos
-from .marching import Scheme, marched
+from .marching import Scheme, march
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Verlet(StartMethod):
     extrapolate: bool = knob(bool, default=True)
 
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
-        return marched(SCHEME, problem, t, tol, self.steps, self.extrapolate)
+        return march(SCHEME, problem, t, tol, self.steps, self.extrapolate)
 
 
 def _march(problem: StartProblem, t: Array, steps: int) -> Array:

@@ -10,7 +10,7 @@ from ..core import march as core
 from ..numerics.arrays import Array, Booleans, Integers
 from ..problem.reduced import StartProblem
 from .periodic_orbit import Orbit, solve_orbit
-from .phase import Phase, located
+from .phase import Phase, phase_at
 from .pieces import HELIX, LIBRATION, ROTATION
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class MarchedOrbit:
 
     def locate(self, t: Array) -> Phase:
         """The phases of the times t, (B, n)."""
-        return located(t, self.kind, self.ahead, self.back, self.period)
+        return phase_at(t, self.kind, self.ahead, self.back, self.period)
 
     @cached_property
     def turns(self) -> Array:

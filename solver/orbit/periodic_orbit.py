@@ -22,7 +22,7 @@ from ..problem.trajectory import PLAIN
 from .arcs import Arcs
 from .critical_points import grid
 from .panels import Panels, running
-from .phase import Phase, located, unfold
+from .phase import Phase, phase_at, unfold
 from .pieces import HELIX, LIBRATION, Pieces
 
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
@@ -113,7 +113,7 @@ class Orbit:
 
     def along(self, case: Integers, t: Array) -> tuple[Array, Array]:
         """alpha and z at single points of the rods: at t (N,) of the problems `case` (N,), (N,) each."""
-        phase = located(t[:, None], self.kind[case], self.ahead[case], self.back[case], self.period[case])
+        phase = phase_at(t[:, None], self.kind[case], self.ahead[case], self.back[case], self.period[case])
         phase = replace(phase, arc=2 * case[:, None] + phase.second)
         values, beta0 = self.read(self.panels.series[:, 2:4], phase), self.problem.beta0
         alpha = self._repeat(values[..., 0], phase, 0, np.sin(beta0), case)
@@ -132,7 +132,7 @@ class Orbit:
 
     def locate(self, t: Array) -> "Phase":
         """The phases of the times t, (B, n)."""
-        return located(t, self.kind, self.ahead, self.back, self.period)
+        return phase_at(t, self.kind, self.ahead, self.back, self.period)
 
     def read_at(self, series: Array, t: Array) -> tuple[Array, Phase]:
         """Series of the panels (P, k, n + 1) at t (B, n), (B, n, k), and the phases; no orbit is a helix."""

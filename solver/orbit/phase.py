@@ -32,7 +32,7 @@ class Phase:
         return np.where(self.folded, 2 * self.periods + self.second + self.mirrored, 0.0)
 
 
-def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Phase:
+def phase_at(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Phase:
     """The phases of t (B, n) on orbits whose arcs last ahead and back, (B,)."""
     ahead, back, period = ahead[:, None], back[:, None], period[:, None]
     with np.errstate(invalid="ignore"):

@@ -201,7 +201,7 @@ def directions(start: Place) -> tuple[Array, Array]:
     return a0, e
 
 
-def changed(start: Place, there: Place, a0: Array, e: Array) -> Change:
+def change_between(start: Place, there: Place, a0: Array, e: Array) -> Change:
     """The change at places (B, n) by the directions a0 (B, F), e (B, F, 4), (B, n, F) each."""
     rise = np.einsum("bnjk,bfk->bnfj", there.M - start.M[:, None], e)
     a = a0[:, None, :] + rise[..., 0]

@@ -15,7 +15,7 @@ from ..observe.measurement import MIDDLE
 from ..orbit import helix_variations
 from ..orbit.periodic_orbit import Orbit
 from ..orbit.pieces import HELIX
-from ..orbit.variations import Change, Place, Variations, changed, directions, orbits_to_vary, variations_on
+from ..orbit.variations import Change, Place, Variations, change_between, directions, orbits_to_vary, variations_on
 from ..problem.held_ends import given_numbers
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat
 from ..shape import Shape
@@ -97,7 +97,7 @@ def _of_orbits(sol: Shape, rows: Integers, orbit: Orbit) -> Motion:
 def _move(varied: Variations, rows: Integers, problem: StartProblem, t: Array, a0: Array, e: Array) -> Motion:
     start, places = varied.start, varied.at(marks_of(problem))
     ends = varied.at(_ends_of(problem))
-    along, marks, at_ends = (changed(start, there, a0, e) for there in (varied.at(t), places, ends))
+    along, marks, at_ends = (change_between(start, there, a0, e) for there in (varied.at(t), places, ends))
     end = places.take((slice(None), -1))
     return Motion(rows, problem, along, marks, at_ends.rate, end.v, VariedOrbits(varied, a0, e, start, end))
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from solver import Case, InputError, Solution, benchmark, solve
-from solver.benchmark import Row, achieved, cheapest, drift, measure
+from solver.benchmark import Row, cheapest, drift, errors_against, measure
 from solver.methods import METHODS, available
 from solver.methods.ladder import Ladder, tens
 from solver.problem.reduced import reduce
@@ -134,7 +134,7 @@ def test_an_adaptive_method_states_an_error_however_loose_its_tolerance(method: 
     for options in ({"tol": 0.9}, {"tol": 0.9, "rtol": 0.5}):
         case, known, _ = asked("catenary")["catenary"]
         sol = solve(case, method=method, **options)
-        assert achieved(sol, known)["error_beta"] <= 10 * sol.error
+        assert errors_against(sol, known)["error_beta"] <= 10 * sol.error
 
 
 @pytest.mark.slow
@@ -150,7 +150,7 @@ def test_collocation_follows_its_tolerance_and_says_when_nothing_is_there_to_sol
     for tol in (1e-4, 1e-6, 1e-8):
         sol = solve(case, tol=tol, method="collocation", seed=slope)
         assert sol.solved
-        errors.append(achieved(sol, known)["error_beta"])
+        errors.append(errors_against(sol, known)["error_beta"])
         assert errors[-1] <= tol * sol.condition
     assert errors[2] < 1e-2 * errors[0]
 
@@ -166,7 +166,7 @@ def test_heyoka_where_it_is_not_installed_is_refused_with_how_to_get_it(monkeypa
 @pytest.mark.parametrize("name", ["force-first/tension", "catenary", "long"])
 def test_heyoka_meets_its_tolerance(name: str) -> None:
     sol = solve(CASES[name].case, tol=1e-10, method="heyoka")
-    assert achieved(sol, reference(name))["error_beta"] <= 1e-10 * sol.condition
+    assert errors_against(sol, reference(name))["error_beta"] <= 1e-10 * sol.condition
 
 
 # measuring
@@ -234,17 +234,17 @@ def test_an_error_put_in_is_the_error_found() -> None:
     case, known, _ = asked("force-first/tension")["force-first/tension"]
     sol = solve(case, tol=1e-12)
     bump = 1e-3 * np.linspace(0, 1, 201)  # grows from the start, where the azimuth is counted from
-    assert achieved(shaken(sol, beta=bump), known)["error_beta"] == pytest.approx(1e-3)
-    assert achieved(shaken(sol, z=bump), known)["error_position"] == pytest.approx(1e-3 / 20)  # L = 20 rho
-    assert achieved(shaken(sol, alpha=bump), known)["error_position"] == pytest.approx(1e-3 / 20)
-    assert achieved(shaken(sol, dbeta=bump), known)["error_contact"] > 1e-6
+    assert errors_against(shaken(sol, beta=bump), known)["error_beta"] == pytest.approx(1e-3)
+    assert errors_against(shaken(sol, z=bump), known)["error_position"] == pytest.approx(1e-3 / 20)  # L = 20 rho
+    assert errors_against(shaken(sol, alpha=bump), known)["error_position"] == pytest.approx(1e-3 / 20)
+    assert errors_against(shaken(sol, dbeta=bump), known)["error_contact"] > 1e-6
     assert drift(shaken(sol, dbeta=bump))["drift_h"] > 1e-5
 
 
 def test_what_is_not_finite_is_infinitely_wrong() -> None:
     case, known, _ = asked("catenary")["catenary"]
     broken = shaken(solve(case), beta=np.where(np.arange(201) == 200, np.nan, 0.0))
-    assert achieved(broken, known)["error_beta"] == np.inf
+    assert errors_against(broken, known)["error_beta"] == np.inf
     assert drift(broken)["drift_h"] == np.inf
 
 
@@ -268,4 +268,4 @@ def test_errors_and_drifts_do_not_depend_on_the_units() -> None:
     mine, theirs = (solve(one, method="rk4", steps=1, stations=201) for one in (case, other))
     assert min(drift(mine).values()) > 0
     assert drift(theirs) == pytest.approx(drift(mine), rel=1e-6, abs=0)
-    assert achieved(theirs, known) == pytest.approx(achieved(mine, known), rel=1e-6, abs=0)
+    assert errors_against(theirs, known) == pytest.approx(errors_against(mine, known), rel=1e-6, abs=0)

@@ -8,7 +8,7 @@ import pytest
 
 from solver import InputError, observe, solve
 from studies import expressions
-from studies.expressions import observed
+from studies.expressions import observables_of
 from studies.loader import load, loads
 from studies.writer import dumps
 
@@ -42,7 +42,7 @@ def seen(said: str, head: str = HEAD + AXES) -> Mapping[str, Any]:
     one = study(said, head)
     case = one.case()
     given = {name: np.broadcast_to(v, case.shape) for name, v in zip(one.axes, np.ix_(*one.coordinates().values()))}  # noqa: B905
-    found, remarks = observed(one, solve(case, stations=11), one.wanted, given)
+    found, remarks = observables_of(one, solve(case, stations=11), one.wanted, given)
     assert (remarks == "").all()
     return {name: values.reshape(case.shape) for name, values in found.items()}
 
@@ -59,7 +59,7 @@ def test_an_expression_is_computed_from_fields_quantities_observables_and_expres
 def test_the_loads_are_those_of_the_case_and_start_fields_have_their_defaults() -> None:
     one = study('pulled = "FZ/lbf"\ntwo = "F2 + F3"\nbent = "tan(beta)*inch"', OWN)
     sol = solve(one.case(), stations=11)
-    found, _ = observed(one, sol, one.wanted, one.coordinates())
+    found, _ = observables_of(one, sol, one.wanted, one.coordinates())
     np.testing.assert_array_equal(found["pulled"], sol.FZ)
     np.testing.assert_array_equal(found["two"], [0, 0])
     np.testing.assert_allclose(found["bent"], np.tan(np.deg2rad([20, 40])))
@@ -105,7 +105,7 @@ def test_the_error_of_an_expression_is_that_of_its_observables() -> None:
 def test_an_expression_without_a_value_is_remarked_and_its_neighbours_have_theirs() -> None:
     one = study('share = "1/(E - 1e4*N/cm**2)"')
     sol = solve(one.case(), stations=11)
-    found, remarks = observed(one, sol, one.wanted, {"E": np.array([1e4, 2e4, 1e4, 2e4]), "F3": np.ones(4)})
+    found, remarks = observables_of(one, sol, one.wanted, {"E": np.array([1e4, 2e4, 1e4, 2e4]), "F3": np.ones(4)})
     assert np.isnan(found["share"]).tolist() == [True, False, True, False]
     assert remarks.tolist() == ["share has no value: division by zero: 'E - 10000.0 * N / cm ** 2' is 0", ""] * 2
 

@@ -16,7 +16,7 @@ from studies.laws import (
     by_line,
     decide,
     judge,
-    refused,
+    refusal,
     worst,
 )
 from studies.line_verdicts import DIRECTIONS, Direction, Line, Verdict
@@ -190,7 +190,7 @@ def test_a_law_decided_at_a_value_of_the_other_axis_counts_the_other_lines_too()
 
 def test_a_law_that_cannot_be_tested_is_not_decided_for_a_reason_in_a_row_like_the_others() -> None:
     law = LAW.model_copy(update={"also": ["wraps"]})
-    row = refused(law, "no such shape")
+    row = refusal(law, "no such shape")
     other = decide(law, {"turns": [2, 1], "wraps": [2.0, 1.0]}, {"E": [1.0, 2.0]})
     assert (row["verdict"], row["reason"], row["also"][0]["verdict"]) == (UNDECIDED, "no such shape", UNDECIDED)
     assert (row.keys(), row["also"][0].keys()) == (other.keys(), other["also"][0].keys())

@@ -9,9 +9,9 @@ from scipy.stats import linregress, t
 
 from solver import InputError
 from studies.law import Law
-from studies.laws import FAILS, HOLDS, UNDECIDED, decide, refused
+from studies.laws import FAILS, HOLDS, UNDECIDED, decide, refusal
 from studies.loader import loads
-from studies.number_verdicts import fit_power, passing
+from studies.number_verdicts import fit_power, passes
 
 X = np.array([1.0, 2.0, 3.0, 4.0])
 HEAD = 'title = "one"\nreading = "force-first/tension/paper"\n[units]\nlength = "cm"\nforce = "N"\n'
@@ -145,8 +145,8 @@ def test_a_boundary_that_is_passed_twice_fails_and_one_that_may_hide_is_left_ope
 def test_passing_pairs_are_those_of_neighbouring_known_values() -> None:
     level = np.array([-1.0, np.nan, 2.0, 0.0, -3.0])
     none = np.zeros(4, dtype=bool)
-    assert passing(level, none) == [(0, 2), (3, 4)]  # 0 counts as positive
-    assert passing(level, np.array([True, False, False, False])) == [(3, 4)]
+    assert passes(level, none) == [(0, 2), (3, 4)]  # 0 counts as positive
+    assert passes(level, np.array([True, False, False, False])) == [(3, 4)]
 
 
 def test_the_worst_line_of_a_grid_decides_or_the_one_at_a_value() -> None:
@@ -170,7 +170,7 @@ def test_the_values_of_a_formula_follow_the_order_of_the_axis() -> None:
 
 def test_a_law_that_could_not_be_tested_has_the_keys_of_one_that_was() -> None:
     one = law("equals", formula="E", relative=0.01)
-    assert set(refused(one, "why")) == set(row(one, X, E=X))
+    assert set(refusal(one, "why")) == set(row(one, X, E=X))
 
 
 @pytest.mark.parametrize(

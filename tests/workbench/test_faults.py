@@ -352,10 +352,10 @@ def test_of_two_runs_on_one_output_the_second_refuses_until_the_first_is_gone(wh
 
 def test_a_lock_that_its_owner_removed_is_not_held(tmp_path) -> None:
     folder = tmp_path / "x.h5.parts"
-    with shards.locked(folder):
+    with shards.lock(folder):
         shards.clear(folder)
         assert not folder.exists()
-        with shards.locked(folder):  # a new one
+        with shards.lock(folder):  # a new one
             assert folder.exists()
 
 
@@ -365,7 +365,7 @@ def test_a_lock_that_its_owner_removed_is_not_held(tmp_path) -> None:
 def test_a_line_now_and_then_where_nobody_watches_and_json_for_programs(monkeypatch, capsys) -> None:
     monkeypatch.setattr(progress, "EVERY", 0.0)
     for as_json in (False, True):
-        with progress.shown(150, 50, as_json) as meter:
+        with progress.progress_bar(150, 50, as_json) as meter:
             meter.add(48, 0)
             meter.add(48, 2)
     plain, last, *rows = capsys.readouterr().err.splitlines()
@@ -377,6 +377,6 @@ def test_a_line_now_and_then_where_nobody_watches_and_json_for_programs(monkeypa
 
 
 def test_nothing_is_said_of_a_short_run(capsys) -> None:
-    with progress.shown(150, 0, False) as meter:
+    with progress.progress_bar(150, 0, False) as meter:
         meter.add(150, 0)
     assert capsys.readouterr().err == ""

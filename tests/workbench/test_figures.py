@@ -50,7 +50,7 @@ def test_no_law_of_a_shipped_study_fails_under_the_default_reading_and_those_tha
     assert [(row["verdict"], row["qualifications"]) for row in rows] == VERDICTS[name]
     assert all(row["reason"] for row in rows if row["verdict"] == "qualified")
     assert law_verdicts.all_well(ds) == all(verdict == "holds" for verdict, _ in VERDICTS[name])
-    assert not law_verdicts.refuted(0, rows)
+    assert not law_verdicts.is_refuted(0, rows)
 
 
 def test_the_reasons_of_figure_7_are_those_of_its_numbers() -> None:

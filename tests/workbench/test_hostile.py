@@ -409,7 +409,7 @@ def test_a_study_of_samples_that_is_altered_is_read_or_refused_in_a_sentence(tmp
 def test_arrays_along_the_rod_without_their_arc_lengths_are_refused(tmp_path: Path) -> None:
     path = writing.write(in_memory.run(BASES["one axis"]).drop_vars("s"), tmp_path / "no.h5")
     with pytest.raises(InputError, match=r"no\.h5: \w+ is an array along the rod, but s is missing"):
-        reading.opened(path)
+        reading.open_study(path)
 
 
 @pytest.mark.slow

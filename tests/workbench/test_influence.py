@@ -21,7 +21,7 @@ from tests.workbench.pictures import pixels, share_of_ink
 from workbench import cli
 from workbench.data import writing
 from workbench.figures import bars, canvas
-from workbench.influence import analysed, local, one_case, sobol
+from workbench.influence import analyse, local, one_case, sobol
 from workbench.influence.derivatives import REAL, sentences
 from workbench.influence.design import Design, design_of
 from workbench.run import in_memory
@@ -237,7 +237,7 @@ def exact_ishigami() -> tuple[Any, Any, float]:
 def test_the_indices_of_ishigami_are_the_exact_ones() -> None:
     first, total, pair = exact_ishigami()
     unit = samples("saltelli-second-order", 4096)
-    found = analysed(design_of(unit), ishigami(np.pi * (2 * unit - 1))[:, None], list("abc"), ["ishigami"])  # type: ignore[arg-type]
+    found = analyse(design_of(unit), ishigami(np.pi * (2 * unit - 1))[:, None], list("abc"), ["ishigami"])  # type: ignore[arg-type]
     one = found.sel(observable="ishigami")
     for key, exact in (("first", first), ("total", total)):
         half = one[f"{key}_conf"].values
@@ -256,7 +256,7 @@ def test_the_intervals_contain_the_exact_indices_as_often_as_stated() -> None:
         unit = np.random.default_rng(seed).random((256, 6))  # independent blocks, which the bootstrap assumes
         a, b = unit[:, None, :3], unit[:, None, 3:]
         points = np.concatenate([a, np.where(np.eye(3, dtype=bool), b, a), b], axis=1).reshape(-1, 3)
-        found = analysed(Design(3, 256, False), ishigami(np.pi * (2 * points - 1))[:, None], list("abc"), ["y"])
+        found = analyse(Design(3, 256, False), ishigami(np.pi * (2 * points - 1))[:, None], list("abc"), ["y"])
         for key, exact in (("first", first), ("total", total)):
             off = np.abs(found[key].values[0] - exact)
             inside += (off <= found[f"{key}_conf"].values[0]).tolist()
@@ -265,7 +265,7 @@ def test_the_intervals_contain_the_exact_indices_as_often_as_stated() -> None:
 
 def test_the_indices_of_a_sum_add_up_to_one_and_are_its_shares() -> None:
     unit, weight = samples("saltelli", 1024), np.array([1.0, 2.0, 3.0])
-    found = analysed(Design(3, 1024, False), (unit @ weight)[:, None], list("abc"), ["sum"])
+    found = analyse(Design(3, 1024, False), (unit @ weight)[:, None], list("abc"), ["sum"])
     for key in ("first", "total"):
         assert found[key].values[0] == pytest.approx(weight**2 / (weight**2).sum(), abs=1e-3)
 
@@ -274,13 +274,13 @@ def test_a_block_with_a_failed_sample_is_left_out_whole_and_said() -> None:
     unit = samples("saltelli", 256)
     values = np.stack([unit @ [1.0, 2.0, 3.0]] * 2, axis=1)
     values[[12, 17, 18, 700], 0] = np.nan  # in the blocks 2, 3, 3 and 140
-    found = analysed(Design(3, 256, False), values, list("abc"), ["some", "all"])
+    found = analyse(Design(3, 256, False), values, list("abc"), ["some", "all"])
     assert found["blocks"].values.tolist() == [253, 256]
     assert found["lost"].values == pytest.approx([3 / 256, 0])
     assert str(found["remark"].values[0]).startswith("3 of 256 blocks (1.2 %) are left out")
     assert str(found["remark"].values[1]) == ""
     whole = np.delete(np.arange(256), [2, 3, 140])
-    alone = analysed(
+    alone = analyse(
         Design(3, 253, False), values.reshape(256, 5, 2)[whole].reshape(-1, 2), list("abc"), ["some", "all"]
     )
     np.testing.assert_array_equal(found["first"][0], alone["first"][1])
@@ -290,11 +290,11 @@ def test_too_many_failed_samples_are_refused() -> None:
     unit = samples("saltelli", 256)
     values = np.where(unit[:, :1] > 0.6, np.nan, unit @ np.ones((3, 1)))
     with pytest.raises(InputError, match=r"of 1280 samples have no y, so \d+ of 256 blocks cannot be used"):
-        analysed(Design(3, 256, False), values, list("abc"), ["y"])
+        analyse(Design(3, 256, False), values, list("abc"), ["y"])
 
 
 def test_a_constant_observable_has_no_index_and_a_remark() -> None:
-    found = analysed(Design(2, 64, False), np.ones((256, 1)), ["a", "b"], ["one"])
+    found = analyse(Design(2, 64, False), np.ones((256, 1)), ["a", "b"], ["one"])
     assert np.isnan(found["total"]).all()
     assert "one value on all samples" in str(found["remark"].values[0])
 
@@ -304,13 +304,13 @@ def test_invalid_numbers_are_refused() -> None:
     few = "at least 16 blocks of 4 samples, better 256, got 8"
     for options, part in (({"confidence": 1.5}, "got 1.5"), ({"seed": 0}, "positive"), ({}, few)):
         with pytest.raises(InputError, match=part):
-            analysed(Design(2, 8, False), y, ["a", "b"], ["y"], **options)  # type: ignore[arg-type]
+            analyse(Design(2, 8, False), y, ["a", "b"], ["y"], **options)  # type: ignore[arg-type]
 
 
 def test_one_seed_gives_the_same_intervals() -> None:
     unit = samples("saltelli", 64)
     y = (unit @ [1.0, 2.0, 3.0])[:, None]
-    widths = [analysed(Design(3, 64, False), y, list("abc"), ["y"], seed=k)["first_conf"].values for k in (7, 7, 8)]
+    widths = [analyse(Design(3, 64, False), y, list("abc"), ["y"], seed=k)["first_conf"].values for k in (7, 7, 8)]
     np.testing.assert_array_equal(widths[0], widths[1])
     assert (widths[0] != widths[2]).any()
 

@@ -74,8 +74,8 @@ def test_a_law_is_not_decided_where_its_steps_cross_branches_and_fails_where_the
 def test_the_exit_status_is_0_where_every_law_holds_in_full(verdict: str, status: int, refuted: bool) -> None:
     rows = [{"verdict": HOLDS}, {"verdict": verdict}]
     assert law_verdicts.status(0, rows) == status
-    assert law_verdicts.refuted(0, rows) == refuted
-    assert (law_verdicts.status(1, []), law_verdicts.refuted(1, [])) == (1, True)
+    assert law_verdicts.is_refuted(0, rows) == refuted
+    assert (law_verdicts.status(1, []), law_verdicts.is_refuted(1, [])) == (1, True)
 
 
 @pytest.mark.slow

@@ -229,7 +229,7 @@ def test_a_run_that_is_interrupted_in_any_round_continues_to_the_same_file(store
         run_to_file(work, path, Options(workers=1, chunk=16), progress=progress)
     assert not path.exists()
     done = run_to_file(work, path, Options(workers=1))
-    assert 0 < done.solved < reading.opened(stored).sizes["sample"]
+    assert 0 < done.solved < reading.open_study(stored).sizes["sample"]
     assert runs.contents(path) == runs.contents(stored)
     assert run_to_file(work, path).finished_before
     assert not path.with_name("small.h5.parts").exists()
@@ -276,7 +276,7 @@ def test_a_killed_run_continues_to_the_same_file(tmp_path) -> None:
 def test_a_finer_tolerance_solves_only_the_new_cases(stored: Path, tmp_path) -> None:
     path, finer = tmp_path / "small.h5", study(PLANE + LAW, REFINE.replace("15", "30"))
     path.write_bytes(stored.read_bytes())
-    before = reading.opened(stored).sizes["sample"]
+    before = reading.open_study(stored).sizes["sample"]
     done = run_to_file(finer, path, Options(workers=1))
     run_to_file(finer, tmp_path / "whole.h5", Options(workers=1))
     with xr.open_dataset(path) as ds:
@@ -500,7 +500,7 @@ def test_a_file_whose_refinement_is_damaged_is_refused(stored: Path, tmp_path) -
         (level, "has not all cases of its refined study"),
     ):
         with pytest.raises(InputError, match=sentence):
-            reading.opened(damaged(change))
+            reading.open_study(damaged(change))
 
 
 def test_a_selection_that_lost_cases_is_told(stored: Path) -> None:

@@ -190,7 +190,7 @@ def test_the_card_of_a_claim_and_the_table_of_readings_have_one_verdict(readings
     assert "not tested along F₁: F₁ has no effect under this reading" in told
     assert "F1 has no effect" not in told
     assert set(law_verdicts.verdicts_of_lines(result.ds, study.laws[0]).values.ravel()) == {"not decided"}
-    assert law_verdicts.refuted(0, result.verdicts)
+    assert law_verdicts.is_refuted(0, result.verdicts)
 
 
 CLAIMS = (Path(__file__).parents[2] / "docs" / "explanation" / "claims.md").read_text(encoding="utf-8")
@@ -248,7 +248,7 @@ def test_each_claim_stands_on_top_with_its_sentence_verdict_values_and_mechanism
     assert top.count("Why: ") == 5
     assert "it needs more length: 2.8 to 4.5 cm" in top  # 20 cm over 7.20 and 4.40 bends
     rows = [row for result in results for row in result.verdicts]
-    assert law_verdicts.tallied(rows) in top
+    assert law_verdicts.tally_of(rows) in top
     level = [r for result in results for r in result.verdicts if r["direction"] == "not-falling"]
     assert level  # claim (4), whose sentence says increase
     for row in level:

@@ -228,7 +228,7 @@ def test_merged_samples_are_those_of_all_files_each_once(stored: Path, tmp_path)
     run_to_file(study(8, 9), other)
     done = merge.merge([stored, longer, other], tmp_path / "all.h5")
     assert (done["axis"], done["values"], done["cases"]) == ("sample", 58, 58)
-    with reading.opened(tmp_path / "all.h5") as ds, xr.open_dataset(longer) as a, xr.open_dataset(other) as b:
+    with reading.open_study(tmp_path / "all.h5") as ds, xr.open_dataset(longer) as a, xr.open_dataset(other) as b:
         for name in ("E", "R", "beta0", "kappa_max", "beta", "outcome"):
             np.testing.assert_array_equal(ds[name], np.concatenate([a[name], b[name]]))
         assert ds["sample"].values.tolist() == list(range(58))
@@ -426,7 +426,7 @@ def test_a_file_whose_samples_are_damaged_is_refused(stored: Path, tmp_path) -> 
         (unknown, "the sampled field 'Q' has no values"),
     ):
         with pytest.raises(InputError, match=sentence):
-            reading.opened(damaged(change))
+            reading.open_study(damaged(change))
 
 
 # the figure

@@ -77,7 +77,7 @@ def solved(text: str) -> xr.Dataset:
 @pytest.fixture(name="stored", params=(TUBE, DIRECT), ids=("tube", "given"))
 def _stored(request: Any, tmp_path: Path) -> Iterator[xr.Dataset]:
     writing.write(solved(request.param), tmp_path / "s.h5")
-    with reading.opened(tmp_path / "s.h5") as ds:
+    with reading.open_study(tmp_path / "s.h5") as ds:
         yield ds
 
 
@@ -125,7 +125,7 @@ def test_a_file_whose_section_contradicts_itself_is_refused(tmp_path: Path) -> N
             value_checks.fields(ds, "s.h5")
     writing.write(whole.assign(E=1.0), tmp_path / "s.h5")
     with pytest.raises(InputError, match="excludes E"):
-        reading.opened(tmp_path / "s.h5")
+        reading.open_study(tmp_path / "s.h5")
 
 
 REFUSED = {

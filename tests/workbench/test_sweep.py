@@ -14,7 +14,7 @@ from workbench import cli
 from workbench.commands import study_scene
 from workbench.data import branch_numbers, law_verdicts
 from workbench.run import block, in_memory, merge, plan, sweep, sweep_order
-from workbench.run.block import solved
+from workbench.run.block import solve_chunk
 from workbench.run.study_store import Options, run_to_file
 from workbench.scene import kinds
 
@@ -248,15 +248,15 @@ def test_workers_chunks_and_memory_give_the_same_bits(tmp_path, axes, base) -> N
 @pytest.mark.slow
 def test_a_chunk_is_the_same_alone_as_among_others() -> None:
     work = plan.plan(study(GRID, ""))
-    whole = solved(work.light, work.chunk(0, work.size), work.block)
+    whole = solve_chunk(work.light, work.chunk(0, work.size), work.block)
     again = plan.plan(study(GRID, ""))
-    last = solved(again.light, again.chunk(work.block, work.size), work.block) if work.block < work.size else whole
+    last = solve_chunk(again.light, again.chunk(work.block, work.size), work.block) if work.block < work.size else whole
     assert len(last) > 0
     single = plan.plan(study())
     parts = [single.chunk(a, min(a + single.block, single.size)) for a in range(0, single.size, single.block)]
     fresh = plan.plan(study())  # follows its cases in another order
     for part in reversed(parts):
-        assert solved(fresh.light, fresh.chunk(part.start, part.stop), fresh.block) == solved(
+        assert solve_chunk(fresh.light, fresh.chunk(part.start, part.stop), fresh.block) == solve_chunk(
             single.light, part, single.block
         )
 

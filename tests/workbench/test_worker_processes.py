@@ -63,7 +63,7 @@ def test_workers_are_copies_of_one_process_and_solve_what_this_one_would(tmp_pat
             worker.give(work.chunk(a, b), 2)
             chunk, results = worker.take()
             assert (chunk.start, chunk.stop) == (a, b)
-            assert results == block.solved(work.light, work.chunk(a, b), 2)
+            assert results == block.solve_chunk(work.light, work.chunk(a, b), 2)
     finally:
         for worker in workers:
             worker.stop()

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from . import console
-from .options import At, File, ForceOutput, PixelError, flag, numbered, option
+from .options import At, File, ForceOutput, PixelError, flag, number_option, option
 
 RATES = (0.1, 60.0)  # frames a second
 MOST = 480  # frames that are solved for a film
@@ -87,7 +87,7 @@ def animate(
         list[Path] | None,
         option("FILE", "Film, .mp4, .webp or .gif; repeatable; default: FILE_AXIS.mp4.", "--out", "-o"),
     ] = None,
-    fps: Annotated[float, numbered("Frames per second.")] = 24.0,
+    fps: Annotated[float, number_option("Frames per second.")] = 24.0,
     stored: Annotated[bool, flag("Show the stored cases alone, each for a third of a second.", "--stored")] = False,
     pixel_error: PixelError = 0.5,
     dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 160 gives 1280 x 720 pixels.")] = 160,

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import wraps
 from typing import Annotated, Any
 
-from .options import angle_of, numbered, option
+from .options import angle_of, number_option, option
 
 
 @dataclass(frozen=True)
@@ -161,7 +161,7 @@ def _type(field: CaseField, whole: bool) -> Any:
         return Annotated[str | None, option("|".join(field.choices), help, flag, **group)]
     if field.unit == "rad":
         return Annotated[float | None, option("ANGLE", help, flag, parser=angle_of(flag), **group)]
-    return Annotated[float | None, numbered(help, flag, *also, **group)]
+    return Annotated[float | None, number_option(help, flag, *also, **group)]
 
 
 def _heading(field: CaseField, whole: bool) -> str:

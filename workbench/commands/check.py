@@ -21,7 +21,7 @@ def check(file: File, json: Json = False) -> int:
 
     from ..data import file_checks, reading
 
-    with reading.opened(file, whole=True) as ds, file_checks.refusing(file):
+    with reading.open_study(file, whole=True) as ds, file_checks.refusing(file):
         found = _verdicts_of(ds, file)
         text = str(ds.attrs.get("study", ""))
     for sentence in notices(text, f"{file.name}, its study"):
@@ -37,7 +37,7 @@ def _verdicts_of(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
     from ..data.outcomes import group
 
     outcomes, caution = ([str(text) for text in np.ravel(ds[name].values)] for name in ("outcome", "caution"))
-    counts = branch_numbers.counted(ds["branch"].values) if "branch" in ds else None
+    counts = branch_numbers.counts(ds["branch"].values) if "branch" in ds else None
     return {
         "title": ds.attrs["title"],
         "study": ds.attrs["study_name"],

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from . import console
-from .options import AT, File, ForceOutput, Json, flag, numbered, option
+from .options import AT, File, ForceOutput, Json, flag, number_option, option
 
 SUFFIXES = ".step .stp .stl .obj .glb .gltf .usda .vtp .pvd .csv"  # of `formats.FORMATS`, which --help does not import
 
@@ -59,9 +59,9 @@ def export(
     ] = None,
     tolerance: Annotated[
         float | None,
-        numbered("Largest distance between the shape in the file and the rod [length]; default for .step: 1e-6 of the "
-                 "distance from the axis of the cylinder to the centreline; for meshes and .usda: 1e-3 of the rod's "
-                 "radius. The formats .vtp, .pvd and .csv hold the stored stations and take no tolerance."),
+        number_option("Largest distance between the shape in the file and the rod [length]; default for .step: 1e-6 of "
+                      "the distance from the axis of the cylinder to the centreline; for meshes and .usda: 1e-3 of the "
+                      "rod's radius. The formats .vtp, .pvd and .csv hold the stored stations and take no tolerance."),
     ] = None,
     centreline: Annotated[
         bool, flag("Write the centreline to STEP, without a solid.", "--centreline")

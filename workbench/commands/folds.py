@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from . import console
 from .case_options import ENDS_FIELDS, Given, takes_case
 from .equilibria import study_and_case
-from .options import ForceOutput, Json, argument, flag, numbered, option
+from .options import ForceOutput, Json, argument, flag, number_option, option
 from .ranges import ENDS_NUMBERS, read_range
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def folds(
     plot: Annotated[Path | None, option("FILE", "Picture, .png, .pdf or .svg: the map.")] = None,
     out: Annotated[Path | None, option("FILE", "HDF5 file of the curves and regions.")] = None,
     style: Annotated[str, option("STYLE", "screen, or paper: letters of 8 points, 183 mm wide.", **PRINT)] = "screen",
-    width: Annotated[float | None, numbered("Width of the picture [mm], such as 89 or 183.", **PRINT)] = None,
+    width: Annotated[float | None, number_option("Width of the picture [mm], such as 89 or 183.", **PRINT)] = None,
     no_title: Annotated[bool, flag("Leave out the title of the study.", "--no-title", **PRINT)] = False,
     dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
     force: ForceOutput = False,

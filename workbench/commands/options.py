@@ -43,7 +43,7 @@ def option(metavar: str, help: str, *names: str, **settings: Any) -> Any:
     return typer.Option(*names, metavar=metavar, help=help, **settings)
 
 
-def numbered(help: str, *names: str, **settings: Any) -> Any:
+def number_option(help: str, *names: str, **settings: Any) -> Any:
     """An option whose value is a number; settings: as of `typer.Option`."""
     return option("NUMBER", help, *names, parser=number, **settings)
 
@@ -70,7 +70,7 @@ Reading = Annotated[
 ]
 Tol = Annotated[
     float | None,
-    numbered(
+    number_option(
         "Tolerance: a case is solved if its estimated error is at most this number times max(1, condition number); "
         "default: the study's, else 1e-08."
     ),
@@ -100,13 +100,13 @@ At = Annotated[list[str] | None, option("AXIS=VALUE", AT)]
 Style = Annotated[str, option("STYLE", "screen, or paper: letters of 8 points, 183 mm wide.", rich_help_panel="Print")]
 Width = Annotated[
     float | None,
-    numbered("Width of the picture [mm], such as 89 or 183; letters keep their size.", rich_help_panel="Print"),
+    number_option("Width of the picture [mm], such as 89 or 183; letters keep their size.", rich_help_panel="Print"),
 ]
 NoTitle = Annotated[
     bool,
     flag("Leave out the title and what a caption tells; the command prints it.", "--no-title", rich_help_panel="Print"),
 ]
-PixelError = Annotated[float, numbered("Largest error of the drawn surface [pixels].")]
+PixelError = Annotated[float, number_option("Largest error of the drawn surface [pixels].")]
 ForceOutput = Annotated[bool, flag("Replace output files that exist.", "--force")]
 ForceStudy = Annotated[bool, flag("Replace the file of --out even if it is not this study.", "--force")]
 Json = Annotated[bool, flag("Print JSON.", "--json")]

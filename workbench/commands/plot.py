@@ -104,7 +104,7 @@ def plot(
         console.say(note)
     console.say(str(path))
     if numbers:
-        with atomic.replacing(numbers) as part:
+        with atomic.replacement(numbers) as part:
             part.write_text(table.table(drawn), encoding="utf-8")
         console.say(str(numbers))
     return 0

@@ -15,7 +15,7 @@ EVERY = 30.0  # seconds between two lines where stderr is no terminal
 
 
 @contextmanager
-def shown(total: int, done: int, as_json: bool = False) -> "Iterator[Meter]":
+def progress_bar(total: int, done: int, as_json: bool = False) -> "Iterator[Meter]":
     """A meter, shown while the body runs; where stderr is no terminal, or as JSON, by a line every 30 s."""
     from rich.progress import BarColumn, Progress, TextColumn
 

@@ -58,7 +58,7 @@ def reproduce(
     _print(results, readings, out, advice)
     for refusal in refusals:
         console.say(f"Omitted: {refusal}")
-    refuted = any(law_verdicts.refuted(law_verdicts.unsolved(result.ds), result.verdicts) for result in results)
+    refuted = any(law_verdicts.is_refuted(law_verdicts.unsolved(result.ds), result.verdicts) for result in results)
     return 1 if refusals or refuted else 0
 
 

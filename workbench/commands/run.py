@@ -61,7 +61,7 @@ def run(
     memory.keep()
     options = Options(workers, scheduler, chunk, restart)
     say = (lambda text: None) if json else _say
-    ran = run_to_file(chosen, path, options, say, partial(progress.shown, as_json=json))
+    ran = run_to_file(chosen, path, options, say, partial(progress.progress_bar, as_json=json))
     found = {"title": chosen.title, "study": chosen.name, "reading": chosen.reading or "", "file": str(path)}
     return print_result({**found, **ran.statistics}, json, ran)
 

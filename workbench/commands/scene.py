@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from . import console
-from .options import At, ForceOutput, PixelError, argument, flag, numbered, option
+from .options import At, ForceOutput, PixelError, argument, flag, number_option, option
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -135,8 +135,8 @@ def scene(
     along: Annotated[
         str | None, option("AXIS", "Axis along which the pictures of all cases have the same camera and colour scale.")
     ] = None,
-    low: Annotated[float | None, numbered("First arc length drawn [length]; default: 0.", "--from")] = None,
-    high: Annotated[float | None, numbered("Last arc length drawn [length]; default: L.", "--to")] = None,
+    low: Annotated[float | None, number_option("First arc length drawn [length]; default: 0.", "--from")] = None,
+    high: Annotated[float | None, number_option("Last arc length drawn [length]; default: L.", "--to")] = None,
     pixel_error: PixelError = 0.5,
     dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 200 gives 1600 pixels of width for one case.")] = 200,
     camera: Annotated[

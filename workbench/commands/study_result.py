@@ -21,7 +21,7 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
     """
     from ..data import law_verdicts
 
-    console.say(law_verdicts.tallied(list(verdicts)))
+    console.say(law_verdicts.tally_of(list(verdicts)))
     rows, reasons = [], []
     for row in verdicts:
         rows.append([law_verdicts.plain(row), row["claim"], law_verdicts.law_in_words(row), law_verdicts.measure(row)])
@@ -91,10 +91,10 @@ def _fewer_digits(count: int, file: Path) -> str:
     digits = max(floor(-log10(worst["error"])), 0)
     at = f"at {worst['at']}" if worst["at"] else ""
     which = f"the least accurate, {at}, has" if count > 1 else f"{at} it has".strip()
-    are, told = "are" if count > 1 else "is", law_verdicts.counted(digits, "digit")
+    are, told = "are" if count > 1 else "is", law_verdicts.count_of(digits, "digit")
     grows = labels.number(worst["condition"], 2)
     return (
-        f"{law_verdicts.counted(count, 'case')} {are} solved to fewer digits than the tolerance asks for: {which} "
+        f"{law_verdicts.count_of(count, 'case')} {are} solved to fewer digits than the tolerance asks for: {which} "
         f"about {told} (estimated error {worst['error']:.1e}), because a small change of its data grows {grows} times "
         "along the rod"
     )
@@ -122,7 +122,7 @@ def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None)
     console.say(f"{found['title']}, {found['reading']}" if found["reading"] else found["title"])
     if found["laws"]:
         print_verdicts(found["laws"], alternatives=True)
-    console.say(f"{found['file']}: {law_verdicts.counted(cases, 'case')}, {unsolved} unsolved")
+    console.say(f"{found['file']}: {law_verdicts.count_of(cases, 'case')}, {unsolved} unsolved")
     print_outcomes(outcomes, Path(found["file"]))
     print_sampling(found)
     for name in ("equilibria", "branches"):

@@ -93,7 +93,7 @@ def film_cases(
 
     None for a dataset whose cases a study does not give at any value of the axis. Raises `InputError` of the solver.
     """
-    if not ds.attrs.get("study") or schema.axes_of(ds) != schema.remaining_axes(ds, study_of(ds)):
+    if not ds.attrs.get("study") or schema.axes_of(ds) != schema.axes_left(ds, study_of(ds)):
         return None
     study = study_of(ds)
     field = schema.field_of(study, axis)
@@ -156,7 +156,7 @@ def solver_of_file(ds: xr.Dataset, at: dict[str, float], shown: Sequence[str]) -
 
     shown: as of `needed_cases`.
     """
-    if not ds.attrs.get("study") or schema.axes_of(ds) != schema.remaining_axes(ds, study_of(ds)):
+    if not ds.attrs.get("study") or schema.axes_of(ds) != schema.axes_left(ds, study_of(ds)):
         return None
     where, kept = selection.case(ds, at), {selection.axis_of(ds, name) for name in shown}
     part = ds.isel({name: [where[name]] for name in schema.axes_of(ds) if name not in kept})

@@ -10,7 +10,7 @@ from solver.problem.errors import InputError
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacement(path: Path) -> Iterator[Path]:
     """Yield a path beside `path`, of the same suffix; what was written there takes the place of `path` at the end.
 
     Where the body raises, `path` stays as it was and the other file is removed. Raises `OSError`, and `InputError` for
@@ -74,6 +74,6 @@ def reserve(path: Path, size: int) -> None:
 
 def write(path: Path, work: Callable[[Path], object]) -> Path:
     """Have `work` write the file and return its path; raises `InputError` where the disk refuses."""
-    with refusing(path), replacing(path) as aside:
+    with refusing(path), replacement(path) as aside:
         work(aside)
     return path

@@ -102,7 +102,7 @@ def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
     across = names[1 - along]
     values = {law.axis: coarse, across: found.lattice.along(across, at[counts == coarse.size])}
     values = {name: values[name] for name in names}
-    grid = refined.gridded(ds, index.reshape([row.size for row in values.values()]), values)
+    grid = refined.grid_of(ds, index.reshape([row.size for row in values.values()]), values)
     verdicts = law_verdicts.verdicts_of_lines(grid, law).values
     change = np.flatnonzero(verdicts[1:] != verdicts[:-1])
     low, high = values[across][change], values[across][change + 1]

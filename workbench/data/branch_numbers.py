@@ -16,7 +16,7 @@ def number(branch: NDArray[np.int64], every: Iterable[int]) -> NDArray[np.int64]
     return ranks[np.searchsorted(np.array([NONE, *order]), branch)]
 
 
-def counted(branch: NDArray[Any]) -> dict[int, int]:
+def counts(branch: NDArray[Any]) -> dict[int, int]:
     """How many cases each branch has; NaN counts as `NONE`."""
     known = np.nan_to_num(np.asarray(branch, dtype=float), nan=NONE, posinf=NONE, neginf=NONE)
     found, counts = np.unique(known, return_counts=True)

@@ -19,7 +19,7 @@ from studies import Study
 from studies.model import OUTPUTS
 
 from . import reading, rod_fields, schema
-from .schema import COMPONENTS, remaining_axes
+from .schema import COMPONENTS, axes_left
 
 _VECTOR, _FRAME = ("xyz",), ("director", "xyz")
 INNER = {"position": _VECTOR, "tangent": _VECTOR, "normal": _VECTOR, "material_frame": _FRAME}
@@ -46,7 +46,7 @@ class Stored:
         found = self.implied(name, ())
         if found is None:
             found = self._solved(name)
-        order = [*remaining_axes(self.ds, self.study), "u", *INNER.get(name, ())]
+        order = [*axes_left(self.ds, self.study), "u", *INNER.get(name, ())]
         kept = {dim: list(COMPONENTS[dim]) for dim in INNER.get(name, ())}
         result = found.transpose(*(dim for dim in order if dim in found.dims)).assign_coords(kept)
         return result.rename(name).assign_attrs(self._labels(name))
@@ -71,7 +71,7 @@ class Stored:
         values = np.asarray(getattr(sol, name))
         solved = np.asarray(sol.solved)
         values = np.where(solved.reshape(solved.shape + (1,) * (values.ndim - solved.ndim)), values, np.nan)
-        dims = [*remaining_axes(self.ds, self.study), "u", *INNER.get(name, ())]
+        dims = [*axes_left(self.ds, self.study), "u", *INNER.get(name, ())]
         coords = {key: value for key, value in self.ds.coords.items() if set(value.dims) <= set(dims)}
         if "u" in self.ds.dims or "u" not in self.ds.coords:
             return xr.DataArray(values, coords, dims)
@@ -93,7 +93,7 @@ class Stored:
         case = self.case()
         loads = dict(zip(("FZ", "MZ", "M3"), case.loads, strict=True))
         value = {**loads, "rho": case.rho}.get(name, getattr(case.rod, name, None))
-        axes = remaining_axes(self.ds, self.study)
+        axes = axes_left(self.ds, self.study)
         return xr.DataArray(np.broadcast_to(np.asarray(value, dtype=float), case.shape), dims=axes)
 
     @cached_property

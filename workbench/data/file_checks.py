@@ -25,7 +25,7 @@ MOST_VARIABLES = 1000
 
 
 @contextmanager
-def validated(path: str | Path) -> Iterator[h5py.File]:
+def open_valid(path: str | Path) -> Iterator[h5py.File]:
     """An HDF5 file of plain arrays, open for reading; `InputError` where it is not one."""
     path = Path(path)
     _check_file(path)

@@ -8,7 +8,7 @@ import numpy as np
 from studies import reasons
 from studies.dimensions import SAMPLE
 from studies.law import Law
-from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, by_line, decide, refused
+from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, by_line, decide, refusal
 from studies.readings import DROPPED
 
 from . import law_numbers, refined, schema
@@ -53,7 +53,7 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
         steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
         counts = [name for name in observed if schema.is_count(ds[name])]
         row = decide(law, observed, axes, steps, counts, law_numbers.of_law(ds, law))
-        rows.append(_untested(law, row) if _is_inert(ds, law) else row)
+        rows.append(_row_of_untested(law, row) if _is_inert(ds, law) else row)
     return rows
 
 
@@ -62,9 +62,9 @@ def _is_inert(ds: "xr.Dataset", law: Law) -> bool:
     return DROPPED.get(str(ds.attrs.get("reading", "")).partition("/")[0]) == law.axis
 
 
-def _untested(law: Law, row: Mapping[str, Any]) -> dict[str, Any]:
+def _row_of_untested(law: Law, row: Mapping[str, Any]) -> dict[str, Any]:
     """The row of a law that is not tested, with the values that were measured."""
-    told = refused(law, f"not tested along {law.axis}: {law.axis} has no effect under this reading")
+    told = refusal(law, f"not tested along {law.axis}: {law.axis} has no effect under this reading")
     also = [
         {**new, "first": old["first"], "last": old["last"]} for new, old in zip(told["also"], row["also"], strict=True)
     ]
@@ -114,7 +114,7 @@ def unsolved(ds: "xr.Dataset") -> int:
     return int((~ds["solved"].values).sum())
 
 
-def counted(count: int, word: str) -> str:
+def count_of(count: int, word: str) -> str:
     """``1 case``, ``9 cases``."""
     return f"{count} {word}{'s' * (count != 1)}"
 
@@ -124,7 +124,7 @@ def status(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> int:
     return int(unsolved > 0 or any(row["verdict"] not in (HOLDS, TREND) for row in rows))
 
 
-def refuted(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> bool:
+def is_refuted(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> bool:
     """Whether a case is unsolved, or a law fails or is not decided; a qualified one is not refuted."""
     return unsolved > 0 or any(row["verdict"] in (UNDECIDED, FAILS) for row in rows)
 
@@ -140,9 +140,9 @@ def tally(rows: Sequence[Mapping[str, Any]]) -> dict[str, int]:
     return {verdict: found.count(verdict) for verdict in VERDICTS}
 
 
-def tallied(rows: Sequence[Mapping[str, Any]]) -> str:
+def tally_of(rows: Sequence[Mapping[str, Any]]) -> str:
     """The tally in words: ``7 laws: 3 true, 4 true in part``."""
-    return f"{counted(len(rows), 'law')}: {reasons.count(tally(rows))}"
+    return f"{count_of(len(rows), 'law')}: {reasons.count(tally(rows))}"
 
 
 def law_in_words(row: Mapping[str, Any]) -> str:

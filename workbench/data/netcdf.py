@@ -49,7 +49,7 @@ def file(path: str | Path | BytesIO, mode: str, **options: Any) -> File:
     return File(_Arrays(path if isinstance(path, BytesIO) else str(path), mode), mode, **options)
 
 
-def opened(path: str | Path, **options: Any) -> xr.Dataset:
+def open_file(path: str | Path, **options: Any) -> xr.Dataset:
     """The dataset of a netCDF4 file, opened lazily; to be closed after use.
 
     options: keywords of `xarray.open_dataset`. Arrays without names for their dimensions get some.

@@ -45,7 +45,7 @@ def is_level(ds: xr.Dataset, name: str) -> bool:
     return bool(values.size and np.ptp(values) <= NOISE * np.abs(values).max())
 
 
-def named(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
+def names_of(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
     """The names, each once. Raises `InputError` for one that is no number of each case, with the observables."""
     for name in names:
         if not _is_number_of_each_case(ds, name):

@@ -15,7 +15,7 @@ from studies.dimensions import SAMPLE
 from studies.law import Law
 
 from . import checksums, escaping, kinds, netcdf, refined, value_checks
-from .file_checks import refusing, show, validated
+from .file_checks import open_valid, refusing, show
 from .schema import CURVES, FORMAT, INNER, dimension, fields_of_samples
 
 # The attributes that mark a study's dataset, and all that are text.
@@ -29,7 +29,7 @@ SCALED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")  # attribu
 MOST_TEXT = 64_000_000  # bytes of an attribute
 
 
-def opened(path: str | Path, whole: bool = False) -> xr.Dataset:
+def open_study(path: str | Path, whole: bool = False) -> xr.Dataset:
     """A study's dataset, opened lazily; to be closed after use. whole: arrays along the rod are validated too.
 
     Raises `InputError` where the file is missing, damaged, of another format, or not a study's dataset.
@@ -49,11 +49,11 @@ def opened(path: str | Path, whole: bool = False) -> xr.Dataset:
 
 def raw(path: str | Path) -> xr.Dataset:
     """Any netCDF4 file of plain arrays, opened lazily; `InputError` where it is not one."""
-    with validated(path):
+    with open_valid(path):
         pass
     with refusing(path), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of xarray, on files that are refused below
-        ds = netcdf.opened(path, decode_times=False)
+        ds = netcdf.open_file(path, decode_times=False)
     ds.attrs.pop(checksums.KEY, None)  # a selection that is stored has others
     return ds
 

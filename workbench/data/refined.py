@@ -141,7 +141,7 @@ def coarse(ds: "xr.Dataset") -> "xr.Dataset":
     found = describe(ds)
     first = np.flatnonzero(ds[tables.LEVEL].values == 0)
     order = first[np.lexsort(found.places[first].T[::-1])]
-    return gridded(ds, order.reshape(found.lattice.shape), found.lattice.axes)
+    return grid_of(ds, order.reshape(found.lattice.shape), found.lattice.axes)
 
 
 def line(ds: "xr.Dataset") -> "xr.Dataset":
@@ -149,7 +149,7 @@ def line(ds: "xr.Dataset") -> "xr.Dataset":
     found = describe(ds)
     (name,) = found.lattice.axes
     order = np.argsort(found.places[:, 0])
-    return gridded(ds, order, {name: ds[name].values[order]})
+    return grid_of(ds, order, {name: ds[name].values[order]})
 
 
 def raster(ds: "xr.Dataset") -> "xr.Dataset":
@@ -181,7 +181,7 @@ def raster(ds: "xr.Dataset") -> "xr.Dataset":
               for name, size in zip(lattice.axes, index.shape, strict=True)}  # fmt: skip
     each = [str(name) for name in ds.data_vars if ds[name].dims == (SAMPLE,)]
     label = {"units": "1", "long_name": "level of the drawn cell", "symbol": tables.LEVEL}
-    grid = gridded(ds[each].assign(case=(SAMPLE, np.arange(ds.sizes[SAMPLE]))), index, values)
+    grid = grid_of(ds[each].assign(case=(SAMPLE, np.arange(ds.sizes[SAMPLE]))), index, values)
     for name, coarse in lattice.axes.items():
         grid[name].attrs["ends"] = coarse[[0, -1]]
     return grid.assign({tables.LEVEL: (list(values), levels, label)}).set_coords("case")
@@ -196,7 +196,7 @@ def _own_axes(field: "xr.DataArray") -> "xr.DataArray":
     return field
 
 
-def gridded(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Values]) -> "xr.Dataset":
+def grid_of(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Values]) -> "xr.Dataset":
     """The cases of these indices as a grid over axes of these values."""
     import xarray as xr
 

@@ -95,7 +95,7 @@ def fields_of_samples(ds: "xr.Dataset") -> list[str]:
     return str(ds.attrs.get("sampled", "")).split()
 
 
-def remaining_axes(ds: "xr.Dataset", study: "Study") -> list[str]:
+def axes_left(ds: "xr.Dataset", study: "Study") -> list[str]:
     """The study's dimensions that the dataset still has; one on which a value was selected is gone."""
     return [dim for dim in dict.fromkeys(own_dimension(study, name) for name in study.varied) if dim in ds.dims]
 

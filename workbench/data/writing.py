@@ -36,7 +36,7 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
 
 
 @contextmanager
-def appending(frame: xr.Dataset, path: Path, size: int) -> Iterator[netcdf.File]:
+def append_to(frame: xr.Dataset, path: Path, size: int) -> Iterator[netcdf.File]:
     """Write a dataset to a new file, and yield the file for further variables.
 
     size: bytes of the whole file at most, which are reserved: HDF5 does not survive a full disk. Raises `OSError`.
@@ -95,7 +95,7 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
 
     Raises `InputError` where the file is missing, damaged, foreign or too large, or holds invalid values.
     """
-    with reading.opened(path) if study else reading.raw(path) as ds:
+    with reading.open_study(path) if study else reading.raw(path) as ds:
         if ds.nbytes > _memory():
             held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {_memory() / 1e9:.3g} GB"
             raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
@@ -124,7 +124,7 @@ def check_free(path: str | Path, study_name: str) -> None:
     if not path.exists():
         return
     try:
-        with file_checks.validated(path) as file:
+        with file_checks.open_valid(path) as file:
             there = file.attrs.get("study_name")
     except InputError:
         there = None

@@ -172,7 +172,7 @@ def _two_axes(ds: xr.Dataset, x: str | None, y: str | None, at: dict[str, float]
 
 def _observables(ds: xr.Dataset, show: Sequence[str], most: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The observables of the figure, and those of the study that have no room."""
-    names = observed.named(ds, show) if show else observed.observables(ds)
+    names = observed.names_of(ds, show) if show else observed.observables(ds)
     if not names:
         raise InputError("the study stores no observable; a map shows one")
     if not show:

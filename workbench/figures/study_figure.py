@@ -77,7 +77,7 @@ def figure(
     is_sampled = SAMPLE in axes and bool(observed.observables(ds))
     axes = [axis for axis in axes if not (is_sampled and axis == SAMPLE)]
     chosen = _choice(
-        ds, rows, axes if unrolled.has_curve(curves) else [], is_sampled, sheet.panel, observed.named(ds, show)
+        ds, rows, axes if unrolled.has_curve(curves) else [], is_sampled, sheet.panel, observed.names_of(ds, show)
     )
     if sheet.narrow and sheet.panel is None and not show:
         chosen = _for_column(chosen)

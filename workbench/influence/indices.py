@@ -51,7 +51,7 @@ def sobol(
     Returns
     -------
     Dataset
-        As `analysed` returns it; the observables in rows, in their attributes what they are called.
+        As `analyse` returns it; the observables in rows, in their attributes what they are called.
 
     Raises
     ------
@@ -71,12 +71,12 @@ def sobol(
         raise InputError("sample is not held: the indices are those of all samples")
     held = {axis: i for axis, i in selection.case(ds, at).items() if axis != SAMPLE}
     here = ds.isel(held)
-    names = observed.named(here, observables) if observables else schema.observables_of(here)
+    names = observed.names_of(here, observables) if observables else schema.observables_of(here)
     if not names:
         raise InputError("the file stores no observable: give the study observables, and run it again")
     solved = here["solved"].values.astype(bool)
     values = np.stack([np.where(solved, here[name].values.astype(float), np.nan) for name in names], axis=1)
-    found = analysed(design, values, fields, names, confidence, seed)
+    found = analyse(design, values, fields, names, confidence, seed)
     labels = {str(name): _labels(ds[name]) for name in [*fields, *names]}
     told = {
         "title": ds.attrs["title"],
@@ -107,7 +107,7 @@ def _how(fields: int) -> str:
     return f"""sample it with [sample] method = "saltelli" and a size of {256 * block} (256 blocks of {block})"""
 
 
-def analysed(
+def analyse(
     design: Design,
     values: Values,
     fields: Sequence[str],

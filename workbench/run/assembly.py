@@ -46,11 +46,11 @@ def assemble(plan: Plan, parts: Shards, output: Path, there: StoredRun | None, t
         with ExitStack() as stack:
             sources: list[concatenation.Source] = [ShardSource(parts, plan)]
             if there is not None:
-                held = stack.enter_context(netcdf.opened(output))
+                held = stack.enter_context(netcdf.open_file(output))
                 names = [row.name for row in dataset.store(plan.study, plan.dimensions)]
                 source = concatenation.FileSource(str(output), held, names, plan.shape, places(there, plan))
                 sources = [source, *sources] if plan.todo else [source]
-            file = stack.enter_context(writing.appending(frame, aside, bytes_of_file(plan)))
+            file = stack.enter_context(writing.append_to(frame, aside, bytes_of_file(plan)))
             _write_cases(file, plan, sources, tally)
         statistics = _statistics(aside, tally)
         with h5py.File(aside, "a") as file:
@@ -65,7 +65,7 @@ def assemble(plan: Plan, parts: Shards, output: Path, there: StoredRun | None, t
 
 def _statistics(path: Path, tally: Tally) -> dict[str, Any]:
     """The statistics of the file, from which `run` reports without reading its cases again."""
-    with netcdf.opened(path) as ds:
+    with netcdf.open_file(path) as ds:
         verdicts, first = law_verdicts.verdicts(ds), str(ds.attrs.get("equilibria", ""))
         sampling = {name: str(ds.attrs[name]) for name in schema.SAMPLING if name in ds.attrs}
     branches = branch_numbers.sentence(tally["branch"]) if tally["branch"] else ""

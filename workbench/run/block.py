@@ -22,7 +22,7 @@ from ..data import cautions
 from ..data.branch_numbers import NONE
 from ..data.schema import LOADS, Columns, inner_shape
 from .shards import encode
-from .sweep import State, grid_of, walked
+from .sweep import State, grid_of, walk_states
 from .sweep_solutions import show
 
 
@@ -54,7 +54,7 @@ class Chunk:
             yield Chunk(self.start + a, self.start + b, values, deaths, self.shape, states)
 
 
-def solved(study: Study, chunk: Chunk, block: int) -> bytes:
+def solve_chunk(study: Study, chunk: Chunk, block: int) -> bytes:
     """The chunk's results as packed by `shards.encode`. Raises `InputError` for an invalid study."""
     return encode(join([block_of(study, part) for part in chunk.blocks(block)]))
 
@@ -67,7 +67,7 @@ def join(parts: list[Columns]) -> Columns:
 def block_of(study: Study, part: Chunk) -> Columns:
     """The columns of one block."""
     if study.sweeps:
-        states = walked(study, grid_of(study, part.shape), part.values, part.start, part.states)
+        states = walk_states(study, grid_of(study, part.shape), part.values, part.start, part.states)
         return join([_columns_of(study, state) for state in states])
     case = study.case_of(part.values)
     sol = solve_one(case, study.equilibrium, study.tol, study.method, study.stations)
@@ -103,12 +103,12 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
     for name in study.outputs:
         found[name] = _where(mine, np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *inner_shape(name)))
     # in one call, as several observables share what they are measured from
-    observed, remarks = expressions.observed(study, sol, (*study.wanted, *cautions.JUDGED), given or {})
+    observed, remarks = expressions.observables_of(study, sol, (*study.wanted, *cautions.JUDGED), given or {})
     for name in study.recorded:
         found[name] = _where(mine, np.asarray(observed[name]).reshape(-1))
     found["solved"] = mine
-    outcomes = _remarked(np.asarray(sol.outcome).astype(str).reshape(-1), np.where(mine, remarks, ""))
-    found["outcome"] = _remarked(outcomes, np.where(mine, _incomplete(sol), ""))
+    outcomes = _with_remarks(np.asarray(sol.outcome).astype(str).reshape(-1), np.where(mine, remarks, ""))
+    found["outcome"] = _with_remarks(outcomes, np.where(mine, _incomplete(sol), ""))
     caution = cautions.of_cases(sol, observed, study.units.length)
     found["caution"] = np.asarray(caution).reshape(-1)
     for name in ("error", "condition", *(name for name in LOADS if name not in study.varied)):
@@ -124,7 +124,7 @@ def _incomplete(sol: Solution) -> NDArray[Any]:
     return np.array([INCOMPLETE if one is not None and not one.complete else "" for one in lists.tolist()])
 
 
-def _remarked(outcomes: NDArray[Any], remarks: NDArray[Any]) -> NDArray[Any]:
+def _with_remarks(outcomes: NDArray[Any], remarks: NDArray[Any]) -> NDArray[Any]:
     """The outcomes with the remarks on numbers that have no value."""
     if not (remarks != "").any():
         return outcomes

@@ -14,7 +14,7 @@ from solver.problem.errors import InputError
 from studies import Study
 
 from . import memory
-from .block import Chunk, solved
+from .block import Chunk, solve_chunk
 from .local_pool import DEATHS, KILLED, Results
 from .plan import Plan
 from .recipe import check_worker, code_version
@@ -75,7 +75,7 @@ def _solve(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
     check_worker(study, code)
     memory.keep()
     try:
-        return solved(study, chunk, block)
+        return solve_chunk(study, chunk, block)
     except InputError:
         raise
     except Exception:

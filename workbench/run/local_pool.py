@@ -11,7 +11,7 @@ from multiprocessing.connection import wait
 
 from studies import Study
 
-from .block import Chunk, solved
+from .block import Chunk, solve_chunk
 from .worker_processes import Worker
 
 Results = Iterator[tuple[Chunk, bytes | str]]
@@ -23,7 +23,7 @@ KILLED = "failed: the process that solved it ended twice without an answer"
 def serial(study: Study, chunks: Iterable[Chunk], block: int) -> Results:
     """In this process, one after the other."""
     for chunk in chunks:
-        yield chunk, solved(study, chunk, block)
+        yield chunk, solve_chunk(study, chunk, block)
 
 
 def cores() -> int:

@@ -42,7 +42,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
     if len(files) < 2:
         raise InputError(f"merge takes two files or more, got {len(files)}")
     with contextlib.ExitStack() as stack:
-        opened = [stack.enter_context(reading.opened(path, whole=True)) for path in files]
+        opened = [stack.enter_context(reading.open_study(path, whole=True)) for path in files]
         studies = [stored_case.study_of(ds) for ds in opened]
         names = [str(path) for path in files]
         union = _union(opened, studies, names)
@@ -57,8 +57,8 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         variables = [_case_variable(name, opened) for name in cases]
         size = sum(_bytes_a_case(opened[0][name], len(axes)) for name in cases)
         most = int(1.02 * (frame.nbytes + prod(shape) * size)) + SPARE
-        with atomic.refusing(out), atomic.replacing(out) as aside:
-            with writing.appending(frame.assign_attrs(attrs), aside, most) as file:
+        with atomic.refusing(out), atomic.replacement(out) as aside:
+            with writing.append_to(frame.assign_attrs(attrs), aside, most) as file:
                 windows = concatenation.gather(sources, shape, size, union, axes.index(union.axis))
                 writing.write_cases(file, variables, shape, windows)
             result = _judge(aside, _recipe(opened, schema.field_of(studies[0], union.axis), union))
@@ -159,7 +159,7 @@ def _attributes(
     if union.fields:
         text, context = _text_with_samples(study, union, out)
         fields = union.fields
-        attrs["sampling"] = _sampling(files, union)
+        attrs["sampling"] = _origin_of_samples(files, union)
     else:
         field = schema.field_of(study, union.axis)
         text = dumps(study, {field: axis_table(union.values)})
@@ -192,7 +192,7 @@ def _text_with_samples(study: Study, union: concatenation.Union, out: Path) -> t
     return dumps_table(study, f"{out.stem}.csv", list(union.fields)), {"samples": Dimension(SAMPLE, union.fields)}
 
 
-def _sampling(files: Sequence[xr.Dataset], union: concatenation.Union) -> str:
+def _origin_of_samples(files: Sequence[xr.Dataset], union: concatenation.Union) -> str:
     """Where the samples of the union come from, in one sentence."""
     each = list(dict.fromkeys(str(ds.attrs.get("sampling", "")) for ds in files))
     more = [f"and {len(each) - MOST_SOURCES} more"] if len(each) > MOST_SOURCES else []
@@ -208,9 +208,9 @@ def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
 
 def _judge(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
     """Judge the laws of the merged file, and store the recipe and the statistics in it as a run does."""
-    with netcdf.opened(path) as ds:
-        outcomes, verdicts = summary.counted(ds["outcome"], ds["solved"]), law_verdicts.verdicts(ds)
-        texts, unsolved = summary.counted(ds["caution"]), summary.unsolved(ds)
+    with netcdf.open_file(path) as ds:
+        outcomes, verdicts = summary.text_counts(ds["outcome"], ds["solved"]), law_verdicts.verdicts(ds)
+        texts, unsolved = summary.text_counts(ds["caution"]), summary.unsolved(ds)
     caution = cautions.tell(texts)
     with h5py.File(path, "a") as file:
         file.attrs["caution"] = caution

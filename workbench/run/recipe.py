@@ -46,7 +46,7 @@ def recipe_of(study: Study, dimensions: Dimensions, block: int) -> dict[str, Any
         "method": study.method,
         "block": block,
         "code": code_version(),
-        **{package: version_of(package) for package in ("numpy", "scipy", *_required(study.method))},
+        **{package: version_of(package) for package in ("numpy", "scipy", *_requirements(study.method))},
     }
     plain: dict[str, Any] = json.loads(json.dumps(data))
     return plain
@@ -81,7 +81,7 @@ def check_worker(study: Study, code: str) -> None:
         raise InputError(f"a worker has no method {study.method!r}: install there what is installed here")
 
 
-def _required(method: str) -> list[str]:
+def _requirements(method: str) -> list[str]:
     """The package whose version decides the last bits of a method, if there is one."""
     return [METHODS[method].requires] if method in METHODS and METHODS[method].requires else []
 

@@ -38,7 +38,7 @@ def look(path: Path) -> StoredRun | None:
     Raises `InputError` for a file of a newer format.
     """
     try:
-        with file_checks.validated(path) as file:
+        with file_checks.open_valid(path) as file:
             found = np.asarray(file.attrs["format"]).item()
             there = _read(file) if found == FORMAT else None
             checksums.check(file, path, arrays=False)
@@ -86,7 +86,7 @@ def grow(there: StoredRun, plan: Plan) -> Plan | None:
     now = plan.recipe
     if there.recipe.get("order") != now["order"] or not plan.shape:
         return None
-    matched = _matched(there.dimensions, plan.dimensions)
+    matched = _match_dimensions(there.dimensions, plan.dimensions)
     if matched is None:
         return None
     dimensions, _ = matched
@@ -137,7 +137,7 @@ def _check_versions(was: Mapping[str, Any], now: Mapping[str, Any], changed: lis
 
 def places(there: StoredRun, plan: Plan) -> list[NDArray[np.int64]]:
     """For each dimension the index of each value in the file, -1 where the file has no such value."""
-    matched = _matched(there.dimensions, plan.dimensions)
+    matched = _match_dimensions(there.dimensions, plan.dimensions)
     assert matched is not None
     return matched[1]
 
@@ -150,14 +150,14 @@ def _new(there: StoredRun, plan: Plan) -> NDArray[np.int64]:
     return np.flatnonzero(~held)
 
 
-def _matched(old: Dimensions, new: Dimensions) -> tuple[Dimensions, list[NDArray[np.int64]]] | None:
+def _match_dimensions(old: Dimensions, new: Dimensions) -> tuple[Dimensions, list[NDArray[np.int64]]] | None:
     """The new dimensions, with the old values to the last digit, and the index of each value among the old.
 
     None where an old value is not among the new.
     """
     each, found = [], []
     for before, now in zip(old.each, new.each, strict=True):
-        matched = _appended(before, now) if now.name == SAMPLE else _interleaved(before, now)
+        matched = _match_samples(before, now) if now.name == SAMPLE else _match_axis(before, now)
         if matched is None:
             return None
         each.append(matched[0])
@@ -165,7 +165,7 @@ def _matched(old: Dimensions, new: Dimensions) -> tuple[Dimensions, list[NDArray
     return Dimensions(tuple(each)), found
 
 
-def _appended(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.int64]] | None:
+def _match_samples(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.int64]] | None:
     """Samples that begin with the old ones, and the index of each among the old, or -1; None where they do not."""
     if tuple(old.fields) != tuple(new.fields) or old.size > new.size:
         return None
@@ -175,7 +175,7 @@ def _appended(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.int
     return new, np.where(index < old.size, index, -1)
 
 
-def _interleaved(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.int64]] | None:
+def _match_axis(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.int64]] | None:
     """An axis that holds the old values in any order, and the index of each among the old, or -1."""
     before, values = old.fields[old.name], new.fields[new.name]
     order = np.argsort(before)

@@ -69,5 +69,5 @@ def numbers(study: Study, columns: Columns) -> Values:
     """The watched numbers of each case, (cases, watched), those of laws last; whether it is solved as 0 or 1."""
     assert study.refine is not None
     watched = ["solved" if name == OUTCOME else name for name in study.refine.watch]
-    rows = [columns[name] for name in (*watched, *(law.observable for law in tables.watched_laws(study)))]
+    rows = [columns[name] for name in (*watched, *(law.observable for law in tables.laws_to_watch(study)))]
     return np.stack([np.asarray(row, dtype=float) for row in rows], axis=1)

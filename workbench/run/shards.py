@@ -74,7 +74,7 @@ def folder_of(output: Path) -> Path:
 
 
 @contextmanager
-def locked(folder: Path) -> Iterator[None]:
+def lock(folder: Path) -> Iterator[None]:
     """Hold the folder, made if need be, against a second run; the lock ends with this process at the latest.
 
     Raises `InputError` where another run holds it.
@@ -243,7 +243,7 @@ def _shards(folder: Path) -> list[tuple[int, int]]:
 
 
 def _put(path: Path, content: bytes) -> None:
-    with atomic.replacing(path) as aside:
+    with atomic.replacement(path) as aside:
         aside.write_bytes(content)
 
 

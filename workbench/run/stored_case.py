@@ -18,7 +18,7 @@ from studies.dimensions import SAMPLE, Dimension
 from studies.loader import loads
 
 from ..data import reading
-from ..data.schema import dimension, field_of, fields_of_samples, own_dimension, remaining_axes
+from ..data.schema import axes_left, dimension, field_of, fields_of_samples, own_dimension
 from ..data.selection import SAME, real
 from . import sweep_solutions
 from .block import solve_one
@@ -65,7 +65,7 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
     case = case_of(ds, study, {name: real(name, value) for name, value in values.items()})
     if case.size > MOST_SOLVED:
         asked = f"{case.size} cases would have to be solved again, more than {MOST_SOLVED}"
-        raise InputError(f"{asked}; select some first, as ds.rod.sel({remaining_axes(ds, study)[0]}=...).rod")
+        raise InputError(f"{asked}; select some first, as ds.rod.sel({axes_left(ds, study)[0]}=...).rod")
     tol, method = reading.number(ds, "tolerance"), reading.text(ds, "method")
     stations = _stations(ds, study, case)
     if study.sweeps:
@@ -80,7 +80,7 @@ def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str
     """The values of the study's varied fields: one where given or selected, else along their own dimension."""
     left = [name for name in study.varied if name not in values]
     dims = {name: own_dimension(study, name) for name in left}
-    open_axes = [dim for dim in remaining_axes(ds, study) if dim in dims.values()]
+    open_axes = [dim for dim in axes_left(ds, study) if dim in dims.values()]
     placed: dict[str, Any] = {name: real(name, values[name]) for name in study.varied if name in values}
     for name in left:
         shape = [-1 if dims[name] == other else 1 for other in open_axes if dims[name] in open_axes]

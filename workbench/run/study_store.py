@@ -121,11 +121,11 @@ def run_to_file(
 
     check_parent(output)
     folder = shards.folder_of(output)
-    with _refusing_disk(output), shards.locked(folder):
+    with _refusing_disk(output), shards.lock(folder):
         try:
             if (finished := _finish(work, output, options)) is not None:  # by the run that held the lock
                 return finished
-            there, work = _growing(work, output, options)
+            there, work = _growth(work, output, options)
             if there is None and (told := replace(_store(output, options), work, output)):
                 say(told)
             if options.restart:
@@ -173,12 +173,12 @@ def _tidy(work: Plan, output: Path) -> None:
     folder = shards.folder_of(output)
     if not folder.is_dir():
         return
-    with suppress(InputError, OSError), shards.locked(folder):
+    with suppress(InputError, OSError), shards.lock(folder):
         if shards.is_left_over(folder, work.recipe):
             shards.clear(folder)
 
 
-def _growing(work: Plan, output: Path, options: Options) -> tuple[StoredRun | None, Plan]:
+def _growth(work: Plan, output: Path, options: Options) -> tuple[StoredRun | None, Plan]:
     """The existing file that the study extends, if any, and the plan of the remaining cases."""
     there = _store(output, options)
     larger = grow(there, work) if there is not None else None
@@ -201,23 +201,23 @@ def _run(
     from .assembly import assemble
 
     tally = tally_of(there)
-    kept = _verified(work, parts, tally)
+    kept = _count_kept(work, parts, tally)
     say(room(work, parts.folder, kept))
     held = work.size - work.todo
     with progress(max(work.size, held + kept), held + kept) as meter:
         told = None
         while told is None:
             try:
-                work = _solved(work, parts, output, there, options, meter, tally)
+                work = _solve_missing(work, parts, output, there, options, meter, tally)
                 told = assemble(work, parts, output, there, tally)
             except Damaged:  # by another program since it was read: its cases are solved again
                 tally = tally_of(there)
-                meter.done = held + _verified(work, parts, tally)
+                meter.done = held + _count_kept(work, parts, tally)
     shards.clear(parts.folder)
     return Ran(told, work.todo - kept, meter.seconds)
 
 
-def _verified(work: Plan, parts: Shards, tally: Tally) -> int:
+def _count_kept(work: Plan, parts: Shards, tally: Tally) -> int:
     """Count the cases of the existing shards, each verified; damaged ones are removed."""
     kept = 0
     most = work.todo if work.study.refine is None else shards.MOST
@@ -230,7 +230,7 @@ def _verified(work: Plan, parts: Shards, tally: Tally) -> int:
     return kept
 
 
-def _solved(
+def _solve_missing(
     work: Plan, parts: Shards, output: Path, there: StoredRun | None, options: Options, meter: Meter, tally: Tally
 ) -> Plan:
     """Solve the missing cases, of a refined study round by round; the plan of all cases. Raises `Damaged`."""

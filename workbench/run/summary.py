@@ -30,12 +30,12 @@ def summary(path: Path) -> dict[str, Any]:
 
     Memory: one number a case, for one observable at a time.
     """
-    with reading.opened(path, whole=True) as ds, file_checks.reading(path):
+    with reading.open_study(path, whole=True) as ds, file_checks.reading(path):
         told: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
         told |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
         told |= {"tolerance": reading.number(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
         told |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", "equilibria")}
-        counts = branch_numbers.counted(_numbers(ds["branch"])) if "branch" in ds else {}
+        counts = branch_numbers.counts(_numbers(ds["branch"])) if "branch" in ds else {}
         told["branches"] = branch_numbers.sentence(counts) if counts else ""
         told["versions"] = reading.versions(ds, path)
         told["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
@@ -45,7 +45,7 @@ def summary(path: Path) -> dict[str, Any]:
         told["along"] = [name for name in schema.CURVES if name in ds.data_vars]
         told["boundaries"] = _boundaries(ds)
         told["cases"] = ds["outcome"].size
-        outcomes = counted(ds["outcome"], ds["solved"])
+        outcomes = text_counts(ds["outcome"], ds["solved"])
         told["unsolved"] = unsolved(ds)
         told["outcomes"] = dict(outcomes.most_common())
         told["observables"] = [_spread(ds[name]) for name in _observables(ds)]
@@ -113,7 +113,7 @@ def _axis(axis: xr.DataArray) -> dict[str, Any]:
     return {"name": str(axis.name), **ends, "units": str(axis.attrs.get("units", ""))}
 
 
-def counted(variable: xr.DataArray, solved: xr.DataArray | None = None) -> Counter[str]:
+def text_counts(variable: xr.DataArray, solved: xr.DataArray | None = None) -> Counter[str]:
     """How often each text occurs; beyond the first `DISTINCT` the others are counted together.
 
     solved: where given, the others are counted apart by whether their case is solved.
@@ -168,7 +168,7 @@ def least_accurate(path: Path) -> dict[str, Any]:
 
     Raises `InputError`.
     """
-    with reading.opened(path) as ds, file_checks.reading(path):
+    with reading.open_study(path) as ds, file_checks.reading(path):
         worst = _worst(ds, "error")
         dims = [str(dim) for dim in ds["error"].dims]
         at = [f"{name} = {labels.value(value, ds[name], 6)}" for name, value in worst["at"].items()]

@@ -190,7 +190,7 @@ def tell(name: str, value: float) -> str:
     return f"{name} = {np.rad2deg(value):.6g} deg" if is_angle(name) else f"{name} = {value:.6g}"
 
 
-def walked(
+def walk_states(
     study: Study, grid: Grid, values: Mapping[str, NDArray[np.float64]], start: int, known: Mapping[int, State]
 ) -> list[State]:
     """The states of the cases from `start` on, in order, each after one of those known.

@@ -22,7 +22,7 @@ from solver.problem.errors import InputError
 from studies import Study
 
 from . import memory
-from .block import Chunk, solved
+from .block import Chunk, solve_chunk
 from .recipe import check_worker, code_version
 
 # One thread each, as there is one worker a core.
@@ -149,7 +149,7 @@ def _work(pipe: Connection, study: Study, code: str) -> None:
         pipe.send((b"", None, None))
         while True:
             chunk, block = pipe.recv()
-            pipe.send((solved(study, chunk, block), None, None))
+            pipe.send((solve_chunk(study, chunk, block), None, None))
     except (EOFError, OSError):
         return
     except InputError as error:

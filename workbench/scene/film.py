@@ -217,7 +217,7 @@ def write(paths: Sequence[Path], made: Iterator[Pixels], fps: float = FPS, each:
     each: how often a frame is shown. back: the film runs back again, and has no beginning.
     """
     with atomic.refusing(paths[0].parent), ExitStack() as whole:
-        aside = [whole.enter_context(atomic.replacing(path)) for path in paths]
+        aside = [whole.enter_context(atomic.replacement(path)) for path in paths]
         with ExitStack() as open_ones:
             # imageio's own context leaves ffmpeg running where something fails inside
             writers = [open_ones.enter_context(closing(_writer(path, fps))) for path in aside]

@@ -87,7 +87,7 @@ def html(
     return template.render(
         reading=str(results[0].ds.attrs["reading"]),
         claims=claims_of(sections),
-        tally=law_verdicts.tallied([row for result in results for row in result.verdicts]),
+        tally=law_verdicts.tally_of([row for result in results for row in result.verdicts]),
         sections=sections,
         laws=laws,
         notes=list(dict.fromkeys(law["fixed_note"] for law in laws if law["fixed_note"])),

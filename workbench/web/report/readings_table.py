@@ -9,7 +9,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 from studies import READINGS, Study, load, names
-from studies.laws import refused, worst
+from studies.laws import refusal, worst
 
 from ...data import dataset, law_verdicts
 from ...run import in_memory
@@ -45,7 +45,7 @@ def run(
             try:
                 ds = in_memory.run(study.under(reading))
             except InputError as error:  # for example where the base rod already ends beyond a followed axis's limit
-                found += [refused(law, str(error)) for law in study.laws]
+                found += [refusal(law, str(error)) for law in study.laws]
                 missing.append(study.size)
                 continue
             found += law_verdicts.verdicts(ds)
