@@ -12,7 +12,8 @@ NOUNS = """
     arriving attached beginning bending branching buckling ceasing closed crossing dataset drawing embedding
     failed feed following given heading held hinged holding judging lacking lying meaning missing need
     needed encoding finding nothing overlapping packing reading refusing ring rounding running seed spacing
-    speed standing steepening straightening string swing touching turning twisted unchecked unsolved varying wanted wording
+    speed standing steepening straightening string swing touching turning twisted unchecked unsolved varying
+    wanted wording
 """
 # Older names that still begin so, because their verb is taken by another name. None may be added.
 OLDER = """
