@@ -20,7 +20,7 @@ OLDER = """
     _answering _deciding _inked _labelled _missed _promised _solved checked coloured compared completed developed
     drawn ended ending facing fitted followed guarded handed hatched implied installed joined joined_at judged kept
     measured moved named numbered packed parsed printed ranged recorded refined rubbed_by scaled shown snapped
-    solved started stepped striped summed told traced turned unexplained varied_orbits
+    solved started stepped striped summed told traced turned unexplained
 """
 
 

@@ -13,7 +13,7 @@ from ..levels.path_orbits import orbit_of, path_from_start
 from ..numerics.arrays import Array
 from ..orbit.arcs import Arcs
 from ..orbit.panels import join
-from ..orbit.periodic_orbit import Orbit, solve_orbit
+from ..orbit.periodic_orbit import TIGHT, Orbit, solve_orbit
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, where_shown
 from .selected_equilibrium import NO_EQUILIBRIUM, equilibrium_trajectory, selection_of
@@ -31,12 +31,12 @@ def each_equilibrium(
     slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
     near = np.isfinite(slopes)
     if near.all():
-        return equilibrium_trajectory(problem, solve_orbit(problem.started(slopes), 1e-13), t, tol)
+        return equilibrium_trajectory(problem, solve_orbit(problem.started(slopes), TIGHT), t, tol)
     found: list[Trajectory | str] = []
     for i, one in enumerate(_each(problem)):
         here = t[i : i + 1]
         if near[i]:
-            found.append(equilibrium_trajectory(one, solve_orbit(one.started(slopes[i : i + 1]), 1e-13), here, tol))
+            found.append(equilibrium_trajectory(one, solve_orbit(one.started(slopes[i : i + 1]), TIGHT), here, tol))
         else:
             found.append(selection_of(one, here, tol, None if seed is None else float(seed.slope[i]), choose))
     return together(found, t)
@@ -52,7 +52,7 @@ def together(found: list[Trajectory | str], t: Array) -> Trajectory:
     if len(found) == 1 and not isinstance(found[0], str):
         return found[0]
     plain = StartProblem(**{field.name: np.array([PLAIN[field.name]]) for field in fields(StartProblem)})
-    nothing = solve_orbit(plain, 1e-13)  # the tolerance of the others: the same series
+    nothing = solve_orbit(plain, TIGHT)  # the tolerance of the others: the same series
     orbits = [nothing if isinstance(one, str) else one.orbit for one in found]
     orbit = orbits[0] if len(orbits) == 1 else _join_orbits(orbits)
     shown = np.array([not isinstance(one, str) for one in found])
@@ -139,7 +139,7 @@ def _next_to(problem: EndsProblem, slope: Array) -> Array:
     off = np.full(B, np.inf)
     for _ in range(_ROUNDS):
         nudge = 1e-7 * np.maximum(1, np.abs(at))
-        orbit = solve_orbit(twice.started(np.concatenate([at, at + nudge])), 1e-13)
+        orbit = solve_orbit(twice.started(np.concatenate([at, at + nudge])), TIGHT)
         end = orbit.at(twice.span[:, None])[0][:, 0]
         off = end[:B] - problem.betaL
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -10,11 +10,10 @@ from ..equilibrium.charts import CORNER, charts, coordinate
 from ..equilibrium.held_index import dead_index_of, index_of
 from ..equilibrium.orbit_rates import helix_change
 from ..equilibrium.system import FREE, Given, State, correct, parts_of, values_of
-from ..equilibrium.varied_orbits import varied_orbits
 from ..held.held_alternatives import alternatives_of, away
 from ..held.held_starts import Reached, from_seed, nearest_start
 from ..levels.line_point import LinePoint
-from ..levels.path_orbits import orbit_of
+from ..levels.path_orbits import orbit_of, variations_of
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
@@ -107,7 +106,7 @@ def response_of(state: State, wanted: Given) -> float:
         if path.helix:
             moves = helix_change(problem, t).beta[0] @ parts
         else:
-            _, varied = varied_orbits(problem, [path], [LinePoint(problem)])
+            varied = variations_of(problem, path, LinePoint(problem))
             moves = change_between(varied.start, varied.at(t), parts[None, 0], parts[None, 1:].swapaxes(1, 2)).beta
         largest = float(np.abs(moves).max())
     return max(1.0, largest) if np.isfinite(largest) else np.inf

@@ -20,15 +20,16 @@ import numpy as np
 from ..core import orbit_rates as core
 from ..core.panels import Cutting
 from ..levels.line_point import LinePoint, Path
+from ..levels.path_orbits import plain_orbit, variations_of
 from ..levels.transit_times import CUTTING, STRETCH
 from ..mechanics.potential import slope_higher_rates, slope_rate
 from ..numerics.arrays import Array
 from ..orbit import helix_variations
 from ..orbit.critical_points import grid
+from ..orbit.periodic_orbit import Orbit
 from ..orbit.variation_nodes import height_rates, slopes_by_loads
 from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations, change_between
 from ..problem.reduced import EndsProblem, StartProblem
-from .varied_orbits import plain_orbit, varied_orbits
 
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
 _Y = 10
@@ -141,7 +142,7 @@ def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
     for i, path in enumerate(paths):
         found = core.orbit_rates(_numbers(problem, i), path, grid(), POINTS, HOW, True)
         if found is None:
-            one = _rates_beyond_core(problem.take(slice(i, i + 1)), [path])
+            one = _rates_beyond_core(problem.take(slice(i, i + 1)), path)
             found = one.values[0], one.rows[0], one.by_span[0], one.length[0]
         values[i], rows[i], by_span[i], span[i] = found
     return OrbitRates(replace(problem, span=span), values, rows, by_span)
@@ -168,38 +169,26 @@ def _numbers(problem: EndsProblem, i: int) -> list[float]:
     return [float(number[i]) for number in vars(problem).values()]
 
 
-def _rates_beyond_core(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
-    """What the core leaves: helices, and gaps that floats cannot express."""
+def _rates_beyond_core(problem: EndsProblem, path: Path) -> OrbitRates:
+    """What the core leaves: a helix, or a gap that floats cannot express."""
     with np.errstate(all="ignore"):  # beside a critical point and for long rods some terms overflow and are not taken
-        return _orbit_rates(problem, paths)
-
-
-def _orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
-    places = [LinePoint(problem.take(slice(i, i + 1))) for i in range(problem.size)]
-    still = np.array([path.helix for path in paths])
-    own = [one.problem.span if path.helix else one.lengths([path]) for one, path in zip(places, paths, strict=True)]
-    problem = replace(problem, span=np.concatenate(own))
-    found = OrbitRates(problem, *(np.full((problem.size, 11, *more), np.nan) for more in ((), (5,), ())))
-    moves = [i for i in np.flatnonzero(~still & np.isfinite(problem.span)).tolist()]
-    for rows, some in (
-        (
-            moves,
-            _of_orbits(problem.take(moves), [paths[i] for i in moves], [places[i] for i in moves]) if moves else None,
-        ),
-        (np.flatnonzero(still), rates_of_helices(problem.take(still)) if still.any() else None),
-    ):
-        if some is not None:
-            found.values[rows], found.rows[rows], found.by_span[rows] = some.values, some.rows, some.by_span
+        if path.helix:
+            return rates_of_helices(problem)
+        place = LinePoint(problem)
+        problem = replace(problem, span=place.lengths([path]))
+        if not np.isfinite(problem.span[0]):
+            return OrbitRates(problem, *(np.full((1, len(NUMBERS), *more), np.nan) for more in ((), (5,), ())))
+        varied = variations_of(problem, path, place)
+        found = rates_of_variations(problem, varied, _integrals(plain_orbit(problem, path, place)))
+        _add_level(found, varied.nearest, path, place)
     return found
 
 
-def _of_orbits(problem: EndsProblem, paths: list[Path], places: list[LinePoint]) -> OrbitRates:
-    orbit, varied = varied_orbits(problem, paths, places)
-    far_t = problem.span[:, None]
-    _, _, alpha, z = (value[:, 0] for value in orbit.at(far_t))
-    found = rates_of_variations(problem, varied, np.stack([alpha, orbit.swirl(far_t)[:, 0], z]))
-    _add_level(found, varied.nearest, paths, places)
-    return found
+def _integrals(orbit: Orbit) -> Array:
+    """Of sin, sin cos and cos over the rods, (3, B)."""
+    far = orbit.problem.span[:, None]
+    _, _, alpha, z = (value[:, 0] for value in orbit.at(far))
+    return np.stack([alpha, orbit.swirl(far)[:, 0], z])
 
 
 def rates_of_variations(problem: EndsProblem, varied: Variations, integrals: Array) -> OrbitRates:
@@ -251,22 +240,19 @@ def _assemble(problem: EndsProblem, here: Change, there: Change, v: Array, H: Ar
     return OrbitRates(problem, values, rows, by_span)
 
 
-def _add_level(found: OrbitRates, origin: Array, paths: list[Path], places: list[LinePoint]) -> None:
-    """The row of y. The gap is eta - G(pin); g0 is half the change of eta less that of G at `origin`."""
-    pin = np.array([path.pin for path in paths])
-    same = np.abs(np.sin((pin - origin) / 2)) < _SAME
-    heights = height_rates(np.where(same, origin, pin), origin)
-    for i, (path, place) in enumerate(zip(paths, places, strict=True)):
-        found.values[i, _Y] = path.y
-        if path.pin in place.angles:
-            gap = path.sign * np.exp(max(path.y, place.blank.deepest))
-            found.rows[i, _Y, 1:] = 2 * np.array([1, *heights[i]]) / gap
-            if path.y < place.blank.deepest:
-                found.rows[i, _Y, 2:] += (path.y - place.blank.deepest) / 2 * _steepening(place.problem, path.pin)
-            continue
-        end = NUMBERS.index("dbeta0" if path.pin == place.start else "dbetaL")
-        found.rows[i, _Y] = 2 * found.rows[i, end] / found.values[i, end]
-        found.by_span[i, _Y] = 2 * found.by_span[i, end] / found.values[i, end]
+def _add_level(found: OrbitRates, origin: Array, path: Path, place: LinePoint) -> None:
+    """The row of y. The gap is eta - G(pin); g0 is half the change of eta less that of G at `origin`, (1,)."""
+    found.values[0, _Y] = path.y
+    if path.pin in place.angles:
+        same = np.abs(np.sin((path.pin - origin) / 2)) < _SAME
+        gap = path.sign * np.exp(max(path.y, place.blank.deepest))
+        found.rows[0, _Y, 1:] = 2 * np.array([1, *height_rates(np.where(same, origin, path.pin), origin)[0]]) / gap
+        if path.y < place.blank.deepest:
+            found.rows[0, _Y, 2:] += (path.y - place.blank.deepest) / 2 * _steepening(place.problem, path.pin)
+        return
+    end = NUMBERS.index("dbeta0" if path.pin == place.start else "dbetaL")
+    found.rows[0, _Y] = 2 * found.rows[0, end] / found.values[0, end]
+    found.by_span[0, _Y] = 2 * found.by_span[0, end] / found.values[0, end]
 
 
 def _steepening(problem: EndsProblem, saddle: float) -> Array:
@@ -289,8 +275,6 @@ def orbit_numbers(problem: EndsProblem, path: Path) -> tuple[Array, float]:
         if not np.isfinite(length[0]):
             return np.full(len(NUMBERS), np.nan), np.nan
         orbit = plain_orbit(replace(problem, span=length), path, place)
-        _, v, alpha, z = (value[0] for value in orbit.at(length[:, None] * [0, 1]))
-        swirl = orbit.swirl(length[:, None])[0, 0]
-    ends = problem.beta0[0], problem.betaL[0], *v
-    loads = problem.lam[0], problem.mu[0], problem.phi[0]
-    return np.array([*ends, alpha[1], swirl, z[1], *loads, path.y]), float(length[0])
+        v = orbit.at(length[:, None] * [0, 1])[1][0]
+    ends = problem.beta0[0], problem.betaL[0], *v, *_integrals(orbit)[:, 0]
+    return np.array([*ends, problem.lam[0], problem.mu[0], problem.phi[0], path.y]), float(length[0])

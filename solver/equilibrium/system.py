@@ -14,7 +14,7 @@ from ..levels.line_point import LinePoint, Path
 from ..levels.paths import DOWN, UP
 from ..mechanics.potential import load_size, slope, steepest
 from ..numerics.arrays import Array
-from ..orbit.periodic_orbit import solve_orbit
+from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.held_ends import HeldProblem
 from ..problem.reduced import EndsProblem
 from .charts import CORNER, Chart, charts, coordinate, path_at
@@ -254,7 +254,7 @@ def corner_state(rates: OrbitRates, v: float) -> State:
     A turning point at the start is not counted as passed, nor one at the far end.
     """
     problem, speed = rates.problem, float(rates.values[0, _AT["dbetaL"]])
-    turns = int(solve_orbit(problem.started(np.array([v])), 1e-13).turns[0])
+    turns = int(solve_orbit(problem.started(np.array([v])), TIGHT).turns[0])
     pace = float(np.sqrt(1 + load_size(problem)[0]))
     leaving = UP if v > 0 or (v == 0 and float(slope(problem, problem.beta0)[0]) < 0) else DOWN
     arriving = leaving if turns % 2 == 0 else -leaving

@@ -18,11 +18,10 @@ from ..levels.line_point import LinePoint
 from ..levels.transit_times import fall
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
-from ..orbit.periodic_orbit import solve_orbit
+from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import EndsProblem
 from .parameter_plane import ParameterPlane
 
-_TIGHT = 1e-13
 _SHARE = 0.015  # of the distance over which B changes its form: the step of the values of v
 _NUDGE = 1e-5  # of the ranges: the step of the derivatives by the fields
 DEEP = 3e-4  # of the gap between the level and a saddle
@@ -74,7 +73,7 @@ def _values(problems: EndsProblem, v: float, reach: float) -> tuple[float, Array
 
 def misses(problem: EndsProblem, slopes: Array) -> Array:
     """beta(L) of rods that start with beta_t(0) = slopes (N,), less the beta(L) given, (N,)."""
-    orbit = solve_orbit(problem.started(slopes), _TIGHT)
+    orbit = solve_orbit(problem.started(slopes), TIGHT)
     return np.asarray(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
 
 
@@ -100,4 +99,4 @@ def is_deep(plane: ParameterPlane, v: float, shares: Array) -> bool:
 
 def turns_at(plane: ParameterPlane, v: float, shares: Array) -> int:
     """The turning points that the rod passes."""
-    return int(solve_orbit(plane.problems(shares).started(np.array([v])), _TIGHT).turns[0])
+    return int(solve_orbit(plane.problems(shares).started(np.array([v])), TIGHT).turns[0])

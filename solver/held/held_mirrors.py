@@ -15,7 +15,7 @@ from ..equilibrium.system import Given, State, corner_state
 from ..levels.line_point import LinePoint, Path
 from ..levels.transit_times import wrap
 from ..mechanics.potential import TAU
-from ..orbit.periodic_orbit import solve_orbit
+from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import EndsProblem
 
 _ODD = ({"alpha", "turn", "lam", "mu"}, {"z", "turn", "phi", "mu"})  # what beta -> -beta and beta -> pi - beta negate
@@ -80,7 +80,7 @@ def half_period_later(state: State, given: Given) -> State | None:
     if not resting or state.path.helix or state.path.turns % 2 == 0:
         return None
     problem = state.problem.started(np.zeros(1))
-    orbit = solve_orbit(problem, 1e-13)
+    orbit = solve_orbit(problem, TIGHT)
     other = float(orbit.at(orbit.ahead[:, None])[0][0, 0])
     rates = start_rates(replace(problem, beta0=np.array([other])))
     return corner_state(rates, 0.0) if np.isfinite(rates.rows[0, :-1]).all() else None

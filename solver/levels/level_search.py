@@ -17,7 +17,6 @@ from .path_orbits import solve_orbits
 from .paths import LevelPaths, Levels, Paths
 from .transit_times import Boundary, TransitTimes, transit_times
 
-_TIGHT = 1e-13
 BUDGET = 3e7  # evaluations of G: ten to twenty seconds
 _EACH = 15  # levels computed for each equilibrium
 _PATHS = 1000  # paths searched together

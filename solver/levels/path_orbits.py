@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..core.panels import Cutting
 from ..mechanics.potential import potential
-from ..numerics.arrays import Array
-from ..orbit.periodic_orbit import Orbit, solve_orbit
+from ..numerics.arrays import Array, Integers
+from ..orbit.periodic_orbit import TIGHT, Orbit, relative_orbit, solve_orbit
 from ..orbit.pieces import HELIX
-from ..problem.reduced import EndsProblem
+from ..orbit.variations import GOAL, LENGTH, POINTS, Variations, variations_on
+from ..problem.reduced import EndsProblem, StartProblem
 from .end_conditioning import end_response
 from .level_grid import LOWEST
 from .line_point import LinePoint, Path
@@ -16,7 +18,6 @@ from .paths import DOWN, UP, LevelPaths, Levels, Paths
 from .saddle_panels import with_saddle_panels
 from .transit_times import STRETCH, Boundary, repeat, transit_times
 
-_TIGHT = 1e-13  # tolerance of the orbits
 _DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
 
 
@@ -24,7 +25,29 @@ def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, len
     """The orbits and their levels eta, (K,)."""
     K = path.y.size
     boundary = replace(boundary, deepest=max(LOWEST, boundary.deepest - _DEEPER))
+    start, gap, excess, pin = _starts(problem, boundary, path)
     moves = ~path.helix
+    level = potential(start, path.pin) + gap
+    falls = np.ones((K, 2))  # of the two ends from the pin
+    falls[moves] = boundary.falls[pin]
+    orbit = solve_orbit(start, TIGHT, (path.pin, gap), STRETCH)
+    # between two ends on saddles of this height eta(L) stays while eta between them grows as the gap's root falls
+    growth = end_response(orbit) * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
+    if excess.any():
+        orbit = with_saddle_panels(orbit, np.full(K, problem.span[0]), gap, excess)
+    series = orbit.panels.series.copy()
+    series[:, 0, 0] += problem.beta0[0] - start.beta0[0]  # whole turns
+    start = replace(start, beta0=np.full(K, problem.beta0[0]), span=np.full(K, problem.span[0]))
+    passed = np.where(path.helix, 0.0, Paths(path.leaving, path.arriving, path.periods).turns)
+    known = {"lengthens": lengthens, "response": growth, "passed": passed, "path": path}
+    return replace(orbit, problem=start, panels=replace(orbit.panels, series=series), **known), level
+
+
+def _starts(problem: EndsProblem, boundary: Boundary, path: LevelPaths) -> tuple[StartProblem, Array, Array, Integers]:
+    """The start problems of K levels, without the time that a gap in floating point cannot express at a saddle; the
+    gaps and the log by which they are too large, (K,) each; and the numbers of the pins of those that are no helices.
+    """
+    K, moves = path.y.size, ~path.helix
     pin = np.array([int(np.argmin(np.abs(boundary.pins - p))) for p in path.pin[moves]], dtype=int)
     gap, slope, excess = np.zeros(K), np.zeros(K), np.zeros(K)
     gap[moves] = path.sign[moves] * np.exp(np.maximum(path.y[moves], boundary.deepest))
@@ -32,36 +55,41 @@ def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, len
     excess[moves] = np.maximum(boundary.deepest - path.y[moves], 0)
     first = boundary.low if boundary.rising else boundary.high
     start = replace(repeat(problem, K).started(slope), beta0=np.full(K, first))
-    level = potential(start, path.pin) + gap
-    falls = np.ones((K, 2))  # of the two ends from the pin
-    falls[moves] = boundary.falls[pin]
     deep = excess > 0
+    if not deep.any():
+        return start, gap, excess, pin
+    some = Paths(path.leaving[moves], path.arriving[moves], path.periods[moves])
+    seen = transit_times(boundary, Levels(pin, path.sign[moves], path.y[moves]), deep=False)
     span = start.span.copy()
-    if deep.any():
-        some = Paths(path.leaving[moves], path.arriving[moves], path.periods[moves])
-        seen = transit_times(boundary, Levels(pin, path.sign[moves], path.y[moves]), deep=False)
-        span[moves] = np.where(deep[moves], seen.lengths_along(some.counts(boundary.rising)), span[moves])
-    orbit = solve_orbit(replace(start, span=span), _TIGHT, (path.pin, gap), STRETCH)
-    # between two ends on saddles of this height eta(L) stays while eta between them grows as the gap's root falls
-    growth = end_response(orbit) * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
-    if deep.any():
-        orbit = with_saddle_panels(orbit, start.span, gap, excess)
-    series = orbit.panels.series.copy()
-    series[:, 0, 0] += problem.beta0[0] - first  # whole turns
-    start = replace(start, beta0=np.full(K, problem.beta0[0]))
-    passed = np.where(path.helix, 0.0, Paths(path.leaving, path.arriving, path.periods).turns)
-    known = {"lengthens": lengthens, "response": growth, "passed": passed, "path": path}
-    return replace(orbit, problem=start, panels=replace(orbit.panels, series=series), **known), level
+    span[moves] = np.where(deep[moves], seen.lengths_along(some.counts(boundary.rising)), span[moves])
+    return replace(start, span=span), gap, excess, pin
+
+
+def variations_of(problem: EndsProblem, path: Path, place: LinePoint) -> Variations:
+    """The variations of one equilibrium that is no helix. place: of the problem, whatever its length."""
+    start, gap, excess, _ = _starts(problem, place.boundary(path.pin), path.level_path)
+    pin = np.array([path.pin])
+    relative = relative_orbit(start, POINTS, Cutting(LENGTH, GOAL, STRETCH), (pin, gap))
+    arcs = relative.arcs
+    if excess.any():
+        still = replace(arcs, pieces=replace(arcs.pieces, base=np.zeros_like(arcs.pieces.base)))
+        relative = with_saddle_panels(replace(relative, arcs=still), problem.span, gap, excess)
+    return variations_on(relative, arcs)
 
 
 def orbit_of(problem: EndsProblem, path: Path) -> Orbit:
     """The orbit of one equilibrium, with the fields that its Morse index and its condition number need."""
     place = LinePoint(problem)
     if path.helix:
-        return solve_orbits(problem, place.boundary(path.pin), path.level_path, np.array([np.nan]))[0]
+        return plain_orbit(problem, path, place)
     length = place.lengths([replace(path, y=path.y - 1e-4), replace(path, y=path.y + 1e-4)])
     lengthens = np.array([float(path.sign * (length[1] - length[0]) > 0)])
     return solve_orbits(problem, place.boundary(path.pin), path.level_path, lengthens)[0]
+
+
+def plain_orbit(problem: EndsProblem, path: Path, place: LinePoint) -> Orbit:
+    """The orbit of one equilibrium, without these."""
+    return solve_orbits(problem, place.boundary(path.pin), path.level_path, np.array([np.nan]))[0]
 
 
 def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
@@ -69,7 +97,7 @@ def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
 
     None where that orbit does not end at beta(L) within 1e-6 rad.
     """
-    orbit = solve_orbit(problem.started(np.array([slope])), 1e-13)
+    orbit = solve_orbit(problem.started(np.array([slope])), TIGHT)
     if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > 1e-6:
         return None
     place = LinePoint(problem)

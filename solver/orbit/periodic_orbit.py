@@ -25,6 +25,7 @@ from .panels import Panels, running
 from .phase import Phase, phase_at, unfold
 from .pieces import HELIX, LIBRATION, Pieces
 
+TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
 
 

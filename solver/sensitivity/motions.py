@@ -7,9 +7,8 @@ import numpy as np
 
 from ..equilibrium.orbit_rates import helix_change, rates_of_helices, rates_of_variations
 from ..equilibrium.system import parts_by_given, settle
-from ..equilibrium.varied_orbits import equilibrium_variations
-from ..levels.line_point import Path, path_of
-from ..levels.path_orbits import path_from_start
+from ..levels.line_point import LinePoint, Path, path_of
+from ..levels.path_orbits import path_from_start, variations_of
 from ..numerics.arrays import Array, Integers
 from ..observe.measurement import MIDDLE
 from ..orbit import helix_variations
@@ -126,7 +125,7 @@ def _of_equilibrium(sol: Shape, one: EndsProblem, path: Path, i: int) -> Motion:
         parts = parts_by_given(rates_of_helices(one), names, ratio)[None]
         along, marks, ends = (helix_change(one, where) for where in (t, marks_of(one), _ends_of(one)))
         return Motion(rows, problem, along, marks, ends.rate, np.zeros(1), parts=parts)
-    varied = equilibrium_variations(one, path)
+    varied = variations_of(one, path, LinePoint(one))
     parts = parts_by_given(rates_of_variations(one, varied, np.full((3, 1), np.nan)), names, ratio)[None]
     each = np.eye(5)[None]
     return replace(_move(varied, rows, problem, t, each[..., 0], each[..., 1:]), parts=parts)
