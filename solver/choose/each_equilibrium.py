@@ -11,9 +11,9 @@ from ..levels.level_search import search
 from ..levels.line_point import path_of
 from ..levels.path_orbits import orbit_of, path_from_start
 from ..numerics.arrays import Array
-from ..orbit.arcs import Arcs
 from ..orbit.panels import join
 from ..orbit.periodic_orbit import TIGHT, Orbit, solve_orbit
+from ..orbit.pieces import Arcs
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, where_shown
 from .selected_equilibrium import NO_EQUILIBRIUM, equilibrium_trajectory, selection_of

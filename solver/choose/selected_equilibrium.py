@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..levels.end_conditioning import end_response
+from ..core import orbits as core
 from ..levels.level_search import Found, search
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
@@ -20,7 +20,7 @@ NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one e
 def equilibrium_trajectory(problem: EndsProblem, orbit: Orbit, t: Array, tol: float) -> Trajectory:
     """The orbits of K ends problems at stations t (K, n); their error is that of beta(L)."""
     beta, dbeta, alpha, z = orbit.at(t)
-    condition = end_response(orbit) if orbit.response is None else orbit.response
+    condition = core.response(orbit) if orbit.response is None else orbit.response
     miss = np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
     error = (2 * miss + 1e-14) * condition
     calls = np.bincount(orbit.panels.arc // 2, weights=orbit.panels.calls, minlength=t.shape[0]).astype(np.int64)

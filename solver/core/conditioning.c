@@ -365,7 +365,7 @@ int rod_orbits_judge(int64_t n, const start_problem *problems, const read_orbits
     return DONE;
 }
 
-/* The flow for `end_response`: |beta_t| and H at the nodes, and the shear with c = 1. */
+/* The flow for `orbits.response`: |beta_t| and H at the nodes, and the shear with c = 1. */
 static void plain_flows(course *o)
 {
     const start_problem *p = o->problem;
@@ -440,7 +440,7 @@ static double response_of(course *o)
     return isfinite(ratio) ? larger(ratio, 1) : INFINITY;
 }
 
-/* The largest |d beta(t)/d beta(L)| along n orbits whose beta(0) is held, (n,): `end_response`. */
+/* The largest |d beta(t)/d beta(L)| along n orbits whose beta(0) is held, (n,): `orbits.response`. */
 int rod_orbits_response(int64_t n, const start_problem *problems, const read_orbits *all, const points *at, double *out)
 {
     flow *room = malloc(sizeof(flow) * (size_t)most_panels(all, n));

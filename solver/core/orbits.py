@@ -158,7 +158,12 @@ def judge(orbit: Any) -> tuple[Array, Array]:
 
 
 def response(orbit: Any) -> Array:
-    """The largest |d beta(t)/d beta(L)| along B orbits, (B,)."""
+    """The largest |d beta(t)/d beta(L)| = |eta(t)/eta(L)| along B orbits whose beta(0) is held, (B,): the condition
+    numbers of equilibria between given ends.
+
+    eta is the Jacobi field, at the nodes of all panels that the rod passes, in its first period and in its last:
+    between them eta grows evenly. At least 1; unbounded at a fold.
+    """
     numbers, (of, kept) = numbers_of(orbit.problem), reading(orbit)
     out = np.empty(numbers.shape[0])
     size = ctypes.c_int64(out.size)

@@ -16,8 +16,8 @@ import numpy as np
 
 from ..mechanics.potential import TAU, slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array, Booleans
-from ..orbit.arcs import apart
 from ..orbit.critical_points import CriticalPoints, critical_points
+from ..orbit.pieces import apart
 from ..problem.reduced import EndsProblem
 from .paths import Levels
 from .transit_times import Boundary, fall, height_scale, wrap

@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans
-from ..orbit.orbit_energy import energies
 from ..orbit.periodic_orbit import Orbit
 from ..problem.reduced import EndsProblem
 from .level_brackets import brackets_on_grid, join_brackets, roots_in
 from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
 from .morse_index import jacobi_zeros
-from .path_orbits import solve_orbits
+from .path_orbits import energies, solve_orbits
 from .paths import LevelPaths, Levels, Paths
 from .transit_times import Boundary, TransitTimes, transit_times
 

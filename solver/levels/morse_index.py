@@ -1,4 +1,5 @@
-"""The Morse index of an equilibrium between given ends: the number of negative directions of the second variation.
+"""The Morse index of an equilibrium between given ends: the number of negative directions of the second variation; and
+its condition number on a mesh.
 
 Both beta(0) and beta(L) are held, FZ, MZ and M3 are dead loads and the positions of the ends are free: an equilibrium
 with no negative direction is stable in that sense. Held positions as well would exclude some directions, so they could
@@ -16,8 +17,8 @@ import numpy as np
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
-from ..orbit.orbit_energy import accumulate
-from ..orbit.panels import Panels
+from ..orbit.panels import Panels, running
+from ..orbit.phase import unfold
 from ..orbit.pieces import HELIX, LIBRATION
 from ..problem.reduced import Reduced, StartProblem
 
@@ -54,6 +55,23 @@ def morse_index(problem: Reduced, h: Array, beta: Array) -> Array:
 def diagonal_of(problem: Reduced, h: Array, beta: Array) -> Array:
     """The diagonal of h times the second variation at the inner nodes of beta (B, n); beside it stands -1."""
     return 2 - h[:, None] ** 2 * slope_rate(Loads.columns(problem), beta[:, 1:-1])
+
+
+def response(problem: Reduced, h: Array, beta: Array) -> Array:
+    """The largest |d beta(t)/d beta(L)| of equilibria known on a mesh alone, (B,).
+
+    The solution of the tridiagonal system whose far end is moved by one; arguments as in `morse_index`.
+    """
+    import scipy
+
+    diagonal = diagonal_of(problem, h, beta)
+    largest = np.ones(beta.shape[0])
+    beside, moved = np.full(diagonal.shape[1] - 1, -1.0), np.zeros(diagonal.shape[1])
+    moved[-1] = 1
+    for i in range(beta.shape[0]):
+        eta, info = scipy.linalg.lapack.dgtsv(beside, diagonal[i], beside, moved)[3:]
+        largest[i] = np.maximum(1, np.abs(eta).max()) if info == 0 else np.inf
+    return np.where(np.isfinite(largest), largest, np.inf)
 
 
 def index_at_stations(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
@@ -123,13 +141,27 @@ def jacobi_end(orbit: Any) -> Array:
         return eta
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         unit = np.where(librates, np.pi / (orbit.ahead + orbit.back), 1.0)  # in which a small libration has no shear
-        a = accumulate(orbit, _shear(problem, panels, unit), problem.span[:, None])[:, 0]
+        a = _accumulate(orbit, _shear(problem, panels, unit), problem.span[:, None])[:, 0]
         beta, v, _, _ = (value[:, 0] for value in orbit.at(problem.span[:, None]))
         v0, H0 = problem.dbeta0 / unit, slope(problem, problem.beta0) / unit**2
         v, H = v / unit, slope(problem, beta) / unit**2
         found = (v0 * a - H0 / (v0 * v0 + H0 * H0)) * v + v0 * (H / (v * v + H * H))
     eta[librates] = found[librates]
     return eta
+
+
+def _accumulate(orbit: Any, series: Array, t: Array) -> Array:
+    """The value at t (B, n) of an integral from the start; 0 on a helix.
+
+    series: (P, n + 1), the integral on each panel from the panel's near end.
+    """
+    ends = series.sum(axis=1)
+    gain = np.bincount(orbit.panels.arc, weights=ends, minlength=2 * orbit.problem.size).reshape(-1, 2)
+    series = series.copy()
+    series[:, 0] += running(ends[:, None], orbit.first, orbit.count)[:, 0]
+    phase = orbit.locate(t)
+    value = unfold(orbit.read(series[:, None], phase)[..., 0], phase, gain, (orbit.kind == LIBRATION)[:, None])
+    return np.where((orbit.kind == HELIX)[:, None], 0.0, value)
 
 
 def _shear(problem: StartProblem, panels: Panels, unit: Array) -> Array:

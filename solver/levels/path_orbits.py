@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..core import orbits as core
 from ..core.panels import Cutting
 from ..mechanics.potential import potential
 from ..numerics.arrays import Array, Integers
@@ -11,7 +12,6 @@ from ..orbit.periodic_orbit import TIGHT, Orbit, relative_orbit, solve_orbit
 from ..orbit.pieces import HELIX
 from ..orbit.variations import GOAL, LENGTH, POINTS, Variations, variations_on
 from ..problem.reduced import EndsProblem, StartProblem
-from .end_conditioning import end_response
 from .level_grid import LOWEST
 from .line_point import LinePoint, Path
 from .paths import DOWN, UP, LevelPaths, Levels, Paths
@@ -32,7 +32,7 @@ def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, len
     falls[moves] = boundary.falls[pin]
     orbit = solve_orbit(start, TIGHT, (path.pin, gap), STRETCH)
     # between two ends on saddles of this height eta(L) stays while eta between them grows as the gap's root falls
-    growth = end_response(orbit) * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
+    growth = core.response(orbit) * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
     if excess.any():
         orbit = with_saddle_panels(orbit, np.full(K, problem.span[0]), gap, excess)
     series = orbit.panels.series.copy()
@@ -85,6 +85,15 @@ def orbit_of(problem: EndsProblem, path: Path) -> Orbit:
     length = place.lengths([replace(path, y=path.y - 1e-4), replace(path, y=path.y + 1e-4)])
     lengthens = np.array([float(path.sign * (length[1] - length[0]) > 0)])
     return solve_orbits(problem, place.boundary(path.pin), path.level_path, lengthens)[0]
+
+
+def energies(orbit: Orbit, level: Array) -> Array:
+    """Bending energy minus the work of the dead loads, the twist eliminated, in units of A/rho, (B,).
+
+    beta_t^2/2 - G/2 integrated over the rod is the integral of beta_t^2 less level span/2, level = eta (B,). Both terms
+    are exact to a few roundings, so the error of the energy is a few roundings of the larger one.
+    """
+    return core.action(orbit) - level * orbit.problem.span / 2
 
 
 def plain_orbit(problem: EndsProblem, path: Path, place: LinePoint) -> Orbit:

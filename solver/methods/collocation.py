@@ -73,7 +73,7 @@ def _one(
     problem: EndsProblem, t: Array, tol: float, rtol: float | None, nodes: int | None, seed: Seed
 ) -> tuple[Array, float, float, int, str]:
     """Columns (5, n), error, condition, evaluations, and why it failed or an empty text."""
-    from ..levels.end_conditioning import response
+    from ..levels.morse_index import response
 
     span, work = float(problem.span[0]), 0
     wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))

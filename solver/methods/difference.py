@@ -89,7 +89,7 @@ def _one(
 
     halves: whether a coarser mesh may be used.
     """
-    from ..levels.end_conditioning import response
+    from ..levels.morse_index import response
 
     span, most = float(problem.span[0]), _MOST if nodes is None else 0
     halved = halves and nodes is not None and extrapolate and nodes % 2 == 1 and nodes >= 2 * _FEWEST

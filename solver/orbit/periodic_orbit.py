@@ -19,11 +19,10 @@ from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import polynomials
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import PLAIN
-from .arcs import Arcs
 from .critical_points import grid
 from .panels import Panels, running
 from .phase import Phase, phase_at, unfold
-from .pieces import HELIX, LIBRATION, Pieces
+from .pieces import HELIX, LIBRATION, Arcs, Pieces
 
 TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache

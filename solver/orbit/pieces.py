@@ -1,14 +1,16 @@
-"""Monotone pieces of G along an orbit, each with a variable in which time is smooth: eq. (36), regularised.
+"""The arcs of an orbit, cut into monotone pieces of G, each with a variable in which time is smooth: eq. (36).
 
-On each piece one change of variables makes dt/du smooth however near a saddle the orbit passes: x = a sinh(u) over a
-saddle that the orbit passes, x = x1 cosh(u) where it turns before the saddle, x = x1 sin(u) where it turns nearer the
-centre. x is the distance from that saddle or centre. The core makes them (arcs.c).
+The arcs lead from the start forward and backward to the turning points. On each piece one change of variables makes
+dt/du smooth however near a saddle the orbit passes: x = a sinh(u) over a saddle that the orbit passes, x = x1 cosh(u)
+where it turns before the saddle, x = x1 sin(u) where it turns nearer the centre. x is the distance from that saddle or
+centre. The core makes them (arcs.c).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..mechanics.potential import TAU
 from ..numerics.arrays import Array, Integers
 
 PASS, SADDLE, CENTRE = 0, 1, 2
@@ -42,3 +44,22 @@ class Pieces:
         origin, level, s, c, _, double, fixed = table[:, 10:].T
         bend = fixed - 2 * double + c * c * (s * s + s * (2 * s + 3 * s))
         return cls(arc, rank, kind, base, origin, u0, u1, level, bend)
+
+
+@dataclass(frozen=True, eq=False)
+class Arcs:
+    """The arcs of B orbits. kind: (B,), HELIX, LIBRATION or ROTATION; direction: (B,), sign of beta_t after the start.
+
+    A libration has a forward and a backward arc, from its start to the turning points; together they are half a period.
+    A rotation has a forward arc only, one whole turn. A helix has none.
+    """
+
+    kind: Integers
+    direction: Array
+    pieces: Pieces
+
+
+def apart(a: Array, b: Array) -> Array:
+    """a - b moved into [-pi, pi), of angles in [-pi, pi); exact where they are neighbours across the cut at pi."""
+    x = a - b
+    return np.where(x >= np.pi, (a - TAU) - b, np.where(x < -np.pi, (a + TAU) - b, x))

@@ -29,11 +29,10 @@ from ..mechanics.potential import TAU
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, polynomials
 from ..problem.reduced import StartProblem
-from .arcs import Arcs
 from .panels import running
 from .periodic_orbit import Orbit, assemble, relative_orbit
 from .phase import unfold
-from .pieces import LIBRATION
+from .pieces import LIBRATION, Arcs
 from .variation_nodes import PAIRS, Nodes, nearest
 
 POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
