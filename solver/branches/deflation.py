@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..equilibrium.charts import CORNER, Chart, charts, coordinate
-from ..equilibrium.orbit_rates import NUMBERS, solve
+from ..equilibrium.orbit_rates import NUMBERS
 from ..equilibrium.system import (
     FREE,
     Given,
@@ -28,6 +28,7 @@ from ..equilibrium.system import (
 )
 from ..levels.line_point import LinePoint
 from ..numerics.arrays import Array
+from ..numerics.small_systems import solve
 from ..problem.reduced import EndsProblem
 
 _ROUNDS = 20

@@ -7,11 +7,12 @@ import numpy as np
 from ..core import branches as core
 from ..equilibrium.charts import CORNER, Chart, charts, coordinate, excess, path_at
 from ..equilibrium.held_index import held_index
-from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_numbers, solve, start_rates
+from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_numbers, start_rates
 from ..equilibrium.system import FREE, Given, State, corner_state, rates_in, rows_of, values_of
 from ..levels.line_point import LinePoint, Path
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
+from ..numerics.small_systems import solve
 from ..problem.reduced import EndsProblem
 from .family import Family, problem_of
 

@@ -10,6 +10,7 @@ import scipy  # its parts are imported when used
 from ..levels.line_point import LinePoint
 from ..mechanics.potential import slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array
+from ..numerics.small_systems import root
 from .branch_states import Bounds, Place
 from .family import Family
 
@@ -18,7 +19,7 @@ _STEP = 0.25  # of the parameter's scale
 _SAME = 1e-9
 _BESIDE = 1e-2  # of the parameter's scale: how near a helix ceases that ends a branch
 _ALONG, _SHARE = 0.15, 0.2  # rad about a helix, and the share of the rod that lies there
-_ROUNDS = 20
+_ROUNDS, _NUDGE = 20, 1e-6  # of Newton's rule; of the parameter's scale, for differences
 
 
 def helix_places(family: Family, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], float | None]:
@@ -101,22 +102,19 @@ def ceasing_helix(family: Family, p: float, beta: Array) -> tuple[float, float] 
 
 
 def _double_root(family: Family, angle: float, p: float) -> tuple[float, float] | None:
-    """The parameter and the angle near a guess where H = H' = 0, by Newton's rule."""
-    for _ in range(_ROUNDS):
-        place, nudge = family.place(p), 1e-6 * family.scale
-        sides = [family.place(p + one) for one in (-nudge, nudge)]
-        if place is None or sides[0] is None or sides[1] is None:
+    """The parameter and the angle near a guess where H = H' = 0."""
+
+    def at(x: Array) -> tuple[Array, Array] | None:
+        here, *sides = (family.place((x[1] + nudge) * family.scale) for nudge in (0, -_NUDGE, _NUDGE))
+        if here is None or sides[0] is None or sides[1] is None:
             return None
-        at = np.array([angle])
-        low, high = (np.array([slope(o.problem, at)[0], slope_rate(o.problem, at)[0]]) for o in sides if o is not None)
-        rate = float(slope_rate(place.problem, at)[0])
-        off = np.array([float(slope(place.problem, at)[0]), rate])
-        bend = float(slope_higher_rates(place.problem, at)[0][0])
-        matrix = np.column_stack([[rate, bend], (high - low) / (2 * nudge)])
-        if not np.isfinite(matrix).all() or np.linalg.cond(matrix) > 1e14:
-            return None
-        move = np.linalg.solve(matrix, -off)
-        angle, p = angle + float(move[0]), p + float(move[1])
-        if abs(move[0]) < 1e-11 and abs(move[1]) < 1e-11 * family.scale:
-            return p, angle
-    return None
+        off, low, high = (
+            np.concatenate([slope(one.problem, x[:1]), slope_rate(one.problem, x[:1])])
+            for one in (here, *sides)
+            if one is not None
+        )
+        bend = float(slope_higher_rates(here.problem, x[:1])[0][0])
+        return off, np.column_stack([[off[1], bend], (high - low) / (2 * _NUDGE)])
+
+    found = root(at, np.array([angle, p / family.scale]), np.inf, _ROUNDS)
+    return None if found is None else (float(found[1]) * family.scale, float(found[0]))

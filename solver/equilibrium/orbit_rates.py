@@ -24,6 +24,7 @@ from ..levels.path_orbits import plain_orbit, variations_of
 from ..levels.transit_times import CUTTING, STRETCH
 from ..mechanics.potential import slope_higher_rates, slope_rate
 from ..numerics.arrays import Array
+from ..numerics.small_systems import solve
 from ..orbit import helix_variations
 from ..orbit.critical_points import grid
 from ..orbit.periodic_orbit import Orbit
@@ -102,24 +103,6 @@ class OrbitRates:
         K[:, 2] *= -1
         K[:, 2, 2] += ratio * self.problem.span
         return np.asarray(K)
-
-
-def solve(matrix: Array, forced: Array) -> Array:
-    """The solutions (B, n, k) of square systems (B, n, n), rows and columns scaled; NaN for a singular one."""
-    with np.errstate(all="ignore"):
-        column = 1 / np.abs(matrix).max(axis=1)
-        scaled = matrix * column[:, None, :]
-        row = 1 / np.abs(scaled).max(axis=2)
-        scaled, wanted = scaled * row[..., None], forced * row[..., None]
-    out = np.full(forced.shape, np.nan)
-    for b in np.flatnonzero(np.isfinite(scaled).all(axis=(1, 2)) & np.isfinite(wanted).all(axis=(1, 2))):
-        try:
-            found = np.linalg.solve(scaled[b], wanted[b])
-            found += np.linalg.solve(scaled[b], wanted[b] - scaled[b] @ found)
-        except np.linalg.LinAlgError:
-            continue
-        out[b] = found * column[b][:, None]
-    return out
 
 
 def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:

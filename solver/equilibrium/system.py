@@ -14,11 +14,12 @@ from ..levels.line_point import LinePoint, Path
 from ..levels.paths import DOWN, UP
 from ..mechanics.potential import load_size, slope, steepest
 from ..numerics.arrays import Array
+from ..numerics.small_systems import solve
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.held_ends import HeldProblem
 from ..problem.reduced import EndsProblem
 from .charts import CORNER, Chart, charts, coordinate, path_at
-from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, solve, start_rates
+from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, start_rates
 
 FREE = ("beta0", "betaL", "lam", "mu", "phi")  # what a state consists of, beside its path
 LEFT = "no orbit of its path joins the two ends there"

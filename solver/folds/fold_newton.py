@@ -6,12 +6,12 @@ from typing import Protocol
 import numpy as np
 
 from ..numerics.arrays import Array
+from ..numerics.small_systems import null_vector, root
 from .fold_system import expansion, is_deep, reach_of, turns_at
 from .parameter_plane import MARGIN, ParameterPlane
 
 FOLD, PITCHFORK = "fold", "pitchfork"
-_ROUNDS = 8
-CLOSE = 1e-7  # a step of Newton's rule this short is the last: the next would be of the size of its square
+_LONGEST = 0.5  # change of an unknown in a step of Newton's rule
 _UNFOLDED = 1e-8  # rad: the largest change of beta(L) at which a point counts as a pitchfork
 _STRAYS = 1e-4  # of that change along the curve, in units of its length
 
@@ -67,25 +67,23 @@ class CurveSystem(Protocol):
 
 def correct(system: CurveSystem, x: Array, row: Array, value: float) -> CurvePoint | None:
     """The point of the curve near x at which row . x = value; None where Newton's rule does not converge."""
-    x, first = x.copy(), np.inf
-    for _ in range(_ROUNDS):
-        if np.abs(x[1:3] - 0.5).max() > 0.5 + MARGIN:
+    last: list[tuple[Array, Array, float, Array]] = []
+
+    def equations(x: Array) -> tuple[Array, Array] | None:
+        if not _is_inside(x):
             return None
-        values, rates, bend, more = system.equations(x)
-        matrix, off = np.vstack([rates, row]), np.append(values, row @ x - value)
-        if not np.isfinite(matrix).all() or not np.isfinite(off).all():
-            return None
-        try:
-            step = np.linalg.solve(_even(matrix), -off / _sizes(matrix))
-        except np.linalg.LinAlgError:
-            return None
-        length = float(np.abs(step).max())
-        if length > 2 * first or length > 0.5:
-            return None
-        first, x = min(first, length), x + step
-        if length < CLOSE:
-            return CurvePoint(x, tangent_of(rates, row), bend, more)
-    return None
+        last[:] = [system.equations(x)]
+        return np.append(last[0][0], row @ x - value), np.vstack([last[0][1], row])
+
+    found = root(equations, x, _LONGEST)
+    if found is None:
+        return None
+    _, rates, bend, more = last[0]
+    return CurvePoint(found, tangent_of(rates, row), bend, more)
+
+
+def _is_inside(x: Array) -> bool:
+    return bool(np.abs(x[1:3] - 0.5).max() <= 0.5 + MARGIN)
 
 
 @dataclass(frozen=True)
@@ -102,11 +100,7 @@ class FoldSystem:
 
     def equations(self, x: Array) -> tuple[Array, Array, float, Array]:
         """Values, derivatives, `bend` and `more` (as of `CurvePoint`) at x."""
-        v, shares = float(x[0]) * self.scale, x[1:3]
-        reach = reach_of(self.plane, v, shares)
-        found = expansion(self.plane, v, shares, reach)
-        a = found.along * self.scale ** np.arange(4)
-        p = found.across * self.scale ** np.arange(4)
+        a, p = self._expansion(x)
         if self.kind == FOLD:
             values = a[:2].copy()
             rates = np.array([[a[1], *p[:, 0]], [a[2], *p[:, 1]]])
@@ -117,24 +111,20 @@ class FoldSystem:
 
     def cusp(self, x: Array) -> Array | None:
         """The cusp of a fold curve near x."""
-        x = x.copy()
-        for _ in range(_ROUNDS):
-            if np.abs(x[1:3] - 0.5).max() > 0.5 + MARGIN:
+
+        def equations(x: Array) -> tuple[Array, Array] | None:
+            if not _is_inside(x):
                 return None
-            v, shares = float(x[0]) * self.scale, x[1:3]
-            found = expansion(self.plane, v, shares, reach_of(self.plane, v, shares))
-            a, p = found.along * self.scale ** np.arange(4), found.across * self.scale ** np.arange(4)
-            rates = np.column_stack([a[1:4], p[:, :3].T])
-            try:
-                step = np.linalg.solve(_even(rates), -a[:3] / _sizes(rates))
-            except np.linalg.LinAlgError:
-                return None
-            if not np.isfinite(step).all() or np.abs(step).max() > 0.3:
-                return None
-            x += step
-            if np.abs(step).max() < CLOSE:
-                return x
-        return None
+            a, p = self._expansion(x)
+            return a[:3], np.column_stack([a[1:4], p[:, :3].T])
+
+        return root(equations, x, _LONGEST)
+
+    def _expansion(self, x: Array) -> tuple[Array, Array]:
+        """The derivatives of B by v, (4,), and of these by the shares, (2, 4), in units of `scale`."""
+        v, shares = float(x[0]) * self.scale, x[1:3]
+        found = expansion(self.plane, v, shares, reach_of(self.plane, v, shares))
+        return found.along * self.scale ** np.arange(4), found.across * self.scale ** np.arange(4)
 
     def leaves(self, x: Array) -> bool:
         return is_deep(self.plane, float(x[0]) * self.scale, x[1:3])
@@ -156,17 +146,7 @@ class FoldSystem:
         return bool(np.abs(point.more).max() > 1e-6)
 
 
-def _sizes(matrix: Array) -> Array:
-    """The largest element of each row."""
-    size = np.abs(matrix).max(axis=1)
-    return np.asarray(np.where(size > 0, size, 1.0))
-
-
-def _even(matrix: Array) -> Array:
-    return np.asarray(matrix / _sizes(matrix)[:, None])
-
-
 def tangent_of(rates: Array, along: Array) -> Array:
     """The direction in which the equations hold, of length 1, on the side of `along`."""
-    direction = np.linalg.svd(_even(rates))[2][-1]
+    direction = null_vector(rates)
     return np.asarray(direction if direction @ along >= 0 else -direction)

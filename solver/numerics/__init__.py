@@ -1,1 +1,1 @@
-"""Numerical tools: array types, Chebyshev series, bracketed roots."""
+"""Numerical tools: array types, Chebyshev series, roots, small systems, pseudo-arclength steps."""

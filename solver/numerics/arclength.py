@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from .arrays import Array
+from .small_systems import null_vector
 
 _ROUNDS = 10
 _CONTRACTION = 0.5  # largest ratio of two corrections
@@ -112,7 +113,7 @@ def _null(jacobian: Array) -> Array:
     if jacobian.shape[0] == 1:
         t = np.array([-jacobian[0, 1], jacobian[0, 0]])
         return np.asarray(t / np.linalg.norm(t))
-    return np.asarray(np.linalg.svd(jacobian)[2][-1])
+    return null_vector(jacobian)
 
 
 def _sign(jacobian: Array, tangent: Array) -> float:
