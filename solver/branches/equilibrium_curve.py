@@ -104,16 +104,16 @@ class EquilibriumCurve:
 
     def jacobian(self, w: Array) -> Array | None:
         """The derivatives, (6, 7), or (1, 2) under dead loads."""
-        at, (x, p) = self.at(w), (w * self.scales)[:2].tolist()
-        given, ahead = self.family.given(p), self.ahead * self.family.scale
-        beyond = self.family.given(p + ahead)
+        x, p = (w * self.scales)[:2].tolist()
+        ahead = self.ahead * self.family.scale
+        if self.family.is_dead:
+            return self._differences(x, p, ahead)
+        at, given, beyond = self.at(w), self.family.given(p), self.family.given(p + ahead)
         if beyond is None:
             ahead = -ahead
             beyond = self.family.given(p + ahead)
         if at is None or given is None or beyond is None:
             return None
-        if self.family.is_dead:
-            return self._differences(x, p, ahead)
         rates = rates_in(at[0].problem, at[1], self.chart, x)
         numbers, length = rates.values[0], float(rates.length[0])
         here, there = (self._less(numbers, length, one, w) for one in (given, beyond))
