@@ -138,9 +138,8 @@ class Law(BaseModel):
         every = dict.fromkeys(key for other in KINDS.values() for key in other.all_keys)
         for key in every:
             if key in said and key not in kind.all_keys:
-                raise Misplaced(
-                    f"a law of the kind {self.kind!r} has no key {key!r}; its keys are {choices(kind.all_keys)}", key
-                )
+                its = f"its keys are {choices(kind.all_keys)}" if kind.all_keys else "it needs none"
+                raise Misplaced(f"a law of the kind {self.kind!r} has no key {key!r}; {its}", key)
         missing = [key for key in kind.needs if key not in said]
         if missing:
             raise ValueError(f"a law of the kind {self.kind!r} needs the key {missing[0]!r}")

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from solver.problem.errors import InputError, choices, no_such
 
-from . import reasons
+from . import verdict_words
 from .formula_values import evaluate
 from .law import Law
 from .law_kinds import MONOTONE, STEPS
@@ -37,7 +37,7 @@ from .line_verdicts import (
     worst,
 )
 from .number_verdicts import NumberLine
-from .reasons import ON_OBSERVABLE
+from .verdict_words import ON_OBSERVABLE
 
 __all__ = [
     "DIRECTIONS", "FAILS", "HOLDS", "NOISE", "QUALIFIED", "TREND", "UNDECIDED", "VERDICTS", "Law", "Verdict",
@@ -122,7 +122,7 @@ def decide(
     if others and as_good(row["verdict"], QUALIFIED):
         row["verdict"] = QUALIFIED
         row["qualifications"] = [*row["qualifications"], ON_OBSERVABLE]
-        row["reason"] = reasons.join([row["reason"], reasons.of_others(row, law.meant, others)])
+        row["reason"] = verdict_words.join([row["reason"], verdict_words.of_others(row, law.meant, others)])
     return row
 
 
@@ -270,7 +270,7 @@ def _tell(
     shown = max(deciding, key=lambda verdict: (VERDICTS.index(verdict.verdict), verdict.far))
     first, last = np.array(ends).T
     return {
-        **reasons.together(name, law.meant, deciding, every, at, _range(first)),
+        **verdict_words.together(name, law.meant, deciding, every, at, _range(first)),
         "tau": min(taus) if taus else None,
         "at": dict(at),
         "lines": len(every),

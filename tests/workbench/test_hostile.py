@@ -23,7 +23,7 @@ from tests.workbench import forked, runs, small
 from workbench import cli
 from workbench.data import checksums, escaping, reading, schema, writing
 from workbench.figures import canvas, study_figure
-from workbench.run import in_memory, resume
+from workbench.run import in_memory, stored_run
 from workbench.run.study_store import run_to_file
 from workbench.scene import opengl
 
@@ -515,12 +515,12 @@ def test_an_output_that_is_there_is_looked_at_with_the_same_care(tmp_path: Path)
     path, other = tmp_path / "many.h5", tmp_path / "other.h5"
     study = load(str(runs.study(tmp_path, runs.grid(2, 2))))
     run_to_file(study, path)
-    assert resume.look(path) is not None
+    assert stored_run.look(path) is not None
     shutil.copy(path, other)
     with h5py.File(path, "a") as file:
         del file["E"]
         file["E"] = h5py.ExternalLink("other.h5", "/E")  # the very same values
-    assert resume.look(path) is None
+    assert stored_run.look(path) is None
 
 
 def test_a_run_into_a_pipe_is_refused_and_waits_for_nobody(tmp_path: Path) -> None:

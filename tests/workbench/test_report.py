@@ -21,7 +21,7 @@ from matplotlib import image
 from PIL import Image, PngImagePlugin
 
 from solver.problem.errors import InputError
-from studies import READINGS, load, names, reasons
+from studies import READINGS, load, names, verdict_words
 from tests.workbench import browser, node, small
 from tests.workbench.pictures import shares_of_push
 from workbench.data import cautions, labels, law_verdicts, writing
@@ -157,7 +157,7 @@ def test_verdicts_are_words_and_colours(text, readings) -> None:
     cells = re.findall(rf'<td class="({kinds})"[^>]*><span class="mark (\w+)">([^<]+)</span>', text)
     assert len(cells) == 12 * 5
     verdicts = readings["claim_verdict"].values.ravel().tolist()
-    wanted = [(document.CLASSES[one], document.CLASSES[one], reasons.PLAIN[one].capitalize()) for one in verdicts]
+    wanted = [(document.CLASSES[one], document.CLASSES[one], verdict_words.PLAIN[one].capitalize()) for one in verdicts]
     assert cells == wanted
 
 
@@ -199,7 +199,7 @@ TOLD = [[cell.strip(" `") for cell in row.strip("|").split("|")] for row in CLAI
 
 def test_the_page_on_the_claims_has_the_verdict_of_each_reading(readings) -> None:
     table = {row[0]: row[1:] for row in TOLD if row[0] in READINGS}
-    told = [[reasons.PLAIN[verdict] for verdict in row] for row in readings["claim_verdict"].values.tolist()]
+    told = [[verdict_words.PLAIN[verdict] for verdict in row] for row in readings["claim_verdict"].values.tolist()]
     assert table == dict(zip(READINGS, told, strict=True))
     failing = [claim for claim, *column in zip("12345", *table.values(), strict=True) if "false" in column]
     assert failing == [*"1345"]  # every claim except (2), as the page says
@@ -211,11 +211,11 @@ def test_the_page_on_the_claims_has_the_measured_numbers_of_each_law(results) ->
     words = (law_verdicts.law_in_words, law_verdicts.measure, law_verdicts.said)
     assert [row for row in TOLD[1:] if len(row) == 4][2:] == [[row["claim"], *(f(row) for f in words)] for row in laws]
     worst = {c: law_cards.worst([row["verdict"] for row in laws if row["claim"] == c]) for c in ("(3)", "(4)")}
-    both = "(3), (4)", ", ".join(f"{claim} {reasons.PLAIN[verdict]}" for claim, verdict in worst.items())
+    both = "(3), (4)", ", ".join(f"{claim} {verdict_words.PLAIN[verdict]}" for claim, verdict in worst.items())
     sentences = {row[1]: (row[0], row[2]) for row in TOLD if len(row) == 3}
     for row in laws:
         claim = row["claim"]
-        alone = claim, reasons.PLAIN[law_cards.worst([one["verdict"] for one in laws if one["claim"] == claim])]
+        alone = claim, verdict_words.PLAIN[law_cards.worst([one["verdict"] for one in laws if one["claim"] == claim])]
         assert sentences[row["source"]] == (both if claim in worst else alone)
     rods = sum(result.ds["outcome"].size for result in own)
     assert sum(int(re.findall(r"(\d+) would lift off", result.ds.attrs["caution"])[0]) for result in own) == rods

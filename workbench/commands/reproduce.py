@@ -154,7 +154,7 @@ def _print(results: "list[StudyResult]", readings: "xr.Dataset", out: Path, advi
 def _verdict_rows(readings: "xr.Dataset") -> list[list[str]]:
     """One row for each reading: the verdict of each claim."""
     from studies.laws import TREND
-    from studies.reasons import PLAIN
+    from studies.verdict_words import PLAIN
 
     table = zip(readings["reading"].values, readings["claim_verdict"].values, strict=True)
     words = {**PLAIN, TREND: "trend"}

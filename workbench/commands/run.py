@@ -78,7 +78,7 @@ def _say(text: str) -> None:
 
 def _check_free(path: Path, name: str, force: bool) -> None:
     """Raise `InputError` if `path` holds something that may not be replaced; imports xarray only if it must look."""
-    from ..run.resume import look
+    from ..run.stored_run import look
 
     there = look(path)
     if force or (there is not None and there.name == name):

@@ -15,26 +15,26 @@ TOLD = ("sampling", "sampling_caution", "refinement", "equilibria", "branches") 
 
 
 def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None, alternatives: bool = False) -> None:
-    """Print how many laws are true, a table with the verdict on each, and below it the reasons.
+    """Print how many laws are true, a table with the verdict on each, and below it the verdict_words.
 
     alternatives: with the other observables of each law in the rows below it.
     """
     from ..data import law_verdicts
 
     console.say(law_verdicts.tally_of(list(verdicts)))
-    rows, reasons = [], []
+    rows, verdict_words = [], []
     for row in verdicts:
         rows.append([law_verdicts.plain(row), row["claim"], law_verdicts.law_in_words(row), law_verdicts.measure(row)])
         if detail := law_verdicts.detail(row):
-            reasons.append(f"{row['claim']}, {row['observable']}: {detail}")
+            verdict_words.append(f"{row['claim']}, {row['observable']}: {detail}")
         for also in row["also"] if alternatives else ():
             role = "alternative" if also["alternative"] else "for information"
             rows.append([f"  {law_verdicts.plain(also)}", "", f"  {role}: {also['observable']}",
                          law_verdicts.measure(also)])  # fmt: skip
             if detail := law_verdicts.detail(also):
-                reasons.append(f"{row['claim']}, {also['observable']}: {detail}")
+                verdict_words.append(f"{row['claim']}, {also['observable']}: {detail}")
     console.print_table(["verdict", "claim", "law", "measured"], rows, title=title)
-    for reason in reasons:
+    for reason in verdict_words:
         console.say(reason)
 
 

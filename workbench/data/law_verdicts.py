@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from studies import reasons
+from studies import verdict_words
 from studies.dimensions import SAMPLE
 from studies.law import Law
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, by_line, decide, refusal
@@ -142,7 +142,7 @@ def tally(rows: Sequence[Mapping[str, Any]]) -> dict[str, int]:
 
 def tally_of(rows: Sequence[Mapping[str, Any]]) -> str:
     """The tally in words: ``7 laws: 3 true, 4 true in part``."""
-    return f"{count_of(len(rows), 'law')}: {reasons.count(tally(rows))}"
+    return f"{count_of(len(rows), 'law')}: {verdict_words.count(tally(rows))}"
 
 
 def law_in_words(row: Mapping[str, Any]) -> str:
@@ -166,17 +166,17 @@ def said(row: Mapping[str, Any]) -> str:
 
 def plain(row: Mapping[str, Any]) -> str:
     """The verdict in words that a reader understands at once: ``true in part``."""
-    return reasons.PLAIN[row["verdict"]]
+    return verdict_words.PLAIN[row["verdict"]]
 
 
 def detail(row: Mapping[str, Any]) -> str:
     """What qualifies a verdict: the reason, the line that decides, lines of a grid, exceptions; or nothing."""
     notes = [row["reason"]] if row["reason"] else []
-    if reasons.ON_PART not in row["qualifications"]:  # whose reason says the next two
+    if verdict_words.ON_PART not in row["qualifications"]:  # whose reason says the next two
         if row["at"]:
             notes.append(f"at {', '.join(f'{name} = {value:.4g}' for name, value in row['at'].items())}")
         if row["lines"] > 1:
-            notes.append(f"of {row['lines']} rows {reasons.count(row['line_verdicts'])}")
+            notes.append(f"of {row['lines']} rows {verdict_words.count(row['line_verdicts'])}")
     if row["verdict"] == QUALIFIED:
         return "; ".join(notes)
     if row["exceptions"]:

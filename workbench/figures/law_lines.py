@@ -19,7 +19,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from studies.laws import VERDICTS
-from studies.reasons import PLAIN, count
+from studies.verdict_words import PLAIN, count
 
 from ..data import labels, law_verdicts, refined
 from ..data.schema import SAMPLING

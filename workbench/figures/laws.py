@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from studies.law import Law
 from studies.law_kinds import MONOTONE
-from studies.reasons import PLAIN
+from studies.verdict_words import PLAIN
 
 from ..data import labels, law_numbers, law_verdicts, selection
 from . import legend, style

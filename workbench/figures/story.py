@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from solver.mechanics import frames
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
-from studies.reasons import PLAIN
+from studies.verdict_words import PLAIN
 
 from ..data import cautions, labels, law_verdicts
 from . import canvas, drawn_rods, push_scale, solid, style

@@ -26,8 +26,8 @@ from ..data import (
 from ..data.schema import Columns
 from . import shards
 from .plan import Plan, bytes_a_case, bytes_of_file, first_of
-from .resume import StoredRun, places
 from .shards import Shards
+from .stored_run import StoredRun, places
 from .tally import Tally, statistics_of
 
 

@@ -15,7 +15,7 @@ from studies.study_tables import OUTCOME
 
 from ..data.schema import Columns
 from .plan import Plan
-from .resume import StoredRun
+from .stored_run import StoredRun
 
 
 class Rounds:

@@ -16,10 +16,10 @@ from . import local_pool, shards, worker_processes
 from .block import unsolved
 from .plan import Plan, plan
 from .progress import Meter, Progress, unshown
-from .resume import StoredRun, grow, is_finished, look, replace
 from .room import room
 from .rounds import Rounds
 from .shards import Damaged, Shards, decode, encode
+from .stored_run import StoredRun, grow, is_finished, look, replace
 from .tally import Tally, count, statistics_of, tally_of
 
 WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker

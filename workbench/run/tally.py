@@ -8,7 +8,7 @@ import numpy as np
 
 from ..data import outcomes
 from ..data.schema import TEXTS, Columns
-from .resume import StoredRun
+from .stored_run import StoredRun
 
 Tally = Mapping[str, Counter[Any]]
 

@@ -1,4 +1,4 @@
-"""The laws in the report: sentences, verdicts with their reasons, the claims, and the table of all readings."""
+"""The laws in the report: sentences, verdicts with their verdict_words, the claims, and the table of all readings."""
 
 import json
 import re
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from studies import reasons
+from studies import verdict_words
 from studies.law_kinds import MONOTONE
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
@@ -46,7 +46,7 @@ def _verdict(row: Mapping[str, Any], array: xr.DataArray) -> dict[str, str]:
     return {
         "verdict": row["verdict"],
         "class": CLASSES[row["verdict"]],
-        "plain": reasons.PLAIN[row["verdict"]].capitalize(),
+        "plain": verdict_words.PLAIN[row["verdict"]].capitalize(),
         "measured": _measure(row, array),
         "detail": labels.law_text(row, law_verdicts.detail(row)),
     }
@@ -68,7 +68,7 @@ def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
             claim = claims.setdefault(law["claim"], {**section, **law, "laws": []})
             claim["laws"].append(law)
             verdict = worst([law["verdict"], claim["verdict"]])
-            claim |= {"verdict": verdict, "class": CLASSES[verdict], "plain": reasons.PLAIN[verdict].capitalize()}
+            claim |= {"verdict": verdict, "class": CLASSES[verdict], "plain": verdict_words.PLAIN[verdict].capitalize()}
     return list(claims.values())
 
 
@@ -92,7 +92,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
             cells.append(
                 {
                     "verdict": verdict,
-                    "plain": reasons.PLAIN[verdict].capitalize(),
+                    "plain": verdict_words.PLAIN[verdict].capitalize(),
                     "class": CLASSES[verdict],
                     "measured": measured,
                     "reason": sentence(_short(verdict, laws)),
@@ -101,7 +101,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
                     ),
                 }
             )
-        counts = reasons.count(Counter(str(cell["verdict"]) for cell in cells))
+        counts = verdict_words.count(Counter(str(cell["verdict"]) for cell in cells))
         table.append({"name": reading, "words": reading.split("/"), "cells": cells, "counts": counts})
     return {"claims": claims, "rows": table}
 
@@ -125,11 +125,11 @@ def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
     """Why a claim was not tested, or how it is qualified."""
     if untested := [row for row in laws if not row["lines"]]:
         others = [
-            f"along {labels.axis_symbol(row['axis'])} it is {reasons.PLAIN[row['verdict']]}"
+            f"along {labels.axis_symbol(row['axis'])} it is {verdict_words.PLAIN[row['verdict']]}"
             for row in laws
             if row["lines"]
         ]
         first = labels.law_text(untested[0], untested[0]["reason"])
-        return reasons.join([first, *others])
+        return verdict_words.join([first, *others])
     kinds = dict.fromkeys(kind for row in laws for kind in row["qualifications"])
     return ", ".join(kinds) if verdict == QUALIFIED else ""

@@ -1,4 +1,4 @@
-"""Resume: whether an existing output is this study complete, or a part of it to be extended. Read without xarray."""
+"""The run that stored a file: whether it is a study complete, or a part to be extended. Read without xarray."""
 
 import json
 from collections.abc import Mapping
