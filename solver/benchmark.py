@@ -79,7 +79,7 @@ def ladders() -> dict[str, Ladder]:
 
 def available_ladders() -> dict[str, Ladder]:
     """The ladders of the methods that can run here."""
-    return {name: ladder for name, ladder in ladders().items() if METHODS[ladder.method].installed()}
+    return {name: ladder for name, ladder in ladders().items() if METHODS[ladder.method].is_installed()}
 
 
 def measure(

@@ -77,7 +77,7 @@ class Law(BaseModel):
     --------
     >>> from studies import Law
     >>> law = Law(claim="(1)", observable="turns", axis="E", direction="falls", source="Stiffer rods have fewer bends.")
-    >>> law.judged("turns", [8, 7, 6, 6, 5]).verdict
+    >>> law.judge("turns", [8, 7, 6, 6, 5]).verdict
     'holds'
     """
 
@@ -188,7 +188,7 @@ class Law(BaseModel):
         """The direction in the sentence; of a kind without direction "" ."""
         return self.says or self.direction or ""
 
-    def judged(self, name: str, values: ArrayLike, crossing: ArrayLike | None = None, count: bool = False) -> Verdict:
+    def judge(self, name: str, values: ArrayLike, crossing: ArrayLike | None = None, count: bool = False) -> Verdict:
         """The verdict on one line of an observable, see `judge`; qualified if it holds only because it may stay level,
         while the sentence says that it rises or falls. count: whether an expression is a whole number."""
         if self.direction is None:
@@ -200,7 +200,7 @@ class Law(BaseModel):
         meant = judge(values, self.meant, whole, crossing)
         return meant if as_good(meant.verdict, TREND) else Verdict(QUALIFIED, verdict.tau, reason=verdict.reason)
 
-    def compared(self, line: NumberLine) -> Verdict:
+    def compare(self, line: NumberLine) -> Verdict:
         """The verdict on one line of a law of another kind than monotone."""
         assert self._kind.judge is not None
         return self._kind.judge(line, self.rule)

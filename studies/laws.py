@@ -159,8 +159,8 @@ def by_line(
     if law.axis not in axes:
         raise no_such("axis", law.axis, axes)
     grid = Grid(axes, crossing, counts, known or {})
-    _, lines, judged = _lines(law, law.observable, np.asarray(observed), grid)
-    words = [judged(where).verdict for where in np.ndindex(lines.shape[:-1])]
+    _, lines, judge = _lines(law, law.observable, np.asarray(observed), grid)
+    words = [judge(where).verdict for where in np.ndindex(lines.shape[:-1])]
     return np.array(words).reshape(lines.shape[:-1])
 
 
@@ -199,13 +199,13 @@ def targets(law: Law, shape: tuple[int, ...], known: Mapping[str, ArrayLike]) ->
 
 def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[str, Any]:
     """The verdict over the lines of the grid along the axis of the law."""
-    along, lines, judged = _lines(law, name, values, grid)
+    along, lines, judge = _lines(law, name, values, grid)
     others = {dim: np.asarray(at, dtype=float) for dim, at in grid.axes.items() if dim != law.axis}
     at = {dim: float(_nearest(values, law.at[dim])) for dim, values in others.items() if dim in law.at}
     every, deciding, exceptions, ends = [], [], [], []
     for where in np.ndindex(lines.shape[:-1]):
         line = lines[where]
-        verdict = judged(where)
+        verdict = judge(where)
         every.append(verdict.verdict)
         here = {dim: float(values[i]) for (dim, values), i in zip(others.items(), where, strict=True)}
         if any(here[dim] != value for dim, value in at.items()):
@@ -243,18 +243,18 @@ def _judging(
     k = list(grid.axes).index(law.axis)
     cut = _cuts(grid.crossing, grid.shape, k)
     if law.kind == MONOTONE:
-        return lambda where: law.judged(name, lines[where], cut[where], name in grid.counts)
+        return lambda where: law.judge(name, lines[where], cut[where], name in grid.counts)
     compared = {
         key: tuple(np.moveaxis(one, k, -1)[..., order] for one in pair)
         for key, pair in targets(law, grid.shape, grid.known).items()
     }
 
-    def judged(where: tuple[int, ...]) -> Verdict:
+    def judge(where: tuple[int, ...]) -> Verdict:
         mine = {key: values[where] for key, (values, _) in compared.items()}
         why = "; ".join(dict.fromkeys(one for _, texts in compared.values() for one in texts[where].tolist() if one))
-        return law.compared(NumberLine(law.axis, along, lines[where].astype(float), cut[where], mine, why))
+        return law.compare(NumberLine(law.axis, along, lines[where].astype(float), cut[where], mine, why))
 
-    return judged
+    return judge
 
 
 def _tell(

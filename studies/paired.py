@@ -105,7 +105,7 @@ def tell(study: StudyData) -> str:
         return ""
     count = f"{study.samples_count} sample{'s' * (study.samples_count != 1)} of {choices(study.sampled)}"
     if study.sample is not None:
-        return f"{count}: {study.sample.told}"
+        return f"{count}: {study.sample.sentence}"
     return f"{count}, from {study.table.file if study.table is not None else 'the lists of zip'}"
 
 

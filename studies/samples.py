@@ -177,7 +177,7 @@ class Distribution(BaseModel):
     def _in_rad(self, value: float) -> float:
         return float(np.deg2rad(value)) if self.unit == "deg" else value
 
-    def told(self, field: str) -> str:
+    def words(self, field: str) -> str:
         """``E uniform from 5000 to 40000``."""
         unit = " deg" if self.unit == "deg" else ""
         ends = [f"{word} {v:g}{unit}" for word in ("from", "to") if (v := self._key(word)) is not None]
@@ -189,7 +189,7 @@ class Distribution(BaseModel):
     def reach(self, field: str) -> str:
         """The distribution, and how to restrict what it reaches."""
         normal = self.distribution == "normal"
-        return self.told(field) + (f" is cut at {REACH:g} std from the mean, or at from and to" if normal else "")
+        return self.words(field) + (f" is cut at {REACH:g} std from the mean, or at from and to" if normal else "")
 
 
 class Sample(BaseModel):
@@ -249,9 +249,9 @@ class Sample(BaseModel):
         return {name: one.values(cube[:, i]) for i, (name, one) in enumerate(self.fields.items())}
 
     @property
-    def told(self) -> str:
+    def sentence(self) -> str:
         """How the samples are drawn, in one sentence."""
-        each = "; ".join(one.told(name) for name, one in self.fields.items())
+        each = "; ".join(one.words(name) for name, one in self.fields.items())
         return f"{METHODS[self.method][1]}, seed {self.seed}: {each}"
 
     @property

@@ -35,4 +35,4 @@ __all__ = [
 
 def available() -> dict[str, type[StartMethod] | type[EndsMethod]]:
     """The methods that can run here: those whose package is installed."""
-    return {name: method for name, method in METHODS.items() if method.installed()}
+    return {name: method for name, method in METHODS.items() if method.is_installed()}

@@ -83,7 +83,7 @@ class Method(ABC):
         return f"the package {cls.requires}, which is not installed: pip install 'rod-workbench[{cls.extra}]'"
 
     @classmethod
-    def installed(cls) -> bool:
+    def is_installed(cls) -> bool:
         """Whether the method can run here."""
         return not cls.lacks()
 

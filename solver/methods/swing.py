@@ -58,5 +58,5 @@ def _mend(orbit: MarchedOrbit, whole: Array, t: Array, tol: float) -> tuple[Marc
         answer = run_in_blocks(OrbitQuadrature(), orbit.problem.take(lost), t[lost], tol)
         whole[:, lost] = answer.beta, answer.dbeta, answer.alpha, answer.z
         solved[lost], outcome[lost] = answer.solved, answer.outcome
-        orbit = orbit.completed(lost, answer)
+        orbit = orbit.complete(lost, answer)
     return orbit, Verdicts(solved, outcome)

@@ -69,11 +69,11 @@ def _curvatures(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[
 
 
 def _energy(density: Callable[..., densities.Density], name: str) -> Group:
-    def measured(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+    def energy(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
         found = resolve(pieces, density, goal, extremes=False)
         return {name: (found.integral, found.left_out + found.integral_of(_doubt(found, error)))}
 
-    return Group((name,), measured)
+    return Group((name,), energy)
 
 
 def _resolve_push(pieces: Pieces, sign: Array, error: Array, goal: float) -> tuple[Resolved, Array]:
@@ -265,7 +265,7 @@ class Reading:
         found: Array = self.get(name)[1]
         return found
 
-    def scaled(self, name: str, factor: Array) -> Pair:
+    def scale(self, name: str, factor: Array) -> Pair:
         """A number and its error in other units, (B,) each."""
         value, error = self.get(name)
         with np.errstate(over="ignore", invalid="ignore"):

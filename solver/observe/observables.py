@@ -130,12 +130,12 @@ def amplitude(read: Reading) -> Pair:
 
 def kappa_mean(read: Reading) -> Pair:
     """Mean curvature [1/length]."""
-    return read.scaled("curvature", 1 / (read.length * read.rho))
+    return read.scale("curvature", 1 / (read.length * read.rho))
 
 
 def kappa_max(read: Reading) -> Pair:
     """Largest curvature [1/length]."""
-    return read.scaled("tightest", 1 / read.rho)
+    return read.scale("tightest", 1 / read.rho)
 
 
 def wraps(read: Reading) -> Pair:
@@ -214,7 +214,7 @@ def _end_moment(read: Reading, end: int) -> Pair:
 
 def contact_size_mean(read: Reading) -> Pair:
     """Mean of |f| over the whole length [force/length]; pull counts as much as push."""
-    pushed, pulled = read.scaled("pushed", _a_length(read)), read.scaled("pulled", _a_length(read))
+    pushed, pulled = read.scale("pushed", _a_length(read)), read.scale("pulled", _a_length(read))
     return pushed[0] + pulled[0], pushed[1]
 
 
@@ -223,22 +223,22 @@ def push_mean(read: Reading) -> Pair:
 
     push_mean L is the total push of the cylinder; push_mean + pull_mean is the mean of |f|.
     """
-    return read.scaled("pushed", _a_length(read))
+    return read.scale("pushed", _a_length(read))
 
 
 def pull_mean(read: Reading) -> Pair:
     """Mean of the pull over the whole length [force/length], not negative, where push counts as 0."""
-    return read.scaled("pulled", _a_length(read))
+    return read.scale("pulled", _a_length(read))
 
 
 def push_min(read: Reading) -> Pair:
     """Smallest push of the cylinder [force/length], on either side; negative where the cylinder would have to pull."""
-    return read.scaled("least", read.A / read.rho**3)
+    return read.scale("least", read.A / read.rho**3)
 
 
 def push_max(read: Reading) -> Pair:
     """Largest push of the cylinder [force/length], on either side; positive where it pushes."""
-    return read.scaled("most", read.A / read.rho**3)
+    return read.scale("most", read.A / read.rho**3)
 
 
 def push_max_at(read: Reading) -> Pair:
@@ -246,7 +246,7 @@ def push_max_at(read: Reading) -> Pair:
 
     Its error is the distance to the farthest s at which the push may be larger, by the error of `push_max`.
     """
-    return read.scaled("peak", read.rho)
+    return read.scale("peak", read.rho)
 
 
 def attached(read: Reading) -> Pair:
@@ -255,7 +255,7 @@ def attached(read: Reading) -> Pair:
     Push counts where it exceeds rounding: 64 eps times the sizes of the terms of which it is the sum. A rod that lies
     along the cylinder without any contact force is not attached.
     """
-    return read.scaled("share", 1 / read.length)
+    return read.scale("share", 1 / read.length)
 
 
 def push_middle(read: Reading) -> Pair:
@@ -267,7 +267,7 @@ def push_middle(read: Reading) -> Pair:
 
 def lift_off_at(read: Reading) -> Pair:
     """The first s at which the cylinder would have to pull [length]; L where it nowhere has to."""
-    return read.scaled("lifts", read.rho)
+    return read.scale("lifts", read.rho)
 
 
 def pitch(read: Reading) -> Pair:
@@ -286,17 +286,17 @@ def pitch(read: Reading) -> Pair:
 
 def F3_size_max(read: Reading) -> Pair:
     """Largest size of the internal force along the tangent [force]."""
-    return read.scaled("tension", read.A / read.rho**2)
+    return read.scale("tension", read.A / read.rho**2)
 
 
 def bending_moment_max(read: Reading) -> Pair:
     """Largest bending moment, A kappa_max [force length]."""
-    return read.scaled("tightest", read.A / read.rho)
+    return read.scale("tightest", read.A / read.rho)
 
 
 def bending_stress_max(read: Reading) -> Pair:
     """Largest bending stress, E a kappa_max, at the surface of the rod [force/length^2]."""
-    return read.scaled("tightest", read.E * read.a / read.rho)
+    return read.scale("tightest", read.E * read.a / read.rho)
 
 
 def _a_length(read: Reading) -> Array:
@@ -305,7 +305,7 @@ def _a_length(read: Reading) -> Array:
 
 def bending_energy(read: Reading) -> Pair:
     """Integral of A kappa^2/2 [force length]."""
-    return read.scaled("bending", read.A / read.rho)
+    return read.scale("bending", read.A / read.rho)
 
 
 def twist_energy(read: Reading) -> Pair:
@@ -322,7 +322,7 @@ def energy(read: Reading) -> Pair:
     sin cos/rho, it is Routh's integral of A kappa^2/2 + M3 sin cos/rho - FZ cos - MZ sin/rho less M3^2 L/(2 C). With
     weight the loads are those of the far end, and the potential of the weight is added; with friction there is none.
     """
-    value, error = read.scaled("potential", read.A / read.rho)
+    value, error = read.scale("potential", read.A / read.rho)
     twist, rounding = twist_energy(read)
     rubbed = read.sol.case.cylinder.friction
     if rubbed is not None:

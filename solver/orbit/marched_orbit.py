@@ -123,7 +123,7 @@ class MarchedOrbit:
         core.march(core.problems_of(self.problem.take(mine)), self.tol, np.empty((mine.size, 0)), steps=own)
         return steps
 
-    def completed(self, lost: Booleans, answer: "Trajectory") -> "MarchedOrbit":
+    def complete(self, lost: Booleans, answer: "Trajectory") -> "MarchedOrbit":
         """The same orbits, those that are `lost` (B,) taken from an answer to them by quadrature."""
         rest: Orbit = answer.orbit
         found = np.array(self.found)

@@ -130,7 +130,7 @@ class DensityChange:
         some: Any = SimpleNamespace(angles=angles, problem=self.problem, case=case, varying=None)
         return np.asarray(self.sign[case, None] * self.density(some).values)
 
-    def refined(self) -> "DensityChange":
+    def refine(self) -> "DensityChange":
         """The same on panels that are halved until the series of the values and their changes end."""
         found = self
         for _ in range(_ROUNDS):

@@ -23,7 +23,7 @@ class Candidates:
 
     case, t, values: (N,), t of the first pass. size: (N,), the sum of the sizes of the terms of a value. slopes,
     moved: (N, F), the derivatives of the values, and the sizes of the terms of these. panel, x: (N,), the panel and the
-    place on it in [-1, 1], of the panels `DensityChange.refined`; panel -1 at the two ends of the rod.
+    place on it in [-1, 1], of the panels `DensityChange.refine`; panel -1 at the two ends of the rod.
     """
 
     case: Integers
@@ -46,7 +46,7 @@ def extreme(rods: DensityChange, which: str) -> Array:
 
     which: LARGEST, SMALLEST or LARGEST_SIZE.
     """
-    found = candidates(rods.refined())
+    found = candidates(rods.refine())
     if which == LARGEST_SIZE:
         found = _either_sign(found)
     turn = -1.0 if which == SMALLEST else 1.0

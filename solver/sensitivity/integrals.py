@@ -20,7 +20,7 @@ _ROUNDING = 64 * 2.0**-52  # of a difference of two values of a density
 
 def integral(rods: DensityChange) -> Array:
     """Of the integral over the rod, (b, F)."""
-    return _sum(rods.refined(), lambda v: v, np.ones_like)
+    return _sum(rods.refine(), lambda v: v, np.ones_like)
 
 
 def parts(rods: DensityChange) -> tuple[Array, Array, Array]:
@@ -119,7 +119,7 @@ def _differences(rods: DensityChange) -> Array:
 
 def cut_at_zeros(rods: DensityChange) -> DensityChange:
     """The same on panels on which the values have one sign."""
-    found = _cut_at_turns(rods.refined())
+    found = _cut_at_turns(rods.refine())
     q, _, x = zeros_between(found.nodes.values)
     inside = np.abs(x) < 1 - 1e-12
     return replace(found, varied=found.varied.cut(q[inside], x[inside])) if q.size else found

@@ -44,7 +44,7 @@ def _first_below(rods: DensityChange) -> Array:
 
 def _jumps(rods: DensityChange, t: Array) -> Array:
     """Whether values that only touch zero up to t change there, (b, F)."""
-    found = candidates(rods.refined())
+    found = candidates(rods.refine())
     touches = (np.abs(found.values) <= _ZERO * found.size) & (found.t <= t[found.case])
     jumps = np.zeros(rods.a0.shape, dtype=bool)
     np.logical_or.at(jumps, found.case[touches], (np.abs(found.slopes) > found.faint)[touches])

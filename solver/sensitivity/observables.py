@@ -75,7 +75,7 @@ class Moving(Reading):
     def get(self, name: str) -> Any:
         return Dual(self.plain.value(name), self._slopes[name]), 0.0
 
-    def scaled(self, name: str, factor: Any) -> Any:
+    def scale(self, name: str, factor: Any) -> Any:
         return self.get(name)[0] * factor, 0.0
 
     def middle(self, name: str) -> Any:

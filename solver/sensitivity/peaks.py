@@ -22,7 +22,7 @@ def first_peak(rods: DensityChange, seen: Array) -> Array:
 
     seen: (b,), the t that is observed.
     """
-    found = rods.refined()
+    found = rods.refine()
     every = candidates(found)
     top, slopes = slope_of_largest(every, seen.size)
     best = _pick(every, top)

@@ -120,7 +120,7 @@ def takes_case(names: Sequence[str] = (*FIELDS, *WINDING)) -> Callable[[Callable
 
     def decorate(command: Callable[..., int]) -> Callable[..., int]:
         @wraps(command)
-        def parsed(**options: Any) -> int:
+        def parse(**options: Any) -> int:
             values = {name: options.pop(name) for name in names}
             units = {kind: options.pop(f"{kind}_unit") for kind in ("length", "force")}
             given = Given(*({k: v for k, v in said.items() if v is not None} for said in (values, units)))
@@ -130,8 +130,8 @@ def takes_case(names: Sequence[str] = (*FIELDS, *WINDING)) -> Callable[[Callable
         parameters = []
         for name, parameter in signature.parameters.items():
             parameters += _options(names, whole) if name == "given" else [parameter]
-        parsed.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-        return parsed
+        parse.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+        return parse
 
     return decorate
 

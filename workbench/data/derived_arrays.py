@@ -43,7 +43,7 @@ class Stored:
 
     def array(self, name: str) -> xr.DataArray:
         """The array of one of `ARRAYS`, (axes, u) and its components, with units. Raises `InputError`."""
-        found = self.implied(name, ())
+        found = self.derive(name, ())
         if found is None:
             found = self._solved(name)
         order = [*axes_left(self.ds, self.study), "u", *INNER.get(name, ())]
@@ -51,7 +51,7 @@ class Stored:
         result = found.transpose(*(dim for dim in order if dim in found.dims)).assign_coords(kept)
         return result.rename(name).assign_attrs(self._labels(name))
 
-    def implied(self, name: str, above: tuple[str, ...]) -> Any:
+    def derive(self, name: str, above: tuple[str, ...]) -> Any:
         """The array as stored, or computed from stored ones; None where they do not suffice.
 
         above: the arrays for which it is needed.
@@ -62,7 +62,7 @@ class Stored:
         if name not in RULES or name in above or (name in BY_LOADS and schema.loads_vary(self.ds)):
             return None
         needs, rule = RULES[name]
-        parts = [self.implied(need, (*above, name)) for need in needs]
+        parts = [self.derive(need, (*above, name)) for need in needs]
         return None if any(part is None for part in parts) else rule(self, *parts)
 
     def _solved(self, name: str) -> xr.DataArray:

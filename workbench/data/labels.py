@@ -119,11 +119,11 @@ def typeset(text: str) -> str:
 def powers_of_ten(text: str) -> str:
     """The text with powers of ten in print: ``1.3e-05`` as ``1.3·10⁻⁵``, ``1e+06`` as ``10⁶``."""
 
-    def printed(found: re.Match[str]) -> str:
-        digits, power = found[1], f"10{str(int(found[2])).translate(SUPERSCRIPTS)}"
-        return power if digits == "1" else f"{digits}·{power}"
+    def power(found: re.Match[str]) -> str:
+        digits, ten = found[1], f"10{str(int(found[2])).translate(SUPERSCRIPTS)}"
+        return ten if digits == "1" else f"{digits}·{ten}"
 
-    return re.sub(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?!\w)", printed, text)
+    return re.sub(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?!\w)", power, text)
 
 
 def law_text(row: Mapping[str, Any], text: str) -> str:

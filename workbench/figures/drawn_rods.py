@@ -198,7 +198,7 @@ def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list
         return None, "arrays along the rod"
     found: dict[str, Any] = {"s": some["s"]}
     for name in names:
-        array = _store(some).implied(name, ())
+        array = _store(some).derive(name, ())
         if array is None:
             return None, name
         found[name] = array

@@ -158,9 +158,9 @@ class Centreline:
     @cached_property
     def cubic_error(self) -> float:
         """The largest distance of `cubic` from the rod at the same s [length]: from the curve, and that curve's."""
-        return self._missed(self.cubic) + self.error
+        return self._distance(self.cubic) + self.error
 
-    def _missed(self, cubic: Any) -> float:
+    def _distance(self, cubic: Any) -> float:
         """The largest distance of cubics from the curve at the same s [length]."""
         s = (cubic.x[:-1, None] + np.diff(cubic.x)[:, None] * SHARES).ravel()
         return float(np.linalg.norm(cubic(s) - self.frame(s)[0], axis=-1).max())
@@ -178,7 +178,7 @@ class Centreline:
         if cubic:
             s = np.interp(np.arange(PARTS * n + 1) / PARTS, np.arange(n + 1), self.s)
             place, tangent, _, _ = self.frame(s)
-            missed = self._missed(through(s, np.stack([place, tangent], axis=1)))
+            missed = self._distance(through(s, np.stack([place, tangent], axis=1)))
             more = max(more, PARTS * n * (missed / allowed) ** (1 / CUBIC_ORDER))
         return int(np.ceil(1.1 * more)) + 1
 

@@ -109,7 +109,7 @@ class Plan:
     def _states(self, start: int, stop: int, values: Coordinates) -> dict[int, sweep.State]:
         whole: sweep.Spine | None = self.study.whole
         if whole is None:
-            return self.spine.handed(start, stop)
+            return self.spine.hand_over(start, stop)
         rows = (dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True))
         return {start + i: whole.nearest(row) for i, row in enumerate(rows)}
 

@@ -67,7 +67,7 @@ class Spine:
         """The state of the first case."""
         return self.state(self.grid.place(self.grid.first))
 
-    def handed(self, start: int, stop: int) -> dict[int, State]:
+    def hand_over(self, start: int, stop: int) -> dict[int, State]:
         """The states that the blocks of the cases `start` to `stop` begin with."""
         wanted: list[int] = []
         for a in range(start, stop, self.block):
