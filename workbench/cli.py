@@ -211,7 +211,10 @@ def _sentence(error: typer.TyperException) -> str:
     if command and message.startswith("No such option"):
         spelt = [[name for name in param.opts if name.startswith("-")] for param in command.params]
         each = [max(names, key=lambda name: name.startswith("--")) for names in spelt if names]  # of two spellings one
-        return f"{message.partition(' (')[0]}{_near(message, each)}; choose from {', '.join(each)}"
+        stated = message.partition(" (")[0]
+        if command.name == "solve" and stated.endswith(" --seed"):
+            return f"{stated}; a shape to begin with is given in Python: solve(case, seed='straight') or seed=solution"
+        return f"{stated}{_near(message, each)}; choose from {', '.join(each)}"
     return message
 
 

@@ -13,11 +13,12 @@ TURN = 2 * np.pi  # of azimuth in one sense: as much is a helix
 
 
 class State(NamedTuple):
-    """A stretch of a rod in one state, from one s to another [length]."""
+    """A stretch of a rod in one state, from one s to another [length]. turned: the azimuth that a bend goes."""
 
     word: str
     begin: float
     end: float
+    turned: float = 0.0
 
 
 def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
@@ -25,19 +26,31 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
 
     Between two changes of sign the azimuth goes one way. There the rod is helical if it goes once round or more,
     straight if it goes less than `BENT`, else sinusoidal; of a helix the ends on which it goes less than `BENT` are
-    straight.
+    straight. Bends from an end to a straight stretch are straight too where the first is the largest: there the rod
+    turns from the azimuth of its end to where it lies.
     """
     cuts = [0, *(np.flatnonzero(np.sign(beta[1:]) * np.sign(beta[:-1]) < 0) + 1), s.size - 1]
     found: list[State] = []
     for first, last in pairwise(cuts):
         turned = abs(alpha[last] - alpha[first])
         if turned < TURN:
-            found.append(State(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last]))
+            found.append(State(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
             continue
         way = np.abs(alpha[first : last + 1] - alpha[first])
         leaves, arrives = (s[first + int(np.searchsorted(way, value))] for value in (BENT, turned - BENT))
         found += [State(STRAIGHT, s[first], leaves), State(HELICAL, leaves, arrives), State(STRAIGHT, arrives, s[last])]
-    return tuple(_join([one for one in found if one.end > one.begin]))
+    found = [one for one in found if one.end > one.begin]
+    return tuple(_join(_without_end_turns(_without_end_turns(found)[::-1])[::-1]))
+
+
+def _without_end_turns(found: list[State]) -> list[State]:
+    """The stretches of which the first bends are straight, if the very first is the largest and straight ones follow."""
+    words = [one.word for one in found]
+    bends = words.index(STRAIGHT) if STRAIGHT in words else 0
+    largest = max((one.turned for one in found[:bends]), default=0.0)
+    if set(words[:bends]) != {SINUSOIDAL} or found[0].turned < largest:
+        return found
+    return [one._replace(word=STRAIGHT) for one in found[:bends]] + found[bends:]
 
 
 def _join(found: list[State]) -> list[State]:

@@ -152,6 +152,21 @@ def test_a_pipe_of_5_km_buckles_into_a_stable_shape(load: float) -> None:
     assert np.abs(sol.alpha).max() == pytest.approx({1.1: 0.384, 1.3: 0.677}[load], abs=0.004)  # another code, 1000 m
 
 
+@pytest.mark.parametrize(
+    ("wall", "alpha", "words"),
+    (
+        ({"friction": 0.25, "sliding": "rotating"}, {}, ["straight"]),  # it turns from its ends to where it lies
+        ({}, {"azimuth": 0.4}, ["straight"]),
+        ({}, {"FZ": -200e3}, ["sinusoidal"]),
+        ({"inclination": "40deg"}, {"FZ": -130e3}, ["sinusoidal", "straight"]),
+    ),
+)
+def test_a_turn_at_an_end_is_no_sinusoid(wall: dict[str, Any], alpha: dict[str, float], words: list[str]) -> None:
+    hole = Cylinder(**({"inclination": "60deg"} | HOLE | wall))
+    ends = Ends(**({"beta0": 0.0, "betaL": 0.0, "azimuth": 0.0, "FZ": -70e3} | alpha))
+    assert [state.word for state in solve(Case(Rod(L=150.0, **PIPE), hole, ends)).states] == words
+
+
 def lying_pipe(load: float) -> Case:
     """A lying pipe with hinges and held azimuths, under a share of the load of Dawson and Paslay."""
     ends = Ends(M10=0.0, M1L=0.0, azimuth=0.0, FZ=-load * BUCKLES)

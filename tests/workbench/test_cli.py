@@ -323,6 +323,10 @@ REFUSED = {
         ["solve", "--young", "1"],
         "No such option: --young, did you mean '--E'; choose from --table1, --reading",
     ),
+    "a seed": (
+        ["solve", "--table1", "--seed", "straight"],
+        "No such option: --seed; a shape to begin with is given in",
+    ),
     "an unknown stiffness": (
         ["solve", "--table1", "--stiffness", "soft"],
         "no stiffness 'soft'; choose from solid, paper",
