@@ -44,7 +44,7 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
 
 
 def _without_end_turns(found: list[State]) -> list[State]:
-    """The stretches of which the first bends are straight, if the very first is the largest and straight ones follow."""
+    """The stretches, whose first bends are straight if the very first is the largest and straight ones follow."""
     words = [one.word for one in found]
     bends = words.index(STRAIGHT) if STRAIGHT in words else 0
     largest = max((one.turned for one in found[:bends]), default=0.0)
