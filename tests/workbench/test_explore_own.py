@@ -179,6 +179,13 @@ def test_a_page_that_cannot_be_saved_is_told_in_a_sentence(name, tmp_path, capsy
     assert (tmp_path / "rod.html").read_text() == "mine"
 
 
+def test_a_page_of_a_rod_with_weight_needs_the_server(tmp_path, capsys) -> None:
+    (tmp_path / "mine.toml").write_text(PIPE)
+    with pytest.raises(SystemExit, match="2"):
+        cli.main(["explore", str(tmp_path / "mine.toml"), "--weight", "0.2", "--save", str(tmp_path / "rod.html")])
+    assert "a page without a server shows rods without weight and friction" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "words, sentence",
     [
@@ -189,7 +196,7 @@ def test_a_page_that_cannot_be_saved_is_told_in_a_sentence(name, tmp_path, capsy
         (["--length-unit", "mm"], "also needs E, nu, a, L, R"),
         (["--length-unit", "furlong"], "also needs E, nu, a, L, R"),
         (["PIPE", "--beta", "0.1"], "this case is an ends problem, which has no beta"),
-        (["PIPE", "--weight", "0.2"], "the live page shows rods without weight and friction"),
+        (["PIPE", "--weight", "-0.2"], "Rod.weight must be at least 0"),
         (["PIPE", "--height", "0.2"], "the live page shows ends under dead loads, got height"),
     ],
 )

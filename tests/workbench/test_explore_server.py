@@ -18,6 +18,7 @@ import pytest
 
 pytest.importorskip("workbench.web.live.server", reason="the extra explore is not installed", exc_type=ImportError)
 
+from solver import observe, solve
 from solver.problem.errors import InputError
 from tests.workbench import live_process
 from tests.workbench.live import asked, served, unpacked
@@ -27,7 +28,7 @@ from workbench.web.live import page_model, search_processes, server
 from workbench.web.live.presets import PRESETS
 
 ROOT = Path(__file__).parents[2]
-TABLE_1, DNA, _, CABLE = (preset.state for preset in PRESETS)
+TABLE_1, DNA, PIPE, CABLE = (preset.state for preset in PRESETS)
 
 
 @pytest.fixture(scope="module")
@@ -93,6 +94,26 @@ def test_a_shape_comes_with_its_stations(port) -> None:
     assert set(arrays) == {"s", "beta", "dbeta", "alpha", "z"}
     assert arrays["s"][-1] == 5970.0
     assert arrays["beta"][-1] == pytest.approx(np.radians(89.0))
+
+
+def test_a_pipe_with_weight_and_friction_is_solved_by_the_server(port) -> None:
+    heavy = with_field(PIPE, weight=0.242, inclination=1.4, friction=0.2, sliding="axial-backward")
+    head, arrays = unpacked(asked(port, "POST", "/shape", {"state": heavy}).data)
+    sol = solve(page_model.study_of(heavy).case(), stations=arrays["s"].size)
+    assert head["notes"][0] == "State: sinusoidal all along."
+    assert head["which"] is None
+    for name, values in {"push": sol.push, "tension": sol.F3, "alpha": sol.alpha}.items():
+        assert np.allclose(arrays[name], values, atol=1e-9 * np.abs(values).max())
+    assert [arrays["axial"][i] for i in (0, -1)] == pytest.approx([observe(sol, ["FZ0"])["FZ0"], -200.0])
+    rows = json.loads(asked(port, "POST", "/numbers", {"ticket": head["ticket"]}).data)["rows"]
+    assert {row["name"]: row["value"] for row in rows}["push_max"] == pytest.approx(float(sol.push.max()), rel=1e-3)
+    for path, state, sentence in (
+        ("/shape", with_field(heavy, L=3e4), "lengths, and the page computes at most 1500"),
+        ("/shape", with_field(heavy, friction=-1), "Cylinder.friction must be at least 0"),
+        ("/equilibria", heavy, "the page shows the equilibrium of workbench solve alone"),
+    ):
+        answer = asked(port, "POST", path, {"state": state})
+        assert (answer.status, sentence in json.loads(answer.data)["refused"]) == (200, True)
 
 
 def test_what_cannot_be_is_answered_with_a_sentence_and_the_field(port) -> None:

@@ -87,6 +87,28 @@ def test_shape_and_push_along_the_rod_are_those_of_the_solver() -> None:
             np.testing.assert_allclose(found[mine], wanted, atol=1e-7 * max(np.abs(wanted).max(), 1e-6), err_msg=mine)
 
 
+def test_a_rod_with_weight_has_the_fields_and_the_push_of_the_server() -> None:
+    heavy = state("pipe", weight=0.242, inclination=1.4, azimuth=0.0, friction=0.2, sliding="forward")
+    del heavy["base"]["MZ"]
+    found = page_model.stations(page_shape.shape(page_model.study_of(heavy)))
+    script = """
+    const rows = Object.entries(given.arrays).map(([name, row]) => [name, Float64Array.from(row)]),
+      arrays = Object.fromEntries(rows);
+    const shape = rod_shape.interpolated(rod_case.caseOf(given.state, {}), arrays, { error: 0 });
+    const found = numbers.observables(shape);
+    answer([rod_case.fieldNames(given.state), shape.s, shape.push, found, controls.spanOf("friction")]);
+    """
+    fields, s, push, numbers, span = run(
+        script, {"state": heavy, "arrays": {name: row.tolist() for name, row in found.items()}},
+        (*MODULES, "numbers", "controls"),
+    )  # fmt: skip
+    assert fields[-8:] == ["weight", "inclination", "friction", "beta0", "betaL", "FZ", "azimuth", "M3"]
+    assert span == [0, 1]
+    assert np.allclose(push, np.interp(s, found["s"], found["push"]), atol=1e-12)
+    assert numbers["push_max"] == pytest.approx(found["push"].max(), rel=1e-6)
+    assert "energy" not in numbers
+
+
 OBSERVED = ("turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "push_mean", "pull_mean",
             "push_min", "push_max", "attached", "lift_off_at", "F3_size_max", "bending_moment_max",
             "bending_stress_max", "energy", "bending_energy", "twist_energy")  # fmt: skip

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from solver.core import build
+from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
 from studies.readings import READINGS
 
@@ -100,6 +101,8 @@ def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
 def _begin(preset: Preset) -> dict[str, Any]:
     """The solved shape of a rod between two ends, from which a page without a server follows. Raises `InputError`."""
     sol = page_shape.shape(study_of(preset.state)).sol
+    if sol.case.varies:
+        raise InputError("a page without a server shows rods without weight and friction: use workbench explore")
     if sol.problem.kind != "ends":
         return {}
     return {"shape": {"s": sol.s.tolist(), "beta": [round(float(beta), 10) for beta in sol.beta]}}

@@ -13,6 +13,7 @@ from .presets import Preset
 
 NAME = "own"
 HIDDEN = ("alpha", "gamma")  # they turn the whole rod; a value of 0 is left out
+WITH_WEIGHT = {"inclination": 0.0, "friction": 0.0, "sliding": "forward"}  # have a slider where there is weight
 
 
 def preset(file: Path | None, options: dict[str, Any], units: dict[str, str]) -> Preset | None:
@@ -48,7 +49,8 @@ def _state(rod: CaseInput, title: str, as_printed: bool) -> dict[str, Any]:
 
 def _fields(case: Case) -> dict[str, Any]:
     """The fields of a case by name, without those that are None or turn the whole rod by 0."""
-    return {name: value for name, value in field_values(case).items() if not (name in HIDDEN and value == 0)}
+    fields = {name: value for name, value in field_values(case).items() if not (name in HIDDEN and value == 0)}
+    return (WITH_WEIGHT if case.rod.weight is not None else {}) | fields
 
 
 def _spans(case: Case) -> dict[str, float | tuple[float, float]]:

@@ -21,7 +21,7 @@ from studies.dimensions import Dimensions
 from studies.loader import loads
 
 from ...branches.equilibria import row as equilibrium_row
-from ...data import cautions, dataset, labels
+from ...data import cautions, dataset, labels, pipe_state
 from ...export.stored_rod import export
 from ...run.block import columns
 from .page_branches import SHOWN
@@ -73,9 +73,19 @@ def field_of(message: str) -> str:
 
 
 def stations(one: Shape) -> dict[str, Any]:
-    """The rod at its stations, arrays by name, in the units of the study and rad: s, beta, dbeta, alpha, z."""
+    """The rod at its stations, arrays by name, in the units of the study and rad: s, beta, dbeta, alpha, z.
+
+    Of a rod whose loads vary also what the page cannot compute: push, kappa, tension (F3) and the axial force `axial`.
+    """
     sol = one.sol
-    return {name: np.asarray(getattr(sol, name), dtype=float) for name in ("s", "beta", "dbeta", "alpha", "z")}
+    names = {name: name for name in ("s", "beta", "dbeta", "alpha", "z")}
+    if sol.case.varies:
+        names |= {"push": "push", "kappa": "kappa", "tension": "F3"}
+    found = {name: np.asarray(getattr(sol, of), dtype=float) for name, of in names.items()}
+    if sol.case.varies:
+        sin, cos = np.sin(found["beta"]), np.cos(found["beta"])
+        found["axial"] = np.asarray(sol.F2 * sin + sol.F3 * cos)
+    return found
 
 
 def facts(one: Shape) -> dict[str, Any]:
@@ -87,10 +97,11 @@ def facts(one: Shape) -> dict[str, Any]:
         notes.append(
             f"Only the first {labels.number(one.shown)} {units['length']} are shown: the rod bends too often for more."
         )
+    notes += [f"{said[0].upper()}{said[1:]}." for said in pipe_state.sentences(sol, units)]
     return {
         "outcome": str(sol.outcome), "error": float(sol.error), "condition": float(sol.condition),
         "method": sol.method, "stations": sol.s.size, "notes": notes,
-        "which": _which(sol) if sol.problem.kind == "ends" else None,
+        "which": _which(sol) if sol.problem.kind == "ends" and not sol.case.varies else None,
     }  # fmt: skip
 
 

@@ -17,15 +17,17 @@ from solver.problem.errors import InputError, choices
 from solver.problem.held_ends import held_of
 from solver.problem.reduced import reduce
 from solver.problem.tolerance import DEFAULT_TOLERANCE
+from solver.shooting.numbers import rods_of
 from studies import Study
 from studies.axes import Which
 
 from ...run.case_input import field_values
 
 TOL, NEAR = DEFAULT_TOLERANCE, 1e-6  # tolerances of a rod, and of one that follows another as a slider moves
-STATIONS, BETWEEN, MOST = 201, 401, 4001  # of a start problem, an ends problem, and a rod with many bends
+STATIONS, BETWEEN, MOST = 201, 401, 4001  # of a start problem, an ends problem, and a rod with many bends or weight
 MOST_LISTED = 100  # half periods of a rod between two ends whose equilibria are all found, in some tenths of a second
 MOST_SELECTED = 1000  # half periods of a rod whose equilibrium is selected by the rule, without a list
+MOST_NODES = 1500  # of a rod with weight or friction: a pipe of some 3 km, which takes seconds
 SAME = 1e-3  # relative difference that beta'(0) may have from the one that is named
 CHORD = 0.4  # rad by which the rod may turn between two stations before more stations are solved
 STEPS = (1, 4)  # numbers of steps in which a rod follows another, tried in this order
@@ -57,7 +59,7 @@ def without_search(study: Study, near: Solution | None = None) -> Shape | None:
     check_shown(case)
     if not isinstance(case.given, Ends):
         return _resolve(study, case, solve(case, TOL, stations=STATIONS))
-    if near is None or near.problem.kind != "ends":
+    if case.varies or near is None or near.problem.kind != "ends":
         return None
     sol = _follow(study, case, near)
     return None if sol is None else Shape(study, sol)
@@ -65,12 +67,8 @@ def without_search(study: Study, near: Solution | None = None) -> Shape | None:
 
 def check_shown(case: Case) -> None:
     """Raise `InputError` for a case that the page does not show."""
-    if held := held_of(case):
+    if not case.varies and (held := held_of(case)):
         raise InputError(f"the live page shows ends under dead loads, got {choices(held)}: use workbench solve")
-    if case.varies:
-        raise InputError(
-            "the live page shows rods without weight and friction: use workbench solve, or run and scene with a study"
-        )
 
 
 def shape(study: Study, near: Solution | None = None) -> Shape:
@@ -83,9 +81,21 @@ def shape(study: Study, near: Solution | None = None) -> Shape:
 
 def _search(study: Study, lost: bool) -> Shape:
     """The rod between two ends; lost: the study names the equilibrium of an earlier state, which was not followed."""
-    sol = _between(study, study.case(), lost)
+    case = study.case()
+    sol = _with_weight(case) if case.varies else _between(study, case, lost)
     _check(sol)
     return Shape(study, sol)
+
+
+def _with_weight(case: Case) -> Solution:
+    """The rod that `solve` selects. Raises `InputError` for one so long that the page would wait."""
+    nodes = rods_of(case)[1][0].nodes().size
+    if nodes > MOST_NODES:
+        raise InputError(
+            f"the shape of this rod may change on {nodes} lengths, and the page computes at most {MOST_NODES}: "
+            "use workbench solve"
+        )
+    return solve(case, TOL, stations=MOST)
 
 
 def bare(one: Shape) -> Shape:
@@ -178,6 +188,8 @@ def _same(sol: Solution, which: Which) -> bool:
 
 def refuse_many(case: Case) -> None:
     """Raise `InputError` where finding all equilibria of a rod would take too long for the page."""
+    if case.varies:
+        raise InputError("of a rod with weight or friction the page shows the equilibrium of workbench solve alone")
     if (half_periods := _half_periods(case)) > MOST_LISTED:
         raise InputError(_too_many(half_periods))
 

@@ -89,16 +89,17 @@ export function matrix(camera, aspect, depth) {
   return Float32Array.from({ length: 16 }, (_, i) => rows[i % 4][i >> 2]);
 }
 
-/* The camera before the middle of a rod; wide: lying, where the rod is longer than its cylinder is thick. */
+const LOW_SIDE_DOWN = -Math.PI / 2; // azimuth of a lying view with alpha = 0 at the bottom
+
+/* The camera before the middle of a rod; wide: lying, where the rod is longer than its cylinder is thick. The low side of
+   a rod with weight is then at the bottom. */
 export function facing({ alpha, z, one }, wide) {
   let [x, y] = [0, 0];
   for (const v of alpha) {
     x += Math.cos(v);
     y += Math.sin(v);
   }
-  return {
-    azimuth: Math.hypot(x, y) > 0.05 * alpha.length ? Math.atan2(y, x) : alpha[alpha.length >> 1],
-    elevation: ABOVE,
-    lying: wide && range(z)[1] - range(z)[0] > LONG * one.R,
-  };
+  const lying = wide && range(z)[1] - range(z)[0] > LONG * one.R,
+    middle = Math.hypot(x, y) > 0.05 * alpha.length ? Math.atan2(y, x) : alpha[alpha.length >> 1];
+  return { azimuth: lying && one.varies ? LOW_SIDE_DOWN : middle, elevation: ABOVE, lying };
 }

@@ -1,6 +1,6 @@
 // The fields of a rod: a slider and a number each, and what is wrong beside its field.
 
-import { DEGREE, fieldNames, isUnused, kindOf, meaning, quantityOf } from "./rod_case.mjs";
+import { DEGREE, fieldNames, isDegrees, isUnused, kindOf, meaning, quantityOf } from "./rod_case.mjs";
 import { minus, number, unitText, withUnit } from "./text.mjs";
 
 const RATIO = [-0.95, 0.5]; // of nu
@@ -14,6 +14,8 @@ const STEPS = 1000,
 export function spanOf(name, centre, span) {
   const kind = kindOf(name);
   if (kind === "ratio") return RATIO;
+  if (kind === "tilt") return [0, Math.PI];
+  if (kind === "share") return [0, 1];
   if (kind === "bore") return [0, BORE * centre || 1];
   if (kind === "positive") return [centre / WIDER, centre * WIDER];
   if (Array.isArray(span)) return span;
@@ -79,7 +81,7 @@ export function makeControls(box, quantities, changed) {
       const range = document.createElement("div"),
         ends = context.span(name).map((end) => {
           const text = document.createElement("span");
-          text.textContent = number(kindOf(name) === "angle" ? end / DEGREE : end, 3);
+          text.textContent = number(isDegrees(name) ? end / DEGREE : end, 3);
           return text;
         });
       range.className = "range";
@@ -90,7 +92,7 @@ export function makeControls(box, quantities, changed) {
       slider.addEventListener("input", () => changed(name, valueAt(name, Number(slider.value), context.span(name))));
       field.addEventListener("change", () => {
         const v = typed(field.value);
-        changed(name, kindOf(name) === "angle" ? v * DEGREE : v, true);
+        changed(name, isDegrees(name) ? v * DEGREE : v, true);
       });
       field.addEventListener("keydown", (event) => {
         const by = { ArrowUp: KEY, ArrowDown: -KEY, PageUp: PAGE, PageDown: -PAGE }[event.key];
@@ -107,7 +109,7 @@ export function makeControls(box, quantities, changed) {
     if (key !== made) (build(state, context), (made = key));
     for (const [name, { row, slider, field, note, unit }] of Object.entries(rows)) {
       const value = state.base[name] ?? 0,
-        spoken = kindOf(name) === "angle" ? value / DEGREE : value,
+        spoken = isDegrees(name) ? value / DEGREE : value,
         bad = wrong.field === name;
       const text = Number.isFinite(spoken) ? String(Number(spoken.toPrecision(7))) : field.value;
       const place = placeOf(name, value, context.span(name));

@@ -52,9 +52,20 @@ export function diagrams(shape, units) {
       push,
       rising: true,
     },
-    well(shape, length),
+    one.varies ? axialForce(shape, units) : well(shape, length),
   ];
 }
+
+/* The axial force of a rod whose loads vary: there is no potential. */
+const axialForce = ({ s, axial }, { length, force }) => ({
+  key: "well",
+  title: "Axial force along the cylinder",
+  x: s,
+  y: axial,
+  xlabel: `s [${length}]`,
+  ylabel: `FZ [${force}]`,
+  rising: true,
+});
 
 /* Potential and level over one rotation of beta about the angles that occur, so that these are one range. */
 function well(shape, length) {
@@ -100,7 +111,7 @@ export function valuesAt(shape, s) {
     j = i + 1,
     u = Math.min(Math.max((s - shape.s[i]) / (shape.s[j] - shape.s[i] || 1), 0), 1),
     found = { s };
-  for (const name of ["beta", "push", "kappa", "tension", "alpha", "z"])
+  for (const name of ["beta", "push", "kappa", "tension", "alpha", "z", ...(shape.axial ? ["axial"] : [])])
     found[name] = (1 - u) * shape[name][i] + u * shape[name][j];
   return found;
 }
@@ -112,6 +123,7 @@ export function cursorIn(key, shape, at) {
   if (key === "developed") return [at.z, one.rho * (alpha[0] - at.alpha)];
   if (key === "beta") return [at.s, degrees];
   if (key === "push") return [at.s, at.push];
+  if (one.varies) return [at.s, at.axial];
   const { first } = visited(shape.beta);
   return [degrees - 360 * Math.floor((degrees - first) / 360), potential(problem, at.beta) / one.rho ** 2];
 }

@@ -1,6 +1,6 @@
 // Observables of a shape: integrals, extremes and counts along the whole rod.
 
-import { forcesAlong } from "./forces.mjs";
+import { withPush } from "./rod_shape.mjs";
 import { crossings } from "./self_contact.mjs";
 import { range } from "./range.mjs";
 
@@ -32,10 +32,12 @@ export function observables(shape) {
     pulled = part(s, push, middle.push, -1),
     kappaMost = range(kappa)[1];
   const periods = shape.halfPeriod === undefined ? NaN : shape.halfPeriod && !steady ? L / shape.halfPeriod : 0;
+  const loads = one.varies ? {} : { FZ: one.FZ, MZ: one.MZ, M3: one.M3 }, // those that vary are the server's
+    energies = one.varies
+      ? {}
+      : { energy: bending - work - twist, bending_energy: bending, twist_energy: twist };
   return {
-    FZ: one.FZ,
-    MZ: one.MZ,
-    M3: one.M3,
+    ...loads,
     turns: bends(beta, noise),
     bend_number: periods,
     amplitude: high - low,
@@ -52,9 +54,7 @@ export function observables(shape) {
     F3_size_max: Math.max(...range(tension).map(Math.abs)),
     bending_moment_max: A * kappaMost,
     ...(one.E === undefined ? {} : { bending_stress_max: one.E * one.a * kappaMost }),
-    energy: bending - work - twist,
-    bending_energy: bending,
-    twist_energy: twist,
+    ...energies,
   };
 }
 
@@ -72,7 +72,7 @@ export function warnings(shape, found, crossed = crossings(shape)) {
 function middles({ one, s, at }) {
   const where = Float64Array.from({ length: s.length - 1 }, (_, i) => (s[i] + s[i + 1]) / 2),
     arrays = at(where);
-  return { ...arrays, ...forcesAlong(one, arrays.beta, arrays.dbeta) };
+  return withPush(one, arrays);
 }
 
 /* An integral over s by Simpson's rule on each interval, from values at the stations and half way between them. */

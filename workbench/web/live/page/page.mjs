@@ -6,7 +6,7 @@ import { element, makeTheme, set } from "./details.mjs";
 import { makeEquilibria } from "./equilibria.mjs";
 import { copyText, saveFile, savePicture, showStudy } from "./files.mjs";
 import { observables } from "./numbers.mjs";
-import { Refused, caseOf, heldState, isEnds } from "./rod_case.mjs";
+import { Refused, SLIDING, caseOf, heldState, isEnds } from "./rod_case.mjs";
 import { makePrint } from "./print.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
 import { showScale } from "./scale_bar.mjs";
@@ -92,7 +92,8 @@ function update(how = {}) {
   try {
     const one = caseOf(me.state, letters),
       near = how.seed ? { ...how.seed, one } : me.shape;
-    const asks = served && one.kind === "ends";
+    const asks = served && (one.kind === "ends" || one.varies);
+    if (one.varies && !served) throw new Refused("A rod with weight or friction needs the server of workbench explore.");
     if (asks) return askShape(one, how, since);
     again = null;
     const shape = one.kind === "start" ? marched(core, one) : near && near.one.kind === "ends" && moved(one, near);
@@ -159,6 +160,7 @@ function took(shape, head, how, since) {
     me.list = [];
     return;
   }
+  if (shape.one.varies) return;
   if (served && (!how.chosen || !me.list.length)) later("list", PATIENCE.list, equilibria.ask);
 }
 
@@ -186,6 +188,8 @@ function refuse(error) {
 function byEnds() {
   const { shape, state } = me,
     { energy } = observables(shape);
+  if (shape.one.varies)
+    return refuse(new Refused("A rod with weight or friction is not taken between its ends here: give Ends."));
   if (shape.shown < 1)
     return refuse(new Refused("Only a part of this rod is shown, so its far end is not known: make it shorter."));
   me.state = heldState(state, shape.one, shape.beta[shape.beta.length - 1], { dbeta0: shape.dbeta[0], energy });
@@ -197,6 +201,7 @@ const link = () => address.show({ preset: me.preset, state: me.state });
 
 function prepare() {
   element("preset").append(...data.presets.map((one) => new Option(one.title, one.name)));
+  element("sliding").append(...SLIDING.map((one) => new Option(one, one)));
   element("reading").append(...data.readings.map((one) => new Option(one.split("/").join(", "), one)));
   element("no-webgl").hidden = Boolean(view.scene);
   for (const button of document.querySelectorAll(".served")) button.hidden = !served;
@@ -219,6 +224,7 @@ function prepare() {
   const chosen = {
     preset: begin,
     reading: (reading) => (Object.assign(me.state, { reading }), update()),
+    sliding: (sliding) => (Object.assign(me.state.base, { sliding }), update({ refit: true })),
     side: (side) => (Object.assign(me.state.base, { side }), update({ refit: true })),
     push: view.showPush,
   };

@@ -9,8 +9,11 @@ const ELASTIC = ["E", "nu", "inner_radius"];
 const PRINTED = ["E", "nu", "R", "a", "L", "beta", "dbeta", "dgamma", "F1", "F3"]; // by Table 1
 const START = ["beta", "dbeta", "F1", "F2", "F3", "dgamma", "M3"],
   ENDS = ["beta0", "betaL", "FZ", "MZ", "M3"];
-const POSITIVE = ["E", "EI", "GJ", "a", "L", "R"],
-  ANGLES = ["beta", "beta0", "betaL"],
+const HELD = { beta0: "M10", betaL: "M1L", FZ: "height", MZ: "azimuth", M3: "rotation" }; // of a rod with weight
+const OUTSIDE = ["weight", "inclination", "friction"]; // what makes the loads vary along the rod
+export const SLIDING = ["forward", "backward", "rotating", "axial-forward", "axial-backward"];
+const POSITIVE = ["E", "EI", "GJ", "a", "L", "R", "weight"],
+  ANGLES = ["beta", "beta0", "betaL", "azimuth", "rotation"],
   OPTIONAL = ["F2", "F3", "FZ", "MZ", "M3"];
 const AT_START = { beta: "beta0", dbeta: "dbeta0" }; // fields that are the value of another quantity at s = 0
 
@@ -24,10 +27,13 @@ export class Refused extends Error {
 }
 
 export const quantityOf = (name) => AT_START[name] || name;
-const KINDS = { nu: "ratio", inner_radius: "bore" };
+const KINDS = { nu: "ratio", inner_radius: "bore", inclination: "tilt", friction: "share" };
+export const isDegrees = (name) => ["angle", "tilt"].includes(kindOf(name));
 export const kindOf = (name) =>
   POSITIVE.includes(name) ? "positive" : KINDS[name] || (ANGLES.includes(name) ? "angle" : "signed");
-export const isEnds = (state) => state.reading === undefined && "betaL" in state.base;
+export const isEnds = (state) => state.reading === undefined && ("betaL" in state.base || "M1L" in state.base);
+/* Whether the loads vary along the rod: then the server solves it. */
+export const varies = ({ base }) => OUTSIDE.some((name) => base[name] !== undefined);
 
 /* Whether data of a link is a state at all; its numbers are checked by `caseOf`. */
 export function isState({ base, units, reading, equilibrium, title = "" }, readings) {
@@ -41,8 +47,11 @@ export function isState({ base, units, reading, equilibrium, title = "" }, readi
 /* The names of the numbers of a state that the page shows, in order. */
 export function fieldNames(state) {
   if (state.reading !== undefined) return PRINTED;
-  const given = isEnds(state) ? ENDS : START.filter((name) => !TWISTS.includes(name) || name in state.base);
-  return [...rodNames(state.base), "R", ...given];
+  const { base } = state,
+    given = isEnds(state)
+      ? ENDS.map((name) => (HELD[name] in base ? HELD[name] : name))
+      : START.filter((name) => !TWISTS.includes(name) || name in base);
+  return [...rodNames(base), "R", ...OUTSIDE.filter((name) => name in base), ...given];
 }
 
 /* The numbers of the rod of a state: EI and GJ, or E and nu, and the inner radius of a tube. */
@@ -88,6 +97,7 @@ export function caseOf(state, symbols) {
   one.A = one.EI ?? STIFFNESS[one.stiffness] * one.E * (bore ? one.a ** 4 - bore ** 4 : one.a ** 4);
   one.C = one.GJ ?? one.A / (1 + one.nu);
   one.kind = isEnds(state) ? "ends" : "start";
+  if (varies(state)) return { ...one, varies: true, FZ: one.FZ ?? 0, MZ: one.MZ ?? 0, M3: one.M3 ?? 0 };
   return {
     ...one,
     ...(one.kind === "ends" ? { FZ: one.FZ, MZ: one.MZ, M3: one.M3 } : startLoads(one, given(one, reading))),
@@ -99,6 +109,9 @@ function checked(name, value, symbols) {
   if (typeof value !== "number" || !Number.isFinite(value)) throw new Refused(`${letter} needs a number.`, name);
   if (POSITIVE.includes(name) && !(value > 0)) throw new Refused(`${letter} must be greater than 0.`, name);
   if (name === "inner_radius" && !(value >= 0)) throw new Refused(`${letter} must be at least 0.`, name);
+  if (name === "friction" && !(value >= 0)) throw new Refused(`${letter} must be at least 0.`, name);
+  if (name === "inclination" && !(value >= 0 && value <= Math.PI * (1 + 1e-15)))
+    throw new Refused(`${letter} must be from 0 to 180°.`, name);
   if (name === "nu" && !(value > -1 && value <= 0.5))
     throw new Refused(`${letter} must be greater than −1 and at most 0.5.`, name);
   return value;

@@ -12,6 +12,7 @@ const A_HALF_PERIOD = 40; // stations that each half period of beta has at least
 const TURN = 0.09; // rad by which beta or the azimuth may change between two stations
 const ZERO_ROUNDS = 3;
 const ROUGHER = 2.7; // times these distances, where MOST stations are too few; a still longer rod is shown in part
+const SERVED = ["dbeta", "push", "kappa", "tension", "axial"]; // of a rod whose loads vary, by straight lines
 const LARGEST = 1e12; // a number of the dimensionless problem
 const UNFIT = "These numbers are too large or too small to compute with.";
 export const LOST = "The shape was not found: the orbit runs too near an unstable equilibrium of β.";
@@ -144,9 +145,12 @@ function sharpened(peaks, name, h, one, at) {
 }
 
 function withForces(one, s, at) {
-  const arrays = at(s);
-  return { s, ...arrays, ...forcesAlong(one, arrays.beta, arrays.dbeta) };
+  return { s, ...withPush(one, at(s)) };
 }
+
+/* Arrays over s with push, kappa and tension; those of a rod whose loads vary are the server's. */
+export const withPush = (one, arrays) =>
+  one.varies ? arrays : { ...arrays, ...forcesAlong(one, arrays.beta, arrays.dbeta) };
 
 /* Where a row of values has its inner extremes: the vertex of the parabola through three stations. */
 export function peaksOf(s, values) {
@@ -221,6 +225,8 @@ function between(one, stations, where) {
     alpha: new Float64Array(n),
     z: new Float64Array(n),
   };
+  const rows = one.varies ? SERVED : [];
+  for (const name of rows) found[name] = new Float64Array(n);
   for (let k = 0; k < n; k++) {
     const i = Math.min(intervalOf(s, where[k]), last),
       j = i + 1,
@@ -229,7 +235,8 @@ function between(one, stations, where) {
     const cubic = (p, dp, q, dq) =>
       (1 - u) ** 2 * ((1 + 2 * u) * p + u * h * dp) + u * u * ((3 - 2 * u) * q - (1 - u) * h * dq);
     found.beta[k] = cubic(beta[i], dbeta[i], beta[j], dbeta[j]);
-    found.dbeta[k] = cubic(dbeta[i], bend(one, beta[i]), dbeta[j], bend(one, beta[j]));
+    if (!one.varies) found.dbeta[k] = cubic(dbeta[i], bend(one, beta[i]), dbeta[j], bend(one, beta[j]));
+    for (const name of rows) found[name][k] = (1 - u) * stations[name][i] + u * stations[name][j];
     found.alpha[k] = cubic(alpha[i], Math.sin(beta[i]) / one.rho, alpha[j], Math.sin(beta[j]) / one.rho);
     found.z[k] = cubic(z[i], Math.cos(beta[i]), z[j], Math.cos(beta[j]));
   }

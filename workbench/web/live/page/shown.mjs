@@ -5,7 +5,7 @@ import { valuesAt } from "./curves.mjs";
 import { element, set, showRows, solvedText } from "./details.mjs";
 import { observables, warnings } from "./numbers.mjs";
 import { showBar } from "./push_bar.mjs";
-import { isEnds } from "./rod_case.mjs";
+import { isEnds, varies } from "./rod_case.mjs";
 import { crossings } from "./self_contact.mjs";
 import { number } from "./text.mjs";
 
@@ -25,8 +25,10 @@ export function makeShown(me, data, { view, diagrams, controls, context, equilib
     element("side").value = state.base.side || "outside";
     element("reading-line").hidden = state.reading === undefined;
     if (state.reading !== undefined) element("reading").value = state.reading;
-    element("by-ends").hidden = isEnds(state);
-    element("equilibria").hidden = !isEnds(state);
+    element("sliding-line").hidden = state.base.friction === undefined;
+    element("sliding").value = state.base.sliding || "forward";
+    element("by-ends").hidden = isEnds(state) || varies(state);
+    element("equilibria").hidden = !isEnds(state) || varies(state);
     if (!shape) return;
     showBar(element("bar"), data.colours, view.drawn.scale, `${units.force}/${units.length}`);
     const squeezed = view.drawn.squeeze < 1;
