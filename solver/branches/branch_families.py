@@ -1,8 +1,9 @@
 """The problems of a branch over one field of a case, under dead loads and with held ends."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
+from ..core.branches import Numbers
 from ..equilibrium.system import Given
 from ..problem.case import Case
 from ..problem.case_fields import numbers_over, unchecked_with_field, value_of, with_field
@@ -11,8 +12,6 @@ from ..problem.held_ends import held_numbers_over, held_of, reduce_held
 from ..problem.reduced import EndsProblem, reduce
 from .branch_states import Bounds
 from .family import Family, problem_of, scale_of
-
-Numbers = Callable[[float], Sequence[float] | None]
 
 
 def family_of(case: Case, name: str, begun: EndsProblem, bounds: Bounds) -> Family:

@@ -20,6 +20,7 @@ from ..equilibrium.system import (
     DIVERGED,
     FREE,
     LEFT,
+    REACH,
     Given,
     State,
     at_given_speeds,
@@ -39,10 +40,8 @@ from ..problem.reduced import EndsProblem
 from .held_helix import helix_ahead, off_helix
 from .leaps import LEAPS, NEAR, Line, leap, shape_of
 
-_MOST_STEPS = 400
-_MOST_LEAPT = 4000  # the same under dead loads
+_MOST_STEPS = 4000
 _SHORTEST = 1e-6  # share of the line below which a step is abandoned
-_REACH = 0.25  # largest size of a predicted change
 _ROUGH = 1e-7  # size of the last correction of a state before the last one
 _EASY = 1e-2  # length of a step above which only the best coordinate is tried
 _SMALL = 0.03  # size of a step
@@ -185,8 +184,8 @@ def _advance(
         if not np.isfinite(size):
             reason = reason or DIVERGED
         else:
-            if size > _REACH:
-                factor = _REACH / size
+            if size > REACH:
+                factor = REACH / size
                 ahead = first.towards(wanted, share + factor * step)
             guess = stepped(state.problem, ahead, change, factor)
             goal = 0.0 if ahead is wanted else _ROUGH
@@ -254,7 +253,7 @@ def _follow(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped
         found = _follow(state.problem, state.path, last)
         return replace(found, share=share + (1 - share) * found.share) if isinstance(found, Stopped) else found
     carried = carry(
-        state_of(first, path), Given.dead(last), _MOST_LEAPT, _POOR,
+        state_of(first, path), Given.dead(last), _MOST_STEPS, _POOR,
         lambda state, share: leap(line, state.problem, state.path, share),
     )  # fmt: skip
     return carried if isinstance(carried, Stopped) else carried.path

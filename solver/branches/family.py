@@ -1,6 +1,6 @@
 """The problems of a branch: five given numbers, the length and A/C over one parameter p."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -31,7 +31,7 @@ class Family:
     begun: EndsProblem
     scale: float
     names: tuple[str, ...]
-    numbers: Callable[[float], Sequence[float] | None] | None = None
+    numbers: core.Numbers | None = None
     _known: dict[float, LinePoint | None] = field(default_factory=dict, repr=False)  # the last few
 
     @property

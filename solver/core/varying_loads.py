@@ -11,6 +11,7 @@ from .library import begin_of, function, share_out, widest
 # q: lam - mu; short: t - z; round: gamma + alpha
 STATES = ("beta", "dbeta", "alpha", "q", "phi", "mu", "short", "round")
 SIZE, ORDER = len(STATES), 20
+HALF = SIZE // 2
 # columns: by beta and beta_t; by the first six of the begin; by these, the weight along and across, the friction
 BY_ANGLE, BY_STATE, BY_ALL = 2, 6, 9
 TRUNCATION = 1e-17  # of the scale of each number: what a step leaves out at most, where rounding bounds the error

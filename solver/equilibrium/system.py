@@ -25,7 +25,7 @@ FREE = ("beta0", "betaL", "lam", "mu", "phi")  # what a state consists of, besid
 LEFT = "no orbit of its path joins the two ends there"
 DIVERGED = "Newton's rule does not converge"
 _CORRECTIONS = 14
-_REACH = 0.25  # largest size of a change in one step
+REACH = 0.25  # largest size of a change in one step
 _LEAST = 9 * float(np.finfo(float).eps)  # share by which rounding may change an angle, or a load
 _MET = 1e-3  # of the length: by how much the length of an equilibrium may be off
 _SWING = 1e-7  # beta_t and H at a start below which an orbit is its helix, in units of the loads
@@ -200,7 +200,7 @@ def correct(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: fl
         dx = move(chart, x, change)
         size = size_of(problem, chart, dx, change)
         travelled += size
-        if travelled > 2 * _REACH or not np.isfinite(size) or (size > 0.5 * last and size > _CLOSE):
+        if travelled > 2 * REACH or not np.isfinite(size) or (size > 0.5 * last and size > _CLOSE):
             return DIVERGED
         if size >= last or size < max(goal, 1e-15):
             if not abs(given.span - length) < _MET * given.span:  # swings that fell to rounding have no length

@@ -8,6 +8,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.angles import angle
 from ..problem.case import ANGLES, Case, Ends
+from ..problem.case_fields import FIELD
 from ..problem.errors import InputError, choices, show
 from ..problem.field_rates import NUMBERS, check_fields, field_rates
 from ..problem.reduced import EndsProblem, reduce
@@ -58,12 +59,9 @@ def with_two(case: Case, values: dict[str, Any]) -> Case:
     for part in (case.rod, case.cylinder, case.given):
         known = {field.name for field in fields(part)}
         # the place of the start is called alpha0, gamma0 among the quantities
-        mine = {_FIELD.get(name, name): value for name, value in values.items()}
+        mine = {FIELD.get(name, name): value for name, value in values.items()}
         parts.append(replace(part, **{name: value for name, value in mine.items() if name in known}))
     return Case(*parts)
-
-
-_FIELD = {"alpha0": "alpha", "gamma0": "gamma"}
 
 
 def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:

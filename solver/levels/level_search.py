@@ -8,6 +8,7 @@ import numpy as np
 
 from ..numerics.arrays import Array, Booleans
 from ..orbit.periodic_orbit import Orbit
+from ..problem.limits import LARGEST
 from ..problem.reduced import EndsProblem
 from .level_brackets import brackets_on_grid, join_brackets, roots_in
 from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
@@ -19,7 +20,6 @@ from .transit_times import Boundary, TransitTimes, transit_times
 BUDGET = 3e7  # evaluations of G: ten to twenty seconds
 _EACH = 15  # levels computed for each equilibrium
 _PATHS = 1000  # paths searched together
-_LARGEST = 1e100
 _COARSE = 0.5  # step in log gap of levels that are only looked at
 _MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is rejected
 
@@ -107,7 +107,7 @@ def _fits(problem: EndsProblem) -> bool:
     numbers = problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, problem.betaL
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         reach = np.abs(problem.betaL - problem.beta0) / problem.span
-        return bool((np.abs(np.stack([*numbers, reach, 1 / problem.span])) < _LARGEST).all())
+        return bool((np.abs(np.stack([*numbers, reach, 1 / problem.span])) < LARGEST).all())
 
 
 def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, step: float) -> Found | None:

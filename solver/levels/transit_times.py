@@ -25,10 +25,8 @@ from ..orbit.pieces import CENTRE, Pieces
 from ..problem.reduced import EndsProblem
 from .paths import DOWN, UP, Levels, Paths
 
-_SAME = 4e-16  # of the size of G: heights that differ by less are equal
 STRETCH = 4.0  # factor of the panels along saddles, where time is almost linear in u
 NODES, CUTTING = 22, Cutting(0.7, 1e-15, STRETCH)
-_BLOCK = 2048  # levels computed at once
 
 
 def repeat(problem: EndsProblem, count: int) -> EndsProblem:

@@ -17,13 +17,14 @@ from ..mechanics.potential import steepest
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import means, primitive, series_at
 from ..orbit.marched_orbit import MarchedOrbit
+from ..orbit.panels import EPS
 from ..problem.errors import InputError
 from ..problem.reduced import flat
 from ..shape import Shape
 from ..shooting.loaded_rod import ALPHA, SHORT, SPEED
 from . import densities
 from .peaks import first_peak
-from .quadrature import EPS, Resolved, resolve
+from .quadrature import Resolved, resolve
 from .rod_pieces import Pieces
 from .solution_pieces import blocks, is_resolved, off_between, pieces_of
 

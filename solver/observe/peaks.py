@@ -6,7 +6,8 @@ import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import derivative, series_at
-from .quadrature import EPS, Resolved
+from ..orbit.panels import EPS
+from .quadrature import Resolved
 from .rod_pieces import NODES
 
 

@@ -14,10 +14,10 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import Basis, basis, derivative, means, polynomials, series_at, through, weights
 from ..numerics.roots import bracket
+from ..orbit.panels import EPS
 from .densities import Density
 from .rod_pieces import COLUMNS, NODES, Pieces
 
-EPS = 2.0**-52
 _ROUNDS, _PATIENCE = 48, 3  # halvings; those that may fail to shorten the series
 _MOST = 1_000_000  # pieces of a round
 _ROUNDING = 64 * EPS  # of the terms of a density, and of beta: a series cannot end below that

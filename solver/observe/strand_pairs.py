@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import strand_pairs as core_pairs
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Integers
 from ..orbit.marched_orbit import MarchedOrbit
 
 PARTS = 16  # of a period, to begin with
@@ -24,8 +24,6 @@ _GRID = 4 * PARTS  # of a period: contains the middles of the parts and of their
 _ROUNDS, PAIRS = 10_000_000, 300_000  # largest number of periods and of pairs of stretches compared for a rod
 _WINDOW, TOGETHER, _FEW = 2**16, 8, 64  # periods listed at once; compared together; of a rod that needs no list
 _ROWS, _MANY = 128, 2**20  # periods compared with the first, and pairs of all rods, at once
-
-Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,12 +8,12 @@ from .case import Case
 from .errors import InputError, choices, near
 from .field_rates import fields_of
 
-_FIELD = {"alpha0": "alpha", "gamma0": "gamma"}  # the fields of `Ends` whose quantity has another name
+FIELD = {"alpha0": "alpha", "gamma0": "gamma"}  # the fields of `Ends` whose quantity has another name
 
 
 def with_field(case: Case, name: str, value: Any) -> Case:
     """The case with another value of one numeric field, named as its quantity. Raises `InputError`."""
-    name = _FIELD.get(name, name)
+    name = FIELD.get(name, name)
     for part in ("rod", "cylinder", "given"):
         owner = getattr(case, part)
         if hasattr(owner, name):
@@ -24,7 +24,7 @@ def with_field(case: Case, name: str, value: Any) -> Case:
 
 def unchecked_with_field(case: Case, name: str, value: float) -> Case:
     """The same for a valid value, several times as fast."""
-    name = _FIELD.get(name, name)
+    name = FIELD.get(name, name)
     parts: dict[str, Any] = {}
     for part in fields(case):
         owner = getattr(case, part.name)
@@ -34,7 +34,7 @@ def unchecked_with_field(case: Case, name: str, value: float) -> Case:
 
 def numbers_over(case: Case, name: str) -> Callable[[float], tuple[float, ...]]:
     """lam, mu, phi, span, beta(0) and beta(L) of an ends problem over one of its fields: those of `reduced.reduce`."""
-    name = _FIELD.get(name, name)
+    name = FIELD.get(name, name)
     given, rod = case.given, case.rod
     own = {one: getattr(given, one) for one in ("MZ", "M3", "FZ", "beta0", "betaL")}
     alters_section = name != "L" and not hasattr(given, name)
@@ -62,5 +62,5 @@ def value_of(case: Case, name: str) -> float:
 
 def values_of(case: Case, name: str) -> Any:
     """The value or the values of one numeric field, named as its quantity."""
-    name = _FIELD.get(name, name)
+    name = FIELD.get(name, name)
     return next(getattr(p, name) for p in (case.rod, case.cylinder, case.given) if hasattr(p, name))

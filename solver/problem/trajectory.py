@@ -16,7 +16,7 @@ FEWER = "fewer digits"  # the remark on a case whose error is above the toleranc
 NOT_FINITE = "failed: the computation left the finite numbers"
 # a rod that every method solves
 PLAIN = {"lam": 0.0, "mu": 0.0, "phi": 0.0, "span": 1.0, "beta0": 0.5, "dbeta0": 0.0, "betaL": 0.5}
-_SHAPELESS = 0.1  # rad: with a larger error the shape is another one, whatever the condition number allows
+SHAPELESS = 0.1  # rad: with a larger error the shape is another one, whatever the condition number allows
 
 
 P = TypeVar("P", bound=Reduced)
@@ -138,14 +138,14 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> Verdict
     for i in np.flatnonzero(finite & ~kept):
         outcome[i] = f"failed: error {error[i]:.1e} above the tolerance {tol:.1e} at condition {condition[i]:.1e}"
     for i in np.flatnonzero(finite & kept & (error > tol)):
-        if error[i] > _SHAPELESS:
+        if error[i] > SHAPELESS:
             outcome[i] = f"failed: condition {condition[i]:.1e} leaves no digit: error {error[i]:.1e}"
         else:
             outcome[i] = (
                 f"{SOLVED}; {FEWER} than the tolerance {tol:.1e} asks for: error {error[i]:.1e}, "
                 f"as a small change of the case grows {condition[i]:.1e} times along the rod"
             )
-    return Verdicts(finite & kept & (error <= max(tol, _SHAPELESS)), outcome)
+    return Verdicts(finite & kept & (error <= max(tol, SHAPELESS)), outcome)
 
 
 def where_shown(shown: NDArray[np.bool_], values: Callable[..., Array], *at: Array) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.field_rates import check_fields, field_rates
 from ..problem.reduced import EndsProblem
-from ..problem.trajectory import SOLVED
+from ..problem.trajectory import SHAPELESS, SOLVED
 from ..shape import Shape
 from .along import along, amounts, of_rows
 from .ends_rates import ends_field_rates
@@ -19,7 +19,6 @@ from .varying_rates import STEP, varying_rates
 
 _ROUNDING = 32 * 2.0**-52  # of a derivative, times the condition number
 _CARRIED = 4  # of the error of the shape, on which the derivatives depend through beta, H, alpha and z
-_SHAPELESS = 0.1  # relative: a larger error leaves no digit
 _ALONG = ("beta", "dbeta", "alpha", "z", "gamma")
 
 
@@ -104,7 +103,7 @@ def _judge(
     finite = np.logical_and.reduce([np.isfinite(value).all(axis=(1, 2)) for value in out.values()])
     begun = outcome == SOLVED
     where = "at a fold, or next to one" if held else "next to a separatrix"
-    for i in np.flatnonzero(begun & ~((error < _SHAPELESS) & finite)):
+    for i in np.flatnonzero(begun & ~((error < SHAPELESS) & finite)):
         outcome[i] = f"failed: {where}, condition {growth[i]:.1e} leaves no digit of the derivatives"
     solved, shape = outcome == SOLVED, sol.case.shape
     shaped = {

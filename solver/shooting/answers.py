@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.varying_loads import BY_ANGLE, SIZE, TRUNCATION, March, march
+from ..core.varying_loads import BY_ANGLE, HALF, SIZE, TRUNCATION, March, march
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.limits import TAUT, is_taut
@@ -15,7 +15,7 @@ from .branch import Path, branch_from_straight, straight_shape
 from .curve import Curve
 from .descent import index_of_any
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
-from .newton import HALF, Shape, correct, linear_at
+from .newton import Shape, correct, linear_at
 from .numbers import rods_of, starts_of
 from .varying_shapes import Marched, Nodes, VaryingShapes, read_starts, read_states
 

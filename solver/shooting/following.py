@@ -8,7 +8,7 @@ from ..numerics.arrays import Array
 from ..problem.errors import InputError
 from .curve import Curve, Point, inner
 from .descent import index_of_any
-from .newton import Shape
+from .newton import SAME, Shape, is_same
 
 FOLD, PITCHFORK, BRANCH_POINT = "fold", "pitchfork", "branch point"
 END, CLOSED = "the end of the range", "the branch is closed"
@@ -17,7 +17,6 @@ SHORT = 1e-3  # step, within which several branch points are one
 COSINE = 0.9  # least, of the turn of the tangent in a step
 NARROW = 1e-4  # of a step: how closely a branch point is enclosed, at which the equations are singular
 FLAT = 1e-6  # of dx along the curve at a fold: its square is lost of x
-SAME = 1e-6  # of the angles in their scales: one shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,18 +129,13 @@ def stages(
                 found.append(met)
                 if value in limits:
                     return found, END
-                if value == first.x and is_same(curve, met, first):
+                if value == first.x and is_same(met.point.shape, first.point.shape):
                     return found, CLOSED
             found.append(target)
             here = target
         here = there
         step = min(LONGEST, step * 1.6) if there.point.shape.steps <= 4 else step
     return found, f"the limit of {most} points"
-
-
-def is_same(curve: Curve, one: Stage, other: Stage) -> bool:
-    """Whether two points are one shape."""
-    return bool((np.abs(one.point.shape.y - other.point.shape.y) / curve.scale)[:, :3].max() < SAME)
 
 
 def both_ways(curve: Curve, shape: Shape, x: float, low: float, high: float, wanted: Array, most: int) -> (

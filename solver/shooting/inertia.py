@@ -10,11 +10,9 @@ less that of the p.
 import numpy as np
 
 from ..core.banded import count_negatives
-from ..core.varying_loads import SIZE
+from ..core.varying_loads import HALF
 from ..numerics.arrays import Array
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
-
-HALF = SIZE // 2
 
 
 def index_of(rod: LoadedRod, transfer: Array, scale: Array, stiffness: Array | None = None) -> int:

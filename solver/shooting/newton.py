@@ -9,9 +9,9 @@ from ..core.varying_loads import BY_STATE, ORDER, SIZE, march
 from ..numerics.arrays import Array
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 
-HALF = SIZE // 2
 DEEP = 13  # the order of the series of the derivatives by which Newton's method goes
 MOST_STEPS = 40
+SAME = 1e-6  # of the angles in their scales: one shape
 ROUNDING = 1e-12  # of the scales: a correction below this is rounding
 
 
@@ -94,6 +94,11 @@ def with_known_loads(rod: LoadedRod, t: Array, y: Array) -> Array:
     if not rod.rubbed and "height" not in rod.held:
         y[:, PHI] = rod.far[2] - rod.along * (rod.span - t)
     return y
+
+
+def is_same(one: Shape, other: Shape) -> bool:
+    """Whether two shapes are one."""
+    return bool((np.abs(one.y - other.y) / one.rod.scale)[:, [BETA, SPEED, ALPHA]].max() < SAME)
 
 
 def correct(

@@ -9,13 +9,12 @@ from ..numerics.arrays import Array, Booleans
 from .branch import branch_from_straight, straight_shape
 from .descent import index_at, on_nodes, weakest_modes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
-from .newton import Shape, correct
+from .newton import Shape, correct, is_same
 
 LONGEST = 10.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
 CELLS = 120, 80  # of the scan, over beta_t(0) or beta(0) and over q(0)
 ROUNDS, AMPLITUDES = 3, (0.1, 0.3, 1.0)  # of the search along the weakest modes
 WIDE = 5  # times the largest load: the range of a reaction
-SAME = 1e-6  # of the angles in their scales: one shape
 STRAIGHT, MODES, SCAN = "the branch of the straight rod", "weakest modes", "scan of the start"
 
 
@@ -30,16 +29,11 @@ class Found:
 
     def add(self, shape: Shape | None, how: str) -> None:
         """Take a shape that is not there yet."""
-        if shape is None or any(_same(shape, one) for one in self.shapes):
+        if shape is None or any(is_same(shape, one) for one in self.shapes):
             return
         self.shapes.append(shape)
         self.index.append(index_at(shape))
         self.how.append(how)
-
-
-def _same(one: Shape, other: Shape) -> bool:
-    columns = [BETA, SPEED, ALPHA]
-    return bool((np.abs(one.y - other.y) / one.rod.scale)[:, columns].max() < SAME)
 
 
 def search(rod: LoadedRod) -> Found:
