@@ -16,7 +16,7 @@ HERE = Path(__file__).resolve().parent
 OTHER = "ROD_WORKBENCH_CORE"  # an environment variable: the path of another library to load, for tests
 SANITIZED = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined", "-DROLLED")
 WASM = "rod.wasm"  # in the repository: not every installation can make it
-WASM_SOURCES = ("rod.c", "lanes.h", "vectors.h")
+WASM_SOURCES = ("rod.c", "lanes.h", "vectors.h", "widths.h")
 # No operation is contracted or reordered, so that every compiler and every processor give the same bits.
 FLAGS = ("-O3", "-std=gnu11", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-Wno-pass-failed")
 

@@ -275,26 +275,8 @@ static void settle(const task *work, const problems *all, int64_t rod, orbit *o,
     }
 }
 
-#define TARGET
-#define W 1
-#define SUFFIX _1
-#include "lanes.h"
-#define W 2
-#define SUFFIX _2
-#include "lanes.h"
-#undef TARGET
-#if defined(__x86_64__)
-#define TARGET __attribute__((target("avx2")))
-#define W 4
-#define SUFFIX _4
-#include "lanes.h"
-#undef TARGET
-#define TARGET __attribute__((target("avx512f,avx512dq")))
-#define W 8
-#define SUFFIX _8
-#include "lanes.h"
-#undef TARGET
-#endif
+#define LANES "lanes.h"
+#include "widths.h"
 
 #ifndef ROD_SOURCES
 #define ROD_SOURCES ""

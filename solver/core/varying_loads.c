@@ -40,26 +40,8 @@ typedef struct {
     int64_t stride, *steps;
 } marches;
 
-#define TARGET
-#define W 1
-#define SUFFIX _1
-#include "varying_lanes.h"
-#define W 2
-#define SUFFIX _2
-#include "varying_lanes.h"
-#undef TARGET
-#if defined(__x86_64__)
-#define TARGET __attribute__((target("avx2")))
-#define W 4
-#define SUFFIX _4
-#include "varying_lanes.h"
-#undef TARGET
-#define TARGET __attribute__((target("avx512f,avx512dq")))
-#define W 8
-#define SUFFIX _8
-#include "varying_lanes.h"
-#undef TARGET
-#endif
+#define LANES "varying_lanes.h"
+#include "widths.h"
 
 /* March `count` stretches.
  *
