@@ -95,7 +95,11 @@ def test_a_map_shows_the_stored_number_in_the_cell_of_its_two_values(regimes) ->
         fig = map_figure.figure(regimes, x, y)
         for mesh, name in zip(meshes(fig), ("turns", "attached"), strict=True):
             shown = mesh.get_array().reshape(regimes.sizes[y], regimes.sizes[x])
-            np.testing.assert_array_equal(shown, regimes[name].transpose(y, x))
+            straight = np.ptp(regimes["beta"].transpose(y, x, "u").values, axis=-1) < np.radians(10)
+            assert 50 < straight.sum() < 200  # their bends are too slight to be coloured
+            expected = np.ma.masked_where(straight & (name == "turns"), regimes[name].transpose(y, x).values)
+            np.testing.assert_array_equal(np.ma.getmaskarray(shown), np.ma.getmaskarray(expected))
+            np.testing.assert_array_equal(shown.compressed(), expected.compressed())
             edges = mesh.get_coordinates()
             for name_of, ends in ((x, edges[0, :, 0]), (y, edges[:, 0, 1])):
                 values = regimes[name_of].values
@@ -106,8 +110,8 @@ def test_a_map_shows_the_stored_number_in_the_cell_of_its_two_values(regimes) ->
 
 def test_a_map_shows_where_its_samples_are(regimes) -> None:
     ax = maps(map_figure.figure(regimes, show=["turns"]))[0]
-    (points,) = [line for line in ax.lines if line.get_label() == "_samples"]
-    drawn = {(round(x, 6), round(y, 6)) for x, y in points.get_xydata().tolist()}
+    points = [line for line in ax.lines if line.get_label() == "_samples"]
+    drawn = {(round(x, 6), round(y, 6)) for line in points for x, y in line.get_xydata().tolist()}
     assert drawn == {(round(E, 6), round(R, 6)) for E in regimes["E"].values for R in regimes["R"].values}
 
 
@@ -219,33 +223,34 @@ def test_an_observable_that_is_constant_but_for_rounding_is_written_and_not_colo
     assert np.unique(meshes(fig)[0].to_rgba(values.T)).tolist() == [1.0]  # white
 
 
-def test_cells_that_lift_off_are_hatched_and_cells_without_a_solution_or_a_number_have_their_own_colours(
+def test_a_cross_is_a_case_no_real_rod_takes_and_cells_without_a_solution_or_a_number_have_their_own_colours(
     regimes,
 ) -> None:
-    shape = regimes["turns"].shape
+    shape, regimes = regimes["turns"].shape, regimes.drop_vars("beta")
     unsolved, pulled, unknown = (np.zeros(shape, dtype=bool) for _ in range(3))
     unsolved[:3, :4] = pulled[10:, 5:9] = unknown[20:, 15:] = True
     fig = map_figure.figure(with_cells(regimes, unsolved, pulled, unknown), show=["turns"])
     (ax,) = maps(fig)
-    patches = {patch.get_hatch(): patch for patch in ax.patches if isinstance(patch, PathPatch)}
-    assert set(patches) == {None, style.HATCHES["pulled"]}
+    (patch,) = [patch for patch in ax.patches if isinstance(patch, PathPatch)]
     points = np.stack(np.meshgrid(regimes["E"], regimes["R"], indexing="ij"), axis=-1).reshape(-1, 2)
     points = np.exp(np.log(points) * (1 - 1e-6) + 1e-6 * np.log(points).mean(axis=0))  # off the edges of the map
-    for hatch, mask in ((None, unsolved), (style.HATCHES["pulled"], pulled)):
-        inside = patches[hatch].get_path().contains_points(points).reshape(shape)
-        np.testing.assert_array_equal(inside, mask)
-    assert to_rgb(patches[None].get_facecolor()) == to_rgb(style.UNSOLVED)
+    np.testing.assert_array_equal(patch.get_path().contains_points(points).reshape(shape), unsolved)
+    assert to_rgb(patch.get_facecolor()) == to_rgb(style.UNSOLVED)
+    (crosses,) = [line.get_xydata() for line in ax.lines if line.get_marker() == "x"]
+    expected = [
+        (E, R) for i, E in enumerate(regimes["E"].values) for j, R in enumerate(regimes["R"].values) if pulled[i, j]
+    ]
+    np.testing.assert_allclose(sorted(crosses.tolist()), sorted(expected))
     np.testing.assert_array_equal(meshes(fig)[0].get_array().mask.reshape(shape[::-1]).T, unsolved | unknown)
-    assert legend(fig)[:3] == [
-        "the rod would lift off where the cylinder has to pull", "not solved", "solved, number unknown",
-    ]  # fmt: skip
+    barred = "no real rod could rest there: it would lift off or pass through itself"
+    assert legend(fig)[:4] == ["a case", f"a case in which {barred}", "not solved", "solved, number unknown"]
 
 
-def test_a_caution_that_holds_everywhere_is_said_and_not_hatched(regimes) -> None:
+def test_a_caution_that_holds_everywhere_is_said(regimes) -> None:
     every, none = np.ones(regimes["turns"].shape, dtype=bool), np.zeros(regimes["turns"].shape, dtype=bool)
     fig = map_figure.figure(with_cells(regimes, none, every, none), show=["turns"])
-    assert "Every rod would lift off where the cylinder has to pull." in notes(fig)
-    assert not [patch for patch in maps(fig)[0].patches if patch.get_hatch()]
+    assert "In every case no real rod could rest there: it would lift off or pass through itself." in notes(fig)
+    assert "a case" not in legend(fig)
 
 
 def test_rods_that_were_not_checked_are_counted(regimes) -> None:
@@ -269,7 +274,8 @@ def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_whe
     (strip,) = ax.child_axes
     (shown,) = strip.collections
     expected = [judge(line, "not-rising", True).verdict for line in regimes["turns"].values.T]
-    assert [VERDICTS[int(number)] for number in shown.get_array().ravel()] == expected
+    drawn = shown.get_array().ravel().filled(VERDICTS.index(HOLDS))  # where the law holds nothing is drawn
+    assert [VERDICTS[int(number)] for number in drawn] == expected
     assert 0 < expected.count(HOLDS) < len(expected)
     (row, _) = law_verdicts.verdicts(regimes)
     (line,) = [line for line in ax.lines if len(line.get_xdata()) == 2]
@@ -277,11 +283,7 @@ def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_whe
     said = " ".join(text.get_text() for text in ax.texts).replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
     law = "(a): the number of bends does not rise with E; true in part; judged at R = 0.7349 cm; lines: 12 true"
     assert law in said
-    assert {
-        "row in which a law is true",
-        "row in which a law is false",
-        "the line of the map on which the law is decided",
-    } <= set(legend(fig))
+    assert {"row in which a law is false", "the line of the map on which the law is decided"} <= set(legend(fig))
 
 
 def test_a_law_along_the_axis_upward_has_its_strip_above_the_map(regimes) -> None:
@@ -298,9 +300,10 @@ def test_on_small_multiples_each_map_has_the_verdicts_of_its_own_lines_and_one_h
         (shown,) = ax.child_axes[0].collections
         here = three["turns"].isel(F1=i).sortby("R").values.T
         expected = [judge(line, "falls", True).verdict for line in here]
-        assert [VERDICTS[int(number)] for number in shown.get_array().ravel()] == expected
-        lines += len(ax.lines)
-    assert lines == 1 + 5  # and the samples of each map
+        drawn = shown.get_array().ravel().filled(VERDICTS.index(HOLDS))
+        assert [VERDICTS[int(number)] for number in drawn] == expected
+        lines += sum(line.get_label() != "_samples" for line in ax.lines)
+    assert lines == 1
     assert "Law (1): the number of bends falls with E; " in notes(fig)
 
 
@@ -351,7 +354,8 @@ def test_a_region_too_small_for_its_number_has_its_colour_in_the_bar(regimes) ->
 
 def test_below_each_shape_stands_the_number_of_its_case(regimes) -> None:
     panel = maps(map_figure.figure(regimes, show=["turns"], shapes=thumbs.Shapes(4, 3)))[-1]
-    assert len([text for text in panel.texts if text.get_text().isdigit()]) == 12
+    said = [text.get_text() for text in panel.texts]
+    assert len([text for text in said if text.isdigit()]) == 12 - said.count("straight") == 10
 
 
 def test_shapes_of_very_different_pushes_have_a_logarithmic_scale_with_a_bar_that_says_so(regimes) -> None:

@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from studies.laws import VERDICTS
+from studies.laws import HOLDS, VERDICTS
 from studies.verdict_words import PLAIN, count
 
 from ..data import labels, law_verdicts, refined
@@ -26,7 +26,7 @@ from ..data.schema import SAMPLING
 from . import regions, style
 from .map_cells import Cells, Choice
 
-THICK, GAP = 0.1, 0.05  # inches of a strip of verdicts, and between strips
+THICK, GAP = 0.06, 0.04  # inches of a strip of verdicts, and between strips
 DECIDES: dict[str, Any] = {"color": style.INK, "linewidth": 1.3, "linestyle": (0, (5, 2))}
 
 _COLOURS: dict[str, Any] = {
@@ -82,7 +82,7 @@ def draw(
         verdicts = law.at(where).sortby(across).values
         _strip(ax, cells, verdicts, upward, beside if upward else above, inches)
         beside, above = beside + upward, above + (not upward)
-        entries += _entries(verdicts)
+        entries += _entries(verdicts, all_of_them=False)
         value = _deciding(law.row, cells.ds, across, where)
         if value is not None:
             (ax.axhline if upward else ax.axvline)(value, **DECIDES)
@@ -111,12 +111,12 @@ def draw_map(
     return _entries(verdicts)
 
 
-def _entries(verdicts: NDArray[np.str_]) -> list[Artist]:
-    """The legend of the verdicts that occur."""
+def _entries(verdicts: NDArray[np.str_], all_of_them: bool = True) -> list[Artist]:
+    """The legend of the verdicts that occur, without that of the rows in which the law holds if it is not drawn."""
     return [
         Patch(facecolor=style.VERDICT_COLOURS[verdict], label=f"row in which a law is {PLAIN[verdict]}")
         for verdict in VERDICTS
-        if verdict in verdicts
+        if verdict in verdicts and (verdict != HOLDS or all_of_them)
     ]
 
 
@@ -155,18 +155,17 @@ def counts(law: JudgedLaw, where: Mapping[str, int]) -> str:
 def _strip(
     ax: Axes, cells: Cells, verdicts: NDArray[np.str_], upward: bool, place: int, inches: tuple[float, float]
 ) -> None:
-    """The verdict on each line as a strip of colours beside the map, or above it."""
+    """The verdict on each line on which the law does not hold as a strip of colours beside the map, or above it."""
     size = inches[0] if upward else inches[1]
     start, thick = 1 + (GAP + place * (THICK + GAP)) / size, THICK / size
     strip = ax.inset_axes((start, 0, thick, 1) if upward else (0, start, 1, thick))
     scale = cells.y if upward else cells.x
-    numbers = _numbers(verdicts)
+    numbers = np.ma.masked_where(verdicts == HOLDS, _numbers(verdicts))
     grid = (np.array([0.0, 1.0]), scale.edges, numbers[:, None]) if upward else (scale.edges, [0.0, 1.0], numbers[None])
     strip.pcolormesh(*grid, **_COLOURS, rasterized=True)
     scale.put(strip, "y" if upward else "x", size)
     strip.tick_params(left=False, bottom=False, labelleft=False, labelbottom=False)
-    for spine in strip.spines.values():
-        spine.set_visible(False)
+    strip.set_axis_off()
 
 
 def _deciding(row: Mapping[str, Any], ds: xr.Dataset, across: str, where: Mapping[str, int]) -> float | None:

@@ -65,11 +65,13 @@ def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), she
     if not sheet.titled:
         keep(fig, notes)
         notes = ()
-    once = {str(entry.get_label()): entry for entry in entries}
+    room = fig.get_figwidth() - HANDLE - 0.3
+    once = {style.fitted(str(entry.get_label()), room, style.small()): entry for entry in entries}
     notes = [style.fitted(note, fig.get_figwidth() - 0.3, style.small()) for note in dict.fromkeys(notes)]
     if not once and not notes:
         return
-    widest = max((HANDLE + style.width_of(label, style.small()) for label in once), default=1.0)
+    lines = [line for label in once for line in label.split("\n")]
+    widest = max((HANDLE + style.width_of(line, style.small()) for line in lines), default=1.0)
     columns = max(1, min(len(once), int((fig.get_figwidth() - 0.2) / widest)))
     found = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], loc="outside lower left",
                        ncols=columns, title="\n".join(notes), alignment="left", handlelength=1.8, handleheight=1.2,

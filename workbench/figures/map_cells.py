@@ -13,11 +13,11 @@ from studies.dimensions import SAMPLE
 
 from ..data import cautions, labels, observed, selection
 from ..data.schema import axes_of, dimension
-from . import style
 from .scales import Scale, scale_of
 
 MOST_MAPS = 12  # observables of one figure
 MOST_COLUMNS = 5  # values of a third axis
+BENDS, STRAIGHT = "turns", np.radians(10)  # bends of a rod whose beta varies by less than that are not coloured
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +45,8 @@ class Choice:
 class Cells:
     """The cells of one column of maps, (rows, columns) of the values of y and x, both rising.
 
-    ds: the dataset there. solved: of each cell. cautions: key of `style.HATCHES` -> the cells that it holds in.
-    unchecked: of how many cells the rod was not checked for one of them. source: the dataset with the arrays along the
+    ds: the dataset there. solved: of each cell. straight: whether beta varies by less than `STRAIGHT` along its rod.
+    unchecked: of how many cells the rod was not checked for a caution. source: the dataset with the arrays along the
     rod, at `place`.
     """
 
@@ -54,7 +54,7 @@ class Cells:
     x: Scale
     y: Scale
     solved: NDArray[np.bool_]
-    cautions: Mapping[str, NDArray[np.bool_]]
+    straight: NDArray[np.bool_]
     unchecked: int
     source: xr.Dataset
 
@@ -65,19 +65,28 @@ class Cells:
         down, across = map(str, self.ds["outcome"].dims)
         return {down: j, across: i}
 
-    def samples(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The values of x and y of the cases, (n,) each."""
+    def samples(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+        """The values of x and y of the cases, and whether no real rod takes the shape, (n,) each."""
         names = [str(dim) for dim in self.ds["outcome"].dims][::-1]
-        if SAMPLE in self.source.dims:
-            pairs = [labels.in_label_unit(self.source[name], self.source[name].values) for name in names]
-            return pairs[0], pairs[1]
+        refined = SAMPLE in self.source.dims
+        ds = self.source if refined else self.ds
+        texts = ds["caution"].values.ravel() if "caution" in ds else np.full(ds["outcome"].size, "")
+        barred = np.array([cautions.is_barred(str(text)) for text in texts])
+        if refined:
+            x, y = (labels.in_label_unit(ds[name], ds[name].values) for name in names)
+            return x, y, barred
         x, y = np.meshgrid(self.x.values, self.y.values)
-        return x.ravel(), y.ravel()
+        return x.ravel(), y.ravel(), barred
 
     def values(self, name: str) -> NDArray[np.float64]:
-        """An observable in the unit of its label, NaN where a cell is not solved or its number is not known."""
+        """An observable in the unit of its label, NaN where a cell is not solved or its number is not known, and the
+        number of bends of a rod that is nearly straight."""
         values = labels.in_label_unit(self.ds[name], self.ds[name].values.astype(float))
-        return np.where(self.solved & np.isfinite(values), values, np.nan)
+        return np.where(self.solved & np.isfinite(values) & ~self.unbent(name), values, np.nan)
+
+    def unbent(self, name: str) -> NDArray[np.bool_]:
+        """Where an observable is the number of bends of a rod that is nearly straight."""
+        return self.straight & (name == BENDS)
 
 
 def mappable(ds: xr.Dataset) -> list[str]:
@@ -135,14 +144,17 @@ def cells(ds: xr.Dataset, choice: Choice, where: Mapping[str, int], source: xr.D
     """The cells of one column of maps; where: as of `Choice.places`. source: the refined study of a raster."""
     here = ds.isel(where).sortby([choice.x, choice.y]).transpose(choice.y, choice.x, ...)
     solved = here["solved"].values.astype(bool)
-    found, unchecked = {}, np.zeros(solved.shape, dtype=bool)
-    if "caution" in here:
-        texts = here["caution"].values
-        found = {key: cautions.holding(texts, key) & solved for key in style.HATCHES}
-        for key in cautions.UNCHECKED:
-            unchecked |= cautions.holding(texts, key)
+    unchecked = np.zeros(solved.shape, dtype=bool)
+    for key in cautions.UNCHECKED if "caution" in here else ():
+        unchecked |= cautions.holding(here["caution"].values, key)
     scales = scale_of(here[choice.x]), scale_of(here[choice.y])
-    return Cells(here, *scales, solved, found, int(unchecked.sum()), here if source is None else source)
+    whole = here if source is None else source
+    straight = np.zeros(solved.shape, dtype=bool)
+    if "beta" in whole:
+        beta = whole["beta"].transpose(..., "u").values
+        swings = beta.max(axis=-1) - beta.min(axis=-1)
+        straight = (swings if source is None else swings[here["case"].values]) < STRAIGHT
+    return Cells(here, *scales, solved, straight & solved, int(unchecked.sum()), whole)
 
 
 def _two_axes(ds: xr.Dataset, x: str | None, y: str | None, at: dict[str, float]) -> tuple[str, str]:

@@ -9,8 +9,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from studies.refine import LEVEL
-
 from ..data import labels, law_verdicts, observed, refined
 from . import canvas, law_lines, legend, map_panel, style, thumbnails
 from .map_cells import MOST_MAPS, Cells, Choice, cells, choose
@@ -36,7 +34,8 @@ def figure(
     """Draw a map of each observable.
 
     Each observable has one scale of colours over all its maps. A count has the borders of its regions and their
-    numbers. Cells are hatched where a caution holds. A strip beside a map shows on which lines of the grid a law holds.
+    numbers. A cross in place of a point is a case whose shape no real rod takes. A strip beside a map shows on which
+    lines of the grid a law does not hold.
     A third axis has a column of maps for some of its values; any further axis is held where the laws or Table 1 put it.
     In the plane of a refined study each case is the cell around it, and its laws are told below the maps.
 
@@ -107,7 +106,6 @@ class _Maps:
         self.of_shapes = self.width - 1.4, (self.width - 1.4) * 0.683
         self.ds, self.choice, self.columns, self.laws = ds, choice, columns, laws
         self.places = choice.places()
-        self.hatched = map_panel.hatched(columns)
         self.entries: list[Artist] = []
         self.more: list[str] = []
         self.asked = False
@@ -185,8 +183,6 @@ class _Maps:
         for k, (cell, column, where) in enumerate(zip(grid, self.columns, self.places, strict=True)):
             ax = fig.add_subplot(cell)
             mesh = map_panel.draw(ax, column, name, self.colours[name], self.inches)
-            if name != LEVEL:  # of the cells and not of the rods
-                map_panel.hatch(ax, column, self.hatched)
             laws = self._laws_of(name)
             self.entries += law_lines.draw(ax, laws, column, self.choice, where, self.inches)
             self._title(ax, name, column, where, leftmost=k == 0)

@@ -1,4 +1,4 @@
-"""One map: an observable in colours over two axes, the regions of a count, hatching, and cells without a number."""
+"""One map: an observable in colours over two axes, the regions of a count, the cases, and cells without a number."""
 
 from typing import Any
 
@@ -8,6 +8,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, Normalize
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator
@@ -15,9 +16,9 @@ from numpy.typing import NDArray
 
 from studies.laws import NOISE
 
-from ..data import cautions, labels, observed
+from ..data import labels, observed
 from . import regions, style
-from .map_cells import Cells
+from .map_cells import STRAIGHT, Cells
 from .scales import Ticks
 
 Values = NDArray[np.float64]
@@ -25,6 +26,8 @@ DECADES = 1e3  # ratio of the values from which their colours are logarithmic
 MOST_COLOURS = 256  # counts, each with a colour of its own
 MOST_CLASSES = 24  # of a count, with a border between each two
 MOST_SAMPLES = 2500  # points that a map shows
+BARRED = "no real rod could rest there: it would lift off or pass through itself"
+SAMPLES: Any = {"color": style.INK, "linestyle": "none", "markeredgewidth": 0.4, "alpha": 0.6}
 HALO = withStroke(linewidth=2.2, foreground="white", alpha=0.75)
 
 
@@ -87,7 +90,7 @@ class Colours:
 def draw(ax: Axes, cells: Cells, name: str, colours: Colours, inches: tuple[float, float], pale: float = 1.0) -> Any:
     """Draw the map of an observable on axes of that width and height in inches; returns its coloured cells.
 
-    pale: the opacity of the colours; below 1 the regions of a count have no numbers.
+    pale: the opacity of the colours; below 1 there are neither borders nor cases.
     """
     values = cells.values(name)
     x, y = cells.x.edges, cells.y.edges
@@ -95,60 +98,45 @@ def draw(ax: Axes, cells: Cells, name: str, colours: Colours, inches: tuple[floa
     cells.y.put(ax, "y", inches[1])
     mesh = ax.pcolormesh(x, y, np.ma.masked_invalid(values), cmap=colours.cmap, norm=colours.norm, alpha=pale,
                          rasterized=True)  # fmt: skip
+    if cells.unbent(name).any():
+        ax.add_patch(PathPatch(regions.path(cells.unbent(name), x, y), facecolor=style.BAND, linewidth=0))
     if not cells.solved.all():
         ax.add_patch(PathPatch(regions.path(~cells.solved, x, y), facecolor=style.UNSOLVED, linewidth=0))
-    if colours.count and not colours.constant:
-        classes, step = _classes(values, colours)
+    if colours.count and not colours.constant and pale == 1:
+        classes, step = _classes(np.where(cells.unbent(name), -1.0, values), colours)
         lines = regions.borders(classes, x, y)
         ax.add_collection(
-            LineCollection(list(lines), colors=style.INK, linewidths=0.7, capstyle="projecting"), autolim=False
+            LineCollection(list(lines), colors=style.INK, linewidths=0.5, capstyle="projecting"), autolim=False
         )
-        if pale == 1:
-            _number_regions(ax, cells, classes, step, inches)
-    _show_samples(ax, cells)
+        _number_regions(ax, cells, classes, step, inches)
+    if pale == 1:
+        _show_samples(ax, cells)
     ax.grid(False)
     for side in ("top", "right"):
         ax.spines[side].set_visible(True)
     return mesh
 
 
-def hatch(ax: Axes, cells: Cells, keys: list[str]) -> None:
-    """Hatch the cells in which these cautions hold."""
-    for key in keys:
-        mask = cells.cautions[key]
-        if mask.any():
-            where = regions.path(mask, cells.x.edges, cells.y.edges)
-            ax.add_patch(PathPatch(where, facecolor="none", edgecolor=style.INK, hatch=style.HATCHES[key], linewidth=0))
-
-
-def hatched(panels: list[Cells]) -> list[str]:
-    """The cautions that are hatched: those that hold in some solved cells of the panels and not in all."""
-    found = []
-    for key in style.HATCHES:
-        held = [panel.cautions[key][panel.solved] for panel in panels if key in panel.cautions]
-        together = np.concatenate(held) if held else np.zeros(0, dtype=bool)
-        if together.any() and not together.all():
-            found.append(key)
-    return found
-
-
 def entries(panels: list[Cells], shown: tuple[str, ...]) -> tuple[list[Artist], list[str]]:
-    """The legend of what the panels show of cautions and of cells without a number: its entries, and its notes."""
-    keys = hatched(panels)
+    """The legend of the cases and of cells without a number: its entries, and its notes."""
+    barred = np.concatenate([panel.samples()[2] for panel in panels])
     found: list[Artist] = [
-        Patch(facecolor="none", edgecolor=style.INK, hatch=style.HATCHES[key], linewidth=0.4,
-              label=f"the rod {cautions.WORDS[key][0]}")
-        for key in keys
-    ]  # fmt: skip
+        Line2D([], [], label=label, marker=mark, **SAMPLES)
+        for mark, label in ((".", "a case"), ("x", f"a case in which {BARRED}"))
+        if barred.any() and not barred.all()
+    ]
+    if any(panel.unbent(name).any() for panel in panels for name in shown):
+        label = f"nearly straight: β varies by less than {np.degrees(STRAIGHT):.0f}°"
+        found.append(Patch(facecolor=style.BAND, edgecolor=style.SOFT, linewidth=0.6, label=label))
     if not all(panel.solved.all() for panel in panels):
         found.append(Patch(facecolor=style.UNSOLVED, label="not solved"))
-    if any((np.isnan(panel.values(name)) & panel.solved).any() for panel in panels for name in shown):
+    if any(
+        (np.isnan(panel.values(name)) & panel.solved & ~panel.unbent(name)).any() for panel in panels for name in shown
+    ):
         found.append(
             Patch(facecolor=style.UNKNOWN, edgecolor=style.SOFT, linewidth=0.6, label="solved, number unknown")
         )
-    notes = [f"Every rod {cautions.WORDS[key][0]}." for key in style.HATCHES
-             if key not in keys and all(panel.cautions[key][panel.solved].all() and panel.solved.any()
-                                        if key in panel.cautions else False for panel in panels)]  # fmt: skip
+    notes = [f"In every case {BARRED}."] if barred.size and barred.all() else []
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
     if unchecked:
         notes.append(f"{unchecked} of {cases} rods were not checked for all cautions.")
@@ -167,7 +155,13 @@ def _classes(values: Values, colours: Colours) -> tuple[Values, int]:
 def _number_regions(ax: Axes, cells: Cells, classes: Values, step: int, inches: tuple[float, float]) -> None:
     """The count of each region that has room for it, or the first and the last count of its class."""
     for number, area in regions.areas(classes):
-        text = labels.tick(number) if step == 1 else f"{labels.tick(number)}–{labels.tick(number + step - 1)}"
+        text = (
+            "nearly straight"
+            if number < 0
+            else labels.tick(number)
+            if step == 1
+            else f"{labels.tick(number)}–{labels.tick(number + step - 1)}"
+        )
         size = 1.25 * style.small() / 72, style.width_of(text, style.small()) + 0.06
         middle = regions.place(area, (inches[1] / cells.y.values.size, inches[0] / cells.x.values.size), size)
         if middle is not None:
@@ -176,9 +170,11 @@ def _number_regions(ax: Axes, cells: Cells, classes: Values, step: int, inches: 
 
 
 def _show_samples(ax: Axes, cells: Cells) -> None:
-    """A point at each case, where there are not too many."""
-    x, y = cells.samples()
-    if x.size <= MOST_SAMPLES:
-        size = float(np.clip(40 / x.size**0.5, 0.7, 2.0))
-        ax.plot(x, y, "o", color=style.INK, markersize=size, markeredgewidth=0, alpha=0.45, clip_on=False, zorder=4,
-                label="_samples")  # fmt: skip
+    """A point at each case, a cross where no real rod takes its shape; of very many cases so many, evenly chosen."""
+    x, y, barred = cells.samples()
+    shown = np.arange(0, x.size, -(-x.size // MOST_SAMPLES))
+    size = float(np.clip(40 / shown.size**0.5, 0.7, 2.0))
+    for marker, some in ((".", shown[~barred[shown]]), ("x", shown[barred[shown]])):
+        if some.size:
+            ax.plot(x[some], y[some], marker=marker, markersize=1.6 * size, clip_on=False, zorder=4, label="_samples",
+                    **SAMPLES)  # fmt: skip

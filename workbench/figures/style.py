@@ -35,12 +35,11 @@ RAMP = colormaps["viridis"]
 RAMP_ENDS = (0.0, 0.59)  # of lines and dots: beyond, their contrast to white is below 3
 MAP_ENDS = (0.0, 0.88)
 
-# Maps: the same ramp mixed with white, so that ink (numbers, hatching, lines) stands out from every colour of it
+# Maps: the same ramp mixed with white, so that ink (numbers, marks, lines) stands out from every colour of it
 WHITE_OF_MAP = 0.42
 UNSOLVED, UNKNOWN = INK, "#ffffff"  # a cell without a solution, darker than every colour of a map; one without a number
 AROUND = "distance around the cylinder"
 WAYS = f"z to the right, {AROUND} down"  # of every unrolled view
-HATCHES = {"pulled": "///", "overlaps": "\\\\\\"}  # key of `cautions.WORDS` -> how its cells are hatched
 
 DPI = 200
 SMALL, NORMAL, LARGE = 8.0, 9.5, 12.0  # points
@@ -70,7 +69,6 @@ RC: Any = {
     "savefig.facecolor": "white",
     "figure.dpi": DPI,
     "savefig.dpi": DPI,
-    "hatch.linewidth": 0.45,
     "pdf.fonttype": 42,
     "mathtext.default": "regular",
     "text.parse_math": False,  # a title may come from anyone, and has its $ as they are

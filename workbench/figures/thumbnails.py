@@ -86,6 +86,8 @@ def _spread(scale: Scale, count: int) -> tuple[list[int], float]:
 def _number(cells: Cells, name: str, j: int, i: int) -> str:
     """The number of an observable at one cell, or why there is none."""
     value = cells.values(name)[j, i]
+    if cells.unbent(name)[j, i]:
+        return "straight"
     return labels.number(float(value), 3) if np.isfinite(value) else "not solved" if not cells.solved[j, i] else ""
 
 
