@@ -120,9 +120,11 @@ def draw(ax: Axes, cells: Cells, name: str, colours: Colours, inches: tuple[floa
 def entries(panels: list[Cells], shown: tuple[str, ...]) -> tuple[list[Artist], list[str]]:
     """The legend of the cases and of cells without a number: its entries, and its notes."""
     barred = np.concatenate([panel.samples()[2] for panel in panels])
+    most = max(panel.samples()[2].size for panel in panels)
+    few = f" (one of {-(-most // MOST_SAMPLES)} is shown)" if most > MOST_SAMPLES else ""
     found: list[Artist] = [
         Line2D([], [], label=label, marker=mark, **SAMPLES)
-        for mark, label in ((".", "a case"), ("x", f"a case in which {BARRED}"))
+        for mark, label in ((".", f"a case{few}"), ("x", f"a case in which {BARRED}"))
         if barred.any() and not barred.all()
     ]
     if any(panel.unbent(name).any() for panel in panels for name in shown):

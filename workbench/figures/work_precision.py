@@ -26,8 +26,15 @@ LOST = 1.0  # an error of this size and more has no correct digit
 FLOOR, TOP = 1e-16, 1e1  # the range of errors that is shown; an error of 0 is drawn at its lower end
 PANEL = 3.2, 2.1  # inches
 MOST = 6  # panels
-# shown where more cases are measured
-SHOWN = ("force-first/tension", "gap 1e-02", "gap 1e-08", "long", "ends table 1", "ends stable 1")
+# shown where more cases are measured, in words
+SHOWN = {
+    "force-first/tension": "start: Table 1, at 30°, pulled by 8.7 N",
+    "gap 1e-02": "start: β′ = 0, 10⁻² rad from a saddle",
+    "gap 1e-08": "start: β′ = 0, 10⁻⁸ rad from a saddle",
+    "long": "start: Table 1, 400 cm long in place of 20 cm",
+    "ends table 1": "ends: Table 1, pressed, at 30° and 45°",
+    "ends stable 1": "ends: at 30° and 30°, stable, near a saddle",
+}
 
 
 def shown(ds: xr.Dataset) -> list[str]:
@@ -41,7 +48,7 @@ def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figu
     if cost not in COSTS:
         raise no_such("cost", cost, COSTS)
     cases = shown(ds)
-    columns = min(max(int(sheet.width / PANEL[0]), 1), len(cases))
+    columns = min(max(int(sheet.width / PANEL[0] + 1e-9), 1), len(cases))
     lines = -(-len(cases) // columns)
     size = (max(sheet.width, 2 * PANEL[0]), lines * PANEL[1] + 1.5)
     inch = 1 / size[1]
@@ -103,7 +110,8 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(labels.power_of_ten)
         axis.set_minor_formatter(NullFormatter())
-    ax.set_title(labels.powers_of_ten(case), loc="left", size=style.small(), pad=3)
+    words = SHOWN.get(case) or f"{case}: {here['about'].item()}"
+    ax.set_title(style.wrap(labels.powers_of_ten(words), ax, style.small()), loc="left", size=style.small(), pad=3)
     return style.with_grid(ax)
 
 
