@@ -31,7 +31,7 @@ SHOWN = {
     "force-first/tension": "start: Table 1, at 30°, pulled by 8.7 N",
     "gap 1e-02": "start: β′ = 0, 10⁻² rad from a saddle",
     "gap 1e-08": "start: β′ = 0, 10⁻⁸ rad from a saddle",
-    "long": "start: Table 1, 400 cm long in place of 20 cm",
+    "long": "start: Table 1, but 400 cm long",
     "ends table 1": "ends: Table 1, pressed, at 30° and 45°",
     "ends stable 1": "ends: at 30° and 30°, stable, near a saddle",
 }
