@@ -17,7 +17,7 @@ from ..geometry import tube
 from . import style
 
 ELEVATION = np.radians(22.0)  # of the eye above the horizon
-SIDES, STRIPS = 14, 40  # of a tube, of half a cylinder
+SIDES, STRIPS = 32, 60  # of a tube, of half a cylinder
 LIGHT = np.array([-0.45, 0.55, 0.7])  # to the right, up, towards the eye
 SHADE = 0.5  # brightness of a face that looks away from the light
 SURFACE = "#e9e5dd"  # the cylinder
@@ -94,7 +94,7 @@ def _cylinder(ax: Axes, eye: Eye, R: float, ends: tuple[float, float]) -> None:
     base = np.array([int(SURFACE[i : i + 2], 16) for i in (1, 3, 5)]) / 255
     colours = np.clip(base * (0.8 + 0.22 * light), 0, 1)
     strips = np.stack([low[:-1], low[1:], high[1:], high[:-1]], axis=1)
-    ax.add_collection(PolyCollection(list(eye.to_page(strips)), facecolors=colours, edgecolors=colours, linewidths=0.3,
+    ax.add_collection(PolyCollection(list(eye.to_page(strips)), facecolors=colours, linewidths=0, antialiaseds=False,
                                      alpha=VEIL, zorder=2, rasterized=True))  # fmt: skip
     ax.fill(*eye.to_page(ring(R, ends[1])).T, facecolor="#f4f1eb", edgecolor=style.SOFT, linewidth=0.5, zorder=2.1)
     for side in (0, -1):

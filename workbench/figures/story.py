@@ -27,7 +27,7 @@ TURNED = np.radians(38.0)  # from facing the middle of a rod: three quarters
 PART = 0.44  # of the rod with its letters: more would be small
 SHOWN = 0.4  # of its length, where the angle is drawn
 BODY = (0.36, 0.55, 0.74)
-HEADS = 56  # points from the table to the heads of its columns
+HEADS = 56, 72  # points from the table to the heads of its columns
 # the height of the figure, and left, low, width and height of the panels a to d and of the bar of colours, in inches
 ONE, TWO = 3.5, 7.2
 WIDE = 5.35, ((0.05, 2.5, 1.75, 2.75), (1.9, 2.97, 5.25, 2.1), (0.5, 0.42, 1.95, 1.4), (4.3, 0.3, 2.85, 0.92),
@@ -35,7 +35,7 @@ WIDE = 5.35, ((0.05, 2.5, 1.75, 2.75), (1.9, 2.97, 5.25, 2.1), (0.5, 0.42, 1.95,
 NARROW = 4.72, ((0.0, 3.12, 1.3, 1.45), (0.02, 2.07, 3.46, 0.9), (1.85, 3.5, 1.6, 0.8), (1.5, 0.2, 1.95, 0.58),
                 (1.95, 1.88, 1.2, 0.05))  # fmt: skip
 # left and upper edge of the letters of the panels
-WIDE_LETTERS = (0.05, 5.3), (1.9, 5.3), (0.05, 2.2), (2.75, 2.2)
+WIDE_LETTERS = (0.05, 5.3), (1.9, 5.3), (0.05, 2.2), (2.5, 2.2)
 NARROW_LETTERS = (0.03, 4.7), (0.03, 3.12), (1.35, 4.7), (0.03, 1.6)
 MARKS: dict[str, dict[str, Any]] = {
     HOLDS: {"marker": "o"},
@@ -44,7 +44,9 @@ MARKS: dict[str, dict[str, Any]] = {
     UNDECIDED: {"marker": "o", "fillstyle": "none"},
     FAILS: {"marker": "X"},
 }
-SHORT = {"tension": "tens.", "compression": "compr."}
+SHORT = {"tension": "tens.", "compression": "compr."}  # on one column
+WIDE_TABLE = 2.2  # inches of a table of claims from which its heads are written in full
+WORDS = {"mean |f|": "contact force"}
 ARROWS = {"rises": "↑", "falls": "↓", "not-falling": "not ↓", "not-rising": "not ↑"}
 
 
@@ -145,17 +147,18 @@ def law(ds: xr.Dataset, ax: Axes) -> None:
 def claims(ds: xr.Dataset, ax: Axes) -> None:
     """The verdict on each claim, (reading, claim), as a table of marks: a row a claim, a column a reading."""
     names, readings = [str(one) for one in ds["claim"].values], [str(one).split("/") for one in ds["reading"].values]
-    verdicts = ds["claim_verdict"].values.astype(str)
+    verdicts, wide = ds["claim_verdict"].values.astype(str), bool(style.inches(ax)[0] > WIDE_TABLE)
     for (j, i), verdict in np.ndenumerate(verdicts):
         ax.plot(j, i, **_mark(verdict))
-    ax.set_yticks(range(len(names)), [_claim(ds, name) for name in names])
-    ax.set_xticks(range(len(readings)), [", ".join(SHORT.get(one, one) for one in words[1:]) for words in readings],
-                  rotation=90)  # fmt: skip
+    sayings = [_claim(ds, name) for name in names]
+    ax.set_yticks(range(len(names)), [one if wide else one.replace("mean ", "") for one in sayings])
+    heads = [", ".join(one if wide else SHORT.get(one, one) for one in words[1:]) for words in readings]
+    ax.set_xticks(range(len(readings)), heads, rotation=90)
     ax.xaxis.tick_top()
     ax.set(xlim=(-0.6, len(readings) - 0.4), ylim=(len(names) - 0.4, -0.6))
     for first in dict.fromkeys(one[0] for one in readings):
         on = [j for j, one in enumerate(readings) if one[0] == first]
-        _write(ax, (np.mean(on), 1), first, (0, HEADS), xycoords=("data", "axes fraction"), va="bottom")
+        _write(ax, (np.mean(on), 1), first, (0, HEADS[wide]), xycoords=("data", "axes fraction"), va="bottom")
         if on[0]:
             ax.axvline(on[0] - 0.5, color=style.FAINT, linewidth=0.8)
     ax.tick_params(length=0, colors=style.INK, pad=2)
@@ -173,9 +176,12 @@ def _mark(verdict: str) -> dict[str, Any]:
 def _claim(ds: xr.Dataset, name: str) -> str:
     """``(1) bends ↓ with E``: the observables of the laws of a claim, their direction, and their axes."""
     rows = [row for row in next(iter(json.loads(ds.attrs["rows"]).values())) if row["claim"] == name]
-    nouns, axes = (dict.fromkeys(of(row[key]) for row in rows) for of, key in
-                   ((labels.symbol_of, "observable"), (labels.axis_symbol, "axis")))  # fmt: skip
-    return f"{name} {', '.join(nouns)} {ARROWS.get(rows[-1]['direction'], '')} with {', '.join(axes)}"
+    groups: dict[str, dict[str, None]] = {}
+    for row in rows:
+        symbol = labels.symbol_of(row["observable"])
+        groups.setdefault(row["direction"], {})[WORDS.get(symbol, symbol)] = None
+    does = ", ".join(f"{', '.join(nouns)} {ARROWS.get(way, '')}" for way, nouns in groups.items())
+    return f"{name} {does} with {', '.join(dict.fromkeys(labels.axis_symbol(row['axis']) for row in rows))}"
 
 
 def _line(ax: Axes, eye: Eye, points: Any, colour: str, arrow: str | None = None, **look: Any) -> None:
