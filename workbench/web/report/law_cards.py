@@ -69,12 +69,12 @@ def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
             claim = claims.setdefault(law["claim"], {**section, **law, "laws": []})
             claim["laws"].append(law)
             verdict = worst([law["verdict"], claim["verdict"]])
-            claim["judged"] = " and ".join(dict.fromkeys(_judged_by(one) for one in claim["laws"]))
+            claim["judged"] = " and ".join(dict.fromkeys(_criterion(one) for one in claim["laws"]))
             claim |= {"verdict": verdict, "class": CLASSES[verdict], "plain": verdict_words.PLAIN[verdict].capitalize()}
     return list(claims.values())
 
 
-def _judged_by(law: Mapping[str, Any]) -> str:
+def _criterion(law: Mapping[str, Any]) -> str:
     """``the number of bends (or the bend number)``: the observable of a law, and its alternatives."""
     others = ", ".join(also["stated"] for also in law["also"] if also["role"].startswith("alternative"))
     return f"the {law['words']}{f' (or {others})' if others else ''}"
