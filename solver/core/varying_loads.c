@@ -21,7 +21,7 @@ with o = 1 outside and -1 inside. */
 #define WIDE 6   /* columns: changes by the first six numbers of the state, */
 #define GIVENS 9 /* and by the weight along, the weight across and the friction */
 #define SHALLOW 6 /* order of the derivatives that carry the error */
-#define MOST_STEPS 1000000
+#define MOST_STEPS 200000 /* a second or two; as in varying_loads.py */
 #define USUAL 5.0 /* the ratio of a term to the next, at the end of a usual step */
 
 enum { BETA, SPEED, ALPHA, Q, PHI, MU, SHORT, ROUND };

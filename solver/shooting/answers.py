@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.varying_loads import BY_ANGLE, HALF, SIZE, TRUNCATION, March, march
+from ..core.varying_loads import BY_ANGLE, HALF, MOST_STEPS, SIZE, TRUNCATION, March, march
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.limits import TAUT, is_taut
@@ -24,6 +24,7 @@ SHARE, COARSEST = 0.01, 1e-12  # of start problems: what all steps leave out of 
 # most that one does, of the scales
 SAFETY, ROUNDING = 3.0, 2e-16
 LOST = 1e8  # condition number: beyond, a start problem has lost half its digits
+TOO_LONG = f"failed: the march did not end within {MOST_STEPS} steps"
 USE_ENDS = "; a long rod with weight is an ends problem: give Ends in place of Start"
 
 
@@ -60,7 +61,8 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
     read = read_starts(y, t, alpha0, numbers[:, 0] * end[:, MU])
     solved, outcome = verdicts(read["beta"], error, condition, tol)
     for i in np.flatnonzero(~(condition < LOST)):
-        outcome[i] = f"{outcome[i]}{USE_ENDS}"
+        endless = found.steps[i] > MOST_STEPS
+        outcome[i] = f"{TOO_LONG if endless else outcome[i]}{USE_ENDS}"
     shapes = VaryingShapes(Marched(numbers, scale, begin, span, found.steps), *np.full((2, B), np.nan))
     far = StartProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], span, problem.beta0, problem.dbeta0)
     return far, Trajectory(

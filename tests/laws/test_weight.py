@@ -9,7 +9,7 @@ from scipy.interpolate import make_interp_spline
 from scipy.optimize import minimize
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fit, follow, observe, solve
-from solver.core.varying_loads import march
+from solver.core.varying_loads import MOST_STEPS, march
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.reduced import reduce
 from solver.shooting.branch import buckling_tension, straight_shape
@@ -362,6 +362,13 @@ def test_the_estimated_error_of_a_start_problem_bounds_the_true_one(tol: float, 
     off = np.maximum(abs(sol.beta - exact.beta), abs(sol.alpha - exact.alpha) / span)
     assert (off.max(axis=1) <= sol.error + exact.error)[kept].all()
     assert np.median(sol.error[kept]) < tol
+
+
+@pytest.mark.slow
+def test_a_march_that_does_not_end_is_given_up_in_words() -> None:
+    sol = solve(Case(Rod(**(ROD | {"L": 1e6})), Cylinder(R=1.0, inclination=1.0), Start(0.5, 0.3, F3=1.0, M3=1.0)))
+    assert not sol.solved
+    assert f"did not end within {MOST_STEPS} steps" in str(sol.outcome)
 
 
 def test_a_march_gives_the_same_bits_in_lanes_of_every_width() -> None:
