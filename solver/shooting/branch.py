@@ -26,6 +26,7 @@ WAVES = (
 )
 FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.1, 1e-4, 0.25
 LEAST_RUBBED = 3e-3  # least step of a rod with friction, whose branch ends where its waves run
+SHARES_AHEAD = 1.0, 0.9, 0.7, 0.4  # of the rest of the way: where a sinusoid is tried when a branch ends
 AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought to which a rod jumps
 
 
@@ -205,19 +206,31 @@ def grow(
         step, eased = step / 3, False
         if step > (LEAST_RUBBED if shape.rod.rubbed else LEAST_STEP) * last:
             continue
-        final = sinusoid(rod_at(last))
-        if final is not None and index_of_any(final) == 0:
-            return Path(final, 0, None, (*jumped, x))
-        ahead = min(last, x + AHEAD * last)
-        rod = rod_at(ahead)
-        below = descend(Shape(rod, shape.t, shape.y))
+        below = stable_shape_ahead(rod_at, shape, x, last)
         if below is None:
             why = f"the branch ends at {x / last:.6g} of the way to {target}"
             return Path(None, index, None, tuple(jumped), why=why)
         jumped.append(x)
-        x, shape, index, before, step = ahead, below, 0, None, AHEAD * last
+        (x, shape), index, before, step = below, 0, None, AHEAD * last
     final = correct(Shape(rod_at(last), shape.t, shape.y))
     if final is None or not is_near(shape, final):
         why = f"Newton's method did not converge at the end of the way to {target}"
         return Path(None, index, None, tuple(jumped), why=why)
     return Path(final, index_of_any(final), None, tuple(jumped))
+
+
+def stable_shape_ahead(
+    rod_at: Callable[[float], LoadedRod], shape: Shape, x: float, last: float
+) -> tuple[float, Shape] | None:
+    """Where a branch ends at x: a sinusoid as far ahead as there is a stable one, else the shape to which the rod falls.
+
+    With its x; None where the rod reaches none.
+    """
+    for share in SHARES_AHEAD[:1] if shape.rod.rubbed else SHARES_AHEAD:
+        ahead = last if share == 1 else x + share * (last - x)
+        found = sinusoid(rod_at(ahead))
+        if found is not None and index_of_any(found) == 0:
+            return ahead, found
+    ahead = min(last, x + AHEAD * last)
+    fallen = descend(Shape(rod_at(ahead), shape.t, shape.y))
+    return None if fallen is None else (ahead, fallen)
