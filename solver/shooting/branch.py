@@ -222,7 +222,7 @@ def grow(
 def stable_shape_ahead(
     rod_at: Callable[[float], LoadedRod], shape: Shape, x: float, last: float
 ) -> tuple[float, Shape] | None:
-    """Where a branch ends at x: a sinusoid as far ahead as there is a stable one, else the shape to which the rod falls.
+    """Where a branch ends at x: the farthest stable sinusoid ahead, else the shape to which the rod falls.
 
     With its x; None where the rod reaches none.
     """
