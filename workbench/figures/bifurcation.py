@@ -21,7 +21,7 @@ from . import canvas, legend, point_numbers, style
 from .equilibria import Frames, draw_frame, frames, stability
 from .sheet import SCREEN, Sheet
 
-PANEL, SHAPES = (4.6, 3.0), 3.6  # inches: heights of the panels on a page as wide as a screen, of all shapes
+PANEL, SHAPES = (4.6, 3.0), 4.6  # inches: heights of the panels on a page as wide as a screen, of all shapes
 MOST = 16, 8  # shapes; those on one column of a page
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
 SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed ones would look solid

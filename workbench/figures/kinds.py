@@ -33,34 +33,29 @@ from .sheet import SCREEN, Sheet
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of picture.
+    """A kind of picture: its figure of a dataset and a sheet, its further keywords, and the data that it draws."""
 
-    family: rods, curves, map, bars or portrait. figure: of a dataset and a sheet. options: its further keywords.
-    of: the data that it draws.
-    """
-
-    family: str
     figure: Callable[..., Figure]
     options: tuple[str, ...] = ()
     of: str = "study"
 
 
 KINDS = {
-    "map": Kind("map", map_figure.figure, ("x", "y", "show", "at", "shapes")),
-    "lines": Kind("curves", study_figure.figure, ("x", "show")),
-    "curves": Kind("rods", unrolled.figure, ("x", "at")),
-    "ridge": Kind("curves", along.figure, ("x", "at", "show")),
-    "portrait": Kind("portrait", portrait.figure, ("x", "at")),
-    "states": Kind("bars", along.states, ("x", "at")),
-    "equilibria": Kind("rods", equilibria.figure, of="equilibria"),
-    "loops": Kind("rods", equilibria.loops, of="loops"),
-    "branches": Kind("curves", bifurcation.figure, of="branches"),
-    "folds": Kind("map", region_map.figure, of="folds"),
-    "trade": Kind("curves", work_precision.figure, ("cost",), of="trade"),
-    "extremes": Kind("map", robustness.figure, of="extremes"),
-    "fit": Kind("curves", fit.figure, of="fit"),
-    "indices": Kind("bars", bars.indices, of="indices"),
-    "tornado": Kind("bars", bars.tornado, of="tornado"),
+    "map": Kind(map_figure.figure, ("x", "y", "show", "at", "shapes")),
+    "lines": Kind(study_figure.figure, ("x", "show")),
+    "curves": Kind(unrolled.figure, ("x", "at")),
+    "ridge": Kind(along.figure, ("x", "at", "show")),
+    "portrait": Kind(portrait.figure, ("x", "at")),
+    "states": Kind(along.states, ("x", "at")),
+    "equilibria": Kind(equilibria.figure, of="equilibria"),
+    "loops": Kind(equilibria.loops, of="loops"),
+    "branches": Kind(bifurcation.figure, of="branches"),
+    "folds": Kind(region_map.figure, of="folds"),
+    "trade": Kind(work_precision.figure, ("cost",), of="trade"),
+    "extremes": Kind(robustness.figure, of="extremes"),
+    "fit": Kind(fit.figure, of="fit"),
+    "indices": Kind(bars.indices, of="indices"),
+    "tornado": Kind(bars.tornado, of="tornado"),
 }
 OF_STUDIES = {name: kind for name, kind in KINDS.items() if kind.of == "study"}
 
