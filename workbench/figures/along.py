@@ -269,9 +269,8 @@ def _draw_states(ax: Axes, rods: DrawnRods) -> None:
         for state in _states(rod):
             ax.barh(k, state.end - state.begin, THICK, state.begin, color=COLOURS[state.word], gid=state.word)
         pulls = rod["push"] < -SLIGHT * np.abs(rod["push"]).max()
-        ax.fill_between(
-            rod["s"], k + THICK / 2, k + THICK / 2 + LINE, where=pulls, color=push_scale.PULL, linewidth=1.5
-        )
+        low = k + THICK / 2
+        ax.fill_between(rod["s"], low, low + LINE, where=pulls, color=push_scale.PULL, linewidth=0.6)
 
 
 def _states(rod: drawn_rods.DrawnRod) -> Sequence[Any]:

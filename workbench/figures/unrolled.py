@@ -283,12 +283,20 @@ def _frame(ax: Axes, rods: DrawnRods, form: Strips, unit: str) -> None:
                 low, low + size) if low <= t <= low + size]  # fmt: skip
         if size * scale < 0.3:
             ticks = [t for t in ticks if t == 0]
+        every, full = 1, count
+        if axis is ax.xaxis:
+            full = len(rods.rods) - (form.rows - 1) * columns  # have a strip at the edge
+            wide = max((style.width_of(text, style.small()) for text in Ticks().format_ticks(ticks)), default=0.0) + 0.1
+            if wide * len(ticks) > pitch * scale:
+                ticks = sorted(ticks, key=abs)[:1]
+            every = ceil(wide * len(ticks) / (pitch * scale))
         texts = Ticks().format_ticks(ticks)
-        full = count if axis is ax.yaxis else len(rods.rods) - (form.rows - 1) * columns  # have a strip at the edge
-        axis.set_ticks([t + k * pitch for k in range(full) for t in ticks], texts * full)
-        for place, text in (
-            (t + k * pitch, text) for k in range(full, count) for t, text in zip(ticks, texts, strict=True)
-        ):
+        shown = range(0, full, every)
+        axis.set_ticks([t + k * pitch for k in shown for t in ticks], texts * len(shown))
+        others = [
+            (t + k * pitch, text) for k in range(full, count, every) for t, text in zip(ticks, texts, strict=True)
+        ]
+        for place, text in others:
             ax.annotate(text, (place, down[0] - form.pitch[1]), (0, -2), textcoords="offset points", ha="center",
                         va="top", size=style.small(), color=style.SOFT)  # fmt: skip
     ax.tick_params(length=0, pad=2)
