@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +15,8 @@ from workbench.export import stored_rod
 from workbench.figures import along, portrait, table
 from workbench.geometry import stored_line
 from workbench.run import in_memory
-from workbench.scene import camera, kinds, layout
+from workbench.scene import body as body_of
+from workbench.scene import camera, kinds, layout, long_rod
 from workbench.scene.settings import Settings
 from workbench.web.turntable import stored
 
@@ -84,6 +86,21 @@ def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Data
     made = layout.compose(ds, {"inclination": np.pi / 2}, settings=Settings(span=(20.0, 24.0))).page
     assert made.words.down == pytest.approx([0.0, made.words.down[1]], abs=1e-12)
     assert made.words.notes[-1] == left_out.sentence({"weight": 0.242})
+
+
+def test_a_long_rod_with_weight_is_compressed_along_the_axis_no_more_than_its_bends_allow(ds: xr.Dataset) -> None:
+    body = body_of.read(ds, LYING, kinds.kind_of("contact"))
+    factor = long_rod.squeeze_of([body])
+    assert 0 < factor < 1
+    squeezed = replace(body, squeeze=factor)
+    np.testing.assert_allclose(squeezed.dense, body.dense * [1, 1, factor], atol=1e-12)
+    turn = np.diff(np.diff(squeezed.dense, axis=0), axis=0)
+    step = np.diff(squeezed.dense, axis=0)[:-1]
+    bend = np.linalg.norm(np.cross(step, turn), axis=-1) / np.linalg.norm(step, axis=-1) ** 3
+    assert bend.max() * body.a < 1.05 * long_rod.TIGHTEST  # the tube is drawn without folds
+    made = layout.compose(ds, {"inclination": np.pi / 2}).page
+    assert f"axis compressed 1 : {1 / factor:.3g}" in made.words.notes
+    assert made.words.along == pytest.approx(factor)  # the scale bar is of lengths along the axis
 
 
 def test_a_table_of_a_rod_with_weight_has_no_force_that_is_not_known(ds: xr.Dataset, tmp_path) -> None:

@@ -55,6 +55,8 @@ class Body:
         What a real rod could not do, as `cautions` writes it.
     lift
         By how much it is drawn farther from the axis than it is [length], to set rods apart.
+    squeeze
+        The factor of its heights in the drawing, less than 1 for a rod that is compressed along the axis.
     """
 
     line: Centreline
@@ -63,6 +65,7 @@ class Body:
     gamma: Array | None = None
     caution: str = ""
     lift: float = 0.0
+    squeeze: float = 1.0
     paint: Paint = field(default_factory=Paint)
 
     @property
@@ -93,7 +96,7 @@ class Body:
         s = np.concatenate([[self.span[0]], inside, [self.span[1]]])
         alpha, _, z = self.line.at(s)
         # with far too few stations the curve may go too far; the rod is not stretched, which bounds z
-        return alpha, np.clip(z - z[0], s[0] - s, s - s[0])
+        return alpha, self.squeeze * np.clip(z - z[0], s[0] - s, s - s[0])
 
     @property
     def alpha(self) -> Array:
@@ -123,7 +126,11 @@ class Body:
     def places(self, s: Array) -> Array:
         """The centreline where it is drawn, (k, 3) [length]; heights are from where the drawing begins."""
         place, _, out, _ = self.line.frame(s)
-        return place + self.lift * out - [0, 0, self.line.at(np.array(self.span[:1]))[2][0]]
+        return self._drawn(place + self.lift * out)
+
+    def _drawn(self, place: Array) -> Array:
+        """Places where they are drawn: heights are from where the drawing begins, and squeezed."""
+        return (place - [0, 0, self.line.at(np.array(self.span[:1]))[2][0]]) * [1, 1, self.squeeze]
 
     @cached_property
     def dense(self) -> Array:
@@ -133,8 +140,7 @@ class Body:
     @cached_property
     def crossings(self) -> list[Array]:
         """Where the rod passes through itself, (3,) each [length]; heights are from where the drawing begins."""
-        begins = self.line.at(np.array(self.span[:1]))[2][0]
-        return [place - [0, 0, begins] for place in self_contact.places(self.line, self.span)]
+        return [self._drawn(place) for place in self_contact.places(self.line, self.span)]
 
     def rings(self, tolerance: float, colour_length: float) -> Rings:
         """Rings and sides for a tolerance [length]; colours are true on intervals longer than `colour_length`."""
@@ -146,7 +152,11 @@ class Body:
     def surface(self, drawn: Rings) -> Surface:
         """The tube of radius a about the curve, closed at both ends, its corners on the true surface."""
         s, sides = drawn.s, drawn.sides
-        _, along, out, across = self.line.frame(s)
+        true, along, out, across = self.line.frame(s)
+        if self.squeeze < 1:
+            along = along * [1, 1, self.squeeze]
+            along /= np.linalg.norm(along, axis=-1, keepdims=True)
+            across = np.cross(along, out) * np.sign(np.sum(np.cross(along, out) * across, axis=-1, keepdims=True))
         place = self.places(s)
         turned = self.turned()
         angle = np.zeros(s.size) if turned is None else turned(s)
@@ -157,7 +167,7 @@ class Body:
         side = np.arange(sides)
         painted = np.tile(np.repeat((side + sides // (2 * STRIPE)) % sides < sides // STRIPE, 2), s.size - 1)
         normals = made.normals[: s.size * sides].reshape(s.size, sides, 3)
-        light = shading.on_tube(s, place, normals, out, self.a, self.side == "inside")
+        light = shading.on_tube(s, true, normals, out, self.a, self.side == "inside")
         ends = [np.append(light[k], light[k].mean()) for k in (0, -1)]
         light = np.concatenate([light.ravel(), *ends])
         return Surface(made, values, np.concatenate([painted, np.zeros(2 * sides, dtype=bool)]), light)

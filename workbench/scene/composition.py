@@ -85,6 +85,8 @@ class Scene:
         Of the rods of the first view, in the legend.
     glyph
         Whether the page shows from where the rods are seen.
+    squeeze
+        The factor by which heights are drawn smaller, for the scale bar.
     """
 
     ds: xr.Dataset
@@ -103,6 +105,7 @@ class Scene:
     ringed: bool = True
     names: Sequence[str] = ()
     glyph: bool = False
+    squeeze: float = 1.0
 
     @property
     def bodies(self) -> list[Body]:
@@ -167,7 +170,7 @@ def words_of(scene: Scene) -> Words:
     subtitle, unit = " · ".join(fact for fact in facts if fact), str(ds.attrs["length_unit"])
     toward = scene.camera.seen_from if scene.glyph else None
     return Words(str(ds.attrs["title"]), subtitle, unit, legend, notes, None, scene.columns, scene.heads, toward,
-                 scene.camera.along_axis, weight_on_page(scene))  # fmt: skip
+                 scene.camera.along_axis * scene.squeeze, weight_on_page(scene))  # fmt: skip
 
 
 def weight_on_page(scene: Scene) -> Array | None:

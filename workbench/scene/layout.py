@@ -144,10 +144,17 @@ def _one(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str 
     notes = _part_drawn([body], ds)
     if where != asked:
         notes += [f"{captions.case_values(ds, asked, settings.digits)} is not solved; this is the nearest solved case"]
+    down, squeeze = cameras.gravity(ds, where), 1.0
     if long_rod.is_long(context):
-        return _in_lines(ds, kind, body, context, case, settings, notes, cameras.gravity(ds, where))
-    rows, camera = _from_sides([body], context, settings, cameras.gravity(ds, where))
-    return composition.compose(Scene(ds, kind, rows, context, case, camera, settings, notes, glyph=len(rows[0]) == 1))
+        if down is not None:
+            squeeze = long_rod.squeeze_of(context)
+            body, context = replace(body, squeeze=squeeze), [replace(each, squeeze=squeeze) for each in context]
+            notes = [f"axis compressed 1 : {1 / squeeze:.3g}", *notes]
+        if long_rod.is_long(context):
+            return _in_lines(ds, kind, body, context, case, settings, notes, down)
+    rows, camera = _from_sides([body], context, settings, down)
+    return composition.compose(Scene(ds, kind, rows, context, case, camera, settings, notes, glyph=len(rows[0]) == 1,
+                                     squeeze=squeeze))  # fmt: skip
 
 
 def _nearest_solved(ds: xr.Dataset, where: Where, among: Sequence[Where] | None = None) -> Where:
@@ -191,7 +198,7 @@ def _side(azimuth: float, elevation: float) -> str:
 
 def _in_lines(
     ds: xr.Dataset, kind: Kind, body: Body, context: Sequence[Body], case: str, settings: Settings, notes: list[str],
-    down: Array | None = None,
+    down: Array | None,
 ) -> Picture:  # fmt: skip
     """All of a rod that would be too thin to see in one view."""
     azimuth, elevation = cameras.views_of(settings.camera)[0] if settings.camera else (0.0, 0.0)
@@ -202,7 +209,7 @@ def _in_lines(
         )
     camera, turned = cameras.facing(context, lying=True, down=down), -np.radians(azimuth)
     scene = Scene(ds, kind, [[View([body], Cell())]], context, case, camera, settings, notes, gutter=GUTTER,
-                  ringed=False)  # fmt: skip
+                  ringed=False, squeeze=body.squeeze)  # fmt: skip
     wide, high = (side * settings.dpi for side in room(scene))
     lines = long_rod.lines_for(context, (int(wide - (GUTTER + 2 * EDGE) * settings.dpi), int(high)))
     pieces, unit = lines.cut(body), str(ds.attrs["length_unit"])

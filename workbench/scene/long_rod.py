@@ -12,6 +12,8 @@ from .body import Body
 from .captions import Cell
 
 PITCH = lines.PITCH
+SQUEEZED = 24.0  # diameters of the cylinder, to which a long rod with weight is compressed along the axis
+TIGHTEST = 0.5  # of its own radius: the curvature of a bend as it is drawn
 THINNEST = 4.0  # width of a cylinder in pixels; below, nothing of its rod is seen
 ROOM = 0.98  # of a line is for the rod that is cut to fit, as its bends at the cuts are not known before
 
@@ -60,6 +62,13 @@ class Lines:
 def is_long(bodies: Sequence[Body]) -> bool:
     """Whether one of the rods would be too thin to see in one view."""
     return any(lines.is_long(float(np.ptp(body.z)), body.reach) for body in bodies)
+
+
+def squeeze_of(bodies: Sequence[Body]) -> float:
+    """The factor of the heights of rods that are compressed along the axis, so little that their bends stay round."""
+    fits = min(SQUEEZED * 2 * body.reach / float(np.ptp(body.z)) for body in bodies)
+    bends = max(float(np.sqrt(body.a * body.line.kappa(body.line.s).max() / TIGHTEST)) for body in bodies)
+    return min(max(fits, bends), 1.0)
 
 
 def lines_for(bodies: Sequence[Body], room: tuple[int, int]) -> Lines:
