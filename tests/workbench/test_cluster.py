@@ -104,7 +104,7 @@ def test_what_goes_wrong_in_a_worker_can_be_sent(monkeypatch, tmp_path) -> None:
     def broken(*args: object) -> bytes:
         raise Unsendable
 
-    monkeypatch.setattr(dask_engine, "solved", broken)
+    monkeypatch.setattr(dask_engine, "solve_chunk", broken)
     with pytest.raises(RuntimeError, match="Unsendable") as caught:
         dask_engine._solve(work.light, work.chunk(0, 4), work.block, recipe.code_version())
     assert "Unsendable" in str(pickle.loads(pickle.dumps(caught.value)))

@@ -43,7 +43,7 @@ from studies import load
 from workbench.run import block, plan
 before = set(sys.modules)
 work = plan.plan(load({str(path)!r}))
-block.solved(work.light, work.chunk(0, 4), work.block)
+block.solve_chunk(work.light, work.chunk(0, 4), work.block)
 print("read", *sorted(set(sys.modules) - before))
 """
     assert told(code) == ["read"]
