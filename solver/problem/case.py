@@ -83,7 +83,7 @@ class Cylinder:
             raise InputError(f"sliding matters only with friction, got sliding={self.sliding!r} and no friction")
         if self.inclination is not None:
             off = np.less(self.inclination, 0) | np.greater(self.inclination, np.pi * (1 + 1e-15))
-            refuse("Cylinder", "inclination", self.inclination, off, "from 0 to pi")
+            refuse("Cylinder", "inclination", self.inclination, off, "from 0 to pi rad (180 deg)")
         if self.friction is not None:
             refuse("Cylinder", "friction", self.friction, np.less(self.friction, 0), "at least 0")
             object.__setattr__(self, "sliding", self.sliding or next(iter(SLIDING)))

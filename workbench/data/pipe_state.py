@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 from solver.shooting.state import in_words
 
+from . import cautions
+
 if TYPE_CHECKING:
     from solver import Solution
 
@@ -22,11 +24,14 @@ REACHES = {"m": 30.0, "ft": 100.0}  # lengths on which drillers state a dogleg
 
 
 def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
-    """The sentences on one solved case; none of a rod without weight and friction, or without a shape."""
-    if not sol.case.varies or not sol.solved:
+    """The sentences on one case, where it is not solved the loads alone; none of a rod without weight and friction."""
+    if not sol.case.varies:
         return []
     length, force = units["length"], units["force"]
-    said = [f"state: {in_words(sol.states, length)}"]
+    if not sol.solved:
+        return [*_buckling(sol, force), *_long_pipe(sol, force)]
+    barred = cautions.is_barred(str(cautions.of_cases(sol, unit=length)))
+    said = [f"state: {in_words(sol.states, length)}{', which no real rod could hold: see the caution' * barred}"]
     begun = str(sol.begun or "")
     if LEAVES in begun:
         said.append(f"on the way to these loads the rod {begun[begun.index(LEAVES) :]}")
@@ -38,7 +43,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     said.append(f"largest dogleg {most:.4g} deg in {reach:g} {length}")
     if sol.case.rod.E is not None:
         said[-1] += f", bending stress {_stress(sol, length, force)}"
-    said.append(_index(sol))
+    said.append(_index(sol) + ", if the cylinder could pull" * (barred and not sol.case.cylinder.friction))
     return said
 
 
@@ -90,7 +95,8 @@ def _long_pipe(sol: "Solution", force: str) -> list[str]:
 
 
 def _ends(sol: "Solution", force: str, length: str) -> str:
-    near, far = _observe(sol, "FZ0"), float(sol.FZ)
+    near, far = (_observe(sol, name) for name in ("FZ0", "FZ"))
+    near, far = (value if abs(value) > 1e-12 * max(abs(near), abs(far)) else 0.0 for value in (near, far))
     wall = sol.case.cylinder
     text = f"axial force {near:.6g} {force} at s = 0 and {far:.6g} {force} at s = L"
     text += f"; push {float(sol.push[0]):.4g} and {float(sol.push[-1]):.4g} {force}/{length}"
