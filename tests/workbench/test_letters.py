@@ -90,6 +90,9 @@ def test_the_ticks_of_an_axis_have_one_form(values, texts) -> None:
 def test_powers_of_ten_are_in_print_and_words_stay() -> None:
     assert labels.typeset("exponent -0.5001 ± 1.3e-05") == "exponent −0.5001 ± 1.3·10⁻⁵"
     assert labels.powers_of_ten("gap 1e-02, 5e+03, e1e2, 1e5x") == "gap 10⁻², 5·10³, e1e2, 1e5x"
+    low = labels.lower_indices("FZ²·ρ, MZ(0) and FZ0")
+    assert low == "$F_Z$²·ρ, $M_Z$(0) and FZ0"
+    assert labels.plain_indices(low) == "FZ²·ρ, MZ(0) and FZ0"
     assert labels.typeset("4.2..5.1 and -1..-0.5") == "4.2 to 5.1 and −1 to −0.5"
 
 

@@ -281,7 +281,7 @@ def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_whe
     (line,) = [line for line in ax.lines if len(line.get_xdata()) == 2]
     assert set(line.get_ydata()) == {row["at"]["R"]}
     said = " ".join(text.get_text() for text in ax.texts).replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
-    law = "(a): the number of bends does not rise with E; true in part; judged at R = 0.7349 cm; lines: 12 true"
+    law = "(a): the number of bends does not rise with E; true in part: true at R = 0.7349 cm; lines: 12 true"
     assert law in said
     assert {"row in which a law is false", "the line of the map on which the law is decided"} <= set(legend(fig))
 

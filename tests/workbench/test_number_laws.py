@@ -165,7 +165,7 @@ def test_a_band_that_the_line_hides_is_named_so(ds: xr.Dataset) -> None:
     for relative, hidden in ((1e-4, True), (0.3, False)):
         ax = panel(ds, Figure().add_subplot(), {**row, "rule": {**row["rule"], "relative": relative}})
         named = [text.get_text() for text in ax.get_legend().get_texts()]
-        assert (f"allowed: ± {100 * relative:g}\N{NO-BREAK SPACE}% (hardly wider than the line)" in named) == hidden
+        assert (f"allowed: ± {100 * relative:g}\N{NO-BREAK SPACE}%, not wider than the line" in named) == hidden
         assert (f"allowed: ± {100 * relative:g}\N{NO-BREAK SPACE}%" in named) == (not hidden)
 
 

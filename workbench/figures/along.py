@@ -23,7 +23,7 @@ from studies.laws import NOISE
 
 from ..data import labels, schema
 from ..data.cautions import SLIGHT
-from . import canvas, drawn_rods, legend, push_scale, style
+from . import canvas, drawn_rods, legend, push_scale, regions, style
 from .drawn_rods import DrawnRods
 from .scales import Ticks, angle_locator
 from .sheet import SCREEN, Sheet
@@ -40,7 +40,8 @@ EACH, TALL, NARROW = (
     (1.9, 7.2),
     (1.0, 3.4),
 )  # inches of one curve, and of a panel; on a narrow sheet of all panels
-THICK, LINE = 0.62, 0.13  # of a row of states: its bar, and above it the line where the cylinder would have to pull
+THICK, LINE = 0.62, 0.22  # of a row of states: its bar, and at its upper edge where the cylinder would have to pull
+SEEN = 0.004  # share of the length as which a shorter stretch is drawn there
 TEXT = 1.45  # heights of a letter from one line of text to the next
 
 
@@ -261,16 +262,19 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
 
 
 def _draw_states(ax: Axes, rods: DrawnRods) -> None:
-    """A bar a rod, in the colours of its states, and above it a line where the cylinder would have to pull."""
+    """A bar a rod, in the colours of its states; marks at its upper edge where the cylinder would have to pull."""
     for k, rod in enumerate(rods.rods):
         if rod.arrays is None:
             _say_unsolved(ax, k)
             continue
         for state in _states(rod):
             ax.barh(k, state.end - state.begin, THICK, state.begin, color=COLOURS[state.word], gid=state.word)
-        pulls = rod["push"] < -SLIGHT * np.abs(rod["push"]).max()
-        low = k + THICK / 2
-        ax.fill_between(rod["s"], low, low + LINE, where=pulls, color=push_scale.PULL, linewidth=0.6)
+        s, pulls = rod["s"], rod["push"] < -SLIGHT * np.abs(rod["push"]).max()
+        _, first, after = regions.runs(pulls[None])
+        half, size = float(s[-1] - s[0]) / (s.size - 1) / 2, float(s[-1] - s[0])
+        middles, wide = (s[first] + s[after - 1]) / 2, np.maximum(s[after - 1] - s[first] + 2 * half, SEEN * size)
+        places = list(zip(middles - wide / 2, wide, strict=True))
+        ax.broken_barh(places, (k + THICK / 2 - LINE, LINE), color=push_scale.PULL, linewidth=0, zorder=3)
 
 
 def _states(rod: drawn_rods.DrawnRod) -> Sequence[Any]:

@@ -11,6 +11,7 @@ from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.text import Text
 
 from solver.problem.errors import InputError
 
@@ -48,7 +49,17 @@ def figure(
             _letter_panels(fig)
         if ds is not None and sheet.titled:
             _set_title(fig, " · ".join(text for text in (labels.reading(ds), said) if text), str(ds.attrs["title"]))
+        _lower_indices(fig)
     return fig
+
+
+def _lower_indices(fig: Figure) -> None:
+    """Set the index of ``FZ``, ``MZ`` and ``FY`` low in every text: Unicode has no such letters."""
+    for text in fig.findobj(Text):
+        plain = text.get_text()
+        low = labels.lower_indices(plain)
+        if low != plain and "$" not in plain:
+            text.set(text=low, parse_math=True)
 
 
 def _letter_panels(fig: Figure) -> None:

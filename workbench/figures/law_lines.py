@@ -125,13 +125,19 @@ def _numbers(verdicts: NDArray[np.str_]) -> NDArray[np.float64]:
 
 
 def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
-    """``(1): the number of bends falls with E; true in part; judged at R = 0.75 cm``."""
+    """``(1): the number of bends falls with E; true in part: true at R = 0.75 cm``, on the line that decides."""
     row = law.row
     at = ", ".join(f"{labels.axis_symbol(name)} = {labels.value(v, ds[name])}" for name, v in row["at"].items())
     at = at.replace(" ", "\N{NO-BREAK SPACE}")
     does = f"{row['does']} {'with' if row['direction'] else 'along'} {labels.axis_symbol(row['axis'])}"
     noun = labels.noun_of(row["observable"])
-    return f"{row['claim']}: {noun} {does}; {PLAIN[row['verdict']]}{f'; judged at {at}' if at else ''}"
+    if not at:
+        return f"{row['claim']}: {noun} {does}; {PLAIN[row['verdict']]}"
+    there = {name: int(np.abs(law.lines[name].values - value).argmin())
+             for name, value in row["at"].items() if name in law.lines.dims}  # fmt: skip
+    decided = str(law.lines.isel(there).values)
+    how = f": {PLAIN[decided]} at" if decided in VERDICTS and decided != row["verdict"] else "; judged at"
+    return f"{row['claim']}: {noun} {does}; {PLAIN[row['verdict']]}{how} {at}"
 
 
 def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -111,7 +111,7 @@ def _brief(row: Mapping[str, Any]) -> str:
     return f"{does} ({wrong} step{'s' * (wrong > 1)} wrong)" if wrong else does
 
 
-DASHED = (0, (4, 2))
+DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))  # of a curve and a lower bound; of an upper bound
 SEEN = 4.0  # points across, from which a band is seen beside a line
 
 
@@ -139,9 +139,11 @@ def _equals(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: A
 
 def _allow(ax: Axes, along: Any, low: Any, high: Any, tolerance: str) -> None:
     """Shade what a law allows, with its number."""
-    thin = np.median(high - low) * style.inches(ax)[1] * 72 < SEEN * np.ptp(ax.get_ylim())
-    ax.fill_between(along, low, high, color=style.INK, alpha=0.12, linewidth=0, zorder=0,
-                    label=f"allowed: {tolerance}{' (hardly wider than the line)' if thin else ''}")  # fmt: skip
+    if np.median(high - low) * style.inches(ax)[1] * 72 < SEEN * np.ptp(ax.get_ylim()):
+        ax.plot([], [], " ", label=f"allowed: {tolerance}, not wider than the line")
+    else:
+        ax.fill_between(along, low, high, color=style.INK, alpha=0.12, linewidth=0, zorder=0,
+                        label=f"allowed: {tolerance}")  # fmt: skip
 
 
 def _bound(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
@@ -149,7 +151,8 @@ def _bound(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: An
         if key in numbers:
             least = float(np.nanmin((numbers["observed"] - numbers[key]) * (1 if key == "least" else -1)))
             near = f"nearest: {labels.number(least, 3)} {'inside' if least >= 0 else 'outside'}".replace("-", "")
-            _line(ax, along, numbers[key], f"{word} {formula(ds, getattr(law, key), ds[law.observable])} ({near})")
+            words = f"{word} {formula(ds, getattr(law, key), ds[law.observable])} ({near})"
+            _line(ax, along, numbers[key], words, DASHED if key == "least" else DOTTED)
 
 
 def _scales(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
@@ -177,11 +180,11 @@ def _boundary(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row:
             at = row["numbers"]["at"]
             share = f", {100 * abs(at - there) / abs(there):.2g} % off" if there else ""
             ax.plot(labels.in_label_unit(axis, at), numbers["passes"][0], "D", color="white", markersize=6, zorder=5,
-                    markeredgecolor=style.INK, label=f"measured: {_number(at, axis)}{share}")  # fmt: skip
+                    markeredgecolor=style.INK, label=f"computed: {_number(at, axis)}{share}")  # fmt: skip
 
 
-def _line(ax: Axes, along: Any, values: Any, label: str) -> None:
-    ax.plot(along, values, color=style.INK, linewidth=1.3, linestyle=DASHED, zorder=3, label=labels.minus_signs(label))
+def _line(ax: Axes, along: Any, values: Any, label: str, look: Any = DASHED) -> None:
+    ax.plot(along, values, color=style.INK, linewidth=1.3, linestyle=look, zorder=3, label=labels.minus_signs(label))
 
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
@@ -221,7 +224,8 @@ def _words_of_bounds(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArra
 
 def _words_of_scales(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
     exponent = f"{rule['exponent']:.4g} within {rule['within']:.4g}"
-    return f"is a power of {labels.axis_symbol(axis)}, its exponent {exponent}"
+    size = labels.axis_symbol(axis) if (ds[axis] >= 0).all() else f"|{labels.axis_symbol(axis)}|"
+    return f"is a power of {size}, its exponent {exponent}"
 
 
 def _words_of_boundary(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:

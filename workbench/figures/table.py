@@ -17,6 +17,7 @@ from matplotlib.container import BarContainer
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..data import labels
 from . import legend
 
 CASING = "_casing"  # the label of the grey casing of a coloured line
@@ -104,4 +105,4 @@ def _label(artist: Any, number: int) -> str:
 
 
 def _one_line(text: str) -> str:
-    return " ".join(text.split())
+    return " ".join(labels.plain_indices(text).split())

@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 
 from solver.problem.errors import InputError
 
-from ..data import labels
+from ..data import labels, observed
 from . import drawn_rods, push_scale, style, unrolled
 from .drawn_rods import DrawnRod
 from .map_cells import Cells, Choice
@@ -67,8 +67,12 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], na
                      for scale, k, room in ((cells.x, i, across), (cells.y, j, up)))  # fmt: skip
         if rod in known:
             _curve(ax.inset_axes((left, low, across, up)), rod, extent, factor, norm)
-        ax.text(left + across / 2, low, _number(cells, name, j, i), transform=ax.transAxes, ha="center", va="bottom",
-                size=style.small(), path_effects=[HALO], zorder=20)  # fmt: skip
+        text = _number(cells, name, j, i)
+        size = style.width_of(text, style.small()) / inches[0], style.small() * 1.2 / 72 / inches[1]
+        place = _place_of_number(cells, name, (j, i), (left, low, across, up), size)
+        if place is not None:
+            ax.text(*place, text, transform=ax.transAxes, ha="center", va="bottom", size=style.small(),
+                    path_effects=[HALO], zorder=20)  # fmt: skip
     if norm is not None:
         coloured = ScalarMappable(norm, push_scale.ramp())
         push_scale.bar(ax.get_figure(root=True), coloured, [ax], push_scale.unit(ds), inches[0], below=True)  # type: ignore[arg-type]
@@ -81,6 +85,30 @@ def _spread(scale: Scale, count: int) -> tuple[list[int], float]:
     chosen = list(dict.fromkeys(scale.cell((k + 0.5) / count) for k in range(count)))
     shares = [scale.share(float(scale.values[i])) for i in chosen]
     return chosen, FILL * float(min([*np.diff(shares), 1 / count]))
+
+
+def _place_of_number(
+    cells: Cells,
+    name: str,
+    cell: tuple[int, int],
+    room: tuple[float, float, float, float],
+    size: tuple[float, float],
+) -> tuple[float, float] | None:
+    """Where the number of a case stands in the room of its shape, the middle of its foot in shares of the map.
+
+    Of a count it stands among cells of that number: below the shape, else above or beside it, else nowhere (None).
+    """
+    left, low, across, up = room
+    values = np.where(cells.unbent(name), -1.0, np.nan_to_num(cells.values(name), nan=-2.0))
+    beside = (0.5, 0.92, 0.08)
+    for share in beside:
+        for height in np.linspace(0, 1, 9) if share != beside[0] else (0.0, 1.0):
+            x, y = left + share * across, low + height * (up - size[1])
+            corners = {(cells.y.cell(y + v * size[1]), cells.x.cell(x + (h - 0.5) * size[0]))
+                       for v in (0, 1) for h in (0, 1)}  # fmt: skip
+            if not observed.is_count(cells.source, name) or all(values[at] == values[cell] for at in corners):
+                return x, y
+    return None
 
 
 def _number(cells: Cells, name: str, j: int, i: int) -> str:
@@ -96,7 +124,7 @@ def _scale_of(ds: xr.Dataset, extent: tuple[float, float], factor: float) -> str
     unit = labels.unit(str(ds.attrs["length_unit"]))
     size = f"the longest is {labels.number(extent[0])} {unit} long"
     enlarged = f"{unrolled.larger(1 / factor, 'z')}{unrolled.larger(factor, style.AROUND)}"
-    where = f"{style.WAYS}, each about its own case, its number below"
+    where = f"{style.WAYS}, each about its own case, its number beside it"
     return f"Shapes: unrolled views, {where}; all at one scale{enlarged}; {size}."
 
 

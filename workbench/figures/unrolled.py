@@ -46,7 +46,7 @@ STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SHORT = 0.9  # of the arc: a shorter chord has turned by a right angle or more in between
 RING = 3.5, 7.0  # points across at least, in the smallest and in the largest strips
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
-THROUGH = "the rod passes through itself"
+THROUGH = "the rod passes through itself at its true thickness"
 TOO_LONG = "is too long to search for the places where it passes through itself"
 PULLED = "the cylinder would have to pull: the rod would lift off"
 
@@ -301,13 +301,26 @@ def _frame(ax: Axes, rods: DrawnRods, form: Strips, unit: str) -> None:
                         va="top", size=style.small(), color=style.SOFT)  # fmt: skip
     ax.tick_params(length=0, pad=2)
     ax.spines[:].set_visible(False)
-    ax.set_xlabel(f"z [{unit}]{larger(1 / form.factor)}", labelpad=1)
+    _label_columns(ax, form, columns, len(rods.rods), f"z [{unit}]{larger(1 / form.factor)}")
     brief = f", ×{form.factor:g}" if form.factor > 1 else ""
     words = [
         f"{style.AROUND} [{unit}]{larger(form.factor)}",
         *(f"{word} [{unit}]{brief}" for word in (style.AROUND, "around")),
     ]
     ax.set_ylabel(style.shorter(words, form.height), labelpad=1)
+
+
+def _label_columns(ax: Axes, form: Strips, columns: int, count: int, text: str) -> None:
+    """The label of the axis to the right below each column, below its lowest strip of so many; where it has room."""
+    room = form.pitch[0] * form.scale > style.width_of(text, style.normal())
+    middle = form.low[0] + form.size[0] / 2
+    ends = ax.get_xlim()
+    ax.set_xlabel(text, labelpad=1, x=(middle - ends[0]) / (ends[1] - ends[0]) if room else 0.5)
+    for k in range(1, columns if room else 1):
+        rows = (count - 1 - k) // columns + 1
+        foot = form.low[1] + form.size[1] + (rows - 1) * form.pitch[1]
+        ax.annotate(text, (middle + k * form.pitch[0], foot), (0, -4 - style.small() * 1.15), va="top", ha="center",
+                    textcoords="offset points", size=style.normal(), annotation_clip=False)  # fmt: skip
 
 
 def _said(form: Strips) -> str:
