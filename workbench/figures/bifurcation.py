@@ -24,6 +24,7 @@ from .sheet import SCREEN, Sheet
 PANEL, SHAPES = (4.6, 3.0), 4.6  # inches: heights of the panels on a page as wide as a screen, of all shapes
 MOST = 16, 8  # shapes; those on one column of a page
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
+HIDDEN = 0.03  # of a panel: marks would cover a shorter stable piece
 SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed ones would look solid
 
 
@@ -61,6 +62,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
             some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
             short = form.said(row["index"] for row in branches(ds))
             notes.append(f"Unrolled views at the points: {style.WAYS}, all at one scale{some}; dot: s = 0{short}.")
+            notes += _alike(ds, names[0])
         notes += [f"Not drawn: {', '.join(left_out)}."] if left_out else []
         legend.below(fig, legend.entries(fig.axes[0]) if sheet.narrow else [], notes, sheet)
 
@@ -84,6 +86,8 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = PANEL[0]) -> Axes:
                 continue
             drawn.append((label, share))
             line = smooth_line(run[:, 0], run[:, 1], share)
+            if look["linestyle"] == "-" and np.ptp(share, axis=0).max() < HIDDEN:
+                look = look | {"zorder": 6.5}  # above the marks at its two ends
             ax.plot(*line, label=label, marker="." if on.size == 1 else "", **look)
     for kind, mark in MARKS.items():
         x, y = _special(ds, name, key, kind)
@@ -100,6 +104,16 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = PANEL[0]) -> Axes:
     ax.set_ylim(*ax.get_ylim())
     _number_points(ds, ax, key, (style.inches(ax)[0], inches))
     return style.with_grid(ax)
+
+
+def _alike(ds: xr.Dataset, key: str) -> list[str]:
+    """The sentence that names branches of which one line shows two; none where each has its own."""
+    both = np.stack([ds[f"curve_{name}"].values for name in (str(ds.attrs["axis"]), key)], axis=1)
+    shares = both / np.array([np.ptp(values) or 1.0 for values in both.T])
+    lines = [shares[ds["curve_branch"].values == row["branch"]] for row in branches(ds)]
+    pairs = [f"{i + 1} and {k + 1}" for k, line in enumerate(lines) for i, other in enumerate(lines[:k])
+             if _lies_on(line, other) and _lies_on(other, line)]  # fmt: skip
+    return [f"One line shows both of two branches: {', '.join(pairs)}."] if pairs else []
 
 
 def _lies_on(line: Any, other: Any) -> bool:

@@ -69,7 +69,9 @@ def energies(ds: xr.Dataset, ax: Axes, width: float = SCREEN.width, high: float 
     if index.size and index.min() == index.max():
         ax.set_xlim(index.min() - 0.5, index.max() + 0.5)
     noun = "equilibrium" if index.size == 1 else "equilibria"
-    sentences = [f"{index.size} {noun}, {int((index == 0).sum())} stable (filled): {ds.attrs['stability']}"]
+    sentences = [
+        f"{index.size} {noun}, {int((index == 0).sum())} stable (filled): {ds.attrs['stability'].replace('M3', 'M₃')}"
+    ]
     if "searched" in ds.attrs:
         sentences.append(f"Not proved complete: searched over {labels.minus_signs(ds.attrs['searched'])}")
     ax.set_title("\n".join(style.fitted(one, width - 0.9) for one in sentences), loc="left")
@@ -153,7 +155,13 @@ def frames(curves: Sequence[tuple[Any, Any]], width: float, tallest: float) -> F
         scales[rows] = min(max(width / columns - BESIDE, 0.1) / wide, max(tallest / rows - AROUND, 0.2) / tall)
     rows = min(rows for rows, scale in scales.items() if scale >= NEARLY * max(scales.values()))
     scale, columns = scales[rows], max(-(-len(curves) // rows), 1)
-    return Frames(columns, rows, (wide, tall), rows * (tall * scale + AROUND), width / columns - 0.3)
+    return Frames(
+        columns,
+        rows,
+        (wide, tall),
+        rows * (tall * scale + AROUND),
+        width / columns - 0.3 - style.width_of("14: ", style.small()),
+    )
 
 
 def look(index: int) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from .map_panel import HALO
 from .sheet import SCREEN, Sheet
 
 HIGH = 0.72  # height of the map over its width
-SHAPE, SMALL_SHAPE = 0.62, 0.4  # inches, the side of a shape, and that on a narrow map
+SHAPE, SMALL_SHAPE = 0.85, 0.4  # inches, the side of a shape, and that on a narrow map
 NARROW = 4.0  # inches of a map
 MOST, PAD = 4, 0.05  # shapes in a region; inches around a text
 GIVEN = ("the given case", "Table 1")  # what the map was made of
@@ -128,8 +128,9 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
     cell = inches[1] / numbers.shape[0], inches[0] / numbers.shape[1]
     line, side = 1.3 * style.small() / 72, SHAPE if inches[0] > NARROW else SMALL_SHAPE
     left_out, fewer, drawn = list[int](), False, False
+    same = np.unique(ds["count_stable"].values).size == 1
     for k, (count, stable) in enumerate(zip(ds["count"].values, ds["count_stable"].values, strict=True)):
-        text = f"{count}, {stable} stable"
+        text = f"{count}" if same else f"{count}, {stable} stable"
         for said, shapes in (
             *((text, n) for n in range(min(int(stable), MOST), -1, -1)),
             (text.replace(" ", "\n", 1), 0),
@@ -153,7 +154,8 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
             left_out.append(k)
     some = "; where there is not room for all, those of lowest energy" if fewer else ""
     note = f"Shapes: unrolled views of the stable equilibria, {style.WAYS}, all at one scale{some}."
-    return [note] if drawn else [], left_out
+    of = f"Numbers: of equilibria; {ds['count_stable'].values[0]} of them stable everywhere."
+    return [*[of] * same, *[note] * drawn], left_out
 
 
 def _draw_shapes(

@@ -126,9 +126,9 @@ class Body:
     def places(self, s: Array) -> Array:
         """The centreline where it is drawn, (k, 3) [length]; heights are from where the drawing begins."""
         place, _, out, _ = self.line.frame(s)
-        return self._drawn(place + self.lift * out)
+        return self._place_on_page(place + self.lift * out)
 
-    def _drawn(self, place: Array) -> Array:
+    def _place_on_page(self, place: Array) -> Array:
         """Places where they are drawn: heights are from where the drawing begins, and squeezed."""
         return (place - [0, 0, self.line.at(np.array(self.span[:1]))[2][0]]) * [1, 1, self.squeeze]
 
@@ -140,7 +140,7 @@ class Body:
     @cached_property
     def crossings(self) -> list[Array]:
         """Where the rod passes through itself, (3,) each [length]; heights are from where the drawing begins."""
-        return [self._drawn(place) for place in self_contact.places(self.line, self.span)]
+        return [self._place_on_page(place) for place in self_contact.places(self.line, self.span)]
 
     def rings(self, tolerance: float, colour_length: float) -> Rings:
         """Rings and sides for a tolerance [length]; colours are true on intervals longer than `colour_length`."""
