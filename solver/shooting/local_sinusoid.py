@@ -113,6 +113,3 @@ def sinusoid(rod: LoadedRod) -> Shape | None:
 def passes_fold(rod: LoadedRod) -> bool:
     """Whether the compression somewhere passes the fold of the sinusoid."""
     return has_sinusoid(rod) and bool(compression(rod, rod.nodes())[0].max() >= LAST)
-
-
-__all__ = ["local_sinusoid", "passes_fold", "sinusoid"]

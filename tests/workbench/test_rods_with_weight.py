@@ -101,6 +101,9 @@ def test_a_long_rod_with_weight_is_compressed_along_the_axis_no_more_than_its_be
     made = layout.compose(ds, {"inclination": np.pi / 2}).page
     assert f"axis compressed 1 : {1 / factor:.3g}" in made.words.notes
     assert made.words.along == pytest.approx(factor)  # the scale bar is of lengths along the axis
+    rows, _ = layout._cells(ds, kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
+    assert [view.bodies[0].squeeze for view in rows[0]] == [pytest.approx(factor)] * 2
+    assert all(view.bodies[0].whole for view in rows[0])
 
 
 def test_a_table_of_a_rod_with_weight_has_no_force_that_is_not_known(ds: xr.Dataset, tmp_path) -> None:

@@ -35,11 +35,8 @@ COLOURS = {"straight": "#d9d9d4", "sinusoidal": "#7fb8d6", "helical": "#2c5f8a"}
 NEEDED = {STATES: ("beta", "alpha", "push")}  # arrays of a panel that is no array itself
 MOST, MOST_PANELS = 60, 6
 CLEAR = 1.25  # the step from one curve to the next over the least at which no curve reaches the next
-EACH, TALL, NARROW = (
-    0.55,
-    (1.9, 7.2),
-    (1.0, 3.4),
-)  # inches of one curve, and of a panel; on a narrow sheet of all panels
+# inches: of one curve; of a panel, least and most; of all panels on a narrow sheet
+EACH, TALL, NARROW = 0.55, (1.9, 7.2), (1.0, 3.4)
 THICK, LINE = 0.62, 0.22  # of a row of states: its bar, and at its upper edge where the cylinder would have to pull
 SEEN = 0.004  # share of the length as which a shorter stretch is drawn there
 TEXT = 1.45  # heights of a letter from one line of text to the next

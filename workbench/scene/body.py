@@ -212,4 +212,4 @@ def of_case(
 def beginning(body: Body) -> Body:
     """The rod, or its beginning that is no taller than `TALLEST` diameters of the cylinder."""
     tall = TALLEST * 2 * body.reach
-    return body if np.ptp(body.z) <= tall else replace(body, span=(body.span[0], body.span[0] + tall))
+    return body if np.ptp(body.z) <= tall else replace(body, span=(body.span[0], body.span[0] + tall / body.squeeze))

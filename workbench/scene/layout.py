@@ -145,13 +145,12 @@ def _one(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str 
     if where != asked:
         notes += [f"{captions.case_values(ds, asked, settings.digits)} is not solved; this is the nearest solved case"]
     down, squeeze = cameras.gravity(ds, where), 1.0
+    if down is not None and long_rod.is_long(context):
+        squeeze = long_rod.squeeze_of(context)
+        body, *context = (replace(each, squeeze=squeeze) for each in (body, *context))
+        notes = [_compression_note(squeeze), *notes]
     if long_rod.is_long(context):
-        if down is not None:
-            squeeze = long_rod.squeeze_of(context)
-            body, context = replace(body, squeeze=squeeze), [replace(each, squeeze=squeeze) for each in context]
-            notes = [f"axis compressed 1 : {1 / squeeze:.3g}", *notes]
-        if long_rod.is_long(context):
-            return _in_lines(ds, kind, body, context, case, settings, notes, down)
+        return _in_lines(ds, kind, body, context, case, settings, notes, down)
     rows, camera = _from_sides([body], context, settings, down)
     return composition.compose(Scene(ds, kind, rows, context, case, camera, settings, notes, glyph=len(rows[0]) == 1,
                                      squeeze=squeeze))  # fmt: skip
@@ -287,11 +286,14 @@ def _cells(
     held = {name: i for name, i in cases[0][0].items() if all(each[name] == i for row in cases for each in row)}
     down = None if settings.camera else cameras.gravity(ds, held)
     camera = cameras.upright(cameras.facing([], 0.0 if down is not None else elevation, down is not None, down))
+    each = [[rods.of_case(ds, where, kind, settings.span) for where in row] for row in cases]
+    drawn = [body for row in each for body, _ in row if body]
+    squeeze = long_rod.squeeze_of(drawn) if down is not None and long_rod.is_long(drawn) else 1.0
     rows = []
-    for row in cases:
+    for row, found in zip(cases, each, strict=True):
         views = []
-        for where in row:
-            body, why = rods.of_case(ds, where, kind, settings.span)
+        for where, (body, why) in zip(row, found, strict=True):
+            body = replace(body, squeeze=squeeze) if body else None
             body = rods.beginning(body) if body and not settings.span else body
             cell = replace(kind.cell(ds, names, where) if names else Cell(), why_empty=why)
             own = cameras.azimuth_of([body]) if body and down is None else 0.0
@@ -309,7 +311,14 @@ def _several(
     bodies = [body for row in rows for view in row for body in view.bodies]
     held = {name: i for name, i in first.items() if name not in names}
     case = ", ".join([*shown, *captions.values(ds, held)])
-    return Scene(ds, kind, rows, bodies, case, camera, settings, [*notes, *_part_drawn(bodies, ds), *kind.notes], size)
+    squeeze = bodies[0].squeeze if bodies else 1.0
+    notes = [*[_compression_note(squeeze)] * (squeeze < 1), *notes, *_part_drawn(bodies, ds), *kind.notes]
+    return Scene(ds, kind, rows, bodies, case, camera, settings, notes, size, squeeze=squeeze)
+
+
+def _compression_note(squeeze: float) -> str:
+    """How much shorter heights are drawn, in words."""
+    return f"axis compressed 1 : {1 / squeeze:.3g}"
 
 
 def _part_drawn(bodies: Sequence[Body], ds: xr.Dataset) -> list[str]:
