@@ -162,7 +162,7 @@ def restable(ds: "xr.Dataset") -> str:
         return ""
     count = NUMBERS.get(texts.size, str(texts.size))
     if texts.size == 1:
-        return "this rod could not rest there"
+        return "this rod could not rest as drawn"
     if barred == texts.size:
-        return f"none of the {count} rods could rest there"
-    return f"{NUMBERS.get(texts.size - barred, texts.size - barred)} of the {count} rods could rest there"
+        return f"none of the {count} rods could rest as drawn"
+    return f"{NUMBERS.get(texts.size - barred, texts.size - barred)} of the {count} rods could rest as drawn"

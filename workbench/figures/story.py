@@ -132,7 +132,7 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
 
 
 def law(ds: xr.Dataset, ax: Axes) -> None:
-    """The first law of a dataset: its observable as steps, its verdict, and how many of its rods could rest there."""
+    """The first law of a dataset: its observable as steps, its verdict, and how many rods could rest as drawn."""
     (verdict, *_) = law_verdicts.verdicts(ds)
     trend(ds, ax, verdict["observable"], verdict["axis"], verdict["at"])
     noun, axis = labels.noun_of(verdict["observable"]), labels.axis_symbol(verdict["axis"])

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from solver.problem.errors import InputError, choices, no_such
 from studies.dimensions import SAMPLE
 
-from ..data import labels, law_verdicts, observed, refined, schema, selection
+from ..data import cautions, labels, law_verdicts, observed, refined, schema, selection
 from . import along, canvas, drawn_rods, legend, scatter, unrolled
 from .drawn_rods import DrawnRods
 from .laws import panel
@@ -122,7 +122,8 @@ def figure(
             trend(ds, ax, one, axis_of_trends)
             ax.set_title(labels.long_name(ds[one]), loc="left")
             legend.add(ax)
-        legend.below(fig, [], [*said, *chosen.level], sheet)
+        rest = cautions.restable(ds)
+        legend.below(fig, [], [*said, *[f"{rest[:1].upper()}{rest[1:]}."] * bool(rest), *chosen.level], sheet)
         legend.keep(
             fig, [f"Not drawn: {', '.join(chosen.left_out)}; choose with --show or --panel."] if chosen.left_out else []
         )
