@@ -39,7 +39,7 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
     ds : xr.Dataset
         A stored study, or `Solution.to_dataset`.
     path : Path
-        Its suffix chooses the format: docs/reference/export-formats.md. With a number in its name, as in
+        Its suffix chooses the format: docs/how-to/solve-one-rod.md. With a number in its name, as in
         ``frame_{:03d}.stl``, each solved rod along the one axis that the options do not name is a file.
     options : Options
         Which case, how exactly, and what to do with a rod that passes through itself.
