@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .problem.case import Case, Cylinder, Rod, Start
-from .problem.errors import InputError
+from .problem.errors import InputError, whole_number
 from .problem.limits import OUT_OF_RANGE, beyond, units_held
 from .problem.reduced import reduce
 from .problem.shown import make
-from .problem.tolerance import whole_number
 from .solution import SHOWN, Solution
 from .solve import solve
 
@@ -177,8 +176,7 @@ def _loop(
     rod: Rod, cylinder: Cylinder, wraps: int, folds: int, orbit: "ClosedOrbit", about: int, stations: int
 ) -> Loop:
     """The loop of an orbit; about: 1, or -1 for the mirror image of the orbit."""
-    from .closed.overlap import meets_itself
-    from .closed.stability import index_of
+    from .closed.orbits import index_of, meets_itself
     from .observe import observe
 
     case = Case(rod, cylinder, _start(rod, cylinder, about * orbit.lowest, about * orbit.lam))

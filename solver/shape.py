@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from .mechanics import frames, statics
-from .mechanics.contact import contact_force, push_from, with_weight
 from .mechanics.potential import Loads, dimensional_slope, potential
+from .mechanics.statics import contact_force, push_from, with_weight
 from .numerics.arrays import Array
 from .problem.case import PAIRS, Case
 from .problem.held_ends import held_of, loads_of

@@ -8,7 +8,7 @@ import numpy as np
 from .choose.selection import NEAREST, Choose, check
 from .numerics.arrays import Array
 from .problem.case import Case, check_case
-from .problem.errors import InputError, choices, show
+from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
 from .problem.held_ends import HeldProblem, held_of, reduce_held
 from .problem.limits import (
     OUT_OF_RANGE,
@@ -22,7 +22,6 @@ from .problem.limits import (
     units_held,
 )
 from .problem.reduced import EndsProblem, Reduced, StartProblem, flat, reduce
-from .problem.tolerance import DEFAULT_TOLERANCE, check_tolerance, whole_number
 from .problem.trajectory import Seed, Trajectory, blank, stood_in
 from .solution import Solution
 

@@ -24,7 +24,7 @@ VERDICTS = (HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS)  # best first
 
 TREND_TAU = 0.8
 FEW = 256  # up to this number of values all pairs are compared at once
-NOISE = 1e-9  # times the largest value: a smaller step counts as level; see `solver.problem.tolerance`
+NOISE = 1e-9  # times the largest value: a smaller step counts as level; see `DEFAULT_TOLERANCE`
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,8 @@ from pydantic import BaseModel, Field, PrivateAttr
 from solver import Ends, InputError, Start
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case import PAIRS
-from solver.problem.errors import choices
+from solver.problem.errors import DEFAULT_TOLERANCE, choices
 from solver.problem.rod import DIRECT
-from solver.problem.tolerance import DEFAULT_TOLERANCE
 
 from . import axes as parts
 from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Units, Which

@@ -34,7 +34,7 @@ LISTS = {
     "solver": [
         "numerics", "problem", "mechanics", "core", "orbit", "closed", "levels", "equilibrium", "branches",
         "folds", "held", "choose", "shooting", "methods", "shape",
-        "observe", "sensitivity", "solution", "solve", "equilibrium_list", "held_equilibria", "varying_equilibria",
+        "observe", "sensitivity", "solution", "solve", "equilibrium_list", "held_equilibria",
         "equilibria", "branch", "follow", "switch", "end_angle_branch", "region_map", "loops", "inverse", "benchmark",
     ],
     "workbench": [

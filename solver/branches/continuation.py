@@ -37,7 +37,7 @@ from ..levels.path_orbits import orbit_of
 from ..levels.transit_times import CUTTING, NODES
 from ..orbit.critical_points import grid
 from ..problem.reduced import EndsProblem
-from .held_helix import helix_ahead, off_helix
+from .held_helices import helix_ahead, off_helix
 from .leaps import LEAPS, NEAR, Line, leap, shape_of
 
 _MOST_STEPS = 4000

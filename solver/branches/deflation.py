@@ -28,7 +28,7 @@ from ..equilibrium.system import (
 )
 from ..levels.line_point import LinePoint
 from ..numerics.arrays import Array
-from ..numerics.small_systems import solve
+from ..numerics.roots import solve
 from ..problem.reduced import EndsProblem
 
 _ROUNDS = 20

@@ -12,7 +12,7 @@ from ..equilibrium.system import FREE, Given, State, corner_state, rates_in, row
 from ..levels.line_point import LinePoint, Path
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
-from ..numerics.small_systems import solve
+from ..numerics.roots import solve
 from ..problem.reduced import EndsProblem
 from .family import Family, problem_of
 

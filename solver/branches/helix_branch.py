@@ -10,7 +10,7 @@ import scipy  # its parts are imported when used
 from ..levels.line_point import LinePoint
 from ..mechanics.potential import slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array
-from ..numerics.small_systems import root
+from ..numerics.roots import root
 from .branch_states import Bounds, Place
 from .family import Family
 

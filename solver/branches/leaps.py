@@ -14,7 +14,7 @@ from ..levels.level_search import level_paths_of, roots_on
 from ..levels.line_point import LinePoint, Path, path_of
 from ..levels.morse_index import jacobi_zeros
 from ..levels.path_orbits import orbit_of, solve_orbits
-from ..levels.paths import DOWN, UP, Paths
+from ..levels.transit_times import DOWN, UP, Paths
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
 from ..problem.reduced import EndsProblem

@@ -1,4 +1,6 @@
-"""The orbits of closed rods: librations about pi/2 without axial force and twist. Lengths in units of rho.
+"""Closed rods: their orbits, their Morse index, and where they intersect themselves.
+
+The orbits are librations about pi/2 without axial force and twist. Lengths in units of rho.
 
 With mu = phi = 0 the potential has the symmetry beta -> pi - beta, so over a period of a libration about pi/2 the
 integrals of cos(beta) and of sin(beta) cos(beta) vanish: the rod closes along the axis, and its section comes back
@@ -16,9 +18,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy
 
+from ..mechanics.frames import position
 from ..numerics.arrays import Array
-from ..orbit.periodic_orbit import solve_orbit
+from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..orbit.variations import Variations, change_between, directions, orbits_to_vary, variations_on
 from ..problem.reduced import StartProblem
 
@@ -172,3 +176,55 @@ def _measure(lowest: Array, y: Array) -> tuple[Array, Array]:
     """The periods of the orbits, and what alpha gains in one, (n,) each."""
     orbit = solve_orbit(start(lowest, _load(lowest, y)), _TOL)
     return orbit.period, 2 * orbit.gain[:, 0].reshape(-1, 2).sum(axis=1)
+
+
+_DENSE, _MOST = 4.0, 200_000  # points for each radius of the rod, and the largest number of points
+
+
+def meets_itself(orbit: Orbit, a: float, tightest: float) -> bool | None:
+    """Whether a closed rod comes closer to itself than two radii, or bends more tightly than its radius.
+
+    Points pi a apart or less along the closed rod are neighbours, as in `observe.self_contact`. a: the radius, and
+    tightest: the largest curvature, in units of rho. None for a rod with more points than can be compared.
+    """
+    if a * tightest >= 1:
+        return True
+    span = float(orbit.problem.span[0])
+    count = int(np.ceil(_DENSE * span / a))
+    if count > _MOST:
+        return None
+    t = np.arange(count) * (span / count)
+    _, _, alpha, z = orbit.at(t[None])
+    points = position(1.0, alpha[0], z[0])
+    pairs = scipy.spatial.cKDTree(points).query_pairs(2 * a, output_type="ndarray")
+    apart = np.abs(t[pairs[:, 0]] - t[pairs[:, 1]])
+    return bool((np.minimum(apart, span - apart) > np.pi * a).any())
+
+
+_HELD = [1, 3]  # the rows of M of lam and phi, whose displacements are held
+
+
+def index_of(lowest: float, lam: float, folds: int) -> int:
+    """The Morse index of a loop from its orbit about pi/2; 0: stable.
+
+    The second variation of the energy at the loads found is S = -d2/dt2 - H'(beta) for periodic changes of beta;
+    closing holds the integrals of cos(beta) eta and of sin(beta) eta at 0. beta_t is the change that shifts the start
+    and belongs to the eigenvalue 0. It has two zeros a period, so of the changes that come back after `folds` periods
+
+    * those that do not come back after one (the Bloch phases other than 0) have 2 (folds - 1) negative eigenvalues, and
+      no constraint touches them: a loop of two folds or more is unstable on the surface;
+    * those that come back after one have one negative eigenvalue where the period rises with the level, and two where
+      it falls; of these the held displacements take away as many as the compliance of a period has negative ones.
+
+    The compliance K = d(azimuth, height)/d(lam, phi) at a fixed period is a Schur complement of the Hessian M of the
+    action. The section is free to turn, so M3 stays 0; where the ends are glued, twist adds energy that is not
+    negative, so a loop of index 0 is stable there too.
+    """
+    varied = vary_from(start(np.array([lowest]), np.array([lam])))
+    M = np.empty((4, 4))
+    rows, columns = np.triu_indices(4)
+    M[rows, columns] = M[columns, rows] = varied.gain[0].sum(axis=0)
+    own = 1 if M[0, 0] < 0 else 2  # the derivative of half the period by half the level is -M_00
+    K = (M - np.outer(M[:, 0], M[0]) / M[0, 0])[np.ix_(_HELD, _HELD)]
+    scale = 1 / np.sqrt(np.abs(np.diag(K)))
+    return 2 * (folds - 1) + own - int((np.linalg.eigvalsh(K * np.outer(scale, scale)) < 0).sum())

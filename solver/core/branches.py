@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from .library import address
-from .panels import Cutting, cut, fine, functions, points
+from .library import Cutting, address, cut, fine, functions, points
 
 LEFT_TO_CALLER, AT_END, IS_CLOSED, ENOUGH = range(4)  # why the steps end
 KINDS = ("saddle", "start", "end")

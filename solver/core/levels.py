@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans, Integers
-from .library import address
-from .panels import Cutting, cut, fine, functions, points
+from .library import Cutting, address, cut, fine, functions, points
 
 
 class _Boundary(ctypes.Structure):

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans, Integers
-from .library import address
-from .panels import Cutting, cut, fine, functions, points
+from .library import Cutting, address, cut, fine, functions, points
 
 _CRITICAL = 16  # most critical points of a problem
 FUNCTIONS, PIECE_COLUMNS = 5, 17  # series of a panel; numbers of a piece
@@ -124,7 +123,7 @@ def read(orbit: Any, t: Array) -> Array:
 
 def read_series(orbit: Any, series: Array, t: Array) -> tuple[Array, dict[str, Array]]:
     """Series of the panels (P, k, n + 1) where B orbits, none of them a helix, are at t (B, n), (B, n, k); and where
-    that is: the columns of `orbit.phase.Phase` that are (B, n)."""
+    that is: the columns of `orbit.pieces.Phase` that are (B, n)."""
     t, series, (of, kept) = np.ascontiguousarray(t), np.ascontiguousarray(series), reading(orbit)
     out = np.empty((*t.shape, series.shape[1]))
     where: dict[str, Array] = {"arc": np.empty(t.shape, np.int64), "local": np.empty(t.shape)}

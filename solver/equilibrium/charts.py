@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..levels.line_point import LinePoint, Path
-from ..levels.paths import DOWN, UP
-from ..levels.transit_times import wrap
+from ..levels.transit_times import DOWN, UP, wrap
 from ..mechanics.potential import TAU, slope
 from ..numerics.arrays import Array
 

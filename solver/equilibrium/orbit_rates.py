@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 
 from ..core import orbit_rates as core
-from ..core.panels import Cutting
+from ..core.library import Cutting
 from ..levels.line_point import LinePoint, Path
 from ..levels.path_orbits import plain_orbit, variations_of
 from ..levels.transit_times import CUTTING, STRETCH
 from ..mechanics.potential import slope_higher_rates, slope_rate
 from ..numerics.arrays import Array
-from ..numerics.small_systems import solve
+from ..numerics.roots import solve
 from ..orbit import helix_variations
 from ..orbit.critical_points import grid
 from ..orbit.periodic_orbit import Orbit

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..levels.line_point import LinePoint, Path
-from ..levels.paths import DOWN, UP
+from ..levels.transit_times import DOWN, UP
 from ..mechanics.potential import load_size, slope, steepest
 from ..numerics.arrays import Array
-from ..numerics.small_systems import solve
+from ..numerics.roots import solve
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.held_ends import HeldProblem
 from ..problem.reduced import EndsProblem

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..numerics.small_systems import null_vector, root
+from ..numerics.roots import null_vector, root
 from .fold_system import expansion, is_deep, reach_of, turns_at
 from .parameter_plane import MARGIN, ParameterPlane
 

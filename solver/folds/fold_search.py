@@ -8,9 +8,8 @@ import numpy as np
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array, Booleans
 from .curve_crossings import Pieces, join_pieces
-from .fold_paths import whole_curve
 from .fold_seeds import Counted, Seed, seed_between, strip_between, unexplained
-from .fold_tracing import PIECES, Trace, dense
+from .fold_tracing import PIECES, Trace, dense, whole_curve
 from .parameter_plane import ParameterPlane
 
 _INSIDE = 1e-4  # shares of the ranges: how far the lattice stays away from the border, where the curves end

@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..levels.line_point import LinePoint
-from ..levels.paths import Levels, Paths
-from ..levels.transit_times import transit_times
+from ..levels.transit_times import Levels, Paths, transit_times
 from ..mechanics.potential import slope
 from ..numerics.arrays import Array
 from .fold_newton import FOLD, PITCHFORK

@@ -9,8 +9,7 @@ from scipy.optimize import brentq, least_squares
 from ..choose.selection import check
 from ..numerics.arrays import Array
 from ..problem.case import Case
-from ..problem.errors import InputError
-from ..problem.tolerance import check_tolerance
+from ..problem.errors import InputError, check_tolerance
 from .assembly import result
 from .data import check_data
 from .model import Evaluation, Minimum, Model, NoValueError

@@ -10,8 +10,7 @@ from ..numerics.arrays import Array, Integers
 from ..problem.reduced import EndsProblem
 from .level_grid import boundary_of, helix_of, level_grid_of
 from .level_search import level_roots
-from .paths import Levels
-from .transit_times import Boundary, transit_times
+from .transit_times import Boundary, Levels, transit_times
 
 MOST_PERIODS = 200  # as of `level_search`
 

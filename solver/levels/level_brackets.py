@@ -12,8 +12,7 @@ import numpy as np
 from ..core import levels as core
 from ..numerics.arrays import Array, Booleans, Integers
 from .level_grid import LevelGrid
-from .paths import Levels, Paths
-from .transit_times import CUTTING, NODES, Boundary, TransitTimes, transit_times
+from .transit_times import CUTTING, NODES, Boundary, Levels, Paths, TransitTimes, transit_times
 
 _ZOOM, _ROUNDS = 17, 6  # points of the finer grid at a dip, and how often it is refined
 _SHALLOW = 0.5  # of the rise to the next of even steps: the bottom lies less below the lowest point

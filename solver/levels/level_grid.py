@@ -19,8 +19,7 @@ from ..numerics.arrays import Array, Booleans
 from ..orbit.critical_points import CriticalPoints, critical_points
 from ..orbit.pieces import apart
 from ..problem.reduced import EndsProblem
-from .paths import Levels
-from .transit_times import Boundary, fall, height_scale, wrap
+from .transit_times import Boundary, Levels, fall, height_scale, wrap
 
 _ON = 1e-110  # an end this near to a saddle lies on it
 _ROUNDING = 4e-16  # of H, in units of the size of G

@@ -14,8 +14,7 @@ from .level_brackets import brackets_on_grid, join_brackets, roots_in
 from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
 from .morse_index import jacobi_zeros
 from .path_orbits import energies, solve_orbits
-from .paths import LevelPaths, Levels, Paths
-from .transit_times import Boundary, TransitTimes, transit_times
+from .transit_times import Boundary, LevelPaths, Levels, Paths, TransitTimes, transit_times
 
 BUDGET = 3e7  # evaluations of G: ten to twenty seconds
 _EACH = 15  # levels computed for each equilibrium

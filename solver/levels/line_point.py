@@ -7,8 +7,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from .level_grid import boundary_of, floor_of, helix_of
-from .paths import LevelPaths, Levels, Paths
-from .transit_times import Boundary, fall, transit_times
+from .transit_times import Boundary, LevelPaths, Levels, Paths, fall, transit_times
 
 
 @dataclass(frozen=True)
@@ -34,7 +33,7 @@ class Path:
 
     @property
     def level_path(self) -> LevelPaths:
-        """The same as `paths.LevelPaths` of one."""
+        """The same as `transit_times.LevelPaths` of one."""
         numbers = self.pin, self.sign, self.y, self.leaving, self.arriving, self.turns // 2, self.helix
         return LevelPaths(*(np.array([number]) for number in numbers))
 

@@ -17,9 +17,7 @@ import numpy as np
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
-from ..orbit.panels import Panels, running
-from ..orbit.phase import unfold
-from ..orbit.pieces import HELIX, LIBRATION
+from ..orbit.pieces import HELIX, LIBRATION, Panels, running, unfold
 from ..problem.reduced import Reduced, StartProblem
 
 _MOST = 40_000  # steps of a mesh

@@ -1,9 +1,11 @@
-"""The time that an orbit takes between two end angles, as a function of its level.
+"""Levels and paths of the orbits that join two end angles, and the time that an orbit takes between them.
 
-An ends problem reduces to this function. Let low and high be the two end angles in order. At the level eta three times
-determine the length of every path: `crossing`, from low to high; `above`, from high to the upper turning point;
-`below`, from low to the lower one. The length of a path that passes k turning points is a sum of whole multiples of the
-three, all of them positive, so no digits cancel.
+A level is given by a pin p (a saddle of G, or one of the ends), a sign and y: eta = G(p) + sign exp(y). A path is the
+direction in which the orbit leaves the start and reaches the far end, and how many whole periods lie between. An ends
+problem reduces to the time as a function of the level. Let low and high be the two end angles in order. At the level
+eta three times determine the length of every path: `crossing`, from low to high; `above`, from high to the upper
+turning point; `below`, from low to the lower one. The length of a path that passes k turning points is a sum of whole
+multiples of the three, all of them positive, so no digits cancel.
 
 Next to a saddle o, G(o + x) = G(o) - r^2 x^2 with r^2 = -H'(o). So where the level is eta = G(o) + sign exp(y), each
 half passage (from the neighbourhood of the saddle to the saddle or to the turning point before it) adds 1/(2 r) to the
@@ -17,13 +19,68 @@ from typing import Any
 import numpy as np
 
 from ..core import levels as core
-from ..core.panels import Cutting
+from ..core.library import Cutting
 from ..mechanics.potential import TAU, load_size
-from ..numerics.arrays import Array, Booleans
+from ..numerics.arrays import Array, Booleans, Integers
 from ..orbit.critical_points import CriticalPoints
 from ..orbit.pieces import CENTRE, Pieces
 from ..problem.reduced import EndsProblem
-from .paths import DOWN, UP, Levels, Paths
+
+UP, DOWN = 1, -1
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """M levels: pin (M,), index into the boundary's pins; sign (M,), +1 or -1; y (M,), log of the gap's size."""
+
+    pin: Integers
+    sign: Array
+    y: Array
+
+    def take(self, index: Any) -> "Levels":
+        return Levels(self.pin[index], self.sign[index], self.y[index])
+
+
+@dataclass(frozen=True, eq=False)
+class Paths:
+    """N paths from one end to the other, (N,) each: direction at beta(0) and at beta(L), UP or DOWN; whole periods."""
+
+    leaving: Integers
+    arriving: Integers
+    periods: Integers
+
+    @property
+    def turns(self) -> Integers:
+        """Turning points passed, (N,)."""
+        return 2 * self.periods + (self.leaving != self.arriving)
+
+    def counts(self, rising: bool) -> Integers:
+        """How many times crossing, above and below (`transit_times`) each path contains, (N, 3)."""
+        turns, half = self.turns, (self.turns + 1) // 2
+        up = self.leaving == UP
+        inward = up == rising
+        crossing = 2 * ((turns - ~inward) // 2) + 1
+        return np.stack([crossing, 2 * np.where(up, half, turns // 2), 2 * np.where(up, turns // 2, half)], axis=1)
+
+    def take(self, index: Any) -> "Paths":
+        return Paths(self.leaving[index], self.arriving[index], self.periods[index])
+
+
+@dataclass(frozen=True, eq=False)
+class LevelPaths:
+    """The level and the path of K solutions, (K,) each: eta = G(pin) + sign exp(y); see `Paths`."""
+
+    pin: Array
+    sign: Array
+    y: Array
+    leaving: Integers
+    arriving: Integers
+    periods: Integers
+    helix: Booleans
+
+    def take(self, index: Any) -> "LevelPaths":
+        return LevelPaths(**{name: v[index] for name, v in vars(self).items()})
+
 
 STRETCH = 4.0  # factor of the panels along saddles, where time is almost linear in u
 NODES, CUTTING = 22, Cutting(0.7, 1e-15, STRETCH)

@@ -48,7 +48,7 @@ class Collocation(EndsMethod):
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
-        from ..choose.selected_equilibrium import select_seed
+        from ..choose.each_equilibrium import select_seed
 
         taken, why = None, [""] * problem.size
         if seed is None:

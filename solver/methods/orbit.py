@@ -7,8 +7,8 @@ import numpy as np
 
 from ..core.orbits import judge
 from ..numerics.arrays import Array
-from ..orbit.panels import MOST
 from ..orbit.periodic_orbit import solve_orbit
+from ..orbit.pieces import MOST
 from ..problem.limits import TOO_LARGE, dimensionless
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, blank, stood_in, verdicts

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from .arrays import Array
-from .small_systems import null_vector
+from .roots import null_vector
 
 _ROUNDS = 10
 _CONTRACTION = 0.5  # largest ratio of two corrections

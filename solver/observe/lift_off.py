@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ..mechanics.contact import contact_force
 from ..mechanics.potential import Loads, slope
+from ..mechanics.statics import contact_force
 from ..numerics.arrays import Array, Booleans
 from ..problem.reduced import Reduced, flat
 from ..shape import Shape

@@ -17,7 +17,7 @@ from ..mechanics.potential import steepest
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import means, primitive, series_at
 from ..orbit.marched_orbit import MarchedOrbit
-from ..orbit.panels import EPS
+from ..orbit.pieces import EPS
 from ..problem.errors import InputError
 from ..problem.reduced import flat
 from ..shape import Shape

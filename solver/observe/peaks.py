@@ -6,7 +6,7 @@ import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import derivative, series_at
-from ..orbit.panels import EPS
+from ..orbit.pieces import EPS
 from .quadrature import Resolved
 from .rod_pieces import NODES
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import Basis, basis, derivative, means, polynomials, series_at, through, weights
 from ..numerics.roots import bracket
-from ..orbit.panels import EPS
+from ..orbit.pieces import EPS
 from .densities import Density
 from .rod_pieces import COLUMNS, NODES, Pieces
 

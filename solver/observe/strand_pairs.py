@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import strand_pairs as core_pairs
+from ..core import measures as core_pairs
 from ..numerics.arrays import Array, Integers
 from ..orbit.marched_orbit import MarchedOrbit
 

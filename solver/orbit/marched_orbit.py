@@ -10,8 +10,7 @@ from ..core import march as core
 from ..numerics.arrays import Array, Booleans, Integers
 from ..problem.reduced import StartProblem
 from .periodic_orbit import Orbit, solve_orbit
-from .phase import Phase, phase_at
-from .pieces import HELIX, LIBRATION, ROTATION
+from .pieces import HELIX, LIBRATION, ROTATION, Phase, phase_at
 
 if TYPE_CHECKING:
     from ..problem.trajectory import Trajectory

@@ -14,15 +14,13 @@ from typing import Any
 import numpy as np
 
 from ..core import orbits as core
-from ..core.panels import Cutting
+from ..core.library import Cutting
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import polynomials
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import PLAIN
 from .critical_points import grid
-from .panels import Panels, running
-from .phase import Phase, phase_at, unfold
-from .pieces import HELIX, LIBRATION, Arcs, Pieces
+from .pieces import HELIX, LIBRATION, Arcs, Panels, Phase, Pieces, phase_at, running, unfold
 
 TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache

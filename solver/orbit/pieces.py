@@ -3,15 +3,17 @@
 The arcs lead from the start forward and backward to the turning points. On each piece one change of variables makes
 dt/du smooth however near a saddle the orbit passes: x = a sinh(u) over a saddle that the orbit passes, x = x1 cosh(u)
 where it turns before the saddle, x = x1 sin(u) where it turns nearer the centre. x is the distance from that saddle or
-centre. The core makes them (arcs.c).
+centre. The core makes them (arcs.c), and cuts them into panels, on which beta and the developed curve are Chebyshev
+series in time. A time on the orbit is folded into the two arcs: its phase.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
 from ..mechanics.potential import TAU
-from ..numerics.arrays import Array, Integers
+from ..numerics.arrays import Array, Booleans, Integers
 
 PASS, SADDLE, CENTRE = 0, 1, 2
 HELIX, LIBRATION, ROTATION = 0, 1, 2
@@ -63,3 +65,100 @@ def apart(a: Array, b: Array) -> Array:
     """a - b moved into [-pi, pi), of angles in [-pi, pi); exact where they are neighbours across the cut at pi."""
     x = a - b
     return np.where(x >= np.pi, (a - TAU) - b, np.where(x < -np.pi, (a + TAU) - b, x))
+
+
+EPS = 2.0**-52
+MOST = 10_000  # panels of one orbit beyond which none is halved any more
+
+
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """P panels, in order of arc and of time away from the start.
+
+    arc: (P,), 2 b for the forward arc of problem b, 2 b + 1 for the backward one. rank: (P,), of the panel's piece.
+    duration: (P,). series: (P, 5, n + 1), of beta, |beta_t|, alpha, z and the swirl (the integral of sin cos), the last
+    three from the panel's near end. fastest: (P,), largest |beta_t|. error: (P,), what the truncated series leave out
+    of beta. time_error: (P,), what they leave out of the duration, as a share of it. time_rounding: (P,), what the
+    rounding of G changes of the duration, as a share. calls: (P,), evaluations of G.
+    """
+
+    arc: Integers
+    rank: Integers
+    duration: Array
+    series: Array
+    fastest: Array
+    error: Array
+    time_error: Array
+    time_rounding: Array
+    calls: Integers
+
+    def take(self, index: Any) -> "Panels":
+        return Panels(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
+
+
+def running(values: Array, first: Any, count: Any) -> Array:
+    """Sums of the values (P, k) before each panel within its part: added part by part, so that none sees another's."""
+    part = np.repeat(np.arange(count.size), count)
+    rank = np.arange(part.size) - first[part]
+    table = np.zeros((count.size, int(count.max(initial=0)) + 1, values.shape[1]))
+    table[part, rank + 1] = values
+    return np.cumsum(table, axis=1)[part, rank]
+
+
+def join(parts: list[Panels]) -> Panels:
+    """Panels one after the other."""
+    columns: dict[str, Any] = {f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Panels)}
+    return Panels(**columns)
+
+
+@dataclass(frozen=True, eq=False)
+class Phase:
+    """Times t folded into the arcs of B orbits, (B, n) each.
+
+    arc: 2 b or 2 b + 1, as in `Panels`. local: time along that arc, from the start of the orbit. mirrored: whether the
+    orbit is on its way back along the arc. second: whether the arc is the backward one. periods: whole periods passed.
+    folded: (B, 1), whether the orbit comes back at all, which a libration does.
+    """
+
+    t: Array
+    arc: Integers
+    local: Array
+    mirrored: Booleans
+    second: Booleans
+    periods: Array
+    folded: Booleans
+
+    @property
+    def turns(self) -> Array:
+        """Turning points passed, (B, n); 0 where beta does not librate."""
+        return np.where(self.folded, 2 * self.periods + self.second + self.mirrored, 0.0)
+
+
+def phase_at(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Phase:
+    """The phases of t (B, n) on orbits whose arcs last ahead and back, (B,)."""
+    ahead, back, period = ahead[:, None], back[:, None], period[:, None]
+    with np.errstate(invalid="ignore"):
+        rest = np.where(np.isfinite(period), np.fmod(t, period), t)
+        periods = np.where(np.isfinite(period), np.round((t - rest) / period), 0.0)
+    folded = (kind == LIBRATION)[:, None]
+    second = folded & (rest > 2 * ahead)
+    local = np.where(second, rest - 2 * ahead, rest)
+    limit = np.where(second, back, ahead)
+    mirrored = folded & (local > limit)
+    local = np.where(mirrored, np.maximum(2 * limit - local, 0), local)
+    arc = 2 * np.arange(t.shape[0])[:, None] + second
+    return Phase(t, arc, local, mirrored, second, periods, folded)
+
+
+def unfold(value: Array, phase: Phase, gain: Array, librates: Array) -> Array:
+    """What an integral along the orbit has grown to, from its value within an arc.
+
+    value: (B, n) or (B, n, k), from the start along the arc. gain: (B, 2) or (B, 2, k), over the forward and the
+    backward arc. librates: (B, 1).
+    """
+    there, after = gain[:, :1], gain[:, 1:]
+    every = (phase.second, phase.mirrored, phase.periods, librates)
+    second, mirrored, periods, folded = every if value.ndim == 2 else (v[..., None] for v in every)
+    limit = np.where(second, after, there)
+    value = np.where(mirrored, 2 * limit - value, value) + np.where(second, 2 * there, 0.0)
+    return value + periods * np.where(folded, 2 * (there + after), there)

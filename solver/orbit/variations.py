@@ -23,16 +23,14 @@ from typing import Any
 
 import numpy as np
 
-from ..core import variations as core
-from ..core.panels import Cutting
+from ..core import orbit_rates as core
+from ..core.library import Cutting
 from ..mechanics.potential import TAU
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, polynomials
 from ..problem.reduced import StartProblem
-from .panels import running
 from .periodic_orbit import Orbit, assemble, relative_orbit
-from .phase import unfold
-from .pieces import LIBRATION, Arcs
+from .pieces import LIBRATION, Arcs, running, unfold
 from .variation_nodes import PAIRS, Nodes, nearest
 
 POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels

@@ -1,7 +1,10 @@
-"""The error that the solver raises for an invalid value, and the wording of its messages."""
+"""The error that the solver raises for an invalid value, the wording of its messages, and the checks that every call
+makes: of the tolerance, and of whole numbers."""
 
+import operator
 from collections.abc import Iterable
 from difflib import SequenceMatcher, get_close_matches
+from typing import Any
 
 # word -> the symbols of the fields that it may mean, in the order in which a message names them
 SYMBOLS = {
@@ -89,3 +92,28 @@ def _one_letter_off(text: str, names: list[str]) -> list[str]:
         return len(apart) == 1 and apart[0].isalpha()
 
     return [one for one in names if 1 < len(one) == len(text) < 4 and alike(one)][:1]
+
+
+DEFAULT_TOLERANCE = 1e-8
+
+
+def check_tolerance(tol: Any) -> float:
+    """The tolerance as a float. Raises `InputError` unless it is between 0 and 1."""
+    try:
+        value = float(tol)
+    except (TypeError, ValueError, OverflowError):
+        value = -1.0
+    if not 0 < value < 1:
+        raise InputError(f"tol must be a number between 0 and 1, got {show(tol)}")
+    return value
+
+
+def whole_number(name: str, value: Any, least: int, most: int) -> int:
+    """The value as an int. Raises `InputError` unless it is a whole number from `least` to `most`."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = least - 1
+    if isinstance(value, bool) or not least <= number <= most:
+        raise InputError(f"{name} must be a whole number from {least} to {most}, got {show(value)}")
+    return number

@@ -12,7 +12,7 @@ from ..mechanics.potential import Loads
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, derivative, polynomials
 from ..numerics.roots import bracket
-from ..observe.density_rates import RATES
+from ..observe.densities import RATES
 from ..observe.rod_pieces import Angles
 from ..orbit.variations import Place, Variations
 from ..problem.reduced import Reduced, StartProblem

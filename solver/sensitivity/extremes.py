@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans, Integers
+from ..observe import densities
 from ..orbit.pieces import LIBRATION
 from ..orbit.variations import Variations
 from .density_changes import DensityChange, Values, first_of, zeros_between
@@ -118,3 +119,18 @@ def _passes(varied: Variations, q: Array, x: Array) -> tuple[Array, Array]:
     again = np.where(orbit.kind[case] == LIBRATION, 2 * ahead + np.where(second, 2 * back, 0.0) - local, np.inf)
     first = np.minimum(there, again)
     return first, (first <= span) | (orbit.period[case] <= span)
+
+
+EXTREMES = {
+    "low": (densities.angle, SMALLEST),
+    "high": (densities.angle, LARGEST),
+    "tightest": (densities.curvature, LARGEST),
+    "least": (densities.outward, SMALLEST),
+    "most": (densities.outward, LARGEST),
+    "tension": (densities.tension, LARGEST_SIZE),
+}
+INTEGRALS = {"curvature": densities.curvature, "bending": densities.bending, "potential": densities.potential}
+PUSHES = ("pushed", "pulled", "share")
+MIDDLE_PUSH, LIFTS, PEAK = "middle push", "lifts", "peak"
+MIDDLE_GAINS = ("middle turned", "middle risen")
+MEASURED = (*EXTREMES, *INTEGRALS, *PUSHES, MIDDLE_PUSH, LIFTS, PEAK, *MIDDLE_GAINS)

@@ -9,13 +9,12 @@ import numpy as np
 from ..mechanics.potential import Loads
 from ..numerics.arrays import Array
 from ..observe import densities
-from ..observe.density_rates import RATES
+from ..observe.densities import RATES
 from ..observe.measurement import BARELY
 from ..observe.rod_pieces import Angles
 from ..orbit.variation_nodes import slopes_by_loads
 from ..problem.reduced import StartProblem
-from .extremes import LARGEST, LARGEST_SIZE
-from .measured import EXTREMES, INTEGRALS, LIFTS, MIDDLE_PUSH, PEAK, PUSHES
+from .extremes import EXTREMES, INTEGRALS, LARGEST, LARGEST_SIZE, LIFTS, MIDDLE_PUSH, PEAK, PUSHES
 from .motions import MARKS, Motion
 
 _STEADY = 1e-10  # relative: a change that is the same all along a helix

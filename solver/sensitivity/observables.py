@@ -20,7 +20,7 @@ from ..problem.field_rates import FieldRates
 from ..problem.reduced import flat
 from ..shape import Shape
 from .dual import Dual
-from .measured import EXTREMES, MEASURED, PEAK
+from .extremes import EXTREMES, MEASURED, PEAK
 from .measured_helices import of_helices
 from .measured_orbits import of_orbits
 from .motions import MARKS, Motion, marks_of
@@ -60,7 +60,7 @@ class Moving(Reading):
         self._slopes = {name: np.full(shape, np.nan) for name in (*self._wanted, *_OWN_SLOPES, "half_period")}
 
     def add(self, motion: Motion, unit: Array, rates: FieldRates) -> None:
-        """Differentiate what is measured on the cases of a motion; unit: of `along.amounts`, rates: of these cases."""
+        """Differentiate what is measured on the cases of a motion; unit: of `result.amounts`, rates: of these cases."""
         sign = flat(self.sol.case.outward, self.sol.case.shape)[motion.rows]
         given = motion, unit, rates.span, sign, self._wanted
         peak = self.plain.value(PEAK)[motion.rows] if PEAK in self._wanted else np.zeros_like(sign)

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.banded import solve_chain
-from ..core.varying_loads import BY_STATE, ORDER, SIZE, march
+from ..core.varying_loads import BY_STATE, ORDER, SIZE, march, solve_chain
 from ..numerics.arrays import Array
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..core.varying_loads import SIZE, march
-from ..mechanics.contact import contact_force
 from ..mechanics.potential import Loads, slope
+from ..mechanics.statics import contact_force
 from ..numerics.arrays import Array, Integers
 from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, Q

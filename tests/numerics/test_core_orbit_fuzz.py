@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from solver.core import levels, orbits
-from solver.core.panels import Cutting
+from solver.core.library import Cutting
 from solver.levels.level_grid import boundary_of
 from solver.levels.transit_times import CUTTING, NODES
 from solver.orbit.critical_points import grid

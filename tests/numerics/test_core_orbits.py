@@ -8,7 +8,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria
 from solver.core import orbits as core
-from solver.core.panels import Cutting
+from solver.core.library import Cutting
 from solver.mechanics.potential import Loads, slope
 from solver.orbit.critical_points import critical_points, grid
 from solver.orbit.periodic_orbit import solve_orbit

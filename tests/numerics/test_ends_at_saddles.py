@@ -10,8 +10,7 @@ from scipy.integrate import solve_bvp, solve_ivp
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
 from solver.levels.level_grid import boundary_of, level_grid_of
 from solver.levels.level_search import search
-from solver.levels.paths import Levels
-from solver.levels.transit_times import transit_times
+from solver.levels.transit_times import Levels, transit_times
 from solver.observe.observables import observe
 from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import EndsProblem, Reduced, reduce

@@ -13,8 +13,8 @@ import xarray as xr
 
 from solver import Case, Solution
 from solver.mechanics import frames, statics
-from solver.mechanics.contact import contact_force, push_from
 from solver.mechanics.potential import dimensional_slope, potential
+from solver.mechanics.statics import contact_force, push_from
 from studies import Study
 from studies.model import OUTPUTS
 

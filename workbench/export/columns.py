@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.mechanics import frames, statics
-from solver.mechanics.contact import contact_force
 from solver.mechanics.potential import Loads, potential
+from solver.mechanics.statics import contact_force
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES, unit_of
 

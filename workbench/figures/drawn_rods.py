@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.mechanics.contact import push_from
+from solver.mechanics.statics import push_from
 from solver.problem.errors import InputError
 from studies.dimensions import SAMPLE
 

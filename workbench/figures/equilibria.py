@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from solver.mechanics.contact import push_from
+from solver.mechanics.statics import push_from
 
 from ..data import labels
 from . import canvas, legend, point_numbers, push_scale, style

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
 from solver.mechanics import frames, statics
-from solver.mechanics.contact import contact_force, push_from
 from solver.mechanics.potential import Loads, dimensional_slope, potential
+from solver.mechanics.statics import contact_force, push_from
 from solver.problem.errors import InputError
 
 Array = NDArray[np.float64]

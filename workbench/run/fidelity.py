@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 from solver import Rod
 from solver.observe.observables import observables_of
-from solver.problem.errors import no_such
-from solver.problem.tolerance import DEFAULT_TOLERANCE
+from solver.problem.errors import DEFAULT_TOLERANCE, no_such
 from studies import Study
 from studies.model import OUTPUTS
 

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Ends, InputError
-from solver.problem.errors import choices
-from solver.problem.tolerance import check_tolerance
+from solver.problem.errors import check_tolerance, choices
 from studies import Study
 from studies.axes import Axis
 from studies.dimensions import SAMPLE, Dimension, Dimensions
