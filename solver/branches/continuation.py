@@ -17,7 +17,6 @@ from ..equilibrium.charts import charts, coordinate
 from ..equilibrium.orbit_rates import orbit_rates, start_rates
 from ..equilibrium.system import (
     AT_REST,
-    DIVERGED,
     FREE,
     LEFT,
     REACH,
@@ -35,6 +34,7 @@ from ..levels.line_point import LinePoint, Path
 from ..levels.morse_index import jacobi_zeros
 from ..levels.path_orbits import orbit_of
 from ..levels.transit_times import CUTTING, NODES
+from ..numerics.roots import DIVERGED
 from ..orbit.critical_points import grid
 from ..problem.reduced import EndsProblem
 from .held_helices import helix_ahead, off_helix

@@ -22,6 +22,7 @@ import scipy
 
 from ..mechanics.frames import position
 from ..numerics.arrays import Array
+from ..numerics.roots import root
 from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..orbit.variations import Variations, change_between, directions, orbits_to_vary, variations_on
 from ..problem.reduced import StartProblem
@@ -122,16 +123,12 @@ def _refine(lowest: Array, excess: Array, period: float, azimuth: float) -> Clos
 
 def _polish(b1: float, y: float, period: float, azimuth: float) -> ClosedOrbit:
     """Newton's method in b1 and log(gap), with the exact derivatives of the period and the azimuth."""
-    wanted, best = np.array([period, azimuth]), ClosedOrbit(b1, _load(b1, y), np.inf)
-    for _ in range(_STEPS):
-        miss, J = residual(b1, y, wanted)
-        error = float(np.abs(miss).max() / period)
-        if not error < best.error:
-            break
-        best = ClosedOrbit(b1, _load(b1, y), error)
-        step = np.linalg.solve(J, miss)
-        b1, y = b1 - float(step[0]), y - float(np.clip(step[1], -1, 1))
-    return best
+    wanted = np.array([period, azimuth])
+    found = root(lambda x: residual(float(x[0]), float(x[1]), wanted), np.array([b1, y]), np.inf, _STEPS)
+    if found is None:
+        return ClosedOrbit(b1, _load(b1, y), np.inf)
+    b1, y = found.tolist()
+    return ClosedOrbit(b1, _load(b1, y), float(np.abs(residual(b1, y, wanted)[0]).max() / period))
 
 
 def residual(b1: float, y: float, wanted: Array) -> tuple[Array, Array]:

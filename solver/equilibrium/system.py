@@ -14,7 +14,7 @@ from ..levels.line_point import LinePoint, Path
 from ..levels.transit_times import DOWN, UP
 from ..mechanics.potential import load_size, slope, steepest
 from ..numerics.arrays import Array
-from ..numerics.roots import solve
+from ..numerics.roots import DIVERGED, Ending, newton, solve
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.held_ends import HeldProblem
 from ..problem.reduced import EndsProblem
@@ -23,8 +23,6 @@ from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, start_
 
 FREE = ("beta0", "betaL", "lam", "mu", "phi")  # what a state consists of, beside its path
 LEFT = "no orbit of its path joins the two ends there"
-DIVERGED = "Newton's rule does not converge"
-_CORRECTIONS = 14
 REACH = 0.25  # largest size of a change in one step
 _LEAST = 9 * float(np.finfo(float).eps)  # share by which rounding may change an angle, or a load
 _MET = 1e-3  # of the length: by how much the length of an equilibrium may be off
@@ -32,7 +30,7 @@ _SWING = 1e-7  # beta_t and H at a start below which an orbit is its helix, in u
 _STILL = 1e-11  # beta_t below which an end is at rest, in units of the loads
 _NEAR = 0.1  # rad: farthest angle with the given beta_t
 AT_REST = -300.0  # log of the square of beta_t at a start at rest
-_CLOSE = 1e-10  # size of a correction below which it need not shrink any more
+_ENDING = Ending(rounds=14, goal=1e-15, small=1e-10, growth=0.5)
 _AT = {name: k for k, name in enumerate(NUMBERS)}
 
 
@@ -179,38 +177,42 @@ def correct(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: fl
     goal: the size of a correction at which it ends; 0: rounding. The rates are computed anew where corrections made
     with older ones do not shrink fast.
     """
-    last, travelled, rates = np.inf, 0.0, None
-    for _ in range(_CORRECTIONS):
-        x = given.number("dbeta0", x) if chart.kind == CORNER else x
-        here = problem_at(problem, given, chart, x)
+    last: State | None = None  # before the last correction, and its coordinate and length
+    at, length = x, np.nan
+
+    def step(guess: tuple[EndsProblem, float]) -> tuple[tuple[EndsProblem, float], float] | str:
+        nonlocal last, at, length
+        at = given.number("dbeta0", guess[1]) if chart.kind == CORNER else guess[1]
+        here = problem_at(guess[0], given, chart, at)
         if here is None:
             return LEFT
         problem, path = here
-        fresh = rates is None or goal == 0 or chart.kind == CORNER
-        if fresh:
-            rates = rates_in(problem, path, chart, x)
+        if last is None or goal == 0 or chart.kind == CORNER:
+            rates = rates_in(problem, path, chart, at)
             numbers, length = rates.values[0], float(rates.length[0])
         else:
+            rates = last.rates
             numbers, length = orbit_numbers(problem, path)
         if not np.isfinite(numbers).all():
             return LEFT
-        assert rates is not None
         off = given.values - values_of(numbers, length, given)
         change = answer(rates, given, off[:, None], np.array([given.span - length]))[:, 0]
-        dx = move(chart, x, change)
+        dx = move(chart, at, change)
         size = size_of(problem, chart, dx, change)
-        travelled += size
-        if travelled > 2 * REACH or not np.isfinite(size) or (size > 0.5 * last and size > _CLOSE):
+        last = State(problem, path, rates, size + (0.0 if last is None else last.corrected))
+        if not last.corrected <= 2 * REACH:
             return DIVERGED
-        if size >= last or size < max(goal, 1e-15):
-            if not abs(given.span - length) < _MET * given.span:  # swings that fell to rounding have no length
-                return DIVERGED
-            if chart.kind == CORNER:
-                return LEFT if is_still(problem, x) else replace(corner_state(rates, x), corrected=travelled)
-            return State(problem, path, rates, travelled) if LinePoint(problem).joined_at(path) else LEFT
-        last = size
-        problem, x = stepped(problem, given, change), x + dx
-    return DIVERGED
+        return (stepped(problem, given, change), at + dx), size
+
+    found = newton((problem, x), step, replace(_ENDING, goal=max(goal, _ENDING.goal)))
+    if isinstance(found, str):
+        return found
+    assert last is not None
+    if not abs(given.span - length) < _MET * given.span:  # swings that fell to rounding have no length
+        return DIVERGED
+    if chart.kind != CORNER:
+        return last if LinePoint(last.problem).joined_at(last.path) else LEFT
+    return LEFT if is_still(last.problem, at) else replace(corner_state(last.rates, at), corrected=last.corrected)
 
 
 def settle(problem: EndsProblem, path: Path) -> State | str:

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..mechanics.potential import TAU, slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array, Booleans
+from ..numerics.roots import bracket
 from ..orbit.critical_points import CriticalPoints, critical_points
 from ..orbit.pieces import apart
 from ..problem.reduced import EndsProblem
@@ -172,11 +173,9 @@ def _shelves(problem: EndsProblem) -> tuple[Array, Array]:
     stretches about them in which G is almost level."""
     rate = slope_rate(problem, _SCAN)
     k = np.flatnonzero(rate[:-1] * rate[1:] <= 0)
-    at = (_SCAN[k] + _SCAN[k + 1]) / 2
-    for _ in range(4):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            step = slope_rate(problem, at) / slope_higher_rates(problem, at)[0]
-        at = np.clip(np.where(np.isfinite(step), at - step, at), _SCAN[k], _SCAN[k + 1])
+    low = np.where(rate[k] < 0, _SCAN[k], _SCAN[k + 1])
+    high = np.where(rate[k] < 0, _SCAN[k + 1], _SCAN[k])
+    at = bracket(lambda x: (slope_rate(problem, x), slope_higher_rates(problem, x)[0]), low, high)
     second, _ = slope_higher_rates(problem, at)
     H = slope(problem, at)
     shelf = H * second > 0

@@ -11,12 +11,9 @@ from typing import Protocol
 import numpy as np
 
 from .arrays import Array
-from .roots import null_vector
+from .roots import Ending, newton, null_vector
 
-_ROUNDS = 10
-_CONTRACTION = 0.5  # largest ratio of two corrections
-_SMALL = 1e-9  # a correction that may be as large as the one before: rounding
-_DONE = 1e-12
+_ENDING = Ending(rounds=10, goal=1e-12, small=1e-9, growth=0.5, stall=0.5)
 _OFF, _COSINE = 0.25, 0.92  # of the distance from the predictor to the length of a step; of the turn of the tangent
 
 LEFT = "the curve ends"
@@ -68,7 +65,7 @@ def advance(curve: Curve, node: Node, step: float, across: Array | None = None) 
     found = correct(curve, guess, node.tangent if across is None else across, node.jacobian)
     if isinstance(found, str):
         return found
-    bend = max(float(np.linalg.norm(found - guess)) - _SMALL, 0.0) / step
+    bend = max(float(np.linalg.norm(found - guess)) - _ENDING.small, 0.0) / step
     if bend > _OFF:
         return "the step is too long"
     jacobian = curve.jacobian(found)
@@ -83,14 +80,15 @@ def advance(curve: Curve, node: Node, step: float, across: Array | None = None) 
 
 def correct(curve: Curve, guess: Array, across: Array, jacobian: Array) -> Array | str:
     """The point of the curve in the plane through a guess with the normal `across`, by Broyden's method."""
-    system, w, last = np.vstack([jacobian, across]), guess, np.inf
-    move, off = np.zeros_like(w), np.zeros(w.size)
-    for round_ in range(_ROUNDS):
+    system, move, off = np.vstack([jacobian, across]), np.zeros_like(guess), np.zeros_like(guess)
+
+    def step(w: Array) -> tuple[Array, float] | str:
+        nonlocal system, move, off
         value = curve.value(w)
         if value is None:
             return LEFT
         now = np.append(value, across @ (w - guess))
-        if round_:
+        if move.any():
             system = system + np.outer(now - off - system @ move, move) / (move @ move)
         off = now
         try:
@@ -98,14 +96,9 @@ def correct(curve: Curve, guess: Array, across: Array, jacobian: Array) -> Array
         except np.linalg.LinAlgError:
             return "the linearised equations are singular"
         with np.errstate(over="ignore"):
-            size = float(np.linalg.norm(move))
-        if not size <= max(_CONTRACTION * last, _SMALL):
-            return "the correction did not converge"
-        w = w + move
-        if size <= _DONE or (size <= _SMALL and size >= _CONTRACTION * last):
-            return w
-        last = size
-    return w if last <= _SMALL else "the correction did not converge"
+            return w + move, float(np.linalg.norm(move))
+
+    return newton(guess, step, _ENDING)
 
 
 def _null(jacobian: Array) -> Array:

@@ -1,11 +1,15 @@
 """Small linear systems, scaled; the root of several equations by Newton's rule; roots of many functions at once."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from .arrays import Array
 
+Point = TypeVar("Point")
+DIVERGED = "Newton's rule does not converge"
 CLOSE = 1e-7  # a step of Newton's rule this short is the last: the next would be of the size of its square
 
 
@@ -34,6 +38,50 @@ def null_vector(matrix: Array) -> Array:
     return np.asarray(np.linalg.svd(matrix / np.where(size > 0, size, 1.0))[2][-1])
 
 
+@dataclass(frozen=True)
+class Ending:
+    """When corrections end.
+
+    rounds: the most corrections. goal: the size of the last one. small: the size of corrections that may be rounding:
+    they end where one is not smaller than `stall` times the smallest before. longest: the largest size. growth: the
+    largest ratio of a correction that is not small to the smallest before.
+    """
+
+    rounds: int
+    goal: float
+    small: float = 0.0
+    longest: float = np.inf
+    growth: float = np.inf
+    stall: float = 1.0
+
+
+def newton(x: Point, step: Callable[[Point], tuple[Point, float] | str], ending: Ending) -> Point | str:
+    """The root that Newton's rule reaches from x, or why it reaches none.
+
+    The correctors of an equilibrium, of a point of a curve, and of a shape on nodes are this one, each with its step.
+
+    Parameters
+    ----------
+    x : any type
+        The first guess.
+    step : callable
+        From a guess to the next, and the size of the correction; or why there is none.
+    ending : Ending
+    """
+    least = np.inf
+    for _ in range(ending.rounds):
+        found = step(x)
+        if isinstance(found, str):
+            return found
+        x, size = found
+        if not (size <= min(ending.growth * least, ending.longest) or size <= ending.small):  # also NaN
+            return DIVERGED
+        if size <= ending.goal or ending.stall * least <= size <= ending.small:
+            return x
+        least = min(least, size)
+    return x if least <= ending.small else DIVERGED
+
+
 def root(
     equations: Callable[[Array], tuple[Array, Array] | None], x: Array, longest: float, rounds: int = 8
 ) -> Array | None:
@@ -46,19 +94,16 @@ def root(
     longest : float
         The largest change of an unknown in a step.
     """
-    shortest = np.inf
-    for _ in range(rounds):
+
+    def step(x: Array) -> tuple[Array, float] | str:
         found = equations(x)
         if found is None:
-            return None
-        step = solve(found[1][None], -found[0][None, :, None])[0, :, 0]
-        length = float(np.abs(step).max())
-        if not length <= min(2 * shortest, longest):  # also NaN
-            return None
-        shortest, x = min(shortest, length), x + step
-        if length < CLOSE:
-            return x
-    return None
+            return DIVERGED
+        change = solve(found[1][None], -found[0][None, :, None])[0, :, 0]
+        return x + change, float(np.abs(change).max())
+
+    found = newton(x, step, Ending(rounds, CLOSE, longest=longest, growth=2.0))
+    return None if isinstance(found, str) else found
 
 
 def bracket(

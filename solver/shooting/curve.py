@@ -4,13 +4,14 @@ The unknowns are the states at the nodes, in fixed scales, and x over its size. 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..numerics.arrays import Array
-from .loaded_rod import ALPHA, BETA, PHI, LoadedRod
-from .newton import ROUNDING, Shape, linear_at, open_at, with_known_loads
+from ..numerics.roots import DIVERGED, newton
+from .loaded_rod import ALPHA, BETA, LoadedRod
+from .newton import ENDING, Shape, linear_at, open_at, share_within, size_of, with_known_loads
 
 DIFFERENCE = 1e-5  # of x over its size: for derivatives by x
 REACH = 1.0  # the longest step of the angles, in their scales
@@ -61,28 +62,26 @@ class Curve:
 
     def correct(self, guess: Shape, x: float, across: Array, most: int = 12) -> Point | None:
         """The point of the curve in the plane through a guess with the normal `across` (8 N + 1,); None without one."""
-        y, begun, best = guess.y, x, np.inf
-        for count in range(1, most + 1):
-            now = self.shape(guess, y, x)
-            linear = linear_at(now)
-            right = np.stack([linear.open, self.rate(now, x)], axis=1)
+
+        def step(now: Point) -> tuple[Point, float] | str:
+            shape = now.shape
+            linear = linear_at(shape)
+            right = np.stack([linear.open, self.rate(shape, now.x)], axis=1)
             found = linear.solve(right) if np.isfinite(right).all() else None
             if found is None or not np.isfinite(found).all():
-                return None
-            step, by_x = np.append(found[:, 0], 0.0), np.append(-found[:, 1], 1.0)
-            passed = np.append(((y - guess.y) / self.scale).reshape(-1), (x - begun) / self.size)
-            step = step - by_x * (inner(across, step - passed) / inner(across, by_x))
-            change = step[:-1].reshape(y.shape)
-            size = float(np.abs(change[:, [BETA, ALPHA]]).max())
-            share = min(1.0, REACH / size) if size else 1.0
-            y, x = y - share * change * self.scale, x - share * step[-1] * self.size
-            whole = max(float(np.abs(change[:, :PHI]).max()), abs(step[-1]))
-            if not np.isfinite(whole):
-                return None
-            if whole < ROUNDING or (whole < 1e-7 and whole > best / 4):
-                last = self.shape(guess, y, x)
-                tangent = by_x / np.sqrt(inner(by_x, by_x))
-                solved = Shape(last.rod, last.t, with_known_loads(last.rod, last.t, y), count)
-                return Point(solved, float(x), tangent if inner(tangent, across) >= 0 else -tangent)
-            best = min(best, whole)
-        return None
+                return DIVERGED
+            whole, by_x = np.append(found[:, 0], 0.0), np.append(-found[:, 1], 1.0)
+            passed = np.append(((shape.y - guess.y) / self.scale).reshape(-1), (now.x - x) / self.size)
+            whole = whole - by_x * (inner(across, whole - passed) / inner(across, by_x))
+            change = whole[:-1].reshape(shape.y.shape)
+            share = share_within(REACH, change)
+            at = now.x - share * whole[-1] * self.size
+            there = self.shape(guess, shape.y - share * change * self.scale, at)
+            return Point(replace(there, steps=shape.steps + 1), float(at), by_x), max(size_of(change), abs(whole[-1]))
+
+        found = newton(Point(self.shape(guess, guess.y, x), x, across), step, replace(ENDING, rounds=most))
+        if isinstance(found, str):
+            return None
+        solved, tangent = found.shape, found.tangent / np.sqrt(inner(found.tangent, found.tangent))
+        solved = replace(solved, y=with_known_loads(solved.rod, solved.t, solved.y))
+        return Point(solved, found.x, tangent if inner(tangent, across) >= 0 else -tangent)

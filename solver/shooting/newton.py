@@ -1,17 +1,18 @@
 """Newton's method for a rod on nodes: each stretch is marched with its variations, and the system is banded."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..core.varying_loads import BY_STATE, ORDER, SIZE, march, solve_chain
 from ..numerics.arrays import Array
+from ..numerics.roots import DIVERGED, Ending, newton
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 
 DEEP = 13  # the order of the series of the derivatives by which Newton's method goes
-MOST_STEPS = 40
 SAME = 1e-6  # of the angles in their scales: one shape
 ROUNDING = 1e-12  # of the scales: a correction below this is rounding
+ENDING = Ending(rounds=40, goal=ROUNDING, small=1e-7, stall=0.25)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +106,7 @@ def correct(
     anchor: Array | None = None,
     stiffness: Array | None = None,
     reach: float = 0.5,
-    most: int = MOST_STEPS,
+    most: int = ENDING.rounds,
     enough: float = ROUNDING,
 ) -> Shape | None:
     """The equilibrium that Newton's method reaches from a shape; None where it reaches none.
@@ -113,25 +114,31 @@ def correct(
     reach: the longest step of the angles, in their scales; steps are shortened to it. enough: a correction, in
     the scales, that ends the steps; Newton's next one would be about its square.
     """
-    y, scale, best = shape.y, shape.rod.scale, np.inf
-    for count in range(1, most + 1):
-        now = Shape(shape.rod, shape.t, y)
+    scale = shape.rod.scale
+
+    def step(now: Shape) -> tuple[Shape, float] | str:
         linear = linear_at(now, anchor, stiffness, deep=DEEP)
-        if not np.isfinite(linear.open).all():
-            return None
-        found = linear.solve(linear.open)
-        if found is None:
-            return None
-        step = found.reshape(y.shape)
-        size = float(np.abs(step[:, [BETA, ALPHA]]).max())
-        if not np.isfinite(size):
-            return None
-        y = y - step * scale * min(1.0, reach / size if size else 1.0)
-        whole = float(np.abs(step[:, :PHI]).max())
-        if whole < enough or (whole < 1e-7 and whole > best / 4):
-            return Shape(shape.rod, shape.t, with_known_loads(shape.rod, shape.t, y), count)
-        best = min(best, whole)
-    return None
+        found = linear.solve(linear.open) if np.isfinite(linear.open).all() else None
+        if found is None or not np.isfinite(found).all():
+            return DIVERGED
+        change = found.reshape(now.y.shape)
+        return replace(now, y=now.y - change * scale * share_within(reach, change), steps=now.steps + 1), size_of(
+            change
+        )
+
+    found = newton(replace(shape, steps=0), step, replace(ENDING, rounds=most, goal=enough))
+    return None if isinstance(found, str) else replace(found, y=with_known_loads(found.rod, found.t, found.y))
+
+
+def share_within(reach: float, change: Array) -> float:
+    """The share of a change (N, 8), in the scales, by which no angle moves farther than reach."""
+    size = float(np.abs(change[:, [BETA, ALPHA]]).max())
+    return min(1.0, reach / size) if size else 1.0
+
+
+def size_of(change: Array) -> float:
+    """The size of a change (N, 8), in the scales: forces that vary in a known way do not count."""
+    return float(np.abs(change[:, :PHI]).max())
 
 
 __all__ = ["Linear", "Shape", "correct", "linear_at", "march_of", "open_at", "with_known_loads"]

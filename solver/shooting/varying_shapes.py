@@ -11,6 +11,7 @@ from ..core.varying_loads import SIZE, march
 from ..mechanics.potential import Loads, slope
 from ..mechanics.statics import contact_force
 from ..numerics.arrays import Array, Integers
+from ..numerics.roots import bisect
 from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, Q
 from .state import State, states
@@ -77,12 +78,8 @@ class Nodes:
         where = np.flatnonzero(np.sign(phi[1:]) * np.sign(phi[:-1]) < 0)
         if not where.size:
             return np.nan
-        low, high = self.t[where[0]], self.t[where[0] + 1]
-        for _ in range(60):
-            middle = (low + high) / 2
-            same = np.sign(self.at(np.array([middle]))[0, PHI]) == np.sign(phi[where[0]])
-            low, high = (middle, high) if same else (low, middle)
-        return float(low + high) / 2
+        low, high = self.t[where[:1]], self.t[where[:1] + 1]
+        return float(bisect(lambda t: self.at(t)[:, PHI], low, high, 60)[0])
 
     def turns(self) -> int:
         """The number of interior extrema of beta."""
