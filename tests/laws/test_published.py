@@ -21,7 +21,9 @@ KT, NM_OF_BASE_PAIR = 0.6, 0.34  # kT in kcal/mol; rise per base pair of DNA [nm
 # read lost p = 1 and p = 2, n = 1 in the sentences on exterior states; they are filled in here.
 
 
-@pytest.mark.parametrize(("wraps", "folds"), [(1, 1), (1, 2), (2, 1)])
+@pytest.mark.parametrize(
+    ("wraps", "folds"), [(1, 1), pytest.param(1, 2, marks=pytest.mark.slow), pytest.param(2, 1, marks=pytest.mark.slow)]
+)
 def test_short_loops_have_the_energy_of_their_wraps_and_long_ones_that_of_their_folds(wraps: int, folds: int) -> None:
     short = about(closed(2 * pi * wraps * 1.0001, wraps, folds), 1)
     long, longer = (about(closed(L, wraps, folds), 1) for L in (200.0, 400.0))

@@ -54,6 +54,7 @@ def marched(v: float, FZ: float, L: float, case: Case = CASE) -> tuple[float, fl
     return end[0] - float(ends.betaL), end[2], end[4]
 
 
+@pytest.mark.slow
 def test_on_a_curve_beta_and_the_jacobi_field_reach_the_far_end_as_they_must() -> None:
     for curve in small().folds.curves:
         for i in np.flatnonzero(curve.exact)[::5]:

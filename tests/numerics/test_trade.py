@@ -92,6 +92,7 @@ def test_a_march_has_the_order_that_it_states(method: str, order: int) -> None:
     np.testing.assert_allclose(np.log2(errors[:-1]) - np.log2(errors[1:]), order, atol=0.12)  # next power of h
 
 
+@pytest.mark.slow
 def test_the_scapegoat_is_explicit_it_winds_outward_where_the_papers_scheme_does_not() -> None:
     """On a closed orbit explicit Euler gains h all the way; Stoermer's rule gives back what it takes."""
     case = in_units_of_rho(0, 0, 0, 20.0, np.pi / 6, 0.0)  # two periods
@@ -172,6 +173,7 @@ def test_heyoka_meets_its_tolerance(name: str) -> None:
 # measuring
 
 
+@pytest.mark.slow
 def test_every_rung_of_every_method_of_the_kind_has_its_row(rows) -> None:
     starts = ["euler", "rk4", "verlet extrapolated", "dop853", "lsoda", "orbit"]
     for case, labels in (("gap 1e-06", starts), ("ends table 1", ["difference", "collocation", "shooting"])):

@@ -84,7 +84,15 @@ def test_a_law_fails_for_all_its_unsolved_cases_where_the_solved_ones_rule_out_e
     assert verdict.reason == "1 of 5 cases unsolved; the other steps rule out even a trend"
 
 
-@pytest.mark.parametrize("direction", ["rises", "falls", "not-falling", "not-rising"])
+@pytest.mark.parametrize(
+    "direction",
+    [
+        "rises",
+        pytest.param("falls", marks=pytest.mark.slow),
+        pytest.param("not-falling", marks=pytest.mark.slow),
+        pytest.param("not-rising", marks=pytest.mark.slow),
+    ],
+)
 def test_what_is_missing_could_have_decided_either_way_where_a_law_is_undecided_and_never_where_it_fails(
     direction: str,
 ) -> None:

@@ -117,11 +117,17 @@ def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
     [
         ({"axis": None}, "has several axes: choose one with --axis from E, R"),
         ({"axis": "L"}, "no axis 'L'"),
-        ({"at": ["E=1e4"]}, "--at E: the film runs along E"),
-        ({"kind": "ghosts"}, "a frame shows one case, so --kind is one of plain, contact"),
-        ({"show": "outcome"}, "no observable 'outcome'"),
-        ({"out": [Path("film.avi")]}, r"cannot write 'film.avi': choose a name that ends in \.mp4"),
-        ({"fps": 0.0}, "--fps must be between 0.1 and 60, got 0"),
+        pytest.param({"at": ["E=1e4"]}, "--at E: the film runs along E", marks=pytest.mark.slow),
+        pytest.param(
+            {"kind": "ghosts"}, "a frame shows one case, so --kind is one of plain, contact", marks=pytest.mark.slow
+        ),
+        pytest.param({"show": "outcome"}, "no observable 'outcome'", marks=pytest.mark.slow),
+        pytest.param(
+            {"out": [Path("film.avi")]},
+            r"cannot write 'film.avi': choose a name that ends in \.mp4",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param({"fps": 0.0}, "--fps must be between 0.1 and 60, got 0", marks=pytest.mark.slow),
     ],
 )
 def test_what_cannot_be_a_film_is_refused_in_a_sentence(asked, sentence, tmp_path, monkeypatch) -> None:

@@ -507,7 +507,14 @@ def test_what_cannot_be_stored_is_refused_before_any_work(case, crowded, monkeyp
         cli.main(REFUSED[case][0])
 
 
-@pytest.mark.parametrize("case", ["no room inside", "an unknown command", "half a file"])
+@pytest.mark.parametrize(
+    "case",
+    [
+        "no room inside",
+        pytest.param("an unknown command", marks=pytest.mark.slow),
+        pytest.param("half a file", marks=pytest.mark.slow),
+    ],
+)
 def test_a_refusal_is_the_same_in_a_process_of_its_own(case, crowded) -> None:
     args, sentence = REFUSED[case]
     run = new_process(*args, cwd=crowded)
@@ -516,7 +523,15 @@ def test_a_refusal_is_the_same_in_a_process_of_its_own(case, crowded) -> None:
     assert len(run.stderr.splitlines()) == 1
 
 
-@pytest.mark.parametrize("command", [["plot"], ["plot", "--kind", "curves"], ["animate", "--axis", "E"]], ids=" ".join)
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["plot"],
+        pytest.param(["plot", "--kind", "curves"], marks=pytest.mark.slow),
+        pytest.param(["animate", "--axis", "E"], marks=pytest.mark.slow),
+    ],
+    ids=" ".join,
+)
 def test_a_study_without_a_solved_case_is_not_drawn_and_the_sentence_says_why(command, tmp_path, capsys) -> None:
     ds = in_memory.run(small.grid())
     size = ds["outcome"].size

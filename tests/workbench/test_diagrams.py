@@ -213,12 +213,13 @@ def test_what_is_not_stored_is_solved_again(ds) -> None:
             "--show is no option of --kind curves; choose --kind from map, l",
         ),
         (["--kind", "ridge", "--panel", "betta"], "no panel 'betta', did you mean 'beta'"),
-        (
+        pytest.param(
             ["--kind", "ridge", "--x", "E", "--at", "E=10000"],
             "the rods stand along E, so it takes no value, got E = 10000",
+            marks=pytest.mark.slow,
         ),
-        (["--kind", "portrait", "--x", "R"], "no axis 'R'; choose from E"),
-        (["--kind", "rigde"], "no kind of picture 'rigde', did you mean 'ridge'"),
+        pytest.param(["--kind", "portrait", "--x", "R"], "no axis 'R'; choose from E", marks=pytest.mark.slow),
+        pytest.param(["--kind", "rigde"], "no kind of picture 'rigde', did you mean 'ridge'", marks=pytest.mark.slow),
     ],
 )
 def test_what_cannot_be_drawn_is_refused_in_one_sentence(ds, args, said, tmp_path, capsys) -> None:

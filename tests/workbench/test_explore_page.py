@@ -187,6 +187,7 @@ def test_the_rod_stays_in_its_frame_whatever_is_chosen(page) -> None:
     within()
 
 
+@pytest.mark.slow
 def test_a_fresh_rod_is_seen_from_its_front_although_the_camera_was_still_moving(page) -> None:
     camera = "const { azimuth, half, x, y } = page.view.camera; return [azimuth, half, x, y]"
     front = page(camera)
@@ -195,6 +196,7 @@ def test_a_fresh_rod_is_seen_from_its_front_although_the_camera_was_still_moving
     assert page(camera) == pytest.approx(front)
 
 
+@pytest.mark.slow
 def test_who_has_zoomed_is_left_alone_until_the_view_is_fitted(page) -> None:
     page(
         "const wheel = new WheelEvent('wheel', { deltaY: -800, bubbles: true, cancelable: true });"
@@ -207,6 +209,7 @@ def test_who_has_zoomed_is_left_alone_until_the_view_is_fitted(page) -> None:
     page.until(lambda: 0.8 < max(page.frame()) <= 1.0, "all of the rod")
 
 
+@pytest.mark.slow
 def test_with_reduced_motion_the_camera_jumps(page) -> None:
     browser.emulate(page.driver, prefers_reduced_motion="reduce")
     page(
@@ -260,6 +263,7 @@ def test_arrow_keys_move_a_field_and_its_unit_is_spoken(page) -> None:
     assert len(stops) == len(set(stops)) == 10
 
 
+@pytest.mark.slow
 def test_where_drawing_is_slow_fewer_pixels_are_drawn_until_the_slider_rests(page) -> None:
     page("page.view.ratio = 3")
     page("""
@@ -289,6 +293,7 @@ def test_the_cursor_is_one_in_all_diagrams_and_on_the_rod(page) -> None:
     assert f"s = {s:.4g}"[:6] in page(here)
 
 
+@pytest.mark.slow
 def test_the_rod_under_the_pointer_or_a_finger_is_marked_and_a_drag_turns_it(page) -> None:
     canvas = page.driver.find_element(By.ID, "scene")
     azimuth = page("return page.view.camera.azimuth")
@@ -316,6 +321,7 @@ def test_the_rod_under_the_pointer_or_a_finger_is_marked_and_a_drag_turns_it(pag
     assert page("return page.view.camera.azimuth") < azimuth - 0.5  # about the rod, which lies across the view
 
 
+@pytest.mark.slow
 def test_a_lost_drawing_context_is_explained_and_the_rod_comes_back(page) -> None:
     def view() -> np.ndarray:
         page.driver.execute_async_script("setTimeout(arguments[0], 400)")  # ms; it is drawn finely after 160
@@ -348,6 +354,7 @@ def test_a_lost_drawing_context_is_explained_and_the_rod_comes_back(page) -> Non
     page.until(lambda: seen() == pytest.approx(before, rel=0.02), "rod and wall as before")
 
 
+@pytest.mark.slow
 def test_two_tabs_do_not_disturb_each_other(page, driver, port) -> None:
     points = page.points()
     driver.switch_to.new_window("tab")
@@ -437,6 +444,7 @@ def test_a_broken_link_is_explained_and_the_page_still_works(page, driver, port)
     assert "link is not complete" in page("return document.getElementById('problem').innerText")
 
 
+@pytest.mark.slow
 def test_the_copied_study_is_the_rod_that_is_shown(page) -> None:
     page.type("E", "20000")
     page.click("copy-study")
@@ -445,6 +453,7 @@ def test_the_copied_study_is_the_rod_that_is_shown(page) -> None:
     assert (study.base.E, study.reading) == (20000.0, "force-first/tension/paper")
 
 
+@pytest.mark.slow
 def test_picture_and_csv_are_downloaded(page, driver) -> None:
     for button, ending in (("picture", "png"), ("csv", "csv")):
         page.click(button)
@@ -457,6 +466,7 @@ def test_picture_and_csv_are_downloaded(page, driver) -> None:
     assert (driver.folder / "table1.csv").read_text().startswith("s [cm],x [cm],")
 
 
+@pytest.mark.slow
 def test_what_cannot_be_downloaded_is_explained(page) -> None:
     page.click("step")
     told = page.until(lambda: page("return document.getElementById('message').innerText"), "a reason")
@@ -484,6 +494,7 @@ def test_the_saved_page_solves_every_rod_without_a_server(page, driver, saved) -
     page.until(lambda: any(one.stat().st_size for one in driver.folder.glob("table1*.csv")), str(path))
 
 
+@pytest.mark.slow
 def test_on_paper_the_rod_is_a_copy_and_the_diagrams_keep_their_proportions(page) -> None:
     share = "const c = document.getElementById('scene'), p = document.querySelector('.printed');"
     # One script: what arrives between two may bring a scroll bar, and the canvas is then narrower than its copy.
@@ -510,6 +521,7 @@ def test_on_paper_the_rod_is_a_copy_and_the_diagrams_keep_their_proportions(page
     assert page(f"{share} return p === null")
 
 
+@pytest.mark.slow
 def test_in_the_dark_scheme_paper_stays_light(page) -> None:
     """A pixel of the ink of the labels is dark on paper, and light again afterwards."""
     lightness = """const c = document.getElementById('d-beta'), x = c.getContext('2d');
@@ -538,6 +550,7 @@ def test_the_printed_page_holds_a_picture_of_the_rod(page) -> None:
     page.until(lambda: page("return document.querySelector('.printed') === null"), "its look on a screen")
 
 
+@pytest.mark.slow
 def test_no_words_repeat_their_symbol_or_spell_a_letter(page) -> None:
     page.until(lambda: page("return document.getElementById('o-twist_energy')"), "its observables")
     told = page("return [...document.querySelectorAll('#numbers dt')].map((one) => one.textContent)")

@@ -588,6 +588,7 @@ def test_a_number_in_the_name_writes_each_rod_of_the_axis_as_it_is_alone(ds, tmp
     assert (tmp_path / f"frame_002{suffix}").read_bytes() == (tmp_path / f"one{suffix}").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_rod_that_is_no_solid_is_left_out_and_its_neighbours_are_written(kernel, ds, tmp_path) -> None:
     done = export(ds, tmp_path / "frame_{:d}.step", Options(overlap=True))
     assert sorted(file.name for file in tmp_path.iterdir()) == ["frame_1.step", "frame_2.step"]

@@ -86,6 +86,7 @@ def test_a_target_is_reached_and_the_fitted_case_solves_to_it(tmp_path, capsys) 
     assert observe(solve(study.case()), ["height"])["height"] == pytest.approx(9)
 
 
+@pytest.mark.slow
 def test_points_give_intervals_shares_and_a_picture(points, tmp_path, capsys) -> None:
     picture, table = tmp_path / "fit.png", tmp_path / "fit.csv"
     given = ["--table1", "--M3", 17, "--points", points, "--vary", "E,M3", "--starts", 0]

@@ -67,6 +67,7 @@ def test_the_dataset_holds_what_the_map_found() -> None:
     assert float(ds["M3"]) == 5.0
 
 
+@pytest.mark.slow
 def test_the_picture_shows_curves_of_stable_folds_cusps_and_numbers() -> None:
     fig = region_figure.figure(made(), sheet("paper", 89, titled=False))
     (ax, *_) = fig.axes

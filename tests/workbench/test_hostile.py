@@ -463,7 +463,7 @@ def test_numbers_that_cannot_be_are_refused_on_reading_and_named(whole: bytes, t
         writing.read(path)
 
 
-@pytest.mark.parametrize("name", ["outcome", "caution"])
+@pytest.mark.parametrize("name", ["outcome", pytest.param("caution", marks=pytest.mark.slow)])
 def test_numbers_in_place_of_words_are_refused(whole: bytes, tmp_path: Path, name: str) -> None:
     with xr.open_dataset(BytesIO(whole), engine="h5netcdf") as ds:
         ds.assign({name: xr.zeros_like(ds["error"])}).to_netcdf(tmp_path / "numbers.h5", engine="h5netcdf")

@@ -84,7 +84,7 @@ SWEPT, DRAWN = (
 )
 
 
-@pytest.mark.parametrize(("text", "count"), [(SWEPT, 2), (DRAWN, 2)])
+@pytest.mark.parametrize(("text", "count"), [(SWEPT, 2), pytest.param(DRAWN, 2, marks=pytest.mark.slow)])
 def test_a_run_says_on_stderr_where_the_list_of_equilibria_may_be_incomplete(text: str, count: int, ran: Run) -> None:
     Path("long.toml").write_text(LONG + text)
     status, out, err = ran("run", "long.toml")

@@ -46,7 +46,7 @@ def equilibria(path: Path) -> None:
     canvas.save(equilibria_figure.figure(dataset_of(study, case, every(case)[:2])), path)
 
 
-@pytest.mark.parametrize("name", ["plot", "equilibria"])
+@pytest.mark.parametrize("name", ["plot", pytest.param("equilibria", marks=pytest.mark.slow)])
 def test_a_diagram_for_print_is_vectors_with_its_letters_inside(ds, tmp_path, name: str) -> None:
     for kind in ("pdf", "svg"):
         path = tmp_path / f"one.{kind}"
@@ -132,6 +132,7 @@ def test_one_panel_is_drawn_alone_and_an_unknown_one_is_refused(two) -> None:
     assert [ax.get_xlabel() for ax in one.axes] == ["z [cm]"]
 
 
+@pytest.mark.slow
 def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(two, tmp_path, capsys) -> None:
     writing.write(two, tmp_path / "small.h5")
     for kind in ("lines", "map"):

@@ -453,6 +453,7 @@ def test_shapes_are_drawn_over_the_refined_map(tmp_path) -> None:
         map_figure.figure(ds.drop_vars("z"), shapes=thumbnails.Shapes(3, 2))
 
 
+@pytest.mark.slow
 def test_the_commands_tell_what_ended_the_refinement_and_where_the_boundary_is(stored: Path, tmp_path, capsys) -> None:
     path = tmp_path / "small.toml"
     path.write_text(study(PLANE + LAW).text)

@@ -312,6 +312,7 @@ def test_a_power_of_two_and_other_methods_need_no_caution() -> None:
     assert "sampling_caution" not in in_memory.run(small.study(text, HEAD)).attrs
 
 
+@pytest.mark.slow
 def test_run_solves_the_cases_of_a_table(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     Path("cases.csv").write_text("E,beta\n1e4,30deg\n2e4,0.5\n")

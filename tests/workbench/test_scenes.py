@@ -536,11 +536,25 @@ def test_each_cylinder_is_as_long_as_its_rod_and_all_words_stay_on_the_page() ->
         ({"camera": "top"}, "no camera 'top'; choose from oblique, sides, front, side, AZIMUTH,ELEVATION"),
         ({"camera": "10,80"}, "an elevation between -60 and 60 degrees, got 10,80"),
         ({"color_range": "5"}, "--color-range takes two numbers LOW,HIGH, got '5'"),
-        ({"color_range": "9,1"}, "takes a lower and a higher finite number, got 9,1"),
-        ({"color_range": "0,nan"}, "takes a lower and a higher finite number, got 0,nan"),
-        ({"size": "wide"}, "--size takes WIDTHxHEIGHT in pixels, for example 1600x1200, got 'wide'"),
-        ({"size": "5x900"}, "between 200 and 12000 pixels on each side .* got 5x900"),
-        ({"transparent": True}, r"only a \.png can have a transparent background \(--transparent\), not out\.jpg"),
+        pytest.param(
+            {"color_range": "9,1"}, "takes a lower and a higher finite number, got 9,1", marks=pytest.mark.slow
+        ),
+        pytest.param(
+            {"color_range": "0,nan"}, "takes a lower and a higher finite number, got 0,nan", marks=pytest.mark.slow
+        ),
+        pytest.param(
+            {"size": "wide"},
+            "--size takes WIDTHxHEIGHT in pixels, for example 1600x1200, got 'wide'",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            {"size": "5x900"}, "between 200 and 12000 pixels on each side .* got 5x900", marks=pytest.mark.slow
+        ),
+        pytest.param(
+            {"transparent": True},
+            r"only a \.png can have a transparent background \(--transparent\), not out\.jpg",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_a_look_that_cannot_be_drawn_is_refused_in_a_sentence(look, sentence, fig6, tmp_path) -> None:
@@ -559,8 +573,15 @@ def test_a_look_that_cannot_be_drawn_is_refused_in_a_sentence(look, sentence, fi
             {"color_range": "3,100"},
             "colours of a push are pale at 0, so --color-range is 0,HIGH or -HIGH,HIGH, got 3,100",
         ),
-        ("plain", {"color_range": "0,1"}, "a scene of kind plain has no colour bar, so it takes no --color-range"),
-        ("contact", {"size": "300x200"}, "--size 300x200 leaves no room for the views"),
+        pytest.param(
+            "plain",
+            {"color_range": "0,1"},
+            "a scene of kind plain has no colour bar, so it takes no --color-range",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            "contact", {"size": "300x200"}, "--size 300x200 leaves no room for the views", marks=pytest.mark.slow
+        ),
     ],
 )
 def test_a_look_that_does_not_fit_the_kind_or_the_page_is_refused(kind, look, sentence, fig6, tmp_path) -> None:

@@ -139,7 +139,7 @@ def test_a_finished_study_is_answered_at_once(whole, monkeypatch) -> None:
     assert whole.read_bytes() == before
 
 
-@pytest.mark.parametrize("follow", [False, True])
+@pytest.mark.parametrize("follow", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_other_results_of_the_same_study_are_replaced_with_a_line_that_says_what_differs(tmp_path, follow) -> None:
     ends = "beta0 = 0.1, betaL = 0.2, MZ = 0.0" if follow else "beta = 0.1, dbeta = 0.0, F3 = 2.0, M3 = 0.0"
     text = (

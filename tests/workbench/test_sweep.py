@@ -187,6 +187,7 @@ def test_a_case_is_the_same_whatever_the_range_the_order_and_the_number_of_value
                     assert usual.dbeta[0] >= 0
 
 
+@pytest.mark.slow
 def test_a_wire_pushed_into_a_tube_is_not_turned_back_because_the_axis_goes_far() -> None:
     text = """
 title = "A wire in a tube"

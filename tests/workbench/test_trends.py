@@ -53,7 +53,7 @@ def said(ax) -> str:
     return " ".join([ax.get_title(loc="left"), *(text.get_text() for text in ax.texts)]).replace("\n", " ")
 
 
-@pytest.mark.parametrize("suffix", [".pdf", ".svg"])
+@pytest.mark.parametrize("suffix", [".pdf", pytest.param(".svg", marks=pytest.mark.slow)])
 def test_a_figure_is_also_a_drawing(suffix: str, tmp_path) -> None:
     path = tmp_path / f"figure{suffix}"
     canvas.save(study_figure.figure(in_memory.run(grid())), path)
@@ -203,7 +203,13 @@ def of_user(kind: str) -> xr.Dataset:
 
 @pytest.mark.parametrize(
     "kind",
-    ["one value", "large numbers", "wide verdict", "thin beside a law", pytest.param("flat", marks=pytest.mark.slow)],
+    [
+        "one value",
+        pytest.param("large numbers", marks=pytest.mark.slow),
+        pytest.param("wide verdict", marks=pytest.mark.slow),
+        pytest.param("thin beside a law", marks=pytest.mark.slow),
+        pytest.param("flat", marks=pytest.mark.slow),
+    ],
 )
 def test_whatever_a_study_asks_for_no_word_is_cut_off_and_no_two_meet(kind: str) -> None:
     assert faults(study_figure.figure(of_user(kind))) == []

@@ -109,7 +109,17 @@ def test_a_file_that_is_damaged_inside_is_refused(ds, tmp_path) -> None:
         writing.read(path)
 
 
-@pytest.mark.parametrize("where", ["attrs title", "attrs study", "E units", "outcome", "caution", "L"])
+@pytest.mark.parametrize(
+    "where",
+    [
+        "attrs title",
+        "attrs study",
+        pytest.param("E units", marks=pytest.mark.slow),
+        pytest.param("outcome", marks=pytest.mark.slow),
+        pytest.param("caution", marks=pytest.mark.slow),
+        pytest.param("L", marks=pytest.mark.slow),
+    ],
+)
 def test_a_changed_letter_of_what_is_not_packed_is_named(where, ds, tmp_path) -> None:
     path = writing.write(ds, tmp_path / "small.h5")
     name, _, key = where.partition(" ")
