@@ -16,7 +16,7 @@ from .solution import Solution
 
 FOLD, HELIX = "fold", "helix ceases"  # kinds of a special point
 BORDER = "border of the range"  # a kind of end
-DATASET = "workbench.branches.followed_dataset"  # loaded by name: the solver works without the workbench
+DATASET = "workbench.branches.branch_dataset"  # loaded by name: the solver works without the workbench
 
 
 @dataclass(frozen=True, eq=False)

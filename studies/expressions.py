@@ -16,8 +16,7 @@ from solver.problem.quantities import QUANTITIES, unit_text
 from solver.problem.reduced import flat
 
 from .axes import FIELDS, WORDS, Misplaced, quantity_of
-from .formula_units import PLAIN, Dimension, dimension, is_zero, unit_words
-from .formula_values import evaluate
+from .formula_units import PLAIN, Dimension, dimension, evaluate, is_zero, unit_words
 from .formulas import CONSTANTS, FUNCTIONS, IN, Formula, parse
 from .law import Law
 from .readings import TABLE_1

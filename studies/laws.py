@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from solver.problem.errors import InputError, choices, no_such
 
 from . import verdict_words
-from .formula_values import evaluate
+from .formula_units import evaluate
 from .law import Law
 from .law_kinds import MONOTONE, STEPS
 from .line_verdicts import (

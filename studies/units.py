@@ -9,8 +9,7 @@ import numpy as np
 
 from solver.problem.errors import InputError, choices, near
 
-from .formula_units import PLAIN, Dimension, dimension
-from .formula_values import evaluate
+from .formula_units import PLAIN, Dimension, dimension, evaluate
 from .formulas import parse
 
 # in metres

@@ -12,7 +12,7 @@ from studies.loader import load, loads
 from studies.model import OUTPUTS
 
 DOCS = Path(__file__).parents[2] / "docs"
-GUIDE = (DOCS / "how-to" / "write-a-study.md").read_text(encoding="utf-8")
+GUIDE = (DOCS / "how-to" / "write-a-study.md").read_text(encoding="utf-8").split("<!-- part -->")[0]
 KEYS = (DOCS / "reference" / "study-file.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
 WHOLE = [example for example in EXAMPLES if "title" in example]

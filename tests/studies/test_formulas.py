@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from solver import InputError
-from studies.formula_units import PLAIN, dimension
-from studies.formula_values import evaluate
+from studies.formula_units import PLAIN, dimension, evaluate
 from studies.formulas import FUNCTIONS, MOST_TEXT, parse
 
 UNITS = {"length": "cm", "force": "N"}

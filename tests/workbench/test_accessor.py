@@ -14,7 +14,7 @@ from solver.methods import METHODS, Verlet
 from studies.loader import loads
 from studies.model import OUTPUTS
 from tests.workbench import small
-from workbench.commands import at_option
+from workbench.commands import option_checks
 from workbench.data import schema, selection, writing
 from workbench.run import block, in_memory
 
@@ -301,4 +301,4 @@ def test_every_part_of_the_workbench_means_the_same_value_of_an_axis(full, said,
     assert found(lambda: float(ds["E"][selection.case(ds, {"E": said})["E"]])) == stored
     assert found(lambda: float(ds["E"][selection.line(ds, "R", {"E": said})[0]["E"]])) == stored
     if isinstance(said, str):
-        assert found(lambda: at_option.values(ds, [f"E={said}"])["E"]) == stored
+        assert found(lambda: option_checks.axis_values(ds, [f"E={said}"])["E"]) == stored

@@ -22,7 +22,7 @@ from studies import names
 from tests.test_layers import HEAVY
 from tests.workbench import forked, small
 from workbench import cli
-from workbench.commands import at_option, scene
+from workbench.commands import option_checks, scene
 from workbench.data import writing
 from workbench.run import in_memory, study_store
 from workbench.scene import opengl
@@ -440,15 +440,15 @@ def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_wr
     ):
         if which is None:
             with pytest.raises(InputError, match=re.escape("its values are 9962, 10700.4, 10905.0773")):
-                at_option.values(ds, [f"E={text}"])
+                option_checks.axis_values(ds, [f"E={text}"])
         else:
-            assert at_option.values(ds, [f"E={text}"]) == {"E": values["E"][which]}
+            assert option_checks.axis_values(ds, [f"E={text}"]) == {"E": values["E"][which]}
     for text, which in (("0deg", 0), ("27.2deg", 1), ("pi/6", 2), ("30deg", 2), ("0.5236", 2), ("27deg", None)):
         if which is None:
             with pytest.raises(InputError, match=re.escape("its values are 0deg, 27.1875deg, 30deg")):
-                at_option.values(ds, [f"beta={text}"])
+                option_checks.axis_values(ds, [f"beta={text}"])
         else:
-            assert at_option.values(ds, [f"beta={text}"]) == {"beta0": values["beta0"][which]}
+            assert option_checks.axis_values(ds, [f"beta={text}"]) == {"beta0": values["beta0"][which]}
 
 
 def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stored, tmp_path, monkeypatch) -> None:

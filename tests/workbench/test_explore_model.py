@@ -13,7 +13,7 @@ from solver.problem.errors import InputError
 from studies.loader import loads
 from studies.writer import dumps
 from workbench.run import block
-from workbench.web.live import page_branches, page_model, page_shape
+from workbench.web.live import page_model, page_shape
 from workbench.web.live.presets import PRESETS
 
 BY_NAME = {preset.name: preset for preset in PRESETS}
@@ -160,7 +160,7 @@ def test_a_slider_follows_the_equilibrium_it_began_with() -> None:
 def test_each_listed_equilibrium_is_a_point_of_a_branch_with_its_own_numbers() -> None:
     study = page_model.study_of(state("pipe", L=2.0))
     rows = page_model.list_equilibria(study)
-    drawn = page_branches.follow_branches(study, "FZ", -205.0, -200.0)
+    drawn = page_model.follow_branches(study, "FZ", -205.0, -200.0)
     names = ("field", "dbeta0", "height", "energy")
     points = np.concatenate([[piece[name] for name in names] for piece in drawn["pieces"]], axis=1)
     assert len(rows) > 2
@@ -169,7 +169,7 @@ def test_each_listed_equilibrium_is_a_point_of_a_branch_with_its_own_numbers() -
         wanted = [-200.0, row["dbeta0"], row["height"], row["energy"]]
         assert np.isclose(points.T, wanted, rtol=1e-6, atol=1e-9).all(axis=1).any(), row["index"]
     with pytest.raises(InputError, match="no field of a branch diagram 'E'"):
-        page_branches.follow_branches(study, "E", 1.0, 2.0)
+        page_model.follow_branches(study, "E", 1.0, 2.0)
 
 
 def test_loads_and_every_observable_are_rows() -> None:

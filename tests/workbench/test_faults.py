@@ -15,7 +15,7 @@ import xarray as xr
 from solver import InputError
 from studies import load
 from tests.workbench import runs
-from workbench.commands import progress
+from workbench.commands import console
 from workbench.run import local_pool, recipe, shards
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
@@ -363,9 +363,9 @@ def test_a_lock_that_its_owner_removed_is_not_held(tmp_path) -> None:
 
 
 def test_a_line_now_and_then_where_nobody_watches_and_json_for_programs(monkeypatch, capsys) -> None:
-    monkeypatch.setattr(progress, "EVERY", 0.0)
+    monkeypatch.setattr(console, "LINE_EVERY", 0.0)
     for as_json in (False, True):
-        with progress.progress_bar(150, 50, as_json) as meter:
+        with console.progress_bar(150, 50, as_json) as meter:
             meter.add(48, 0)
             meter.add(48, 2)
     plain, last, *rows = capsys.readouterr().err.splitlines()
@@ -377,6 +377,6 @@ def test_a_line_now_and_then_where_nobody_watches_and_json_for_programs(monkeypa
 
 
 def test_nothing_is_said_of_a_short_run(capsys) -> None:
-    with progress.progress_bar(150, 0, False) as meter:
+    with console.progress_bar(150, 0, False) as meter:
         meter.add(150, 0)
     assert capsys.readouterr().err == ""

@@ -29,9 +29,9 @@ from workbench.figures import style
 from workbench.run import in_memory
 from workbench.run.in_memory import StudyResult
 from workbench.scene import opengl
-from workbench.web.report import document, law_cards, measured_runs, paper, readings_table, sisters, turning
+from workbench.web.report import document, law_cards, measured_runs, readings_table, sisters, sources, turning
+from workbench.web.report.document import with_hard_spaces
 from workbench.web.report.errata import ERRATA, mark_up
-from workbench.web.report.formulas import with_hard_spaces
 
 PAPER = [name for name in names() if name.startswith("fig")]  # the studies of the report
 LOW = ("fig7_1_modulus", "fig7_2_radius")  # the studies whose pictures are low enough for one page
@@ -114,9 +114,9 @@ def without_scenes(results: list[StudyResult]) -> list[StudyResult]:
 
 def test_nothing_outside_the_file_is_needed(text) -> None:
     page = Page(text)
-    assert all(link.startswith(("#", "data:image/")) or link == f"https://doi.org/{paper.DOI}" for link in page.links)
+    assert all(link.startswith(("#", "data:image/")) or link == f"https://doi.org/{sources.DOI}" for link in page.links)
     assert {link[1:] for link in page.links if link.startswith("#")} <= set(page.ids)
-    own = text.replace(f"https://doi.org/{paper.DOI}", "").replace("http://www.w3.org/2000/svg", "")
+    own = text.replace(f"https://doi.org/{sources.DOI}", "").replace("http://www.w3.org/2000/svg", "")
     assert not re.search(r"https?:|@import|url\(|<link|src=\"(?!data:)", own)
     own = unescape(own)
     assert "default-src 'none'" in own
@@ -389,9 +389,9 @@ def test_without_opengl_every_panel_still_turns(results, readings) -> None:
 def test_the_paper_is_cited_and_table_1_stands_with_its_reading(text) -> None:
     section = text.partition('<section id="paper">')[2].partition("</section>")[0]
     told = Page(section).text
-    for fact in (paper.TITLE, paper.DOI, paper.YEAR, "Scientific Reports", "rod workbench"):
+    for fact in (sources.TITLE, sources.DOI, sources.YEAR, "Scientific Reports", "rod workbench"):
         assert fact in told
-    rows = paper.table_1("twist-first/compression/solid")
+    rows = sources.table_1("twist-first/compression/solid")
     assert [row["symbol"] for row in rows] == ["E", "ν", "R", "a", "L", "α₀", "β₀", "γ₀", "β₀′", "γ₀′", "F₁₀", "F₃₀"]
     assert rows[0]["value"] == "1.07 × 10⁴ N/cm²"
     assert "not used in this reading" in rows[10]["meaning"]

@@ -19,7 +19,7 @@ from tests.workbench import runs, small
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench import cli
 from workbench.commands import study_scene
-from workbench.data import observed, reading, selection, writing
+from workbench.data import reading, selection, writing
 from workbench.figures import canvas, scatter, study_figure
 from workbench.run import in_memory, merge, stored_case
 from workbench.run.progress import Meter
@@ -434,7 +434,7 @@ def test_a_file_whose_samples_are_damaged_is_refused(stored: Path, tmp_path) -> 
 
 
 def drawn(ds: xr.Dataset) -> list:
-    names = observed.observables(ds)
+    names = selection.observables(ds)
     return canvas.figure((9, 6), lambda fig: scatter.scatter(ds, names, fig, fig.add_gridspec(1, 1)[0, 0], 9.0)).axes
 
 
@@ -496,4 +496,4 @@ def test_samples_over_an_axis_without_curves_have_a_figure(tmp_path) -> None:
 
 def test_a_column_of_other_dimensions_is_no_row(stored: Path) -> None:
     ds = writing.read(stored)
-    assert observed.observables(ds.assign(turns=ds["turns"][0])) == ["wraps", "kappa_max"]
+    assert selection.observables(ds.assign(turns=ds["turns"][0])) == ["wraps", "kappa_max"]

@@ -17,7 +17,7 @@ from studies.loader import loads
 from tests.cases import helix_moment, in_units_of_rho
 from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
-from workbench.commands import at_option, scene
+from workbench.commands import option_checks, scene
 from workbench.data import selection, writing
 from workbench.data.schema import SECTION
 from workbench.figures import canvas, style
@@ -264,7 +264,7 @@ def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
     ds = in_memory.run(load("fig7_1_modulus").at_stations(2))
     for i in range(ds.sizes["E"]):
         said = captions.case_values(ds, {"E": i}).partition(" = ")[2].partition(" ")[0]
-        assert at_option.values(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
+        assert option_checks.axis_values(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
     assert captions.case_values(ds, {"E": 3}, 4) == "E = 10910 N/cm²"  # a frame of a film: 10905.1
 
 

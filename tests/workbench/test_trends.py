@@ -13,7 +13,7 @@ from studies import load
 from studies.verdict_words import PLAIN
 from tests.workbench.page_faults import faults
 from tests.workbench.small import grid, study
-from workbench.data import labels, law_verdicts, observed, selection
+from workbench.data import labels, law_verdicts, selection
 from workbench.figures import along, canvas, drawn_rods, legend, study_figure, style, unrolled
 from workbench.figures.laws import panel
 from workbench.figures.sheet import sheet
@@ -262,6 +262,6 @@ def test_any_stored_observable_is_drawn_if_asked_for_and_what_is_left_out_is_sai
     assert len(study_figure.figure(angles, sheet=sheet(panel="wraps")).axes) == 1
     (note,) = legend.kept(study_figure.figure(angles))
     judged = {row["observable"] for row in law_verdicts.verdicts(angles)}
-    level = {name for name in observed.observables(angles) if observed.is_level(angles, name)}
-    left = [name for name in observed.observables(angles) if name not in judged | level]
+    level = {name for name in selection.observables(angles) if selection.is_level(angles, name)}
+    left = [name for name in selection.observables(angles) if name not in judged | level]
     assert note == f"Not drawn: {', '.join(left)}; choose with --show or --panel."

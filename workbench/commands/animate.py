@@ -23,7 +23,7 @@ def animate_file(
     from ..data import outcomes, schema, writing
     from ..scene import film, opengl
     from ..scene.kinds import kind_of
-    from . import at_option, output_file, study_scene
+    from . import option_checks, study_scene
 
     ds = writing.read(file)
     outcomes.check_any_solved(ds)
@@ -33,12 +33,12 @@ def animate_file(
     if axis is None and len(axes) > 1:
         raise InputError(f"{file} has several axes: choose one with --axis from {choices(axes)}")
     axis = axis or axes[0]
-    where = at_option.values(ds, at)
+    where = option_checks.axis_values(ds, at)
     if axis in where:
         raise InputError(f"--at {axis}: the film runs along {axis}, so that axis takes no value")
     shown = film.Film(axis, where, film.observable_of(ds, axis, show), kind, pixel_error, dpi)
     default = file.with_name(f"{file.stem}_{axis}.mp4")
-    paths = [output_file.check(path, film.SUFFIXES, force) for path in out or [default]]
+    paths = [option_checks.check(path, film.SUFFIXES, force) for path in out or [default]]
     cases = film.cases_of(ds, shown)
     if not RATES[0] <= fps <= RATES[1]:
         raise InputError(f"--fps must be between {RATES[0]:g} and {RATES[1]:g}, got {fps:g}")

@@ -3,7 +3,7 @@
 import json
 import re
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -15,6 +15,9 @@ from ..data import escaping
 
 if TYPE_CHECKING:  # --help does not import rich
     from rich.console import Console
+
+    from ..run.progress import Meter
+
 
 COLOURS = {  # verdict -> colour
     "true": "green", "true as a trend": "cyan", "true in part": "yellow", "not decided": "magenta", "false": "red",
@@ -193,3 +196,39 @@ def stop(error: BaseException, done: str, files: Sequence[Path]) -> None:
         error.args = (f"interrupted; {kept}",)
     else:
         warn(kept)
+
+
+LINE_EVERY = 30.0  # seconds between two lines where stderr is no terminal
+
+
+@contextmanager
+def progress_bar(total: int, done: int, as_json: bool = False) -> "Iterator[Meter]":
+    """A meter, shown while the body runs; where stderr is no terminal, or as JSON, by a line every 30 s."""
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    from ..run.progress import Meter
+
+    if as_json or not err().is_terminal:
+        yield Meter(total, done, _make_lines(as_json))
+        return
+    columns = (BarColumn(), TextColumn("{task.completed} of {task.total} cases, {task.description}"))
+    with Progress(*columns, console=err(), transient=True) as bar:
+        task = bar.add_task("starting", total=total, completed=done)
+        yield Meter(
+            total,
+            done,
+            lambda meter: bar.update(task, completed=meter.done, total=meter.total, description=meter.text()),
+        )
+
+
+def _make_lines(as_json: bool) -> "Callable[[Meter], None]":
+    said = 0.0
+
+    def show(meter: "Meter") -> None:
+        nonlocal said
+        if meter.seconds - said >= LINE_EVERY:
+            said = meter.seconds
+            line = json.dumps(meter.data()) if as_json else f"{meter.done} of {meter.total} cases, {meter.text()}"
+            print(line, file=sys.stderr, flush=True)
+
+    return show

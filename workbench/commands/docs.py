@@ -51,9 +51,9 @@ def docs(
 
 def _bibtex() -> str:
     from .. import __version__
-    from ..web.report import paper
+    from ..web.report import sources
 
-    cited = paper.citation()
+    cited = sources.citation()
     journal, volume = cited["journal"].rsplit(" ", 1)
     return BIBTEX.format(
         version=__version__, year=YEAR, authors=cited["authors"], title=cited["title"], journal=journal, volume=volume,

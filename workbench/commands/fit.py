@@ -89,12 +89,12 @@ def fit(
 
     from ..figures import canvas
     from ..fitting import fit_dataset, fit_input, fit_output
-    from . import output_file, picture_page
+    from . import option_checks
 
-    sheet = picture_page.page(plot, style, width, no_title)
+    sheet = option_checks.page(plot, style, width, no_title)
     for path, suffixes in ((out, OUT), (plot, canvas.DIAGRAMS)):
         if path is not None:
-            output_file.check(path, suffixes, force)
+            option_checks.check(path, suffixes, force)
     targets = fit_input.numbers("--target", target or [])
     read, sigmas = fit_input.read_points(points) if points is not None else (None, {})
     asked, taken = _case(file, at or [], given, table1, reading)
@@ -136,7 +136,7 @@ def _case(
 
     from ..fitting import fit_input
     from ..run.case_input import read_case
-    from . import at_option
+    from . import option_checks
 
     if file is None:
         if at:
@@ -148,7 +148,7 @@ def _case(
         raise InputError(f"{file.name} states its own units: change them in the file")
     study = load(str(file)).under(reading)
     ds = fit_input.places(study)
-    return fit_input.case_at(study, ds, at_option.values(ds, at), given.values)
+    return fit_input.case_at(study, ds, option_checks.axis_values(ds, at), given.values)
 
 
 def _vary(texts: list[str], bounds: dict[str, tuple[float, float]]) -> "dict[str, tuple[float, float] | None]":

@@ -80,11 +80,11 @@ def gallery(
     """
     from ..data import writing
     from ..scene import opengl
-    from . import output_file
+    from . import option_checks
 
     suffixes = _suffixes(only or [])
     writing.check_folder(out)
-    paths = {name: output_file.check(out / f"{name}{suffix}", (suffix,), force) for name, suffix in suffixes.items()}
+    paths = {name: option_checks.check(out / f"{name}{suffix}", (suffix,), force) for name, suffix in suffixes.items()}
     able, advice = opengl.probe() if set(paths) - {PAGE} else (True, "")
     if not able:
         console.warn(advice)

@@ -79,13 +79,13 @@ def plot(
     from ..data import atomic, outcomes, writing
     from ..figures import canvas, kinds, legend, table
     from ..figures.sheet import sheet
-    from . import output_file
+    from . import option_checks
 
     given = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
     if file.is_dir():
         return _story(file, out or file / "story.png", width, force, dpi)
     if (other := _other(file)) is not None:
-        path = output_file.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
+        path = option_checks.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
         if named := [name for name, value in {**given, "kind": kind, "panel": panel}.items() if value]:
             raise InputError(f"{file} is {other.what}, which plot draws without --{named[0]}")
         ds = writing.read(file, study=False)
@@ -96,8 +96,8 @@ def plot(
     outcomes.check_any_solved(ds)
     page = sheet(style, width, not no_title, panel)
     kind, given = _kind(ds, kind, given)
-    path = output_file.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
-    numbers = output_file.check(data, (".csv",), force) if data else None
+    path = option_checks.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
+    numbers = option_checks.check(data, (".csv",), force) if data else None
     drawn = _figure(ds, kind, given, page)
     canvas.save(drawn, path, dpi)
     for note in legend.kept(drawn):
@@ -130,9 +130,9 @@ def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) 
     from ..data import writing
     from ..figures import canvas, story
     from ..figures.sheet import sheet
-    from . import output_file
+    from . import option_checks
 
-    path = output_file.check(out, canvas.DIAGRAMS, force)
+    path = option_checks.check(out, canvas.DIAGRAMS, force)
     datasets = {name: writing.read(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
     canvas.save(story.figure(datasets, sheet("paper", width or 183, titled=False)), path, dpi)
     console.say(str(path))
@@ -142,12 +142,12 @@ def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) 
 def _kind(ds: "xr.Dataset", kind: str | None, options: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     """The kind of picture, and its given options. Raises `InputError` for one that does not fit."""
     from ..figures import kinds
-    from . import at_option
+    from . import option_checks
 
     given = {name: value for name, value in options.items() if value}
     kind = kinds.kind_of(ds, kind, list(given))
     if "at" in given:
-        given["at"] = at_option.values(ds, given["at"])
+        given["at"] = option_checks.axis_values(ds, given["at"])
     return kind, given
 
 

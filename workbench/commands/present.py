@@ -43,12 +43,12 @@ def files(plot: Path | None, out: Path | None, force: bool, kind: str) -> Files:
     kind: of the dataset, as of `writing.check_free`: what `out` holds already may be replaced if it is of this kind.
     """
     from ..data import writing
-    from . import output_file
+    from . import option_checks
 
     if plot is not None:
         from ..figures import canvas
 
-        output_file.check(plot, canvas.DIAGRAMS, force)
+        option_checks.check(plot, canvas.DIAGRAMS, force)
     if out is not None:
         writing.check_parent(out)
         if not force:

@@ -4,7 +4,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-from . import console, progress
+from . import console
 from .options import Fidelity, ForceStudy, Json, Method, Reading, Tol, argument, flag, option
 from .study_result import print_result
 
@@ -61,7 +61,7 @@ def run(
     memory.keep()
     options = Options(workers, scheduler, chunk, restart)
     say = (lambda text: None) if json else _say
-    ran = run_to_file(chosen, path, options, say, partial(progress.progress_bar, as_json=json))
+    ran = run_to_file(chosen, path, options, say, partial(console.progress_bar, as_json=json))
     found = {"title": chosen.title, "study": chosen.name, "reading": chosen.reading or "", "file": str(path)}
     return print_result({**found, **ran.statistics}, json, ran)
 

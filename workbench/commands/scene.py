@@ -51,7 +51,7 @@ def scene_file(
     from ..data import schema, selection
     from ..scene import kinds, opengl
     from ..scene.settings import check, check_name
-    from . import at_option, output_file, scene_page, study_scene
+    from . import option_checks, scene_page, study_scene
 
     if out is not None and scene_page.is_page(out):
         others = bool(axes or along or span != (None, None) or (look and look != Look()))
@@ -66,11 +66,11 @@ def scene_file(
     else:
         ds = study_scene.read_dataset(file)
     found = kinds.kind_of(kind or ("equilibria" if schema.axes_of(ds) == ["equilibrium"] else "contact"))
-    where = at_option.values(ds, at)
+    where = option_checks.axis_values(ds, at)
     case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
     named = [] if found.name in ("contact", "equilibria") else [found.name, *(axes or [])]
     default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
-    path = output_file.check(out or default, SUFFIXES, force)
+    path = option_checks.check(out or default, SUFFIXES, force)
     check_name(path, asked)
     able, advice = opengl.probe()
     if not able:

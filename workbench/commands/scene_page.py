@@ -30,23 +30,23 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
     from ..run import in_memory
     from ..scene.kinds import kind_of
     from ..web.turntable import page
-    from . import at_option, output_file, study_scene
+    from . import option_checks, study_scene
 
     if kind not in (None, KIND, "equilibria") or others:
         raise InputError(
             f"an {SUFFIX} file shows the kind {KIND} of all cases that --at leaves; --kind, --axis, --along, --from "
             "and --to are for pictures, .png and .jpg"
         )
-    path = output_file.check(out, (SUFFIX,), force)
+    path = option_checks.check(out, (SUFFIX,), force)
     solve: study_scene.Solve | None
     if study_scene.is_study(file):
         study, ds = study_scene.two_stations(file)
-        where = at_option.values(ds, at)
+        where = option_checks.axis_values(ds, at)
         needed = study_scene.needed_cases(study, ds, kind_of(KIND), where, _free(ds, where))
         solve, ds = study_scene.solver_of_study(needed), in_memory.run(needed.at_stations(FIRST))
     else:
         ds = study_scene.read_dataset(file)
-        where = at_option.values(ds, at)
+        where = option_checks.axis_values(ds, at)
         solve = study_scene.solver_of_file(ds, where, _free(ds, where))
     for _ in range(ROUNDS):
         if solve is None or (more := _stations(ds)) <= ds.sizes["u"]:

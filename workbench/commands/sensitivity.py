@@ -51,12 +51,12 @@ def sensitivity(
 
     from ..figures import canvas, kinds, legend
     from ..influence import tables
-    from . import output_file, picture_page
+    from . import option_checks
 
-    sheet = picture_page.page(plot, style, width, no_title)
+    sheet = option_checks.page(plot, style, width, no_title)
     for path, suffixes in ((plot, canvas.DIAGRAMS), (out, CSV)):
         if path is not None:
-            output_file.check(path, suffixes, force)
+            option_checks.check(path, suffixes, force)
     if whole and fields:
         raise InputError("--fields is an option of the derivatives of one case; --global tells all sampled fields")
     if confidence is not None and not whole:
@@ -93,7 +93,7 @@ def _local(
     from ..data import schema, writing
     from ..influence import derivatives, one_case
     from ..run import in_memory, stored_case
-    from . import at_option
+    from . import option_checks
     from .study_scene import is_study
 
     real = None if show is None else [name for name in show if not is_count(name)]
@@ -104,11 +104,11 @@ def _local(
         study = load(file)
         follows = study.follow is not None
         ds = in_memory.run(study) if follows else one_case.outline(study)
-        where = at_option.values(ds, at)
+        where = option_checks.axis_values(ds, at)
         found = one_case.of_dataset(ds, where) if follows else one_case.of_study(study, where)
     else:
         ds = writing.read(file)
-        found = one_case.of_dataset(ds, at_option.values(ds, at))
+        found = one_case.of_dataset(ds, option_checks.axis_values(ds, at))
         study = stored_case.study_of(ds)
     table = derivatives.local(found, fields, real, study.unit_system)
     varied = " ".join(schema.dimension(name) for name in study.varied)
@@ -124,14 +124,14 @@ def _indices(
 
     from ..data import writing
     from ..influence import indices
-    from . import at_option
+    from . import option_checks
     from .study_scene import is_study
 
     if is_study(file):
         raise InputError(f"--global needs a stored study: workbench run {file} stores one")
     ds = writing.read(file)
     share = indices.CONFIDENCE if confidence is None else confidence
-    table = indices.sobol(ds, show, at_option.values(ds, at), share)
+    table = indices.sobol(ds, show, option_checks.axis_values(ds, at), share)
     return table, indices.sentences(table)
 
 

@@ -17,7 +17,7 @@ def summary(file: File, json: Json = False) -> int:
     of lists of equilibria, branches, fold maps and measurements their numbers.
     """
     from ..data import kinds, reading
-    from ..run.contents import contents
+    from ..run.summary import contents
     from ..run.summary import summary as summarise
 
     with reading.raw(file) as ds:

@@ -10,7 +10,7 @@ from studies.lattice import Lattice
 from studies.refinement import Refinement, refinement_of
 from studies.study_tables import OUTCOME
 
-from . import law_verdicts, observed, refined, schema
+from . import law_verdicts, refined, schema, selection
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -121,7 +121,7 @@ def _numbers(ds: "xr.Dataset", name: str, step: float | None) -> "tuple[Values, 
     watch = refined.describe(ds).watch if refined.is_refined(ds) else {}
     if name == OUTCOME:
         return ds["solved"].values.astype(float), 0.0
-    known = [*observed.observables(ds), OUTCOME]
+    known = [*selection.observables(ds), OUTCOME]
     if name not in ds.data_vars or ds[name].dims != ds["outcome"].dims or ds[name].dtype.kind not in "iuf":
         raise InputError(f"no observable {name!r}{near(name, known)}; the dataset has {choices(known)}")
     if step is None and name not in watch and not schema.is_count(ds[name]):

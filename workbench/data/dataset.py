@@ -30,8 +30,8 @@ from .schema import (
     labels_in,
     laws_text,
     numbers_of_case,
+    version_of,
 )
-from .versions import version_of
 
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
 # How exact the observables are, in words.

@@ -18,7 +18,7 @@ from solver.mechanics.statics import contact_force, push_from
 from studies import Study
 from studies.model import OUTPUTS
 
-from . import reading, rod_fields, schema
+from . import reading, schema
 from .schema import COMPONENTS, axes_left
 
 _VECTOR, _FRAME = ("xyz",), ("director", "xyz")
@@ -104,8 +104,8 @@ class Stored:
     @cached_property
     def A(self) -> xr.DataArray:
         """Bending stiffness [force length^2]."""
-        numbers = {name: self.constant(name) for name in rod_fields.of_stiffness(self.ds)}
-        return rod_fields.bending_stiffness(reading.text(self.ds, "stiffness"), numbers)
+        numbers = {name: self.constant(name) for name in schema.stiffness_fields(self.ds)}
+        return schema.bending_stiffness(reading.text(self.ds, "stiffness"), numbers)
 
     @property
     def lmp(self) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:

@@ -10,7 +10,7 @@ from studies.expressions import unit_names
 from studies.law import Law
 from studies.laws import targets
 
-from . import rod_fields
+from . import schema
 from .schema import dimension
 
 if TYPE_CHECKING:
@@ -41,9 +41,9 @@ def _find(ds: "xr.Dataset", name: str) -> Any:
     if name in unit_names({key: str(ds.attrs[f"{key}_unit"]) for key in ("length", "force")}):
         return 1.0
     if name == "torsional_stiffness":
-        return rod_fields.torsional_stiffness(str(ds.attrs["stiffness"]), ds)
+        return schema.torsional_stiffness(str(ds.attrs["stiffness"]), ds)
     if name == "bending_stiffness":
-        return rod_fields.bending_stiffness(str(ds.attrs["stiffness"]), ds)
+        return schema.bending_stiffness(str(ds.attrs["stiffness"]), ds)
     try:
         key = dimension(name)
     except InputError:

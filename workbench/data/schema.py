@@ -2,6 +2,8 @@
 
 import json
 from collections.abc import Mapping
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +12,7 @@ from numpy.typing import NDArray
 from solver.observe import observables
 from solver.observe.observables import OBSERVABLES
 from solver.problem.quantities import quantity, unit_of
+from solver.problem.rod import GIVEN, STIFFNESS, fourth_powers
 from studies import expressions
 from studies.axes import CYLINDER, WORDS, quantity_of
 from studies.dimensions import SAMPLE
@@ -21,6 +24,7 @@ if TYPE_CHECKING:
 
     from solver import Case
     from studies import Study
+
 
 FORMAT = 2  # of the file; any other is refused
 CONVENTIONS = "CF-1.11"  # of units, names and missing values; every file says so
@@ -142,3 +146,34 @@ def laws_text(study: "Study") -> str:
     for row in rows:
         row |= {"axis": dimension(row["axis"]), "at": {dimension(name): value for name, value in row["at"].items()}}
     return json.dumps(rows, ensure_ascii=False)
+
+
+@cache  # reading it takes a millisecond, and a process keeps the packages that it has imported
+def version_of(package: str) -> str:
+    """The installed version of a package, or that it is not installed."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+SECTIONS = (*STIFFNESS, GIVEN)  # the words of the attribute stiffness
+
+
+def stiffness_fields(ds: "xr.Dataset") -> tuple[str, ...]:
+    """The fields that determine the bending stiffness of the rods of a dataset."""
+    if "EI" in ds.variables:
+        return ("EI",)
+    return ("E", "a", "inner_radius") if "inner_radius" in ds.variables else ("E", "a")
+
+
+def bending_stiffness(word: str, number: Any) -> Any:
+    """A [force length^2]. word: the attribute stiffness. number: what gives a field by its name, as a dataset does."""
+    if word == GIVEN:
+        return number["EI"]
+    return STIFFNESS[word] * number["E"] * fourth_powers(number["a"], number.get("inner_radius"))
+
+
+def torsional_stiffness(word: str, number: Any) -> Any:
+    """C [force length^2]; parameters as of `bending_stiffness`."""
+    return number["GJ"] if word == GIVEN else bending_stiffness(word, number) / (1 + number["nu"])

@@ -19,7 +19,7 @@ from solver.problem.rod import DIRECT, ELASTIC, GIVEN
 from studies.axes import LONGEST_LINE
 from studies.units import FORCES, LENGTHS
 
-from . import escaping, rod_fields, schema
+from . import escaping, schema
 from .file_checks import show
 from .grid_io import blocks
 from .schema import CURVES, LOADS, SECTION, TEXTS
@@ -41,7 +41,7 @@ LABELS = ("units", "long_name", "symbol", "reading")
 WORDS: Mapping[str, Any] = {
     "side": SIDES,
     "sliding": SLIDING,
-    "stiffness": rod_fields.SECTIONS,
+    "stiffness": schema.SECTIONS,
     "length_unit": LENGTHS,
     "force_unit": FORCES,
 }
@@ -146,7 +146,7 @@ def each(ds: xr.Dataset, path: str | Path) -> None:
     for name in (*JUDGED, *LOADS):
         if name in ds.variables and ds[name].dtype.kind not in "iuf":
             raise InputError(f"{path}: {name} must hold numbers, got {ds[name].dtype}")
-    sizes = (*rod_fields.of_stiffness(ds), "rho", "L")
+    sizes = (*schema.stiffness_fields(ds), "rho", "L")
     dims = ds["outcome"].dims
     numbers = [str(name) for name, one in ds.data_vars.items() if one.dims == dims and one.dtype.kind in "iuf"]
     names = [name for name in dict.fromkeys(("solved", *TEXTS, *numbers, *LOADS, *sizes)) if name in ds.variables]
@@ -183,9 +183,9 @@ def _check_numbers(ds: xr.Dataset, names: Iterable[str], path: str | Path) -> No
 
 
 def _check_loads(ds: xr.Dataset, path: str | Path) -> None:
-    if not {*rod_fields.of_stiffness(ds), "rho"} <= {*ds.variables}:
+    if not {*schema.stiffness_fields(ds), "rho"} <= {*ds.variables}:
         return
-    unit = rod_fields.bending_stiffness(str(ds.attrs["stiffness"]), ds) / ds["rho"]  # of moment
+    unit = schema.bending_stiffness(str(ds.attrs["stiffness"]), ds) / ds["rho"]  # of moment
     with np.errstate(all="ignore"):
         for name in LOADS:
             if name in ds.variables:

@@ -13,7 +13,7 @@ from solver.problem.errors import InputError, choices
 
 from ..data import atomic, selection, writing
 from ..geometry import self_contact, stored_line
-from . import pvd, series
+from . import pvd
 from .base import Format, Options, Rod, metres
 from .formats import FORMATS, format_of
 
@@ -110,7 +110,7 @@ def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str,
 
 def _frames(ds: xr.Dataset, path: Path, options: Options, force: bool, format: Format) -> Exported:
     """Write each solved rod along an axis to a file of its own; a rod that the format cannot hold is left out."""
-    found = series.along(ds, path.stem, options)
+    found = pvd.along(ds, path.stem, options)
     places = [rod.where[found.axis] for rod in found.rods]
     files = [path.with_name(_number(path.name, i)) for i in places]
     for file in files:
@@ -143,7 +143,7 @@ def _number(name: str, i: int) -> str:
 def _series(ds: xr.Dataset, path: Path, options: Options, force: bool, format: Format) -> Exported:
     """Write the rods along one axis: an index, and a folder of files beside it."""
     pvd.check_free(path, force)
-    found = series.along(ds, path.stem, options)
+    found = pvd.along(ds, path.stem, options)
     written: dict[str, Any] = {}
     put(path, lambda aside: written.update(format.write(aside, found)), force)
     return Exported(path, found.at, written, [])

@@ -11,7 +11,7 @@ from solver.problem.errors import InputError, choices, no_such
 from studies.dimensions import SAMPLE
 
 from ..data import kinds as files
-from ..data import observed, refined, schema
+from ..data import refined, schema, selection
 from . import (
     along,
     bars,
@@ -95,5 +95,5 @@ def kind_of(ds: xr.Dataset, kind: str | None = None, given: Sequence[str] = ()) 
 def _default_kind(ds: xr.Dataset) -> str:
     if refined.is_refined(ds):
         return "map" if len(refined.axes_of(ds)) > 1 else "lines"
-    is_map = len(map_cells.mappable(ds)) > 1 and SAMPLE not in schema.axes_of(ds) and observed.observables(ds)
+    is_map = len(map_cells.mappable(ds)) > 1 and SAMPLE not in schema.axes_of(ds) and selection.observables(ds)
     return "map" if is_map else "lines"

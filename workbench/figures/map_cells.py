@@ -11,7 +11,7 @@ from solver.problem.errors import InputError, choices
 from studies.axes import FIELDS, WORDS
 from studies.dimensions import SAMPLE
 
-from ..data import cautions, labels, observed, selection
+from ..data import cautions, labels, selection
 from ..data.schema import axes_of, dimension
 from .scales import Scale, scale_of
 
@@ -184,11 +184,11 @@ def _two_axes(ds: xr.Dataset, x: str | None, y: str | None, at: dict[str, float]
 
 def _observables(ds: xr.Dataset, show: Sequence[str], most: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The observables of the figure, and those of the study that have no room."""
-    names = observed.names_of(ds, show) if show else observed.observables(ds)
+    names = selection.names_of(ds, show) if show else selection.observables(ds)
     if not names:
         raise InputError("the study stores no observable; a map shows one")
     if not show:
-        names = [name for name in names if not observed.is_level(ds, name)] or names[:1]
+        names = [name for name in names if not selection.is_level(ds, name)] or names[:1]
     if show and len(names) > MOST_MAPS:
         raise InputError(f"a figure shows at most {MOST_MAPS} observables, got {len(names)}: {choices(names)}")
     return tuple(names[:most]), tuple(names[most:])

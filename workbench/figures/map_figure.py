@@ -9,7 +9,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..data import labels, law_verdicts, observed, refined
+from ..data import labels, law_verdicts, refined, selection
 from . import canvas, law_lines, legend, map_panel, style, thumbnails
 from .map_cells import MOST_MAPS, Cells, Choice, cells, choose
 from .sheet import SCREEN, Sheet
@@ -169,7 +169,7 @@ class _Maps:
             of = f"the {self.ds.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
             found.append(f"The columns show {len(choice.columns)} of {of}.")
         if not self.asked:
-            found += level_notes(self.ds, observed.observables(self.ds))
+            found += level_notes(self.ds, selection.observables(self.ds))
         if choice.left_out:
             found.append(f"Not drawn: {', '.join(choice.left_out)}; choose with --show.")
         if choice.along and choice.held:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from studies.laws import NOISE
 
-from ..data import labels, observed
+from ..data import labels, selection
 from . import regions, style
 from .map_cells import STRAIGHT, Cells
 from .scales import Ticks
@@ -36,7 +36,7 @@ class Colours:
 
     def __init__(self, ds: xr.Dataset, name: str, values: Values) -> None:
         self.array = ds[name]
-        self.count = observed.is_count(ds, name)
+        self.count = selection.is_count(ds, name)
         known = values[np.isfinite(values)]
         self.low, self.high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
         size = max(abs(self.low), abs(self.high))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from studies.dimensions import SAMPLE
 from studies.laws import FAILS
 
-from ..data import labels, observed, schema, selection
+from ..data import labels, schema, selection
 from . import style
 from .scales import Ticks, put
 
@@ -108,7 +108,7 @@ def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None
                 clip_on=False, transform=ax.get_xaxis_transform(), rasterized=x.size > MANY)  # fmt: skip
     if (found := rank_correlation(x[solved], y[solved])) is not None:
         ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=style.small(), color=style.SOFT, pad=2)
-    ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=observed.is_count(ds, name)))
+    ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=selection.is_count(ds, name)))
     ax.yaxis.set_major_formatter(Ticks())
     ax.margins(y=0.12)
     style.with_grid(ax)

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from solver.problem.errors import InputError, choices, no_such
 from studies.dimensions import SAMPLE
 
-from ..data import cautions, labels, law_verdicts, observed, refined, schema, selection
+from ..data import cautions, labels, law_verdicts, refined, schema, selection
 from . import along, canvas, drawn_rods, legend, scatter, unrolled
 from .drawn_rods import DrawnRods
 from .laws import panel
@@ -74,10 +74,10 @@ def figure(
         if show:
             raise InputError("the file holds one case: each observable is one number, which workbench summary prints")
         return one_rod(ds, sheet)
-    is_sampled = SAMPLE in axes and bool(observed.observables(ds))
+    is_sampled = SAMPLE in axes and bool(selection.observables(ds))
     axes = [axis for axis in axes if not (is_sampled and axis == SAMPLE)]
     chosen = _choice(
-        ds, rows, axes if unrolled.has_curve(curves) else [], is_sampled, sheet.panel, observed.names_of(ds, show)
+        ds, rows, axes if unrolled.has_curve(curves) else [], is_sampled, sheet.panel, selection.names_of(ds, show)
     )
     if sheet.narrow and sheet.panel is None and not show:
         chosen = _for_column(chosen)
@@ -193,7 +193,7 @@ def _choice(
 
     Raises `InputError` for an unknown panel, and for more observables than have room.
     """
-    stored, laws = observed.observables(ds), _name(rows)
+    stored, laws = selection.observables(ds), _name(rows)
     if len(show) > MOST_ASKED:
         raise InputError(f"a figure shows at most {MOST_ASKED} observables, got {len(show)}: {choices(show)}")
     if show and is_sampled:
@@ -202,7 +202,7 @@ def _choice(
         laws_on: dict[str, list[Any]] = {name: [row for row in rows if row["observable"] == name] for name in show}
         return _Choice([one for name in show for one in laws_on[name] or [name]])
     if panel is None:
-        varied = [name for name in stored if not observed.is_level(ds, name)]
+        varied = [name for name in stored if not selection.is_level(ds, name)]
         plain = [] if rows or is_sampled else (varied or stored)[:MOST_PLAIN]
         shown = {*plain, *(row["observable"] for row in rows), *(stored if is_sampled else ())}
         level = level_notes(ds, [name for name in stored if name not in shown])
@@ -231,7 +231,7 @@ def _for_column(chosen: _Choice) -> _Choice:
 
 def level_notes(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
     """A sentence about each observable that is the same in all cases."""
-    level = [(ds[name], float(ds[name].max())) for name in names if observed.is_level(ds, name)]
+    level = [(ds[name], float(ds[name].max())) for name in names if selection.is_level(ds, name)]
     asked = re.compile(r"[<>]|==|!=|\b(and|or|not)\b")  # an expression that is true or false
     said = [("false", "true")[bool(value)] if asked.search(str(array.attrs.get("expression", "")))
             else labels.value(value, array) for array, value in level]  # fmt: skip

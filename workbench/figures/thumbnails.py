@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 
 from solver.problem.errors import InputError
 
-from ..data import labels, observed
+from ..data import labels, selection
 from . import drawn_rods, push_scale, style, unrolled
 from .drawn_rods import DrawnRod
 from .map_cells import Cells, Choice
@@ -106,7 +106,7 @@ def _place_of_number(
             x, y = left + share * across, low + height * (up - size[1])
             corners = {(cells.y.cell(y + v * size[1]), cells.x.cell(x + (h - 0.5) * size[0]))
                        for v in (0, 1) for h in (0, 1)}  # fmt: skip
-            if not observed.is_count(cells.source, name) or all(values[at] == values[cell] for at in corners):
+            if not selection.is_count(cells.source, name) or all(values[at] == values[cell] for at in corners):
                 return x, y
     return None
 

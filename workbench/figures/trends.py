@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from solver.problem.errors import no_such
 from studies.laws import FAILS, NOISE
 
-from ..data import labels, observed, selection
+from ..data import labels, selection
 from . import style
 from .scales import WIDE, Ticks, is_geometric, put
 
@@ -31,7 +31,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     lines = lines.copy(data=labels.in_label_unit(ds[observable], lines.values))
     others = {name: i for name, i in order[0].items() if name != axis}
     values = lines.isel(others).values.astype(float)
-    look: dict[str, Any] = {"drawstyle": "steps-mid"} if observed.is_count(ds, observable) else {}
+    look: dict[str, Any] = {"drawstyle": "steps-mid"} if selection.is_count(ds, observable) else {}
     for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 else ():
         ax.plot(along, line, color=style.FAINT, linewidth=1, zorder=1, **look)
     ax.plot(*_broken(along, values, _branches(ds, order)), color=style.DATA, linewidth=1.2, zorder=2, **look)
@@ -49,7 +49,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     ax.margins(y=0.1)
     ax.yaxis.set_major_formatter(Ticks())
     drawn = lines.values[np.isfinite(lines.values)]
-    if observed.is_count(ds, observable):
+    if selection.is_count(ds, observable):
         ax.yaxis.set_major_locator(MaxNLocator(int(np.clip(style.inches(ax)[1] / 0.3, 2, 9)), integer=True))
         if drawn.size and np.ptp(drawn) < 2:
             count = round(float(drawn.mean()))

@@ -1,6 +1,9 @@
-"""The centreline of a case, read from its dataset."""
+"""The centreline of a case, read from its dataset; of a rod with weight or friction from its angles and its push."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -8,9 +11,8 @@ from scipy.interpolate import make_interp_spline
 
 from solver.problem.errors import InputError
 
-from ..data import rod_fields, schema
-from .centreline import NEEDED, Centreline, slopes
-from .varying_line import VaryingLine
+from ..data import schema
+from .centreline import NEEDED, Array, Centreline, slopes
 
 
 def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
@@ -20,7 +22,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     rod the curve needs the contact force in place of the loads.
     """
     varies = schema.loads_vary(ds)
-    needed = (*NEEDED, *rod_fields.of_stiffness(ds), *["contact"] * varies)
+    needed = (*NEEDED, *schema.stiffness_fields(ds), *["contact"] * varies)
     missing = [name for name in needed if name not in ds]
     if missing:
         raise InputError(f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs")
@@ -30,7 +32,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     if not one["solved"] or not np.isfinite(list(along.values())).all():
         raise InputError(f"this case has no shape: {outcome}")
     number = {name: float(one[name]) for name in needed[3:] if name != "contact"}
-    A = float(rod_fields.bending_stiffness(str(ds.attrs["stiffness"]), number))
+    A = float(schema.bending_stiffness(str(ds.attrs["stiffness"]), number))
     loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
     s = np.asarray(one["s"].values, dtype=float)
     is_stored = "dbeta" in ds
@@ -48,3 +50,38 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     if varies:
         return VaryingLine(*known, stored_contact=np.asarray(one["contact"], dtype=float))
     return Centreline(*known)
+
+
+DEGREE = 5  # of the splines through the stations
+
+
+@dataclass(frozen=True, eq=False)
+class VaryingLine(Centreline):
+    """A centreline along which FZ and MZ vary: l and p are NaN, and beta'' and the contact are those of splines.
+
+    stored_contact: at the stations, (n,).
+    """
+
+    stored_contact: Array = field(default_factory=lambda: np.empty(0))
+
+    @cached_property
+    def _spline(self) -> Any:
+        return make_interp_spline(self.s, self.beta, k=min(DEGREE, self.s.size - 1))
+
+    @property
+    def bend(self) -> Array:
+        """beta'' at the stations, (n,) [1/length^2]."""
+        return np.asarray(self._spline(self.s, 2))
+
+    @cached_property
+    def swing(self) -> float:
+        """The radians of a swing of beta between stations, at most: from the rates of its three derivatives."""
+        beta, rate, bend = (self._spline(self.s, k) for k in range(3))
+        sizes = [float(np.ptp(beta)), float(np.abs(rate).max()), float(np.abs(bend).max())]
+        if not all(sizes):
+            return 0.0
+        return float(np.diff(self.s).max() * max(2 * sizes[1] / sizes[0], sizes[2] / sizes[1]))
+
+    def contact(self, s: Array) -> Array:
+        """The cylinder's push per length at s, (k,) [force/length], positive outward."""
+        return np.asarray(make_interp_spline(self.s, self.stored_contact, k=min(DEGREE, self.s.size - 1))(s))

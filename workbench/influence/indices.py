@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, choices
 from studies.dimensions import SAMPLE
 
-from ..data import observed, schema, selection
+from ..data import schema, selection
 from .design import Design, design_of
 
 CONFIDENCE, SEED = 0.95, 1  # of the intervals; of the bootstrap, whose 0 would mean another each time
@@ -71,7 +71,7 @@ def sobol(
         raise InputError("sample is not held: the indices are those of all samples")
     held = {axis: i for axis, i in selection.case(ds, at).items() if axis != SAMPLE}
     here = ds.isel(held)
-    names = observed.names_of(here, observables) if observables else schema.observables_of(here)
+    names = selection.names_of(here, observables) if observables else schema.observables_of(here)
     if not names:
         raise InputError("the file stores no observable: give the study observables, and run it again")
     solved = here["solved"].values.astype(bool)

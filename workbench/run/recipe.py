@@ -20,7 +20,7 @@ from studies.dimensions import Dimensions
 from studies.law import Law
 from studies.refine import lattice
 
-from ..data.versions import version_of
+from ..data.schema import version_of
 
 
 def recipe_of(study: Study, dimensions: Dimensions, block: int) -> dict[str, Any]:

@@ -14,9 +14,8 @@ from studies import Study
 from ..data.schema import TEXTS
 from . import local_pool, shards, worker_processes
 from .block import unsolved
-from .plan import Plan, plan
+from .plan import Plan, plan, room
 from .progress import Meter, Progress, unshown
-from .room import room
 from .rounds import Rounds
 from .shards import Damaged, Shards, decode, encode
 from .stored_run import StoredRun, grow, is_finished, look, replace

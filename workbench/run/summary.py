@@ -14,7 +14,19 @@ from solver.problem.case import PAIRS
 from solver.problem.errors import InputError
 from studies.dimensions import SAMPLE
 
-from ..data import branch_numbers, file_checks, labels, law_verdicts, observed, reading, refined, schema
+from ..data import (
+    branch_numbers,
+    cautions,
+    file_checks,
+    kinds,
+    labels,
+    law_verdicts,
+    reading,
+    refined,
+    schema,
+    selection,
+    writing,
+)
 from ..data.boundary import boundary, boundary_of_law
 from ..data.grid_io import blocks
 from .stored_case import study_of
@@ -63,7 +75,7 @@ def _observables(ds: xr.Dataset) -> list[str]:
     except InputError:  # a file without the text of its study
         wanted, reactions = [], []
     asked = [name for name in OBSERVABLES if name in wanted and OBSERVABLES[name].holds and name not in reactions]
-    known = [name for name in (*reactions, *asked, observed.HELD_INDEX) if name in ds.data_vars]
+    known = [name for name in (*reactions, *asked, selection.HELD_INDEX) if name in ds.data_vars]
     return [*schema.observables_of(ds), *known]
 
 
@@ -140,13 +152,17 @@ def _numbers(variable: xr.DataArray) -> NDArray[np.float64]:
 
 
 def _spread(variable: xr.DataArray) -> dict[str, Any]:
-    """Smallest, median and largest of an observable; None where no case has it."""
+    """Smallest, median and largest value, None where there is none; the dimensions, and how many values are missing."""
     values = _numbers(variable)
     finite = values[np.isfinite(values)]
     three = (float(f(finite)) if finite.size else None for f in (np.min, np.median, np.max))
-    told = dict(zip(("min", "median", "max"), three, strict=True))
-    missing = int(values.size - finite.size)
-    return {"name": str(variable.name), "units": str(variable.attrs.get("units", "")), **told, "missing": missing}
+    return {
+        "name": str(variable.name),
+        "over": " x ".join(map(str, variable.dims)),
+        "units": str(variable.attrs.get("units", "")),
+        **dict(zip(("min", "median", "max"), three, strict=True)),
+        "missing": int(values.size - finite.size),
+    }
 
 
 def _worst(ds: xr.Dataset, name: str) -> dict[str, Any]:
@@ -184,4 +200,31 @@ def _law(row: dict[str, Any]) -> dict[str, Any]:
         "stated": law_verdicts.law_in_words(row),
         "said": law_verdicts.said(row),
         "exceptions": len(row["exceptions"]),
+    }
+
+
+SENTENCES = ("stability", "begin", "end", "remark", "searched")  # attributes that are printed as they are
+
+
+def contents(path: Path) -> dict[str, Any]:
+    """What the file holds, as plain data. Raises `InputError`."""
+    ds = writing.read(path, study=False)
+    numbers = [str(name) for name, one in ds.variables.items() if one.dtype.kind in "iuf" and "u" not in one.dims]
+    solved = ds["solved"].values.astype(bool) if "solved" in ds else np.ones(0, dtype=bool)
+    named = ds["outcome"].values.astype(str) if "outcome" in ds else np.zeros(0, dtype=str)
+    texts = Counter(map(str, np.ravel(ds["caution"].values))) if "caution" in ds else Counter()
+    return {
+        "file": str(path),
+        "bytes": os.stat(path).st_size,
+        "kind": kinds.kind_of(ds).what,
+        "title": str(ds.attrs.get("title", "")),
+        "sizes": {str(dim): int(size) for dim, size in ds.sizes.items()},
+        "along": [str(name) for name, one in ds.data_vars.items() if "u" in one.dims],
+        "numbers": [_spread(ds[name]) for name in numbers if ds[name].ndim],
+        "fields": [_spread(ds[name]) for name in numbers if not ds[name].ndim],
+        "outcomes": dict(Counter(named[named != ""].tolist())),
+        "unsolved": int((~solved & (named != "")).sum()) if solved.shape == named.shape else 0,
+        "caution": cautions.tell(texts),
+        "said": {key: str(ds.attrs[key]) for key in SENTENCES if ds.attrs.get(key)},
+        "versions": reading.versions(ds, path) if "versions" in ds.attrs else {},
     }

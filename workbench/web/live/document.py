@@ -20,7 +20,7 @@ from studies.readings import READINGS
 
 from ...data import labels, scene_look
 from ...data.escaping import finite
-from . import page_branches, page_shape
+from . import page_model, page_shape
 from .page_model import study_of
 from .presets import Preset
 
@@ -92,7 +92,7 @@ def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
         "quantities": {
             name: [row.symbol, labels.quantity_name(row.long_name), row.dimension] for name, row in QUANTITIES.items()
         },
-        "branches": {"fields": page_branches.FIELDS, "shown": page_branches.SHOWN},
+        "branches": {"fields": page_model.FIELDS, "shown": page_model.SHOWN},
         "colours": scene_look.for_pages(),
         "core": base64.b64encode((build.HERE / build.WASM).read_bytes()).decode(),
     }

@@ -27,7 +27,7 @@ from solver.problem.errors import InputError
 from ...data import escaping
 from ...data.escaping import finite
 from ...run import worker_processes
-from . import document, page_branches, page_model, page_shape, search_processes
+from . import document, page_model, page_shape, search_processes
 from .presets import PRESETS, Preset
 
 HEADERS = {"Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",
@@ -239,7 +239,7 @@ async def _branches(asked: dict[str, Any], at: Context) -> web.Response:
     field, ends = asked.get("field"), (asked.get("low"), asked.get("high"))
     if not all(isinstance(end, (int, float)) and np.isfinite(end) for end in ends):
         raise InputError("the range of a branch diagram must be two numbers")
-    return web.json_response(finite(await at.search(page_branches.follow_branches, study, str(field), *ends)))
+    return web.json_response(finite(await at.search(page_model.follow_branches, study, str(field), *ends)))
 
 
 async def _download(asked: dict[str, Any], at: Context) -> web.Response:

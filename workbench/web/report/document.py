@@ -2,6 +2,7 @@
 
 import base64
 import json
+import re
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from io import BytesIO
@@ -22,9 +23,8 @@ from ...figures import style
 from ...run.in_memory import StudyResult
 from ..live.document import policy
 from ..turntable import page
-from . import case_facts, measured_runs, paper, sisters, sources, turning
+from . import case_facts, measured_runs, sisters, sources, turning
 from .errata import ERRATA, mark_up
-from .formulas import with_hard_spaces
 from .law_cards import CLASSES, claims_of, in_degrees, law_of, of_readings, sentence
 from .measured_runs import Measured
 from .mechanisms import mechanism
@@ -98,8 +98,8 @@ def html(
         versions=sources.versions(datasets),
         created=max(str(result.ds.attrs["created"]) for result in results),
         refusals=[labels.typeset(in_degrees(refusal)) for refusal in refusals],
-        paper=paper.citation(),
-        table_1=paper.table_1(str(results[0].ds.attrs["reading"])),
+        paper=sources.citation(),
+        table_1=sources.table_1(str(results[0].ds.attrs["reading"])),
         version=sources.version(datasets),
         turntable=page.figure,
         captions=CAPTIONS,
@@ -214,3 +214,16 @@ def _inked(pixels: Any) -> tuple[int, int, int, int]:
 def _text(name: str) -> str:
     """The text of a file of this folder."""
     return (files(__package__) / name).read_text(encoding="utf-8")
+
+
+HARD = "\u00a0"  # a space at which no line ends
+SIGNS = "[=<>≤≥→]"
+SPACES = re.compile(
+    rf"(?<=\S) (?={SIGNS} )|(?<={SIGNS}) (?=\S)|(?<=\b\w) (?=\w {SIGNS} )"
+    r"|(?<=\d) (?=(?:rad|cm|N|m|mm)\b)|(?<=\beq\.) (?=\()|(?<=\btau) (?=[−\d])"
+)
+
+
+def with_hard_spaces(value: Any) -> Any:
+    """A plain text with hard spaces in its formulas; markup and what is no text as they are."""
+    return SPACES.sub(HARD, value) if type(value) is str else value
