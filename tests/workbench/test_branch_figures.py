@@ -1,6 +1,7 @@
 """Diagrams of branches: a shape and its point have one number and one colour, and lines that coincide are one line."""
 
 from io import BytesIO
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from solver import equilibria as all_equilibria
 from studies import load
 from workbench.branches import branch_dataset
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.figures import bifurcation, canvas, point_numbers
+from workbench.figures import bifurcation, canvas, point_numbers, shape_rows
 from workbench.figures import equilibria as equilibria_figure
 from workbench.figures.point_numbers import Point
 
@@ -65,19 +66,19 @@ def legend_title(fig: Figure) -> str:
     return fig.legends[0].get_title().get_text() if fig.legends else ""
 
 
-def cells(fig: Figure) -> list:
-    return [ax for ax in fig.axes if "stable" in ax.get_title(loc="left")]
+def shapes(fig: Figure) -> list:
+    """The lines of the unrolled views."""
+    (ax,) = [ax for ax in fig.axes if ax.get_label() == shape_rows.NAME]
+    return [line for line in ax.lines if line.get_label() != "s = 0"]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("which", ["dead", "held"])
-def test_each_shape_has_the_number_of_its_point_in_every_panel(which, drawn) -> None:
+def test_each_shape_has_the_number_of_its_point(which, drawn) -> None:
     fig = drawn[which]
-    below = sorted(ax.get_title(loc="left").split(":")[0] for ax in cells(fig))
+    below = sorted(line.get_label() for line in shapes(fig))
     assert len(below) > 3
-    panels = len(fig.axes) - len(below)
-    for panel in range(panels):
-        assert numbers(fig, panel) == below
+    assert numbers(fig, 0) == below
     assert below[0].startswith("1")  # the first branch is 1, as in the printed table and among all equilibria
 
 
@@ -99,9 +100,9 @@ def test_the_point_of_a_shape_lies_on_the_line_of_its_branch(dead, drawn) -> Non
 def test_a_shape_has_the_look_of_its_line_whose_weight_says_whether_it_is_stable(which, drawn) -> None:
     """Under held ends it changes along one branch."""
     fig = drawn[which]
-    colours = [to_hex(ax.lines[0].get_color()) for ax in cells(fig)]
+    colours = [to_hex(line.get_color()) for line in shapes(fig)]
     assert colours == [to_hex(dot.get_color()) for dot in points_of(fig.axes[0])]
-    assert len({ax.lines[0].get_linewidth() for ax in cells(fig)}) > 1
+    assert len({line.get_linewidth() for line in shapes(fig)}) > 1
 
 
 def test_red_is_for_what_fails_alone(drawn) -> None:
@@ -217,22 +218,24 @@ def test_a_number_is_nearest_to_its_own_point_or_has_a_line_to_it(name) -> None:
 
 @pytest.mark.parametrize("which", ["dead", "held"])
 def test_no_number_of_a_diagram_of_branches_is_nearer_to_another_point(which, drawn) -> None:
-    for ax in drawn[which].axes[:2]:
-        assert unclear(ax) == []
+    assert unclear(drawn[which].axes[0]) == []
 
 
-@pytest.mark.parametrize("wide, tall", [(10.0, 3.0), (0.2, 7.0), (5.0, 0.0)])
-def test_a_shape_fills_its_frame_and_the_bar_has_its_scale(wide, tall) -> None:
-    ax = Figure(figsize=(2, 2)).add_axes((0, 0, 1, 1))
-    curve = np.linspace(1.0, 1.0 + wide, 9), np.linspace(0, tall, 9)
-    form = equilibria_figure.frames([curve], 2.0, 2.0)
-    equilibria_figure.draw_frame(ax, curve, equilibria_figure.look(0), "cm", "1", "", form.size)
-    size, high = np.ptp(ax.get_xlim()), abs(np.ptp(ax.get_ylim()))
-    assert max(wide / size, tall / high) > 0.7
-    bar = ax.lines[2].get_xdata()  # in shares of the frame
-    assert ax.texts[0].get_text() == f"{(bar[1] - bar[0]) * size:g} cm"
-    low = ax.get_ylim()[0]
-    assert low - 0.1 * high > tall  # the bar lies below the curve
+@pytest.mark.parametrize("sizes", [[(10.0, 3.0)] * 3, [(0.2, 7.0), (7.0, 0.2)], [(5.0, 0.0)] * 9])
+def test_shapes_in_rows_have_one_scale_and_neither_meet_nor_leave_the_page(sizes) -> None:
+    views = [
+        shape_rows.Shape(np.linspace(1, 1 + wide, 9), np.linspace(0, tall, 9), f"{k}", {})
+        for k, (wide, tall) in enumerate(sizes)
+    ]
+    form = shape_rows.rows(views, (6.0, 3.0), 8.0)
+    low = np.array(form.places[:-1])
+    high = low + form.scale * np.array(sizes)
+    assert low.min() >= 0
+    assert (high - np.array(form.size)).max() <= 1e-9
+    assert form.size[1] <= 3.0
+    for i, j in combinations(range(len(views)), 2):
+        assert ((high[i] < low[j]) | (high[j] < low[i])).any()
+    assert (high - low).max() > 0.6  # inches
 
 
 def test_a_smooth_line_passes_through_its_points_and_follows_a_circle() -> None:

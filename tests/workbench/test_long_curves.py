@@ -101,6 +101,6 @@ def test_a_long_rod_is_set_in_lines_among_the_curves_also_and_says_how_they_are_
 
 def test_without_a_title_the_notes_are_kept_and_stand_in_the_table(pipe) -> None:
     fig = unrolled.figure(pipe, sheet=sheet("paper", 183, titled=False))
-    assert fig.legends[0].get_title().get_text() == ""
+    assert all(legend.get_title().get_text() == "" for legend in fig.legends)
     told = [row["series"] for row in csv.DictReader(StringIO(table.table(fig))) if row["kind"] == "note"]
     assert any(note.startswith("Unrolled view, seen from outside") for note in told)

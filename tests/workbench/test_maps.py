@@ -396,7 +396,7 @@ OF_THREE = pytest.param("three", marks=pytest.mark.slow)
     [
         "small",
         pytest.param("shapes", marks=pytest.mark.slow),
-        pytest.param(OF_THREE, marks=pytest.mark.slow),
+        pytest.param("three", marks=pytest.mark.slow),
         pytest.param("nothing solved", marks=pytest.mark.slow),
         pytest.param("large counts", marks=pytest.mark.slow),
     ],

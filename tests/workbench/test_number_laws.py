@@ -61,11 +61,10 @@ def pipe() -> xr.Dataset:
 
 
 def panels(ds: xr.Dataset) -> dict[str, Axes]:
-    return {row["claim"]: panel(ds, Figure().subplots(), row) for row in law_verdicts.verdicts(ds)}
-
-
-def words(ax: Axes) -> str:
-    return " ".join([ax.get_title(loc="left"), *(text.get_text() for text in ax.texts)]).replace("\n", " ")
+    drawn = {row["claim"]: (Figure().subplots(), row) for row in law_verdicts.verdicts(ds)}
+    for ax, row in drawn.values():
+        panel(ds, ax, row)
+    return {claim: ax for claim, (ax, _) in drawn.items()}
 
 
 def test_an_expression_is_stored_with_its_unit_its_text_and_its_error(ds: xr.Dataset) -> None:
@@ -149,24 +148,21 @@ def test_a_formula_may_use_a_field_of_the_base_and_a_stiffness(tmp_path: Path) -
 def test_a_panel_shows_the_formula_the_bounds_the_fit_and_the_boundary(ds: xr.Dataset) -> None:
     drawn = panels(ds)
     labels = {claim: [line.get_label() for line in ax.get_lines()] for claim, ax in drawn.items()}
-    assert "mean κ/share" in labels["equals"]
-    bounds = [label for label in labels["bounded"] if label.startswith("at ")]
-    assert [label.split(" (")[0] for label in bounds] == ["at least 0", "at most max κ/max κ"]
-    assert all(label.endswith(" inside)") for label in bounds)  # how near the cases come to them
+    assert [label for label in labels["bounded"] if label.startswith("at ")] == ["at least 0", "at most max κ/max κ"]
     assert any(label.startswith("fit: exponent") for label in labels["scales"])
-    assert "the value 0.5" in labels["boundary"]
-    formula = next(line for line in drawn["equals"].get_lines() if line.get_label() == "mean κ/share")
+    assert any(label.endswith(" = 0.5") for label in labels["boundary"])
+    formula = next(line for line in drawn["equals"].get_lines() if line.get_label().startswith("mean κ/share ± "))
     np.testing.assert_allclose(formula.get_ydata(), ds["kappa_max"].values[:, 0], rtol=1e-9)
-    assert "at most" in words(drawn["equals"])
 
 
-def test_a_band_that_the_line_hides_is_named_so(ds: xr.Dataset) -> None:
+def test_a_band_is_named_where_the_line_does_not_hide_it(ds: xr.Dataset) -> None:
     (row,) = [row for row in law_verdicts.verdicts(ds) if row["kind"] == "equals"]
     for relative, hidden in ((1e-4, True), (0.3, False)):
-        ax = panel(ds, Figure().add_subplot(), {**row, "rule": {**row["rule"], "relative": relative}})
+        ax = Figure().add_subplot()
+        panel(ds, ax, {**row, "rule": {**row["rule"], "relative": relative}})
         named = [text.get_text() for text in ax.get_legend().get_texts()]
-        assert (f"allowed: ± {100 * relative:g}\N{NO-BREAK SPACE}%, not wider than the line" in named) == hidden
-        assert (f"allowed: ± {100 * relative:g}\N{NO-BREAK SPACE}%" in named) == (not hidden)
+        assert any(name.endswith(f"± {100 * relative:g}\N{NO-BREAK SPACE}%") for name in named)
+        assert ("allowed" in named) == (not hidden)
 
 
 def test_a_panel_marks_the_cases_outside(ds: xr.Dataset) -> None:

@@ -401,11 +401,11 @@ def test_the_paper_is_cited_and_table_1_stands_with_its_reading(text) -> None:
 
 def test_each_verdict_carries_its_caution(text, results) -> None:
     top = Page(text).text.partition("In the pictures")[0]
-    assert top.count("None of the nine rods could rest as drawn") == 4
-    assert top.count("None of the 81 rods could rest as drawn") == 1
+    assert top.count("None of the nine rods could rest as computed") == 4
+    assert top.count("None of the 81 rods could rest as computed") == 1
     ds = results[1].ds
     free = ds.assign(caution=ds["caution"].copy(data=["", "pulled", *[""] * 7]))
-    assert cautions.restable(free) == "eight of the nine rods could rest as drawn"
+    assert cautions.restable(free) == "eight of the nine rods could rest as computed"
     assert cautions.restable(ds.assign(caution=ds["caution"].copy(data=[""] * 9))) == ""
 
 

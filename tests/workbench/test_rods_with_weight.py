@@ -121,13 +121,12 @@ def test_a_page_of_turning_rods_with_weight_is_refused(ds: xr.Dataset) -> None:
 
 def test_the_diagram_of_states_has_the_stretches_of_the_rods_and_a_portrait_is_refused(ds: xr.Dataset) -> None:
     drawn = along.states(ds)
-    bars = [bar for bar in drawn.axes[0].patches]
-    listed = [row[4:] for row in csv.reader(table.table(drawn).splitlines()) if row[3] == "bar"]
-    assert [(float(end), float(begin)) for _, end, _, begin in listed] == [
-        (bar.get_x() + bar.get_width(), bar.get_x()) for bar in bars
-    ]
-    assert all(name.split()[-1] in along.COLOURS for name, *_ in listed)
-    assert {round(bar.get_y() + bar.get_height() / 2) for bar in bars} == {0, 1}
-    assert sum(bar.get_width() for bar in bars) == pytest.approx(2 * 60.0)
+    lines = [line for line in drawn.axes[0].lines if line.get_label().split(", ")[-1] in along.COLOURS]
+    assert all(line.get_color() == along.COLOURS[line.get_label().split(", ")[-1]] for line in lines)
+    assert len({line.get_label().split(", ")[0] for line in lines}) == 2  # rods, each drawn whole, in degrees
+    assert sum(np.ptp(line.get_xdata()) for line in lines) == pytest.approx(2 * 60.0, rel=0.01)
+    assert max(line.get_ydata().max() for line in lines) == pytest.approx(np.degrees(ds["beta"].values.max()), rel=0.01)
+    listed = {row[4] for row in csv.reader(table.table(drawn).splitlines()) if row[3] == "line"}
+    assert {line.get_label() for line in lines} <= listed
     with pytest.raises(InputError, match="needs loads that are constant along the rod; choose --kind ridge or states"):
         portrait.figure(ds)

@@ -443,8 +443,13 @@ def test_the_figure_has_a_panel_for_each_observable_and_sampled_field(stored: Pa
     ds = writing.read(stored)
     panels = drawn(ds)
     assert len(panels) == 3 * 3
-    assert [ax.get_ylabel() for ax in panels if ax.get_ylabel()] == ["bends", "turns around", "max κ [1/cm]"]
-    assert [ax.get_xlabel() for ax in panels[-3:]] == ["E [N/cm²]", "R [cm]", "β₀ [°]"]
+    assert [ax.get_ylabel() for ax in panels if ax.get_ylabel()] == [
+        "number of bends", "turns around the\ncylinder", "largest curvature\nmax κ [1/cm]",
+    ]  # fmt: skip
+    assert [ax.get_xlabel() for ax in panels[-3:]] == [
+        "Young's modulus  E [N/cm²]", "radius of the cylinder  R [cm]",
+        "angle from the axis at the start  β₀ [°]",
+    ]  # fmt: skip
     assert [ax.get_xscale() for ax in panels[:3]] == ["log", "linear", "linear"]
     points = panels[5].collections[0].get_offsets()  # wraps against beta0
     np.testing.assert_allclose(points, np.stack([np.degrees(ds["beta0"]), ds["wraps"]], 1))

@@ -155,14 +155,14 @@ def _list(facts: list[str]) -> str:
 
 
 def restable(ds: "xr.Dataset") -> str:
-    """How many rods of a dataset could rest as they are drawn: the caution that a verdict on their shapes carries."""
+    """How many rods of a dataset could rest as they are computed: the caution that a verdict on them carries."""
     texts = np.asarray(ds["caution"].values).astype(str).ravel() if "caution" in ds else np.array([], dtype=str)
     barred = sum(map(is_barred, texts.tolist()))
     if not barred:
         return ""
     count = NUMBERS.get(texts.size, str(texts.size))
     if texts.size == 1:
-        return "this rod could not rest as drawn"
+        return "this rod could not rest as computed"
     if barred == texts.size:
-        return f"none of the {count} rods could rest as drawn"
-    return f"{NUMBERS.get(texts.size - barred, texts.size - barred)} of the {count} rods could rest as drawn"
+        return f"none of the {count} rods could rest as computed"
+    return f"{NUMBERS.get(texts.size - barred, texts.size - barred)} of the {count} rods could rest as computed"

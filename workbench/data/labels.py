@@ -13,6 +13,7 @@ from studies.axes import quantity_of
 from studies.dimensions import SAMPLE
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+LETTERS = 5  # of a symbol; more are a name
 COUNTS = {"turns": "the number of bends", "loops": "the number of loops"}  # in a sentence; their symbols are plural
 
 
@@ -72,9 +73,14 @@ def axis_label(name: str, array: xr.DataArray, long: bool = True) -> str:
     return f"{text}{symbol_}{_bracket('°' if is_angle(array) else _unit_of(array))}"
 
 
-def label(array: xr.DataArray) -> str:
-    """``mean κ [1/cm]``: symbol and unit of a stored variable; angles in degrees."""
-    return f"{symbol(array)}{_bracket('°' if is_angle(array) else _unit_of(array))}"
+def label(array: xr.DataArray, long: bool = False) -> str:
+    """``mean κ [1/cm]``: symbol and unit of a stored variable; angles in degrees.
+
+    long: ``axial force  F_Z [N]``, or without the symbol where that is no more than a shorter name.
+    """
+    name, letters = long_name(array), symbol(array)
+    text = letters if not long else name if len(letters) > LETTERS or letters in name else f"{name}  {letters}"
+    return f"{text}{_bracket('°' if is_angle(array) else _unit_of(array))}"
 
 
 def symbol(array: xr.DataArray) -> str:

@@ -1,6 +1,7 @@
 """Quantities along the rods of an axis: a panel a quantity, in it a curve a rod, one above the other over s.
 
-One rod alone has an axis of numbers in each panel. The states of a rod (straight, sinusoidal, helical) are bars.
+One rod alone has an axis of numbers in each panel. The states of a rod (straight, sinusoidal, helical) are colours of
+its angle beta.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -14,6 +15,7 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
@@ -30,15 +32,16 @@ from .sheet import SCREEN, Sheet
 
 PANELS = ("beta", "kappa", "push")
 STATES = "states"
-TITLES = {"beta": "angle β", "kappa": "curvature κ"}
-COLOURS = {"straight": "#d9d9d4", "sinusoidal": "#7fb8d6", "helical": "#2c5f8a"}  # of `solver.shooting.state`
+TITLES = {"beta": "angle β to the axis", "kappa": "curvature κ"}
+COLOURS = {"straight": "#8f949c", "sinusoidal": "#3f8fc4", "helical": "#123a6b"}  # of `solver.shooting.state`
+# a mark where the cylinder would have to pull
+PULLS: dict[str, Any] = {"color": push_scale.PULL, "marker": "o", "markersize": 3.5, "markeredgecolor": "white",
+                         "markeredgewidth": 0.5, "linestyle": "none"}  # fmt: skip
 NEEDED = {STATES: ("beta", "alpha", "push")}  # arrays of a panel that is no array itself
 MOST, MOST_PANELS = 60, 6
 CLEAR = 1.25  # the step from one curve to the next over the least at which no curve reaches the next
 # inches: of one curve; of a panel, least and most; of all panels on a narrow sheet
 EACH, TALL, NARROW = 0.55, (1.9, 7.2), (1.0, 3.4)
-THICK, LINE = 0.62, 0.22  # of a row of states: its bar, and at its upper edge where the cylinder would have to pull
-SEEN = 0.004  # share of the length as which a shorter stretch is drawn there
 TEXT = 1.45  # heights of a letter from one line of text to the next
 
 
@@ -51,8 +54,8 @@ def figure(
 ) -> Figure:
     """Draw quantities along s for the rods along an axis, a panel for each.
 
-    The curves of a panel share one scale, which its bar shows, and are offset; the value of the axis stands at the left
-    of its line, where the quantity is 0; where 0 is far from all curves, the title names another value.
+    The curves of a panel share one scale, which the bar at its right shows, and are offset; the value of the axis
+    stands at the left of its line, where the quantity is 0; where 0 is far from all curves, the title names another.
 
     Parameters
     ----------
@@ -103,10 +106,13 @@ states = partial(figure, show=(STATES,))
 def entries(rods: DrawnRods, names: Sequence[str]) -> list[Artist]:
     """The legend of panels: the states, and what the colours of a push are."""
     seen = {state.word for rod in rods.solved for state in _states(rod)} if STATES in names else set()
-    found: list[Artist] = [Patch(color=colour, label=word) for word, colour in COLOURS.items() if word in seen]
+    found: list[Artist] = [Line2D([], [], color=colour, label=word) for word, colour in COLOURS.items() if word in seen]
     if "push" in names:
         found.append(Patch(color=style.PUSHED, label="the cylinder pushes"))
-    if {"push", STATES} & set(names) and any(push_scale.pulls(rod["push"]) for rod in rods.solved):
+    pulled = {"push", STATES} & set(names) and any(push_scale.pulls(rod["push"]) for rod in rods.solved)
+    if pulled and STATES in names:
+        found.append(Line2D([], [], **PULLS, label="would lift off"))
+    elif pulled:
         found.append(Patch(color=push_scale.PULL, label="the cylinder would have to pull: the rod would lift off"))
     return found
 
@@ -137,12 +143,10 @@ class Curves:
 
 def _curves(rods: DrawnRods, name: str) -> Curves:
     """The curves of one quantity, so far from each other that none reaches the next."""
-    if name == STATES:
-        flat = [None if rod.arrays is None else np.array([-0.5, 0.5]) for rod in rods.rods]
-        return Curves(name, "states", "", flat, 0.0, 1.0, 1.0)
-    _, unit, change = _words(rods.source, name)
-    title = TITLES.get(name, labels.symbol_of(name))
-    values = [change(rod[name]) if rod.arrays is not None else None for rod in rods.rods]
+    shown = "beta" if name == STATES else name
+    _, unit, change = _words(rods.source, shown)
+    title = TITLES.get(shown, labels.symbol_of(shown))
+    values = [change(rod[shown]) if rod.arrays is not None else None for rod in rods.rods]
     drawn = [one for one in values if one is not None]
     low, high = min(one.min() for one in drawn), max(one.max() for one in drawn)
     far = low > 2 * (high - low) or high < -2 * (high - low)  # 0 lies far from all curves
@@ -177,18 +181,14 @@ def _words(ds: xr.Dataset, name: str) -> tuple[str, str, Callable[[Any], Any]]:
 
 def _panel(ax: Axes, rods: DrawnRods, curves: Curves, ends: tuple[float, float], tall: float, labelled: bool) -> None:
     """One quantity of all rods, on axes of that height in inches. ends: of all panels, in steps."""
-    if curves.name == STATES:
-        _draw_states(ax, rods)
-    elif len(rods.rods) == 1:
+    if len(rods.rods) == 1 and curves.name != STATES:
         alone(ax, rods, curves.name)
         return
-    else:
-        _draw_curves(ax, rods, curves)
+    _draw_curves(ax, rods, curves)
     margin = 0.02 * (ends[1] - ends[0])
     ax.set_ylim(curves.foot + (ends[0] - margin) * curves.step, curves.foot + (ends[1] + margin) * curves.step)
     _name_curves(ax, rods, curves, tall, labelled)
-    if curves.name != STATES:
-        _bar(ax, curves)
+    _bar(ax, curves)
     _over_s(ax, rods)
 
 
@@ -197,8 +197,6 @@ def _over_s(ax: Axes, rods: DrawnRods) -> None:
     ax.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     ax.xaxis.set_major_formatter(Ticks())
     ax.set_xlabel(f"s [{labels.unit(str(rods.source.attrs['length_unit']))}]")
-    ax.grid(axis="x", color=style.FAINT, linewidth=0.6)
-    ax.set_axisbelow(True)
 
 
 def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> Axes:
@@ -224,7 +222,7 @@ def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> Axes:
     if unit == "°":
         ax.yaxis.set_major_locator(angle_locator(float(np.ptp(ax.get_ylim())), 1.6))
     _over_s(ax, rods)
-    return style.with_grid(ax)
+    return ax
 
 
 def _shade_pulls(ax: Axes, s: Any, push: Any) -> None:
@@ -250,6 +248,8 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
         where = Affine2D().translate(0, k * step) + ax.transData
         if values is None:
             _say_unsolved(ax, k * step + foot)
+        elif curves.name == STATES:
+            _draw_states(ax, rod, values, where, order)
         elif curves.name == "push":
             for side, colour in ((np.maximum(values, 0), style.PUSHED), (np.minimum(values, 0), push_scale.PULL)):
                 ax.fill_between(rod["s"], 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order)
@@ -258,20 +258,16 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
             ax.plot(rod["s"], values, color=colours[k], linewidth=1.1, transform=where, zorder=order, label=rod.name)
 
 
-def _draw_states(ax: Axes, rods: DrawnRods) -> None:
-    """A bar a rod, in the colours of its states; marks at its upper edge where the cylinder would have to pull."""
-    for k, rod in enumerate(rods.rods):
-        if rod.arrays is None:
-            _say_unsolved(ax, k)
-            continue
-        for state in _states(rod):
-            ax.barh(k, state.end - state.begin, THICK, state.begin, color=COLOURS[state.word], gid=state.word)
-        s, pulls = rod["s"], rod["push"] < -SLIGHT * np.abs(rod["push"]).max()
-        _, first, after = regions.runs(pulls[None])
-        half, size = float(s[-1] - s[0]) / (s.size - 1) / 2, float(s[-1] - s[0])
-        middles, wide = (s[first] + s[after - 1]) / 2, np.maximum(s[after - 1] - s[first] + 2 * half, SEEN * size)
-        places = list(zip(middles - wide / 2, wide, strict=True))
-        ax.broken_barh(places, (k + THICK / 2 - LINE, LINE), color=push_scale.PULL, linewidth=0, zorder=3)
+def _draw_states(ax: Axes, rod: drawn_rods.DrawnRod, values: Any, where: Any, order: float) -> None:
+    """A curve in the colours of the states of a rod; marks at its line where the cylinder would have to pull."""
+    s = rod["s"]
+    for state in _states(rod):
+        part = (s >= state.begin) & (s <= state.end)
+        ax.plot(s[part], values[part], color=COLOURS[state.word], linewidth=1.0, transform=where, zorder=order,
+                label=f"{rod.name}, {state.word}")  # fmt: skip
+    _, first, after = regions.runs((rod["push"] < -SLIGHT * np.abs(rod["push"]).max())[None])
+    ax.plot((s[first] + s[after - 1]) / 2, np.zeros(first.size), **PULLS, transform=where, zorder=order + 0.01,
+            label=f"{rod.name}, would lift off")  # fmt: skip
 
 
 def _states(rod: drawn_rods.DrawnRod) -> Sequence[Any]:
@@ -299,16 +295,16 @@ def _name_curves(ax: Axes, rods: DrawnRods, curves: Curves, tall: float, labelle
 
 
 def _bar(ax: Axes, curves: Curves) -> None:
-    """The title of a panel, and at its right edge a bar of a round length that shows its scale."""
+    """The title of a panel, and at its right edge a bar of a round length with its value."""
     rounds: Sequence[float] = (1, 2, 5, 10, 30, 45, 90, 180, 360)
     if curves.unit != "°" or curves.size < rounds[0]:
         rounds = [digit * 10.0 ** np.floor(np.log10(curves.size)) for digit in (1, 2, 5)]
     length = max(one for one in rounds if one <= curves.size * (1 + 1e-9))
     top = ax.get_ylim()[1]
-    ax.plot([1.015, 1.015], [top - length, top], color=style.INK, linewidth=2.2, solid_capstyle="butt", clip_on=False,
-            transform=ax.get_yaxis_transform("grid"))  # fmt: skip
+    where = ax.get_yaxis_transform("grid")
+    ax.plot([1.01, 1.01], [top - length, top], color=style.INK, linewidth=1.6, solid_capstyle="butt", clip_on=False,
+            transform=where)  # fmt: skip
+    ax.annotate(f"{labels.number(length)}{curves.unit.replace(' 1/', '/')}", (1.01, top - length / 2), (3, 0), where,
+                "offset points", va="center", rotation=90, size=style.small(), annotation_clip=False)  # fmt: skip
     foot = f"; line: {labels.number(curves.foot)}{curves.unit}" if curves.foot else ""
-    ax.set_title(
-        style.wrap(f"{curves.title}; bar: {labels.number(length)}{curves.unit.replace(' 1/', '/')}{foot}", ax),
-        loc="left",
-    )
+    ax.set_title(style.wrap(f"{curves.title}{foot}", ax), loc="left")

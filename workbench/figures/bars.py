@@ -96,8 +96,6 @@ def _look(ax: Axes, ticks: Sequence[str]) -> None:
     ax.axvline(0, color=style.SOFT, linewidth=0.8, zorder=4)
     ax.xaxis.set_major_formatter(Ticks())
     ax.spines["left"].set_visible(False)
-    ax.grid(axis="x", color=style.FAINT, linewidth=0.6)
-    ax.set_axisbelow(True)
 
 
 def _indices(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -> None:

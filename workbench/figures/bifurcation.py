@@ -1,6 +1,5 @@
 """The bifurcation diagram of a dataset of branches: all equilibria over an axis, folds, and a shape of each branch."""
 
-from collections.abc import Sequence
 from itertools import pairwise
 from string import ascii_lowercase
 from typing import Any
@@ -17,11 +16,11 @@ from studies.line_verdicts import DIRECTIONS
 
 from ..branches.branch_dataset import branches
 from ..data import labels
-from . import canvas, legend, point_numbers, style
-from .equilibria import Frames, draw_frame, frames, stability
+from . import canvas, legend, point_numbers, shape_rows, style, unrolled
+from .shape_rows import Shape
 from .sheet import SCREEN, Sheet
 
-PANEL, SHAPES = (4.6, 3.0), 4.6  # inches: heights of the panels on a page as wide as a screen, of all shapes
+HIGH, TALL = (0.46, 0.62), (0.42, 0.62)  # of the width of a page and of a column: the diagram, all shapes
 MOST = 16, 8  # shapes; those on one column of a page
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
 HIDDEN = 0.03  # of a panel: marks would cover a shorter stable piece
@@ -30,47 +29,43 @@ SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed 
 
 _HELD: dict[int, tuple[dict[str, Any], str]] = {
     0: (style.UNSTABLE | {"zorder": 2}, "unstable"),
-    1: (style.STABLE | {"linewidth": 1.4, "zorder": 4}, "stable as it is held, unstable under dead loads"),
-    2: (style.STABLE | {"linewidth": 3.0, "zorder": 4}, "stable, under dead loads too"),
+    1: (style.STABLE | {"linewidth": 1.1, "zorder": 4}, "stable as held, unstable under a dead load"),
+    2: (style.STABLE | {"linewidth": 2.2, "zorder": 4}, "stable, also under a dead load"),
 }
 
 
 def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
-    """The shown quantity and the energy against the axis, and the unrolled views of the branches.
+    """The shown quantity against the axis, and the unrolled views of the branches.
 
     Stable branches are thick, unstable ones thin and dashed; a shape of each has a number, and its point has the same.
     Folds and other special points are marked. Where laws were judged, the branches on which none fails have a colour,
     and a note says the laws.
     """
-    names = [name for name in dict.fromkeys((str(ds.attrs["shown"]), "energy")) if f"curve_{name}" in ds]
-    part = 2 if sheet.narrow else 1
-    names, left_out = names[: 3 - part], names[3 - part :]
-    count, share = min(ds.sizes.get("shape", 0), MOST[sheet.narrow]), max(sheet.width / SCREEN.width, 0.45)
-    curves = _curves(ds, count)
-    form = frames(curves, sheet.width, SHAPES * max(share, 0.55))
-    panels = [share * high for high in PANEL[: len(names)]]
+    shown, count = str(ds.attrs["shown"]), min(ds.sizes.get("shape", 0), MOST[sheet.narrow])
+    shapes, high = _shapes(ds, count), HIGH[sheet.narrow] * sheet.width
+    room = sheet.width - shape_rows.BESIDE, TALL[sheet.narrow] * sheet.width
+    form = shape_rows.rows(shapes, room, sheet.small) if shapes else None
 
     def draw(fig: Figure) -> None:
         notes = _laws(ds)
-        grid = fig.add_gridspec(len(names) + bool(curves), 1, height_ratios=[*panels, *[form.height] * bool(curves)])
-        for i, name in enumerate(names):
-            ax = panel(ds, fig.add_subplot(grid[i]), name, panels[i])
-            if i == 0 and not sheet.narrow:
-                legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=5)
-        if curves:
-            _shapes(ds, fig, grid[len(names)].subgridspec(form.rows, form.columns), curves, form)
+        below = form.size[1] if form is not None else 0.0
+        grid = fig.add_gridspec(1 + bool(shapes), 1, height_ratios=[high, *[below] * bool(shapes)])
+        ax, rings = panel(ds, fig.add_subplot(grid[0]), shown, high), list[Any]()
+        legend.add(ax)
+        if form is not None:
+            cell = fig.add_subplot(grid[1])
+            shape_rows.draw(cell, shapes, form, labels.unit(str(ds["shape_z"].attrs.get("units", "1"))))
+            rings = unrolled.ring_entries(cell)
             some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
-            short = form.said(row["index"] for row in branches(ds))
-            notes.append(f"Unrolled views at the points: {style.WAYS}, all at one scale{some}; dot: s = 0{short}.")
-            notes += _alike(ds, names[0])
-        notes += [f"Not drawn: {', '.join(left_out)}."] if left_out else []
-        legend.below(fig, legend.entries(fig.axes[0]) if sheet.narrow else [], notes, sheet)
+            notes.append(f"Unrolled views at the points: {style.WAYS}, all at one scale{some}; dot: s = 0.")
+            notes += _alike(ds, shown)
+        legend.below(fig, rings, notes, sheet)
 
-    height = sum(panels) + form.height * bool(curves) + 0.8 + 0.2 * len(_laws(ds))
+    height = high + (form.size[1] if form is not None else 0.0) + 0.45 + (0.7 + 0.2 * len(_laws(ds))) * sheet.titled
     return canvas.figure((sheet.width, height), draw, ds, sheet=sheet)
 
 
-def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = PANEL[0]) -> Axes:
+def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:
     """One quantity of each equilibrium against the axis, a line a branch; inches: the height of the panel."""
     name = str(ds.attrs["axis"])
     along, height = labels.in_label_unit(ds[name], ds[f"curve_{name}"].values), _values(ds, f"curve_{key}")
@@ -95,7 +90,7 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = PANEL[0]) -> Axes:
             ax.plot(x, y, mark, color=style.INK, markersize=4.5, markerfacecolor="white", zorder=6, linestyle="none",
                     label=kind)  # fmt: skip
     ax.set_xlabel(labels.axis_label(name, ds[name]))
-    ax.set_ylabel(labels.label(ds[f"curve_{key}"]))
+    ax.set_ylabel(style.shorter([labels.label(ds[f"curve_{key}"], long) for long in (True, False)], inches - 0.5))
     ends = labels.in_label_unit(ds[name], ds[name].values[[0, -1]])
     if "member" in ds.sizes:
         ax.margins(x=0.06)
@@ -103,7 +98,7 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = PANEL[0]) -> Axes:
         ax.set_xlim(*(ends + 0.06 * np.ptp(ends) * np.array([-1, 1])))
     ax.set_ylim(*ax.get_ylim())
     _number_points(ds, ax, key, (style.inches(ax)[0], inches))
-    return style.with_grid(ax)
+    return ax
 
 
 def _alike(ds: xr.Dataset, key: str) -> list[str]:
@@ -155,7 +150,7 @@ def _runs(ds: xr.Dataset, ax: Axes, on: Any, points: Any) -> list[tuple[Any, dic
         points, kind = np.insert(points, at, middle, axis=0), np.insert(kind, at, 2)
         if at.size:
             ax.plot(*middle.T, "^", color=style.INK, markersize=5.5, markerfacecolor="white", zorder=6,
-                    linestyle="none", label="fold under dead loads: the rod snaps through")  # fmt: skip
+                    linestyle="none", label="fold: snaps through under a dead load")  # fmt: skip
     cuts = [0, *(np.flatnonzero(np.diff(kind)) + 1), kind.size]
     runs = []
     for a, b in pairwise(cuts):  # a fold has the smaller index of its two sides: the other side reaches to it
@@ -213,24 +208,19 @@ def _look_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> di
     return {key: look[key] for key in ("color", "linewidth")}
 
 
-def _curves(ds: xr.Dataset, count: int) -> list[tuple[Any, Any]]:
-    """z and rho alpha of the first shapes."""
+def _shapes(ds: xr.Dataset, count: int) -> list[Shape]:
+    """The unrolled views at the first numbered points, each with its number."""
     if not count:
         return []
-    around = ds["shape_rho"].values[:, None] * (ds["shape_alpha"].values - ds["shape_alpha"].values[:, :1])
-    return list(zip(ds["shape_z"].values, around, strict=True))[:count]
-
-
-def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, curves: Sequence[tuple[Any, Any]], form: Frames) -> None:
-    """The unrolled views at the numbered points."""
-    name, unit = str(ds.attrs["axis"]), labels.unit(str(ds["shape_z"].attrs.get("units", "1")))
-    rows, of = {row["branch"]: row for row in branches(ds)}, shape_branches(ds)
-    for k, number in enumerate(_names(ds)[: len(curves)]):
-        at = labels.value(float(ds[f"shape_{name}"].values[k]), ds[name], 3)
-        row = rows[int(of[k])]
-        ax = fig.add_subplot(cells[k // form.columns, k % form.columns])
-        title = f"{number}: {stability(int(row['index']), form.room)}"
-        draw_frame(ax, curves[k], _look_of_shape(ds, name, row, k), unit * (k == 0), title, at, form.size)
+    name, rows, of = str(ds.attrs["axis"]), {row["branch"]: row for row in branches(ds)}, shape_branches(ds)
+    found = []
+    for k, number in enumerate(_names(ds)[:count]):
+        rho, alpha, z = (ds[f"shape_{key}"].values[k] for key in ("rho", "alpha", "z"))
+        a, L = (float(ds[key]) if not ds[key].dims else float(ds[f"shape_{key}"][k]) for key in ("a", "L"))
+        rings = unrolled.crossings(np.linspace(0, L, z.size), float(rho), alpha, z, a)
+        look = _look_of_shape(ds, name, rows[int(of[k])], k)
+        found.append(Shape(z, rho * (alpha - alpha[0]), number, look, [place for place, _ in rings or []]))
+    return found
 
 
 def shape_branches(ds: xr.Dataset) -> Any:

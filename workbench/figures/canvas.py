@@ -20,7 +20,8 @@ from . import style
 from .sheet import MILLIMETRES, SCREEN, Sheet
 from .style import DPI, RC, SOFT
 
-TALLEST, LEAST = 120 / MILLIMETRES, 0.62  # inches of a figure of one column; share of its height that stays
+# inches of a figure of one column, and of two: room for a caption stays; the share of the height that is kept
+TALLEST, TALLEST_PAGE, LEAST = 120 / MILLIMETRES, 185 / MILLIMETRES, 0.62
 MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and columns name
 DIAGRAMS = (".png", ".pdf", ".svg")
 
@@ -39,8 +40,8 @@ def figure(
     ds: the dataset whose title is written above it, where the sheet has one. said: what is written below the title,
     after the reading of the dataset.
     """
-    if sheet.narrow and sheet.style == "paper":  # a column has no room for more
-        size = size[0], max(min(size[1], TALLEST), LEAST * size[1])
+    if sheet.style == "paper":
+        size = size[0], max(min(size[1], TALLEST if sheet.narrow else TALLEST_PAGE), LEAST * size[1])
     with rc_context(RC | sheet.settings()):
         fig = Figure(figsize=size, dpi=dpi, layout=layout)
         FigureCanvasAgg(fig)
@@ -72,7 +73,8 @@ def _letter_panels(fig: Figure) -> None:
     if not 1 < len(panels) <= MOST_LETTERS or any(" against " in str(ax.get_label()) for ax in panels):
         return
     for letter, ax in zip(ascii_lowercase, panels, strict=False):
-        ax.annotate(letter, (0, 1), (-6, 5), xycoords="axes fraction", textcoords="offset points", ha="right",
+        down = 9 if str(ax.get_label()).startswith("unrolled views along") else 0  # beside the names of its strips
+        ax.annotate(letter, (0, 1), (-6, 5 - down), xycoords="axes fraction", textcoords="offset points", ha="right",
                     weight="bold", size=style.normal())  # fmt: skip
 
 

@@ -67,7 +67,7 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     ax.set_title(title, loc="left", pad=22 if "measured_z" in ds else 6)
     ax.margins(x=max(0.06, 0.55 / room[0]), y=0.12)  # room for s = 0
     ax.invert_yaxis()
-    return style.with_grid(ax)
+    return ax
 
 
 def _places(ds: xr.Dataset, name: str) -> Any:
@@ -104,7 +104,7 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
     also = CROSSES[bool(ds.attrs["exact"])] if len(others) else ""
     if not np.isfinite(covariance).all() or not np.isfinite([low, high]).all():
         ax.set_title(style.wrap(f"{' and '.join(names)}: no region is known{also}", ax), loc="left")
-        return style.with_grid(ax)
+        return ax
     around = values[:, None] + _ellipse(covariance, _size(ds))
     ax.fill(*around, color=style.PAIR[1], alpha=0.18, linewidth=0)
     ax.plot(*around, color=style.PAIR[1], linewidth=1.2)
@@ -113,7 +113,7 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
             draw(end, color=style.SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
     text = f"95 % region of both; dashed: 95 % interval of each{also}"
     ax.set_title(style.wrap(text, ax), loc="left")
-    return style.with_grid(ax)
+    return ax
 
 
 def shares(ds: xr.Dataset, ax: Axes) -> Axes:
@@ -145,7 +145,7 @@ def shares(ds: xr.Dataset, ax: Axes) -> Axes:
         title = "Which data decide: no field has shares"
     ax.set_title(style.wrap(title, ax), loc="left")
     legend.add(ax, loc="best", ncols=max(len(known), 1))
-    return style.with_grid(ax)
+    return ax
 
 
 def _factors(ds: xr.Dataset) -> Any:

@@ -107,7 +107,6 @@ def draw_map(
     ax.add_collection(
         LineCollection(list(regions.borders(numbers, x, y)), colors="white", linewidths=1.0), autolim=False
     )
-    ax.grid(False)
     return _entries(verdicts)
 
 

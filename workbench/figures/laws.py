@@ -15,47 +15,29 @@ from studies.verdict_words import PLAIN
 
 from ..data import labels, law_numbers, law_verdicts, selection
 from . import legend, style
-from .sheet import SCREEN, Sheet
 from .trends import trend
 
 
-def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], sheet: Sheet = SCREEN) -> Axes:
-    """Draw a law, given as a row of `law_verdicts.verdicts`: its trend, the verdict above it, its reason below that.
+def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> str:
+    """Draw a law, given as a row of `law_verdicts.verdicts`: its trend, and the verdict above it.
 
-    On a sheet without a title only the law stands above it; the verdict and the other observables are kept.
+    Returns the sentence for below the figure: the law, its verdict with what was measured, the other observables.
     """
     trend(ds, ax, row["observable"], row["axis"], row["at"])
+    colour, verdict = style.VERDICT_COLOURS[row["verdict"]], PLAIN[row["verdict"]]
     for step in row["exceptions"]:
         if all(step["at"][name] == value for name, value in row["at"].items()):
             ends = [labels.in_label_unit(ds[row["axis"]], step[end]) for end in ("from", "to")]
             case = step["from"] == step["to"]
             how: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": "none"} if case else {}
             heights = labels.in_label_unit(ds[row["observable"]], step["values"])
-            ax.plot(ends, heights, color=style.VERDICT_COLOURS[row["verdict"]], linewidth=3, alpha=0.6, zorder=3,
+            ax.plot(ends, heights, color=colour, linewidth=3, alpha=0.6, zorder=3,
                     label="a case outside" if case else "a step the wrong way", **how)  # fmt: skip
     draw_curve(ds, ax, row)
-    title = f"{row['claim']}: {sentence(ds, row)}"
-    pad = 6 + (_write_verdict(ds, ax, row) if sheet.titled else 0.0)
-    ax.set_title(style.wrap(title, ax), loc="left", pad=pad)
-    if not sheet.titled:
-        _keep(ds, ax, row, title)
-    elif row["also"]:
-        text = style.wrap(_other_observables(ds, row), ax, style.small())
-        lines = "\n" * (text.count("\n") + 2)
-        ax.set_xlabel(ax.get_xlabel() + lines, linespacing=0.95)  # room that the layout sees
-        note = ax.annotate(text, (0, 0), (-8, -4 * style.normal()), xycoords="axes fraction",
-                           textcoords="offset points", va="top", size=style.small(), color=style.SOFT)  # fmt: skip
-        note.set_in_layout(False)
+    ax.set_title(style.wrap(f"{row['claim']}: {verdict}", ax), loc="left", color=colour)
     legend.add(ax)
-    return ax
-
-
-def _keep(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], title: str) -> None:
-    """Keep the verdict and the other observables for the caption."""
-    fig = ax.get_figure(root=True)
-    assert fig is not None
-    told = "; ".join(text for text in (PLAIN[row["verdict"]], _measure(ds, row), _other_observables(ds, row)) if text)
-    legend.keep(fig, [f"{title}; {told.rstrip('.')}."])
+    said = "; ".join(text for text in (verdict, _measure(ds, row), _other_observables(ds, row)) if text)
+    return f"{row['claim']}: {sentence(ds, row)}; {said.rstrip('.')}."
 
 
 def _measure(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
@@ -80,18 +62,6 @@ def _crossing(ds: xr.Dataset, row: Mapping[str, Any], numbers: Mapping[str, floa
     if row["found"].count("between") > 1:
         return str(row["found"])
     return f"passes between {' and '.join(_number(numbers[end], axis) for end in ('from', 'to'))}"
-
-
-def _write_verdict(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> float:
-    """Write the verdict above the axes and its reason below it, in the verdict's colour; their height in points."""
-    colour = style.VERDICT_COLOURS[row["verdict"]]
-    reason = style.wrap(_measure(ds, row), ax, style.small())
-    below = 11 * (reason.count("\n") + 1) if reason else 0
-    above: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom",
-                             "color": colour}  # fmt: skip
-    ax.annotate(reason, (0, 1), (0, 3), size=style.small(), **above)
-    ax.annotate(PLAIN[row["verdict"]], (0, 1), (0, 3 + below), weight="bold", **above)
-    return below + 14
 
 
 def _other_observables(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
@@ -126,32 +96,27 @@ def draw_curve(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
         key: values if key == "x" else labels.in_label_unit(ds[law.observable], values)
         for key, values in law_numbers.of_line(ds, law, places).items()
     }
-    observed = labels.in_label_unit(ds[law.observable], [float(ds[law.observable].isel(place)) for place in places])
-    WITH_NUMBERS[law.kind].draw(ax, ds, along, numbers | {"observed": observed}, law, row)
+    WITH_NUMBERS[law.kind].draw(ax, ds, along, numbers, law, row)
 
 
 def _equals(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
     values, array = numbers["formula"], ds[law.observable]
     half = labels.in_label_unit(array, law.absolute) if law.relative is None else law.relative * np.abs(values)
-    _line(ax, along, values, formula(ds, law.formula, array))
-    _allow(ax, along, values - half, values + half, f"± {_tolerance(row['rule'], array)}")
+    _line(ax, along, values, f"{formula(ds, law.formula, array)} ± {_tolerance(row['rule'], array)}")
+    _allow(ax, along, values - half, values + half)
 
 
-def _allow(ax: Axes, along: Any, low: Any, high: Any, tolerance: str) -> None:
-    """Shade what a law allows, with its number."""
-    if np.median(high - low) * style.inches(ax)[1] * 72 < SEEN * np.ptp(ax.get_ylim()):
-        ax.plot([], [], " ", label=f"allowed: {tolerance}, not wider than the line")
-    else:
-        ax.fill_between(along, low, high, color=style.INK, alpha=0.12, linewidth=0, zorder=0,
-                        label=f"allowed: {tolerance}")  # fmt: skip
+def _allow(ax: Axes, along: Any, low: Any, high: Any) -> None:
+    """Shade what a law allows, and name it where the line does not hide it."""
+    seen = np.median(high - low) * style.inches(ax)[1] * 72 >= SEEN * np.ptp(ax.get_ylim())
+    ax.fill_between(along, low, high, color=style.INK, alpha=0.12, linewidth=0, zorder=0,
+                    label="allowed" if seen else "")  # fmt: skip
 
 
 def _bound(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
     for key, word in (("least", "at least"), ("most", "at most")):
         if key in numbers:
-            least = float(np.nanmin((numbers["observed"] - numbers[key]) * (1 if key == "least" else -1)))
-            near = f"nearest: {labels.number(least, 3)} {'inside' if least >= 0 else 'outside'}".replace("-", "")
-            words = f"{word} {formula(ds, getattr(law, key), ds[law.observable])} ({near})"
+            words = f"{word} {formula(ds, getattr(law, key), ds[law.observable])}"
             _line(ax, along, numbers[key], words, DASHED if key == "least" else DOTTED)
 
 
@@ -164,27 +129,27 @@ def _scales(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: A
     _line(ax, along, fitted, labels.typeset(f"fit: {row['found']}"))
     wide = np.exp(law.within * np.abs(np.log(stored / np.exp(np.mean(np.log(stored))))))
     low, high = np.sort([fitted / wide, fitted * wide], axis=0)
-    _allow(ax, along, low, high, labels.minus_signs(f"exponent {law.exponent:g} ± {law.within:g}"))
+    _allow(ax, along, low, high)
 
 
 def _boundary(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
     axis = ds[law.axis]
     places = np.unique(labels.in_label_unit(axis, numbers["x"]))
     half, there = float(labels.in_label_unit(axis, law.within)), float(numbers["x"][0])
-    _line(ax, along, numbers["passes"], f"the value {formula(ds, law.passes, ds[law.observable])}")
+    passed = formula(ds, law.passes, ds[law.observable])
+    _line(ax, along, numbers["passes"], f"{labels.symbol(ds[law.observable])} = {passed}")
     if places.size == 1 and np.isfinite(places[0]):
         ax.axvspan(places[0] - half, places[0] + half, color=style.INK, alpha=0.12, linewidth=0, zorder=0)
         ax.axvline(places[0], color=style.SOFT, linewidth=1, zorder=1,
                    label=f"expected: {_number(there, axis)} ± {_number(law.within or 0.0, axis)}")  # fmt: skip
         if row["numbers"]:
             at = row["numbers"]["at"]
-            share = f", {100 * abs(at - there) / abs(there):.2g} % off" if there else ""
             ax.plot(labels.in_label_unit(axis, at), numbers["passes"][0], "D", color="white", markersize=6, zorder=5,
-                    markeredgecolor=style.INK, label=f"computed: {_number(at, axis)}{share}")  # fmt: skip
+                    markeredgecolor=style.INK, label=f"computed: {_number(at, axis)}")  # fmt: skip
 
 
 def _line(ax: Axes, along: Any, values: Any, label: str, look: Any = DASHED) -> None:
-    ax.plot(along, values, color=style.INK, linewidth=1.3, linestyle=look, zorder=3, label=labels.minus_signs(label))
+    ax.plot(along, values, color=style.INK, linewidth=1.0, linestyle=look, zorder=3, label=labels.minus_signs(label))
 
 
 NO_BREAK = "\N{NO-BREAK SPACE}"

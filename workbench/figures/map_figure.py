@@ -237,8 +237,8 @@ class _Maps:
         else:
             ax.tick_params(labelbottom=False)
         if leftmost:
-            words = labels.axis_label(choice.y, self.ds[choice.y], not short and self.across > 1)
-            ax.set_ylabel(style.fitted(words, self.inches[1]))
+            words = [labels.axis_label(choice.y, self.ds[choice.y], long and not short) for long in (True, False)]
+            ax.set_ylabel(style.shorter(words, 0.7 * self.inches[1]))
         else:
             ax.tick_params(labelleft=False)
 

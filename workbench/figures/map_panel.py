@@ -111,7 +111,6 @@ def draw(ax: Axes, cells: Cells, name: str, colours: Colours, inches: tuple[floa
         _number_regions(ax, cells, classes, step, inches)
     if pale == 1:
         _show_samples(ax, cells)
-    ax.grid(False)
     for side in ("top", "right"):
         ax.spines[side].set_visible(True)
     return mesh

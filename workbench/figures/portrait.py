@@ -246,7 +246,6 @@ def _frame(ax: Axes, name: str, one: Orbit, alone: bool, j: int, leftmost: bool,
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(Ticks())
     ax.yaxis.label.set_visible(leftmost)
-    style.with_grid(ax)
 
 
 def _share(axes: Sequence[Axes], panels: int, across: int, alone: bool) -> None:

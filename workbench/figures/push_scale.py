@@ -22,7 +22,7 @@ from .table import CASING
 
 PULL = style.LIFTED
 WIDE = 30.0  # ratio of the largest pushes of several rods from which one linear scale would show the weakest no more
-EDGE, LEAST = 1.35, 0.55  # the grey casing of a line: share of its width, and points that it adds at least
+EDGE, LEAST = 1.2, 0.35  # the grey casing of a line: share of its width, and points that it adds at least
 
 
 def ramp() -> Colormap:
@@ -71,14 +71,21 @@ def line(
 
 
 def bar(
-    fig: Figure, drawn: ScalarMappable, axes: Sequence[Axes], unit: str, inches: float, below: bool = False
-) -> None:
-    """The bar of the colours to the right of axes, or below them, that are so many inches long there."""
+    fig: Figure, drawn: ScalarMappable, axes: Sequence[Axes], unit: str, inches: float, below: bool = False,
+    inside: Axes | None = None,
+) -> None:  # fmt: skip
+    """The bar of the colours to the right of axes, or below them, that are so many inches long there; or inside axes
+    of its own, level."""
     length = min(inches, 2.2)
-    where: dict[str, Any] = {"location": "bottom", "anchor": (0.0, 1.0)} if below else {"anchor": (0.0, 1.0)}
+    where: dict[str, Any] = {"anchor": (0.0, 1.0), "ax": list(axes), "fraction": 0.05, "pad": 0.02, "aspect": 20,
+                             "shrink": length / inches, "location": "bottom" if below else "right"}  # fmt: skip
+    if inside is not None:
+        below, where = True, {"cax": inside, "orientation": "horizontal"}
     said = f"push [{labels.unit(unit)}]{', logarithmic' if isinstance(drawn.norm, SymLogNorm) else ''}"
-    found = fig.colorbar(drawn, ax=list(axes), fraction=0.05, pad=0.02, shrink=length / inches, aspect=16, **where)
-    found.set_label(said, size=style.small())
+    values = drawn.get_array()
+    pulled = values is not None and bool(np.min(values) < 0)
+    found = fig.colorbar(drawn, **where)
+    found.set_label(said + "; below 0: lifts off" * pulled, size=style.small())
     if isinstance(drawn.norm, SymLogNorm):
         least, most = drawn.norm.linthresh, float(drawn.norm.vmax or 1.0)
         powers = [10.0**k for k in range(ceil(log10(least)) + 1, floor(log10(most)) + 1)]

@@ -18,7 +18,7 @@ from ..data import labels, schema, selection
 from . import style
 from .scales import Ticks, put
 
-ROW_HEIGHT, LEAST_WIDTH = 2.1, 1.7  # inches of a panel
+ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel; of all
 NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches of a panel at least; of ticks and label
 FEW, MANY = 300, 4000  # samples up to which a dot is large, and beyond which the density is drawn
 LEAST = 8  # samples of which a rank correlation says something
@@ -41,8 +41,8 @@ def blocks_of(ds: xr.Dataset, width: float) -> list[list[str]]:
 
 def height(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) -> float:
     """The inches of all blocks on a figure of so many inches."""
-    row = NARROW_ROW if narrow else ROW_HEIGHT
-    return len(blocks_of(ds, width)) * (row * len(names) + 0.5)
+    row, blocks = NARROW_ROW if narrow else ROW_HEIGHT, len(blocks_of(ds, width))
+    return min(blocks * (row * len(names) + 0.5), max(TALLEST, 1.1 * blocks * len(names)))
 
 
 def said(ds: xr.Dataset) -> str:
@@ -85,9 +85,11 @@ def _block(
             left = left or ax
             ax.tick_params(labelleft=j == 0, labelbottom=i == len(names) - 1)
             if i == len(names) - 1:
-                ax.set_xlabel(labels.axis_label(field, ds[field], long=False))
+                words = [labels.axis_label(field, ds[field], long) for long in (True, False)]
+                ax.set_xlabel(style.shorter(words, room))
         assert left is not None
-        left.set_ylabel(style.fitted(labels.label(ds[name]), 1.2))
+        words = [style.fitted(labels.label(ds[name], long), 1.2) for long in (True, False)]
+        left.set_ylabel(words[words[0].count("\n") > 1])
         lefts.append(left)
     return lefts
 
@@ -111,7 +113,6 @@ def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None
     ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=selection.is_count(ds, name)))
     ax.yaxis.set_major_formatter(Ticks())
     ax.margins(y=0.12)
-    style.with_grid(ax)
 
 
 def rank_correlation(x: Values, y: Values) -> float | None:

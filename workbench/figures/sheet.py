@@ -35,6 +35,11 @@ class Sheet:
     panel: str | None = None
 
     @property
+    def small(self) -> float:
+        """Points of small letters."""
+        return STYLES[self.style][1]
+
+    @property
     def narrow(self) -> bool:
         """Whether panels stand one below the other."""
         return self.width < ONE_COLUMN

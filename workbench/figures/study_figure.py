@@ -21,12 +21,12 @@ from .laws import panel
 from .sheet import SCREEN, Sheet
 from .trends import trend
 
-LAW_HEIGHT, LEAST_LAW, ONE_ROD = 4.3, 2.7, 0.55  # inches; the share of the least of a narrow panel of one rod
+LAW_HEIGHT, LEAST_LAW, ONE_ROD = 3.2, 2.4, 0.55  # inches; the share of the least of a narrow panel of one rod
 NARROW_LAW = 1.4, 2.2  # inches of a law on a narrow sheet
 SAMPLES = "samples"  # the panel of the scatter diagrams
 BESIDE = 0.58  # the share of the width that curves have beside a law
 MOST_CURVES, STRIPS = 9, 0.42  # curves along an axis; their height as a share of the width
-LABELS = 1.0  # inches below and above curves
+LABELS = 0.65  # inches below and above curves
 MOST_PLAIN = 4  # observables shown where there is no law
 MOST_NARROW = 3  # panels of laws on one column of a page, one less with curves
 MOST_ASKED = 12  # observables of one figure
@@ -87,7 +87,7 @@ def figure(
     axis_of_trends = selection.axis_of(ds, x) if x else next(iter(axes), "")
     count, width = len(panels), sheet.width
     across = 1 if sheet.narrow else 3 if count == 3 and not rows else 2
-    law_height = min(LAW_HEIGHT, max(0.9 * width / across, LEAST_LAW))
+    law_height = min(LAW_HEIGHT, max(0.7 * width / across, LEAST_LAW))
     if sheet.narrow:
         room = canvas.TALLEST - bool(strips) * (STRIPS * width + LABELS)
         law_height = float(np.clip(room / max(count, 1), *NARROW_LAW))
@@ -117,10 +117,9 @@ def figure(
         for one, cell in zip(panels, cells, strict=False):
             ax = fig.add_subplot(cell)
             if not isinstance(one, str):
-                panel(ds, ax, one, sheet)
+                said[panel(ds, ax, one)] = None
                 continue
-            trend(ds, ax, one, axis_of_trends)
-            ax.set_title(labels.long_name(ds[one]), loc="left")
+            trend(ds, ax, one, axis_of_trends).set_label(labels.long_name(ds[one]))
             legend.add(ax)
         rest = cautions.restable(ds)
         legend.below(fig, [], [*said, *[f"{rest[:1].upper()}{rest[1:]}."] * bool(rest), *chosen.level], sheet)

@@ -25,11 +25,11 @@ BAND = "#f1f3f6"  # behind a line of a long rod
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
 VERDICT_COLOURS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#bb5802", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
 DATA = "#2f5f8f"  # numbers that are no push
-CROSSED = "#b3004f"  # rings where a rod passes through itself
+CROSSED = "#7d2ea0"  # rings where a rod passes through itself
 PAIR = ("#5b3f8c", "#2f9a82")  # two of a kind that is no push
 # stability is the weight of a line; red is for what fails alone
-STABLE: dict[str, Any] = {"color": INK, "linewidth": 2.4, "linestyle": "-"}
-UNSTABLE: dict[str, Any] = {"color": SOFT, "linewidth": 1.0, "linestyle": (0, (4, 1.6))}
+STABLE: dict[str, Any] = {"color": INK, "linewidth": 1.7, "linestyle": "-"}
+UNSTABLE: dict[str, Any] = {"color": SOFT, "linewidth": 0.8, "linestyle": (0, (4, 1.6))}
 
 RAMP = colormaps["viridis"]
 RAMP_ENDS = (0.0, 0.59)  # of lines and dots: beyond, their contrast to white is below 3
@@ -162,10 +162,3 @@ def _share(place: SubplotSpec) -> float:
 def letter(fig: Any, text: str, x: float, y: float) -> None:
     """The letter of a panel at a place of the figure, in shares."""
     fig.text(x, y, text, weight="bold", size=large(), va="top")
-
-
-def with_grid(ax: Axes) -> Axes:
-    """A faint grid behind everything."""
-    ax.grid(color=FAINT, linewidth=0.6)
-    ax.set_axisbelow(True)
-    return ax

@@ -36,7 +36,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
         ax.plot(along, line, color=style.FAINT, linewidth=1, zorder=1, **look)
     ax.plot(*_broken(along, values, _branches(ds, order)), color=style.DATA, linewidth=1.2, zorder=2, **look)
     if along.size <= MOST_DOTS:
-        ax.scatter(along, values, color=style.DATA, s=22, zorder=4, edgecolors="white", linewidths=0.7)
+        ax.scatter(along, values, color=style.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
     unsolved = ~np.isfinite(values)
     if unsolved.any():
         ax.plot(along[unsolved], np.zeros(unsolved.sum()), "x", color=style.VERDICT_COLOURS[FAILS], clip_on=False,
@@ -44,8 +44,9 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     _scale(ax, ds, axis, along)
     if "fold" in ds and axis == ds.attrs.get("followed") and np.isfinite(ds["fold"]):
         ax.axvline(float(np.degrees(ds["fold"])), color=style.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
-    ax.set_xlabel(style.wrap(axis_label(ds, axis, others, long=False), ax))
-    ax.set_ylabel(style.wrap(labels.label(ds[observable]), ax, upward=True))
+    words = [axis_label(ds, axis, others, long) for long in (True, False)]
+    ax.set_xlabel(style.wrap(style.shorter(words, style.inches(ax)[0]), ax))
+    ax.set_ylabel(style.shorter([labels.label(ds[observable], long) for long in (True, False)], style.inches(ax)[1]))
     ax.margins(y=0.1)
     ax.yaxis.set_major_formatter(Ticks())
     drawn = lines.values[np.isfinite(lines.values)]
@@ -57,7 +58,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     elif drawn.size and 0 < np.ptp(drawn) < NOISE * np.abs(drawn).max():  # rounding is no news
         middle = float(drawn.mean())
         ax.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
-    return style.with_grid(ax)
+    return ax
 
 
 def axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = True) -> str:

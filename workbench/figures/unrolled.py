@@ -34,17 +34,14 @@ from .sheet import SCREEN, Sheet
 NAMES = ("alpha", "z", "push")
 MOST = 60
 TALLEST = 1.0  # the height of all strips of a figure as a share of its width
-BESIDE, BAR, BELOW = (
-    0.65,
-    0.95,
-    0.45,
-)  # inches of the labels and of the bar of colours beside the strips, and below them
+BESIDE, BELOW = 0.65, 0.45  # inches of the labels beside the strips, and below them
+BAR, LEAST_BAR = 0.5, 1.6  # inches of the bar of colours below them; of the width of a place among them that it needs
 GAP, HEAD = 0.12, 0.2  # inches between two strips side by side, and for the name above each
 MARGIN = 0.05  # of the extent around the curves
 LEAST = 0.12  # inches of a strip, below which one direction is drawn larger
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SHORT = 0.9  # of the arc: a shorter chord has turned by a right angle or more in between
-RING = 3.5, 7.0  # points across at least, in the smallest and in the largest strips
+RING = 3.5, 5.5  # points across at least, in the smallest and in the largest strips
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
 THROUGH = "the rod passes through itself at its true thickness"
 TOO_LONG = "is too long to search for the places where it passes through itself"
@@ -167,19 +164,30 @@ def figure(
     if sheet.panel not in (None, "curves"):
         raise no_such("panel", str(sheet.panel), ["curves"])
     rods = drawn_rods.choose(ds, NAMES, x, at, MOST)
-    beside = 0.0 if sheet.narrow else BAR
-    form = plan(rods, sheet.width - beside, TALLEST * sheet.width)
+    form = plan(rods, sheet.width, TALLEST * sheet.width)
+    free = isinstance(form, Strips) and bool(len(rods.rods) % form.columns) and form.size[0] * form.scale > LEAST_BAR
 
     def draw_on(fig: Figure) -> None:
         ax = fig.add_subplot()
         coloured, notes = draw(ax, rods, form)
-        inches = sheet.width - 0.3 if sheet.narrow else form.height + 0.3
         if coloured is not None:
-            push_scale.bar(fig, coloured, [ax], push_scale.unit(rods.source), inches, below=sheet.narrow)
-        legend.below(fig, entries(ax, rods), [*notes, *rods.said(), *rods.notes], sheet)
+            place = _place_of_bar(ax, form, len(rods.rods)) if free else None
+            push_scale.bar(fig, coloured, [ax], push_scale.unit(rods.source), sheet.width - 0.3, True, place)
+        legend.below(fig, ring_entries(ax), [*notes, *rods.said(), *rods.notes], sheet)
 
-    height = form.height + BELOW + 0.75 + 0.7 * sheet.titled + (0.75 if sheet.narrow else 0.0)
+    height = form.height + BELOW + BAR * (not free) + 0.25 + 0.7 * sheet.titled
     return canvas.figure((sheet.width, height), draw_on, rods.source, sheet=sheet)
+
+
+def _place_of_bar(ax: Axes, form: Any, count: int) -> Axes:
+    """Axes for a level bar of colours in the first free place of the last row of strips."""
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    across, down = (
+        start + by + size / 2 for start, by, size in zip(form.low, form.shift(count), form.size, strict=True)
+    )
+    inch = 1 / (form.scale * (right - left)), 1 / (form.scale * form.factor * abs(high - low))
+    x, y = (across - left) / (right - left), (down - low) / (high - low)
+    return ax.inset_axes((x - 0.9 * inch[0], y - 0.1 * inch[1], 1.8 * inch[0], 0.08 * inch[1]))
 
 
 def plan(rods: DrawnRods, width: float, tallest: float) -> "Strips | long_curve.Lines":
@@ -201,7 +209,7 @@ def draw(
         return long_curve.draw(ax, rods.rods[0], form, unit, is_coarse(rods.rods[0]), coloured)
     norm = push_scale.scale([rod["push"] for rod in rods.solved]) if coloured else None
     narrowest = min(float(np.ptp(rod.developed()[1])) for rod in rods.solved) * form.scale * form.factor
-    width = float(np.clip(2.4 * narrowest**0.5, 1.0, 2.4))
+    width = float(np.clip((2.0 if coloured else 1.4) * narrowest**0.5, 0.8, 2.0 if coloured else 1.2))
     last, notes, rings = None, list[str](), list[Any]()
     column = form.pitch[0] * form.scale
     named = all(style.width_of(rod.name, style.small()) < column for rod in rods.rods)
@@ -224,7 +232,7 @@ def draw(
     if rings:  # of one size, which says nothing
         across = max(size for _, size in rings)
         x, y = np.transpose([place for place, _ in rings])
-        ax.scatter(x, y, s=across**2, facecolors="none", linewidths=1.1,
+        ax.scatter(x, y, s=across**2, facecolors="none", linewidths=0.8,
                    edgecolors=style.CROSSED, label=THROUGH, zorder=5)  # fmt: skip
     _frame(ax, rods, form, unit)
     coarse = [f"Dots: {rods.source.sizes['u']} stations miss bends."] if any(map(is_coarse, rods.solved)) else []
@@ -238,7 +246,7 @@ def _draw_curve(
     """One curve and its start; a line where the stations are close enough, else dots."""
     x, y = rod.developed()
     where = Affine2D().translate(*shift) + ax.transData
-    ax.plot(x[0], y[0], "o", color=style.INK, markersize=1.6 * width, label="s = 0", zorder=4, transform=where)
+    ax.plot(x[0], y[0], "o", color=style.INK, markersize=3.5, label="s = 0", zorder=4, transform=where)
     if is_coarse(rod):
         ax.plot(x, y, ".", color=style.DATA, markersize=3, transform=where, label=rod.name, zorder=3)
     elif norm is None:
@@ -252,25 +260,36 @@ def _rings(rod: DrawnRod, form: Strips) -> tuple[list[Any], list[str]]:
     """The places where a rod passes through itself with points across, or a sentence where they are not searched."""
     if "overlaps" not in cautions.keys(rod.caution):
         return [], []
-    pairs = places(rod["s"], frames.position(rod.rho, rod["alpha"], rod["z"]), rod.a)
-    if pairs is None:
+    found = crossings(rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a)
+    if found is None:
         return [], [f"The rod of {rod.name} {TOO_LONG}."]
-    rings: list[Any] = []
     least = float(np.clip(5 * min(form.size[0] * form.scale, form.size[1] * form.scale * form.factor), *RING))
+    across = 72 * form.scale
+    return [
+        (place, max(across * float(np.linalg.norm(apart * (1, form.factor))) + least / 2, least))
+        for place, apart in found
+    ], []
+
+
+def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float) -> list[tuple[Any, Any]] | None:
+    """Where a rod passes through itself on the unrolled cylinder: z and distance around, and how far its two stretches
+    are apart there, (2,) each; two places where it comes back after a turn. None for a rod that is too long."""
+    pairs = places(s, frames.position(rho, alpha, z), a)
+    if pairs is None:
+        return None
+    found: list[tuple[Any, Any]] = []
     for pair in pairs:
-        both = np.array([np.interp(pair, rod["s"], values) for values in rod.developed()]).T
-        apart = float(np.linalg.norm((both[1] - both[0]) * (1, form.factor)))
-        near = np.linalg.norm(both[1] - both[0]) < NEAR * rod.a
-        rings += [(both.mean(axis=0), 72 * form.scale * apart + least / 2)] if near else [(one, least) for one in both]
-    return rings, []
+        both = np.array([np.interp(pair, s, values) for values in (z, rho * (alpha - alpha[0]))]).T
+        near = np.linalg.norm(both[1] - both[0]) < NEAR * a
+        found += [(both.mean(axis=0), both[1] - both[0])] if near else [(one, np.zeros(2)) for one in both]
+    return found
 
 
 def _frame(ax: Axes, rods: DrawnRods, form: Strips, unit: str) -> None:
     """The limits, and round numbers along each strip at the edge of the figure."""
     columns = min(form.columns, len(rods.rods))
     ends = form.low[0], form.low[0] + (columns - 1) * form.pitch[0] + form.size[0]
-    head, foot = HEAD / (form.scale * form.factor), (form.rows - 1) * form.pitch[1]
-    down = form.low[1] + foot + form.size[1], form.low[1] - head
+    down = form.low[1] + (form.rows - 1) * form.pitch[1] + form.size[1], form.low[1] - HEAD / (form.scale * form.factor)
     ax.set(xlim=ends, ylim=down, aspect=form.factor, anchor="NW")
     for axis, low, size, pitch, count, scale in (
         (ax.xaxis, form.low[0], form.size[0], form.pitch[0], columns, form.scale),
@@ -315,7 +334,7 @@ def _label_columns(ax: Axes, form: Strips, columns: int, count: int, text: str) 
     room = form.pitch[0] * form.scale > style.width_of(text, style.normal())
     middle = form.low[0] + form.size[0] / 2
     ends = ax.get_xlim()
-    ax.set_xlabel(text, labelpad=1, x=(middle - ends[0]) / (ends[1] - ends[0]) if room else 0.5)
+    ax.set_xlabel(text, labelpad=3, x=(middle - ends[0]) / (ends[1] - ends[0]) if room else 0.5)
     for k in range(1, columns if room else 1):
         rows = (count - 1 - k) // columns + 1
         foot = form.low[1] + form.size[1] + (rows - 1) * form.pitch[1]

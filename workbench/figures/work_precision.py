@@ -112,7 +112,7 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
         axis.set_minor_formatter(NullFormatter())
     words = SHOWN.get(case) or f"{case}: {here['about'].item()}"
     ax.set_title(style.wrap(labels.powers_of_ten(words), ax, style.small()), loc="left", size=style.small(), pad=3)
-    return style.with_grid(ax)
+    return ax
 
 
 def _stretches(one: xr.Dataset, good: "NDArray[np.bool_]", name: str) -> "list[tuple[NDArray[np.intp], bool]]":

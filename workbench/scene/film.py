@@ -195,7 +195,6 @@ def _draw_curve(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, 
     values = np.array([float(array.isel(where)) for where in cases])
     along = labels.in_label_unit(axis, axis.values[[where[film.axis] for where in cases]])
     room = 0.08 * (np.nanmax(values) - np.nanmin(values) or 1.0) if np.isfinite(values).any() else 1.0
-    style.with_grid(ax)
     if along[0] > 0 and along[-1] > WIDE * along[0]:
         ax.set_xscale("log")
         ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
