@@ -19,7 +19,7 @@ from time import perf_counter, process_time
 import numpy as np
 import xarray as xr
 
-from studies.loader import loads
+from studies.language.loader import loads
 from workbench.data import writing
 from workbench.geometry.centreline import Array, Centreline
 from workbench.geometry.refinement import Rings, rings

@@ -21,7 +21,7 @@ from benchmarks.timing import paired, seconds_of_processor
 from solver import solve
 from solver.observe.observables import observe
 from studies import Study
-from studies.loader import loads
+from studies.language.loader import loads
 from workbench.data import cautions
 from workbench.run.study_store import Options, run_to_file
 

@@ -19,7 +19,7 @@ from benchmarks.timing import peak_gigabytes, seconds_of_processor
 from solver import solve
 from solver.observe.observables import observe
 from studies import Study
-from studies.loader import load, loads
+from studies.language.loader import load, loads
 from workbench.data import writing
 from workbench.figures import canvas, map_figure
 from workbench.run.study_store import Options, run_to_file

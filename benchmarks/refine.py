@@ -18,9 +18,9 @@ from benchmarks.timing import peak_gigabytes
 from solver import solve
 from solver.observe.observables import observe
 from studies import Study
-from studies.lattice import Lattice
-from studies.loader import load, loads
-from studies.refinement import refinement_of
+from studies.language.lattice import Lattice
+from studies.language.loader import load, loads
+from studies.language.refinement import refinement_of
 from workbench.data import refined
 from workbench.run import in_memory
 from workbench.run.study_store import Options, run_to_file

@@ -6,7 +6,7 @@ A study says which fields of the case vary, what is observed, and which law must
 ``workbench run FILE``; here it is a text in a script. Seven forces push a rod into a pipe. Units are cm and N.
 """
 
-from studies.loader import loads
+from studies.language.loader import loads
 from workbench import notebook
 from workbench.data.law_verdicts import verdicts
 from workbench.run import in_memory

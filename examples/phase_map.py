@@ -9,7 +9,7 @@ Units are cm and N.
 
 import numpy as np
 
-from studies.loader import loads
+from studies.language.loader import loads
 from workbench.figures import canvas, map_figure
 from workbench.run import in_memory
 

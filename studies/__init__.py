@@ -1,10 +1,10 @@
 """Studies and their laws: the study language (TOML), Table 1 and its readings, verdicts."""
 
-from .law import Law
-from .laws import Verdict, judge
-from .loader import load, loads, names
-from .model import Study
-from .readings import READINGS, TABLE_1, Reading
+from .language.loader import load, loads, names
+from .language.model import Study
+from .language.readings import READINGS, TABLE_1, Reading
+from .laws.law import Law
+from .laws.verdicts import Verdict, judge
 
 __version__ = "0.2.0"
 __all__ = ["READINGS", "TABLE_1", "Law", "Reading", "Study", "Verdict", "judge", "load", "loads", "names"]

@@ -16,8 +16,8 @@ from solver.methods.base import knob
 from solver.methods.ladder import Ladder
 from solver.observe.observables import OBSERVABLES, Observable
 from solver.problem.quantities import QUANTITIES, Quantity
-from studies.line_verdicts import DIRECTIONS, FAILS, HOLDS, Direction, Line, Verdict
-from studies.loader import loads
+from studies.language.loader import loads
+from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, Direction, Line, Verdict
 from tests.workbench import small
 from workbench.compare.trade import ladders_of
 from workbench.data import law_verdicts

@@ -37,6 +37,7 @@ LISTS = {
         "observe", "sensitivity", "solution", "solve", "equilibrium_list", "held_equilibria",
         "equilibria", "branch", "follow", "switch", "end_angle_branch", "region_map", "loops", "inverse", "benchmark",
     ],
+    "studies": ["grammar", "laws", "language"],
     "workbench": [
         "data", "geometry", "run", "branches", "influence", "fitting", "figures", "scene", "export", "compare", "web",
         "notebook_tables", "notebook", "commands", "accessor", "cli", "plugin",

@@ -11,7 +11,7 @@ import studies
 # package -> its public names, each a path that is imported as it stands; in the order of the page
 PUBLIC: dict[str, tuple[str, ...]] = {
     "solver": tuple(f"solver.{name}" for name in solver.__all__),
-    "studies": (*(f"studies.{name}" for name in studies.__all__), "studies.loader.loads"),
+    "studies": (*(f"studies.{name}" for name in studies.__all__), "studies.language.loader.loads"),
     "workbench": (
         "workbench.accessor.RodAccessor",
         "workbench.notebook.Plot",

@@ -5,8 +5,8 @@ from pathlib import Path
 import xarray as xr
 
 from solver.observe.observables import OBSERVABLES
-from studies.loader import loads
-from studies.model import OUTPUTS
+from studies.language.loader import loads
+from studies.language.study_data import OUTPUTS
 from workbench.run import in_memory
 
 HEAD = """

@@ -9,8 +9,8 @@ import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, solve
 from solver.problem.case import ANGLES
-from studies.axes import CYLINDER, ENDS, START, is_angle
-from studies.axes import Base as StudyBase
+from studies.grammar.axes import CYLINDER, ENDS, START, is_angle
+from studies.grammar.axes import Base as StudyBase
 
 WRITTEN = {
     "30deg": np.deg2rad(30),

@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 
 from solver.observe.observables import OBSERVABLES
 from studies import READINGS, TABLE_1
-from studies.axes import FORCES, LENGTHS, in_rad
-from studies.law_kinds import KINDS, MONOTONE
-from studies.laws import DIRECTIONS
-from studies.model import OUTPUTS
-from studies.readings import TABLE_UNITS
+from studies.grammar.axes import FORCES, LENGTHS, in_rad
+from studies.language.readings import TABLE_UNITS
+from studies.language.study_data import OUTPUTS
+from studies.laws.law_kinds import KINDS, MONOTONE
+from studies.laws.verdicts import DIRECTIONS
 
 # For each field a range in which the solver takes every value, whatever the others are.
 RANGES = {

@@ -10,7 +10,7 @@ import pytest
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, follow, solve
 from solver.problem.angles import AngleWarning, doubt
 from studies import load
-from studies.loader import loads, notices
+from studies.language.loader import loads, notices
 
 HEAD = 'title = "One rod"\nunits = { length = "cm", force = "N" }\n'
 ROD = "[base]\nE = 1e4\nnu = 0.25\na = 0.25\nL = 20.0\nR = 0.75\n"

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from solver import observe, solve
-from studies.axes import FORCES, LENGTHS
-from studies.loader import load, loads
-from studies.model import OUTPUTS
+from studies.grammar.axes import FORCES, LENGTHS
+from studies.language.loader import load, loads
+from studies.language.study_data import OUTPUTS
 
 DOCS = Path(__file__).parents[2] / "docs"
 GUIDE = (DOCS / "how-to" / "write-a-study.md").read_text(encoding="utf-8").split("<!-- part -->")[0]

@@ -5,7 +5,7 @@ import pytest
 
 from solver import Ends, InputError, Start
 from solver.problem.angles import angle
-from studies.loader import load, loads, names
+from studies.language.loader import load, loads, names
 
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
 HEAD = 'title = "t"\nreading = "force-first/tension/paper"\n' + UNITS  # lines 1 to 5

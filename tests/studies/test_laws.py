@@ -5,7 +5,8 @@ import pytest
 from scipy.stats import kendalltau
 
 from solver import InputError
-from studies.laws import (
+from studies.laws.line_verdicts import DIRECTIONS, Direction, Line, Verdict
+from studies.laws.verdicts import (
     FAILS,
     HOLDS,
     QUALIFIED,
@@ -19,7 +20,6 @@ from studies.laws import (
     refusal,
     worst,
 )
-from studies.line_verdicts import DIRECTIONS, Direction, Line, Verdict
 
 LAW = Law(claim="(1)", observable="turns", axis="E", direction="falls", source="a sentence")
 

@@ -8,10 +8,10 @@ import pytest
 from scipy.stats import linregress, t
 
 from solver import InputError
-from studies.law import Law
-from studies.laws import FAILS, HOLDS, UNDECIDED, decide, refusal
-from studies.loader import loads
-from studies.number_verdicts import fit_power, passes
+from studies.language.loader import loads
+from studies.laws.law import Law
+from studies.laws.number_verdicts import fit_power, passes
+from studies.laws.verdicts import FAILS, HOLDS, UNDECIDED, decide, refusal
 
 X = np.array([1.0, 2.0, 3.0, 4.0])
 HEAD = 'title = "one"\nreading = "force-first/tension/paper"\n[units]\nlength = "cm"\nforce = "N"\n'

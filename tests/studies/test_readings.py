@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from solver import InputError, Start
-from studies.loader import loads
-from studies.readings import READINGS, TABLE_1, Reading, parse
+from studies.language.loader import loads
+from studies.language.readings import READINGS, TABLE_1, Reading, parse
 
 
 def start(reading: Reading, **printed: object) -> Start:

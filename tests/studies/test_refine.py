@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from solver import InputError
-from studies.lattice import Lattice
-from studies.loader import loads
-from studies.refine import lattice, refinement
-from studies.refinement import BUDGET, TOLERANCE, Refinement, refinement_of
-from studies.watched_lines import Lines
-from studies.writer import dumps
+from studies.language.lattice import Lattice
+from studies.language.loader import loads
+from studies.language.refine import lattice, refinement
+from studies.language.refinement import BUDGET, TOLERANCE, Refinement, refinement_of
+from studies.language.watched_lines import Lines
+from studies.language.writer import dumps
 
 HEAD = 'title = "r"\nreading = "force-first/tension/paper"\n'
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'

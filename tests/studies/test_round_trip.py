@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from solver import InputError
 from studies import Study
-from studies.loader import load, loads
-from studies.writer import axis_table, dumps
+from studies.language.loader import load, loads
+from studies.language.writer import axis_table, dumps
 from tests.studies import strategies
 
 HEAD = "title = 't'\nreading = 'force-first/tension/paper'\nunits = { length = 'cm', force = 'N' }\n"

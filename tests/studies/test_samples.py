@@ -7,10 +7,10 @@ import pytest
 from scipy import stats
 
 from solver import InputError
-from studies.dimensions import SAMPLE
-from studies.loader import load, loads
-from studies.samples import REACH
-from studies.writer import dumps
+from studies.grammar.dimensions import SAMPLE
+from studies.language.loader import load, loads
+from studies.language.samples import REACH
+from studies.language.writer import dumps
 
 HEAD = 'title = "s"\nreading = "force-first/tension/paper"\n[units]\nlength = "cm"\nforce = "N"\n'
 ENDS = """

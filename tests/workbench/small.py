@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from studies import Study
-from studies.loader import loads
+from studies.language.loader import loads
 
 TEXT = """
 title = "two moduli and three radii"

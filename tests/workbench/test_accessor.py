@@ -11,8 +11,8 @@ import xarray as xr
 import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import InputError, solve
 from solver.methods import METHODS, Verlet
-from studies.loader import loads
-from studies.model import OUTPUTS
+from studies.language.loader import loads
+from studies.language.study_data import OUTPUTS
 from tests.workbench import small
 from workbench.commands import option_checks
 from workbench.data import schema, selection, writing

@@ -9,7 +9,7 @@ import xarray as xr
 from PIL import Image
 
 from solver.problem.errors import InputError
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import small
 from workbench import cli
 from workbench.commands import animate, console, study_scene

@@ -11,7 +11,7 @@ from solver import Cylinder, Ends, Rod, Start
 from solver.problem.case import PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS
 from solver.problem.quantities import unit_of
 from solver.problem.rod import lacking
-from studies.axes import quantity_of
+from studies.grammar.axes import quantity_of
 from workbench import cli
 from workbench.commands.case_options import ENDS_FIELDS, FIELDS, HELD, help_of
 

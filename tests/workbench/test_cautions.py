@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.cases import in_units_of_rho
 from tests.workbench import small
 from workbench.data import cautions, dataset

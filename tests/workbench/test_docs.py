@@ -14,9 +14,9 @@ from solver.methods import METHODS
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.quantities import unit_of
 from studies import load, names
-from studies.law_kinds import KINDS as KINDS_OF_LAWS
-from studies.loader import loads
-from studies.model import OUTPUTS
+from studies.language.loader import loads
+from studies.language.study_data import OUTPUTS
+from studies.laws.law_kinds import KINDS as KINDS_OF_LAWS
 from tests.workbench import doc_pages
 from tests.workbench.pictures import pixels
 from workbench import cli

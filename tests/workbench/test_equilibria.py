@@ -12,7 +12,7 @@ from solver.end_angle_branch import to_fold
 from solver.equilibria import nearest
 from solver.observe.observables import observe
 from studies import load
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.cases import ends_in_units_of_rho
 from workbench import cli
 from workbench.branches import branch_dataset

@@ -20,7 +20,7 @@ from selenium.webdriver import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import browser
 from tests.workbench.live import served
 from tests.workbench.pictures import shares_of_push

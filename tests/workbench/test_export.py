@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 
 from solver import Case, Cylinder, Rod, Solution, Start, solve
 from solver.problem.errors import InputError
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import small
 from workbench import cli
 from workbench.commands import export as export_command

@@ -10,9 +10,9 @@ import pytest
 from solver import Ends, InputError
 from solver.problem.case import from_fields
 from solver.problem.errors import near
-from studies.axes import Base, Units
-from studies.loader import loads
-from studies.model import Study
+from studies.grammar.axes import Base, Units
+from studies.language.loader import loads
+from studies.language.model import Study
 from tests.workbench import small
 from workbench import cli
 from workbench.commands.case_options import FIELDS

@@ -11,7 +11,7 @@ import xarray as xr
 import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import follow, solve
 from studies import Study
-from studies.loader import loads
+from studies.language.loader import loads
 from workbench.run import block, in_memory
 from workbench.run.study_store import Options, run_to_file
 

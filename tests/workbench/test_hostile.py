@@ -18,7 +18,7 @@ import xarray as xr
 import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
 from studies import load
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import forked, runs, small
 from workbench import cli
 from workbench.data import checksums, escaping, reading, schema, writing

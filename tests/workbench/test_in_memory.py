@@ -8,7 +8,7 @@ import pytest
 from solver import InputError, solve
 from solver.methods import METHODS, Verlet, available
 from solver.problem.trajectory import Trajectory
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import small
 from workbench.data import dataset, law_verdicts
 from workbench.run import in_memory

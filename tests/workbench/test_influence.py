@@ -14,8 +14,8 @@ import xarray as xr
 from solver import Case, Cylinder, InputError, Rod, Start, observe, solve
 from solver.observe.observables import OBSERVABLES
 from studies import load
-from studies.loader import loads
-from studies.samples import METHODS
+from studies.language.loader import loads
+from studies.language.samples import METHODS
 from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench import cli

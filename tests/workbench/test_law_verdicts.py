@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
+from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 from tests.workbench import small
 from workbench import cli
 from workbench.data import law_verdicts, writing

@@ -9,7 +9,7 @@ from matplotlib.text import Text
 from solver import equilibria as all_equilibria
 from solver.benchmark import ladders
 from studies import load
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import small
 from workbench.branches.equilibria import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of

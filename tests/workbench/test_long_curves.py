@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from studies.loader import loads
+from studies.language.loader import loads
 from workbench.figures import long_curve, study_figure, table, unrolled
 from workbench.figures.drawn_rods import DrawnRod
 from workbench.figures.sheet import sheet

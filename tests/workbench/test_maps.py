@@ -12,7 +12,7 @@ from matplotlib.text import Text
 
 from solver.problem.errors import InputError
 from studies import load
-from studies.laws import HOLDS, VERDICTS, judge
+from studies.laws.verdicts import HOLDS, VERDICTS, judge
 from tests.workbench.pictures import pixels, share_of_ink
 from tests.workbench.small import grid, study
 from workbench import cli

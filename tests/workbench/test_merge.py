@@ -12,7 +12,7 @@ import xarray as xr
 
 import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import small
 from workbench.data import concatenation, dataset, law_verdicts, writing
 from workbench.run import in_memory, merge, study_store

@@ -11,7 +11,7 @@ from scipy.integrate import simpson
 from scipy.interpolate import CubicSpline
 
 from solver import Rod
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import small
 from workbench import cli
 from workbench.figures import laws

@@ -12,8 +12,8 @@ from solver.mechanics import frames
 from solver.mechanics.potential import potential
 from solver.observe.observables import observe
 from solver.problem.quantities import QUANTITIES, unit_of
-from studies.loader import loads
-from studies.readings import READINGS
+from studies.language.loader import loads
+from studies.language.readings import READINGS
 from tests.workbench.node import needs_node, run
 from workbench.data import labels, push_colours, scene_look
 from workbench.figures import along, drawn_rods

@@ -15,7 +15,7 @@ from PIL import Image
 
 from solver import InputError
 from studies import load
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import small
 from tests.workbench.page_faults import faults
 from workbench import cli

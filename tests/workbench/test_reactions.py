@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 from solver import Case, Cylinder, Ends, Rod, Start, fit, observe, solve
-from studies.laws import HOLDS
-from studies.loader import loads
+from studies.language.loader import loads
+from studies.laws.verdicts import HOLDS
 from workbench.data import law_verdicts
 from workbench.run import in_memory
 from workbench.run.study_store import Options, run_to_file

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.detail import off
 from solver import Case, Cylinder, Rod, Solution, Start, solve
 from solver.problem.errors import InputError
-from studies.loader import loads
+from studies.language.loader import loads
 from workbench.geometry import centreline, stored_line
 from workbench.geometry.refinement import rings, stations_for
 from workbench.run import in_memory

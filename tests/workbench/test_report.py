@@ -21,7 +21,8 @@ from matplotlib import image
 from PIL import Image, PngImagePlugin
 
 from solver.problem.errors import InputError
-from studies import READINGS, load, names, verdict_words
+from studies import READINGS, load, names
+from studies.laws import verdict_words
 from tests.workbench import browser, node, small
 from tests.workbench.pictures import shares_of_push
 from workbench.data import cautions, labels, law_verdicts, writing

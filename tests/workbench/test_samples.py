@@ -14,7 +14,7 @@ from scipy.stats import spearmanr
 import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError, observe, solve
 from studies import Study
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import runs, small
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench import cli

@@ -13,7 +13,7 @@ from PIL import Image
 from solver.mechanics import frames
 from solver.problem.errors import InputError
 from studies import load
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.cases import helix_moment, in_units_of_rho
 from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink

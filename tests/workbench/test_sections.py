@@ -13,8 +13,8 @@ import xarray as xr
 import solver
 import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import Case, InputError, Rod, Start, solve
-from studies.loader import loads
-from studies.writer import dumps
+from studies.language.loader import loads
+from studies.language.writer import dumps
 from tests.workbench import doc_pages
 from workbench.data import law_verdicts, reading, value_checks, writing
 from workbench.geometry import stored_line

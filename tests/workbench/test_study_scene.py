@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver.problem.errors import InputError
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import small
 from tests.workbench.pictures import pixels
 from workbench.commands import scene, study_scene

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 
 from solver import InputError, solve
 from studies import load
-from studies.loader import loads
-from studies.model import OUTPUTS
+from studies.language.loader import loads
+from studies.language.study_data import OUTPUTS
 from tests.workbench import runs
 from workbench.data import grid_io, outcomes, schema
 from workbench.run import assembly, block, in_memory, recipe, shards, study_store

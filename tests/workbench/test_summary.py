@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import small
 from workbench import cli
 from workbench.data import grid_io, labels, writing

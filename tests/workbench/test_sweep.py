@@ -8,8 +8,8 @@ import xarray as xr
 
 import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import Case, Ends, InputError, solve
-from studies.laws import FAILS, UNDECIDED
-from studies.loader import loads
+from studies.language.loader import loads
+from studies.laws.verdicts import FAILS, UNDECIDED
 from workbench import cli
 from workbench.commands import study_scene
 from workbench.data import branch_numbers, law_verdicts

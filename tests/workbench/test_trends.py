@@ -10,7 +10,7 @@ from matplotlib.text import Text
 
 from solver.problem.errors import InputError
 from studies import load
-from studies.verdict_words import PLAIN
+from studies.laws.verdict_words import PLAIN
 from tests.workbench.page_faults import faults
 from tests.workbench.small import grid, study
 from workbench.data import labels, law_verdicts, selection

@@ -19,7 +19,7 @@ import workbench.accessor  # noqa: F401  # registers ds.rod
 from solver import Case, Cylinder, Ends, Rod, Solution, Start, equilibria, solve
 from solver.problem.errors import InputError
 from studies import load
-from studies.loader import loads
+from studies.language.loader import loads
 from tests.workbench import browser, node, small
 from workbench import notebook
 from workbench.cli import main

@@ -15,9 +15,9 @@ from solver.observe.observables import OBSERVABLES, observe
 from solver.problem.errors import no_such
 from solver.problem.held_ends import held_of
 from studies import Study
-from studies.axes import quantity_of
-from studies.law import Law
-from studies.laws import QUALIFIED, decide
+from studies.grammar.axes import quantity_of
+from studies.laws.law import Law
+from studies.laws.verdicts import QUALIFIED, decide
 
 from ..data import schema
 from .equilibria_dataset import COUNT, DEAD_LOADS, EACH, PUSH, attributes, with_case

@@ -13,7 +13,7 @@ from solver.follow import solutions_of
 from solver.levels.morse_index import jacobi_zeros
 from solver.observe.observables import OBSERVABLES, observe
 from solver.problem.errors import no_such
-from studies.axes import quantity_of
+from studies.grammar.axes import quantity_of
 
 from ..data import schema
 from .held_tracing import PARTNER

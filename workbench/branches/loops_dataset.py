@@ -10,8 +10,8 @@ import xarray as xr
 from solver.loops import Loop
 from solver.problem.errors import InputError
 from studies import Study
-from studies.loader import loads
-from studies.readings import TABLE_UNITS
+from studies.language.loader import loads
+from studies.language.readings import TABLE_UNITS
 
 from ..data import cautions, schema, writing
 from ..run.case_input import field_values

@@ -17,7 +17,7 @@ def check(file: File, json: Json = False) -> int:
     Exit status 1 if a case is unsolved, or if a law fails, is not decided or is qualified.
     """
     from solver.problem import angles
-    from studies.loader import notices
+    from studies.language.loader import notices
 
     from ..data import file_checks, reading
 

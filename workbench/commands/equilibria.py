@@ -169,8 +169,8 @@ def study_and_case(file: Path | None, given: Given, held: bool = False) -> "tupl
 def _study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
     from solver import Ends, InputError
     from studies import load
-    from studies.loader import loads
-    from studies.readings import TABLE_UNITS
+    from studies.language.loader import loads
+    from studies.language.readings import TABLE_UNITS
 
     from ..branches.equilibria import ends_problem, study_text
     from ..run.case_input import from_values, with_fields

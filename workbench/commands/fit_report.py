@@ -179,13 +179,13 @@ def _text(name: str, value: float) -> str:
 
 def _unit(name: str, asked: "CaseInput") -> str:
     from solver.problem.quantities import unit_of
-    from studies.axes import quantity_of
+    from studies.grammar.axes import quantity_of
 
     unit = unit_of(quantity_of(name).name, asked.units)
     return "deg" if unit == "rad" else "" if unit in UNITLESS else unit
 
 
 def _long(name: str) -> str:
-    from studies.axes import quantity_of
+    from studies.grammar.axes import quantity_of
 
     return quantity_of(name).long_name

@@ -165,8 +165,8 @@ def _page(path: Path) -> None:
 def _datasets() -> dict[str, Callable[[], Any]]:
     """What solves the dataset of each picture."""
     from studies import load
-    from studies.axes import Axis
-    from studies.loader import loads
+    from studies.grammar.axes import Axis
+    from studies.language.loader import loads
 
     from ..run import in_memory
 

@@ -6,7 +6,7 @@ from . import console
 from .options import Json
 
 if TYPE_CHECKING:
-    from studies.axes import Axis
+    from studies.grammar.axes import Axis
 
 
 def list_studies(json: Json = False) -> int:
@@ -34,7 +34,7 @@ def _list() -> list[dict[str, Any]]:
     """
     from solver.problem.quantities import unit_of
     from studies import load, names
-    from studies.axes import quantity_of
+    from studies.grammar.axes import quantity_of
 
     rows = []
     for name in names():

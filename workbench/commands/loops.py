@@ -92,7 +92,7 @@ def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str
 
     from solver import Cylinder, Rod
     from solver.problem.case import from_fields
-    from studies.readings import TABLE_UNITS
+    from studies.language.readings import TABLE_UNITS
 
     from ..run.case_input import check_units, read_case
 

@@ -10,7 +10,7 @@ from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Tol, fla
 
 if TYPE_CHECKING:
     from solver import Solution
-    from studies.axes import Which
+    from studies.grammar.axes import Which
 
     from ..run.fidelity import Fidelity as Level
 
@@ -105,7 +105,7 @@ def parse_choose(text: str) -> "Which":
     """``nearest``, ``lowest`` or a Morse index as the [equilibrium] table of a study. Raises `InputError`."""
     from solver import InputError
     from solver.choose.selection import check
-    from studies.axes import Which
+    from studies.grammar.axes import Which
 
     try:
         rule = check(int(text) if text.isdecimal() else text)
@@ -164,7 +164,7 @@ def _indices(sol: "Solution") -> dict[str, int]:
 
 def _print(found: dict[str, Any], every: bool) -> None:
     from solver.problem.quantities import quantity
-    from studies.axes import quantity_of
+    from studies.grammar.axes import quantity_of
 
     console.say(f"rod: {found['source']}")
     console.say_units(found["units"], found["assumed"])

@@ -14,9 +14,9 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 from studies import Study, load
-from studies.axes import Axis
-from studies.dimensions import SAMPLE
-from studies.model import MAX_STATIONS, OUTPUTS
+from studies.grammar.axes import Axis
+from studies.grammar.dimensions import SAMPLE
+from studies.language.study_data import MAX_STATIONS, OUTPUTS
 
 from ..data import kinds, reading, schema, selection, writing
 from ..figures.scales import WIDE

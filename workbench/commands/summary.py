@@ -62,7 +62,7 @@ def _size(count: int) -> str:
 
 
 def _print(found: dict[str, Any]) -> None:
-    from studies.dimensions import SAMPLE
+    from studies.grammar.dimensions import SAMPLE
 
     reading = f", {found['reading']}" if found["reading"] else ""
     console.say(f"{found['title']}{reading}")

@@ -16,7 +16,7 @@ import numpy as np
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.benchmark import Reference
 from solver.problem.errors import no_such
-from studies.readings import LOADS, READINGS, TWISTS
+from studies.language.readings import LOADS, READINGS, TWISTS
 
 GAPS = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 FILE = "trade_references.json"

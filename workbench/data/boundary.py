@@ -5,17 +5,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver.problem.errors import InputError, choices, near, no_such
-from studies.dimensions import SAMPLE
-from studies.lattice import Lattice
-from studies.refinement import Refinement, refinement_of
-from studies.study_tables import OUTCOME
+from studies.grammar.dimensions import SAMPLE
+from studies.language.lattice import Lattice
+from studies.language.refinement import Refinement, refinement_of
+from studies.language.study_tables import OUTCOME
 
 from . import law_verdicts, refined, schema, selection
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from studies.lattice import Places, Values
+    from studies.language.lattice import Places, Values
 
 
 def boundary(ds: "xr.Dataset", name: str, step: float | None = None) -> "xr.Dataset":

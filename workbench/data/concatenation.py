@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
-from studies.dimensions import SAMPLE
+from studies.grammar.dimensions import SAMPLE
 
 from . import file_checks, grid_io
 from .schema import Columns

@@ -11,9 +11,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver import Case
-from studies import Study, expressions, paired, refine
-from studies.axes import quantity_of
-from studies.dimensions import SAMPLE, Dimensions
+from studies import Study
+from studies.grammar.axes import quantity_of
+from studies.grammar.dimensions import SAMPLE, Dimensions
+from studies.language import expressions, paired, refine
 
 from . import cautions
 from .schema import (

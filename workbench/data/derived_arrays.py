@@ -16,7 +16,7 @@ from solver.mechanics import frames, statics
 from solver.mechanics.potential import dimensional_slope, potential
 from solver.mechanics.statics import contact_force, push_from
 from studies import Study
-from studies.model import OUTPUTS
+from studies.language.study_data import OUTPUTS
 
 from . import reading, schema
 from .schema import COMPONENTS, axes_left

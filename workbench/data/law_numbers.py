@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver.problem.errors import InputError, choices
-from studies.expressions import unit_names
-from studies.law import Law
-from studies.laws import targets
+from studies.language.expressions import unit_names
+from studies.laws.law import Law
+from studies.laws.verdicts import targets
 
 from . import schema
 from .schema import dimension

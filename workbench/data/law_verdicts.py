@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from studies import verdict_words
-from studies.dimensions import SAMPLE
-from studies.law import Law
-from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, by_line, decide, refusal
-from studies.readings import DROPPED
+from studies.grammar.dimensions import SAMPLE
+from studies.language.readings import DROPPED
+from studies.laws import verdict_words
+from studies.laws.law import Law
+from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, by_line, decide, refusal
 
 from . import law_numbers, refined, schema
 
@@ -33,7 +33,7 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     Returns
     -------
     list of dict
-        One row a law, in the study's order; see `studies.laws.decide`.
+        One row a law, in the study's order; see `studies.laws.verdicts.decide`.
 
     Examples
     --------
@@ -72,7 +72,7 @@ def _row_of_untested(law: Law, row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
-    """The verdict on a law on each line of the grid along its axis, over the other axes; see `studies.laws.by_line`."""
+    """The verdict on a law on each line of the grid along its axis, over the other axes; see `verdicts.by_line`."""
     import xarray as xr
 
     axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}

@@ -10,9 +10,9 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 from studies import names
-from studies.axes import FIELDS
-from studies.dimensions import SAMPLE
-from studies.law import Law
+from studies.grammar.axes import FIELDS
+from studies.grammar.dimensions import SAMPLE
+from studies.laws.law import Law
 
 from . import checksums, escaping, kinds, netcdf, refined, value_checks
 from .file_checks import open_valid, refusing, show

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
-from studies import refine as tables
-from studies.dimensions import SAMPLE
-from studies.lattice import Lattice, Places, Values
-from studies.refinement import BUDGET, Refinement, refinement_of
-from studies.study_tables import OUTCOME
+from studies.grammar.dimensions import SAMPLE
+from studies.language import refine as tables
+from studies.language.lattice import Lattice, Places, Values
+from studies.language.refinement import BUDGET, Refinement, refinement_of
+from studies.language.study_tables import OUTCOME
 
 from .schema import OF_THE_CASE, SAMPLING, dimension
 

@@ -13,11 +13,11 @@ from solver.observe import observables
 from solver.observe.observables import OBSERVABLES
 from solver.problem.quantities import quantity, unit_of
 from solver.problem.rod import GIVEN, STIFFNESS, fourth_powers
-from studies import expressions
-from studies.axes import CYLINDER, WORDS, quantity_of
-from studies.dimensions import SAMPLE
-from studies.formulas import parse
-from studies.model import OUTPUTS
+from studies.grammar.axes import CYLINDER, WORDS, quantity_of
+from studies.grammar.dimensions import SAMPLE
+from studies.grammar.formulas import parse
+from studies.language import expressions
+from studies.language.study_data import OUTPUTS
 
 if TYPE_CHECKING:
     import xarray as xr

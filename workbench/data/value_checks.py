@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from solver.problem.case import SIDES, SLIDING
 from solver.problem.errors import InputError, choices
 from solver.problem.rod import DIRECT, ELASTIC, GIVEN
-from studies.axes import LONGEST_LINE
-from studies.units import FORCES, LENGTHS
+from studies.grammar.axes import LONGEST_LINE
+from studies.grammar.units import FORCES, LENGTHS
 
 from . import escaping, schema
 from .file_checks import show

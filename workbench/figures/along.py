@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 
 from solver.problem.errors import no_such
-from studies.laws import NOISE
+from studies.laws.verdicts import NOISE
 
 from ..data import labels, schema
 from ..data.cautions import SLIGHT

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
-from studies.laws import FAILS, HOLDS, QUALIFIED
-from studies.line_verdicts import DIRECTIONS
+from studies.laws.line_verdicts import DIRECTIONS
+from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED
 
 from ..branches.branch_dataset import branches
 from ..data import labels

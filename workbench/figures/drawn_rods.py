@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from solver.mechanics.statics import push_from
 from solver.problem.errors import InputError
-from studies.dimensions import SAMPLE
+from studies.grammar.dimensions import SAMPLE
 
 from ..data import labels, reading, refined, schema, selection
 from ..data.derived_arrays import Stored

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy import special
 
-from studies.axes import quantity_of
+from studies.grammar.axes import quantity_of
 
 from ..data import labels
 from . import canvas, legend, style, unrolled

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from solver.problem.errors import InputError, choices, no_such
-from studies.dimensions import SAMPLE
+from studies.grammar.dimensions import SAMPLE
 
 from ..data import kinds as files
 from ..data import refined, schema, selection

@@ -18,8 +18,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from studies.laws import HOLDS, VERDICTS
-from studies.verdict_words import PLAIN, count
+from studies.laws.verdict_words import PLAIN, count
+from studies.laws.verdicts import HOLDS, VERDICTS
 
 from ..data import labels, law_verdicts, refined
 from ..data.schema import SAMPLING

@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from studies.law import Law
-from studies.law_kinds import MONOTONE
-from studies.verdict_words import PLAIN
+from studies.laws.law import Law
+from studies.laws.law_kinds import MONOTONE
+from studies.laws.verdict_words import PLAIN
 
 from ..data import labels, law_numbers, law_verdicts, selection
 from . import legend, style

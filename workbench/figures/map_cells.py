@@ -8,8 +8,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices
-from studies.axes import FIELDS, WORDS
-from studies.dimensions import SAMPLE
+from studies.grammar.axes import FIELDS, WORDS
+from studies.grammar.dimensions import SAMPLE
 
 from ..data import cautions, labels, selection
 from ..data.schema import axes_of, dimension

@@ -14,7 +14,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator
 from numpy.typing import NDArray
 
-from studies.laws import NOISE
+from studies.laws.verdicts import NOISE
 
 from ..data import labels, selection
 from . import regions, style

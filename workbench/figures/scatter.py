@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from studies.dimensions import SAMPLE
-from studies.laws import FAILS
+from studies.grammar.dimensions import SAMPLE
+from studies.laws.verdicts import FAILS
 
 from ..data import labels, schema, selection
 from . import style

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from solver.mechanics import frames
-from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
-from studies.verdict_words import PLAIN
+from studies.laws.verdict_words import PLAIN
+from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
 from ..data import cautions, labels, law_verdicts
 from . import canvas, drawn_rods, push_scale, solid, style

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.problem.errors import InputError, choices, no_such
-from studies.dimensions import SAMPLE
+from studies.grammar.dimensions import SAMPLE
 
 from ..data import cautions, labels, law_verdicts, refined, schema, selection
 from . import along, canvas, drawn_rods, legend, scatter, unrolled

@@ -14,7 +14,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.textpath import TextToPath
 
-from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
+from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
 from ..data import push_colours
 

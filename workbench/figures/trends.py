@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from solver.problem.errors import no_such
-from studies.laws import FAILS, NOISE
+from studies.laws.verdicts import FAILS, NOISE
 
 from ..data import labels, selection
 from . import style

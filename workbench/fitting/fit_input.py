@@ -10,8 +10,9 @@ import xarray as xr
 from solver.inverse.data import COLUMNS
 from solver.problem.errors import InputError, choices
 from solver.problem.quantities import QUANTITIES
-from studies import Study, tables
-from studies.axes import in_rad, quantity_of
+from studies import Study
+from studies.grammar.axes import in_rad, quantity_of
+from studies.language import tables
 
 from ..data import dataset, schema, selection
 from ..run.case_input import CaseInput, with_fields

@@ -15,7 +15,7 @@ from solver.observe.observables import OBSERVABLES, is_count, observables_of
 from solver.problem.errors import no_such
 from solver.problem.field_rates import fields_of
 from solver.problem.quantities import quantity, unit_of
-from studies.axes import FIELDS, WORDS
+from studies.grammar.axes import FIELDS, WORDS
 
 from ..data import schema
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.samples import block_of
+from studies.language.samples import block_of
 
 Values = NDArray[np.float64]
 

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from solver import Case, Solution, equilibria, solve
 from solver.choose.selection import INCOMPLETE, NEAREST
 from solver.equilibria import nearest
-from studies import Study, expressions
-from studies.axes import Which
+from studies import Study
+from studies.grammar.axes import Which
+from studies.language import expressions
 
 from ..data import cautions
 from ..data.branch_numbers import NONE

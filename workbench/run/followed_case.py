@@ -8,7 +8,7 @@ import numpy as np
 from solver import Branch, Case, InputError, Solution, follow, solve
 from solver.branch import BORDER, FOLD, HELIX
 from solver.problem.case_fields import value_of
-from studies.axes import is_angle, quantity_of
+from studies.grammar.axes import is_angle, quantity_of
 
 BEYOND = "failed: the followed branch"
 _STRAIGHT = 1e-6  # rad

@@ -6,8 +6,8 @@ import xarray as xr
 from solver import solve
 from solver.end_angle_branch import EndAngleBranch, to_fold
 from studies import Study
-from studies.axes import is_angle, quantity_of
-from studies.dimensions import Dimensions
+from studies.grammar.axes import is_angle, quantity_of
+from studies.grammar.dimensions import Dimensions
 
 from ..data import dataset, schema
 from .block import columns

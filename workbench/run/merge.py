@@ -14,10 +14,10 @@ import xarray as xr
 
 from solver.problem.errors import InputError, choices
 from studies import TABLE_1, Study
-from studies.dimensions import SAMPLE, Dimension
-from studies.loader import loads
-from studies.paired import SOURCES
-from studies.writer import axis_table, dumps, dumps_paired, dumps_table
+from studies.grammar.dimensions import SAMPLE, Dimension
+from studies.language.loader import loads
+from studies.language.paired import SOURCES
+from studies.language.writer import axis_table, dumps, dumps_paired, dumps_table
 
 from ..data import atomic, cautions, checksums, concatenation, law_verdicts, netcdf, reading, schema, writing
 from ..data.selection import SAME

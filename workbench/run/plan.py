@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from solver import Case, Ends, InputError
 from solver.problem.errors import check_tolerance, choices
 from studies import Study
-from studies.axes import Axis
-from studies.dimensions import SAMPLE, Dimension, Dimensions
-from studies.paired import SOURCES
-from studies.refinement import Refinement
+from studies.grammar.axes import Axis
+from studies.grammar.dimensions import SAMPLE, Dimension, Dimensions
+from studies.language.paired import SOURCES
+from studies.language.refinement import Refinement
 
 from ..data.schema import LOADS, inner_shape
 from . import shards, sweep, sweep_order

@@ -16,9 +16,9 @@ from solver.methods import METHODS, available
 from solver.methods.automatic import VARYING
 from solver.problem.errors import InputError
 from studies import Study
-from studies.dimensions import Dimensions
-from studies.law import Law
-from studies.refine import lattice
+from studies.grammar.dimensions import Dimensions
+from studies.language.refine import lattice
+from studies.laws.law import Law
 
 from ..data.schema import version_of
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from solver.problem.errors import InputError
 from studies import Study
-from studies import refine as tables
-from studies.dimensions import SAMPLE, Dimension, Dimensions
-from studies.lattice import Values
-from studies.study_tables import OUTCOME
+from studies.grammar.dimensions import SAMPLE, Dimension, Dimensions
+from studies.language import refine as tables
+from studies.language.lattice import Values
+from studies.language.study_tables import OUTCOME
 
 from ..data.schema import Columns
 from .plan import Plan

@@ -13,9 +13,9 @@ from solver.end_angle_branch import own_ends
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.errors import InputError, no_such
 from studies import Study
-from studies.axes import FIELDS, WORDS, quantity_of
-from studies.dimensions import SAMPLE, Dimension
-from studies.loader import loads
+from studies.grammar.axes import FIELDS, WORDS, quantity_of
+from studies.grammar.dimensions import SAMPLE, Dimension
+from studies.language.loader import loads
 
 from ..data import reading
 from ..data.schema import axes_left, dimension, field_of, fields_of_samples, own_dimension

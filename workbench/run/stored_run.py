@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
-from studies.dimensions import SAMPLE, Dimension, Dimensions
+from studies.grammar.dimensions import SAMPLE, Dimension, Dimensions
 
 from ..data import checksums, file_checks
 from ..data.schema import FORMAT, dimension

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case import PAIRS
 from solver.problem.errors import InputError
-from studies.dimensions import SAMPLE
+from studies.grammar.dimensions import SAMPLE
 
 from ..data import (
     branch_numbers,

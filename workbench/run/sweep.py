@@ -20,7 +20,7 @@ from solver.choose.selection import INCOMPLETE, NEAREST, Choose
 from solver.equilibria import nearest
 from solver.observe.observables import observe
 from studies import Study
-from studies.axes import Which, is_angle
+from studies.grammar.axes import Which, is_angle
 
 from ..data.branch_numbers import NONE
 from .followed_case import follow_to

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from studies.dimensions import SAMPLE
+from studies.grammar.dimensions import SAMPLE
 
 from ..data import labels
 from ..data.schema import dimension, fields_of_samples

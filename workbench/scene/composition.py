@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from solver.problem.errors import InputError
-from studies.model import MAX_STATIONS
+from studies.language.study_data import MAX_STATIONS
 
 from ..data import labels, left_out
 from ..figures import style

@@ -16,7 +16,7 @@ from typing import Any
 from solver.core import build
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
-from studies.readings import READINGS
+from studies.language.readings import READINGS
 
 from ...data import labels, scene_look
 from ...data.escaping import finite

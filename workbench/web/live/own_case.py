@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Any
 
 from solver import Case
-from studies.axes import quantity_of
-from studies.readings import TABLE_1
+from studies.grammar.axes import quantity_of
+from studies.language.readings import TABLE_1
 
 from ...run.case_input import CaseInput, field_values, read_case
 from .page_shape import check_shown

@@ -20,9 +20,9 @@ from solver.observe.observables import observables_of, observe
 from solver.problem.case_fields import value_of, with_field
 from solver.problem.errors import InputError, choices, no_such
 from studies import Study
-from studies.axes import WORDS
-from studies.dimensions import Dimensions
-from studies.loader import loads
+from studies.grammar.axes import WORDS
+from studies.grammar.dimensions import Dimensions
+from studies.language.loader import loads
 
 from ...branches.equilibria import row as equilibrium_row
 from ...branches.tracing import Piece, Traced, traced

@@ -18,7 +18,7 @@ from solver.problem.held_ends import held_of
 from solver.problem.reduced import reduce
 from solver.shooting.numbers import rods_of
 from studies import Study
-from studies.axes import Which
+from studies.grammar.axes import Which
 
 from ...run.case_input import field_values
 

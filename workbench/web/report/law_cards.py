@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from studies import verdict_words
-from studies.law_kinds import MONOTONE
-from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
+from studies.laws import verdict_words
+from studies.laws.law_kinds import MONOTONE
+from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
 from ...data import labels, law_verdicts
 

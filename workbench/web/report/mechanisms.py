@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import xarray as xr
 
-from studies.readings import DEFAULT
+from studies.language.readings import DEFAULT
 
 from ...data import labels
 

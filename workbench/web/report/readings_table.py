@@ -9,7 +9,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 from studies import READINGS, Study, load, names
-from studies.laws import refusal, worst
+from studies.laws.verdicts import refusal, worst
 
 from ...data import dataset, law_verdicts
 from ...run import in_memory

@@ -9,8 +9,8 @@ import xarray as xr
 
 from solver.problem.quantities import unit_of
 from studies import TABLE_1
-from studies.axes import quantity_of
-from studies.readings import Reading
+from studies.grammar.axes import quantity_of
+from studies.language.readings import Reading
 
 from ...data import labels, law_verdicts
 from ...run.in_memory import StudyResult

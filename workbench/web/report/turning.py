@@ -9,7 +9,7 @@ import xarray as xr
 from solver.core import build
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
-from studies.readings import DROPPED, TABLE_1, Reading
+from studies.language.readings import DROPPED, TABLE_1, Reading
 
 from ...data import labels
 from ...data.schema import axes_of

@@ -11,7 +11,7 @@ import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
 from solver.problem.errors import InputError
-from studies.dimensions import SAMPLE
+from studies.grammar.dimensions import SAMPLE
 
 from ...data import cautions, labels, left_out, schema, selection
 from ...data.schema import axes_of

@@ -8,8 +8,8 @@ import numpy as np
 
 from solver.problem.angles import doubt
 
-from .axes import is_angle
-from .dimensions import Values
+from ..grammar.axes import is_angle
+from ..grammar.dimensions import Values
 
 Where = tuple[str | int, ...]
 

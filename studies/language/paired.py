@@ -9,9 +9,9 @@ import numpy as np
 from solver import Ends
 from solver.problem.errors import InputError, choices, near
 
+from ..grammar.axes import MAX_COUNT, WORDS, Misplaced, in_rad, is_angle
+from ..grammar.dimensions import SAMPLE, Dimension, Values
 from . import tables
-from .axes import MAX_COUNT, WORDS, Misplaced, in_rad, is_angle
-from .dimensions import SAMPLE, Dimension, Values
 from .study_data import StudyData
 
 SOURCES = ("sample", "zip", "table")  # the tables of a study that give them

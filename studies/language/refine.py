@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.errors import choices, near
 
-from .axes import Misplaced
-from .dimensions import SAMPLE, Dimension, Values
-from .formulas import parse
+from ..grammar.axes import Misplaced
+from ..grammar.dimensions import SAMPLE, Dimension, Values
+from ..grammar.formulas import parse
+from ..laws.law import Law
+from ..laws.verdicts import by_line
 from .lattice import Lattice
-from .law import Law
-from .laws import by_line
 from .refinement import Refinement
 from .study_data import StudyData
 from .study_tables import OUTCOME

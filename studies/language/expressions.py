@@ -15,13 +15,13 @@ from solver.observe.observables import OBSERVABLES, error_name, observe, why_unk
 from solver.problem.quantities import QUANTITIES, unit_text
 from solver.problem.reduced import flat
 
-from .axes import FIELDS, WORDS, Misplaced, quantity_of
-from .formula_units import PLAIN, Dimension, dimension, evaluate, is_zero, unit_words
-from .formulas import CONSTANTS, FUNCTIONS, IN, Formula, parse
-from .law import Law
+from ..grammar.axes import FIELDS, WORDS, Misplaced, quantity_of
+from ..grammar.formula_units import PLAIN, Dimension, dimension, evaluate, is_zero, unit_words
+from ..grammar.formulas import CONSTANTS, FUNCTIONS, IN, Formula, parse
+from ..grammar.units import NAMED, size_of
+from ..laws.law import Law
 from .readings import TABLE_1
 from .study_data import StudyData
-from .units import NAMED, size_of
 
 MOST_EXPRESSIONS = 100
 MOST_NAME = 40  # characters

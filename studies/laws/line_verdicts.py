@@ -5,7 +5,7 @@
 *not decided*: cases are unsolved or steps cross to another branch of equilibria, and the other steps leave it open.
 *fails*: none of these.
 
-The verdict on a law, which may also be *qualified*, is made from the verdicts on its lines by `studies.laws.decide`.
+The verdict on a law, which may also be *qualified*, is made from the verdicts on its lines by `verdicts.decide`.
 
 Tau is tau-b: (right pairs - wrong pairs) / sqrt(all pairs x pairs whose values differ).
 """

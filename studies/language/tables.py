@@ -10,8 +10,8 @@ import numpy as np
 
 from solver.problem.errors import InputError, choices, near
 
-from .axes import CYLINDER, ENDS, MAX_COUNT, ROD, START, WORDS, in_rad, is_angle
-from .dimensions import Values
+from ..grammar.axes import CYLINDER, ENDS, MAX_COUNT, ROD, START, WORDS, in_rad, is_angle
+from ..grammar.dimensions import Values
 
 NUMERIC = [name for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS)) if name not in WORDS]
 SUFFIXES = (".csv", ".parquet")

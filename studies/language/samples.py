@@ -14,8 +14,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 
 from solver.problem.errors import choices, near
 
-from .axes import MAX_COUNT, STRICT, Misplaced
-from .dimensions import Values
+from ..grammar.axes import MAX_COUNT, STRICT, Misplaced
+from ..grammar.dimensions import Values
 
 Cube = NDArray[np.float64]  # points in the unit cube, (size, fields)
 

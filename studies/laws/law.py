@@ -8,8 +8,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validat
 from solver.observe.observables import is_count
 from solver.problem.errors import InputError, choices, no_such
 
-from .axes import Line, Misplaced, in_rad, is_angle
-from .formulas import Formula, parse
+from ..grammar.axes import Line, Misplaced, in_rad, is_angle
+from ..grammar.formulas import Formula, parse
 from .law_kinds import FORMULAS, KINDS, MONOTONE, Kind
 from .line_verdicts import DIRECTIONS, HOLDS, QUALIFIED, TREND, Verdict, as_good, judge
 from .number_verdicts import NumberLine

@@ -12,16 +12,16 @@ from pydantic import BaseModel, ValidationError
 from solver.problem import angles
 from solver.problem.errors import InputError, choices, near
 
+from ..grammar.axes import Axis, Base, Misplaced, Units, Which
+from ..grammar.dimensions import Values
+from ..laws.law import Law
 from . import angle_notices, paired
-from .axes import Axis, Base, Misplaced, Units, Which
-from .dimensions import Values
-from .law import Law
 from .model import Study
 from .samples import Distribution
 from .study_tables import Refine, Table
 from .writer import dumps
 
-SHIPPED = Path(__file__).parent
+SHIPPED = Path(__file__).parents[1]
 
 Where = tuple[str | int, ...]
 
@@ -144,7 +144,7 @@ def loads(
 
     Examples
     --------
-    >>> from studies.loader import loads
+    >>> from studies.language.loader import loads
     >>> study = loads('''
     ... title = "One rod"
     ... units = { length = "cm", force = "N" }

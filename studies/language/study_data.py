@@ -14,10 +14,10 @@ from solver.problem.case import PAIRS
 from solver.problem.errors import DEFAULT_TOLERANCE, choices
 from solver.problem.rod import DIRECT
 
-from . import axes as parts
-from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Units, Which
-from .dimensions import Dimension
-from .law import Law
+from ..grammar import axes as parts
+from ..grammar.axes import CYLINDER, ENDS, ROD, START, Axis, Base, Units, Which
+from ..grammar.dimensions import Dimension
+from ..laws.law import Law
 from .readings import TABLE_1, parse
 from .samples import Sample
 from .study_tables import Refine, Table

@@ -4,7 +4,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from solver.problem.errors import choices
 
-from .axes import MAX_COUNT, STRICT, Line, Misplaced
+from ..grammar.axes import MAX_COUNT, STRICT, Line, Misplaced
 
 OUTCOME = "outcome"  # watched: whether a case is solved
 FINEST = 1e-9  # least tolerance

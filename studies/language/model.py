@@ -15,15 +15,13 @@ from solver.problem.errors import choices, near
 from solver.problem.quantities import unit_of
 from solver.problem.shown import make
 
-from . import axes as parts
+from ..grammar import axes as parts
+from ..grammar.axes import CYLINDER, ROD, Axis, Misplaced
+from ..grammar.dimensions import SAMPLE, Dimension, Dimensions
 from . import expressions, followed_axis, paired, refine
-from .axes import CYLINDER, ROD, Axis, Misplaced
-from .dimensions import SAMPLE, Dimension, Dimensions
 from .readings import TABLE_1, TABLE_UNITS, Reading, parse
 from .samples import Distribution
-from .study_data import MAX_STATIONS as MAX_STATIONS
-from .study_data import OUTPUTS as OUTPUTS
-from .study_data import StudyData
+from .study_data import OUTPUTS, StudyData
 from .study_tables import OUTCOME
 
 

@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from solver.problem.errors import InputError, choices, no_such
 
+from ..grammar.formula_units import evaluate
 from . import verdict_words
-from .formula_units import evaluate
 from .law import Law
 from .law_kinds import MONOTONE, STEPS
 from .line_verdicts import (

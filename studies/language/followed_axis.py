@@ -5,7 +5,7 @@ import numpy as np
 from solver import Start
 from solver.problem.errors import choices
 
-from .axes import CYLINDER, ROD, START, WORDS, Axis, Misplaced
+from ..grammar.axes import CYLINDER, ROD, START, WORDS, Axis, Misplaced
 from .study_data import StudyData
 
 OF_ENDS = ("betaL", "FZ", "MZ", "M3")  # of the ends problem that a start problem solves

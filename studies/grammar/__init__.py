@@ -1,0 +1,1 @@
+"""What a study file is written in: formulas and units, axes, dimensions."""

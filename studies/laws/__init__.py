@@ -1,0 +1,1 @@
+"""Laws of a study: their kinds, and verdicts on them in words."""
