@@ -151,6 +151,8 @@ def words_of(path: Path) -> str:
     if path.why == "seed":
         return "the seed"
     said = ["the straight rod"]
+    if path.wound:
+        said.append("leaves its branch where its sinusoid would lift off the wall, for a helix")
     if path.buckled is not None:
         said.append(f"which buckles at {path.buckled:.6g} times these loads")
     said += [f"leaves its branch at {share:.4g} times them for another stable shape" for share in path.jumped]

@@ -7,10 +7,11 @@ from itertools import product
 import numpy as np
 
 from ..numerics.arrays import Array
+from ..problem.case import ALONG_ITSELF
 from .curve import Curve
 from .descent import LOOSE, descend, index_at, index_of_any, is_near, weakest_modes
 from .loaded_rod import SHORT, LoadedRod
-from .local_sinusoid import passes_fold, sinusoid
+from .local_waves import lock_up_share, sinusoid, wound_shape
 from .newton import Shape, correct
 
 CLOSE = 1e-6  # relative: of the load at which the straight rod buckles
@@ -19,10 +20,12 @@ AMPLITUDES = tuple(
 )  # of the angles, in their scales, with which a buckled shape is sought
 MOST_FORCES, LEAST_BENT = 20, 1e-3  # that are tried for a held height; how much they shorten the rod, of the wanted
 FRICTION = "this friction"
-FOLD = f"{FRICTION}; it raises the compression beyond 5.26 sqrt(EI w sin(inclination)/rho), where no sinusoid is left"
-WAVES = (
-    f"{FRICTION}: beyond, it may drive waves along the rod; hinged ends (M10 and M1L in place of beta0 and betaL) or "
-    "a rod that moves as a whole (sliding 'axial-forward' or 'axial-backward') may have an answer"
+WAVES = f"{FRICTION}: beyond, it may drive waves along the rod or wind up its helix"
+HINGES = "hinged ends (M10 and M1L in place of beta0 and betaL)"
+AS_A_WHOLE = "a rod that moves as a whole (sliding 'axial-forward' or 'axial-backward')"
+LOCKED = (
+    "the rod locks up: it is a helix, and on {:.3g} of the length from s = L friction raises the compression without "
+    "bound"
 )
 FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.1, 1e-4, 0.25
 LEAST_RUBBED = 3e-3  # least step of a rod with friction, whose branch ends where its waves run
@@ -36,8 +39,9 @@ class Path:
 
     shape: None if none was. index: its Morse index; 0 with friction, which has none. buckled: the share of the loads at
     which the straight rod buckles; None if it does not. jumped: shares at which the branch ended and the rod fell to
-    another one. slipped: the share of the friction at which the branch ended and another sinusoid was taken. why: why
-    no shape, or none under the whole loads, was reached.
+    another one. slipped: the share of the friction at which the branch ended and another sinusoid was taken. wound:
+    whether the shape is a helix in place of a sinusoid that would lift off. why: why no shape, or none under the whole
+    loads, was reached.
     """
 
     shape: Shape | None
@@ -45,6 +49,7 @@ class Path:
     buckled: float | None = None
     jumped: tuple[float, ...] = ()
     slipped: float | None = None
+    wound: bool = False
     why: str = ""
 
 
@@ -58,8 +63,12 @@ def branch_from_straight(rod: LoadedRod) -> Path:
 
     A straight rod that is stable is the answer. Elsewhere the loads grow from 0, but for the weight across, which is
     whole from the beginning; where the straight rod buckles the path takes the buckled shape, and where it ends, the
-    stable shape below it. Friction grows at last, on the shape without it.
+    stable shape below it. Friction grows at last, on the shape without it. A long rod whose sinusoid would lift off the
+    wall takes the helix.
     """
+    wound = wound_shape(rod)
+    if wound is not None:
+        return Path(wound, wound=True)
     if rod.rubbed:
         return branch_with_friction(rod)
     if "height" in rod.held:
@@ -87,13 +96,17 @@ def branch_from_straight(rod: LoadedRod) -> Path:
 
 def branch_with_friction(rod: LoadedRod) -> Path:
     """The same of a rod with friction, which grows on the shape without it."""
+    locked = lock_up_share(rod)
+    if locked is not None:
+        return Path(None, why=LOCKED.format(locked))
     plain = branch_from_straight(rod.rubbed_by(0.0))
     if plain.shape is None:
         return plain
-    target = FRICTION if rod.turning else FOLD if passes_fold(rod) else WAVES
-    found = grow(rod.rubbed_by, plain.shape, 0.0, 1.0, target)
+    hints = [HINGES] * bool({"beta0", "betaL"} & rod.held) + [AS_A_WHOLE] * bool(rod.numbers[4] == ALONG_ITSELF)
+    ends = f"{WAVES}; {' or '.join(hints)} may have an answer" if hints else WAVES
+    found = grow(rod.rubbed_by, plain.shape, 0.0, 1.0, FRICTION if rod.turning else ends)
     slipped = found.jumped[0] if found.jumped else None
-    return replace(found, buckled=plain.buckled, jumped=plain.jumped, slipped=slipped)
+    return replace(found, buckled=plain.buckled, jumped=plain.jumped, slipped=slipped, wound=plain.wound)
 
 
 def branch_to_height(rod: LoadedRod) -> Path:

@@ -48,9 +48,9 @@ class LoadedRod:
         """phi at the far end; 0 where the height is held."""
         return 0.0 if "height" in self.held else float(self.far[2])
 
-    def rate(self, t: Array) -> Array:
-        """1 over the length on which the shape changes at t."""
-        phi = self.tension_known - self.along * (self.span - t)
+    def rate(self, t: Array, rubbed: Array | float = 0.0) -> Array:
+        """1 over the length on which the shape changes at t. rubbed: what friction adds to phi."""
+        phi = self.tension_known - self.along * (self.span - t) + rubbed
         mu = 0.0 if "rotation" in self.held else float(self.far[3])
         lam = 0.0 if "azimuth" in self.held else float(self.far[1]) - mu
         squares = np.abs(phi) + np.sqrt(abs(self.across)) + np.cbrt(self.along**2) + mu**2 + np.cbrt(lam * lam)
@@ -135,10 +135,14 @@ class LoadedRod:
         """Whether the rod turns in place against friction."""
         return bool(self.numbers[4] == IN_PLACE and self.rubbed)
 
-    def nodes(self, density: float = 1.0) -> Array:
-        """Nodes from 0 to the span, about one on each length on which the shape changes."""
-        t = np.linspace(0, self.span, 513)
-        passed = np.concatenate([[0], np.cumsum((self.rate(t[1:]) + self.rate(t[:-1])) / 2 * np.diff(t))]) * density
+    def nodes(self, rubbed: Array | float = 0.0) -> Array:
+        """Nodes from 0 to the span, about one on each length on which the shape changes.
+
+        rubbed: what friction adds to phi, at places of equal distances.
+        """
+        t = np.linspace(0, self.span, max(513, np.size(rubbed)))
+        rate = self.rate(t, rubbed)
+        passed = np.concatenate([[0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(t))])
         count = max(4, int(np.ceil(passed[-1])))
         return np.interp(np.linspace(0, passed[-1], count + 1), passed, t)
 

@@ -25,19 +25,22 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
     """The states along a rod, from its values at places s (n,), dense enough to show each change of sign of beta.
 
     Between two changes of sign the azimuth goes one way. There the rod is helical if it goes once round or more,
-    straight if it goes less than `BENT`, else sinusoidal; of a helix the ends on which it goes less than `BENT` are
-    straight. Bends from an end to a straight stretch are straight too where the first is the largest: there the rod
-    turns from the azimuth of its end to where it lies.
+    straight if it goes less than `BENT`, else sinusoidal; where a helix dies away into a straight piece or an end of
+    the rod, what goes less than `BENT` is straight. Two helices that meet turn in different senses. Bends from an end
+    to a straight stretch are straight too where the first is the largest: there the rod turns from the azimuth of its
+    end to where it lies.
     """
     cuts = [0, *(np.flatnonzero(np.sign(beta[1:]) * np.sign(beta[:-1]) < 0) + 1), s.size - 1]
     found: list[State] = []
-    for first, last in pairwise(cuts):
-        turned = abs(alpha[last] - alpha[first])
+    turns = np.abs(np.diff(alpha[cuts]))
+    bent = [False, *(turns >= BENT), False]
+    for (first, last), turned, *around in zip(pairwise(cuts), turns, bent, bent[2:], strict=False):
         if turned < TURN:
             found.append(State(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
             continue
         way = np.abs(alpha[first : last + 1] - alpha[first])
-        leaves, arrives = (s[first + int(np.searchsorted(way, value))] for value in (BENT, turned - BENT))
+        leaves = s[first if around[0] else first + int(np.searchsorted(way, BENT))]
+        arrives = s[last if around[1] else first + int(np.searchsorted(way, turned - BENT))]
         found += [State(STRAIGHT, s[first], leaves), State(HELICAL, leaves, arrives), State(STRAIGHT, arrives, s[last])]
     found = [one for one in found if one.end > one.begin]
     return tuple(_join(_without_end_turns(_without_end_turns(found)[::-1])[::-1]))
@@ -54,14 +57,14 @@ def _without_end_turns(found: list[State]) -> list[State]:
 
 
 def _join(found: list[State]) -> list[State]:
-    """Neighbours of the same state as one; a short straight piece between two bends belongs to them."""
+    """Neighbours of the same state as one, but for helices; a short straight piece between two bends joins them."""
     kept: list[State] = []
     longest = max((one.end - one.begin for one in found if one.word == SINUSOIDAL), default=0.0)
     for i, one in enumerate(found):
         word, around = one.word, [other.word for other in found[max(0, i - 1) : i + 2] if other is not one]
         if word == STRAIGHT and len(around) == 2 and STRAIGHT not in around and one.end - one.begin < longest:
             word = around[0]
-        if kept and kept[-1].word == word:
+        if kept and kept[-1].word == word != HELICAL:
             kept[-1] = State(word, kept[-1].begin, float(one.end))
         else:
             kept.append(State(word, float(one.begin), float(one.end)))
@@ -73,5 +76,7 @@ def in_words(found: tuple[State, ...], unit: str = "") -> str:
     unit = unit and f" {unit}"
     if len(found) == 1:
         return f"{found[0].word} all along"
-    said = [f"{one.word} {'from 0 ' if i == 0 else ''}to {one.end:.4g}{unit}" for i, one in enumerate(found)]
-    return ", ".join(said)
+    words = [one.word for one in found]
+    words = [f"{b} the other way" if a == b == HELICAL else b for a, b in pairwise(["", *words])]
+    ends = [f"{'from 0 ' if i == 0 else ''}to {one.end:.4g}{unit}" for i, one in enumerate(found)]
+    return ", ".join(f"{word} {end}" for word, end in zip(words, ends, strict=True))

@@ -1,5 +1,6 @@
 """Rods with weight and friction: balance in space, exact limits, and the Morse index."""
 
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -15,9 +16,11 @@ from solver.problem.reduced import reduce
 from solver.shooting.branch import buckling_tension, straight_shape
 from solver.shooting.descent import index_at
 from solver.shooting.loaded_rod import PHI, LoadedRod
-from solver.shooting.local_sinusoid import TABLE, local_sinusoid, sinusoid
+from solver.shooting.local_waves import compression, places, sinusoid, wave_shape
 from solver.shooting.newton import open_at
 from solver.shooting.numbers import rods_of
+from solver.shooting.slender_sinusoid import OVER, rows
+from solver.shooting.state import in_words
 
 ROD: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 8.0, "weight": 3.0}
 PIPE: dict[str, Any] = {"EI": 1.228e6, "GJ": 9.45e5, "a": 0.0635, "weight": 242.0}  # 5 inch, in N and m
@@ -98,7 +101,8 @@ def test_a_long_pipe_with_friction_is_nearly_its_local_sinusoid(pipe: Any) -> No
     found = sinusoid(rod)
     assert found is not None
     assert np.abs(open_at(found)).max() < 1e-9
-    assert local_sinusoid(rod, found.t).y[0, PHI] == pytest.approx(found.y[0, PHI], rel=0.005)  # FZ at s = 0
+    local = wave_shape(rod, found.t, compression(rod, places(rod, found.t)))
+    assert local.y[0, PHI] == pytest.approx(found.y[0, PHI], rel=0.005)  # FZ at s = 0
 
 
 @pytest.mark.slow
@@ -109,9 +113,52 @@ def test_friction_takes_a_long_pipe_to_another_sinusoid_in_balance() -> None:
     assert max(unbalanced(sol)) < 1e-7
 
 
+HELIX, BACK, SINUSOID = "helical", "helical the other way", "sinusoidal"
+HELICES: tuple[tuple[float, float, float, dict[str, Any], list[str]], ...] = (  # L, inclination, compression, wall
+    (300.0, 90.0, 300e3, {}, ["straight", HELIX, BACK, "straight"]),
+    (600.0, 60.0, 200e3, {}, ["straight", HELIX, BACK, SINUSOID]),
+    (3000.0, 60.0, 100e3, {}, ["straight", HELIX, BACK, SINUSOID, "straight"]),
+    (1000.0, 60.0, 300e3, {"friction": 0.25, "sliding": "axial-forward"}, ["straight", HELIX, BACK, "straight"]),
+)
+
+
+@pytest.mark.parametrize(("L", "inclination", "load", "wall", "words"), HELICES)
+def test_a_long_pipe_whose_sinusoid_would_lift_off_is_a_stable_helix_in_balance(
+    L: float, inclination: float, load: float, wall: dict[str, Any], words: list[str]
+) -> None:
+    ends = Ends(beta0=0.0, betaL=0.0, azimuth=0.0, FZ=-load)
+    hole = Cylinder(**HOLE, inclination=f"{inclination}deg", **wall)
+    sol = solve(Case(Rod(L=L, **PIPE), hole, ends), stations=int(10 * L))
+    assert sol.solved
+    assert re.findall("[a-z][a-z ]*[a-z](?= from| to)", in_words(sol.states)) == words
+    assert max(unbalanced(sol)) < 1e-6
+    place = sol.beta.size // 4
+    assert abs(sol.beta[place]) == pytest.approx(
+        0.04445 * np.sqrt(-sol.F3[place] / PIPE["EI"] / 2), rel=0.1
+    )  # Lubinski
+    if not wall:
+        assert sol.held_index == 0
+        assert (sol.push > 0).mean() > 0.99
+
+
+@pytest.mark.parametrize(("friction", "locked"), ((0.3, True), pytest.param(0.1, False, marks=pytest.mark.slow)))
+def test_a_lying_helix_locks_where_its_friction_raises_the_compression_without_bound(
+    friction: float, locked: bool
+) -> None:
+    """F' = f F^2/4 in units of 2 sqrt(EI w/rho)/2 and (EI rho/w)^(1/4) has no bound at 4/(f F) from the far end."""
+    hole = Cylinder(**HOLE, inclination="90deg", friction=friction, sliding="axial-forward")
+    sol = solve(Case(Rod(L=3000.0, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, azimuth=0.0, FZ=-300e3)))
+    reach = 4 * PIPE["EI"] / (friction * 0.04445 * 300e3) / 3000
+    assert sol.solved == (not locked)
+    if locked:
+        share = re.search(r"locks up: it is a helix, and on (\S+) of the length", sol.outcome)
+        assert share
+        assert float(share[1]) == pytest.approx(reach, rel=0.02)
+
+
 @pytest.mark.parametrize("place", (2, 5, 8))
 def test_the_sinusoid_of_a_table_has_the_least_energy_density(place: int) -> None:
-    over, k, first, third, stiff, push, itself, axis = TABLE[place]
+    over, (k, first, third, stiff, push, itself, axis) = OVER[place], rows()[place]
     F, phase = 2 + over, np.linspace(0, 2 * np.pi, 64, endpoint=False)
     n = np.array([[1.0], [3.0], [5.0]])
 

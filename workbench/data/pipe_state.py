@@ -10,8 +10,7 @@ from . import cautions
 if TYPE_CHECKING:
     from solver import Solution
 
-# A long lying pipe without torque, slender: forces in sqrt(A w sin(theta)/rho), `studies/pipe_horizontal.toml`.
-SINUSOID, PRESSED, LEAST_ENERGY, LIFTS_OFF = 2.0, 2.744687, 2.901122, 3.541672
+SINUSOID, PRESSED = 2.0, 2.744687  # forces in sqrt(A w sin(theta)/rho), as of `studies/pipe_horizontal.toml`
 LEAVES = "leaves its branch"  # as `solver.shooting.answers.words_of` says it
 WAYS = {
     "forward": "slides forward along itself everywhere",
@@ -81,12 +80,14 @@ def _buckling(sol: "Solution", force: str) -> list[str]:
 
 def _long_pipe(sol: "Solution", force: str) -> list[str]:
     """The compressions at which a long pipe of this weight changes its state; none without weight across the axis."""
+    from solver.shooting.local_waves import EQUAL, LIFTED
+
     rod, wall = sol.case.rod, sol.case.cylinder
     across = float(rod.weight or 0) * math.sin(float(wall.inclination or 0))
     if across <= 1e-12 * float(rod.weight or 1) or wall.side == "outside":
         return []
     unit = math.sqrt(float(rod.bending_stiffness) * across / float(sol.case.rho))
-    one, two, three, four = (f"{x * unit:.4g}" for x in (SINUSOID, PRESSED, LEAST_ENERGY, LIFTS_OFF))
+    one, two, three, four = (f"{x * unit:.4g}" for x in (SINUSOID, PRESSED, 2 + EQUAL, 2 + LIFTED))
     return [
         f"local compression in a long pipe without torque or friction: straight below {one} {force}; from {two} a "
         f"helix can stay, from {three} it has less energy than the sinusoid; above {four} the sinusoid lifts off the "
@@ -104,10 +105,12 @@ def _ends(sol: "Solution", force: str, length: str) -> str:
         text += (
             f"; friction {' and '.join(f'{float(wall.friction * sol.push[i]):.4g}' for i in (0, -1))} {force}/{length}"
         )
-        mean = _observe(sol, "push_mean") - _observe(sol, "pull_mean")  # the model's friction turns round with the push
-        rubbed = float(wall.friction) * mean * float(sol.case.rod.L)
-        way = WAYS[str(wall.sliding)]
-        text += f", {rubbed:.4g} {force} in all, of a rod that {way}"
+        pushed, pulled = (
+            float(wall.friction) * _observe(sol, name) * float(sol.case.rod.L) for name in ("push_mean", "pull_mean")
+        )
+        text += f", {pushed:.4g} {force} in all, of a rod that {WAYS[str(wall.sliding)]}"
+        if pulled > 5e-4 * pushed:  # the model's friction turns round with the push
+            text += f"; where the wall would pull, the model takes {pulled:.4g} {force} off again"
     return text
 
 

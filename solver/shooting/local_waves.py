@@ -1,0 +1,236 @@
+"""The waves of a long lying rod inside a cylinder: a sinusoid or a helix that follows the local compression.
+
+F and x as of `slender_sinusoid`. A helix has the wave number k = (F/2)^(1/2) and the energy (k^4 - F k^2)/2 + 1.
+Friction f per push P pulls the phase of a wave:  d/dx (de/dk) = -f c,  with c = <P alpha'^2 + <P> alpha'^2>/(2k) of a
+rod that slides along itself and <<P> alpha'^2 - P alpha'^2>/(2k) of one that moves along the axis.
+"""
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from ..numerics.arrays import Array, Booleans
+from ..problem.case import ALONG_ITSELF, IN_PLACE
+from .descent import index_of_any
+from .loaded_rod import ALPHA, BETA, PHI, SHORT, SPEED, LoadedRod, Q
+from .newton import Shape, correct
+from .slender_sinusoid import OVER, curves
+
+EQUAL, LIFTED, LAST = 0.901122, 1.541672, 3.2613  # F - 2: from which a helix has less energy than the sinusoid, from
+# which the sinusoid lifts off the wall, and of its fold
+FRONTS = EQUAL + np.array([0.0, 0.05, -0.05, -0.1])  # F - 2: where a helix may become a sinusoid
+SOFT = 0.03  # of F: how softly the amplitude comes to 0
+FINE, LEAST = 12, 0.1  # places for a node; of the square of the amplitude
+ROUNDS, SETTLED = 100, 1e-9  # of the compression under friction, and its last change
+STEPS = 60  # of Newton's method from it
+STEEPEST = 0.9  # sine of beta
+TURNS = 2.0  # least, of a helix
+BLUR = 1.0  # of x: from where a helix becomes a sinusoid
+
+
+class Waves(NamedTuple):
+    """The local waves at places of a rod, (n,) each.
+
+    k: wave number. size, third: of the first harmonic and a3/a^3 of the third. stiffness: d2e/dk2. push:
+    <P>. pull: c, of friction. wound: where it is a helix.
+    """
+
+    k: Array
+    size: Array
+    third: Array
+    stiffness: Array
+    push: Array
+    pull: Array
+    wound: Booleans
+
+
+def has_waves(rod: LoadedRod) -> bool:
+    """Whether this is a rod that may lie in waves: inside, with weight across, on the low side at its start."""
+    inside = rod.numbers[6] < 0 < rod.across and "height" not in rod.held and rod.numbers[4] != IN_PLACE
+    return bool(inside and not np.any(rod.near))
+
+
+def waves_at(rod: LoadedRod, over: Array, front: float) -> Waves:
+    """The waves at F - 2. front: F - 2 above which the rod is a helix."""
+    soft = positive_part(over)
+    k, size, third, stiff, push, itself, axis = np.polynomial.polynomial.polyval(np.minimum(soft, OVER[-1]), curves())
+    along_itself = rod.numbers[4] == ALONG_ITSELF
+    pull = itself * soft if along_itself else axis * soft**2
+    wound = over > front
+    F = np.maximum(2 + over, 1.0)
+    helix = np.sqrt(F / 2)
+    k, stiff, push = np.where(wound, [helix, 2 * F, F**2 / 4], [k, stiff * soft, push])
+    pull = np.where(wound, helix * F**2 / 4 * along_itself, pull)
+    return Waves(k, size * np.sqrt(soft), third, stiff, push, pull, wound)
+
+
+def compression(rod: LoadedRod, t: Array, front: float = np.inf) -> Array:
+    """F - 2 at t (n,), with what friction adds; `largest` where the rod locks."""
+    rubbed, unit = rod.numbers[3] * rod.across, np.sqrt(rod.across)
+    given, passed = rod.tension_known - rod.along * (rod.span - t), t
+    over = before = -(given - rubbed * (rod.span - t)) / unit - 2
+    for _ in range(ROUNDS if rubbed else 0):
+        passed = integral(waves_at(rod, over, front).push, t)
+        over = np.minimum(-(given - rubbed * (passed[-1] - passed)) / unit - 2, largest(rod))
+        if np.abs(over - before).max() < SETTLED:
+            break
+        before = over
+    return over
+
+
+def largest(rod: LoadedRod) -> float:
+    """F - 2 beyond which there is no helix: -phi = 2 cos(beta) sin(beta)^2 has no root beta."""
+    return 4 / (3 * np.sqrt(3 * rod.across)) - 2
+
+
+def lock_up_share(rod: LoadedRod) -> float | None:
+    """The share of the length, from the far end, on which friction raises the compression of a helix without bound."""
+    if not (rod.rubbed and has_waves(rod)):
+        return None
+    t = places(rod, rod.nodes())
+    over = compression(rod, t, EQUAL)
+    locked = np.flatnonzero(over >= largest(rod))
+    return 1 - t[locked[-1]] / rod.span if locked.size else None
+
+
+def positive_part(over: Array) -> Array:
+    """F - 2 where it is positive, and nearly 0 elsewhere."""
+    root = np.sqrt(over**2 + SOFT**2)
+    return np.asarray(np.where(over > 0, (root + over) / 2, SOFT**2 / (2 * (root + np.abs(over)))))
+
+
+def integral(values: Array, t: Array) -> Array:
+    """From the first of t, (n,)."""
+    return np.concatenate([[0.0], np.cumsum((values[1:] + values[:-1]) / 2 * np.diff(t))])
+
+
+def places(rod: LoadedRod, nodes: Array) -> Array:
+    """Places on the rod, dense enough for its waves."""
+    return np.linspace(0, rod.span, FINE * nodes.size)
+
+
+def wave_shape(rod: LoadedRod, nodes: Array, over: Array, front: float = np.inf, more: int = 0) -> Shape:
+    """Nearly an equilibrium: a sinusoid with the half waves of least energy, and a helix where F - 2 is above a front.
+
+    over: `compression` at `places` of the nodes. more: further half waves of a sinusoid all along.
+    """
+    t, ell, waves = places(rod, nodes), rod.across**-0.25, waves_at(rod, over, front)
+    x = t / ell
+    flux = integral(rod.numbers[3] * rod.across * ell**3 * waves.pull, x)
+    ends = positive_part(over[[0, -1]]) ** 1.5  # as much as each end can bear
+    change = (flux - flux[-1] * ends[0] / ends.sum()) / waves.stiffness
+    phase = integral(waves.k + change, x)
+    turned, way, edge = np.zeros(t.size), 1.0, None
+    if waves.wound.any():
+        turned, way, edge = helix(rod, waves, x, phase, over)
+        phase -= phase[edge]
+        outer = 0 if edge else -1
+        if over[outer] > 0 and phase[outer] != 0:
+            phase *= np.round(phase[outer] / np.pi) * np.pi / phase[outer]
+    elif over.min() > 0:
+        phase *= (np.round(phase[-1] / np.pi) + more) * np.pi / phase[-1]
+    elif over[0] < over[-1]:
+        phase -= phase[-1]
+    size = waves.size * np.sqrt(np.maximum(LEAST, 1 - 4 * change**2 / positive_part(over)))
+    for name, place, end in (("beta0", x, over[0]), ("betaL", x[-1] - x, over[-1])):
+        size *= np.tanh(place * np.sqrt(positive_part(end) / 8)) if name in rod.held else 1.0
+    sinusoid = size * np.sin(phase) + waves.third * size**3 * np.sin(3 * phase)
+    alpha = turned + np.where(waves.wound, 0.0, way * sinusoid)
+    return shape_of(rod, nodes, t, alpha if edge is None else smooth_at(x, alpha, edge), over)
+
+
+def smooth_at(x: Array, alpha: Array, edge: int) -> Array:
+    """The same, but for a bend at one place."""
+    blur = np.hanning(2 * int(np.searchsorted(x, BLUR)) + 3)
+    near = np.exp(-((x - x[edge]) ** 2))
+    return alpha + near * (np.convolve(np.pad(alpha, blur.size // 2, "edge"), blur / blur.sum(), "valid") - alpha)
+
+
+def helix(rod: LoadedRod, waves: Waves, x: Array, phase: Array, over: Array) -> tuple[Array, float, int]:
+    """The azimuth (n,) of a rod on a stretch where it is a helix, constant beyond; its sense and place where it ends.
+
+    A helix turns back where the azimuth of the far end wants it: as a kink of u'' = 2 u^3 - F u with u = alpha'. A
+    clamped end is half a kink.
+    """
+    zone = np.flatnonzero(waves.wound)
+    first, last = int(zone[0]), int(zone[-1])
+    stretch = slice(first, last + 1)
+    x, phase, k = x[stretch], phase[stretch] - phase[first], waves.k[stretch]
+    whole = 2 * np.pi * np.round(phase[-1] / (2 * np.pi))
+    goal = float(rod.far[1]) if "azimuth" in rod.held else whole
+    if last + 1 < waves.k.size:
+        goal = 2 * np.pi * np.round(goal / (2 * np.pi))
+    way = -1.0 if goal < 0 else 1.0
+    rate = np.gradient(phase, x)
+    if first == 0 and "beta0" in rod.held:
+        rate = rate * np.tanh(k * (x - x[0]))
+    if last + 1 == waves.k.size and "betaL" in rod.held:
+        rate = rate * np.tanh(k * (x[-1] - x))
+    pins = [(0, 0.0), (x.size - 1, abs(goal))]
+    if phase[-1] - abs(goal) > np.pi:
+        back = int(np.searchsorted(phase, (phase[-1] + abs(goal)) / 2))
+        rate = rate * np.tanh(k * (x[back] - x))
+        reached = 2 * np.pi * np.round(integral(rate, x)[back] / (2 * np.pi))
+        pins.insert(1, (back, float(reached)))
+    way_along, turned = integral(rate, x), np.zeros(x.size)
+    for (a, low), (b, high) in pairwise(pins):
+        part = way_along[a : b + 1] - way_along[a]
+        turned[a : b + 1] = low + part * ((high - low) / part[-1])
+    turned -= 0.8 / (2 + over[stretch]) ** 2 * np.sin(turned)
+    found = np.zeros(waves.k.size)
+    found[stretch], found[last + 1 :] = way * turned, way * turned[-1]
+    return found, way * (-1.0 if len(pins) > 2 and first == 0 else 1.0), first if first else last
+
+
+def shape_of(rod: LoadedRod, nodes: Array, t: Array, alpha: Array, over: Array) -> Shape:
+    """The rod with azimuths at t under a local compression F - 2, on nodes."""
+
+    def rate(values: Array) -> Array:
+        return np.asarray(np.gradient(values, t, edge_order=2))
+
+    beta = np.arcsin(np.clip(rate(alpha), -STEEPEST, STEEPEST))
+    speed, phi = rate(beta), -(over + 2) * np.sqrt(rod.across)
+    moment = ((phi + 2 * np.cos(beta) * np.sin(beta) ** 2) * np.sin(beta) - rate(speed)) / np.cos(beta)
+    y = rod.lying(nodes)
+    short = integral(1 - np.cos(beta), t)
+    for column, values in ((BETA, beta), (SPEED, speed), (ALPHA, alpha), (Q, moment), (PHI, phi), (SHORT, short)):
+        y[:, column] = np.interp(nodes, t, values)
+    return Shape(rod, nodes, y)
+
+
+def sinusoid(rod: LoadedRod) -> Shape | None:
+    """The equilibrium near the local sinusoid, with its half waves or one more or less; None where there is none."""
+    if not has_waves(rod):
+        return None
+    t = rod.nodes()
+    over = compression(rod, places(rod, t))
+    if not 0 < over.max() < LAST:
+        return None
+    found = (correct(wave_shape(rod, t, over, more=more), most=STEPS) for more in (0, 1, -1))
+    return next((shape for shape in found if shape is not None), None)
+
+
+def wound_shape(rod: LoadedRod) -> Shape | None:
+    """A stable equilibrium that is a helix where the compression wants one; None where the sinusoid does not lift off.
+
+    With friction, which leaves no index, any such equilibrium.
+    """
+    if not has_waves(rod) or compression(rod, places(rod, rod.nodes())).max() <= LIFTED:
+        return None
+    for front in FRONTS:
+        t = rod.nodes()
+        over = compression(rod, places(rod, t), front)
+        if over.max() >= largest(rod):
+            return None
+        if rod.rubbed:  # its compression sets the nodes too
+            rubbed = compression(rod.rubbed_by(0.0), places(rod, t), front) - over
+            t = rod.nodes(rubbed * np.sqrt(rod.across))
+            over = compression(rod, places(rod, t), front)
+        waves = waves_at(rod, over, front)
+        if integral(waves.k * waves.wound, places(rod, t))[-1] * rod.across**0.25 < 2 * np.pi * TURNS:
+            return None
+        found = correct(wave_shape(rod, t, over, front), most=STEPS)
+        if found is not None and index_of_any(found) == 0:
+            return found
+    return None
