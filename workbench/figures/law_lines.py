@@ -86,7 +86,7 @@ def draw(
         value = _deciding(law.row, cells.ds, across, where)
         if value is not None:
             (ax.axhline if upward else ax.axvline)(value, **DECIDES)
-            entries.append(Line2D([], [], **DECIDES, label="the line of the map on which the law is decided"))
+            entries.append(Line2D([], [], **DECIDES, label="the law is judged on this line"))
     return entries
 
 
@@ -113,7 +113,7 @@ def draw_map(
 def _entries(verdicts: NDArray[np.str_], all_of_them: bool = True) -> list[Artist]:
     """The legend of the verdicts that occur, without that of the rows in which the law holds if it is not drawn."""
     return [
-        Patch(facecolor=style.VERDICT_COLOURS[verdict], label=f"row in which a law is {PLAIN[verdict]}")
+        Patch(facecolor=style.VERDICT_COLOURS[verdict], label=f"law {PLAIN[verdict]} on these lines")
         for verdict in VERDICTS
         if verdict in verdicts and (verdict != HOLDS or all_of_them)
     ]

@@ -72,7 +72,7 @@ def figure(
     maps.more = law_lines.of_coarse_grid(whole, verdicts) if whole is not None else []
     mixed = [law for law in elsewhere if law.is_mixed()]
     pairs = _in_rows(mixed, maps.across)
-    heights = maps.heights() + [maps.small[1] + 1.2] * len(pairs) + ([maps.of_shapes[1] + 1.3] if shapes else [])
+    heights = maps.heights() + [maps.small[1] + 1.2] * len(pairs) + ([maps.of_shapes[1] + 0.8] if shapes else [])
 
     def draw(fig: Figure) -> None:
         across = max([maps.columns_of_rows(), *map(len, pairs)])
@@ -103,7 +103,7 @@ class _Maps:
         self.large = alone, alone * 0.605  # inches of a map alone in its row
         beside = (self.width - 2.5) / 2
         self.small = self.large if sheet.narrow else (beside, beside * 0.775)  # of one of two
-        self.of_shapes = self.width - 1.4, (self.width - 1.4) * 0.683
+        self.of_shapes = self.width - 1.4, (self.width - 1.4) * 0.52
         self.ds, self.choice, self.columns, self.laws = ds, choice, columns, laws
         self.places = choice.places()
         self.entries: list[Artist] = []
@@ -158,7 +158,7 @@ class _Maps:
         self._label(ax)
         held = "".join(f", {self._value(axis, i)}" for axis, i in self.places[0].items()) if self.choice.along else ""
         ax.set_title(f"unrolled views over the {labels.long_name(self.ds[name])}{held}", loc="left")
-        self.more += thumbnails.draw(ax, column, shapes, self.of_shapes, name)
+        self.more += thumbnails.draw(ax, column, shapes, self.of_shapes)
 
     def notes(self) -> list[str]:
         """What the figure says in words."""
@@ -217,7 +217,7 @@ class _Maps:
             said, lines = law_lines.sentence(law, self.ds, self.choice), law_lines.counts(law, where)
             text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
             above += self._write(ax, text, above + 4, law, value)
-        title = labels.long_name(self.ds[name]) + self.colours[name].said()
+        title = labels.label(self.ds[name], long=True) + self.colours[name].said()
         title = style.fitted(title, self.inches[0] + 0.3)
         if self.choice.along:
             title = f"{title}\n{value}" if leftmost else value

@@ -26,7 +26,7 @@ DECADES = 1e3  # ratio of the values from which their colours are logarithmic
 MOST_COLOURS = 256  # counts, each with a colour of its own
 MOST_CLASSES = 24  # of a count, with a border between each two
 MOST_SAMPLES = 2500  # points that a map shows
-BARRED = "no real rod could rest as drawn: it would lift off or pass through itself"
+BARRED = "would lift off or pass through itself"
 SAMPLES: Any = {"color": style.INK, "linestyle": "none", "markeredgewidth": 0.4, "alpha": 0.6}
 HALO = withStroke(linewidth=2.2, foreground="white", alpha=0.75)
 
@@ -84,7 +84,6 @@ class Colours:
         bar.ax.tick_params(length=2)
         bar.update_ticks()
         bar.minorticks_off()
-        bar.set_label(labels.label(self.array))
 
 
 def draw(ax: Axes, cells: Cells, name: str, colours: Colours, inches: tuple[float, float], pale: float = 1.0) -> Any:
@@ -123,11 +122,11 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> tuple[list[Artist], 
     few = f" (one of {-(-most // MOST_SAMPLES)} is shown)" if most > MOST_SAMPLES else ""
     found: list[Artist] = [
         Line2D([], [], label=label, marker=mark, **SAMPLES)
-        for mark, label in ((".", f"a case{few}"), ("x", f"a case in which {BARRED}"))
+        for mark, label in ((".", f"a case{few}"), ("x", f"a case: {BARRED}"))
         if barred.any() and not barred.all()
     ]
     if any(panel.unbent(name).any() for panel in panels for name in shown):
-        label = f"nearly straight: β varies by less than {np.degrees(STRAIGHT):.0f}°"
+        label = f"β varies by less than {np.degrees(STRAIGHT):.0f}°"
         found.append(Patch(facecolor=style.BAND, edgecolor=style.SOFT, linewidth=0.6, label=label))
     if not all(panel.solved.all() for panel in panels):
         found.append(Patch(facecolor=style.UNSOLVED, label="not solved"))
@@ -137,7 +136,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> tuple[list[Artist], 
         found.append(
             Patch(facecolor=style.UNKNOWN, edgecolor=style.SOFT, linewidth=0.6, label="solved, number unknown")
         )
-    notes = [f"In every case {BARRED}."] if barred.size and barred.all() else []
+    notes = [f"Every rod {BARRED}."] if barred.size and barred.all() else []
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
     if unchecked:
         notes.append(f"{unchecked} of {cases} rods were not checked for all cautions.")

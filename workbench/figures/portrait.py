@@ -171,7 +171,7 @@ def _portrait(ax: Axes, one: Orbit, unit: str) -> None:
                    label="separatrix")  # fmt: skip
     ax.plot(np.degrees(one.saddles), 0 * one.saddles, "x", color=style.INK, markersize=5, label="saddle", zorder=4)
     ax.plot(np.degrees(one.centres), 0 * one.centres, "+", color=style.SOFT, markersize=6, label="centre", zorder=4)
-    ax.plot(np.degrees(one.beta), one.dbeta, color=style.PUSHED, linewidth=1.8, label="rod", zorder=5)
+    ax.plot(np.degrees(one.beta), one.dbeta, color=style.PUSHED, linewidth=1.4, label="rod", zorder=5)
     ax.plot(np.degrees(one.beta[:1]), one.dbeta[:1], "o", color=style.INK, label="s = 0", zorder=6, markersize=4)
     ax.plot(np.degrees(one.beta[-1:]), one.dbeta[-1:], "s", color=style.INK, label="s = L", zorder=6, markersize=4)
     ax.set_ylim(-1.15 * fastest, 1.15 * fastest)
@@ -215,9 +215,9 @@ def _potential(ax: Axes, one: Orbit, unit: str) -> None:
     """G over the angle, and the level h of the rod, where it lies above G."""
     angles = one.angles()
     G = one.G(angles)
-    ax.plot(np.degrees(angles), G, color=style.INK, linewidth=1.3, label="G", zorder=3)
+    ax.plot(np.degrees(angles), G, color=style.INK, linewidth=1.0, label="G", zorder=3)
     reached = (float(one.beta.min()), float(one.beta.max()))
-    ax.plot(np.degrees(reached), [one.h, one.h], color=style.PUSHED, linewidth=1.8, label="h", zorder=4)
+    ax.plot(np.degrees(reached), [one.h, one.h], color=style.PUSHED, linewidth=1.4, label="h", zorder=4)
     for level in _levels(one):
         ax.plot(np.degrees(one.window), [level, level], color=style.INK, linewidth=0.9, linestyle=(0, (4, 2)),
                 label="separatrix", zorder=2)  # fmt: skip
@@ -239,7 +239,7 @@ def _frame(ax: Axes, name: str, one: Orbit, alone: bool, j: int, leftmost: bool,
     elif j == 0:
         fits = style.width_of(one.rod.name, style.small()) < wide - 0.3
         ax.set_title(one.rod.name if fits else one.rod.value, loc="left", size=style.small())
-    ax.set_xlabel("β [°]")
+    ax.set_xlabel("angle to the axis  β [°]" if wide > COLUMN + 0.5 else "β [°]")
     span = float(np.degrees(np.ptp(one.window)))
     ax.xaxis.set_major_locator(angle_locator(span, wide - 0.5))
     ax.yaxis.set_major_locator(MaxNLocator(nbins=5))

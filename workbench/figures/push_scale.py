@@ -1,7 +1,6 @@
 """Lines in the colours of the push along a rod, and the bar of these colours; see `data.push_colours`."""
 
 from collections.abc import Sequence
-from math import ceil, floor, log10
 from typing import Any
 
 import numpy as np
@@ -9,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
-from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize, SymLogNorm
+from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
@@ -21,7 +20,6 @@ from .scales import Ticks
 from .table import CASING
 
 PULL = style.LIFTED
-WIDE = 30.0  # ratio of the largest pushes of several rods from which one linear scale would show the weakest no more
 EDGE, LEAST = 1.2, 0.35  # the grey casing of a line: share of its width, and points that it adds at least
 
 
@@ -35,17 +33,6 @@ def scale(pushes: Sequence[Any]) -> Normalize:
     """The scale of colours that the pushes of several rods share, as far below 0 as above it."""
     size = max((float(np.max(np.abs(push))) for push in pushes), default=0.0) or 1.0
     return Normalize(-size, size)
-
-
-def wide_scale(pushes: Sequence[Any]) -> Normalize:
-    """The scale of rods that may be pushed very differently: logarithmic where their largest pushes differ so much.
-
-    Below a third of the smallest of these largest pushes it is linear, so that each rod has more than one colour.
-    """
-    most = [float(np.max(np.abs(push))) for push in pushes if np.max(np.abs(push)) > 0]
-    if not most or max(most) < WIDE * min(most):
-        return scale(pushes)
-    return SymLogNorm(min(most) / 3, vmin=-max(most), vmax=max(most), base=10)
 
 
 def line(
@@ -81,16 +68,11 @@ def bar(
                              "shrink": length / inches, "location": "bottom" if below else "right"}  # fmt: skip
     if inside is not None:
         below, where = True, {"cax": inside, "orientation": "horizontal"}
-    said = f"push [{labels.unit(unit)}]{', logarithmic' if isinstance(drawn.norm, SymLogNorm) else ''}"
+    said = f"push [{labels.unit(unit)}]"
     values = drawn.get_array()
     pulled = values is not None and bool(np.min(values) < 0)
     found = fig.colorbar(drawn, **where)
     found.set_label(said + "; below 0: lifts off" * pulled, size=style.small())
-    if isinstance(drawn.norm, SymLogNorm):
-        least, most = drawn.norm.linthresh, float(drawn.norm.vmax or 1.0)
-        powers = [10.0**k for k in range(ceil(log10(least)) + 1, floor(log10(most)) + 1)]
-        found.set_ticks([sign * power for sign in (-1, 1) for power in powers[:: -(-len(powers) // 2)]] + [0.0])
-        found.minorticks_off()
     (found.ax.xaxis if below else found.ax.yaxis).set_major_formatter(Ticks())
     found.outline.set_visible(False)
 

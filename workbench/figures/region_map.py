@@ -17,11 +17,13 @@ from . import canvas, legend, regions, style
 from .map_panel import HALO
 from .sheet import SCREEN, Sheet
 
-HIGH = 0.72  # height of the map over its width
+HIGH = 0.62  # height of the map over its width
 SHAPE, SMALL_SHAPE = 0.85, 0.4  # inches, the side of a shape, and that on a narrow map
 NARROW = 4.0  # inches of a map
 MOST, PAD = 4, 0.05  # shapes in a region; inches around a text
-GIVEN = ("the given case", "Table 1")  # what the map was made of
+GIVEN = ("the given rod", "the rod of Table 1")  # what the map was made of
+MARK: dict[str, Any] = {"marker": "P", "color": style.INK, "markeredgecolor": "white", "markersize": 8,
+                        "linestyle": "none"}  # fmt: skip
 
 
 def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
@@ -35,7 +37,8 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         ax = fig.add_subplot()
         box = sheet.width - 1.1, high - 0.6
         notes, colours = panel(ds, ax, box)
-        legend.below(fig, [*colours, *entries(ds)], notes, sheet)
+        given = [line for line in ax.lines if line.get_label() in GIVEN]
+        legend.below(fig, [*colours, *entries(ds), *given], notes, sheet)
 
     return canvas.figure((sheet.width, high + 0.75 * sheet.titled + 0.5), draw, ds, sheet=sheet)
 
@@ -76,17 +79,12 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
 
 
 def _mark_given_case(ds: xr.Dataset, ax: Axes, names: tuple[str, str]) -> None:
-    """Mark and name the case that the map was made of, where it lies on the map."""
+    """Mark the case that the map was made of, where it lies on the map."""
     stored = ds.attrs.get("given", (np.nan, np.nan))  # older files have none
     x, y = (float(labels.in_label_unit(ds[name], value)) for name, value in zip(names, stored, strict=True))
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-    if not (left <= x <= right and low <= y <= high):
-        return
-    ax.plot(x, y, "P", color=style.INK, markeredgecolor="white", markersize=8, zorder=7, linestyle="none")
-    before = x > (left + right) / 2
-    ax.annotate(GIVEN[bool(ds.attrs.get("reading"))], (x, y), (-8 if before else 8, 0), textcoords="offset points",
-                ha="right" if before else "left", va="center", size=style.small(), weight="bold", zorder=7,
-                path_effects=[HALO])  # fmt: skip
+    if left <= x <= right and low <= y <= high:
+        ax.plot(x, y, **MARK, zorder=7, label=GIVEN[bool(ds.attrs.get("reading"))])
 
 
 def entries(ds: xr.Dataset) -> list[Artist]:
@@ -114,13 +112,14 @@ def _look(ds: xr.Dataset, k: int) -> dict[str, Any]:
     stable = int(ds["curve_index"].values[k]) == 0
     return {
         "color": style.INK,
-        "linewidth": 2.4 if stable else 0.9,
+        "linewidth": 1.8 if stable else 0.8,
         "linestyle": "-" if str(ds["curve_kind"].values[k]) == "fold" else (0, (4, 2)),
     }
 
 
 def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[str], list[int]]:
-    """Write ``13, 2 stable`` into each region with room, and its stable shapes below it where they fit too.
+    """Write ``13, 2 stable`` into each region with room, and its stable shapes below it where they fit too; where all
+    regions have as many stable ones, ``13`` alone in all but the largest.
 
     Returns notes, and the regions without room.
     """
@@ -128,12 +127,14 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
     cell = inches[1] / numbers.shape[0], inches[0] / numbers.shape[1]
     line, side = 1.3 * style.small() / 72, SHAPE if inches[0] > NARROW else SMALL_SHAPE
     left_out, fewer, drawn = list[int](), False, False
+    largest = np.bincount(numbers[numbers >= 0]).argmax()
     same = np.unique(ds["count_stable"].values).size == 1
     for k, (count, stable) in enumerate(zip(ds["count"].values, ds["count_stable"].values, strict=True)):
         text = f"{count}" if same else f"{count}, {stable} stable"
+        full = f"{count} equilibri{'um' if count == 1 else 'a'}, {stable} stable"
         for said, shapes in (
-            *((text, n) for n in range(min(int(stable), MOST), -1, -1)),
-            (text.replace(" ", "\n", 1), 0),
+            *((full if k == largest else text, n) for n in range(0 if same else min(int(stable), MOST), -1, -1)),
+            *((part.replace(" ", "\n", 1), 0) for part in (full, text) if part is text or k == largest),
         ):
             wide = max(style.width_of(part, style.small()) for part in said.split("\n"))
             high = line * (1 + said.count("\n"))
@@ -154,8 +155,7 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
             left_out.append(k)
     some = "; where there is not room for all, those of lowest energy" if fewer else ""
     note = f"Shapes: unrolled views of the stable equilibria, {style.WAYS}, all at one scale{some}."
-    of = f"Numbers: of equilibria; {ds['count_stable'].values[0]} of them stable everywhere."
-    return [*[of] * same, *[note] * drawn], left_out
+    return [note] * drawn, left_out
 
 
 def _draw_shapes(
