@@ -22,7 +22,6 @@ from workbench.figures import (
     kinds,
     map_cells,
     map_figure,
-    push_scale,
     regions,
     scales,
     study_figure,

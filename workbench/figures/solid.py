@@ -65,11 +65,15 @@ def rod(ax: Axes, eye: Eye, rod: Any, colours: Any, ends: tuple[float, float], R
     frame = place, frames.tangent(alpha, rod["beta"]), frames.outward(alpha), frames.binormal(alpha, rod["beta"])
     points, normals = (part[: len(place) * SIDES].reshape(len(place), SIDES, 3)
                        for part in tube.surface(frame, rod.a, SIDES, sharp=False))  # fmt: skip
-    faces = np.stack([points[:-1], np.roll(points, -1, 1)[:-1], np.roll(points, -1, 1)[1:], points[1:]], axis=2)
-    behind = np.cos(alpha[:-1] - eye.azimuth) < 0
-    base = np.asarray(colours)[:-1, None].repeat(SIDES, axis=1)
+    ends_of = np.stack([place[:1], place[-1:]])[:, :, None].repeat(SIDES, axis=2)  # each end is closed by a disc
+    rings = np.concatenate([ends_of[0], points, ends_of[1]])
+    normals = np.concatenate([-frame[1][:1, None].repeat(SIDES, 1), normals[:-1], frame[1][-1:, None].repeat(SIDES, 1)])
+    faces = np.stack([rings[:-1], np.roll(rings, -1, 1)[:-1], np.roll(rings, -1, 1)[1:], rings[1:]], axis=2)
+    of = np.r_[0, : len(place) - 1, len(place) - 1]  # the station of each ring of faces
+    behind = np.cos(alpha[of] - eye.azimuth) < 0
+    base = np.asarray(colours)[of, None].repeat(SIDES, axis=1)
     for part, order in ((behind, 1.0), (~behind, 3.0)):
-        _faces(ax, eye, faces[part], normals[:-1][part], base[part], order)
+        _faces(ax, eye, faces[part], normals[part], base[part], order)
     _cylinder(ax, eye, R, ends)
 
 

@@ -15,7 +15,7 @@ from solver.mechanics import frames
 from studies.laws.verdict_words import PLAIN
 from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
-from ..data import cautions, labels, law_verdicts
+from ..data import labels, law_verdicts
 from . import canvas, drawn_rods, push_scale, solid, style
 from .sheet import Sheet, sheet
 from .solid import Eye
@@ -78,7 +78,8 @@ def letters(ds: xr.Dataset, ax: Axes) -> None:
     R, beta = float(ds["R"]), rod["beta"]
     eye = Eye(float(rod["alpha"].mean()) - TURNED)
     shown = rod.between(0.0, PART)
-    ends = float(shown["z"].min() - 1.5 * R), float(shown["z"].max() + 1.8 * R)
+    low = float(shown["z"].min() - R)  # where the azimuth is drawn
+    ends = low - 0.6 * R, float(shown["z"].max() + 1.2 * R)
     solid.rod(ax, eye, shown, np.tile(BODY, (shown["s"].size, 1)), ends, R)
     k = int(np.argmin(np.abs(rod["s"] - SHOWN * rod["s"][-1])))
     places = frames.position(rod.rho, rod["alpha"], rod["z"])
@@ -87,19 +88,21 @@ def letters(ds: xr.Dataset, ax: Axes) -> None:
     fan = np.linspace(0, 1, 40)[:, None]
     arc = (1 - fan) * up + fan * way
     arc = at + 1.7 * R * arc / np.linalg.norm(arc, axis=1)[:, None]
-    base, top = ends[0] * up, ends[1] * up
-    angles = np.linspace(0, 1, 40) * (rod["alpha"][k] - rod["alpha"][0]) + rod["alpha"][0]
-    for points in (arc, [base, base + R * frames.outward(angles[0])], [base, base + R * frames.outward(angles[-1])],
-                   solid.ring(0.6 * R, ends[0], angles)):  # fmt: skip
-        _line(ax, eye, points, style.INK)
+    around = solid.ring(R, low, np.linspace(rod["alpha"][0], rod["alpha"][k], 40))
+    for foot, head in ((around[0], start), (around[-1], at)):  # the meridians of s = 0 and of the point
+        _line(ax, eye, [foot, [foot[0], foot[1], head[2]]], style.INK, linestyle=(0, (3, 2)), zorder=2.5)
+    _line(ax, eye, around, style.INK)
+    _line(ax, eye, around[-3:], style.INK, arrow="")
+    _line(ax, eye, arc, style.INK)
     _line(ax, eye, [at, at + 2.3 * R * up], style.INK, linestyle=(0, (3, 2)))
     _line(ax, eye, [at, at + 2.6 * R * way], style.INK, arrow="")
+    top = ends[1] * up
     _line(ax, eye, [top, top + 1.2 * R * up], style.INK, arrow="z")
     _line(ax, eye, [top, top + R * frames.outward(np.array(eye.azimuth - 1.0))], style.INK, arrow="R")
     ax.plot(*eye.to_page(start), "o", color=style.INK, markersize=3, zorder=6)
-    _write(ax, eye.to_page(start), "s = 0", (9, -4), ha="left")
+    _write(ax, eye.to_page(start), "s = 0", (-8, -5), ha="right")
     _write(ax, eye.to_page(at + 1.3 * (arc[20] - at)), "β", (0, 0))
-    _write(ax, eye.to_page(solid.ring(1.25 * R, ends[0], angles[20:21])[0]), "α", (0, -3))
+    _write(ax, eye.to_page(around[20]), "α", (0, -6))
     _frame(ax)
 
 
@@ -125,22 +128,17 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
     _frame(ax)
     ax.set_title(found.axis_label(), loc="center", size=style.small(), pad=2)
     bar = ax.figure.colorbar(ScalarMappable(norm, push_scale.ramp()), cax=below, orientation="horizontal")
-    said = f"push of the cylinder [{labels.unit(push_scale.unit(ds))}]\nbelow 0: it would have to pull"
+    said = f"push of the cylinder [{labels.unit(push_scale.unit(ds))}]\nbelow 0: the rod would lift off"
     _write(below, (0, 0.5), said, (-8, -4), xycoords="axes fraction", ha="right")
     bar.outline.set_visible(False)
     below.tick_params(length=2)
 
 
 def law(ds: xr.Dataset, ax: Axes) -> None:
-    """The first law of a dataset: its observable as steps, its verdict, and how many rods could rest as drawn."""
+    """The first law of a dataset: its observable as steps, and its verdict."""
     (verdict, *_) = law_verdicts.verdicts(ds)
     trend(ds, ax, verdict["observable"], verdict["axis"], verdict["at"])
-    noun, axis = labels.noun_of(verdict["observable"]), labels.axis_symbol(verdict["axis"])
-    said = f"{verdict['claim']} {noun} {verdict['does']} with {axis}:"
-    title = f"{style.wrap(said, ax, style.small())}\n{PLAIN[verdict['verdict']]}"
-    rest = cautions.restable(ds).replace(" could", "\ncould")
-    ax.text(0.98, 0.96, rest, transform=ax.transAxes, ha="right", va="top", size=style.small(), color=style.SOFT,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0})  # fmt: skip
+    title = f"claim {verdict['claim']}: {PLAIN[verdict['verdict']]}"
     ax.set_title(title, loc="left", size=style.small(), color=style.VERDICT_COLOURS[verdict["verdict"]], pad=3)
 
 
@@ -161,6 +159,9 @@ def claims(ds: xr.Dataset, ax: Axes) -> None:
         _write(ax, (np.mean(on), 1), first, (0, HEADS[wide]), xycoords=("data", "axes fraction"), va="bottom")
         if on[0]:
             ax.axvline(on[0] - 0.5, color=style.FAINT, linewidth=0.8)
+    for text, above in (("claim", 4), ("sign of the force, stiffness", 30), ("order of the loads", HEADS[wide])):
+        if wide:  # what the readings of Table 1 differ in
+            _write(ax, (0, 1), text, (-14, above), xycoords="axes fraction", ha="right", va="bottom", color=style.SOFT)
     ax.tick_params(length=0, colors=style.INK, pad=2)
     ax.spines[:].set_visible(False)
     handles = [Line2D([], [], label=PLAIN[one], **_mark(one)) for one in MARKS if one in verdicts]
@@ -188,7 +189,7 @@ def _line(ax: Axes, eye: Eye, points: Any, colour: str, arrow: str | None = None
     """A line in space; an arrow with the letter at its end where one is given."""
     places = eye.to_page(points)
     if arrow is None:
-        ax.plot(*places.T, color=colour, linewidth=0.8, zorder=5, **look)
+        ax.plot(*places.T, **{"color": colour, "linewidth": 0.8, "zorder": 5, **look})
         return
     ax.update_datalim(places)
     look = {"arrowstyle": "-|>", "color": colour, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6}
