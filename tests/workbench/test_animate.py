@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 from PIL import Image
 
 from solver.problem.errors import InputError
@@ -57,6 +58,16 @@ def test_a_case_without_a_shape_is_a_frame_that_says_so(ds, made) -> None:
     assert {frame.shape for frame in frames} == {made[0].shape}
     top, foot = round((film.SIZE[1] - film.TOP - 0.3) * DPI), round((film.FOOT + film.DIAGRAM[1] + 0.2) * DPI)
     assert (frames[1][-top:-foot].max(axis=-1) < 250).mean() < 0.02  # a few letters
+
+
+@pytest.mark.parametrize("observable, words", [("amplitude", "[°]"), ("bend", "bend")])
+def test_the_curve_of_an_angle_is_in_degrees_and_that_of_an_expression_has_its_name(observable, words) -> None:
+    ds = in_memory.run(small.study(f'{AXIS}[expressions]\nbend = "kappa_max * a"\n', 'observables = ["amplitude"]'))
+    axes = Figure().subplots()
+    film._draw_curve(axes, ds, film.Film("E", {}, observable), [{"E": k} for k in range(3)], 2)
+    values = np.degrees(ds["amplitude"]) if observable == "amplitude" else ds["bend"]
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), values)
+    assert words in axes.get_title(loc="left").lower()
 
 
 def test_both_kinds_of_film_are_read_by_others_with_a_frame_a_case(tmp_path) -> None:

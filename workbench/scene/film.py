@@ -192,7 +192,7 @@ def _draw_value(ax: Axes, array: xr.DataArray, i: int, size: tuple[float, float]
 def _draw_curve(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, int]], k: int) -> None:
     """The observable against the axis up to the k-th case, with the scales of the whole curve; a count in steps."""
     array, axis = ds[film.observable], ds[film.axis]
-    values = np.array([float(array.isel(where)) for where in cases])
+    values = labels.in_label_unit(array, np.array([float(array.isel(where)) for where in cases]))
     along = labels.in_label_unit(axis, axis.values[[where[film.axis] for where in cases]])
     room = 0.08 * (np.nanmax(values) - np.nanmin(values) or 1.0) if np.isfinite(values).any() else 1.0
     if along[0] > 0 and along[-1] > WIDE * along[0]:
@@ -206,7 +206,7 @@ def _draw_curve(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, 
     ax.set(xlim=(along[0], along[-1]), xlabel=labels.axis_label(film.axis, axis))
     if np.isfinite(values).any():
         ax.set_ylim(np.nanmin(values) - room, np.nanmax(values) + room)
-    name = labels.axis_label(str(array.name), array)
+    name = labels.label(array, long=True)
     ax.set_title(name[:1].upper() + name[1:], loc="left", size=style.SMALL)
 
 
