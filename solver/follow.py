@@ -120,7 +120,7 @@ def _varying(solution: Solution, field: dict[str, ArrayLike], points: int) -> Br
     stages, start, *why = found
     tol, u = solution.tol, solution.t[0] / solution.t[0, -1]
 
-    def solved(point: BranchPoint) -> Solution:
+    def solve_point(point: BranchPoint) -> Solution:
         return solutions_at([point], point.case, u, tol)
 
     rubbed, values = shape.rod.rubbed, [float(stage.x) for stage in stages]
@@ -132,7 +132,7 @@ def _varying(solution: Solution, field: dict[str, ArrayLike], points: int) -> Br
     index = [min(index[max(i - 1, 0) : i + 2]) if stages[i].kind else k for i, k in enumerate(index)]
     made = partial(with_field, case, name)
     members = tuple(
-        BranchPoint(value, k, shape_path(stage.point.shape, k), None, made, solved)
+        BranchPoint(value, k, shape_path(stage.point.shape, k), None, made, solve_point)
         for value, k, stage in zip(values, index, stages, strict=True)
     )
     kinds = {END: BORDER, CLOSED: "closed"}
@@ -245,7 +245,7 @@ def solutions_of(branch: Branch, stations: int) -> Solution:
 def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bounds", solved: _Solver) -> Branch:
     """The branch, followed with the field falling and rising where there is room."""
     from .branches.branch_families import family_of
-    from .branches.branch_following import CLOSED, END, Stop, followed, own_place
+    from .branches.branch_following import CLOSED, END, Stop, own_place, trace
     from .branches.branch_states import Place
 
     own = value_of(case, name)
@@ -257,7 +257,7 @@ def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bo
     for rises, last in ((False, bounds.low), (True, bounds.high)):
         closed = bool(sides) and sides[0][1].reason == CLOSED
         there = own == last or closed
-        sides.append(([], sides[0][1] if closed else here) if there else followed(family, path, own, rises, bounds))
+        sides.append(([], sides[0][1] if closed else here) if there else trace(family, path, own, rises, bounds))
     if sides[0][0] and not sides[1][0]:  # one direction alone: from the solution on
         sides.reverse()
     (before, begin), (after, end) = sides

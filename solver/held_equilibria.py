@@ -105,10 +105,10 @@ def held_energy(solution: Solution) -> float:
     The observable `energy` subtracts the work of FZ, MZ and M3, also where they are reactions. A reaction does no work
     when neighbouring shapes with the same held ends are compared, so their order is that of this number.
     """
-    return float(observe(solution, ["energy"])["energy"]) + _given_back(solution)
+    return float(observe(solution, ["energy"])["energy"]) + _work_of_reactions(solution)
 
 
-def _given_back(solution: Solution) -> float:
+def _work_of_reactions(solution: Solution) -> float:
     """The work of loads that are reactions, less that of the end moments that are given."""
     ends = solution.case.given
     assert isinstance(ends, Ends)

@@ -182,7 +182,7 @@ def _run(
     else:
         told = method.run(stood_in(problem, fit), t, tol, **which)
         slope = np.where(np.isfinite(told.dbeta[:, 0]), told.dbeta[:, 0], 0.0)  # beta'(0) is known only now
-        held &= ~fit | representable(case, problem.started(slope))
+        held &= ~fit | representable(case, problem.with_start(slope))
     refusals = (short, TOO_LONG), (held, OUT_OF_RANGE), (finite, TOO_LARGE), (units_held(case), OUT_OF_RANGE)
     for fine, why in refusals:
         told = told if fine.all() else blank(told, fine, beyond(why, case))
@@ -237,7 +237,7 @@ def seed_of(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
     from .methods import OrbitQuadrature
 
     assert not isinstance(problem, HeldProblem)
-    start = problem.started(slope)
+    start = problem.with_start(slope)
     u = np.linspace(0, 1, 2001)
     beta = OrbitQuadrature().run(start, start.span[:, None] * u, 1e-8).beta
     return Seed(slope, np.tile(u, (problem.size, 1)), beta)
@@ -249,4 +249,4 @@ def between_ends(sol: Solution) -> EndsProblem:
     if isinstance(problem, EndsProblem):
         return problem
     far = told.beta[:, -1] if told.orbit is None else told.orbit.at(problem.span[:, None])[0][:, 0]
-    return problem.ended(far)
+    return problem.with_end(far)

@@ -28,7 +28,7 @@ from .branch_states import Bounds, Place, State, begin_at, in_other_charts, rech
 from .branch_steps import AT_END, IS_CLOSED, ordinary_steps
 from .continuation import Stopped, carry, state_of
 from .family import Family
-from .helix_branch import CROSSING, PITCHFORK, ceasing_helix, helix_place, helix_places
+from .helix_branch import CROSSING, PITCHFORK, end_of_helix, helix_place, helix_places
 from .leaps import Line, leap, shape_of
 
 FOLD = "fold"
@@ -62,13 +62,13 @@ class Stop:
     helix: tuple[float, float] | None = None
 
 
-def followed(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
+def trace(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
     """The equilibria after the one at p, in order, and why there are no more."""
     places, stop = _places(family, path, p, rises, bounds)
     if not places or not family.is_dead or stop.reason in (END, CLOSED):
         return places, stop
     orbit = orbit_of(places[-1].problem, places[-1].path)
-    return places, replace(stop, helix=ceasing_helix(family, stop.p, shape_of(orbit)[0]))
+    return places, replace(stop, helix=end_of_helix(family, stop.p, shape_of(orbit)[0]))
 
 
 def _places(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
@@ -85,7 +85,7 @@ def _places(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -
     leap = _leap_from(family, places[-1].path if places else path, last, rises, bounds)
     if leap is None:
         return places, Stop("the rod is no helix beyond, and no equilibrium next to the helix was found", last)
-    return _follow(leap, [*places, leap.recorded()], bounds)
+    return _follow(leap, [*places, leap.record()], bounds)
 
 
 def _from_held_helix(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
@@ -96,8 +96,8 @@ def _from_held_helix(family: Family, path: Path, p: float, rises: bool, bounds: 
     begun = _held_leap(state_of(family.begun, path), p, rises, family, bounds, _LEAP)
     if isinstance(begun, str):
         return [], Stop(begun, p)
-    place = begun.recorded()
-    first = replace(place, p=bounds.snapped(place.p))
+    place = begun.record()
+    first = replace(place, p=bounds.snap(place.p))
     if bounds.is_end(first, 1.0 if rises else -1.0):
         return [first], Stop(END, first.p)
     return _follow(begun, [first], bounds)
@@ -114,7 +114,7 @@ def own_place(family: Family, path: Path, p: float) -> Place | str:
         index = index_of(state_of(family.begun, path), given)
         return Place(p, path, family.begun, int(index) if np.isfinite(index) else None)
     begun = begin_at(family, path, p, True)
-    return begun if isinstance(begun, str) else replace(begun.recorded(), p=p)
+    return begun if isinstance(begun, str) else replace(begun.record(), p=p)
 
 
 def _limit(bounds: Bounds) -> str:
@@ -123,7 +123,7 @@ def _limit(bounds: Bounds) -> str:
 
 def _follow(state: State, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
     """The places before, and those after a state."""
-    first, step, kept, creeps = state.recorded(), FIRST, 0, 0
+    first, step, kept, creeps = state.record(), FIRST, 0, 0
     ordinary = ordinary_steps(state.curve.family, bounds, first)
     while len(places) < bounds.most:
         if ordinary is not None and state.curve.chart.kind != CORNER:
@@ -141,8 +141,8 @@ def _follow(state: State, places: list[Place], bounds: Bounds) -> tuple[list[Pla
             creeps = creeps + 1 if _creeps(state, past, bounds, True) else 0
             if creeps > _CREEPS:
                 return places, Stop(_CREEPING, state.p)
-            state, place = past, past.recorded()
-            places.append(replace(place, p=bounds.snapped(place.p)))
+            state, place = past, past.record()
+            places.append(replace(place, p=bounds.snap(place.p)))
             if bounds.is_end(places[-1], state.rises):
                 return places, Stop(END, places[-1].p)
             continue
@@ -161,7 +161,7 @@ def _follow(state: State, places: list[Place], bounds: Bounds) -> tuple[list[Pla
             if leap is None:
                 return places, Stop(f"the step became too small: {there}", state.p)
             creeps = creeps + 1 if _creeps(state, leap, bounds, True) else 0
-            there, passed, step = leap, [leap.recorded()], FIRST
+            there, passed, step = leap, [leap.record()], FIRST
         else:
             creeps = creeps + 1 if _creeps(state, there, bounds, False) else 0
             bend = max(there.node.bend, 1e-6)
@@ -169,7 +169,7 @@ def _follow(state: State, places: list[Place], bounds: Bounds) -> tuple[list[Pla
         if creeps > _CREEPS:
             return places, Stop(_CREEPING, state.p)
         for place in passed:
-            places.append(replace(place, p=bounds.snapped(place.p)))
+            places.append(replace(place, p=bounds.snap(place.p)))
             if _is_same(place, first):
                 return places, Stop(CLOSED, place.p)
             if bounds.is_end(place, there.rises):
@@ -203,8 +203,8 @@ def _pass(state: State, there: State | str, bounds: Bounds) -> tuple[State | str
             found = _locate(state, low, high, partial(_above, value))
             if found is None:
                 return f"the equilibrium at {value:.10g} could not be located", []
-            places.append(found[1].recorded())
-        places.append(other.recorded(kind))
+            places.append(found[1].record())
+        places.append(other.record(kind))
     return there, places
 
 

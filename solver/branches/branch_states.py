@@ -50,7 +50,7 @@ class Bounds:
         every = sorted(v for v in {*self.wanted, self.low, self.high} if low < v < high)
         return every if p < q else every[::-1]
 
-    def snapped(self, p: float) -> float:
+    def snap(self, p: float) -> float:
         """The value at which to halt that is p but for rounding, else p."""
         return next((v for v in (*self.wanted, self.low, self.high) if abs(v - p) <= self.rounding), p)
 
@@ -96,7 +96,7 @@ class State:
         assert found is not None
         return found[1]
 
-    def recorded(self, kind: str = "") -> Place:
+    def record(self, kind: str = "") -> Place:
         found = self.curve.at(self.node.w)
         assert found is not None
         index = self.curve.index(self.node.w, found[1], self.node.jacobian)

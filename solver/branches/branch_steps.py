@@ -41,7 +41,7 @@ class OrdinarySteps:
         found, rates, step, kept, why = self._steps.run(at, step, kept, *told)
         if not found.size:
             return [], state, step, kept, why
-        index = found["index"].tolist() if curve.family.is_dead else _held_indices(curve.family, found, rates)
+        index = found["index"].tolist() if curve.family.is_dead else _indices_of(curve.family, found, rates)
         return _places(found, index), _state_of(at, curve), step, kept, why
 
 
@@ -57,7 +57,7 @@ def _places(found: Array, index: list[int | None]) -> list[Place]:
     return [Place(p, Path(*path), EndsProblem(*numbers[:, i]), known) for i, (p, path, known) in each]
 
 
-def _held_indices(family: Family, found: Array, rates: Array) -> list[int | None]:
+def _indices_of(family: Family, found: Array, rates: Array) -> list[int | None]:
     """The Morse indices under the ends that are meant; None where an eigenvalue is zero to rounding."""
     values, rows, by_span, length = split(rates)
     problem = replace(EndsProblem(*found["numbers"].T), span=length)

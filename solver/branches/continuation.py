@@ -28,7 +28,7 @@ from ..equilibrium.system import (
     least_square,
     orientation,
     predict,
-    stepped,
+    problem_after,
 )
 from ..levels.line_point import LinePoint, Path
 from ..levels.morse_index import jacobi_zeros
@@ -72,7 +72,7 @@ def state_of(problem: EndsProblem, path: Path, hinged: bool = False) -> State:
     place = LinePoint(problem)
     if hinged and not path.helix and path.pin == place.start and path.sign > 0:
         v = path.leaving * float(np.exp(path.y / 2)) if path.y > AT_REST else 0.0
-        rates = start_rates(problem.started(np.array([v])))
+        rates = start_rates(problem.with_start(np.array([v])))
         if abs(float((rates.problem.betaL - problem.betaL)[0])) < _CORNER:
             return corner_state(rates, v)
     if not path.helix:
@@ -187,7 +187,7 @@ def _advance(
             if size > REACH:
                 factor = REACH / size
                 ahead = first.towards(wanted, share + factor * step)
-            guess = stepped(state.problem, ahead, change, factor)
+            guess = problem_after(state.problem, ahead, change, factor)
             goal = 0.0 if ahead is wanted else _ROUGH
             found = correct(guess, ahead, chart, coordinate(chart) + factor * dx, goal)
             if not isinstance(found, str) and not _is_crossed(state, found, wanted, factor * size, poor):

@@ -19,11 +19,11 @@ from ..equilibrium.system import (
     corner_state,
     correct,
     move,
+    problem_after,
     problem_at,
     rates_in,
     rows_of,
     size_of,
-    stepped,
     values_of,
 )
 from ..levels.line_point import LinePoint
@@ -63,7 +63,7 @@ def deflate(start: State, wanted: Given, known: list[Array]) -> State | None:
         if not np.isfinite(change[:-1]).all():
             return None
         rate = _rate(numbers_of(state), change[:-1], known)
-        following = _following(state, wanted, change, 1 / (1 - rate) if rate != 1 else np.inf)
+        following = _next_state(state, wanted, change, 1 / (1 - rate) if rate != 1 else np.inf)
         if following is None:
             return None
         state, size = following
@@ -92,7 +92,7 @@ def _rate(here: Array, change: Array, known: list[Array]) -> float:
     return total
 
 
-def _following(state: State, wanted: Given, change: Array, factor: float) -> tuple[State, float] | None:
+def _next_state(state: State, wanted: Given, change: Array, factor: float) -> tuple[State, float] | None:
     """The state after a step, halved where no orbit is there; and the size of the step of Newton's rule itself."""
     for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
         x = coordinate(chart)
@@ -102,7 +102,7 @@ def _following(state: State, wanted: Given, change: Array, factor: float) -> tup
             continue
         share = float(np.clip(factor, -_REACH / size, _REACH / size))
         for _ in range(_HALVED):
-            there = _state_at(stepped(state.problem, wanted, change, share), wanted, chart, x + share * dx)
+            there = _state_at(problem_after(state.problem, wanted, change, share), wanted, chart, x + share * dx)
             if there is not None:
                 return there, size
             share /= 2

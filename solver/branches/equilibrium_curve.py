@@ -64,7 +64,7 @@ class EquilibriumCurve:
 
     def _corner(self, problem: EndsProblem, x: float) -> State | None:
         """The orbit that starts with beta_t = x, whatever its angle at the far end."""
-        rates = start_rates(problem.started(np.array([x])))
+        rates = start_rates(problem.with_start(np.array([x])))
         return corner_state(rates, x) if np.isfinite(rates.rows[0, :-1]).all() else None
 
     def value(self, w: Array) -> Array | None:
@@ -76,7 +76,7 @@ class EquilibriumCurve:
         if at is None or given is None:
             return None
         if self.chart.kind == CORNER:
-            rates = start_rates(at[0].problem.started(np.array([x])))
+            rates = start_rates(at[0].problem.with_start(np.array([x])))
             return self._less(rates.values[0], given.span, given, w)
         numbers, length = orbit_numbers(at[0].problem, at[1])
         return self._less(numbers, length, given, w)

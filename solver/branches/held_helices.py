@@ -8,7 +8,7 @@ import scipy  # its parts are imported when used
 
 from ..equilibrium.charts import charts, coordinate
 from ..equilibrium.orbit_rates import NUMBERS, helix_change, orbit_rates
-from ..equilibrium.system import FREE, Given, State, answer, correct, parts_of, stepped
+from ..equilibrium.system import FREE, Given, State, answer, correct, parts_of, problem_after
 from ..levels.line_point import LinePoint, Path
 from ..levels.transit_times import DOWN, UP
 from ..mechanics.potential import TAU, load_size, slope, slope_rate
@@ -134,7 +134,7 @@ def off_helix(state: State, wanted: Given) -> tuple[State, float] | None:
     for size in _SIZES:
         share = min(1.0, size / largest)
         ahead = first.towards(wanted, share)
-        problem = stepped(state.problem, ahead, change, share)
+        problem = problem_after(state.problem, ahead, change, share)
         place = LinePoint(problem)
         paths = [_bent(place, share * speeds)]
         if on_saddle:

@@ -32,11 +32,11 @@ def helix_places(family: Family, p: float, rises: bool, bounds: Bounds) -> tuple
     here = p
     while len(places) < bounds.most:
         halt = bounds.next(here, rises)
-        there = bounds.snapped(min(here + step, halt) if rises else max(here - step, halt))
+        there = bounds.snap(min(here + step, halt) if rises else max(here - step, halt))
         place = family.place(there)
         if place is None or place.helix is None:
             return places, here
-        places += [*_branching(family, here, there), helix_place(place, there)]
+        places += [*_branch_points(family, here, there), helix_place(place, there)]
         if bounds.is_end(places[-1], 1.0 if rises else -1.0):
             break
         here = there
@@ -59,7 +59,7 @@ def _index(half_waves: float) -> int:
     return max(int(np.ceil(half_waves * (1 - 1e-12))) - 1, 0)
 
 
-def _branching(family: Family, p: float, q: float) -> list[Place]:
+def _branch_points(family: Family, p: float, q: float) -> list[Place]:
     """The special points between two parameters, from p to q."""
 
     def waves(at: float) -> float:
@@ -82,7 +82,7 @@ def _branching(family: Family, p: float, q: float) -> list[Place]:
     return found if begin < end else found[::-1]
 
 
-def ceasing_helix(family: Family, p: float, beta: Array) -> tuple[float, float] | None:
+def end_of_helix(family: Family, p: float, beta: Array) -> tuple[float, float] | None:
     """The parameter at which the helix that a rod lies along ceases to exist, and its beta; None if none does near p.
 
     beta: along the rod at p, at equal steps (n,).

@@ -100,12 +100,12 @@ def each_equilibrium(
     slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
     near = np.isfinite(slopes)
     if near.all():
-        return equilibrium_trajectory(problem, solve_orbit(problem.started(slopes), TIGHT), t, tol)
+        return equilibrium_trajectory(problem, solve_orbit(problem.with_start(slopes), TIGHT), t, tol)
     found: list[Trajectory | str] = []
     for i, one in enumerate(_each(problem)):
         here = t[i : i + 1]
         if near[i]:
-            found.append(equilibrium_trajectory(one, solve_orbit(one.started(slopes[i : i + 1]), TIGHT), here, tol))
+            found.append(equilibrium_trajectory(one, solve_orbit(one.with_start(slopes[i : i + 1]), TIGHT), here, tol))
         else:
             found.append(selection_of(one, here, tol, None if seed is None else float(seed.slope[i]), choose))
     return together(found, t)
@@ -208,7 +208,7 @@ def _next_to(problem: EndsProblem, slope: Array) -> Array:
     off = np.full(B, np.inf)
     for _ in range(_ROUNDS):
         nudge = 1e-7 * np.maximum(1, np.abs(at))
-        orbit = solve_orbit(twice.started(np.concatenate([at, at + nudge])), TIGHT)
+        orbit = solve_orbit(twice.with_start(np.concatenate([at, at + nudge])), TIGHT)
         end = orbit.at(twice.span[:, None])[0][:, 0]
         off = end[:B] - problem.betaL
         with np.errstate(divide="ignore", invalid="ignore"):

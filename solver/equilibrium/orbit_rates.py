@@ -145,7 +145,7 @@ def start_rates(problem: StartProblem) -> OrbitRates:
     )
     values[NUMBERS.index("dbeta0")] = problem.dbeta0[0]  # not as it is read from the orbit
     rows[_Y] = by_span[_Y] = np.nan
-    return OrbitRates(problem.ended(values[[NUMBERS.index("betaL")]]), values[None], rows[None], by_span[None])
+    return OrbitRates(problem.with_end(values[[NUMBERS.index("betaL")]]), values[None], rows[None], by_span[None])
 
 
 def _numbers(problem: EndsProblem, i: int) -> list[float]:
@@ -231,14 +231,14 @@ def _add_level(found: OrbitRates, origin: Array, path: Path, place: LinePoint) -
         gap = path.sign * np.exp(max(path.y, place.blank.deepest))
         found.rows[0, _Y, 1:] = 2 * np.array([1, *height_rates(np.where(same, origin, path.pin), origin)[0]]) / gap
         if path.y < place.blank.deepest:
-            found.rows[0, _Y, 2:] += (path.y - place.blank.deepest) / 2 * _steepening(place.problem, path.pin)
+            found.rows[0, _Y, 2:] += (path.y - place.blank.deepest) / 2 * _steepness_rates(place.problem, path.pin)
         return
     end = NUMBERS.index("dbeta0" if path.pin == place.start else "dbetaL")
     found.rows[0, _Y] = 2 * found.rows[0, end] / found.values[0, end]
     found.by_span[0, _Y] = 2 * found.by_span[0, end] / found.values[0, end]
 
 
-def _steepening(problem: EndsProblem, saddle: float) -> Array:
+def _steepness_rates(problem: EndsProblem, saddle: float) -> Array:
     """The derivative of log|H'| at a saddle by each load, (3,). The time at the saddle goes with |H'|^(-1/2)."""
     at = np.array([saddle])
     steep, bend = slope_rate(problem, at), slope_higher_rates(problem, at)[0]

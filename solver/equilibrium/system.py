@@ -162,7 +162,7 @@ def size_of(problem: EndsProblem, chart: Chart, dx: float, change: Array) -> flo
     return max(sizes) if np.isfinite(sizes).all() else np.inf
 
 
-def stepped(problem: EndsProblem, given: Given, change: Array, factor: float = 1.0) -> EndsProblem:
+def problem_after(problem: EndsProblem, given: Given, change: Array, factor: float = 1.0) -> EndsProblem:
     """The problem after a change; what is given is exactly what is given."""
     new = {name: getattr(problem, name) + factor * change[_AT[name]] for name in FREE}
     for name, value in zip(given.names, given.values, strict=True):
@@ -202,7 +202,7 @@ def correct(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: fl
         last = State(problem, path, rates, size + (0.0 if last is None else last.corrected))
         if not last.corrected <= 2 * REACH:
             return DIVERGED
-        return (stepped(problem, given, change), at + dx), size
+        return (problem_after(problem, given, change), at + dx), size
 
     found = newton((problem, x), step, replace(_ENDING, goal=max(goal, _ENDING.goal)))
     if isinstance(found, str):
@@ -211,7 +211,7 @@ def correct(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: fl
     if not abs(given.span - length) < _MET * given.span:  # swings that fell to rounding have no length
         return DIVERGED
     if chart.kind != CORNER:
-        return last if LinePoint(last.problem).joined_at(last.path) else LEFT
+        return last if LinePoint(last.problem).joins_at(last.path) else LEFT
     return LEFT if is_still(last.problem, at) else replace(corner_state(last.rates, at), corrected=last.corrected)
 
 
@@ -242,7 +242,7 @@ def problem_at(problem: EndsProblem, given: Given, chart: Chart, x: float) -> tu
 
 def rates_in(problem: EndsProblem, path: Path, chart: Chart, x: float) -> OrbitRates:
     """The numbers of the orbit at a coordinate of a chart, and how they answer."""
-    return start_rates(problem.started(np.array([x]))) if chart.kind == CORNER else orbit_rates(problem, [path])
+    return start_rates(problem.with_start(np.array([x]))) if chart.kind == CORNER else orbit_rates(problem, [path])
 
 
 def is_still(problem: EndsProblem, v: float) -> bool:
@@ -257,7 +257,7 @@ def corner_state(rates: OrbitRates, v: float) -> State:
     A turning point at the start is not counted as passed, nor one at the far end.
     """
     problem, speed = rates.problem, float(rates.values[0, _AT["dbetaL"]])
-    turns = int(solve_orbit(problem.started(np.array([v])), TIGHT).turns[0])
+    turns = int(solve_orbit(problem.with_start(np.array([v])), TIGHT).turns[0])
     pace = float(np.sqrt(1 + load_size(problem)[0]))
     leaving = UP if v > 0 or (v == 0 and float(slope(problem, problem.beta0)[0]) < 0) else DOWN
     arriving = leaving if turns % 2 == 0 else -leaving

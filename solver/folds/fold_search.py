@@ -8,7 +8,7 @@ import numpy as np
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array, Booleans
 from .curve_crossings import Pieces, join_pieces
-from .fold_seeds import Counted, Seed, seed_between, strip_between, unexplained
+from .fold_seeds import Counted, Seed, change_beyond, seed_between, strip_between
 from .fold_tracing import PIECES, Trace, dense, whole_curve
 from .parameter_plane import ParameterPlane
 
@@ -72,7 +72,7 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     def search_line(start: Array, end: Array) -> None:
         nonlocal pieces
         for _ in range(_EACH):
-            if not unexplained(counted, pieces, start, end):
+            if not change_beyond(counted, pieces, start, end):
                 break
             found = seed_between(counted, pieces, start, end, scale, known)
             if found is None:

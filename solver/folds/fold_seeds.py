@@ -57,7 +57,7 @@ class Counted:
         return self._missed[key]
 
 
-def unexplained(counted: Counted, pieces: Pieces, start: Array, end: Array) -> Counter[int]:
+def change_beyond(counted: Counted, pieces: Pieces, start: Array, end: Array) -> Counter[int]:
     """The change of the numbers of equilibria of each index from start to end that no known curve explains."""
     change = Counter(counted.at(end).indices)
     change.subtract(counted.at(start).indices)
@@ -80,11 +80,11 @@ def strip_between(counted: Counted, pieces: Pieces, start: Array, end: Array) ->
 
 def _strip(counted: Counted, pieces: Pieces, start: Array, end: Array) -> Array | None:
     """As `strip_between`, by halves."""
-    if unexplained(counted, pieces, start, end):
+    if change_beyond(counted, pieces, start, end):
         return np.asarray(end)
     while np.abs(end - start).max() > _NARROW:
         middle = (start + end) / 2
-        if unexplained(counted, pieces, start, middle):
+        if change_beyond(counted, pieces, start, middle):
             return np.asarray(middle)
         if _may_hide_two(counted, pieces, start, middle):
             end = middle
@@ -113,7 +113,7 @@ def seed_between(
     not change.
     """
     while True:
-        change = unexplained(counted, pieces, start, end)
+        change = change_beyond(counted, pieces, start, end)
         if not change:
             return None
         if np.abs(end - start).max() <= _FIRST:
@@ -123,7 +123,7 @@ def seed_between(
         if np.abs(end - start).max() <= _LAST:
             return start, end
         middle = (start + end) / 2
-        if unexplained(counted, pieces, start, middle):
+        if change_beyond(counted, pieces, start, middle):
             end = middle
         else:
             start = middle

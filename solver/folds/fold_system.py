@@ -73,7 +73,7 @@ def _values(problems: EndsProblem, v: float, reach: float) -> tuple[float, Array
 
 def misses(problem: EndsProblem, slopes: Array) -> Array:
     """beta(L) of rods that start with beta_t(0) = slopes (N,), less the beta(L) given, (N,)."""
-    orbit = solve_orbit(problem.started(slopes), TIGHT)
+    orbit = solve_orbit(problem.with_start(slopes), TIGHT)
     return np.asarray(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
 
 
@@ -99,4 +99,4 @@ def is_deep(plane: ParameterPlane, v: float, shares: Array) -> bool:
 
 def turns_at(plane: ParameterPlane, v: float, shares: Array) -> int:
     """The turning points that the rod passes."""
-    return int(solve_orbit(plane.problems(shares).started(np.array([v])), TIGHT).turns[0])
+    return int(solve_orbit(plane.problems(shares).with_start(np.array([v])), TIGHT).turns[0])

@@ -105,7 +105,7 @@ def stretch(system: CurveSystem, points: list[CurvePoint]) -> Trace:
     out, cusps = points[:1], []
     for one, other in pairwise(points):
         if one.bend * other.bend < 0 and system.kind != FOLD:
-            out += _turning(system, one, other)
+            out += _side_change(system, one, other)
         elif one.bend * other.bend < 0:
             share = one.bend / (one.bend - other.bend)
             x = system.cusp((1 - share) * one.x + share * other.x)
@@ -119,7 +119,7 @@ def stretch(system: CurveSystem, points: list[CurvePoint]) -> Trace:
     return Trace(system, out, cusps)
 
 
-def _turning(system: FoldSystem, one: CurvePoint, other: CurvePoint) -> list[CurvePoint]:
+def _side_change(system: FoldSystem, one: CurvePoint, other: CurvePoint) -> list[CurvePoint]:
     """Points between two on a pitchfork curve, of which one has d^3B/dv^3 = 0: there a fold curve ends, and the side of
     two more equilibria changes. The equations are singular in it, so it is interpolated between close neighbours."""
     low, high = one, other
@@ -202,7 +202,7 @@ def _hand_over(system: CurveSystem, last: CurvePoint, lower: int) -> tuple[Curve
         point = None if found is None else _on(*found, last)
         return None if found is None or point is None else (found[0], point)
     assert isinstance(system, SeparatrixSystem)
-    same = system.moved(last.x) if system.leaves(last.x) else None
+    same = system.renew(last.x) if system.leaves(last.x) else None
     if same is not None:
         return same, last
     following = FoldSystem(system.plane, system.kind, system.scale)

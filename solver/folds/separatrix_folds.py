@@ -128,7 +128,7 @@ class SeparatrixSystem:
         far = np.abs(_apart(place.saddles, self.saddle))
         return place, float(place.saddles[int(np.argmin(far))]) if far.size and far.min() < 0.5 else np.nan
 
-    def moved(self, x: Array) -> "SeparatrixSystem | None":
+    def renew(self, x: Array) -> "SeparatrixSystem | None":
         """The same beside the saddle where it is now; None where log gap is not the better unknown."""
         saddle = self.saddle_at(x[1:3])[1]
         return None if x[0] * UNIT > SHALLOW or np.isnan(saddle) else replace(self, saddle=saddle)

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..branches.branch_following import followed
+from ..branches.branch_following import trace
 from ..branches.branch_states import Bounds
 from ..branches.continuation import state_of
 from ..branches.deflation import across_fold, deflate, fold_beside, is_known, numbers_of
@@ -59,7 +59,7 @@ def _on_branch(seed: State, found: State, wanted: Given) -> list[State]:
     family, bounds = Family(given, found.problem, 1.0, wanted.names), Bounds(*_REACH, (1.0,), _MOST)
     if found.path.helix:
         return []
-    places = [place for rises in (True, False) for place in followed(family, found.path, 1.0, rises, bounds)[0]]
+    places = [place for rises in (True, False) for place in trace(family, found.path, 1.0, rises, bounds)[0]]
     return [state_of(place.problem, place.path) for place in places if place.p == 1]
 
 

@@ -79,7 +79,7 @@ def half_period_later(state: State, given: Given) -> State | None:
     resting = all(given.number(name, np.nan) == 0 for name in ("dbeta0", "dbetaL"))
     if not resting or state.path.helix or state.path.turns % 2 == 0:
         return None
-    problem = state.problem.started(np.zeros(1))
+    problem = state.problem.with_start(np.zeros(1))
     orbit = solve_orbit(problem, TIGHT)
     other = float(orbit.at(orbit.ahead[:, None])[0][0, 0])
     rates = start_rates(replace(problem, beta0=np.array([other])))

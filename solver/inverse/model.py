@@ -131,19 +131,19 @@ class Model:
             raise NoValueError(str(error)) from None
         points, found = self.data.points, None
         if points is not None and points.s is None:
-            found = feet(lambda stations: self._solved(case, stations), points)
+            found = feet(lambda stations: self._solve(case, stations), points)
             sol = found.sol
         else:
             s = None if points is None else points.s
             if s is not None and s[-1] > float(case.rod.L):
                 raise NoValueError("the rod is shorter than the s of a point")
-            sol = self._solved(case, 2 if s is None else s)
+            sol = self._solve(case, 2 if s is None else s)
         computed, residuals = self._compare(sol, found)
         if not np.isfinite(residuals @ residuals):
             raise NoValueError("the squares of the residuals are beyond the range of floats")
         return Evaluation(x.copy(), sol, computed, residuals, found)
 
-    def _solved(self, case: Case, stations: Any) -> Solution:
+    def _solve(self, case: Case, stations: Any) -> Solution:
         self.solves += 1
         if self._branch is not None:
             sol = solve(case, self._tol, stations=stations, seed=self._branch)

@@ -76,7 +76,7 @@ class LinePoint:
         falls = [[self.fall(pin, end) for end in (self.blank.low, self.blank.high)]]
         return replace(self.blank, pins=np.array([pin]), falls=np.array(falls))
 
-    def joined_at(self, path: Path) -> bool:
+    def joins_at(self, path: Path) -> bool:
         """Whether the level lies above every maximum of G between the two ends."""
         highest, _ = floor_of(self.blank, self.angles, self.saddles)
         gap = path.sign * float(np.exp(max(path.y, self.blank.deepest)))

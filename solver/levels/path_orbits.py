@@ -94,7 +94,7 @@ def _starts(problem: EndsProblem, boundary: Boundary, path: LevelPaths) -> tuple
     slope[moves] = path.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
     excess[moves] = np.maximum(boundary.deepest - path.y[moves], 0)
     first = boundary.low if boundary.rising else boundary.high
-    start = replace(repeat(problem, K).started(slope), beta0=np.full(K, first))
+    start = replace(repeat(problem, K).with_start(slope), beta0=np.full(K, first))
     deep = excess > 0
     if not deep.any():
         return start, gap, excess, pin
@@ -146,7 +146,7 @@ def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
 
     None where that orbit does not end at beta(L) within 1e-6 rad.
     """
-    orbit = solve_orbit(problem.started(np.array([slope])), TIGHT)
+    orbit = solve_orbit(problem.with_start(np.array([slope])), TIGHT)
     if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > 1e-6:
         return None
     place = LinePoint(problem)

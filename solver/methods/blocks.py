@@ -40,10 +40,10 @@ def run_in_blocks(method: StartMethod, problem: StartProblem, t: Array, tol: flo
             orbits.add(told.orbit)
         whole.add(replace(told, swirl=None, orbit=None))  # type: ignore[arg-type]
         del told
-    answer: Trajectory = whole.joined()
-    orbit = orbits.joined()
+    answer: Trajectory = whole.join()
+    orbit = orbits.join()
     if orbit is None:
-        swirl = swirls.joined()
+        swirl = swirls.join()
         return replace(answer, swirl=partial(np.asarray, swirl))
     shown = np.isfinite(answer.beta)
     return replace(answer, orbit=orbit, swirl=partial(where_shown, shown, orbit.swirl, t))
@@ -62,8 +62,8 @@ class _Orbits:
         self.rows.add(_move(orbit, self.cases, self.panels))
         self.cases, self.panels = self.cases + cases, self.panels + panels
 
-    def joined(self) -> Any:
-        return self.rows.joined()
+    def join(self) -> Any:
+        return self.rows.join()
 
 
 def _move(orbit: Orbit, cases: int, panels: int) -> Orbit:
@@ -107,12 +107,12 @@ class _Rows:
         self.table[self.used : end] = values
         self.used = end
 
-    def joined(self) -> Any:
+    def join(self) -> Any:
         """All blocks as one; a value that is not an array is taken from the last block."""
         if self.table is not None:
             self.table.resize((self.used, *self.table.shape[1:]), refcheck=False)
             return self.table
-        parts = {name: rows.joined() for name, rows in self.inner.items()}
+        parts = {name: rows.join() for name, rows in self.inner.items()}
         if isinstance(self.last, tuple):
             return tuple(parts.values())
         return type(self.last)(**parts) if parts else self.last

@@ -158,16 +158,16 @@ class Variations:
         at = low[:, None] + (high - low)[:, None] * ((1 + points.nodes) / 2)
         T = polynomials(at, panels.series.shape[2])
 
-        def moved(coefficients: Array) -> Array:
+        def on_cuts(coefficients: Array) -> Array:
             return np.einsum("nks,snm->nkm", coefficients[every], T[: coefficients.shape[2]], optimize=False)
 
         series = np.zeros((every.size, *panels.series.shape[1:]))
-        series[:, :2, :-1] = moved(panels.series[:, :2]) @ points.analyse
+        series[:, :2, :-1] = on_cuts(panels.series[:, :2]) @ points.analyse
         duration = panels.duration[every] * (high - low) / 2
         orbit = assemble(
             self.orbit.problem, self.orbit.arcs, replace(panels.take(every), series=series, duration=duration)
         )
-        state, M = moved(self.series[:, :9]), moved(self.nodes.M @ points.analyse)
+        state, M = on_cuts(self.series[:, :9]), on_cuts(self.nodes.M @ points.analyse)
         v = np.maximum(state[:, 0], 0.0)
         nodes = Nodes(v, state[:, 1], self.nodes.c[every], self.nodes.shift[every], state[:, 6:9], M)
         jump = np.where((low == -1)[:, None], self.jump[every], 0.0)

@@ -147,15 +147,15 @@ def _start_partials(case: Case) -> dict[str, Callable[[], Partials]]:
     by, common = _twist_partials(case, m, s, c), _common(case)
     square = rho**2 / A
 
-    def twisted(source: str) -> Partials:
+    def twist_by(source: str) -> Partials:
         rate = by.get(source, 0.0)
         return {"lam": rho * c * rate, "mu": rho * rate}
 
     def plus(source: str, lam: Any = 0.0, mu: Any = 0.0, phi: Any = 0.0, **more: Any) -> Partials:
-        found = twisted(source)
+        found = twist_by(source)
         return {"lam": found["lam"] + lam, "mu": found["mu"] + mu, "phi": phi, **more}
 
-    def turned() -> Partials:
+    def beta_partials() -> Partials:
         lam = square * FZ - rho * m * s + 3 * s * s * c
         return plus("beta", lam, phi=-square * FY, beta0=1.0)
 
@@ -163,11 +163,11 @@ def _start_partials(case: Case) -> dict[str, Callable[[], Partials]]:
         "A": lambda: plus("A", -square * FY / A, phi=-square * FZ / A, **common["A"]()),
         "rho": lambda: plus("rho", 2 * rho * FY / A + m * c, m, 2 * rho * FZ / A, end=given.dbeta, **common["rho"]()),
         "ratio": lambda: plus("ratio", **common["ratio"]()),
-        "beta0": turned,
+        "beta0": beta_partials,
         "dbeta0": lambda: plus("dbeta", end=rho),
         "F2": lambda: {"lam": -square * c, "phi": square * s},
         "F3": lambda: {"lam": square * s, "phi": square * c},
-        **{name: partial(twisted, name) for name in ("F1", "dgamma", "M3")},
+        **{name: partial(twist_by, name) for name in ("F1", "dgamma", "M3")},
     }
 
 

@@ -37,11 +37,11 @@ class Reduced:
         """The problems that an index array, a mask or a slice selects."""
         return type(self)(**{name: value[index] for name, value in vars(self).items()})
 
-    def started(self, dbeta0: Array) -> "StartProblem":
+    def with_start(self, dbeta0: Array) -> "StartProblem":
         """The start problems with the same loads, length and beta0, and the given slopes."""
         return StartProblem(self.lam, self.mu, self.phi, self.span, self.beta0, dbeta0)
 
-    def ended(self, betaL: Array) -> "EndsProblem":
+    def with_end(self, betaL: Array) -> "EndsProblem":
         """The ends problems with the same loads, length and beta0, and the given far angles."""
         return EndsProblem(self.lam, self.mu, self.phi, self.span, self.beta0, betaL)
 

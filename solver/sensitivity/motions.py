@@ -120,7 +120,7 @@ def _of_helices(sol: Shape, rows: Integers, problem: StartProblem) -> Motion:
 def _of_equilibrium(sol: Shape, one: EndsProblem, path: Path, i: int) -> Motion:
     rows, t = np.array([i]), sol.t[i : i + 1]
     names, ratio = given_numbers(sol.case), float(flat(sol.case.rod.stiffness_ratio, sol.case.shape)[i])
-    problem = one.started(sol.trajectory.dbeta[i : i + 1, 0])
+    problem = one.with_start(sol.trajectory.dbeta[i : i + 1, 0])
     if path.helix:
         parts = parts_by_given(rates_of_helices(one), names, ratio)[None]
         along, marks, ends = (helix_change(one, where) for where in (t, marks_of(one), _ends_of(one)))

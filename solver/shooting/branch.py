@@ -99,12 +99,12 @@ def branch_with_friction(rod: LoadedRod) -> Path:
     locked = lock_up_share(rod)
     if locked is not None:
         return Path(None, why=LOCKED.format(locked))
-    plain = branch_from_straight(rod.rubbed_by(0.0))
+    plain = branch_from_straight(rod.with_friction(0.0))
     if plain.shape is None:
         return plain
     hints = [HINGES] * bool({"beta0", "betaL"} & rod.held) + [AS_A_WHOLE] * bool(rod.numbers[4] == ALONG_ITSELF)
     ends = f"{WAVES}; {' or '.join(hints)} may have an answer" if hints else WAVES
-    found = grow(rod.rubbed_by, plain.shape, 0.0, 1.0, FRICTION if rod.turning else ends)
+    found = grow(rod.with_friction, plain.shape, 0.0, 1.0, FRICTION if rod.turning else ends)
     slipped = found.jumped[0] if found.jumped else None
     return replace(found, buckled=plain.buckled, jumped=plain.jumped, slipped=slipped, wound=plain.wound)
 
@@ -152,7 +152,7 @@ def buckling_tension(rod: LoadedRod) -> float | None:
 
     None where the straight rod is no equilibrium, or is unstable though all of it is in tension.
     """
-    rod = replace(rod.rubbed_by(0.0), held=rod.held - {"height"})
+    rod = replace(rod.with_friction(0.0), held=rod.held - {"height"})
 
     def is_unstable(phi: float) -> bool:
         far = rod.far.copy()

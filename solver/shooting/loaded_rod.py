@@ -111,7 +111,7 @@ class LoadedRod:
             far[2] = self.span + (self.far[2] - self.span) * part
         return replace(self, numbers=numbers, near=self.near * part, far=far)
 
-    def rubbed_by(self, part: float) -> "LoadedRod":
+    def with_friction(self, part: float) -> "LoadedRod":
         """The rod with a share of its friction."""
         numbers = self.numbers.copy()
         numbers[3] *= part

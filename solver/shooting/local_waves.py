@@ -224,7 +224,7 @@ def wound_shape(rod: LoadedRod) -> Shape | None:
         if over.max() >= largest(rod):
             return None
         if rod.rubbed:  # its compression sets the nodes too
-            rubbed = compression(rod.rubbed_by(0.0), places(rod, t), front) - over
+            rubbed = compression(rod.with_friction(0.0), places(rod, t), front) - over
             t = rod.nodes(rubbed * np.sqrt(rod.across))
             over = compression(rod, places(rod, t), front)
         waves = waves_at(rod, over, front)

@@ -38,7 +38,7 @@ def test_the_jacobi_field_at_the_far_end_is_what_a_change_of_the_start_slope_mak
     problem = random_problems(100, 1)
     orbit, nudge = solve_orbit(problem, 1e-13), 1e-5
     ends = [
-        solve_orbit(problem.started(problem.dbeta0 + way * nudge), 1e-13).at(problem.span[:, None])[0][:, 0]
+        solve_orbit(problem.with_start(problem.dbeta0 + way * nudge), 1e-13).at(problem.span[:, None])[0][:, 0]
         for way in (-1, 1)
     ]
     change = (ends[1] - ends[0]) / (2 * nudge)

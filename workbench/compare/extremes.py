@@ -96,7 +96,7 @@ def _attempt(case: Case, method: str, known: Any, seed: Solution | None = None) 
     finite = bool(np.isfinite([sol.beta, sol.dbeta, sol.alpha, sol.z]).all())
     error = float(np.abs(sol.beta[1:] - known).max()) if finite else np.nan
     if seed is not None and finite:  # another equilibrium between the same ends is not an error
-        own = OrbitQuadrature().run(sol.problem.started(sol.trajectory.dbeta[:, 0]), sol.t, 1e-12).beta
+        own = OrbitQuadrature().run(sol.problem.with_start(sol.trajectory.dbeta[:, 0]), sol.t, 1e-12).beta
         error = min(error, float(np.abs(sol.trajectory.beta - own).max()))
     allowed = _MARGIN * TOL * max(1.0, float(sol.condition))
     if sol.solved:
