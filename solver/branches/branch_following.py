@@ -16,32 +16,25 @@ import scipy  # its parts are imported when used
 
 from ..equilibrium.charts import CORNER
 from ..equilibrium.held_index import index_of
-from ..equilibrium.system import LEFT
-from ..equilibrium.system import State as HeldState
 from ..levels.line_point import Path
 from ..levels.path_orbits import orbit_of
-from ..levels.transit_times import height_scale
-from ..mechanics.potential import slope
+from ..numerics import arclength
 from ..numerics.arclength import advance
-from ..numerics.arrays import Array
+from .branch_leaps import creeps, held_leap, is_near_helix, leap_from, leap_on
 from .branch_states import Bounds, Place, State, begin_at, in_other_charts, rechart
-from .branch_steps import AT_END, IS_CLOSED, ordinary_steps
-from .continuation import Stopped, carry, state_of
+from .branch_steps import AT_END, IS_CLOSED, OrdinarySteps, ordinary_steps
+from .continuation import state_of
 from .family import Family
 from .helix_branch import CROSSING, PITCHFORK, end_of_helix, helix_place, helix_places
-from .leaps import Line, leap, shape_of
+from .leaps import shape_of
 
 FOLD = "fold"
-FIRST, LONGEST, SHORTEST = 0.02, 0.25, 1e-7  # lengths of steps, in scales
+_LENGTHS = arclength.Lengths(first=0.02, longest=0.25, least=1e-7)  # of steps, in scales
 NARROW = 1e-3  # length of a step below which other coordinates and a leap are tried
 _KEPT = 10  # steps for which another coordinate is kept
 _EASY_BEND = 0.05  # distance from the predictor, as a share of the step, that the next step aims at
 _LEAP = 1.0  # of the parameter's scale: the line whose shares `leaps.LEAPS` are leapt
-_BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix
-_BESIDE_HELD_HELIX, _HELD_LEAP = 1e-3, 0.05  # the same with held ends; of p's scale, the way past a helix
-_BESIDE_HINGE, _SHORTER = 0.01, (5e-3, 5e-4)  # rad between the ends of a hinged rod there; shorter ways past it
-_CREEPS, _LITTLE = 60, 0.01  # points in a row that do not advance p; the share of the way that a leap must pass
-_SLIGHT = 0.1  # rad: the range of beta of a rod beside a helix
+_CREEPS = 60  # points in a row that do not advance p
 _STEEP = 0.2  # dp along the branch, in scales, above which a step may end at a given p
 _CREEPING = (
     "the rod is next to a helix, as beside a pitchfork, and the range ends so near that the steps became too small; "
@@ -82,10 +75,10 @@ def _places(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -
     if last is None:
         ended = bool(places) and bounds.is_end(places[-1], 1.0 if rises else -1.0)
         return places, Stop(END if ended else _limit(bounds), places[-1].p)
-    leap = _leap_from(family, places[-1].path if places else path, last, rises, bounds)
-    if leap is None:
+    beyond = leap_from(family, places[-1].path if places else path, last, rises, bounds)
+    if beyond is None:
         return places, Stop("the rod is no helix beyond, and no equilibrium next to the helix was found", last)
-    return _follow(leap, [*places, leap.record()], bounds)
+    return _follow(beyond, [*places, beyond.record()], bounds)
 
 
 def _from_held_helix(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
@@ -93,7 +86,7 @@ def _from_held_helix(family: Family, path: Path, p: float, rises: bool, bounds: 
     given = family.given(p)
     if given is not None and all(given.number(name, np.nan) == 0 for name in ("dbeta0", "dbetaL")):
         return [], Stop(UNBENT, p)
-    begun = _held_leap(state_of(family.begun, path), p, rises, family, bounds, _LEAP)
+    begun = held_leap(state_of(family.begun, path), p, rises, family, bounds, _LEAP)
     if isinstance(begun, str):
         return [], Stop(begun, p)
     place = begun.record()
@@ -123,59 +116,75 @@ def _limit(bounds: Bounds) -> str:
 
 def _follow(state: State, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
     """The places before, and those after a state."""
-    first, step, kept, creeps = state.record(), FIRST, 0, 0
-    ordinary = ordinary_steps(state.curve.family, bounds, first)
-    while len(places) < bounds.most:
-        if ordinary is not None and state.curve.chart.kind != CORNER:
-            begin = state
-            found, state, step, kept, why = ordinary.after(state, step, kept, bounds.most - len(places))
-            places += found
-            creeps = creeps + len(found) if _creeps(begin, state, bounds, False) else 0
+    first, most = state.record(), bounds.most - len(places)
+    walk = _Walk(bounds, most, first, ordinary_steps(state.curve.family, bounds, first))
+    found, reason = arclength.trace(state, walk.stride, _LENGTHS, most)
+    every = [*places, *found]
+    return every, Stop(reason or _limit(bounds), every[-1].p if every else state.p)
+
+
+@dataclass(eq=False)
+class _Walk:
+    """The way along a branch.
+
+    most: of the points. first: where it begins. ordinary: the steps of the core. kept: for how many steps the
+    coordinate is kept. creeps: how many points in a row did not advance p.
+    """
+
+    bounds: Bounds
+    most: int
+    first: Place
+    ordinary: OrdinarySteps | None
+    kept: int = 0
+    creeps: int = 0
+
+    def stride(self, state: State, step: float, before: list[Place]) -> arclength.Stride[Place, State]:
+        """The ordinary steps after a state, and one on which something happens."""
+        places = list[Place]()
+        if self.ordinary is not None and state.curve.chart.kind != CORNER:
+            begin, left = state, self.most - len(before)
+            places, state, step, self.kept, why = self.ordinary.after(state, step, self.kept, left)
+            self.creeps = self.creeps + len(places) if creeps(begin, state, self.bounds, False) else 0
             if why in (AT_END, IS_CLOSED):
-                return places, Stop(END if why == AT_END else CLOSED, places[-1].p)
-            if len(places) >= bounds.most:
-                break
-        state, kept = rechart(state, step, keep=kept > 0), kept - 1
-        past = _leap(state, bounds) if _is_near_helix(state) else None
+                return arclength.Stride(places, state, step, END if why == AT_END else CLOSED)
+            if len(places) >= left:
+                return arclength.Stride(places, state, step)
+        state, self.kept = rechart(state, step, keep=self.kept > 0), self.kept - 1
+        past = leap_on(state, self.bounds) if is_near_helix(state) else None
         if past is not None:
-            creeps = creeps + 1 if _creeps(state, past, bounds, True) else 0
-            if creeps > _CREEPS:
-                return places, Stop(_CREEPING, state.p)
-            state, place = past, past.record()
-            places.append(replace(place, p=bounds.snap(place.p)))
-            if bounds.is_end(places[-1], state.rises):
-                return places, Stop(END, places[-1].p)
-            continue
-        there, passed = _pass(state, _step(state, step, bounds), bounds)
+            return self._arrive(places, state, past, [past.record()], step, True)
+        there, passed = _pass(state, _step(state, step, self.bounds), self.bounds)
         if isinstance(there, str) and step < NARROW:
             for other in in_other_charts(state):
-                again, passed = _pass(other, _step(other, step, bounds), bounds)
+                again, passed = _pass(other, _step(other, step, self.bounds), self.bounds)
                 if not isinstance(again, str):
-                    state, there, kept = other, again, _KEPT
+                    state, there, self.kept = other, again, _KEPT
                     break
-        if isinstance(there, str):
-            step, tried = step / 2, step
-            leap = _leap(state, bounds) if tried >= NARROW > step or step < SHORTEST else None
-            if leap is None and step >= SHORTEST:
-                continue
-            if leap is None:
-                return places, Stop(f"the step became too small: {there}", state.p)
-            creeps = creeps + 1 if _creeps(state, leap, bounds, True) else 0
-            there, passed, step = leap, [leap.record()], FIRST
-        else:
-            creeps = creeps + 1 if _creeps(state, there, bounds, False) else 0
+        if not isinstance(there, str):
             bend = max(there.node.bend, 1e-6)
-            step = min(LONGEST, step * float(np.clip(np.sqrt(_EASY_BEND / bend), 0.3, 2.0)))
-        if creeps > _CREEPS:
-            return places, Stop(_CREEPING, state.p)
+            longer = step * float(np.clip(np.sqrt(_EASY_BEND / bend), 0.3, 2.0))
+            return self._arrive(places, state, there, passed, longer, False)
+        half = step / 2
+        beyond = leap_on(state, self.bounds) if step >= NARROW > half or half < _LENGTHS.least else None
+        if beyond is not None:
+            return self._arrive(places, state, beyond, [beyond.record()], _LENGTHS.first, True)
+        stuck = f"the step became too small: {there}" if half < _LENGTHS.least else ""
+        return arclength.Stride(places, state, half, stuck)
+
+    def _arrive(
+        self, places: list[Place], state: State, there: State, passed: list[Place], step: float, leap: bool
+    ) -> arclength.Stride[Place, State]:
+        """The places of a stride from a state, at the last of which the branch may end; leap: whether it is a leap."""
+        self.creeps = self.creeps + 1 if creeps(state, there, self.bounds, leap) else 0
+        if self.creeps > _CREEPS:
+            return arclength.Stride(places, state, step, _CREEPING)
         for place in passed:
-            places.append(replace(place, p=bounds.snap(place.p)))
-            if _is_same(place, first):
-                return places, Stop(CLOSED, place.p)
-            if bounds.is_end(place, there.rises):
-                return places, Stop(END, places[-1].p)
-        state = there
-    return places, Stop(_limit(bounds), state.p)
+            places.append(replace(place, p=self.bounds.snap(place.p)))
+            if _is_same(places[-1], self.first):
+                return arclength.Stride(places, there, step, CLOSED)
+            if self.bounds.is_end(places[-1], there.rises):
+                return arclength.Stride(places, there, step, END)
+        return arclength.Stride(places, there, step)
 
 
 def _step(state: State, step: float, bounds: Bounds) -> State | str:
@@ -244,78 +253,6 @@ def _locate(state: State, low: float, high: float, zero: Callable[[State], float
         return distance, at(distance)
     except ArithmeticError:
         return None
-
-
-def _creeps(state: State, there: State, bounds: Bounds, leap: bool) -> bool:
-    """Whether p changes by rounding; or, in a leap beside a helix, by little of the way to the next halt."""
-    far, ahead = abs(there.p - state.p), abs(bounds.next(state.p, state.rises > 0) - state.p)
-    if far < 100 * bounds.rounding:
-        return True
-    return leap and far < _LITTLE * ahead and bool(np.ptp(_shape(there)) < _SLIGHT)
-
-
-def _shape(state: State) -> Array:
-    """beta along the rod."""
-    at = state.curve.at(state.node.w)
-    return np.empty(0) if at is None else shape_of(orbit_of(at[0].problem, at[1]))[0]
-
-
-def _is_near_helix(state: State) -> bool:
-    """Whether the rod would be a helix at a parameter so near that its level leaves the range of floats there."""
-    found, family = state.curve.at(state.node.w), state.curve.family
-    if found is None or abs(np.sin((found[0].start - found[0].end) / 2)) > (_BESIDE_HINGE if family.hinged else 0):
-        return False
-    problem = found[0].problem
-    near = _BESIDE_HELIX if family.is_dead else _BESIDE_HELD_HELIX
-    pull = np.abs([slope(problem, end)[0] for end in (problem.beta0, problem.betaL)])
-    if not 0 < pull.max() < near * height_scale(problem):
-        return False
-    return not family.hinged or bool(np.ptp(_shape(state)) < _SLIGHT)  # ends of a long rod rest next to saddles too
-
-
-def _held_leap(
-    here: HeldState, p: float, rises: bool, family: Family, bounds: Bounds, share: float = _HELD_LEAP
-) -> State | str:
-    """The equilibrium beyond a helix, or from it on, by the continuation of `continuation`.
-
-    share: of p's scale, the longest way.
-    """
-    far = p + float(np.clip(bounds.next(p, rises) - p, -share * family.scale, share * family.scale))
-    given = family.given(far)
-    if given is None:
-        return LEFT
-    found = carry(here, given)
-    if isinstance(found, Stopped):
-        return found.reason
-    return begin_at(replace(family, begun=found.problem), found.path, far, rises)
-
-
-def _leap(state: State, bounds: Bounds) -> State | None:
-    """The equilibrium a little farther on, with a close shape and the same Morse index."""
-    if not state.curve.family.is_dead:
-        at = state.curve.at(state.node.w) if _is_near_helix(state) else None
-        if at is None:
-            return None
-        family = state.curve.family
-        here = state_of(at[0].problem, at[1], family.hinged)
-        for share in (_HELD_LEAP, *(_SHORTER if family.hinged else ())):
-            found = _held_leap(here, state.p, state.rises > 0, family, bounds, share)
-            if not isinstance(found, str):
-                return found
-        return None
-    return _leap_from(state.curve.family, state.path(), state.p, state.rises > 0, bounds)
-
-
-def _leap_from(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> State | None:
-    far = p + float(np.clip(bounds.next(p, rises) - p, -family.scale, family.scale))
-    first, last = family.place(p), family.place(far)
-    if first is None or last is None:
-        return None
-    found = leap(Line(first.problem, last.problem), first.problem, path, 0.0)
-    if found is None:
-        return None
-    begun = begin_at(family, found[0].path, p + found[1] * (far - p), rises)
-    return None if isinstance(begun, str) else begun
 
 
 def _is_same(place: Place, first: Place) -> bool:

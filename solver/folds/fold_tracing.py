@@ -5,14 +5,15 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..numerics.arclength import Lengths, Stride, trace
 from ..numerics.arrays import Array
 from .fold_newton import FOLD, CurvePoint, CurveSystem, FoldSystem, correct
 from .separatrix_folds import SeparatrixSystem, deep_system
 
-_FIRST, LONGEST, _SHORTEST = 0.01, 0.04, 2e-6  # steps, in shares of the ranges
+_LENGTHS = Lengths(first=0.01, longest=0.04, least=2e-6)  # of steps, in shares of the ranges
 _TURN, _EASY = 0.9, 0.985  # cosines of the angle between two tangents: a step too long, and one that may grow
 PIECES = 8  # of the polyline between two points
-_MOST = 4000  # steps of a curve
+_MOST = 4000  # points of a curve
 _HALVINGS = 20
 BORDER, CLOSED, STOPPED, LEFT = "border", "closed", "stopped", "left"
 
@@ -28,44 +29,29 @@ class Trace:
 
 def one_way(system: CurveSystem, seed: CurvePoint) -> tuple[list[CurvePoint], str]:
     """The points after the seed, to the border of the rectangle or closed, and how the stretch ends."""
-    found: list[CurvePoint] = []
-    here, step = seed, _FIRST
-    for _ in range(_MOST):
+
+    def stride(here: CurvePoint, step: float, found: list[CurvePoint]) -> Stride[CurvePoint, CurvePoint] | str:
         guess = here.x + step * here.tangent
-        side = _pass(guess)
         there = correct(system, guess, here.tangent, float(here.tangent @ guess))
         cosine = -1.0 if there is None else float(there.tangent @ here.tangent)
-        if there is None or cosine < _TURN or np.abs(there.x - guess).max() > 0.5 * step:
-            border = _border(system, here, step) if there is None and side is not None else None
-            if border is not None:
-                return [*found, border], BORDER
-            step /= 2
-            if step < _SHORTEST:
-                return found, STOPPED
-            continue
-        if _pass(there.x) is not None:
-            border = _border(system, here, step)
-            if border is not None:
-                return [*found, border], BORDER
-            step /= 2
-            if step < _SHORTEST:
-                return found, BORDER
-            continue
+        far = there is not None and (cosine < _TURN or np.abs(there.x - guess).max() > 0.5 * step)
+        beyond = not far and _is_beyond(guess if there is None else there.x)
+        border = _border(system, here, step) if beyond else None
+        if border is not None:
+            return Stride([border], border, step, BORDER)
+        if there is None or far or beyond:
+            return BORDER if beyond and there is not None else STOPPED
         if len(found) > 3 and _returns(seed, here, there):
-            return found, CLOSED
-        found.append(there)
-        here = there
-        if system.leaves(there.x):
-            return found, LEFT
-        step = min(step * (1.6 if cosine > _EASY else 1.0), LONGEST)
-    return found, STOPPED
+            return Stride([], here, step, CLOSED)
+        return Stride([there], there, step * (1.6 if cosine > _EASY else 1.0), LEFT if system.leaves(there.x) else "")
+
+    points, end = trace(seed, stride, _LENGTHS, _MOST)
+    return points, end or STOPPED
 
 
-def _pass(x: Array) -> tuple[int, float] | None:
-    """The border beyond which x lies: the number of the share, and its value; None inside."""
-    over = np.maximum(x[1:3] - 1, -x[1:3])
-    k = int(np.argmax(over))
-    return (k, 1.0 if x[1 + k] > 0.5 else 0.0) if over[k] > 0 else None
+def _is_beyond(x: Array) -> bool:
+    """Whether x lies beyond the border."""
+    return bool(np.maximum(x[1:3] - 1, -x[1:3]).max() > 0)
 
 
 def _border(system: CurveSystem, here: CurvePoint, step: float) -> CurvePoint | None:

@@ -5,8 +5,9 @@ unknown has an extremum. The sign of det [F'; t], t being the tangent, is consta
 on the two neighbours of a curve, so a step onto a neighbour would turn the tangent round, and is refused.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -17,6 +18,8 @@ _ENDING = Ending(rounds=10, goal=1e-12, small=1e-9, growth=0.5, stall=0.5)
 _OFF, _COSINE = 0.25, 0.92  # of the distance from the predictor to the length of a step; of the turn of the tangent
 
 LEFT = "the curve ends"
+Place = TypeVar("Place")
+State = TypeVar("State")
 
 
 class Curve(Protocol):
@@ -44,6 +47,60 @@ class Node:
     tangent: Array
     sign: float
     bend: float = 0.0
+
+
+@dataclass(frozen=True)
+class Lengths:
+    """The length of the first step, of the longest, and that below which a curve is given up."""
+
+    first: float
+    longest: float
+    least: float
+
+
+@dataclass(frozen=True, eq=False)
+class Stride(Generic[Place, State]):
+    """What a step leads to: points in order, from where to go on, the next step, and why the curve ends, if it does."""
+
+    points: list[Place]
+    here: State
+    step: float
+    end: str = ""
+
+
+def trace(
+    here: State,
+    stride: Callable[[State, float, list[Place]], Stride[Place, State] | str],
+    lengths: Lengths,
+    most: int,
+) -> tuple[list[Place], str]:
+    """The points of a curve after the first, and why there are no more; "" where there are `most` of them.
+
+    Every curve of the solver is traced here: branches, fold curves, and branches of rods with weight.
+
+    Parameters
+    ----------
+    here : any type
+        Where the curve begins.
+    stride : callable
+        Of where it is, the length of a step and the points before: the step, with what happens on the way; or why it is
+        refused, and is tried at half the length.
+    lengths : Lengths
+    most : int
+    """
+    found, step = list[Place](), lengths.first
+    while len(found) < most:
+        there = stride(here, step, found)
+        if isinstance(there, str):
+            step /= 2
+            if step < lengths.least:
+                return found, there
+            continue
+        found += there.points
+        if there.end:
+            return found, there.end
+        here, step = there.here, min(lengths.longest, there.step)
+    return found, ""
 
 
 def node_at(curve: Curve, w: Array, along: Array) -> Node | str:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..numerics.arclength import Lengths, Stride, trace
 from ..numerics.arrays import Array
 from ..problem.errors import InputError
 from .curve import Curve, Point, inner
@@ -12,7 +13,8 @@ from .newton import SAME, Shape, is_same
 
 FOLD, PITCHFORK, BRANCH_POINT = "fold", "pitchfork", "branch point"
 END, CLOSED = "the end of the range", "the branch is closed"
-FIRST, LONGEST, LEAST = 0.02, 0.1, 1e-5  # steps along the curve, in the sizes of the angles and of x
+LOST = "Newton's method did not converge on the way"
+LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of x
 SHORT = 1e-3  # step, within which several branch points are one
 COSINE = 0.9  # least, of the turn of the tangent in a step
 NARROW = 1e-4  # of a step: how closely a branch point is enclosed, at which the equations are singular
@@ -102,40 +104,37 @@ def stages(
     wanted: values at which there are points, those of the first and of both limits included.
     """
     tangent = first.point.tangent * np.sign(first.point.tangent[-1] or 1.0) * sense
-    here, step = replace(first, point=replace(first.point, tangent=tangent)), FIRST
-    found: list[Stage] = []
-    while len(found) < most:
+
+    def stride(here: Stage, step: float, _: list[Stage]) -> Stride[Stage, Stage] | str:
         there = ahead(curve, here, step)
-        special = None
-        if there is not None and abs(there.index - here.index) > 1 and step > SHORT:  # several branch points
-            there = None
-        elif there is not None:
-            turned = here.point.tangent[-1] * there.point.tangent[-1] < 0
-            if turned or there.index != here.index:
-                special = special_between(curve, here, there, step)
-                there = special and there
-        if there is None:
-            step /= 2
-            if step < LEAST:
-                return found, "Newton's method did not converge on the way"
-            continue
-        for target in (special, there) if special is not None else (there,):
+        if there is None or (abs(there.index - here.index) > 1 and step > SHORT):  # several branch points
+            return LOST
+        targets = [there]
+        if here.point.tangent[-1] * there.point.tangent[-1] < 0 or there.index != here.index:
+            special = special_between(curve, here, there, step)
+            if special is None:
+                return LOST
+            targets.insert(0, special)
+        points: list[Stage] = []
+        for target in targets:
             a, b = here.x, target.x
             inside = sorted((v for v in wanted if min(a, b) < v < max(a, b)), reverse=bool(b < a))
             for value in inside:
                 met = at_value(curve, here, target, float(value))
                 if met is None:
                     continue
-                found.append(met)
+                points.append(met)
                 if value in limits:
-                    return found, END
+                    return Stride(points, there, step, END)
                 if value == first.x and is_same(met.point.shape, first.point.shape):
-                    return found, CLOSED
-            found.append(target)
+                    return Stride(points, there, step, CLOSED)
+            points.append(target)
             here = target
-        here = there
-        step = min(LONGEST, step * 1.6) if there.point.shape.steps <= 4 else step
-    return found, f"the limit of {most} points"
+        return Stride(points, there, step * (1.6 if there.point.shape.steps <= 4 else 1.0))
+
+    begun = replace(first, point=replace(first.point, tangent=tangent))
+    found, why = trace(begun, stride, LENGTHS, most)
+    return found, why or f"the limit of {most} points"
 
 
 def both_ways(curve: Curve, shape: Shape, x: float, low: float, high: float, wanted: Array, most: int) -> (

@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fit, follow, observe, solve
 from solver.core.varying_loads import MOST_STEPS, march
+from solver.numerics.arclength import Lengths
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.reduced import reduce
 from solver.shooting.branch import buckling_tension, straight_shape
@@ -298,8 +299,7 @@ def test_no_branch_is_changed_in_silence(seed: int, monkeypatch: pytest.MonkeyPa
     if not sol.solved:
         pytest.skip(str(sol.outcome))
     for first, longest in ((0.02, 0.1), (0.006, 0.025)):
-        monkeypatch.setattr("solver.shooting.following.FIRST", first)
-        monkeypatch.setattr("solver.shooting.following.LONGEST", longest)
+        monkeypatch.setattr("solver.shooting.following.LENGTHS", Lengths(first, longest, 1e-5))
         ways.append(follow(sol, FZ=float(ends.FZ) - 2))
     long, short = ways
     assert [one.kind for one in long.special] == [one.kind for one in short.special]
