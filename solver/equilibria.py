@@ -28,6 +28,7 @@ __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
 
 MOST_SWINGS = 200
 LARGEST_SWINGS, MOST_TRIES, MOST_VALUES, MOST_LISTED = 10_000, 10_000, 1_000, 100_001  # of one call
+FINE = 801  # stations of an equilibrium without weight, whose shape weight changes
 NONE_FOUND = "incomplete: no equilibrium was found, and by degree there is always one"
 
 
@@ -174,12 +175,19 @@ def meant(found: list[Equilibrium], choose: Choose = NEAREST) -> Equilibrium | N
     return None if i is None else found[i]
 
 
+def without_weight(case: Case) -> Case:
+    """The same case of a rod without weight."""
+    return Case(
+        replace(case.rod, weight=None), replace(case.cylinder, inclination=None), replace(case.given, alpha=0.0)
+    )
+
+
 def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
     """The equilibria that a search finds, lowest energy first. Raises `InputError` for what it does not search."""
     from .problem.reduced import flat
     from .shooting.answers import answer_ends, shape_path
     from .shooting.numbers import rods_of
-    from .shooting.search import LONGEST, search
+    from .shooting.search import HEAVIEST, LONGEST, MOST_NODES, search
 
     if not isinstance(case.given, Ends):
         raise InputError(f"equilibria needs a Case with Ends, got {type(case.given).__name__}")
@@ -192,7 +200,9 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
         raise InputError(
             "with weight equilibria needs FZ and M3, got a held height or rotation; solve gives one of them"
         )
-    found = search(rod)
+    follows = not held_of(case) and rod.nodes().size <= MOST_NODES
+    light = equilibria(without_weight(case), tol, FINE) if follows else []
+    found = search(rod, [one.solution for one in light])
     t = flat(case.rod.L / case.rho, case.shape)[:, None] * np.linspace(0, 1, stations)
     listed = []
     for shape, index, how in zip(found.shapes, found.index, found.how, strict=True):
@@ -201,10 +211,13 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
         seen = observe(solution, ["turns", "attached"])
         numbers = held_energy(solution), float(solution.dbeta[0]), int(seen["turns"]), float(seen["attached"])
         listed.append(Equilibrium(solution, index, *numbers, stray(solution), path, -1, how))
-    scanned = (
-        ", and by a scan of the start" if found.scanned else f"; only rods of at most {LONGEST:g} radii are scanned"
-    )
-    said = [f"not proved complete: searched from the straight rod, along the weakest modes{scanned}"]
+    ways = ["from the straight rod", "along the weakest modes"]
+    if follows:
+        ways.append(f"from {len(light)} equilibria without weight, which grows to {HEAVIEST:g} times this one")
+    ways += ["by a scan of the start"] * bool(found.scanned)
+    said = [f"not proved complete: searched {', '.join(ways[:-1])}, and {ways[-1]}"]
+    if not found.scanned:
+        said.append(f"only rods of at most {LONGEST:g} radii are scanned")
     count = sum((-1) ** index for index in found.index)
     ends = rod.held & {"beta0", "betaL"}
     if ends and "azimuth" not in rod.held:

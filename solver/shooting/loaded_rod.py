@@ -117,6 +117,12 @@ class LoadedRod:
         numbers[3] *= part
         return replace(self, numbers=numbers)
 
+    def with_weight(self, part: float) -> "LoadedRod":
+        """The rod with a share of its weight."""
+        numbers = self.numbers.copy()
+        numbers[1:3] *= part
+        return replace(self, numbers=numbers)
+
     @property
     def straight(self) -> bool:
         """Whether the straight rod along the axis is an equilibrium."""

@@ -1,21 +1,30 @@
 """Equilibria of one rod with weight that a search finds: never all of them, as nothing proves a list complete."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ..core.varying_loads import march
 from ..numerics.arrays import Array, Booleans
-from .branch import branch_from_straight, straight_shape
+from .branch import CLOSE, branch_from_straight, straight_shape
+from .curve import Curve
 from .descent import index_at, on_nodes, weakest_modes
-from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
+from .following import begin, stage, stages
+from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import Shape, correct, is_same
 
 LONGEST = 10.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
 CELLS = 120, 80  # of the scan, over beta_t(0) or beta(0) and over q(0)
 ROUNDS, AMPLITUDES = 3, (0.1, 0.3, 1.0)  # of the search along the weakest modes
+MOST_KNOWN = 30  # equilibria from which it begins
 WIDE = 5  # times the largest load: the range of a reaction
+HEAVIEST = 2.0  # times the weight: how far a branch is followed from no weight, as some turn back on the way
+MOST_NODES, MOST_POINTS = 100, 150  # of a rod that is followed from no weight; of a branch
+MOST_MODES, SMALL = 8, 0.05  # of the straight rod, whose branches are followed; their first amplitude
 STRAIGHT, MODES, SCAN = "the branch of the straight rod", "weakest modes", "scan of the start"
+WEIGHT, BUCKLED = "growth of the weight", "a buckling load of the straight rod"
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +45,11 @@ class Found:
         self.how.append(how)
 
 
-def search(rod: LoadedRod) -> Found:
-    """The equilibria that are found from the straight rod, along weakest modes, and of a short rod by a scan."""
+def search(rod: LoadedRod, light: Sequence[Any] = ()) -> Found:
+    """The equilibria that are found from the straight rod, from those without weight, along modes and by a scan.
+
+    light: solutions of the rod without weight. A long rod is not scanned.
+    """
     t = rod.nodes()
     scanned = ranges(rod) if rod.span <= LONGEST else None
     found = Found([], [], [], scanned)
@@ -46,18 +58,91 @@ def search(rod: LoadedRod) -> Found:
     begun = branch_from_straight(rod)
     if begun.shape is not None:
         found.add(on_nodes(begun.shape, t), STRAIGHT)
+    for shape in buckling_shapes(rod, t):
+        found.add(shape, BUCKLED)
+    for shape in shapes_from_no_weight(rod, t, light):
+        found.add(shape, WEIGHT)
     if scanned is not None:
         for y in starts(rod, t, *scanned):
             found.add(correct(Shape(rod, t, y), reach=1.0, most=15), SCAN)
     done = 0
     for _ in range(ROUNDS):
-        known, done = found.shapes[done:], len(found.shapes)
+        known, done = found.shapes[done:MOST_KNOWN], len(found.shapes)
         for shape in known:
             for mode in weakest_modes(shape, 2):
                 for size in AMPLITUDES:
                     for sign in (1, -1):
                         guess = replace(shape, y=shape.y + sign * size * mode)
                         found.add(correct(guess, reach=1.0, most=15), MODES)
+    return found
+
+
+def shapes_from_no_weight(rod: LoadedRod, t: Array, light: Sequence[Any]) -> Iterator[Shape]:
+    """The shapes at the weight of a rod on the branches of its equilibria without weight, at nodes t."""
+    curve = Curve(rod.with_weight, 1.0, rod.scale)
+    seen: list[Shape] = []  # other ends of branches that come back to no weight
+    for solution in light:
+        first = begin(curve, light_shape(rod, t, solution), 0.0)
+        if first is None or any(is_same(first.point.shape, one) for one in seen):
+            continue
+        wanted = np.array([0.0, 1.0, HEAVIEST])
+        points, _ = stages(curve, first, 1.0, (0.0, HEAVIEST), wanted, MOST_POINTS)
+        seen += [one.point.shape for one in points if one.x == 0]
+        yield from (replace(one.point.shape, rod=rod) for one in points if one.x == 1)
+
+
+def light_shape(rod: LoadedRod, t: Array, solution: Any) -> Shape:
+    """A solution of the rod without weight, at nodes t."""
+    y, rho, at = rod.with_weight(0.0).lying(t), solution.case.rho, solution.s / solution.case.rho
+    y[:, Q] = rod.far[1] - rod.far[3]
+    for column, values in ((BETA, solution.beta), (SPEED, solution.dbeta * rho), (ALPHA, solution.alpha)):
+        y[:, column] = np.interp(t, at, values)
+    y[:, ALPHA] += rod.near[1] - y[0, ALPHA]
+    y[:, SHORT] = t - np.interp(t, at, solution.z / rho)
+    return Shape(rod.with_weight(0.0), t, y)
+
+
+def buckling_shapes(rod: LoadedRod, t: Array) -> Iterator[Shape]:
+    """The shapes on the branches that leave the straight rod at its lowest buckling loads, and their mirror images."""
+    if not rod.straight:
+        return
+    straight = straight_shape(rod, t)
+    curve = Curve(rod.share, 1.0, rod.scale)
+    for share, count in buckling_shares(rod, t):
+        at_load = straight_shape(rod.share(share), t)
+        for mode in weakest_modes(at_load, count):
+            point = curve.correct(replace(at_load, y=at_load.y + SMALL * mode), share, curve.direction(mode, 0.0))
+            if point is None:
+                continue
+            sense = 1.0 if point.tangent[-1] >= 0 else -1.0
+            points, _ = stages(curve, stage(point), sense, (0.0, 1.0), np.array([0.0, 1.0]), MOST_POINTS)
+            for one in points:
+                if one.x == 1:
+                    shape = replace(one.point.shape, rod=rod)
+                    yield shape
+                    mirror = correct(replace(shape, y=2 * straight.y - shape.y), most=15)
+                    if mirror is not None:
+                        yield mirror
+
+
+def buckling_shares(rod: LoadedRod, t: Array) -> list[tuple[float, int]]:
+    """The lowest shares of the loads at which the index of the straight rod rises, and by how much."""
+
+    def index(share: float) -> int:
+        return index_at(straight_shape(rod.share(share), t))
+
+    found: list[tuple[float, int]] = []
+    parts = [(0.0, index(0.0), 1.0, index(1.0))]
+    while parts and len(found) < MOST_MODES:
+        low, below, high, above = parts.pop()
+        if above <= below:
+            continue
+        if high - low < CLOSE:
+            found.append((high, above - below))
+            continue
+        middle = (low + high) / 2
+        now = index(middle)
+        parts += [(middle, now, high, above), (low, below, middle, now)]
     return found
 
 

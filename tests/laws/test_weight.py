@@ -20,6 +20,7 @@ from solver.shooting.loaded_rod import PHI, LoadedRod
 from solver.shooting.local_waves import compression, places, sinusoid, wave_shape
 from solver.shooting.newton import open_at
 from solver.shooting.numbers import rods_of
+from solver.shooting.search import buckling_shapes, buckling_shares
 from solver.shooting.slender_sinusoid import OVER, rows
 from solver.shooting.state import in_words
 
@@ -260,6 +261,26 @@ def test_the_equilibria_that_a_search_finds_are_counted_by_degree() -> None:
         assert one.solution.solved
         assert max(unbalanced(one.solution)) < 1e-9
         assert one.index == one.solution.held_index
+
+
+@pytest.mark.slow
+def test_branches_from_no_weight_find_equilibria_that_a_scan_misses() -> None:
+    """Without them 3 are found, which add up to 1 as well."""
+    rod, hole = Rod(EI=1.0, GJ=0.8, a=0.2, L=7.4075, weight=0.31598), Cylinder(R=0.8, inclination=2.69067)
+    ends = Ends(beta0=-0.21754, betaL=0.03348, FZ=-1.28128, M3=-0.33402, alpha=1.42703)
+    found = equilibria(Case(rod, hole, ends), stations=2001)
+    assert sorted(one.index for one in found) == [0, 0, 0, 1, 1]
+    assert max(max(unbalanced(one.solution)) for one in found) < 1e-8
+
+
+def test_the_branches_of_the_straight_rod_begin_at_each_buckling_load() -> None:
+    case = lying_pipe(1.2)
+    _, (rod,) = rods_of(case)
+    shapes = list(buckling_shapes(rod, rod.nodes()))
+    below = int((buckling_loads(case) < 1.2 * BUCKLES).sum())
+    assert len(buckling_shares(rod, rod.nodes())) == below
+    assert sorted(index_at(one) for one in shapes) == [0, 0, 0, 0, 1, 1]
+    assert max(np.abs(open_at(one)).max() for one in shapes) < 1e-12
 
 
 def test_a_light_rod_that_goes_far_round_has_the_index_of_a_discrete_rod() -> None:
