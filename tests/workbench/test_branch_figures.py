@@ -136,7 +136,8 @@ def test_a_legend_that_names_laws_stands_in_a_picture_that_says_them(dead) -> No
     judged = branch_dataset.sweep(load("fig7_4_end_angle"), case, "betaL", np.linspace(0.2, 0.5, 3), lambda text: None)
     for ds, laws in ((judged, True), (dead, False)):
         fig = bifurcation.figure(ds)
-        named = any("law" in text.get_text() for text in fig.axes[0].get_legend().get_texts())
+        legends = [*fig.legends, *filter(None, (ax.get_legend() for ax in fig.axes))]
+        named = any("law" in text.get_text() for legend in legends for text in legend.get_texts())
         said = "the number of bends does not fall and mean κ rises with β(L)" in " ".join(legend_title(fig).split())
         assert (named, said) == (laws, laws)
 

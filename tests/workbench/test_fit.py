@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.text import Text
 
 from solver import Case, Cylinder, Rod, Start, fit, observe, solve
 from studies import load
@@ -178,14 +177,10 @@ def test_z_is_to_the_right_of_the_curve_also_where_it_is_the_shorter_extent(case
     figure, _ = drawn(case, ["M3"])
     panel = figure.axes[0]
     assert panel.get_xlabel().startswith("z ")
-    assert panel.get_ylabel().startswith("distance")
+    assert "around" in panel.get_ylabel()
     assert panel.yaxis_inverted()
     box, legend = panel.get_window_extent(), panel.get_legend().get_window_extent()
-    title = next(
-        text for text in panel.findobj(Text) if text.get_text() == panel.get_title(loc="left")
-    ).get_window_extent()
     assert box.y1 <= legend.y0 + 1
-    assert legend.y1 <= title.y0 + 1
     assert box.width > least * figure.bbox.width
     assert box.height > 0.1 * figure.bbox.height
 

@@ -124,7 +124,7 @@ def two() -> xr.Dataset:
 def test_one_panel_is_drawn_alone_and_an_unknown_one_is_refused(two) -> None:
     alone = study_figure.figure(two, sheet=sheet(panel="(2)"))
     assert len(alone.axes) == 1
-    assert alone.axes[0].get_ylabel() == "max κ [1/cm]"
+    assert alone.axes[0].get_ylabel() == "largest curvature  max κ [1/cm]"
     assert len(study_figure.figure(two, sheet=sheet(panel="R")).axes) == 1
     with pytest.raises(InputError, match=r"no panel '\(3\)', did you mean '\(2\)'; choose from E, R, \(2\)"):
         study_figure.figure(two, sheet=sheet(panel="(3)"))
@@ -210,8 +210,8 @@ def test_laws_of_one_claim_are_panels_of_their_own(two) -> None:
     both = [rows[0], {**rows[0], "observable": "turns"}]
     assert len(study_figure.figure(two, both, sheet(panel="(2)")).axes) == 2
     (ax,) = study_figure.figure(two, both, sheet(panel="(2) turns")).axes
-    assert ax.get_ylabel() == "bends"
-    assert ax.get_title(loc="left").startswith("(2): number of bends ")
+    assert ax.get_ylabel() == "number of bends"
+    assert ax.get_title(loc="left").startswith("(2): ")
 
 
 def test_maps_that_stand_one_below_the_other_have_equal_widths() -> None:

@@ -22,6 +22,7 @@ from .sheet import SCREEN, Sheet
 
 HIGH, TALL = (0.46, 0.62), (0.42, 0.62)  # of the width of a page and of a column: the diagram, all shapes
 MOST = 16, 8  # shapes; those on one column of a page
+MOST_INSIDE = 4  # entries of a legend that find a free place in the diagram
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
 HIDDEN = 0.03  # of a panel: marks would cover a shorter stable piece
 SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed ones would look solid
@@ -50,16 +51,19 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         notes = _laws(ds)
         below = form.size[1] if form is not None else 0.0
         grid = fig.add_gridspec(1 + bool(shapes), 1, height_ratios=[high, *[below] * bool(shapes)])
-        ax, rings = panel(ds, fig.add_subplot(grid[0]), shown, high), list[Any]()
-        legend.add(ax)
+        ax = panel(ds, fig.add_subplot(grid[0]), shown, high)
+        key = legend.entries(ax)
+        if len({one.get_label() for one in key}) <= MOST_INSIDE:
+            legend.add(ax)
+            key = []
         if form is not None:
             cell = fig.add_subplot(grid[1])
             shape_rows.draw(cell, shapes, form, labels.unit(str(ds["shape_z"].attrs.get("units", "1"))))
-            rings = unrolled.ring_entries(cell)
+            key += unrolled.ring_entries(cell)
             some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
             notes.append(f"Unrolled views at the points: {style.WAYS}, all at one scale{some}; dot: s = 0.")
             notes += _alike(ds, shown)
-        legend.below(fig, rings, notes, sheet)
+        legend.below(fig, key, notes, sheet)
 
     height = high + (form.size[1] if form is not None else 0.0) + 0.45 + (0.7 + 0.2 * len(_laws(ds))) * sheet.titled
     return canvas.figure((sheet.width, height), draw, ds, sheet=sheet)

@@ -49,7 +49,7 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     """
     unit = labels.unit(str(ds.attrs["length_unit"]))
     line, feet, points = ([_places(ds, part + name) for name in ("z", "alpha")] for part in ("", "foot_", "measured_"))
-    ax.plot(*line, color=style.PAIR[1], linewidth=2.0, label="fitted rod")
+    ax.plot(*line, color=style.PAIR[1], linewidth=1.2, label="fitted rod")
     if "measured_z" in ds:
         for a, b, c, d in zip(*points, *feet, strict=True):
             ax.plot((a, c), (b, d), color=style.INK, linewidth=0.9, zorder=1)
@@ -62,9 +62,8 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     factor = unrolled.stretch(*_extent(ds), room)
     ax.set_aspect(factor, anchor="NW")
     ax.set_xlabel(f"z [{unit}]{unrolled.larger(1 / factor)}")
-    ax.set_ylabel(style.wrap(f"{style.AROUND} [{unit}]{unrolled.larger(factor)}", ax, upward=True))
-    title = style.wrap("Unrolled view, seen from outside: z to the right", ax)
-    ax.set_title(title, loc="left", pad=22 if "measured_z" in ds else 6)
+    words = [f"{name} [{unit}]{unrolled.larger(factor)}" for name in (style.AROUND, "around the cylinder", "around")]
+    ax.set_ylabel(style.shorter(words, style.inches(ax)[1]))
     ax.margins(x=max(0.06, 0.55 / room[0]), y=0.12)  # room for s = 0
     ax.invert_yaxis()
     return ax
@@ -111,7 +110,7 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
     for draw, ends in ((ax.axvline, (low[0], high[0])), (ax.axhline, (low[1], high[1]))):
         for end in ends:
             draw(end, color=style.SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
-    text = f"95 % region of both; dashed: 95 % interval of each{also}"
+    text = f"95 % region; dashed: 95 % intervals{also}"
     ax.set_title(style.wrap(text, ax), loc="left")
     return ax
 
@@ -139,10 +138,10 @@ def shares(ds: xr.Dataset, ax: Axes) -> Axes:
         ax.invert_yaxis()
         ax.set_xlabel("share [%]")
     each = "each point" if "point_share" in ds else "each target"
-    title = f"Which data decide: share of {each} in what is known of {' and '.join(known)}"
+    title = f"share of {each} in what is known"
     if not known:
         ax.set_axis_off()
-        title = "Which data decide: no field has shares"
+        title = "no field has shares"
     ax.set_title(style.wrap(title, ax), loc="left")
     legend.add(ax, loc="best", ncols=max(len(known), 1))
     return ax

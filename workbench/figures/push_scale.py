@@ -69,8 +69,7 @@ def bar(
     if inside is not None:
         below, where = True, {"cax": inside, "orientation": "horizontal"}
     said = f"push [{labels.unit(unit)}]"
-    values = drawn.get_array()
-    pulled = values is not None and bool(np.min(values) < 0)
+    pulled = any(isinstance(one, LineCollection) and pulls(one.get_array()) for one in axes[0].collections)
     found = fig.colorbar(drawn, **where)
     found.set_label(said + "; below 0: lifts off" * pulled, size=style.small())
     (found.ax.xaxis if below else found.ax.yaxis).set_major_formatter(Ticks())

@@ -18,7 +18,7 @@ from .map_panel import HALO
 from .sheet import SCREEN, Sheet
 
 HIGH = 0.62  # height of the map over its width
-SHAPE, SMALL_SHAPE = 0.85, 0.4  # inches, the side of a shape, and that on a narrow map
+SHAPE, SMALL_SHAPE = 0.6, 0.4  # inches, the side of a shape, and that on a narrow map
 NARROW = 4.0  # inches of a map
 MOST, PAD = 4, 0.05  # shapes in a region; inches around a text
 GIVEN = ("the given rod", "the rod of Table 1")  # what the map was made of

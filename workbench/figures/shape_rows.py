@@ -117,15 +117,15 @@ def draw(ax: Axes, shapes: Sequence[Shape], form: Rows, unit: str) -> Any:
         if "push" in shape.look:
             drawn = push_scale.line(ax, shape.x, shape.y, **shape.look, label=name, shift=top, left=-left)
         else:
-            ax.plot(shape.x, shape.y, **shape.look, solid_capstyle="round", transform=where, zorder=3,
-                    clip_on=False, label=name)  # fmt: skip
-        ax.plot(shape.x[0], shape.y[0], "o", color=style.INK, markersize=2.8, zorder=4, transform=where,
-                clip_on=False, label="s = 0")  # fmt: skip
+            ax.plot(shape.x, shape.y, **shape.look, solid_capstyle="round", transform=where, zorder=3, label=name)
+        ax.plot(shape.x[0], shape.y[0], "o", color=style.INK, markersize=2.8, zorder=4, transform=where, label="s = 0")
         _write(ax, shape.text, (place[0], place[1]), form)
         if len(shape.rings):
             x, y = np.transpose(shape.rings)
             ax.scatter(x + left, y + top, s=RING**2, facecolors="none", linewidths=0.8, edgecolors=style.CROSSED,
-                       label=unrolled.THROUGH, zorder=5, clip_on=False)  # fmt: skip
+                       label=unrolled.THROUGH, zorder=5)  # fmt: skip
+    for artist in (*ax.lines, *ax.collections):
+        artist.set_clip_on(False)
     _draw_key(ax, form, unit)
     return drawn
 

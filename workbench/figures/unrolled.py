@@ -33,7 +33,7 @@ from .sheet import SCREEN, Sheet
 
 NAMES = ("alpha", "z", "push")
 MOST = 60
-TALLEST = 1.0  # the height of all strips of a figure as a share of its width
+TALLEST = 0.78  # the height of all strips of a figure as a share of its width
 BESIDE, BELOW = 0.65, 0.45  # inches of the labels beside the strips, and below them
 BAR, LEAST_BAR = 0.5, 1.6  # inches of the bar of colours below them; of the width of a place among them that it needs
 GAP, HEAD = 0.12, 0.2  # inches between two strips side by side, and for the name above each
