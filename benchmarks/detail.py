@@ -26,7 +26,7 @@ from workbench.geometry.refinement import Rings, rings
 from workbench.run import in_memory
 from workbench.scene import opengl
 from workbench.scene.body import Body, Surface, read
-from workbench.scene.kinds import KINDS
+from workbench.scene.scene_kinds import KINDS
 
 WIDE = 1450  # pixels of the picture that the rod's length fills
 ERRORS = (2.0, 0.5)

@@ -19,7 +19,7 @@ from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.support.ui import WebDriverWait
 
-from workbench.web.live import document
+from workbench.web.live import live_document
 from workbench.web.live.presets import PRESETS
 
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-quic",
@@ -70,7 +70,7 @@ move();
 def main(moves: int) -> None:
     """Save the page, move one slider of each rod, print medians / 95th percentiles in milliseconds."""
     folder = Path(tempfile.mkdtemp())
-    (folder / "rod.html").write_text(document.text(PRESETS, served=False), encoding="utf-8")
+    (folder / "rod.html").write_text(live_document.text(PRESETS, served=False), encoding="utf-8")
     options = webdriver.ChromeOptions()
     options.binary_location = "/usr/bin/chromium"
     for flag in (*FLAGS, f"--user-data-dir={folder / 'profile'}"):

@@ -21,7 +21,7 @@ from solver import Case, region_map
 from solver.folds.fold_curves import FoldCurve, fold_curves
 from solver.mechanics.potential import Loads, slope, slope_rate
 from studies import load
-from workbench.branches.equilibria import ends_problem
+from workbench.branches.ends_study import ends_problem
 
 RANGES: dict[str, Any] = {"betaL": ("-60deg", "90deg"), "FZ": (4.0, 12.0)}
 NODES, TOL = 401, 1e-8

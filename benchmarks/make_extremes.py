@@ -1,4 +1,4 @@
-"""Write workbench/compare/extremes.json: beta of the named extremes by Taylor series to 25 digits, where possible.
+"""Write workbench/compare/extreme_runs.json: beta of the named extremes by Taylor series to 25 digits, where possible.
 
 Run from the root: python -m benchmarks.make_extremes
 """

@@ -150,9 +150,9 @@ def plot(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Plot:
 
 def scene(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Scene:
     """The rods of a dataset, with a slider for each axis that `at` does not fix. Raises `InputError`."""
-    from .web.turntable import page
+    from .web.turntable import turntable_page
 
-    return Scene(page.html(ds, at))
+    return Scene(turntable_page.html(ds, at))
 
 
 def plot_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Plot:

@@ -15,7 +15,7 @@ from solver.folds.separatrix_folds import UNIT, SeparatrixSystem
 from solver.levels.census import census
 from solver.region_map import RegionMap
 from studies import load
-from workbench.branches.equilibria import ends_problem
+from workbench.branches.ends_study import ends_problem
 
 ROD = Rod(E=1.07e4, nu=0.25, a=0.25, L=3.0)
 CASE = Case(ROD, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, M3=5.0))

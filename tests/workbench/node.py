@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from solver.core import build
-from workbench.web.live import document
+from workbench.web.live import live_document
 
 NODE = shutil.which("node")
 needs_node = pytest.mark.skipif(NODE is None, reason="Node is not installed")
@@ -27,7 +27,8 @@ const answer = (value) => console.log(JSON.stringify(value, plain));
 def run(script: str, given: Any = None, modules: tuple[str, ...] = ()) -> Any:
     """What a script answers that may use the names that these modules export, `core`, and `given` (plain data)."""
     imports = "".join(
-        f"const {name} = await import({json.dumps((document.PAGE / f'{name}.mjs').as_uri())});\n" for name in modules
+        f"const {name} = await import({json.dumps((live_document.PAGE / f'{name}.mjs').as_uri())});\n"
+        for name in modules
     )
     command = [str(NODE), "--input-type=module", "-e", START + imports + script]
     done = subprocess.run(command, input=json.dumps(given), capture_output=True, text=True, timeout=120, check=False)

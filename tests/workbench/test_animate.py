@@ -16,7 +16,7 @@ from workbench import cli
 from workbench.commands import animate, console, study_scene
 from workbench.data import writing
 from workbench.run import in_memory
-from workbench.scene import film, kinds, opengl
+from workbench.scene import film, opengl, scene_kinds
 
 draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 DPI, SIZE = 50, (320, 212)  # of a scene in a frame
@@ -204,13 +204,15 @@ def test_the_scale_of_all_frames_is_one_whatever_their_legends_say() -> None:
 def test_a_film_has_as_many_frames_as_its_change_needs(tmp_path, capsys) -> None:
     study = loads(small.HEAD + "[axes.E]\nvalues = [1e4, 2e4]\n", default_name="soft")
     ds = in_memory.run(study)
-    more = study_scene.film_cases(ds, "E", {}, kinds.kind_of("plain"), "height", 200)
+    more = study_scene.film_cases(ds, "E", {}, scene_kinds.kind_of("plain"), "height", 200)
     assert more is not None
     assert 72 <= more.sizes["E"] <= 200
     moves = study_scene._motion(more, "E")
     assert moves.max() < 4 * np.median(moves)  # at an even pace
     near = ds.assign_coords(E=[1e4, 1.001e4])
-    few = study_scene.film_cases(near, "E", {}, kinds.kind_of("plain"), "height", 200)
+    few = study_scene.film_cases(near, "E", {}, scene_kinds.kind_of("plain"), "height", 200)
     assert few is not None
     assert few.sizes["E"] == 72  # three seconds
-    assert study_scene.film_cases(ds.assign_attrs(study=""), "E", {}, kinds.kind_of("plain"), "height", 200) is None
+    assert (
+        study_scene.film_cases(ds.assign_attrs(study=""), "E", {}, scene_kinds.kind_of("plain"), "height", 200) is None
+    )

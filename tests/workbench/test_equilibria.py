@@ -16,7 +16,7 @@ from studies.language.loader import loads
 from tests.cases import ends_in_units_of_rho
 from workbench import cli
 from workbench.branches import branch_dataset
-from workbench.branches.equilibria import ends_problem, write_cases
+from workbench.branches.ends_study import ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands.equilibria import DEFAULT, parse_axis
 from workbench.data import writing

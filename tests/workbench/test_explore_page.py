@@ -24,7 +24,7 @@ from studies.language.loader import loads
 from tests.workbench import browser
 from tests.workbench.live import served
 from tests.workbench.pictures import shares_of_push
-from workbench.web.live import document
+from workbench.web.live import live_document
 from workbench.web.live.presets import PRESETS
 
 pytestmark = pytest.mark.skipif(not (browser.BROWSER and browser.DRIVER), reason=browser.MISSING)
@@ -132,7 +132,7 @@ def page(driver, port) -> Iterator[Page]:
 def saved(tmp_path_factory) -> Path:
     """The page as a file."""
     path = tmp_path_factory.mktemp("page") / "rod.html"
-    path.write_text(document.text(PRESETS, served=False), encoding="utf-8")
+    path.write_text(live_document.text(PRESETS, served=False), encoding="utf-8")
     return path
 
 

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from solver import Case, Cylinder, Ends, InputError, Rod, follow, solve
 from workbench import cli
-from workbench.data import kinds
+from workbench.data import file_kinds
 
 ENDS = """title = "ends"
 stations = 51
@@ -62,7 +62,7 @@ def folder(tmp_path_factory) -> Path:
 def test_a_file_of_any_kind_is_summarised_and_drawn_or_called_what_it_is(name, folder, monkeypatch) -> None:
     monkeypatch.chdir(folder)
     what = MADE[name][1]
-    (kind,) = [kind for kind in kinds.KINDS if kind.what == what]
+    (kind,) = [kind for kind in file_kinds.KINDS if kind.what == what]
     status, said = run(f"summary {name}")
     assert status == 0, said
     assert what in said

@@ -11,7 +11,7 @@ from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 from tests.workbench import small
 from workbench import cli
 from workbench.data import law_verdicts, writing
-from workbench.run import in_memory, merge
+from workbench.run import file_merge, in_memory
 
 AXES = "[axes.E]\nvalues = [1e4, 2e4, 4e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0, 1.25]\n"
 LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
@@ -97,5 +97,5 @@ def test_every_command_tells_a_qualified_law_with_its_reason_and_counts_it(ds: x
         (tmp_path / f"{name}.toml").write_text(text)
         ran = CliRunner().invoke(cli.app, ["run", f"{tmp_path}/{name}.toml", "--out", f"{tmp_path}/{name}.h5"])
         assert (ran.exit_code, "1 law: 1 true in part" in ran.stdout) == (1, True), ran.output
-    done = merge.merge([tmp_path / "soft.h5", tmp_path / "stiff.h5"], tmp_path / "all.h5")
+    done = file_merge.merge([tmp_path / "soft.h5", tmp_path / "stiff.h5"], tmp_path / "all.h5")
     assert (law_verdicts.status(done["unsolved"], done["laws"]), done["laws"][0]["verdict"]) == (1, QUALIFIED)

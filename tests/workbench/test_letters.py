@@ -11,7 +11,7 @@ from solver.benchmark import ladders
 from studies import load
 from studies.language.loader import loads
 from tests.workbench import small
-from workbench.branches.equilibria import ends_problem
+from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.data import labels, law_verdicts, writing
 from workbench.figures import (

@@ -15,7 +15,7 @@ from solver import InputError
 from studies.language.loader import loads
 from tests.workbench import small
 from workbench.data import concatenation, dataset, law_verdicts, writing
-from workbench.run import in_memory, merge, study_store
+from workbench.run import file_merge, in_memory, study_store
 
 RADII = "[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "E"\ndirection = "falls"\nsource = "s"\n'
@@ -83,7 +83,7 @@ def assert_same_kinds(merged: xr.Dataset, whole: xr.Dataset) -> None:
 def test_what_is_joined_is_what_one_run_of_all_values_stores(split: str, tmp_path) -> None:
     parts, union = SPLITS[split]
     files = stored(tmp_path, *(one_by_one(axis("E", values) + RADII + LAW) for values in parts))
-    done = merge.merge(files, tmp_path / "all.h5")
+    done = file_merge.merge(files, tmp_path / "all.h5")
     assert (done["axis"], done["values"], done["cases"]) == ("E", len(union), 3 * len(union))
     with xr.open_dataset(tmp_path / "all.h5") as merged:
         assert_same(merged.load(), one_by_one(axis("E", union) + RADII + LAW))
@@ -97,7 +97,7 @@ def test_an_axis_of_any_field_can_be_joined_first_or_last(name: str, tmp_path) -
     other = axis("F3", [5.0, 10.0])
     before, after = ("", other) if name in "ER" else (other, "")
     solved = [in_memory.run(small.study(before + axis(name, row) + after, HEAD)) for row in (*parts, union)]
-    merge.merge(stored(tmp_path, *solved[:-1]), tmp_path / "all.h5", force=True)
+    file_merge.merge(stored(tmp_path, *solved[:-1]), tmp_path / "all.h5", force=True)
     with xr.open_dataset(tmp_path / "all.h5") as merged:
         # the tolerance of 1e-8 times condition: a case is not solved with the same neighbours in all of them
         xr.testing.assert_allclose(merged.drop_vars("error"), solved[-1].drop_vars("error"), rtol=1e-6, atol=1e-6)
@@ -107,7 +107,7 @@ def test_an_axis_of_any_field_can_be_joined_first_or_last(name: str, tmp_path) -
 def test_the_text_of_the_study_has_all_values_and_makes_the_same_case(tmp_path) -> None:
     degrees = "[axes.beta]\nvalues = [{}]\nunit = 'deg'\n"
     files = stored(tmp_path, *(one_by_one(degrees.format(v)) for v in ("15, 30", "20")))
-    merge.merge(files, tmp_path / "all.h5")
+    file_merge.merge(files, tmp_path / "all.h5")
     ds = writing.read(tmp_path / "all.h5")
     again = loads(ds.attrs["study"])
     np.testing.assert_array_equal(again.coordinates()["beta"], ds["beta0"])
@@ -119,7 +119,7 @@ def test_the_text_of_the_study_has_all_values_and_makes_the_same_case(tmp_path) 
 def test_values_that_are_evenly_spaced_are_told_so(tmp_path) -> None:
     halves = "[axes.E]\nfrom = {}\nto = {}\ncount = 4\n"
     files = stored(tmp_path, *(one_by_one(halves.format(a, b)) for a, b in ((1e4, 1.75e4), (2e4, 2.75e4))))
-    merge.merge(files, tmp_path / "all.h5")
+    file_merge.merge(files, tmp_path / "all.h5")
     text = writing.read(tmp_path / "all.h5").attrs["study"]
     assert "from = 10000.0\nto = 27500.0\ncount = 8" in text
 
@@ -131,9 +131,9 @@ def status(done: dict[str, Any]) -> int:
 @pytest.mark.slow
 def test_a_law_is_judged_again_on_all_values(tmp_path) -> None:
     falling, rising = counted(axis("E", [1e4, 2e4]) + LAW), counted(axis("E", [3e4, 4e4]) + LAW)
-    assert merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")["laws"][0]["verdict"] == "holds"
+    assert file_merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")["laws"][0]["verdict"] == "holds"
     rising["turns"][:] = 99
-    done = merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")
+    done = file_merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")
     assert (done["laws"][0]["verdict"], status(done)) == ("fails", 1)
 
 
@@ -141,7 +141,7 @@ def test_unsolved_cases_of_one_file_make_whole_numbers_of_the_other_real(tmp_pat
     good, bad = counted(axis("E", [1e4])), counted(axis("E", [2e4]))
     bad = small.with_outcomes(bad, ["failed: on purpose"])
     bad["turns"] = bad["turns"].astype(float) * np.nan
-    done = merge.merge(stored(tmp_path, good, bad), tmp_path / "all.h5")
+    done = file_merge.merge(stored(tmp_path, good, bad), tmp_path / "all.h5")
     assert (done["unsolved"], status(done)) == (1, 1)
     assert np.isnan(writing.read(tmp_path / "all.h5")["turns"].values).tolist() == [False, True]
 
@@ -176,7 +176,7 @@ def test_what_is_not_alike_is_named(sentence: str, tmp_path) -> None:
     files = stored(tmp_path, different(first), different(second, **how))
     sentence = sentence.replace("a has beta, which b has not", f"{files[0]} has beta, which {files[1]} has not")
     with pytest.raises(InputError, match=sentence) as refusal:
-        merge.merge(files, tmp_path / "all.h5")
+        file_merge.merge(files, tmp_path / "all.h5")
     assert "\n" not in str(refusal.value)
     assert sorted(os.listdir(tmp_path)) == ["0.h5", "1.h5"]
 
@@ -188,7 +188,7 @@ def test_the_same_case_with_other_numbers_is_refused_and_nothing_is_left_behind(
     with pytest.raises(
         InputError, match=f"{files[0]} and {files[1]} both hold E = 20000, but with other values of position"
     ):
-        merge.merge(files, tmp_path / "all.h5")
+        file_merge.merge(files, tmp_path / "all.h5")
     assert sorted(os.listdir(tmp_path)) == ["0.h5", "1.h5"]
 
 
@@ -196,21 +196,21 @@ def test_the_same_case_with_other_numbers_is_refused_and_nothing_is_left_behind(
 def test_one_file_a_followed_study_and_a_place_that_is_taken_are_refused(tmp_path) -> None:
     files = stored(tmp_path, one_by_one(E1), one_by_one(E2))
     with pytest.raises(InputError, match="two files or more, got 1"):
-        merge.merge(files[:1], tmp_path / "all.h5")
+        file_merge.merge(files[:1], tmp_path / "all.h5")
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(InputError, match="is not a study's dataset; give --force"):
-        merge.merge(files, tmp_path / "mine.txt")
+        file_merge.merge(files, tmp_path / "mine.txt")
     with pytest.raises(InputError, match="folder not found:"):
-        merge.merge(files, tmp_path / "absent" / "all.h5")
+        file_merge.merge(files, tmp_path / "absent" / "all.h5")
     follow = '[axes.betaL]\nfollow = true\nto = {}\ncount = 3\nunit = "deg"\n'
     followed = [in_memory.run(small.study(follow.format(to))) for to in (50, 60)]
     with pytest.raises(InputError, match="follows an equilibrium up to its fold"):
-        merge.merge(stored(tmp_path, *followed), tmp_path / "all.h5")
+        file_merge.merge(stored(tmp_path, *followed), tmp_path / "all.h5")
 
 
 def test_a_file_may_be_joined_into_itself(tmp_path) -> None:
     files = stored(tmp_path, one_by_one(E1), one_by_one(E2))
-    merge.merge(files, files[0])
+    file_merge.merge(files, files[0])
     assert writing.read(files[0])["E"].values.tolist() == [1e4, 2e4, 3e4]
 
 
@@ -218,10 +218,10 @@ def test_a_file_may_be_joined_into_itself(tmp_path) -> None:
 def test_small_blocks_write_the_same_bits_as_large_ones(tmp_path, monkeypatch) -> None:
     parts = one_by_one(axis("E", [1e4, 3e4]) + RADII), one_by_one(axis("E", [2e4, 3e4, 4e4]) + RADII)
     files = stored(tmp_path, *parts)
-    merge.merge(files, tmp_path / "large.h5")
+    file_merge.merge(files, tmp_path / "large.h5")
     for most in (7, 50):
         monkeypatch.setattr(concatenation, "WINDOW", 80 * most)
-        merge.merge(files, tmp_path / "small.h5")
+        file_merge.merge(files, tmp_path / "small.h5")
         with xr.open_dataset(tmp_path / "large.h5") as large, xr.open_dataset(tmp_path / "small.h5") as little:
             xr.testing.assert_identical(large.drop_attrs(deep=False), little.drop_attrs(deep=False))
 
@@ -229,7 +229,7 @@ def test_small_blocks_write_the_same_bits_as_large_ones(tmp_path, monkeypatch) -
 def test_versions_that_differ_are_both_kept(tmp_path) -> None:
     a, b = one_by_one(E1), one_by_one(E2)
     b.attrs["versions"] = json.dumps({**json.loads(b.attrs["versions"]), "numpy": "1.0"})
-    merge.merge(stored(tmp_path, a, b), tmp_path / "all.h5")
+    file_merge.merge(stored(tmp_path, a, b), tmp_path / "all.h5")
     with h5py.File(tmp_path / "all.h5") as file:
         told = json.loads(file.attrs["versions"])
     assert told["numpy"] == f"{dataset.versions()['numpy']}, 1.0"
@@ -242,7 +242,7 @@ def test_a_run_goes_on_from_what_was_joined(tmp_path) -> None:
     for path, values in zip(files, ([1e4, 2e4], [3e4]), strict=True):
         study_store.run_to_file(small.study(axis("E", values) + RADII, HEAD), path)
     joined = tmp_path / "small.h5"
-    merge.merge(files, joined)
+    file_merge.merge(files, joined)
     again = study_store.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), joined)
     assert again.finished_before
     assert again.statistics["outcomes"] == {"solved": 9}

@@ -19,7 +19,7 @@ from studies.language.loader import loads
 from tests.workbench import small
 from tests.workbench.page_faults import faults
 from workbench import cli
-from workbench.branches.equilibria import ends_problem
+from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands import plot
 from workbench.data import law_verdicts, writing

@@ -21,10 +21,10 @@ from workbench import cli
 from workbench.data import law_verdicts, reading, refined, writing
 from workbench.data.boundary import boundary, boundary_of_law
 from workbench.figures import canvas, kinds, map_figure, study_figure, thumbnails
-from workbench.run import block, in_memory, merge
+from workbench.run import block, file_merge, in_memory
+from workbench.run.file_summary import summary
 from workbench.run.progress import Meter
 from workbench.run.study_store import Options, run_to_file
-from workbench.run.summary import summary
 
 PLANE = """
 [base]
@@ -473,7 +473,7 @@ def test_refined_studies_are_not_merged(stored: Path, tmp_path) -> None:
     other = tmp_path / "other.h5"
     run_to_file(study(PLANE.replace("4e4", "5e4") + LAW), other, Options(workers=1))
     with pytest.raises(InputError, match="is a refined study, whose cases belong together"):
-        merge.merge([stored, other], tmp_path / "all.h5")
+        file_merge.merge([stored, other], tmp_path / "all.h5")
     assert not (tmp_path / "all.h5").exists()
 
 

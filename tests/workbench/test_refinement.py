@@ -13,7 +13,7 @@ from workbench.geometry import centreline, stored_line
 from workbench.geometry.refinement import rings, stations_for
 from workbench.run import in_memory
 from workbench.scene.body import Body, read
-from workbench.scene.kinds import KINDS
+from workbench.scene.scene_kinds import KINDS
 
 TEXT = """title = "a rod"
 reading = "force-first/tension/paper"

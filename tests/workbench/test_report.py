@@ -30,9 +30,9 @@ from workbench.figures import style
 from workbench.run import in_memory
 from workbench.run.in_memory import StudyResult
 from workbench.scene import opengl
-from workbench.web.report import document, law_cards, measured_runs, readings_table, sisters, sources, turning
-from workbench.web.report.document import with_hard_spaces
+from workbench.web.report import law_cards, measured_runs, readings_table, report_document, sisters, sources, turning
 from workbench.web.report.errata import ERRATA, mark_up
+from workbench.web.report.report_document import with_hard_spaces
 
 PAPER = [name for name in names() if name.startswith("fig")]  # the studies of the report
 LOW = ("fig7_1_modulus", "fig7_2_radius")  # the studies whose pictures are low enough for one page
@@ -106,7 +106,7 @@ def measured(tmp_path_factory) -> list[measured_runs.Measured]:
 
 @pytest.fixture(scope="module")
 def text(results, readings, measured) -> str:
-    return document.html(results, readings, measured=measured)
+    return report_document.html(results, readings, measured=measured)
 
 
 def without_scenes(results: list[StudyResult]) -> list[StudyResult]:
@@ -154,11 +154,14 @@ def test_tables_are_complete(text, results) -> None:
 
 
 def test_verdicts_are_words_and_colours(text, readings) -> None:
-    kinds = "|".join(document.CLASSES.values())
+    kinds = "|".join(report_document.CLASSES.values())
     cells = re.findall(rf'<td class="({kinds})"[^>]*><span class="mark (\w+)">([^<]+)</span>', text)
     assert len(cells) == 12 * 5
     verdicts = readings["claim_verdict"].values.ravel().tolist()
-    wanted = [(document.CLASSES[one], document.CLASSES[one], verdict_words.PLAIN[one].capitalize()) for one in verdicts]
+    wanted = [
+        (report_document.CLASSES[one], report_document.CLASSES[one], verdict_words.PLAIN[one].capitalize())
+        for one in verdicts
+    ]
     assert cells == wanted
 
 
@@ -182,7 +185,7 @@ def test_a_load_that_a_reading_drops_neither_supports_nor_refutes_a_claim(readin
 def test_the_card_of_a_claim_and_the_table_of_readings_have_one_verdict(readings) -> None:
     study = load("fig7_5_forces").under("twist-first/tension/solid")
     result = in_memory.result(study, in_memory.run(study).isel(F1=[0, 4, 8], F3=[0, 4, 8]))
-    told = Page(document.html([result], readings)).text
+    told = Page(report_document.html([result], readings)).text
     cells = {row["name"]: row["cells"] for row in law_cards.of_readings(readings)["rows"]}
     assert cells["twist-first/tension/solid"][4]["verdict"] == "not decided"
     assert re.search(r"Not decided: .*\(not decided\).*Fig. 7 \(5\)", told.partition("In the pictures")[0], re.DOTALL)
@@ -294,7 +297,7 @@ SEEN = {
 @pytest.mark.parametrize("eye", SEEN)
 def test_the_colours_of_verdicts_are_told_apart_by_every_eye_and_read_on_white(eye: str) -> None:
     colours = {verdict: linear(colour) for verdict, colour in style.VERDICT_COLOURS.items()}
-    assert list(colours) == list(document.CLASSES)
+    assert list(colours) == list(report_document.CLASSES)
     for light in colours.values():
         assert 1.05 / (light @ [0.2126, 0.7152, 0.0722] + 0.05) >= 4.5  # what WCAG asks of text
     shown = [lab(np.array(SEEN[eye]) @ light) for light in colours.values()]
@@ -348,10 +351,10 @@ def test_versions_and_errata_are_told(text) -> None:
 def test_the_versions_are_those_of_all_files_and_where_they_differ_each_is_named(results) -> None:
     packages = json.loads(results[0].ds.attrs["versions"])
     one = packages["rod-workbench"]
-    assert f"this report as “rod workbench {one}, Figures" in Page(document.html(results[:2])).text
+    assert f"this report as “rod workbench {one}, Figures" in Page(report_document.html(results[:2])).text
     older = json.dumps(packages | {"rod-workbench": "0.0.1"})
     mixed = [replace(results[0], ds=results[0].ds.assign_attrs(versions=older)), *results[1:3]]
-    told = Page(document.html(mixed)).text
+    told = Page(report_document.html(mixed)).text
     each = f"0.0.1 (fig6) and {one} (fig7_1_modulus, fig7_2_radius)"
     assert f"this report as “rod workbench {each}, Figures" in told
     assert f"rod-workbench {each}" in told.partition("Made 20")[2]
@@ -382,7 +385,7 @@ def test_the_extremes_say_what_wrong_means_and_where_that_proves_little(measured
 
 @pytest.mark.slow
 def test_without_opengl_every_panel_still_turns(results, readings) -> None:
-    page = Page(document.html(without_scenes(results), readings))
+    page = Page(report_document.html(without_scenes(results), readings))
     assert len(page.pictures) == len(results)
     assert set(json.loads(page.packed["data"])["figures"]) == {f"turn-{name}" for name in PAPER}
 
@@ -420,31 +423,31 @@ def test_the_title_of_a_panel_stands_once(text, results) -> None:
 
 
 def test_without_readings_the_report_says_so(results) -> None:
-    assert "The readings were not computed." in document.html(results[:1])
+    assert "The readings were not computed." in report_document.html(results[:1])
 
 
 @pytest.mark.slow
 def test_a_study_that_a_reading_does_not_admit_is_named_with_its_reason(results, readings) -> None:
-    told = document.html(results, readings, refusals=["Fig. 7 (4): its own end angle lies beyond 60 degrees"])
+    told = report_document.html(results, readings, refusals=["Fig. 7 (4): its own end angle lies beyond 60 degrees"])
     assert "Fig. 7 (4): its own end angle lies beyond 60 degrees" in Page(told).text
-    assert "Left out." not in Page(document.html(results, readings)).text
+    assert "Left out." not in Page(report_document.html(results, readings)).text
 
 
 def test_what_a_study_says_is_text_and_not_markup(results) -> None:
     ds = results[0].ds.assign_attrs(title="<script>alert(1)</script>")
-    text = document.html([replace(results[0], ds=ds)])
+    text = report_document.html([replace(results[0], ds=ds)])
     assert "<script>alert" not in text
 
 
 def test_the_report_replaces_the_old_one_whole(results, measured, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(measured_runs, "both", lambda folder: measured if folder == tmp_path else [])
-    assert document.write(results[:1], tmp_path) == tmp_path / "report.html"
+    assert report_document.write(results[:1], tmp_path) == tmp_path / "report.html"
     assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
     assert 'id="extremes"' in (tmp_path / "report.html").read_text(encoding="utf-8")
     with pytest.raises(InputError, match="cannot write"):
-        document.write(results[:1], tmp_path / "nowhere")
+        report_document.write(results[:1], tmp_path / "nowhere")
     with pytest.raises(InputError, match="at least one study"):
-        document.html([])
+        report_document.html([])
 
 
 @pytest.mark.slow
@@ -473,7 +476,7 @@ def test_on_a_machine_without_opengl_everything_else_is_done(readings, monkeypat
 def test_a_drawing_is_packed_as_sharp_as_it_is(tmp_path) -> None:
     dots = np.random.default_rng(5).integers(0, 256, (20, 30, 3), dtype=np.uint8)
     image.imsave(tmp_path / "dots.png", dots)
-    packed = document._picture(tmp_path / "dots.png", "dots", document.DRAWING)["src"].partition(",")[2]
+    packed = report_document._picture(tmp_path / "dots.png", "dots", report_document.DRAWING)["src"].partition(",")[2]
     found = image.imread(BytesIO(base64.b64decode(packed)), format="webp")[..., :3].astype(int)
     assert np.abs(found - dots).max() <= 3  # of 255: of the colours alone something is lost, and no eye sees it
     assert {0, 255} <= set(found.ravel())
@@ -483,9 +486,9 @@ def test_a_picture_keeps_a_narrow_white_margin(tmp_path) -> None:
     pixels = np.ones((200, 300, 3))
     pixels[80:90, 120:140] = 0
     image.imsave(tmp_path / "dot.png", pixels)
-    packed = document._picture(tmp_path / "dot.png", "dot", document.DRAWING)["src"].partition(",")[2]
+    packed = report_document._picture(tmp_path / "dot.png", "dot", report_document.DRAWING)["src"].partition(",")[2]
     found = image.imread(BytesIO(base64.b64decode(packed)), format="webp")[..., 0]
-    np.testing.assert_array_equal(found == 0, np.pad(np.ones((10, 20), bool), document.MARGIN))
+    np.testing.assert_array_equal(found == 0, np.pad(np.ones((10, 20), bool), report_document.MARGIN))
 
 
 @node.needs_node
@@ -511,7 +514,7 @@ def test_a_rod_without_a_shape_does_not_turn(results) -> None:
     (one,) = [result for result in results if result.study.name == "fig7_1_modulus"]
     ds = small.with_outcomes(one.ds, ["failed: for the test"] * 9)
     assert turning.figure_of(ds) is None
-    text = document.html([replace(one, ds=ds)])
+    text = report_document.html([replace(one, ds=ds)])
     assert 'class="turntable"' not in text
 
 
@@ -622,7 +625,7 @@ def test_every_colour_of_text_is_read_on_every_paper_of_its_scheme(text, scheme)
         return float(linear(full) @ [0.2126, 0.7152, 0.0722])
 
     known = variables(text.partition("<style>")[2].partition("</style>")[0])[scheme]
-    verdicts = list(document.CLASSES.values())
+    verdicts = list(report_document.CLASSES.values())
     assert {"ink", "soft", "line", "bad", *verdicts} <= known.keys()
     for paper_ in ("paper", "raised"):
         for name in ("ink", "soft", "line", "bad", *(verdicts if paper_ == "paper" else ())):
@@ -649,7 +652,7 @@ def test_on_paper_a_panel_is_a_page_and_one_with_two_rows_of_rods_flows_over_two
     assert re.search(r"\.panel:not\(\.tall\) \{ display: flex; flex-direction: column; height: 272mm;", style_)
     (result,) = [result for result in results if result.study.name == "fig7_5_forces"]
     rows = {**result.pictures, "scene F3": result.pictures["scene"]}
-    assert 'class="panel tall"' in document.html([replace(result, pictures=rows)])
+    assert 'class="panel tall"' in report_document.html([replace(result, pictures=rows)])
     assert 'class="panel tall"' not in text
 
 
@@ -660,7 +663,7 @@ def test_a_row_of_rods_says_where_each_stands_so_that_the_slider_can_frame_it(re
     info, path = PngImagePlugin.PngInfo(), tmp_path / "row.png"
     info.add_text("rods", json.dumps([[0.1 + 0.08 * k, 0.4, 0.18 + 0.08 * k, 0.6] for k in range(9)]))
     Image.fromarray(pixels).save(path, pnginfo=info)
-    text = document.html([replace(result, pictures={"scene E": path})])
+    text = report_document.html([replace(result, pictures={"scene E": path})])
     axis, rods = re.search(r'data-axis="(\d)" data-rods="([^"]*)"', text).groups()
     assert axis == "0"
     assert len(json.loads(rods)) == 9
@@ -671,7 +674,7 @@ def test_a_row_of_rods_says_where_each_stands_so_that_the_slider_can_frame_it(re
 def test_the_rod_of_table_1_is_named_among_its_equilibria(results, tmp_path) -> None:
     ds = sisters.run(load("fig6"))
     assert (ds.sizes["equilibrium"], ds.attrs["rank_of_study"], ds.attrs["rank_of_stable"]) == (13, 13, 1)
-    told = Page(document.html(results[:1], equilibria=(ds, {}))).text
+    told = Page(report_document.html(results[:1], equilibria=(ds, {}))).text
     told = re.sub(r"\s+", " ", told)
     assert "is number 13 of 13, unstable in 6 ways. Number 1 is stable" in told
     top = told.partition("In the pictures the tube")[0]

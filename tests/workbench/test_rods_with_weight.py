@@ -16,7 +16,7 @@ from workbench.figures import along, portrait, table
 from workbench.geometry import stored_line
 from workbench.run import in_memory
 from workbench.scene import body as body_of
-from workbench.scene import camera, kinds, layout, long_rod
+from workbench.scene import camera, layout, long_rod, scene_kinds
 from workbench.scene.settings import Settings
 from workbench.web.turntable import stored
 
@@ -80,7 +80,7 @@ def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Data
         assert above > 0.5
         assert (seen.page @ np.array([0.0, 0.0, 1.0]))[0] > 0.5  # s goes to the right
     assert camera.gravity(ds, {}) is None  # one picture, two inclinations
-    rows, seen = layout._cells(ds, kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
+    rows, seen = layout._cells(ds, scene_kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
     assert [view.turned for view in rows[0]] == [0.0, 0.0]  # in a row of lying pipes each low side is below
     assert seen.page @ seen.down == pytest.approx([0.0, -np.sqrt(3) / 2], abs=1e-12)
     made = layout.compose(ds, {"inclination": np.pi / 2}, settings=Settings(span=(20.0, 24.0))).page
@@ -89,7 +89,7 @@ def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Data
 
 
 def test_a_long_rod_with_weight_is_compressed_along_the_axis_no_more_than_its_bends_allow(ds: xr.Dataset) -> None:
-    body = body_of.read(ds, LYING, kinds.kind_of("contact"))
+    body = body_of.read(ds, LYING, scene_kinds.kind_of("contact"))
     factor = long_rod.squeeze_of([body])
     assert 0 < factor < 1
     squeezed = replace(body, squeeze=factor)
@@ -101,7 +101,7 @@ def test_a_long_rod_with_weight_is_compressed_along_the_axis_no_more_than_its_be
     made = layout.compose(ds, {"inclination": np.pi / 2}).page
     assert f"axis compressed 1 : {1 / factor:.3g}" in made.words.notes
     assert made.words.along == pytest.approx(factor)  # the scale bar is of lengths along the axis
-    rows, _ = layout._cells(ds, kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
+    rows, _ = layout._cells(ds, scene_kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
     assert [view.bodies[0].squeeze for view in rows[0]] == [pytest.approx(factor)] * 2
     assert all(view.bodies[0].whole for view in rows[0])
 

@@ -21,11 +21,11 @@ from workbench import cli
 from workbench.commands import study_scene
 from workbench.data import reading, selection, writing
 from workbench.figures import canvas, scatter, study_figure
-from workbench.run import in_memory, merge, stored_case
+from workbench.run import file_merge, in_memory, stored_case
+from workbench.run.file_summary import summary
 from workbench.run.progress import Meter
 from workbench.run.study_store import Options, run_to_file
-from workbench.run.summary import summary
-from workbench.scene import captions, kinds
+from workbench.scene import captions, scene_kinds
 
 HEAD = 'observables = ["turns", "wraps", "kappa_max"]\noutputs = ["beta", "alpha", "z"]'
 SAMPLE = """
@@ -226,7 +226,7 @@ def test_merged_samples_are_those_of_all_files_each_once(stored: Path, tmp_path)
     longer, other = tmp_path / "longer.h5", tmp_path / "other.h5"
     run_to_file(study(50), longer)
     run_to_file(study(8, 9), other)
-    done = merge.merge([stored, longer, other], tmp_path / "all.h5")
+    done = file_merge.merge([stored, longer, other], tmp_path / "all.h5")
     assert (done["axis"], done["values"], done["cases"]) == ("sample", 58, 58)
     with reading.open_study(tmp_path / "all.h5") as ds, xr.open_dataset(longer) as a, xr.open_dataset(other) as b:
         for name in ("E", "R", "beta0", "kappa_max", "beta", "outcome"):
@@ -243,23 +243,23 @@ def test_repeated_samples_of_one_file_stay_repeated(tmp_path) -> None:
     paths = [tmp_path / "a.h5", tmp_path / "b.h5"]
     for path, E in zip(paths, ([1e4, 1e4, 2e4], [2e4, 3e4]), strict=True):
         writing.write(in_memory.run(small.study(f"[zip]\nE = {E}\n", HEAD)), path)
-    merge.merge(paths, tmp_path / "c.h5")
+    file_merge.merge(paths, tmp_path / "c.h5")
     with xr.open_dataset(tmp_path / "c.h5") as ds:
         assert ds["E"].values.tolist() == [1e4, 1e4, 2e4, 3e4]
 
 
 @pytest.mark.slow
 def test_a_merged_study_of_too_many_samples_names_a_table_and_keeps_them_as_arrays(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(merge, "MOST_LISTED", 9)  # as with a million samples
+    monkeypatch.setattr(file_merge, "MOST_LISTED", 9)  # as with a million samples
     paths = [tmp_path / "a.h5", tmp_path / "b.h5"]
     for path, E in zip(paths, ([1e4, 2e4, 3e4], [3e4, 4e4]), strict=True):
         text = f"[zip]\nE = {E}\nR = {[e / 1e4 for e in E]}\n"
         writing.write(in_memory.run(small.study(text, HEAD)), path)
-    merge.merge(paths, tmp_path / "c.h5")
+    file_merge.merge(paths, tmp_path / "c.h5")
     with xr.open_dataset(tmp_path / "c.h5") as ds:
         assert "[zip]" in ds.attrs["study"]
     writing.write(in_memory.run(small.study("[zip]\nE = [5e4]\nR = [0.5]\n", HEAD)), paths[0])
-    told = merge.merge([tmp_path / "c.h5", paths[0]], tmp_path / "d.h5")
+    told = file_merge.merge([tmp_path / "c.h5", paths[0]], tmp_path / "d.h5")
     assert told["cases"] == 5
     with xr.open_dataset(tmp_path / "d.h5") as ds:
         assert 'file = "d.csv"' in ds.attrs["study"]
@@ -267,7 +267,7 @@ def test_a_merged_study_of_too_many_samples_names_a_table_and_keeps_them_as_arra
         assert stored_case.study_of(ds).coordinates()["E"].tolist() == [1e4, 2e4, 3e4, 4e4, 5e4]
         assert ds.rod.sel(sample=4).rod.study.coordinates()["E"].tolist() == [5e4]
     writing.write(in_memory.run(small.study("[zip]\nE = [6e4]\nR = [0.5]\n", HEAD)), paths[0])
-    assert merge.merge([tmp_path / "d.h5", paths[0]], tmp_path / "e.h5")["cases"] == 6
+    assert file_merge.merge([tmp_path / "d.h5", paths[0]], tmp_path / "e.h5")["cases"] == 6
 
 
 @pytest.mark.slow
@@ -275,9 +275,9 @@ def test_files_with_other_sampled_fields_or_the_same_samples_are_not_merged(stor
     fewer = tmp_path / "fewer.h5"
     writing.write(in_memory.run(small.study("[zip]\nE = [1e4]\nbeta = [0.5]\n", HEAD)), fewer)
     with pytest.raises(InputError, match="differ in the sampled fields: E, R, beta and E, beta"):
-        merge.merge([stored, fewer], tmp_path / "all.h5")
+        file_merge.merge([stored, fewer], tmp_path / "all.h5")
     with pytest.raises(InputError, match="there is nothing to merge"):
-        merge.merge([stored, stored], tmp_path / "all.h5")
+        file_merge.merge([stored, stored], tmp_path / "all.h5")
     assert not (tmp_path / "all.h5").exists()
 
 
@@ -285,7 +285,7 @@ def test_files_of_a_single_axis_may_overlap(tmp_path) -> None:
     paths = [tmp_path / "a.h5", tmp_path / "b.h5"]
     for path, E in zip(paths, ([1e4, 2e4], [2e4, 3e4]), strict=True):
         writing.write(in_memory.run(small.study(f"[axes.E]\nvalues = {E}\n", HEAD)), path)
-    assert merge.merge(paths, tmp_path / "c.h5")["values"] == 3
+    assert file_merge.merge(paths, tmp_path / "c.h5")["values"] == 3
 
 
 # what is said
@@ -394,10 +394,10 @@ def test_a_scene_of_one_sample_solves_that_sample_alone(tmp_path) -> None:
     path = tmp_path / "s.toml"
     path.write_text(study().text)
     whole, ds = study_scene.two_stations(path)
-    part = study_scene.needed_cases(whole, ds, kinds.KINDS["plain"], {"sample": 17}, [])
+    part = study_scene.needed_cases(whole, ds, scene_kinds.KINDS["plain"], {"sample": 17}, [])
     assert (part.size, part.dimensions().each[0].coordinate.tolist()) == (1, [17])
     assert part.coordinates()["E"][0] == whole.coordinates()["E"][17]
-    row = study_scene.needed_cases(whole, ds, kinds.KINDS["ghosts"], {}, ["sample"])
+    row = study_scene.needed_cases(whole, ds, scene_kinds.KINDS["ghosts"], {}, ["sample"])
     assert row.size == 40
     text = captions.case_values(ds, {"sample": 17})
     assert text.startswith("sample = 17, E = ")

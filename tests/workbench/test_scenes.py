@@ -26,9 +26,9 @@ from workbench.geometry.centreline import Centreline
 from workbench.run import in_memory
 from workbench.scene import body as rods
 from workbench.scene import camera as cameras
-from workbench.scene import captions, colours, hidden, kinds, long_rod, opengl, page, shading
+from workbench.scene import captions, colours, hidden, long_rod, opengl, page, scene_kinds, shading
 from workbench.scene.captions import Cell
-from workbench.scene.kinds import KINDS, kind_of
+from workbench.scene.scene_kinds import KINDS, kind_of
 from workbench.scene.views import View
 
 HEAD = 'title = "a rod"\nstations = %d\n[units]\nlength = "cm"\nforce = "N"\n'
@@ -288,7 +288,7 @@ def test_a_row_in_the_table_is_all_that_a_new_kind_needs(fig6, tmp_path, monkeyp
     def red(units: dict[str, str], extremes: colours.Extremes) -> colours.Painted:
         return colours.Paint("#ff0000"), None
 
-    toy = kinds.Kind("toy", "the rod in red", "one", paint=red, legend=(("#ff0000", "a toy"),))
+    toy = scene_kinds.Kind("toy", "the rod in red", "one", paint=red, legend=(("#ff0000", "a toy"),))
     monkeypatch.setitem(KINDS, "toy", toy)
     file = writing.write(fig6, tmp_path / "fig6.h5")
     assert scene.scene_file(file, [], None, kind="toy", dpi=60) == 0
@@ -659,7 +659,7 @@ def test_the_legend_says_what_outlines_are_where_there_are_some(fig6, camera, ou
 @draws
 def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
     from solver import equilibria
-    from workbench.branches.equilibria import ends_problem
+    from workbench.branches.ends_study import ends_problem
     from workbench.branches.equilibria_dataset import dataset_of
     from workbench.scene import composition, layout
 

@@ -14,8 +14,8 @@ from workbench.commands import scene, study_scene
 from workbench.data import writing
 from workbench.export.stored_rod import export
 from workbench.run import in_memory
-from workbench.scene import kinds, opengl
-from workbench.web.turntable import page
+from workbench.scene import opengl, scene_kinds
+from workbench.web.turntable import turntable_page
 
 if opengl.probe()[0]:
     from workbench.scene import layout
@@ -42,18 +42,18 @@ def solved(monkeypatch) -> list:
 
 def test_only_the_cases_that_are_shown_and_what_their_kind_reads_are_solved(file) -> None:
     study, ds = study_scene.two_stations(file)
-    one = study_scene.needed_cases(study, ds, kinds.KINDS["curvature"], {"E": 2e4}, [])
+    one = study_scene.needed_cases(study, ds, scene_kinds.KINDS["curvature"], {"E": 2e4}, [])
     assert (one.size, one.axes["E"].values) == (1, [2e4])
     assert set(one.outputs) == {"beta", "dbeta", "alpha", "z"}
     assert one.wanted == []
-    assert set(study_scene.needed_cases(study, ds, kinds.KINDS["twist"], {}, []).outputs) == {
+    assert set(study_scene.needed_cases(study, ds, scene_kinds.KINDS["twist"], {}, []).outputs) == {
         "beta",
         "dbeta",
         "alpha",
         "z",
         "gamma",
     }
-    row = study_scene.needed_cases(study, ds, kinds.KINDS["ghosts"], {"F1": 4.0}, ["E"])
+    row = study_scene.needed_cases(study, ds, scene_kinds.KINDS["ghosts"], {"F1": 4.0}, ["E"])
     assert {name: axis.values for name, axis in row.axes.items()} == {"E": [1e4, 2e4, 3e4], "F1": [4.0]}
 
 
@@ -127,7 +127,7 @@ def test_a_file_with_too_few_stations_is_solved_again_and_without_a_study_refuse
     assert suffix == ".html" or "solved at" in capsys.readouterr().out
     few = ds.assign_attrs(study="")
     with pytest.raises(InputError, match="201 stations are too few"):
-        (layout.compose if suffix == ".png" else page.html)(few)
+        (layout.compose if suffix == ".png" else turntable_page.html)(few)
     with pytest.raises(InputError, match=r"201 stations are too far apart to tell the rate of beta: store about \d+"):
         export(ds, tmp_path / "wound.csv")
 

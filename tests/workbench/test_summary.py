@@ -11,7 +11,7 @@ from studies.language.loader import loads
 from tests.workbench import small
 from workbench import cli
 from workbench.data import grid_io, labels, writing
-from workbench.run import in_memory, summary
+from workbench.run import file_summary, in_memory
 
 AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
@@ -31,7 +31,7 @@ def file(tmp_path):
 
 def test_it_tells_axes_observables_outcomes_the_worst_case_and_laws(file) -> None:
     path, ds = file
-    told = summary.summary(path)
+    told = file_summary.summary(path)
     assert told["axes"] == [
         {"name": "E", "count": 2, "from": 1e4, "to": 2e4, "units": "N/cm^2"},
         {"name": "R", "count": 3, "from": 0.5, "to": 1.0, "units": "cm"},
@@ -66,7 +66,7 @@ def test_the_reactions_of_held_ends_are_among_the_observables(tmp_path) -> None:
                        ("M1L = 0.0", ["wraps", "betaL", "FZ", "held_index"])):  # fmt: skip
         ds = in_memory.run(loads(CLOSER.format(end=end, heights="4.5, 4.4, 4.3")))
         path = writing.write(ds, tmp_path / "held.h5", force=True)
-        rows = {row["name"]: row for row in summary.summary(path)["observables"]}
+        rows = {row["name"]: row for row in file_summary.summary(path)["observables"]}
         assert list(rows) == names
         force = ds["FZ"].values
         assert (rows["FZ"]["min"], rows["FZ"]["max"], rows["FZ"]["units"]) == (force.min(), force.max(), "N")
@@ -75,9 +75,9 @@ def test_the_reactions_of_held_ends_are_among_the_observables(tmp_path) -> None:
 @pytest.mark.parametrize("most", [1, 2, 4])
 def test_small_blocks_tell_the_same(file, most: int, monkeypatch) -> None:
     path, _ = file
-    whole = summary.summary(path)
-    monkeypatch.setattr(summary, "BLOCK", most)
-    assert summary.summary(path) == whole
+    whole = file_summary.summary(path)
+    monkeypatch.setattr(file_summary, "BLOCK", most)
+    assert file_summary.summary(path) == whole
 
 
 @pytest.mark.parametrize("shape", [(), (7,), (3, 4), (1, 1, 9), (2, 3, 4)])
@@ -93,14 +93,14 @@ def test_many_kinds_of_failure_are_told_together(file, tmp_path, monkeypatch) ->
     _, ds = file
     words = ["solved", "failed: 1", "failed: 2", "failed: 3", "failed: 1", "solved, barely"]
     ds = small.with_outcomes(ds, words)
-    monkeypatch.setattr(summary, "DISTINCT", 2)
-    told = summary.summary(writing.write(ds, tmp_path / "many.h5"))
+    monkeypatch.setattr(file_summary, "DISTINCT", 2)
+    told = file_summary.summary(writing.write(ds, tmp_path / "many.h5"))
     assert told["unsolved"] == 4
     assert told["outcomes"] == {"failed: 1": 2, "failed (others)": 2, "solved": 1, "solved (others)": 1}
 
 
 def test_a_single_case_is_told_too(tmp_path) -> None:
-    told = summary.summary(writing.write(in_memory.run(small.study()), tmp_path / "one.h5"))
+    told = file_summary.summary(writing.write(in_memory.run(small.study()), tmp_path / "one.h5"))
     assert (told["axes"], told["cases"], told["worst"][0]["at"]) == ([], 1, {})
 
 
@@ -114,7 +114,7 @@ HELD = (
 def test_reactions_that_a_study_names_and_the_index_of_held_ends_are_listed(tmp_path, capsys) -> None:
     ds = in_memory.run(loads(HELD, "held.toml"))
     path = writing.write(ds, tmp_path / "held.h5")
-    rows = {row["name"]: row for row in summary.summary(path)["observables"]}
+    rows = {row["name"]: row for row in file_summary.summary(path)["observables"]}
     assert [*rows] == ["wraps", "FZ", "M1L", "held_index"]  # MZ and M3 are stored too, but nobody named them
     for name, row in rows.items():
         assert (row["min"], row["max"]) == (float(ds[name].min()), float(ds[name].max()))
@@ -122,14 +122,14 @@ def test_reactions_that_a_study_names_and_the_index_of_held_ends_are_listed(tmp_
     told = CliRunner().invoke(cli.app, ["summary", str(path)]).stdout
     assert re.search(r"^held_index +0 +0 +0", told, re.MULTILINE)
     nameless = writing.write(ds.assign_attrs(study=""), tmp_path / "nameless.h5")
-    assert "FZ" not in [row["name"] for row in summary.summary(nameless)["observables"]]
+    assert "FZ" not in [row["name"] for row in file_summary.summary(nameless)["observables"]]
 
 
 def test_the_command_prints_it_for_people_and_for_programs(file) -> None:
     path, _ = file
     run = CliRunner().invoke(cli.app, ["summary", str(path), "--json"])
     assert run.exit_code == 0
-    assert json.loads(run.stdout) == json.loads(json.dumps(summary.summary(path)))
+    assert json.loads(run.stdout) == json.loads(json.dumps(file_summary.summary(path)))
 
 
 def test_what_people_are_shown_has_every_part(file) -> None:

@@ -13,10 +13,10 @@ from studies.laws.verdicts import FAILS, UNDECIDED
 from workbench import cli
 from workbench.commands import study_scene
 from workbench.data import branch_numbers, law_verdicts
-from workbench.run import block, in_memory, merge, plan, sweep, sweep_order
+from workbench.run import block, file_merge, in_memory, plan, sweep, sweep_order
 from workbench.run.block import solve_chunk
 from workbench.run.study_store import Options, run_to_file
-from workbench.scene import kinds
+from workbench.scene import scene_kinds
 
 TEXT = """
 title = "A pipe pushed down its hole"
@@ -312,7 +312,7 @@ def test_a_picture_of_a_study_shows_the_branch_that_the_study_is_on(tmp_path) ->
     path = tmp_path / "pipe.toml"
     path.write_text(TEXT.format(base="L = 20.0", more="") + FORCES.replace("21", "5") + "[equilibrium]\nindex = 2\n")
     whole, rough = study_scene.two_stations(path)
-    some = study_scene.needed_cases(whole, rough, kinds.kind_of("plain"), {"FZ": -60.0}, [])
+    some = study_scene.needed_cases(whole, rough, scene_kinds.kind_of("plain"), {"FZ": -60.0}, [])
     ds = in_memory.run(some.at_stations(51))
     np.testing.assert_array_equal(ds["beta"].values[0], in_memory.run(whole)["beta"].values[0])
 
@@ -335,7 +335,7 @@ def test_two_sweeps_are_not_joined(tmp_path) -> None:
     for name, values in (("a", "[-50.0, -49.0]"), ("b", "[-48.0, -47.0]")):
         run_to_file(study(f"[axes.FZ]\nvalues = {values}\n"), tmp_path / f"{name}.h5")
     with pytest.raises(InputError, match="its branches are numbered over the whole grid"):
-        merge.merge([tmp_path / "a.h5", tmp_path / "b.h5"], tmp_path / "out.h5")
+        file_merge.merge([tmp_path / "a.h5", tmp_path / "b.h5"], tmp_path / "out.h5")
 
 
 # branches

@@ -15,8 +15,8 @@ from solver.observe.observables import OBSERVABLES
 from tests.workbench import forked, small
 from workbench import cli
 from workbench.commands import trade
-from workbench.compare.trade import advice
 from workbench.compare.trade_cases import CASES, reference
+from workbench.compare.trade_runs import advice
 from workbench.data import writing
 from workbench.data.schema import CURVES
 from workbench.figures import canvas, work_precision

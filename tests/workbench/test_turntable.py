@@ -25,7 +25,7 @@ from workbench import notebook
 from workbench.cli import main
 from workbench.geometry import stored_line
 from workbench.run import in_memory
-from workbench.web.turntable import page
+from workbench.web.turntable import turntable_page
 from workbench.web.turntable.stored import turntable_of_dataset
 
 INSIDE = """
@@ -69,7 +69,7 @@ def data_of(text: str) -> dict[str, Any]:
 
 
 def test_the_file_asks_for_nothing_and_is_small(ds: xr.Dataset) -> None:
-    text = page.html(ds)
+    text = turntable_page.html(ds)
     assert not re.search(r'https?://(?!www\.w3\.org/2000/svg)|@import|url\(|src="', text)
     assert "default-src 'none'" in unescape(text)
     assert len(text) < 0.3e6
@@ -78,7 +78,7 @@ def test_the_file_asks_for_nothing_and_is_small(ds: xr.Dataset) -> None:
 @pytest.mark.slow
 def test_axe_finds_nothing_that_bars_people_from_a_scene(ds: xr.Dataset, tmp_path: Path) -> None:
     file, script = tmp_path / "x.html", browser.axe(tmp_path)
-    file.write_text(page.html(ds), encoding="utf-8")
+    file.write_text(turntable_page.html(ds), encoding="utf-8")
     with browser.chromium(tmp_path / "chromium", "1366,1000") as driver:
         driver.get(file.as_uri())
         for scheme in ("light", "dark"):
@@ -102,7 +102,7 @@ def test_a_scene_fits_its_frame_in_a_notebook(ds: xr.Dataset, wide: int, tmp_pat
 
 
 def test_a_scene_without_a_still_picture_knows_of_paper(ds: xr.Dataset) -> None:
-    text = page.html(ds)
+    text = turntable_page.html(ds)
     assert '<div class="still">' not in text
     assert '"beforeprint"' in text
     assert re.search(r"@media print \{[^@]*\.turntable \.printed \{ display: block", text)
@@ -112,7 +112,7 @@ def test_a_scene_without_a_still_picture_knows_of_paper(ds: xr.Dataset) -> None:
 def test_on_paper_a_scene_shows_its_rod(ds: xr.Dataset, tmp_path: Path) -> None:
     """A browser prints no WebGL: a copy of the rod takes its place, and goes away afterwards."""
     file = tmp_path / "x.html"
-    file.write_text(page.html(ds), encoding="utf-8")
+    file.write_text(turntable_page.html(ds), encoding="utf-8")
     with browser.chromium(tmp_path / "chromium", "1366,1000") as driver:
         driver.get(file.as_uri())
         there = "document.querySelector('figure').view"
@@ -129,7 +129,7 @@ def test_on_paper_a_scene_shows_its_rod(ds: xr.Dataset, tmp_path: Path) -> None:
 
 @node.needs_node
 def test_the_page_draws_the_stored_rods(ds: xr.Dataset) -> None:
-    data = data_of(page.html(ds)) | {"k": 7}
+    data = data_of(turntable_page.html(ds)) | {"k": 7}
     script = """given.arrays = stored_shapes.numbersOf(given.arrays);
 const { s, alpha, z, push } = stored_shapes.storedShape(given, given.k); answer({ s, alpha, z, push });"""
     found = node.run(script, data, ("stored_shapes",))
@@ -143,13 +143,13 @@ const { s, alpha, z, push } = stored_shapes.storedShape(given, given.k); answer(
 
 
 def test_a_slider_has_the_values_of_the_axis_as_the_command_line_takes_them(ds: xr.Dataset) -> None:
-    (axis,) = data_of(page.html(ds))["axes"]
+    (axis,) = data_of(turntable_page.html(ds))["axes"]
     assert axis["symbol"] == "E"
     assert axis["texts"][axis["start"]] == "10910 N/cm²"
     for text, value in zip(axis["texts"], ds["E"].values, strict=True):
         found = ds.rod.sel(E=text.removesuffix(" N/cm²"))
         assert float(found["E"]) == value
-    assert data_of(page.html(ds, {"E": "10905"}))["axes"] == []
+    assert data_of(turntable_page.html(ds, {"E": "10905"}))["axes"] == []
 
 
 def test_each_case_carries_its_caution_or_why_it_has_no_shape(ds: xr.Dataset) -> None:

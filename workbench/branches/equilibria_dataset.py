@@ -17,7 +17,7 @@ from solver.problem.held_ends import held_of
 from studies import Study
 
 from ..data import cautions, dataset, schema
-from .equilibria import ELASTIC, elastic
+from .ends_study import ELASTIC, elastic
 
 ALONG = ("beta", "alpha", "z", "contact")
 DEAD_INDEX = {"long_name": "Morse index under dead loads, between its own end angles", "units": "1"}

@@ -15,7 +15,7 @@ from studies.language.readings import TABLE_UNITS
 
 from ..data import cautions, schema, writing
 from ..run.case_input import field_values
-from .equilibria import study_text
+from .ends_study import study_text
 from .equilibria_dataset import ALONG, attributes
 
 NUMBERS = {  # of each loop: units and long names of those that are no quantity of a case

@@ -22,7 +22,7 @@ def animate_file(
 
     from ..data import outcomes, schema, writing
     from ..scene import film, opengl
-    from ..scene.kinds import kind_of
+    from ..scene.scene_kinds import kind_of
     from . import option_checks, study_scene
 
     ds = writing.read(file)

@@ -96,7 +96,7 @@ def equilibria(
     from solver import equilibria as all_equilibria
     from solver.problem.held_ends import held_of
 
-    from ..branches.equilibria import write_cases
+    from ..branches.ends_study import write_cases
     from ..data import writing
     from .present import files, present
 
@@ -158,7 +158,7 @@ def study_and_case(file: Path | None, given: Given, held: bool = False) -> "tupl
 
     Raises `InputError` for held ends unless `held`.
     """
-    from ..branches.equilibria import refuse_held
+    from ..branches.ends_study import refuse_held
 
     study, case = _study_and_case(file, given)
     if not held:
@@ -172,7 +172,7 @@ def _study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
     from studies.language.loader import loads
     from studies.language.readings import TABLE_UNITS
 
-    from ..branches.equilibria import ends_problem, study_text
+    from ..branches.ends_study import ends_problem, study_text
     from ..run.case_input import from_values, with_fields
 
     if not given.units:
@@ -202,7 +202,7 @@ def _list(study: "Study", case: "Case", found: "Equilibria", choose: str | None,
     from solver.equilibria import meant
     from solver.equilibrium_list import HeldEquilibria
 
-    from ..branches.equilibria import row
+    from ..branches.ends_study import row
     from ..branches.equilibria_dataset import dataset_of
     from ..data.left_out import SENTENCE
     from ..run.case_input import field_values, with_unit

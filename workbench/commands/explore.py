@@ -72,11 +72,11 @@ def _save(path: Path, presets: Any) -> int:
     from solver.problem.errors import InputError
 
     from ..data import atomic
-    from ..web.live import document
+    from ..web.live import live_document
 
     if path.suffix != ".html":
         raise InputError(f"--save needs a file name that ends in .html, got {str(path)!r}")
-    text = document.text(presets, served=False)
+    text = live_document.text(presets, served=False)
     atomic.write(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     console.say(f"wrote {path}: {len(text.encode()) / 1e3:.0f} kB, opens in a browser without a server")
     return 0

@@ -11,7 +11,7 @@ from .options import Json, option
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..compare.extremes import Attempt
+    from ..compare.extreme_runs import Attempt
 
 
 def extremes(
@@ -26,7 +26,7 @@ def extremes(
     unchanged.
     """
     from ..compare import extreme_cases
-    from ..compare.extremes import INACCURATE, VERDICTS, rows_of
+    from ..compare.extreme_runs import INACCURATE, VERDICTS, rows_of
     from ..data import writing
 
     writing.check_folder(out)
@@ -59,7 +59,7 @@ def extremes(
 
 def _store(found: "Mapping[str, Mapping[str, Attempt]]", out: Path, name: str) -> "tuple[xr.Dataset, list[Path]]":
     """The dataset of the finished extremes, and the files made of it: NAME.h5 and NAME.png."""
-    from ..compare.extremes import dataset_of
+    from ..compare.extreme_runs import dataset_of
     from ..data import writing
     from ..figures import canvas, robustness
 

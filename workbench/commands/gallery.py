@@ -104,9 +104,9 @@ def _suffixes(only: list[str]) -> dict[str, str]:
     """The suffix of each picture that is wanted. Raises `InputError` for an unknown name."""
     from solver.problem.errors import InputError, no_such
 
-    from ..scene import kinds
+    from ..scene import scene_kinds
 
-    several = [name for name in kinds.KINDS if name not in VIEWS]
+    several = [name for name in scene_kinds.KINDS if name not in VIEWS]
     known = dict.fromkeys([ROD, *several, *OWN], ".png") | {SWEEP: ".webp", PAGE: ".png"}
     for name in only:
         if name in VIEWS:
@@ -130,11 +130,11 @@ def _four_views(ds: Any, path: Path) -> None:
     from PIL import Image
 
     from ..data import atomic
-    from ..scene import composition, kinds, layout, page
+    from ..scene import composition, layout, page, scene_kinds
 
     views = []
     for letter, kind in zip("abcd", VIEWS, strict=True):
-        titled = ds.assign_attrs(title=f"{letter}  {kinds.KINDS[kind].description}")
+        titled = ds.assign_attrs(title=f"{letter}  {scene_kinds.KINDS[kind].description}")
         picture = layout.compose(titled, None, kind, settings=composition.Settings(dpi=VIEW_DPI))
         views.append(page.drawn(page.figure(picture.page)))
     high = max(len(view) for view in views)
@@ -173,7 +173,7 @@ def _datasets() -> dict[str, Callable[[], Any]]:
     def equilibria() -> Any:
         from solver import equilibria as every
 
-        from ..branches.equilibria import ends_problem
+        from ..branches.ends_study import ends_problem
         from ..branches.equilibria_dataset import dataset_of
 
         study = load("fig7_4_end_angle")

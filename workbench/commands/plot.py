@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from ..data.kinds import Kind
+    from ..data.file_kinds import Kind
     from ..figures.sheet import Sheet
 
 
@@ -114,14 +114,14 @@ def _other(file: Path) -> "Kind | None":
     """The kind of a file that holds no study; None for a study. Raises `InputError` where it has no figure."""
     from solver.problem.errors import InputError
 
-    from ..data import kinds, reading
+    from ..data import file_kinds, reading
 
     with reading.raw(file) as ds:
-        kind = kinds.kind_of(ds)
-    if kind is kinds.STUDY:
+        kind = file_kinds.kind_of(ds)
+    if kind is file_kinds.STUDY:
         return None
     if not kind.figure:
-        raise InputError(f"{file} is {kind.what}, which {kinds.readers(kind)}; plot has no figure of it")
+        raise InputError(f"{file} is {kind.what}, which {file_kinds.readers(kind)}; plot has no figure of it")
     return kind
 
 

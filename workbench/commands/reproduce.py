@@ -42,7 +42,7 @@ def reproduce(
     for name, path in {**files, **{name: out / f"{name}.h5" for name in (readings_table.NAME, sisters.NAME)}}.items():
         writing.check_free(path, name)
     from ..scene import opengl
-    from ..web.report import document  # drawing libraries are imported once all input is checked
+    from ..web.report import report_document  # drawing libraries are imported once all input is checked
 
     able, advice = opengl.probe()
     advice = "" if able else advice
@@ -54,7 +54,7 @@ def reproduce(
         step("writing the report")
         equilibria = _equilibria(load(RODS).under(reading), out, able)
         story = _draw_story(results, readings, out / STORY)
-        document.write(results, out, readings=readings, refusals=refusals, equilibria=equilibria, story=story)
+        report_document.write(results, out, readings=readings, refusals=refusals, equilibria=equilibria, story=story)
     _print(results, readings, out, advice)
     for refusal in refusals:
         console.say(f"Omitted: {refusal}")
@@ -124,12 +124,12 @@ def _draw_story(results: "list[StudyResult]", readings: "xr.Dataset", path: Path
     """Draw the figure of the whole story and return its file; None where the reading leaves a study out."""
     from ..figures import canvas, story
     from ..figures.sheet import sheet
-    from ..web.report import document
+    from ..web.report import report_document
 
     datasets = {str(ds.attrs["study_name"]): ds for ds in (*(result.ds for result in results), readings)}
     if not set(story.NEEDED) <= set(datasets):
         return None
-    for file, wide in ((path, 183), (document.column_of(path), 89)):
+    for file, wide in ((path, 183), (report_document.column_of(path), 89)):
         canvas.save(story.figure(datasets, sheet("paper", wide, titled=False)), file, dpi=300)
     return path
 

@@ -49,7 +49,7 @@ def scene_file(
     from dataclasses import replace
 
     from ..data import schema, selection
-    from ..scene import kinds, opengl
+    from ..scene import opengl, scene_kinds
     from ..scene.settings import check, check_name
     from . import option_checks, scene_page, study_scene
 
@@ -65,7 +65,7 @@ def scene_file(
         file = Path(f"{study.name}.h5")
     else:
         ds = study_scene.read_dataset(file)
-    found = kinds.kind_of(kind or ("equilibria" if schema.axes_of(ds) == ["equilibrium"] else "contact"))
+    found = scene_kinds.kind_of(kind or ("equilibria" if schema.axes_of(ds) == ["equilibrium"] else "contact"))
     where = option_checks.axis_values(ds, at)
     case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
     named = [] if found.name in ("contact", "equilibria") else [found.name, *(axes or [])]

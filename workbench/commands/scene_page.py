@@ -28,8 +28,8 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
 
     from ..data import atomic
     from ..run import in_memory
-    from ..scene.kinds import kind_of
-    from ..web.turntable import page
+    from ..scene.scene_kinds import kind_of
+    from ..web.turntable import turntable_page
     from . import option_checks, study_scene
 
     if kind not in (None, KIND, "equilibria") or others:
@@ -52,7 +52,7 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
         if solve is None or (more := _stations(ds)) <= ds.sizes["u"]:
             break
         ds = solve(more)
-    text = page.html(ds, where)
+    text = turntable_page.html(ds, where)
     atomic.write(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     missing = _stations(ds)
     console.say(f"{path}: {len(text) / 1e6:.2g} MB, opens in a browser without a network")

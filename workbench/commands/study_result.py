@@ -85,7 +85,7 @@ def warn_of_incomplete(outcomes: Mapping[str, int], file: Path) -> None:
 def _fewer_digits(count: int, file: Path) -> str:
     """What cases have lost whose error is above the tolerance, how many digits remain, and which case is the worst."""
     from ..data import labels, law_verdicts
-    from ..run.summary import least_accurate
+    from ..run.file_summary import least_accurate
 
     worst = least_accurate(file)
     digits = max(floor(-log10(worst["error"])), 0)

@@ -18,12 +18,12 @@ from studies.grammar.axes import Axis
 from studies.grammar.dimensions import SAMPLE
 from studies.language.study_data import MAX_STATIONS, OUTPUTS
 
-from ..data import kinds, reading, schema, selection, writing
+from ..data import file_kinds, reading, schema, selection, writing
 from ..figures.scales import WIDE
 from ..run import in_memory
 from ..run.plan import plan
 from ..run.stored_case import solve_at, study_of
-from ..scene.kinds import Kind
+from ..scene.scene_kinds import Kind
 
 if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
     from ..scene.composition import Picture
@@ -40,10 +40,10 @@ SAME = 1e-4  # rad, or a share of the length: by which a rod that is solved agai
 def read_dataset(file: Path) -> xr.Dataset:
     """The dataset of a study, or of equilibria. Raises `InputError`."""
     with reading.raw(file) as ds:
-        kind = kinds.kind_of(ds)
-    if kind is not kinds.STUDY and not kind.scene:
-        raise InputError(f"{file} is {kind.what}, which {kinds.readers(kind)}; scene draws studies and equilibria")
-    return writing.read(file, study=kind is kinds.STUDY)
+        kind = file_kinds.kind_of(ds)
+    if kind is not file_kinds.STUDY and not kind.scene:
+        raise InputError(f"{file} is {kind.what}, which {file_kinds.readers(kind)}; scene draws studies and equilibria")
+    return writing.read(file, study=kind is file_kinds.STUDY)
 
 
 def is_study(file: Path) -> bool:

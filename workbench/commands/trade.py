@@ -29,7 +29,7 @@ def trade(
 
     When interrupted, the command stores and draws the finished cases as trade_interrupted; trade.h5 stays unchanged.
     """
-    from ..compare import trade as comparison
+    from ..compare import trade_runs as comparison
     from ..compare.trade_cases import choose
     from ..data import writing
 
@@ -58,7 +58,7 @@ def _store(
     rows: "Sequence[Row]", ladders: "Mapping[str, Ladder]", out: Path, name: str
 ) -> "tuple[xr.Dataset, list[Path]]":
     """The dataset of the rows, and the files made of it: NAME.h5 and its pictures."""
-    from ..compare.trade import dataset_of
+    from ..compare.trade_runs import dataset_of
     from ..data import writing
     from ..figures import canvas, kinds
     from ..figures.work_precision import COSTS

@@ -14,7 +14,7 @@ from studies.grammar.axes import FIELDS
 from studies.grammar.dimensions import SAMPLE
 from studies.laws.law import Law
 
-from . import checksums, escaping, kinds, netcdf, refined, value_checks
+from . import checksums, escaping, file_kinds, netcdf, refined, value_checks
 from .file_checks import open_valid, refusing, show
 from .schema import CURVES, FORMAT, INNER, dimension, fields_of_samples
 
@@ -66,7 +66,7 @@ def check_sums(path: str | Path) -> None:
 
 def _check_study(ds: xr.Dataset, path: str | Path) -> None:
     """Raise `InputError` unless it has the attributes, dimensions and kinds that every command relies on."""
-    kinds.check_study(ds, path)
+    file_kinds.check_study(ds, path)
     missing = [name for name in NEEDED if name not in ds.attrs]
     if missing or "outcome" not in ds:
         raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")

@@ -4,11 +4,13 @@ from pathlib import Path
 
 from solver.problem.errors import InputError, choices
 
-from . import csv_table, gltf, pvd, step, surfaces, usd, vtp
+from . import csv_table, gltf, pvd, step, surface_files, usd, vtp
 from .base import Format
 
 FORMATS = {
-    suffix: one.FORMAT for one in (step, surfaces, gltf, usd, vtp, pvd, csv_table) for suffix in one.FORMAT.suffixes
+    suffix: one.FORMAT
+    for one in (step, surface_files, gltf, usd, vtp, pvd, csv_table)
+    for suffix in one.FORMAT.suffixes
 }
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from .base import Format, Rod, metres
-from .surfaces import near, tube
+from .surface_files import near, tube
 
 MATERIAL = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.55}}
 

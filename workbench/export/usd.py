@@ -7,7 +7,7 @@ import numpy as np
 
 from ..geometry.centreline import Array
 from .base import Format, Rod, metres
-from .surfaces import near
+from .surface_files import near
 
 HEAD = """#usda 1.0
 (

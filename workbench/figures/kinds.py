@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from solver.problem.errors import InputError, choices, no_such
 from studies.grammar.dimensions import SAMPLE
 
-from ..data import kinds as files
+from ..data import file_kinds as files
 from ..data import refined, schema, selection
 from . import (
     along,

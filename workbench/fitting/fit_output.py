@@ -9,7 +9,7 @@ import numpy as np
 from solver import Ends, observe
 from solver.inverse.result import Fit
 
-from ..branches.equilibria import study_text
+from ..branches.ends_study import study_text
 from ..data import atomic, schema
 from ..run.case_input import CaseInput, field_values
 

@@ -20,7 +20,7 @@ from ..geometry.lines import TALLEST
 from ..geometry.refinement import Rings, rings
 from . import shading
 from .colours import Paint
-from .kinds import Kind
+from .scene_kinds import Kind
 
 STRIPE = 3  # one side in so many is painted
 

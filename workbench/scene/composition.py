@@ -19,9 +19,9 @@ from .body import Body
 from .camera import Camera
 from .captions import Cell
 from .colours import Bar
-from .kinds import Kind
 from .page import Page, Words
 from .rendering import Placed, render
+from .scene_kinds import Kind
 from .settings import DEFAULT, Settings
 from .views import View
 

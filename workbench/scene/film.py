@@ -24,7 +24,7 @@ from ..figures import canvas, style
 from ..figures.scales import WIDE, Ticks
 from . import body as rods
 from . import camera as cameras
-from . import kinds, page
+from . import page, scene_kinds
 from .body import Body
 from .camera import Camera
 from .captions import Cell
@@ -88,8 +88,8 @@ def observable_of(ds: xr.Dataset, axis: str, name: str | None = None) -> str:
 
 def cases_of(ds: xr.Dataset, film: Film) -> list[dict[str, int]]:
     """The indices of each frame's case. Raises `InputError` for a kind or an axis that makes no film."""
-    single = [kind.name for kind in kinds.TABLE if kind.cells == "one"]
-    if kinds.kind_of(film.kind).cells != "one":
+    single = [kind.name for kind in scene_kinds.TABLE if kind.cells == "one"]
+    if scene_kinds.kind_of(film.kind).cells != "one":
         raise InputError(f"a frame shows one case, so --kind is one of {choices(single)}, not {film.kind!r}")
     cases = selection.line(ds, film.axis, film.at)
     if not LEAST <= len(cases) <= MOST:
@@ -112,7 +112,7 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     A case without a shape shows its outcome in place of the rod. step: called with a text as each frame begins. Raises
     `InputError` where no case has a shape.
     """
-    kind, cases = kinds.kind_of(film.kind), cases_of(ds, film)
+    kind, cases = scene_kinds.kind_of(film.kind), cases_of(ds, film)
     bodies = [rods.of_case(ds, where, kind)[0] for where in cases]
     context = [body for body in bodies if body]
     if not context:
@@ -136,7 +136,7 @@ def _frame(
     """The k-th frame: its value, the rod, the scale of colours, and the observable up to it."""
     from . import composition  # VTK, which ends the process where OpenGL does not work
 
-    kind, where, diagram = kinds.kind_of(film.kind), cases[k], DIAGRAM if film.observable else (0.0, 0.0)
+    kind, where, diagram = scene_kinds.kind_of(film.kind), cases[k], DIAGRAM if film.observable else (0.0, 0.0)
     across, tall = film.size
     wide = across - 2 * MARGIN - (0.0 if lying else diagram[0])
     high = tall - TOP - FOOT - (diagram[1] if lying else 0.0)

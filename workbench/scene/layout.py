@@ -27,7 +27,7 @@ from .camera import Camera
 from .captions import Cell
 from .colours import Paint
 from .composition import DEFAULT, Picture, Scene, room
-from .kinds import Kind, kind_of
+from .scene_kinds import Kind, kind_of
 from .settings import Settings, check, check_name
 from .views import View, ends_of
 

@@ -24,7 +24,7 @@ from studies.grammar.axes import WORDS
 from studies.grammar.dimensions import Dimensions
 from studies.language.loader import loads
 
-from ...branches.equilibria import row as equilibrium_row
+from ...branches.ends_study import row as equilibrium_row
 from ...branches.tracing import Piece, Traced, traced
 from ...data import cautions, dataset, labels, pipe_state
 from ...export.stored_rod import export

@@ -27,7 +27,7 @@ from solver.problem.errors import InputError
 from ...data import escaping
 from ...data.escaping import finite
 from ...run import worker_processes
-from . import document, page_model, page_shape, search_processes
+from . import live_document, page_model, page_shape, search_processes
 from .presets import PRESETS, Preset
 
 HEADERS = {"Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",
@@ -90,7 +90,7 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Re
         return response
 
     app = web.Application(middlewares=[guarded], client_max_size=LARGEST)
-    app.router.add_get("/", _page(document.text(presets, served=True)))
+    app.router.add_get("/", _page(live_document.text(presets, served=True)))
     for path, work in (("/shape", _shape), ("/numbers", _numbers), ("/equilibria", _equilibria),
                        ("/branches", _branches), ("/download", _download)):  # fmt: skip
         app.router.add_post(path, _answering(work, shapes, few, tasks, report))

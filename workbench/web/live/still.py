@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 from ...data import atomic
-from . import document
+from . import live_document
 from .presets import PRESETS
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")
@@ -55,7 +55,7 @@ def take(path: Path) -> str:
         tempfile.TemporaryDirectory(prefix="still-", dir=path.parent, ignore_cleanup_errors=True) as name,
     ):
         folder = Path(name).resolve()
-        (folder / "page.html").write_text(document.text(PRESETS, False, STYLE), encoding="utf-8")
+        (folder / "page.html").write_text(live_document.text(PRESETS, False, STYLE), encoding="utf-8")
         (folder / "frame.html").write_text(FRAME.format(*SIZE), encoding="utf-8")
         shot, own = folder / "shot.png", [f"--user-data-dir={folder / 'profile'}"]
         if hasattr(os, "geteuid") and os.geteuid() == 0:

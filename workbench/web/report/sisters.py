@@ -9,7 +9,7 @@ import xarray as xr
 from solver import equilibria, solve
 from studies import Study
 
-from ...branches.equilibria import ends_problem
+from ...branches.ends_study import ends_problem
 from ...branches.equilibria_dataset import dataset_of
 from ...data import labels
 

@@ -18,7 +18,7 @@ from ..data import (
     branch_numbers,
     cautions,
     file_checks,
-    kinds,
+    file_kinds,
     labels,
     law_verdicts,
     reading,
@@ -216,7 +216,7 @@ def contents(path: Path) -> dict[str, Any]:
     return {
         "file": str(path),
         "bytes": os.stat(path).st_size,
-        "kind": kinds.kind_of(ds).what,
+        "kind": file_kinds.kind_of(ds).what,
         "title": str(ds.attrs.get("title", "")),
         "sizes": {str(dim): int(size) for dim, size in ds.sizes.items()},
         "along": [str(name) for name, one in ds.data_vars.items() if "u" in one.dims],

@@ -21,7 +21,7 @@ from studies.language.writer import axis_table, dumps, dumps_paired, dumps_table
 
 from ..data import atomic, cautions, checksums, concatenation, law_verdicts, netcdf, reading, schema, writing
 from ..data.selection import SAME
-from . import stored_case, summary
+from . import file_summary, stored_case
 from .plan import SPARE, TEXT_BYTES
 from .recipe import axis_line
 
@@ -209,8 +209,8 @@ def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
 def _judge(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
     """Judge the laws of the merged file, and store the recipe and the statistics in it as a run does."""
     with netcdf.open_file(path) as ds:
-        outcomes, verdicts = summary.text_counts(ds["outcome"], ds["solved"]), law_verdicts.verdicts(ds)
-        texts, unsolved = summary.text_counts(ds["caution"]), summary.unsolved(ds)
+        outcomes, verdicts = file_summary.text_counts(ds["outcome"], ds["solved"]), law_verdicts.verdicts(ds)
+        texts, unsolved = file_summary.text_counts(ds["caution"]), file_summary.unsolved(ds)
     caution = cautions.tell(texts)
     with h5py.File(path, "a") as file:
         file.attrs["caution"] = caution

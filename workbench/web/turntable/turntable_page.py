@@ -11,7 +11,7 @@ from jinja2 import Environment, StrictUndefined
 
 from ...data import labels, scene_look, selection
 from ...data.escaping import finite
-from ..live import document
+from ..live import live_document
 from .stored import turntable_of_dataset
 
 FIRST = "turntables"  # the module of the page with which the program begins
@@ -45,7 +45,7 @@ def html(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> str:
         style=style,
         program=script,
         data=data({"rod": found.data}),
-        policy=document.policy(style, script, "", served=False),
+        policy=live_document.policy(style, script, "", served=False),
     )
 
 
@@ -67,12 +67,12 @@ def data(figures: Mapping[str, Any], **more: Any) -> str:
 @cache
 def program() -> str:
     """The script of a page with turntables."""
-    return document.bundle(FIRST)
+    return live_document.bundle(FIRST)
 
 
 def look() -> str:
     """The style of turntables: the colours of both schemes, light and dark, and their layout."""
-    return read("scheme.css") + document.read("shared.css") + read("turntable.css")
+    return read("scheme.css") + live_document.read("shared.css") + read("turntable.css")
 
 
 @cache

@@ -21,8 +21,8 @@ from ...data import atomic, cautions, labels, law_verdicts, left_out
 from ...data.schema import axes_of
 from ...figures import style
 from ...run.in_memory import StudyResult
-from ..live.document import policy
-from ..turntable import page
+from ..live.live_document import policy
+from ..turntable import turntable_page
 from . import case_facts, measured_runs, sisters, sources, turning
 from .errata import ERRATA, mark_up
 from .law_cards import CLASSES, claims_of, in_degrees, law_of, of_readings, sentence
@@ -82,8 +82,8 @@ def html(
     datasets = [*(result.ds for result in results), *([] if readings is None else [readings])]
     laws = [row for section in sections for row in section["laws"]]
     verdicts = "".join(f" --{CLASSES[name]}: {colour};" for name, colour in style.VERDICT_COLOURS.items())
-    style_ = f":root {{{verdicts} }}\n{page.look()}{_text('report.css')}"
-    program = f"{turning.script()}\n{page.program()}\n{_text('enlarge.js')}"
+    style_ = f":root {{{verdicts} }}\n{turntable_page.look()}{_text('report.css')}"
+    program = f"{turning.script()}\n{turntable_page.program()}\n{_text('enlarge.js')}"
     return template.render(
         reading=str(results[0].ds.attrs["reading"]),
         claims=claims_of(sections),
@@ -101,12 +101,12 @@ def html(
         paper=sources.citation(),
         table_1=sources.table_1(str(results[0].ds.attrs["reading"])),
         version=sources.version(datasets),
-        turntable=page.figure,
+        turntable=turntable_page.figure,
         captions=CAPTIONS,
         style=style_,
         program=program,
         policy=policy(style_, program, "", served=False),
-        data=page.data(figures, core=turning.core()),
+        data=turntable_page.data(figures, core=turning.core()),
         measured=[_measure(one) for one in measured],
         story=[] if story is None else [_picture(story, STORY, DRAWING) | _column(story)],
         left_out=left_out.SENTENCE,
