@@ -14,7 +14,7 @@ from .problem.reduced import EndsProblem, reduce
 from .problem.shown import make
 from .solution import Solution
 
-FOLD, HELIX = "fold", "helix ceases"  # kinds of a special point
+HELIX = "helix ceases"  # a kind of special point
 BORDER = "border of the range"  # a kind of end
 DATASET = "workbench.branches.branch_dataset"  # loaded by name: the solver works without the workbench
 

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from .branch import FOLD, Branch
+from .branch import Branch
 from .follow import follow
+from .numerics.arclength import FOLD
 from .numerics.arrays import Array
 from .problem.case import Case, Ends, Start
 from .problem.case_fields import value_of, with_field

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
+from .numerics.arclength import CLOSED, END
 from .numerics.arrays import Array
 from .problem.angles import doubt, given_by_a_program, warn
 from .problem.case import ANGLES, PAIRS, Case, Ends
@@ -23,7 +24,8 @@ from .solve import between_ends, seed_of
 
 if TYPE_CHECKING:
     from .branches.branch_following import Stop
-    from .branches.branch_states import Bounds, Place
+    from .branches.branch_states import Place
+    from .branches.family import Bounds
     from .levels.line_point import Path
 
 MOST = 1000
@@ -68,7 +70,7 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     >>> float(branch.values[-1]), branch.end.reason
     (-4.0, 'the end of the range')
     """
-    from .branches.branch_states import Bounds
+    from .branches.family import Bounds
     from .equilibrium.exchanged_ends import exchange
 
     solution = _check(solution)
@@ -103,7 +105,7 @@ def _range(case: Case, name: str, wanted: Array) -> tuple[float, float, tuple[fl
 def _varying(solution: Solution, field: dict[str, ArrayLike], points: int) -> Branch:
     """The branch of a rod with weight or friction."""
     from .shooting.answers import path_at, shape_path
-    from .shooting.following import CLOSED, END, both_ways
+    from .shooting.following import both_ways
 
     case = solution.case
     if not isinstance(case.given, Ends):
@@ -244,9 +246,9 @@ def solutions_of(branch: Branch, stations: int) -> Solution:
 
 def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bounds", solved: _Solver) -> Branch:
     """The branch, followed with the field falling and rising where there is room."""
-    from .branches.branch_families import family_of
-    from .branches.branch_following import CLOSED, END, Stop, own_place, trace
+    from .branches.branch_following import Stop, own_place, trace
     from .branches.branch_states import Place
+    from .branches.family import family_of
 
     own = value_of(case, name)
     family = family_of(case, name, begun, bounds)
@@ -272,8 +274,6 @@ def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bo
 
 def _end(name: str, stop: "Stop") -> BranchEnd:
     """Why a branch over a field stops."""
-    from .branches.branch_following import CLOSED, END
-
     p = float(stop.p)
     if stop.helix is None:
         kind = {END: BORDER, CLOSED: "closed"}.get(stop.reason, "stopped")

@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from .branch import FOLD, Branch, SpecialPoint
+from .branch import Branch, SpecialPoint
 from .equilibria import equilibria
 from .follow import follow
+from .numerics.arclength import FOLD
 from .numerics.arrays import Array
 from .problem.case_fields import with_field
 from .problem.errors import InputError, choices

@@ -19,16 +19,15 @@ from ..equilibrium.held_index import index_of
 from ..levels.line_point import Path
 from ..levels.path_orbits import orbit_of
 from ..numerics import arclength
-from ..numerics.arclength import advance
+from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK, advance
 from .branch_leaps import creeps, held_leap, is_near_helix, leap_from, leap_on
-from .branch_states import Bounds, Place, State, begin_at, in_other_charts, rechart
+from .branch_states import Place, State, begin_at, in_other_charts, rechart
 from .branch_steps import AT_END, IS_CLOSED, OrdinarySteps, ordinary_steps
 from .continuation import state_of
-from .family import Family
-from .helix_branch import CROSSING, PITCHFORK, end_of_helix, helix_place, helix_places
+from .family import Bounds, Family
+from .helix_branch import end_of_helix, helix_place, helix_places
 from .leaps import shape_of
 
-FOLD = "fold"
 _LENGTHS = arclength.Lengths(first=0.02, longest=0.25, least=1e-7)  # of steps, in scales
 NARROW = 1e-3  # length of a step below which other coordinates and a leap are tried
 _KEPT = 10  # steps for which another coordinate is kept
@@ -41,7 +40,6 @@ _CREEPING = (
     "choose a range that ends farther on"
 )
 UNBENT = "the rod is a helix and nothing bends it: helices between two hinges are solved, not followed"
-END, CLOSED = "the end of the range", "the branch is closed"
 _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
 
 
@@ -73,7 +71,7 @@ def _places(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -
         return ([], Stop(begun, p)) if isinstance(begun, str) else _follow(begun, [], bounds)
     places, last = helix_places(family, p, rises, bounds)
     if last is None:
-        ended = bool(places) and bounds.is_end(places[-1], 1.0 if rises else -1.0)
+        ended = bool(places) and bounds.is_end(places[-1].p, 1.0 if rises else -1.0)
         return places, Stop(END if ended else _limit(bounds), places[-1].p)
     beyond = leap_from(family, places[-1].path if places else path, last, rises, bounds)
     if beyond is None:
@@ -91,7 +89,7 @@ def _from_held_helix(family: Family, path: Path, p: float, rises: bool, bounds: 
         return [], Stop(begun, p)
     place = begun.record()
     first = replace(place, p=bounds.snap(place.p))
-    if bounds.is_end(first, 1.0 if rises else -1.0):
+    if bounds.is_end(first.p, 1.0 if rises else -1.0):
         return [first], Stop(END, first.p)
     return _follow(begun, [first], bounds)
 
@@ -182,7 +180,7 @@ class _Walk:
             places.append(replace(place, p=self.bounds.snap(place.p)))
             if _is_same(places[-1], self.first):
                 return arclength.Stride(places, there, step, CLOSED)
-            if self.bounds.is_end(places[-1], there.rises):
+            if self.bounds.is_end(places[-1].p, there.rises):
                 return arclength.Stride(places, there, step, END)
         return arclength.Stride(places, there, step)
 
@@ -224,7 +222,7 @@ def _special(state: State, there: State, reach: float) -> list[tuple[float, Stat
         at = state.curve.at(state.node.w)
         if at is not None and at[0].is_tied:
             helix = at[0].start in at[0].angles and state.rises * there.rises > 0
-            found.append((_locate(state, 0.0, reach, lambda at: at.x), CROSSING if helix else PITCHFORK))
+            found.append((_locate(state, 0.0, reach, lambda at: at.x), BRANCH_POINT if helix else PITCHFORK))
     if state.rises * there.rises < 0 and not found:
         found.append((_locate(state, 0.0, reach, lambda at: at.rises), FOLD))
     some = [(*place, kind) for place, kind in found if place is not None]

@@ -11,9 +11,9 @@ from ..levels.path_orbits import orbit_of
 from ..levels.transit_times import height_scale
 from ..mechanics.potential import slope
 from ..numerics.arrays import Array
-from .branch_states import Bounds, State, begin_at
+from .branch_states import State, begin_at
 from .continuation import Stopped, carry, state_of
-from .family import Family
+from .family import Bounds, Family
 from .leaps import Line, leap, shape_of
 
 _BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix

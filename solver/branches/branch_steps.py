@@ -13,9 +13,9 @@ from ..levels.line_point import Path
 from ..numerics.arclength import Node
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
-from .branch_states import Bounds, Place, State
+from .branch_states import Place, State
 from .equilibrium_curve import EquilibriumCurve
-from .family import Family
+from .family import Bounds, Family
 
 AT_END, IS_CLOSED = core.AT_END, core.IS_CLOSED
 

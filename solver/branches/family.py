@@ -1,21 +1,62 @@
 """The problems of a branch: five given numbers, the length and A/C over one parameter p."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from ..core import branches as core
+from ..core.branches import Numbers
 from ..equilibrium.orbit_rates import HOW, NUMBERS
 from ..equilibrium.system import FREE, Given, is_hinged
 from ..levels.line_point import LinePoint
 from ..levels.transit_times import CUTTING, NODES
 from ..orbit.critical_points import grid
 from ..orbit.variations import POINTS
-from ..problem.reduced import EndsProblem
+from ..problem.case import Case
+from ..problem.case_fields import numbers_over, unchecked_with_field, value_of, with_field
+from ..problem.errors import InputError
+from ..problem.held_ends import held_numbers_over, held_of, reduce_held
+from ..problem.reduced import EndsProblem, reduce
 
 _KEPT = 6  # problems kept, as one is needed several times in a step
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """The range of the parameter, the values at which an equilibrium is wanted, and the largest number of points."""
+
+    low: float
+    high: float
+    wanted: tuple[float, ...]
+    most: int
+
+    def inside(self, p: float, q: float) -> list[float]:
+        """The values at which to halt strictly between two, from p to q."""
+        low, high = min(p, q) + self.rounding, max(p, q) - self.rounding
+        every = sorted(v for v in {*self.wanted, self.low, self.high} if low < v < high)
+        return every if p < q else every[::-1]
+
+    def snap(self, p: float) -> float:
+        """The value at which to halt that is p but for rounding, else p."""
+        return next((v for v in (*self.wanted, self.low, self.high) if abs(v - p) <= self.rounding), p)
+
+    @property
+    def rounding(self) -> float:
+        """Below which two parameters are one."""
+        return 4e-15 * max(abs(self.low), abs(self.high))
+
+    def is_end(self, p: float, rises: float) -> bool:
+        """Whether p is at an end of the range and moves out of it."""
+        return p >= self.high - self.rounding if rises > 0 else p <= self.low + self.rounding
+
+    def next(self, p: float, rises: bool) -> float:
+        """The next value beyond p at which to halt: a wanted one or the end of the range."""
+        gap = self.rounding
+        if rises:
+            return min((v for v in (*self.wanted, self.high) if v > p + gap), default=self.high)
+        return max((v for v in (*self.wanted, self.low) if v < p - gap), default=self.low)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,3 +124,50 @@ def scale_of(given: Callable[[float], Given | None], p: float, reach: float) -> 
     size = np.append(np.where(np.isin(here.names, ("z", "alpha", "turn")), 1.0, 1 + np.abs(here.values)), 1 + here.span)
     rate = float((moved / size).max())
     return reach if rate * reach < 1 else 1 / rate
+
+
+def family_of(case: Case, name: str, begun: EndsProblem, bounds: Bounds) -> Family:
+    """The problems over one field; also a little beyond the range, as differences need them.
+
+    begun: one equilibrium, as a problem under dead loads.
+    """
+    is_held, own, reach = bool(held_of(case)), value_of(case, name), bounds.high - bounds.low
+
+    def given(value: float) -> Given | None:
+        found = _case(case, name, bounds, value) if abs(value - own) <= 2 * reach else None
+        if found is None or is_held:
+            return None if found is None else Given.of(reduce_held(found))
+        problem = reduce(found)
+        return Given.dead(problem) if isinstance(problem, EndsProblem) else None
+
+    def beyond(value: float) -> Sequence[float] | None:
+        found = given(value)
+        if found is None or is_held:
+            return None if found is None else [*found.values.tolist(), found.span, found.ratio]
+        return [float(number[0]) for number in vars(problem_of(found, {})).values()]
+
+    inside = (held_numbers_over if is_held else numbers_over)(case, name)
+    here = given(own)
+    assert here is not None
+    numbers = partial(_numbers, inside, beyond, bounds)
+    return Family(given, begun, scale_of(given, own, reach), here.names, numbers)
+
+
+def _case(case: Case, name: str, bounds: Bounds, value: float) -> Case | None:
+    """The case at a value of the field; None where there is none."""
+    if bounds.low <= value <= bounds.high:  # where the fields are known to be valid
+        return unchecked_with_field(case, name, value)
+    try:
+        return with_field(case, name, value)
+    except InputError:
+        return None
+
+
+def _numbers(inside: Numbers, beyond: Numbers, bounds: Bounds, value: float) -> Sequence[float] | None:
+    """The numbers of the problem at a value; inside, beyond: those in the range of the field, and out of it."""
+    if not bounds.low <= value <= bounds.high:
+        return beyond(value)
+    try:
+        return inside(value)
+    except (ZeroDivisionError, OverflowError):  # a stiffness out of the range of floats
+        return None

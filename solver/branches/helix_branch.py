@@ -8,13 +8,14 @@ import numpy as np
 import scipy  # its parts are imported when used
 
 from ..levels.line_point import LinePoint
+from ..levels.morse_index import helix_half_waves, helix_index
 from ..mechanics.potential import slope, slope_higher_rates, slope_rate
+from ..numerics.arclength import BRANCH_POINT, PITCHFORK
 from ..numerics.arrays import Array
 from ..numerics.roots import root
-from .branch_states import Bounds, Place
-from .family import Family
+from .branch_states import Place
+from .family import Bounds, Family
 
-PITCHFORK, CROSSING = "pitchfork", "branch point"
 _STEP = 0.25  # of the parameter's scale
 _SAME = 1e-9
 _BESIDE = 1e-2  # of the parameter's scale: how near a helix ceases that ends a branch
@@ -37,7 +38,7 @@ def helix_places(family: Family, p: float, rises: bool, bounds: Bounds) -> tuple
         if place is None or place.helix is None:
             return places, here
         places += [*_branch_points(family, here, there), helix_place(place, there)]
-        if bounds.is_end(places[-1], 1.0 if rises else -1.0):
+        if bounds.is_end(places[-1].p, 1.0 if rises else -1.0):
             break
         here = there
     return places, None
@@ -46,17 +47,7 @@ def helix_places(family: Family, p: float, rises: bool, bounds: Bounds) -> tuple
 def helix_place(place: LinePoint, p: float, kind: str = "") -> Place:
     helix = place.helix
     assert helix is not None
-    return Place(p, helix, place.problem, _index(_half_waves(place)), kind)
-
-
-def _half_waves(place: LinePoint) -> float:
-    """r L/pi; 0 about a saddle."""
-    rate = float(slope_rate(place.problem, place.problem.beta0)[0])
-    return float(np.sqrt(max(rate, 0.0)) * place.problem.span[0] / np.pi)
-
-
-def _index(half_waves: float) -> int:
-    return max(int(np.ceil(half_waves * (1 - 1e-12))) - 1, 0)
+    return Place(p, helix, place.problem, int(helix_index(helix_half_waves(place.problem))[0]), kind)
 
 
 def _branch_points(family: Family, p: float, q: float) -> list[Place]:
@@ -65,7 +56,7 @@ def _branch_points(family: Family, p: float, q: float) -> list[Place]:
     def waves(at: float) -> float:
         place = family.place(at)
         assert place is not None
-        return _half_waves(place)
+        return float(helix_half_waves(place.problem)[0])
 
     begin, end = waves(p), waves(q)
     low, high = sorted((begin, end))
@@ -78,7 +69,7 @@ def _branch_points(family: Family, p: float, q: float) -> list[Place]:
         assert middle is not None
         found += [helix_place(middle, between)] if found else []
         even = abs(slope_higher_rates(place.problem, place.problem.beta0)[0][0]) < _SAME
-        found.append(helix_place(place, at, PITCHFORK if n % 2 == 0 or even else CROSSING))
+        found.append(helix_place(place, at, PITCHFORK if n % 2 == 0 or even else BRANCH_POINT))
     return found if begin < end else found[::-1]
 
 

@@ -76,7 +76,7 @@ def _neighbours(place: LinePoint, turns: int) -> tuple[list[Path], Orbit | None]
     plain = (leaving == (UP if boundary.rising else DOWN)) & (problem.beta0[0] != problem.betaL[0])
     kept = (near > 0) | plain
     leaving, near = leaving[kept], near[kept]
-    some = Paths(leaving, np.where(near % 2 == 0, leaving, -leaving), near // 2)
+    some = Paths(leaving, near)
     if not grid.place.size:
         return [], None
     roots = roots_on(boundary, grid, some)

@@ -13,6 +13,7 @@ displacements.
 
 import numpy as np
 
+from ..levels.morse_index import helix_half_waves
 from ..mechanics.potential import load_size, slope_rate
 from ..numerics.arrays import Array
 from .orbit_rates import NUMBERS, OrbitRates
@@ -108,7 +109,7 @@ def _helix_index(state: State, ends: tuple[str, ...]) -> float:
     hinges = sum(name.startswith("d") for name in ends)
     if rate <= 0:
         return 0.0 if rate < 0 or hinges < 2 else np.nan
-    waves = float(np.sqrt(rate) * state.problem.span[0]) / np.pi + hinges / 2 - 1
+    waves = float(helix_half_waves(state.problem)[0]) + hinges / 2 - 1
     return np.nan if abs(waves - np.round(waves)) < _FLAT else max(float(np.ceil(waves)), 0.0)
 
 

@@ -5,12 +5,12 @@ from typing import Protocol
 
 import numpy as np
 
+from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from ..numerics.roots import null_vector, root
 from .fold_system import expansion, is_deep, reach_of, turns_at
 from .parameter_plane import MARGIN, ParameterPlane
 
-FOLD, PITCHFORK = "fold", "pitchfork"
 _LONGEST = 0.5  # change of an unknown in a step of Newton's rule
 _UNFOLDED = 1e-8  # rad: the largest change of beta(L) at which a point counts as a pitchfork
 _STRAYS = 1e-4  # of that change along the curve, in units of its length

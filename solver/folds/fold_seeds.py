@@ -14,9 +14,10 @@ import numpy as np
 
 from ..levels.census import MOST_PERIODS, Census, census
 from ..levels.level_search import near_misses
+from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from .curve_crossings import Pieces, change_along
-from .fold_newton import FOLD, PITCHFORK, CurvePoint, CurveSystem, FoldSystem, correct
+from .fold_newton import CurvePoint, CurveSystem, FoldSystem, correct
 from .parameter_plane import ParameterPlane
 from .separatrix_folds import deep_system
 
@@ -101,7 +102,7 @@ def _may_hide_two(counted: Counted, pieces: Pieces, start: Array, end: Array) ->
         return True
     change = Counter(missed)
     change.subtract(counted.near_misses(start)[1])
-    return any(n * change[(*key[:3], not key[3])] < 0 for key, n in list(change.items()) if key[3])
+    return any(n * change[(*key[:2], not key[2])] < 0 for key, n in list(change.items()) if key[2])
 
 
 def seed_between(

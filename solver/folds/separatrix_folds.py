@@ -19,8 +19,8 @@ import numpy as np
 from ..levels.line_point import LinePoint
 from ..levels.transit_times import Levels, Paths, transit_times
 from ..mechanics.potential import slope
+from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
-from .fold_newton import FOLD, PITCHFORK
 from .fold_system import DEEP
 from .parameter_plane import ParameterPlane
 
@@ -99,8 +99,7 @@ class SeparatrixSystem:
             seen = transit_times(boundary, levels)
             time = seen.time.copy()
             time[2 if _rises(place, angle) else 1] = 0.0
-            arriving = self.leaving if self.turns % 2 == 0 else -self.leaving
-            path = Paths(np.array([self.leaving]), np.array([arriving]), np.array([self.turns // 2]))
+            path = Paths(np.array([self.leaving]), np.array([self.turns]))
             out[k] = float(path.counts(boundary.rising)[0] @ time[:, 0])
         return out
 

@@ -10,10 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..branches.branch_following import trace
-from ..branches.branch_states import Bounds
 from ..branches.continuation import state_of
 from ..branches.deflation import across_fold, deflate, fold_beside, is_known, numbers_of
-from ..branches.family import Family
+from ..branches.family import Bounds, Family
 from ..equilibrium.held_index import index_of
 from ..equilibrium.system import Given, State
 from ..levels.path_orbits import orbit_of

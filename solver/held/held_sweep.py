@@ -24,7 +24,6 @@ from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from .held_ranges import Ranges
 
-_DEAD = ("beta0", "betaL", "lam", "mu", "phi")
 _STEPS_AWAY = 1.5  # of the grid: the longest first-order change from a start
 _FEWEST, _MOST = 16, 100  # starts with several unknowns
 
@@ -69,7 +68,7 @@ def _point(problem: EndsProblem, given: Given, unknown: list[str], most_periods:
 
 
 def _held(rates: OrbitRates, given: Given, unknown: list[str]) -> tuple[Array, Array]:
-    response = rates.response(_DEAD)[:, :, [_DEAD.index(name) for name in unknown]]
+    response = rates.response(FREE)[:, :, [FREE.index(name) for name in unknown]]
     off, slope = [], []
     for name, wanted in zip(given.names, given.values, strict=True):
         if name == "turn":

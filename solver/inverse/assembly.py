@@ -15,7 +15,8 @@ from .uncertainty import LEVEL, Uncertainty, uncertainty
 if TYPE_CHECKING:
     from .model import Minimum, Model
 
-_LEVEL, _ZERO = 1e-6, 1e-16  # relative, and of the square of one residual: sums that differ by less are equal
+EQUAL = 1e-6  # relative: of two sums of squares that differ by less, none is lower
+ZERO = 1e-16  # a sum of squares of N data is 0 where it is smaller than N times this
 _EXACT = 1e-6  # a residual of data that are no more than the parameters: it is reached
 
 
@@ -95,7 +96,7 @@ def _others(model: "Model", minima: Sequence["Minimum"], known: Uncertainty) -> 
     """The other minima. Where the data do not determine all parameters, equal ones are places of one valley."""
     found: list[Minimum] = [minima[0]]
     for one in minima[1:]:
-        levels = [other.cost * (1 + _LEVEL) + model.data.size * _ZERO for other in found]
+        levels = [other.cost * (1 + EQUAL) + model.data.size * ZERO for other in found]
         low = any(one.cost <= level for level in levels) if known.directions else False
         if not one.stop and not low:
             found.append(one)

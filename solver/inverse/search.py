@@ -10,7 +10,7 @@ from ..choose.selection import check
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.errors import InputError, check_tolerance
-from .assembly import result
+from .assembly import EQUAL, ZERO, result
 from .data import check_data
 from .model import Evaluation, Minimum, Model, NoValueError
 from .parameters import check_parameters
@@ -21,8 +21,6 @@ from .result import Fit
 _STEP, _GAIN = 1e-10, 1e-7
 _EVALUATIONS = 200  # of one search
 _SAME = 1e-3  # of x: two minima that are nearer are one
-_LOWER = 1e-6  # relative: a minimum is lower than that of the first search if its sum is smaller by more
-_ZERO = 1e-16  # a sum of squares of N data is 0 where it is smaller than N times this
 MOST_STARTS = 100_000
 
 
@@ -158,7 +156,7 @@ def _distinct(minima: list[Minimum], size: int) -> list[Minimum]:
         if not any(_close(one.x, other.x) for other in found):
             found.append(one)
     first, lowest = minima[:1], found[0].cost if found else 0.0
-    if first and not first[0].stop and first[0].cost <= lowest * (1 + _LOWER) + size * _ZERO:
+    if first and not first[0].stop and first[0].cost <= lowest * (1 + EQUAL) + size * ZERO:
         found = first + [one for one in found if not _close(one.x, first[0].x)]
     return found
 

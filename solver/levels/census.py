@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mechanics.potential import slope_rate
 from ..numerics.arrays import Array, Integers
 from ..problem.reduced import EndsProblem
 from .level_grid import boundary_of, helix_of, level_grid_of
 from .level_search import level_roots
+from .morse_index import helix_half_waves, helix_index
 from .transit_times import Boundary, Levels, transit_times
 
 MOST_PERIODS = 200  # as of `level_search`
@@ -56,9 +56,8 @@ def _count(problem: EndsProblem, step: float) -> Census:
     index = np.where(_rotates(boundary, levels), 0, np.maximum(turns - roots.lengthens, 0))
     helix = helix_of(problem, boundary.found)
     if helix is not None:
-        wave = np.sqrt(np.maximum(slope_rate(problem, problem.beta0), 0)) * problem.span / np.pi
-        waves = np.maximum(np.ceil(wave * (1 - 1e-12)) - 1, 0)
-        slope, index, turns = np.append(slope, 0.0), np.append(index, waves), np.append(turns, 0)
+        index = np.append(index, helix_index(helix_half_waves(problem)))
+        slope, turns = np.append(slope, 0.0), np.append(turns, 0)
     index = index.astype(np.int64)
     signed = int(np.where(index % 2 == 0, 1, -1).sum())
     return Census(slope, index, turns, signed == 1 and not roots.lost and not reason)

@@ -159,7 +159,7 @@ def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_tur
     every = boundary.paths(2 * min(needed, most_periods) + 1)
     parts = [
         brackets_on_grid(boundary, grid, seen, every.take(slice(k, k + _PATHS)), k)
-        for k in range(0, every.periods.size if size else 1, _PATHS)
+        for k in range(0, every.turns.size if size else 1, _PATHS)
     ]
     brackets, calls = join_brackets([p for p, _ in parts]), seen.calls + sum(more for _, more in parts)
     turns = every.turns[brackets.path]
@@ -187,14 +187,14 @@ def _most_needed(boundary: Boundary, grid: LevelGrid, seen: TransitTimes) -> int
     return int(min(float(boundary.problem.span[0]) / shortest, 1e9)) + 1 if np.isfinite(shortest) else 0
 
 
-def near_misses(problem: EndsProblem, most_periods: int) -> tuple[int, Counter[tuple[int, int, int, bool]]]:
+def near_misses(problem: EndsProblem, most_periods: int) -> tuple[int, Counter[tuple[int, int, bool]]]:
     """The number of equilibria that are no helix, as seen on a coarse grid of levels; and how often the length of each
-    path (leaving, arriving, periods) has a least value above that of the rod (True), or a largest below it (False):
+    path (leaving, turns) has a least value above that of the rod (True), or a largest below it (False):
     there two equilibria appear if the two meet."""
     boundary, grid = level_grid_of(boundary_of(problem), _COARSE)
     seen = transit_times(boundary, grid.levels)
     every = boundary.paths(2 * min(_most_needed(boundary, grid, seen), most_periods) + 1)
-    if grid.levels.y.size < 3 or not every.periods.size:
+    if grid.levels.y.size < 3 or not every.turns.size:
         return 0, Counter()
     count = brackets_on_grid(boundary, grid, seen, every, 0)[0].path.size
     off = seen.lengths(every.counts(boundary.rising)) - problem.span[0]
@@ -203,7 +203,7 @@ def near_misses(problem: EndsProblem, most_periods: int) -> tuple[int, Counter[t
     with np.errstate(invalid="ignore"):
         least = (here > 0) & (here < before) & (here <= after)
         largest = (here < 0) & (here > before) & (here >= after)
-    ways = list(zip(every.leaving.tolist(), every.arriving.tolist(), every.periods.tolist(), strict=True))
+    ways = list(zip(every.leaving.tolist(), every.turns.tolist(), strict=True))
     sides = ((True, least), (False, largest))
     return count, Counter((*ways[n], above) for above, some in sides for n in np.nonzero(some)[0])
 
@@ -222,10 +222,10 @@ def level_paths_of(boundary: Boundary, roots: Roots, helix: Any) -> tuple[LevelP
     """Level and path of each root, the helix last; and whether its length grows with the level, NaN for the helix."""
     levels, some = roots.levels, roots.paths
     columns: list[Any] = [boundary.pins[levels.pin], levels.sign, levels.y]
-    columns += [some.leaving, some.arriving, some.periods, np.zeros(levels.y.size, dtype=bool)]
+    columns += [some.leaving, some.turns, np.zeros(levels.y.size, dtype=bool)]
     lengthens = roots.lengthens.astype(float)
     if helix is not None:
-        mark = (helix[0], 1.0, -np.inf, 0, 0, 0, True)
+        mark = (helix[0], 1.0, -np.inf, 0, 0, True)
         columns = [np.append(c, np.asarray(v, dtype=c.dtype)) for c, v in zip(columns, mark, strict=True)]
         lengthens = np.append(lengthens, np.nan)
     return LevelPaths(*columns), lengthens

@@ -34,15 +34,12 @@ class Path:
     @property
     def level_path(self) -> LevelPaths:
         """The same as `transit_times.LevelPaths` of one."""
-        numbers = self.pin, self.sign, self.y, self.leaving, self.arriving, self.turns // 2, self.helix
-        return LevelPaths(*(np.array([number]) for number in numbers))
+        return LevelPaths(*(np.array([number]) for number in vars(self).values()))
 
 
 def path_of(paths: LevelPaths, i: int) -> Path:
     """Equilibrium i of a search."""
-    turns = 2 * int(paths.periods[i]) + int(paths.leaving[i] != paths.arriving[i])
-    level = float(paths.pin[i]), float(paths.sign[i]), float(paths.y[i])
-    return Path(*level, int(paths.leaving[i]), turns, bool(paths.helix[i]))
+    return Path(*(column[i].item() for column in vars(paths).values()))
 
 
 class LinePoint:
@@ -86,6 +83,6 @@ class LinePoint:
         """Lengths of paths whose levels have one pin, (M,)."""
         boundary = self.boundary(some[0].pin)
         y, sign = np.array([path.y for path in some]), np.full(len(some), some[0].sign)
-        columns = np.array([(path.leaving, path.arriving, path.turns // 2) for path in some])
+        columns = np.array([(path.leaving, path.turns) for path in some])
         seen = transit_times(boundary, Levels(np.zeros(y.size, dtype=np.int64), sign, y))
         return seen.lengths_along(Paths(*columns.T).counts(boundary.rising))

@@ -98,6 +98,16 @@ def index_at_stations(problem: Reduced, t: Array, beta: Array, rate: Array) -> A
     return index
 
 
+def helix_half_waves(problem: Any) -> Array:
+    """r L/pi of helices of the angle beta(0), (B,), with r^2 = H'; 0 about a saddle."""
+    return np.asarray(np.sqrt(np.maximum(slope_rate(problem, problem.beta0), 0)) * problem.span / np.pi)
+
+
+def helix_index(half_waves: Array) -> Array:
+    """The Morse index of helices between their end angles: how many whole numbers are below r L/pi, (B,)."""
+    return np.maximum(np.ceil(half_waves * (1 - 1e-12)) - 1, 0)
+
+
 def jacobi_zeros(orbit: Any) -> Array:
     """The Morse index of B orbits as the number of zeros of the Jacobi field inside (0, L).
 
@@ -120,11 +130,10 @@ def jacobi_zeros(orbit: Any) -> Array:
         end = np.where(turns % 2 == 0, 1, -1) * jacobi_end(orbit)
         shorter = np.where(np.isnan(shorter), np.where(np.isnan(end), np.nan, end > 0), shorter)
     with np.errstate(invalid="ignore"):
-        rate = slope_rate(problem, problem.beta0)
-        waves = np.ceil(np.sqrt(np.maximum(rate, 0)) * problem.span / np.pi * (1 - 1e-12)) - 1
+        of_helix = helix_index(helix_half_waves(problem))
     at_rest = orbit.back == 0  # eta is beta_t itself
     index = np.maximum(turns - 1 + np.where(at_rest, 1, shorter), 0)
-    return np.where(orbit.kind == HELIX, np.maximum(waves, 0), np.where(librates, index, 0))
+    return np.where(orbit.kind == HELIX, of_helix, np.where(librates, index, 0))
 
 
 def jacobi_end(orbit: Any) -> Array:

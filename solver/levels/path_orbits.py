@@ -78,7 +78,7 @@ def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, len
     series = orbit.panels.series.copy()
     series[:, 0, 0] += problem.beta0[0] - start.beta0[0]  # whole turns
     start = replace(start, beta0=np.full(K, problem.beta0[0]), span=np.full(K, problem.span[0]))
-    passed = np.where(path.helix, 0.0, Paths(path.leaving, path.arriving, path.periods).turns)
+    passed = np.where(path.helix, 0.0, path.turns)
     known = {"lengthens": lengthens, "response": growth, "passed": passed, "path": path}
     return replace(orbit, problem=start, panels=replace(orbit.panels, series=series), **known), level
 
@@ -98,7 +98,7 @@ def _starts(problem: EndsProblem, boundary: Boundary, path: LevelPaths) -> tuple
     deep = excess > 0
     if not deep.any():
         return start, gap, excess, pin
-    some = Paths(path.leaving[moves], path.arriving[moves], path.periods[moves])
+    some = Paths(path.leaving[moves], path.turns[moves])
     seen = transit_times(boundary, Levels(pin, path.sign[moves], path.y[moves]), deep=False)
     span = start.span.copy()
     span[moves] = np.where(deep[moves], seen.lengths_along(some.counts(boundary.rising)), span[moves])

@@ -43,16 +43,10 @@ class Levels:
 
 @dataclass(frozen=True, eq=False)
 class Paths:
-    """N paths from one end to the other, (N,) each: direction at beta(0) and at beta(L), UP or DOWN; whole periods."""
+    """N paths from one end to the other, (N,) each: direction at beta(0), UP or DOWN, and turning points passed."""
 
     leaving: Integers
-    arriving: Integers
-    periods: Integers
-
-    @property
-    def turns(self) -> Integers:
-        """Turning points passed, (N,)."""
-        return 2 * self.periods + (self.leaving != self.arriving)
+    turns: Integers
 
     def counts(self, rising: bool) -> Integers:
         """How many times crossing, above and below (`transit_times`) each path contains, (N, 3)."""
@@ -63,7 +57,7 @@ class Paths:
         return np.stack([crossing, 2 * np.where(up, half, turns // 2), 2 * np.where(up, turns // 2, half)], axis=1)
 
     def take(self, index: Any) -> "Paths":
-        return Paths(self.leaving[index], self.arriving[index], self.periods[index])
+        return Paths(self.leaving[index], self.turns[index])
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +68,7 @@ class LevelPaths:
     sign: Array
     y: Array
     leaving: Integers
-    arriving: Integers
-    periods: Integers
+    turns: Integers
     helix: Booleans
 
     def take(self, index: Any) -> "LevelPaths":
@@ -131,7 +124,7 @@ class Boundary:
         plain = (leaving == (UP if self.rising else DOWN)) & separate
         kept = (turns > 0) | plain
         leaving, turns = leaving[kept], turns[kept]
-        return Paths(leaving, np.where(turns % 2 == 0, leaving, -leaving), turns // 2)
+        return Paths(leaving, turns)
 
 
 def height_scale(problem: EndsProblem) -> float:

@@ -18,6 +18,8 @@ _ENDING = Ending(rounds=10, goal=1e-12, small=1e-9, growth=0.5, stall=0.5)
 _OFF, _COSINE = 0.25, 0.92  # of the distance from the predictor to the length of a step; of the turn of the tangent
 
 LEFT = "the curve ends"
+FOLD, PITCHFORK, BRANCH_POINT = "fold", "pitchfork", "branch point"  # what is met on the way
+END, CLOSED = "the end of the range", "the branch is closed"  # why there is no more of a branch
 Place = TypeVar("Place")
 State = TypeVar("State")
 

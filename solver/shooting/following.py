@@ -4,15 +4,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..numerics.arclength import Lengths, Stride, trace
+from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK, Lengths, Stride, trace
 from ..numerics.arrays import Array
 from ..problem.errors import InputError
 from .curve import Curve, Point, inner
 from .descent import index_of_any
 from .newton import SAME, Shape, is_same
 
-FOLD, PITCHFORK, BRANCH_POINT = "fold", "pitchfork", "branch point"
-END, CLOSED = "the end of the range", "the branch is closed"
 LOST = "Newton's method did not converge on the way"
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of x
 SHORT = 1e-3  # step, within which several branch points are one

@@ -8,8 +8,8 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, follow, solve
 from solver.branches.branch_following import trace
-from solver.branches.branch_states import Bounds, Place
-from solver.branches.family import Family
+from solver.branches.branch_states import Place
+from solver.branches.family import Bounds, Family
 from solver.choose.each_equilibrium import path_of_seed
 from solver.core.branches import RECORD, Point, Steps, chart_of
 from solver.core.orbit_rates import orbit_rates

@@ -230,7 +230,7 @@ def test_how_an_equilibrium_answers_to_its_far_angle_is_what_moving_it_shows(L: 
 
     def key(one):
         p = one.path
-        return float(p.pin[0]), float(p.sign[0]), int(p.leaving[0]), int(p.arriving[0]), int(p.periods[0])
+        return float(p.pin[0]), float(p.sign[0]), int(p.leaving[0]), int(p.turns[0])
 
     counted = 0
     for one in here:
