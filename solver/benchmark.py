@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .methods import METHODS, OrbitQuadrature
-from .methods.ladder import Ladder
+from .methods.base import Ladder
 from .numerics.arrays import Array
 from .problem.case import Case
 from .solution import Solution

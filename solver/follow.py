@@ -70,8 +70,7 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     >>> float(branch.values[-1]), branch.end.reason
     (-4.0, 'the end of the range')
     """
-    from .branches.family import Bounds
-    from .equilibrium.exchanged_ends import exchange
+    from .branches.family import Bounds, exchange
 
     solution = _check(solution)
     if solution.case.varies:

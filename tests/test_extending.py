@@ -12,8 +12,7 @@ from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.benchmark import available_ladders
 from solver.methods import METHODS, StartMethod, Verlet, available
 from solver.methods.automatic import AUTOMATIC
-from solver.methods.base import knob
-from solver.methods.ladder import Ladder
+from solver.methods.base import Ladder, knob
 from solver.observe.observables import OBSERVABLES, Observable
 from solver.problem.quantities import QUANTITIES, Quantity
 from studies.language.loader import loads

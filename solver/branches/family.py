@@ -1,20 +1,20 @@
-"""The problems of a branch: five given numbers, the length and A/C over one parameter p."""
+"""The problems of a branch: five given numbers, the length and A/C over one parameter p, as over a field of a case."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
 
 from ..core import branches as core
 from ..core.branches import Numbers
-from ..equilibrium.orbit_rates import HOW, NUMBERS
+from ..equilibrium.orbit_rates import HOW, NUMBERS, orbit_rates
 from ..equilibrium.system import FREE, Given, is_hinged
-from ..levels.line_point import LinePoint
+from ..levels.line_point import LinePoint, Path
 from ..levels.transit_times import CUTTING, NODES
 from ..orbit.critical_points import grid
 from ..orbit.variations import POINTS
-from ..problem.case import Case
+from ..problem.case import PAIRS, Case
 from ..problem.case_fields import numbers_over, unchecked_with_field, value_of, with_field
 from ..problem.errors import InputError
 from ..problem.held_ends import held_numbers_over, held_of, reduce_held
@@ -171,3 +171,30 @@ def _numbers(inside: Numbers, beyond: Numbers, bounds: Bounds, value: float) -> 
         return inside(value)
     except (ZeroDivisionError, OverflowError):  # a stiffness out of the range of floats
         return None
+
+
+PARTNER = {name: other for pair in PAIRS for name, other in (pair, pair[::-1])}
+
+
+def exchange(case: Case, problem: EndsProblem, path: Path, name: str) -> Case:
+    """The case with one more field of `Ends` given, at its value in an equilibrium, and its partner left open.
+
+    problem, path: the equilibrium under its dead loads.
+    """
+    rho, A = float(case.rho), float(case.rod.bending_stiffness)
+    rates = orbit_rates(problem, [path])
+    number, length = dict(zip(NUMBERS, rates.values[0].tolist(), strict=True)), float(rates.length[0])
+    reach = float(case.rod.L)
+    values = {
+        "beta0": float(problem.beta0[0]),
+        "betaL": float(problem.betaL[0]),
+        "M10": number["dbeta0"] * A / rho,
+        "M1L": number["dbetaL"] * A / rho,
+        "FZ": float(problem.phi[0]) * A / rho / rho,
+        "MZ": float(problem.lam[0]) * A / rho,
+        "M3": float(problem.mu[0]) * A / rho,
+        "height": float(np.clip(number["z"] * rho, -reach, reach)),
+        "azimuth": float(np.clip(number["alpha"], -reach / rho, reach / rho)),
+        "rotation": float(case.rod.stiffness_ratio) * number["mu"] * length - number["swirl"],
+    }
+    return replace(case, given=replace(case.given, **{PARTNER[name]: None, name: values[name]}))

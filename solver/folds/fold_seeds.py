@@ -17,7 +17,7 @@ from ..levels.level_search import near_misses
 from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from .curve_crossings import Pieces, change_along
-from .fold_newton import CurvePoint, CurveSystem, FoldSystem, correct
+from .fold_system import CurvePoint, CurveSystem, FoldSystem, correct
 from .parameter_plane import ParameterPlane
 from .separatrix_folds import deep_system
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..numerics.arclength import FOLD, Lengths, Stride, trace
 from ..numerics.arrays import Array
-from .fold_newton import CurvePoint, CurveSystem, FoldSystem, correct
+from .fold_system import CurvePoint, CurveSystem, FoldSystem, correct
 from .separatrix_folds import SeparatrixSystem, deep_system
 
 _LENGTHS = Lengths(first=0.01, longest=0.04, least=2e-6)  # of steps, in shares of the ranges

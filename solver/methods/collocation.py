@@ -18,8 +18,7 @@ from ..mechanics.potential import slope, slope_rate
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed, Trajectory, verdicts
-from .base import EndsMethod, knob
-from .ladder import MOST_COMPILED, TOLERANCES, Ladder
+from .base import MOST_COMPILED, TOLERANCES, EndsMethod, Ladder, knob
 
 _FIRST, _MOST = (
     (257, 2049),

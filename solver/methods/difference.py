@@ -14,8 +14,7 @@ from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed, Trajectory, verdicts
-from .base import EndsMethod, knob
-from .ladder import MOST_COMPILED, Ladder, twos
+from .base import MOST_COMPILED, EndsMethod, Ladder, knob, twos
 
 _FIRST, _LARGEST_FIRST, _MOST = 129, 2**13 + 1, 2**17 + 1  # nodes
 _FEWEST = 17  # nodes of the coarsest mesh that may measure the error of another

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from .adaptive import Adaptive
-from .ladder import MOST_CALLED, Ladder, tens
+from .base import MOST_CALLED, Ladder, tens
 
 
 @dataclass(frozen=True)

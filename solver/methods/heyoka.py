@@ -15,8 +15,7 @@ from ..numerics.arrays import Array
 from ..orbit.growth import growth, refine
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, verdicts
-from .base import StartMethod, knob
-from .ladder import MOST_COMPILED, Ladder, tens
+from .base import MOST_COMPILED, Ladder, StartMethod, knob, tens
 
 _TIGHTEST, _LOOSEST = 2.3e-16, 1e-2
 _MOST_STEPS = 200_000  # of one integration

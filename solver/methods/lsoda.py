@@ -6,7 +6,7 @@ It evaluates the equation once a step, an advantage where evaluations are expens
 from dataclasses import dataclass
 
 from .adaptive import Adaptive
-from .ladder import MOST_CALLED, Ladder, tens
+from .base import MOST_CALLED, Ladder, tens
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,7 @@ from ..orbit.pieces import MOST
 from ..problem.limits import TOO_LARGE, dimensionless
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, blank, stood_in, verdicts
-from .base import StartMethod
-from .ladder import TOLERANCES, Ladder
+from .base import TOLERANCES, Ladder, StartMethod
 
 SPENT = f"failed: the orbit needs more than {MOST} panels"
 

@@ -8,8 +8,7 @@ from ..mechanics.potential import slope
 from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
-from .base import StartMethod, knob
-from .ladder import Ladder, twos
+from .base import Ladder, StartMethod, knob, twos
 from .marching import Scheme, march
 
 

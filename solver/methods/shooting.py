@@ -11,8 +11,7 @@ from ..choose.selection import NEAREST, Choose
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed, Trajectory
-from .base import EndsMethod
-from .ladder import Ladder, tens
+from .base import EndsMethod, Ladder, tens
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,8 @@ from ..numerics.arrays import Array
 from ..orbit.marched_orbit import MarchedOrbit, march_orbit
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, Verdicts, all_solved, verdicts
-from .base import StartMethod
+from .base import TOLERANCES, Ladder, StartMethod
 from .blocks import run_in_blocks
-from .ladder import TOLERANCES, Ladder
 from .orbit import OrbitQuadrature
 
 _DIGITS = 100  # times the tolerance: an error beyond it is handed over, also where the condition number excuses it

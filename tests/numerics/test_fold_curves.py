@@ -9,7 +9,7 @@ from scipy.optimize import fsolve
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fold_curves, region_map
 from solver.folds.fold_curves import FoldCurve, FoldCurves
-from solver.folds.fold_newton import correct
+from solver.folds.fold_system import correct
 from solver.folds.parameter_plane import parameter_plane
 from solver.folds.separatrix_folds import UNIT, SeparatrixSystem
 from solver.levels.census import census

@@ -12,7 +12,7 @@ import pytest
 from solver import Case, InputError, Solution, benchmark, solve
 from solver.benchmark import Row, cheapest, drift, errors_against, measure
 from solver.methods import METHODS, available
-from solver.methods.ladder import Ladder, tens
+from solver.methods.base import Ladder, tens
 from solver.problem.reduced import reduce
 from tests.cases import EXACT, TABLE_1, elliptic, in_units_of_rho
 from tests.references import references

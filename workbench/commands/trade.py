@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from solver.benchmark import Row
-    from solver.methods.ladder import Ladder
+    from solver.methods.base import Ladder
 
 
 def trade(

@@ -13,7 +13,7 @@ import xarray as xr
 from solver import InputError
 from solver.benchmark import STATIONS, Row, available_ladders, cheapest, measure
 from solver.methods import METHODS
-from solver.methods.ladder import Ladder
+from solver.methods.base import Ladder
 from solver.problem.errors import choices, no_such
 
 from ..data import dataset

@@ -19,7 +19,7 @@ from .sheet import SCREEN, Sheet
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from solver.methods.ladder import Ladder
+    from solver.methods.base import Ladder
 
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
 LOST = 1.0  # an error of this size and more has no correct digit
