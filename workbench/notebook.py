@@ -246,7 +246,7 @@ def _axes(sol: Solution) -> dict[str, Any]:
 
 def _fields(sol: Solution) -> dict[str, Any]:
     parts = (sol.case.rod, sol.case.cylinder, sol.case.given)
-    values = {one.name: getattr(part, one.name) for part in parts for one in fields(part)}
+    values = {field.name: getattr(part, field.name) for part in parts for field in fields(part)}
     return {name: value for name, value in values.items() if value is not None and not isinstance(value, str)}
 
 

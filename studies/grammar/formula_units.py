@@ -193,7 +193,7 @@ class _Run:
 
     def _call(self, node: ast.Call) -> Any:
         assert isinstance(node.func, ast.Name)
-        parts = [self.of(one) for one in node.args]
+        parts = [self.of(arg) for arg in node.args]
         if node.func.id == "sqrt":
             self._fault(parts[0] < 0, f"sqrt of a negative number in {ast.unparse(node)!r}")
         if node.func.id == "log":

@@ -267,4 +267,4 @@ def given_fields(study: StudyData) -> list[str]:
 
 def _remark(remarks: NDArray[Any], where: NDArray[np.bool_], text: str) -> None:
     """Add a remark to those of some cases."""
-    remarks[where] = [f"{one}; {text}" if one else text for one in remarks[where]]
+    remarks[where] = [f"{remark}; {text}" if remark else text for remark in remarks[where]]

@@ -52,8 +52,8 @@ class Refinement:
         self.numbers = np.empty((0, self.steps.size))
         below = np.meshgrid(*(np.arange(size - 1) << self.lattice.depth for size in self.lattice.shape), indexing="ij")
         first = np.stack([row.ravel() for row in below], axis=1)
-        for one in self.lines:
-            one.at = np.arange(self.lattice.shape[1 - one.along]) << self.lattice.depth
+        for line in self.lines:
+            line.at = np.arange(self.lattice.shape[1 - line.along]) << self.lattice.depth
         self.cells = [first, *(first[:0] for _ in range(self.lattice.depth))]
 
     @property
@@ -84,7 +84,7 @@ class Refinement:
 
     def open_lines(self) -> int:
         """How many gaps between lines of different verdicts are wider than the tolerance."""
-        return sum(int((upper - lower > 1).sum()) for one in self.lines for lower, upper in [one.gaps()])
+        return sum(int((upper - lower > 1).sum()) for line in self.lines for lower, upper in [line.gaps()])
 
     def edges(self) -> tuple[Places, Places]:
         """Pairs of neighbouring cases: their indices, (pairs, 2), the lower first, and the axis of each, (pairs,)."""
@@ -148,12 +148,12 @@ class Refinement:
 
     def _judge(self) -> None:
         """The verdicts of the lines that have become complete."""
-        for one in self.lines:
-            new = np.array([place for place in one.at.tolist() if place not in one.verdicts], dtype=np.int64)
+        for line in self.lines:
+            new = np.array([place for place in line.at.tolist() if place not in line.verdicts], dtype=np.int64)
             if new.size:
-                cases = self._cases(self._line(one, new).reshape(-1, 2)).reshape(new.size, -1)
-                one.verdicts |= dict(
-                    zip(new.tolist(), one.judge(self.numbers[cases, one.column]).tolist(), strict=True)
+                cases = self._cases(self._line(line, new).reshape(-1, 2)).reshape(new.size, -1)
+                line.verdicts |= dict(
+                    zip(new.tolist(), line.judge(self.numbers[cases, line.column]).tolist(), strict=True)
                 )
 
     def _line(self, one: Lines, at: Places) -> Places:
@@ -165,10 +165,10 @@ class Refinement:
     def _between(self, level: int) -> list[tuple[Lines, Places]]:
         """For each law the places of new lines, half-way between lines of a level with different verdicts."""
         found = []
-        for one in self.lines:
-            lower, upper = one.gaps()
+        for line in self.lines:
+            lower, upper = line.gaps()
             wide = upper - lower == self.size(level)
-            found.append((one, (lower[wide] + upper[wide]) // 2))
+            found.append((line, (lower[wide] + upper[wide]) // 2))
         return found
 
     def _halve(self) -> None:

@@ -106,7 +106,11 @@ def remarks(ds: xr.Dataset) -> list[str]:
 
 def _numbers(found: Sequence[Sequence[Equilibrium]], most: int, laws: Sequence[Law]) -> dict[str, NDArray[np.float64]]:
     """The numbers of `EACH` and the observables of the laws, (values, most) each."""
-    judged = list(dict.fromkeys((*(one for law in laws for one in law.observables if one not in EACH), *PUSH)))
+    judged = list(
+        dict.fromkeys(
+            (*(observable for law in laws for observable in law.observables if observable not in EACH), *PUSH)
+        )
+    )
     table = {key: np.full((len(found), most), np.nan) for key in (*EACH, *judged)}
     for k, members in enumerate(found):
         for i, one in enumerate(members):
@@ -139,14 +143,18 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict
         row: dict[str, Any] = {
             "branch": piece.number, "from": float(ends[0] * scale), "to": float(ends[-1] * scale),
             "values": len(points) if name in PARTNER else int(k.size), "index": points[len(points) // 2].index,
-            "turns": _range(turns if k.size else np.unique([one.path.turns for one in points[1:-1]])),
+            "turns": _range(turns if k.size else np.unique([point.path.turns for point in points[1:-1]])),
         }  # fmt: skip
         for law in laws:
             key = f"{law.observable} {law.direction}"
             if k.size <= 2:
                 row[key] = "too short"
                 continue
-            said = decide(law, {one: ds[one].values[k, i] for one in law.observables}, {name: ds[name].values[k]})
+            said = decide(
+                law,
+                {observable: ds[observable].values[k, i] for observable in law.observables},
+                {name: ds[name].values[k]},
+            )
             kinds = f": {', '.join(said['qualifications'])}" if said["verdict"] == QUALIFIED else ""
             row[key] = said["verdict"] + kinds
         rows.append(row)

@@ -31,7 +31,7 @@ def trace_held(case: Case, name: str, values: list[float], stations: int, step: 
     for value in (values[0], values[-1]):
         holding(case, name, value)
     starts = list(equilibria(case, stations=stations))
-    own = [own_value(one.solution, name) for one in starts]
+    own = [own_value(start.solution, name) for start in starts]
     passed = np.union1d([*values, *own], np.linspace(values[0], values[-1], FINE))
     curves, remarks, known = list[Branch](), list[str](), [False] * len(starts)
     for i, one in enumerate(starts):
@@ -60,7 +60,7 @@ def holding(case: Case, name: str, value: float) -> Case:
     """The case with a field held or given in place of its partner."""
     given = case.given
     assert isinstance(given, Ends)
-    every = {one.name: getattr(given, one.name) for one in fields(given)}
+    every = {field.name: getattr(given, field.name) for field in fields(given)}
     return replace(case, given=Ends(**{**every, PARTNER[name]: None, name: value}))
 
 

@@ -71,7 +71,7 @@ def _of_regions(regions: list[Region], names: tuple[str, str], labels: list[Any]
     stations = regions[0].equilibria[0].solution.s.size if regions and regions[0].equilibria else 2
     shapes = {name: np.full((len(regions), most, stations), np.nan) for name in ALONG}
     for k, region in enumerate(regions):
-        for i, one in enumerate([one for one in region.equilibria if one.index == 0]):
+        for i, one in enumerate([equilibrium for equilibrium in region.equilibria if equilibrium.index == 0]):
             for name in ALONG:
                 shapes[name][k, i] = getattr(one.solution, name)
     data: dict[str, Any] = {
@@ -96,14 +96,14 @@ def _of_regions(regions: list[Region], names: tuple[str, str], labels: list[Any]
 def _of_curves(found: RegionMap, names: tuple[str, str], labels: list[Any], units: dict[str, str]) -> Any:
     """The curves over (curve, point), NaN beyond their ends, and the cusps."""
     curves = found.folds.curves
-    most = max((one.values.shape[0] for one in curves), default=0)
+    most = max((curve.values.shape[0] for curve in curves), default=0)
     values = np.full((3, len(curves), most), np.nan)
     for k, one in enumerate(curves):
         values[:2, k, : one.dbeta0.size] = one.values.T
         values[2, k, : one.dbeta0.size] = one.dbeta0
-    cusps = np.concatenate([np.zeros((0, 2)), *(one.cusps for one in curves)])
-    slopes = np.concatenate([np.zeros(0), *(one.cusp_dbeta0 for one in curves)])
-    owner = np.repeat(np.arange(len(curves)), [one.cusps.shape[0] for one in curves])
+    cusps = np.concatenate([np.zeros((0, 2)), *(curve.cusps for curve in curves)])
+    slopes = np.concatenate([np.zeros(0), *(curve.cusp_dbeta0 for curve in curves)])
+    owner = np.repeat(np.arange(len(curves)), [curve.cusps.shape[0] for curve in curves])
     data: dict[str, Any] = {}
     for k, name in enumerate(names):
         data[f"curve_{name}"] = xr.Variable(("curve", "point"), values[k], labels[k])
@@ -112,8 +112,8 @@ def _of_curves(found: RegionMap, names: tuple[str, str], labels: list[Any], unit
     data["cusp_dbeta0"] = xr.Variable(("cusp",), slopes, schema.labels("dbeta0", units))
     data["cusp_curve"] = xr.Variable(("cusp",), owner.astype(np.int64), {"long_name": "number of its curve"})
     lower = {"long_name": "lower Morse index of the two equilibria that meet", "units": "1"}
-    data["curve_index"] = xr.Variable(("curve",), np.array([one.lower for one in curves], dtype=np.int64), lower)
-    data["curve_kind"] = xr.Variable(("curve",), np.array([one.kind for one in curves], dtype=str))
-    ends = np.array([" ".join(one.ends) for one in curves], dtype=str)
+    data["curve_index"] = xr.Variable(("curve",), np.array([curve.lower for curve in curves], dtype=np.int64), lower)
+    data["curve_kind"] = xr.Variable(("curve",), np.array([curve.kind for curve in curves], dtype=str))
+    ends = np.array([" ".join(curve.ends) for curve in curves], dtype=str)
     data["curve_ends"] = xr.Variable(("curve",), ends, {"long_name": "how the curve ends at either side"})
     return data

@@ -122,5 +122,5 @@ def numbered(
     ]
     for c, curve in enumerate(curves):
         ends = [one for one in curve.special if one.kind == HELIX]
-        special += [(curve, one, (number[piece_of(c, one.position)],) * 2) for one in ends]
+        special += [(curve, end, (number[piece_of(c, end.position)],) * 2) for end in ends]
     return Traced(found, branch, curves, pieces, special, remarks)

@@ -96,16 +96,16 @@ def _curves(found: "RegionMap") -> list[dict[str, Any]]:
 
 def _regions(found: "RegionMap") -> list[dict[str, Any]]:
     return [
-        {**dict(zip(found.folds.names, map(float, one.values), strict=True)), "area": one.area,
-         "equilibria": one.count, "stable": one.stable}
-        for one in found.regions
+        {**dict(zip(found.folds.names, map(float, region.values), strict=True)), "area": region.area,
+         "equilibria": region.count, "stable": region.stable}
+        for region in found.regions
     ]  # fmt: skip
 
 
 def _as_data(found: "RegionMap", points: int, wrong: list[str]) -> dict[str, Any]:
     """The curves, the regions and the check as plain data."""
     folds = found.folds
-    cusps = [dict(zip(folds.names, map(float, cusp), strict=True)) for one in folds.curves for cusp in one.cusps]
+    cusps = [dict(zip(folds.names, map(float, cusp), strict=True)) for curve in folds.curves for cusp in curve.cusps]
     return {
         "fields": list(folds.names), "curves": _curves(found), "cusps": cusps, "regions": _regions(found),
         "check": {"points": points, "failed": wrong}, "remark": found.remark,

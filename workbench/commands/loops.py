@@ -61,7 +61,7 @@ def loops(
     for count in counts:
         some = closed_rods(rod, cylinder, wraps, count)
         found += [one for one in some if all_of_them or one.about > 0]
-        told = [one for one in some.remarks if all_of_them or "-pi/2" not in one]
+        told = [remark for remark in some.remarks if all_of_them or "-pi/2" not in remark]
         remarks += [f"{count} folds: {one}" for one in told]
     complete = {one.folds for one in found if one.about > 0} == set(counts)
     if export:

@@ -109,7 +109,7 @@ def _attempt(case: Case, method: str, known: Any, seed: Solution | None = None) 
 
 def dataset_of(found: Mapping[str, Mapping[str, Attempt]]) -> xr.Dataset:
     """The attempts over (extreme, method), extremes in the order of the map; found: extreme -> method -> attempt."""
-    named, known = [one for one in extremes() if one.name in found], references()
+    named, known = [extreme for extreme in extremes() if extreme.name in found], references()
     methods = list(dict.fromkeys(method for rows in found.values() for method in rows))
     full = ("extreme", "method")
     table = [[found[one.name][method] for method in methods] for one in named]

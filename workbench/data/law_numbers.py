@@ -49,7 +49,7 @@ def _find(ds: "xr.Dataset", name: str) -> Any:
     except InputError:
         key = name  # an expression
     if key not in ds.variables or not set(ds[key].dims) <= set(ds["outcome"].dims) or ds[key].dtype.kind not in "iufb":
-        stored = [str(one) for one in ds.variables if set(ds[one].dims) <= set(ds["outcome"].dims)]
+        stored = [str(variable) for variable in ds.variables if set(ds[variable].dims) <= set(ds["outcome"].dims)]
         raise InputError(f"the dataset stores no number {name!r} of each case; available: {choices(stored)}")
     return ds[key]
 

@@ -68,12 +68,16 @@ def write_cases(
     """Write the variables over the axes into an open file, window by window; shape: of the grid."""
     created: dict[str, Any] = {}
     for start, columns in windows:
-        for one in variables:
-            values = columns[one.name] if one.dtype is None else columns[one.name].astype(one.dtype, copy=False)
-            if one.name not in created:
-                created[one.name] = _create(file, one, shape + values.shape[1:], values.dtype)
+        for variable in variables:
+            values = (
+                columns[variable.name]
+                if variable.dtype is None
+                else columns[variable.name].astype(variable.dtype, copy=False)
+            )
+            if variable.name not in created:
+                created[variable.name] = _create(file, variable, shape + values.shape[1:], values.dtype)
             values = values.astype({"U": object, "b": np.int8}.get(values.dtype.kind, values.dtype), copy=False)
-            grid_io.write(created[one.name], shape, start, values)
+            grid_io.write(created[variable.name], shape, start, values)
 
 
 def _create(file: netcdf.File, one: CaseVariable, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Any:

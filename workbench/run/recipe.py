@@ -58,7 +58,7 @@ def differences(was: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     for key in dict.fromkeys([*was, *now]):
         before, after = was.get(key), now.get(key)
         if isinstance(before, dict) and isinstance(after, dict):
-            told += [f"{key}.{one}" for one in differences(before, after)]
+            told += [f"{key}.{difference}" for difference in differences(before, after)]
         elif before != after:
             told.append(f"{key} was {_tell(before)}, now {_tell(after)}")
     return told
