@@ -126,3 +126,4 @@ def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monke
     assert law_verdicts.law_in_words(row) == "height stays level along E"
     fig = study_figure.figure(ds)
     assert any(ax.get_title(loc="left") == "a: false" for ax in fig.axes)
+    assert "stays level with" in " ".join(fig.legends[0].get_title().get_text().split())

@@ -140,7 +140,7 @@ def test_a_law_stands_in_symbols_with_the_units_of_its_panel(judged) -> None:
 
 def test_angles_are_in_degrees_on_every_axis(judged) -> None:
     ax = study_figure.figure(judged, sheet=sheet(panel="b")).axes[0]
-    assert ax.get_ylabel() == "amplitude of β [°]"
+    assert ax.get_ylabel() == "largest β minus smallest β [°]"
     drawn = next(line for line in ax.lines if len(line.get_xdata()) == 2)
     np.testing.assert_allclose(drawn.get_ydata(), np.degrees(judged["amplitude"].values))
     assert np.degrees(0.5) in [line.get_ydata()[0] for line in ax.lines]  # the bound

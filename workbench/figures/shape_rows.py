@@ -20,7 +20,7 @@ KEY = "z", "around"  # its two arrows
 LARGEST, SMALLEST, STEP = 8.0, 0.1, 0.97  # inches of the largest curve; from one scale that is tried to the next
 NEARLY = 0.6  # of the largest scale is enough for fewer rows
 ARROW = 0.5  # inches of the arrows of the key at most
-RING = 5.0  # points across
+RING = 3.8  # points across
 
 Values = NDArray[np.float64]
 
@@ -122,7 +122,7 @@ def draw(ax: Axes, shapes: Sequence[Shape], form: Rows, unit: str) -> Any:
         _write(ax, shape.text, (place[0], place[1]), form)
         if len(shape.rings):
             x, y = np.transpose(shape.rings)
-            ax.scatter(x + left, y + top, s=RING**2, facecolors="none", linewidths=0.8, edgecolors=style.CROSSED,
+            ax.scatter(x + left, y + top, s=RING**2, facecolors="none", linewidths=0.7, edgecolors=style.CROSSED,
                        label=unrolled.THROUGH, zorder=5)  # fmt: skip
     for artist in (*ax.lines, *ax.collections):
         artist.set_clip_on(False)

@@ -100,7 +100,7 @@ def letters(ds: xr.Dataset, ax: Axes) -> None:
     _line(ax, eye, [top, top + 1.2 * R * up], style.INK, arrow="z")
     _line(ax, eye, [top, top + R * frames.outward(np.array(eye.azimuth - 1.0))], style.INK, arrow="R")
     ax.plot(*eye.to_page(start), "o", color=style.INK, markersize=3, zorder=6)
-    _write(ax, eye.to_page(start), "s = 0", (-8, -5), ha="right")
+    _write(ax, eye.to_page(start), "s = 0", (-4, -5), ha="right")
     _write(ax, eye.to_page(at + 1.3 * (arc[20] - at)), "β", (0, 0))
     _write(ax, eye.to_page(around[20]), "α", (0, -6))
     _frame(ax)
@@ -195,7 +195,7 @@ def _line(ax: Axes, eye: Eye, points: Any, colour: str, arrow: str | None = None
     look = {"arrowstyle": "-|>", "color": colour, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6}
     ax.annotate("", places[-1], places[0], zorder=6, annotation_clip=False, arrowprops=look)
     way = (places[-1] - places[0]) / np.linalg.norm(places[-1] - places[0])
-    _write(ax, places[-1], arrow, tuple(6 * way))
+    _write(ax, places[-1], arrow, tuple(7.5 * way))
 
 
 def _write(ax: Axes, place: Any, text: str, offset: Any, **look: Any) -> None:

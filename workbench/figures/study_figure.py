@@ -21,7 +21,8 @@ from .laws import panel
 from .sheet import SCREEN, Sheet
 from .trends import trend
 
-LAW_HEIGHT, LEAST_LAW, ONE_ROD = 3.2, 2.4, 0.55  # inches; the share of the least of a narrow panel of one rod
+LAW_HEIGHT, TALL_LAW, LEAST_LAW = 3.2, 3.8, 2.4  # inches; the second beside curves
+ONE_ROD = 0.55  # the share of the least height of a narrow panel of one rod
 NARROW_LAW = 1.4, 2.2  # inches of a law on a narrow sheet
 SAMPLES = "samples"  # the panel of the scatter diagrams
 BESIDE = 0.58  # the share of the width that curves have beside a law
@@ -87,11 +88,11 @@ def figure(
     axis_of_trends = selection.axis_of(ds, x) if x else next(iter(axes), "")
     count, width = len(panels), sheet.width
     across = 1 if sheet.narrow else 3 if count == 3 and not rows else 2
-    law_height = min(LAW_HEIGHT, max(0.7 * width / across, LEAST_LAW))
+    beside = 0 < count <= len(strips) and not sampled and not sheet.narrow
+    law_height = min(TALL_LAW if beside else LAW_HEIGHT, max(0.7 * width / across, LEAST_LAW))
     if sheet.narrow:
         room = canvas.TALLEST - bool(strips) * (STRIPS * width + LABELS)
         law_height = float(np.clip(room / max(count, 1), *NARROW_LAW))
-    beside = 0 < count <= len(strips) and not sampled and not sheet.narrow
     tallest = law_height - LABELS if beside else STRIPS * width
     rods = [drawn_rods.choose(curves, ("alpha", "z"), axis, most=MOST_CURVES) for axis in strips]
     forms = [unrolled.plan(one, width * (BESIDE if beside else 1), tallest) for one in rods]
