@@ -14,6 +14,7 @@ from .region_map import region_map
 from .solution import Solution
 from .solve import solve
 from .switch import switch
+from .varying_folds import trace_fold
 
 __version__ = "0.2.0"
 __all__ = [
@@ -36,6 +37,7 @@ __all__ = [
     "region_map",
     "solve",
     "switch",
+    "trace_fold",
     "weight_in_fluid",
 ]
 

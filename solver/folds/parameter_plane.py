@@ -77,10 +77,15 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
         raise InputError(f"fold curves need a Case with Ends, got {type(case.given).__name__}")
     if case.shape:
         raise InputError(f"fold curves need one case, got a grid of shape {case.shape}")
+    if case.varies:
+        raise InputError(
+            "fold curves over the whole rectangle need a rod without weight and friction; with them follow an "
+            "equilibrium to a fold, and trace_fold in Python traces its curve"
+        )
     if len(ranges) != 2:
         raise InputError(f"fold curves need two fields with their ranges, got {choices(ranges) or 'none'}")
     first, second = check_fields(case, ranges)
-    ends = np.array([_range(name, ranges[name]) for name in (first, second)])
+    ends = np.array([read_range(name, ranges[name]) for name in (first, second)])
     plane = ParameterPlane(case, (first, second), ends[:, 0], ends[:, 1])
     corners = np.array([[u, w] for u in (-MARGIN, 0.5, 1 + MARGIN) for w in (-MARGIN, 0.5, 1 + MARGIN)])
     try:
@@ -98,7 +103,7 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
     return plane
 
 
-def _range(name: str, given: Any) -> tuple[float, float]:
+def read_range(name: str, given: Any) -> tuple[float, float]:
     """The two ends of a range. Raises `InputError`."""
     try:
         low, high = (angle(v) if isinstance(v, str) and name in ANGLES else float(v) for v in given)

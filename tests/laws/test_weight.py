@@ -9,8 +9,23 @@ import pytest
 from scipy.interpolate import make_interp_spline
 from scipy.optimize import minimize
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fit, follow, observe, solve
+from solver import (
+    Case,
+    Cylinder,
+    Ends,
+    InputError,
+    Rod,
+    Start,
+    equilibria,
+    fit,
+    fold_curves,
+    follow,
+    observe,
+    solve,
+    trace_fold,
+)
 from solver.core.varying_loads import MOST_STEPS, march
+from solver.folds.parameter_plane import with_two
 from solver.numerics.arclength import Lengths
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.reduced import reduce
@@ -281,6 +296,38 @@ def test_the_branches_of_the_straight_rod_begin_at_each_buckling_load() -> None:
     assert len(buckling_shares(rod, rod.nodes())) == below
     assert sorted(index_at(one) for one in shapes) == [0, 0, 0, 0, 1, 1]
     assert max(np.abs(open_at(one)).max() for one in shapes) < 1e-12
+
+
+def bent_rod(weight: float | None, L: float = 3.0) -> Case:
+    wall = Cylinder(R=0.75, inclination=None if weight is None else 1.0)
+    return Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=L, weight=weight), wall, Ends(beta0=0.5, betaL=0.8, FZ=-40.0))
+
+
+def fold_values(case: Case) -> list[float]:
+    return sorted(one.value for one in follow(solve(case), FZ=[-60.0, -20.0]).special if one.kind == "fold")
+
+
+@pytest.mark.slow
+def test_the_curve_of_a_fold_over_the_weight_meets_the_folds_without_weight() -> None:
+    branch = follow(solve(bent_rod(0.02)), FZ=[-60.0, -20.0])
+    curves = [trace_fold(branch, number, weight=(0.0, 0.03)) for number in (0, 1)]
+    for weight in (0.0, 0.03):
+        met = sorted(one.values[np.isclose(one.values[:, 1], weight), 0].item() for one in curves)
+        assert met == pytest.approx(fold_values(bent_rod(weight or None)), rel=1e-9)
+    assert all(curve.ends == ("border", "border") and curve.lower == 0 for curve in curves)
+
+
+@pytest.mark.slow
+def test_the_curve_of_a_fold_passes_the_cusp_of_a_rod_without_weight() -> None:
+    """Both meet in the cusp: another code has it at -55.891532, 2.293935."""
+    curve = trace_fold(follow(solve(bent_rod(1e-9)), FZ=[-60.0, -20.0]), L=(1.5, 3.0), FZ=(-60.0, -20.0))
+    (other,) = fold_curves(bent_rod(None), FZ=(-60, -20), L=(1.5, 3), lattice=3).curves
+    assert curve.cusps == pytest.approx(other.cusps, rel=1e-6)
+    assert curve.cusp_dbeta0 == pytest.approx(other.cusp_dbeta0, rel=1e-4)
+    for i in (2, 8, -3):
+        sides = [curve.values[i] + sign * 1e-3 * curve.more[i] for sign in (1, -1)]
+        counts = [len(equilibria(with_two(bent_rod(None), {"FZ": one[0], "L": one[1]}))) for one in sides]
+        assert counts == [3, 1]
 
 
 def test_a_light_rod_that_goes_far_round_has_the_index_of_a_discrete_rod() -> None:
@@ -570,6 +617,8 @@ def test_a_height_of_the_whole_length_leaves_the_axial_force_open(sign: int) -> 
             "with friction are not searched",
         ),
         (lambda case: follow(solve(case), height=4.0), "takes a field that the case gives, got height"),
+        (lambda case: fold_curves(case, FZ=(-9, -1), weight=(1, 3)), "follow an equilibrium to a fold, and trace_fold"),
+        (lambda case: trace_fold(follow(solve(case), M3=0.1), weight=(1, 4)), "the branch has 0 folds, got number 0"),
         (lambda case: solve(case, method="orbit"), "is solved by shooting alone"),
         (lambda case: solve(case, choose="lowest"), "needs all equilibria"),
         (lambda case: solve(case, seed=0.1), "seed of a rod with weight or friction is 'straight'"),
