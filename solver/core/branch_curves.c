@@ -53,39 +53,6 @@ static int jacobian_at(family *f, point *at)
     return failed;
 }
 
-/* By Broyden's method. */
-static int dead_corrected(family *f, point *at, const double *guess, const double *across, const double *jacobian)
-{
-    double a = jacobian[0], b = jacobian[1], c = across[0], d = across[1];
-    double move[2] = {0, 0}, off[2] = {0, 0}, last = INFINITY;
-    at->w[0] = guess[0], at->w[1] = guess[1];
-    for (int round = 0; round < ROUNDS; round++) {
-        const double x = at->w[0] * at->chart.scale;
-        double now[2];
-        const int failed = rod_curve_excess(f, &at->chart, 1, &x, at->w[1] * f->over->scale, &now[0]);
-        if (failed)
-            return failed;
-        now[1] = across[0] * (at->w[0] - guess[0]) + across[1] * (at->w[1] - guess[1]);
-        if (round) {
-            const double size2 = move[0] * move[0] + move[1] * move[1];
-            const double r = (now[0] - off[0] - (a * move[0] + b * move[1])) / size2;
-            const double s = (now[1] - off[1] - (c * move[0] + d * move[1])) / size2;
-            a += r * move[0], b += r * move[1], c += s * move[0], d += s * move[1];
-        }
-        const double determinant = a * d - b * c;
-        off[0] = now[0], off[1] = now[1];
-        move[0] = -(d * off[0] - b * off[1]) / determinant, move[1] = -(a * off[1] - c * off[0]) / determinant;
-        const double size = hypot(move[0], move[1]);
-        if (!(size <= larger(CONTRACTION * last, SMALL)))
-            return FAILED;
-        at->w[0] += move[0], at->w[1] += move[1];
-        if (size <= SETTLED || (size <= SMALL && size >= CONTRACTION * last))
-            return DONE;
-        last = size;
-    }
-    return last <= SMALL ? DONE : FAILED;
-}
-
 /* Row i of the matrix less a multiple of row k, from column `from` on. */
 static void subtract(int columns, double *matrix, int i, int k, int from)
 {
@@ -282,33 +249,49 @@ static int held_equations(family *f, point *at, double *off)
     return held_jacobian(f, at, given, at->jacobian);
 }
 
-/* By Newton's rule. */
-static int held_corrected(family *f, point *at, const double *guess, const double *across)
+/* The equations at a point, and their derivatives: with held ends computed anew in each round, under dead loads those of
+   the round before, corrected by what the last move shows (Broyden's method). */
+static int equations(family *f, point *at, const double *move, int round, double *off)
 {
-    enum { WIDE_ROW = UNKNOWNS + 1 };
-    double matrix[UNKNOWNS * WIDE_ROW], off[EQUATIONS], last = INFINITY;
-    memcpy(at->w, guess, sizeof at->w);
+    if (f->held)
+        return held_equations(f, at, off);
+    const double x = at->w[0] * at->chart.scale, before = off[0];
+    const int failed = rod_curve_excess(f, &at->chart, 1, &x, at->w[1] * f->over->scale, off);
+    if (failed || !round)
+        return failed;
+    double *row = at->jacobian;
+    const double share = (off[0] - before - (row[0] * move[0] + row[1] * move[1])) / (square(move[0]) + square(move[1]));
+    row[0] += share * move[0], row[1] += share * move[1];
+    return DONE;
+}
+
+/* By Newton's rule. */
+static int corrected(family *f, point *at, const double *guess, const double *across)
+{
+    const int n = unknowns_of(f), columns = n + 1;
+    double matrix[UNKNOWNS * (UNKNOWNS + 1)], off[EQUATIONS] = {0}, move[UNKNOWNS] = {0}, last = INFINITY;
+    memcpy(at->w, guess, sizeof(double) * n);
     for (int round = 0; round < ROUNDS; round++) {
         double size = 0, plane = 0;
-        const int failed = held_equations(f, at, off);
+        const int failed = equations(f, at, move, round, off);
         if (failed)
             return failed;
-        for (int j = 0; j < UNKNOWNS; j++)
+        for (int j = 0; j < n; j++)
             plane += across[j] * (at->w[j] - guess[j]);
-        for (int i = 0; i < UNKNOWNS; i++) {
-            memcpy(matrix + i * WIDE_ROW, i < EQUATIONS ? at->jacobian + i * UNKNOWNS : across, sizeof at->w);
-            matrix[i * WIDE_ROW + UNKNOWNS] = -(i < EQUATIONS ? off[i] : plane);
+        for (int i = 0; i < n; i++) {
+            memcpy(matrix + i * columns, i < n - 1 ? at->jacobian + i * n : across, sizeof(double) * n);
+            matrix[i * columns + n] = -(i < n - 1 ? off[i] : plane);
         }
-        if (!rod_eliminated(UNKNOWNS, WIDE_ROW, matrix))
+        if (!rod_eliminated(n, columns, matrix))
             return FAILED;
-        for (int i = 0; i < UNKNOWNS; i++)
-            size += square(matrix[i * WIDE_ROW + UNKNOWNS]);
+        for (int i = 0; i < n; i++)
+            move[i] = matrix[i * columns + n], size += square(move[i]);
         size = sqrt(size);
         if (!(size <= larger(CONTRACTION * last, SMALL)))
             return FAILED;
-        for (int i = 0; i < UNKNOWNS; i++)
-            at->w[i] += matrix[i * WIDE_ROW + UNKNOWNS];
-        if (size <= SETTLED || (round && size <= QUADRATIC && size <= 1e-2 * last) ||
+        for (int i = 0; i < n; i++)
+            at->w[i] += move[i];
+        if (size <= SETTLED || (f->held && round && size <= QUADRATIC && size <= 1e-2 * last) ||
             (size <= SMALL && size >= CONTRACTION * last))
             return DONE;
         last = size;
@@ -319,8 +302,6 @@ static int held_corrected(family *f, point *at, const double *guess, const doubl
 int rod_curve_corrected(family *f, const point *from, const double *guess, const double *across, point *out)
 {
     *out = *from;
-    if (f->held)
-        return held_corrected(f, out, guess, across);
-    const int failed = dead_corrected(f, out, guess, across, from->jacobian);
-    return failed ? failed : jacobian_at(f, out);
+    const int failed = corrected(f, out, guess, across);
+    return failed || f->held ? failed : jacobian_at(f, out);
 }

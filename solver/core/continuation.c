@@ -1,5 +1,6 @@
-/* Continuation of one equilibrium along a line of ends problems under dead loads: the ordinary steps of
-   solver/branches/continuation.py, which goes on where they end, at a helix or before a leap. */
+/* Continuation of one equilibrium along a line of ends problems under dead loads. The only equation is that the path has
+   the length of the rod, in the coordinate of a chart; solver/branches/continuation.py has six, for any five given
+   numbers. Where the steps end, at a helix or before a leap, the whole line is left to it, from the first problem on. */
 
 #include "branches.h"
 
