@@ -8,13 +8,13 @@ import numpy as np
 from .branch import Branch
 from .folds.fold_curves import FoldCurve
 from .folds.parameter_plane import read_range, with_two
+from .numerics.arclength import FOLD
 from .numerics.arrays import Array
 from .problem.case import Case
 from .problem.case_fields import value_of
 from .problem.errors import InputError, choices
 from .shooting.curve import Curve, Point
 from .shooting.fold_line import FoldPoint, fold_line, indices_beside
-from .shooting.following import FOLD
 from .shooting.loaded_rod import SPEED, LoadedRod
 from .shooting.numbers import rods_of
 

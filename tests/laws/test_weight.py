@@ -102,7 +102,7 @@ def test_a_pipe_between_ends_is_in_balance_in_space_and_stable(ends: dict[str, f
 CLAMPED, HINGED = {"beta0": 0.0, "betaL": 0.0}, {"M10": 0.0, "M1L": 0.0}
 LONG_PIPES = (  # 1 km: inclination, load, sliding, ends
     (84.6, 249e3, "axial-backward", CLAMPED),
-    (64.8, 203e3, "axial-forward", CLAMPED),
+    (85.0, 180e3, "axial-forward", CLAMPED),
     (90.0, 200e3, "backward", HINGED),
 )
 
