@@ -35,7 +35,6 @@ from ..levels.morse_index import jacobi_zeros
 from ..levels.path_orbits import orbit_of
 from ..levels.transit_times import CUTTING, NODES
 from ..numerics.roots import DIVERGED
-from ..orbit.critical_points import grid
 from ..problem.reduced import EndsProblem
 from .held_helices import helix_ahead, off_helix
 from .leaps import LEAPS, NEAR, Line, leap, shape_of
@@ -218,7 +217,7 @@ def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
     if not path.helix:
         begin, end = (np.concatenate(list(vars(one).values())) for one in (first, last))
         level, way = (path.pin, path.sign, path.y), (path.leaving, path.turns)
-        found = core.resume(begin, end, level, way, grid(), NODES, CUTTING)
+        found = core.resume(begin, end, level, way, NODES, CUTTING)
         if found is not None:
             return Path(*found)
     return _resume_by_leaps(first, path, last)

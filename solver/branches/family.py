@@ -12,7 +12,6 @@ from ..equilibrium.orbit_rates import HOW, NUMBERS, orbit_rates
 from ..equilibrium.system import FREE, Given, is_hinged
 from ..levels.line_point import LinePoint, Path
 from ..levels.transit_times import CUTTING, NODES
-from ..orbit.critical_points import grid
 from ..orbit.variations import POINTS
 from ..problem.case import PAIRS, Case
 from ..problem.case_fields import numbers_over, unchecked_with_field, value_of, with_field
@@ -92,9 +91,9 @@ class Family:
         if self.numbers is None or self.hinged:
             return None
         if self.is_dead:
-            return core.Steps(self.numbers, self.scale, grid(), NODES, (CUTTING, CUTTING))
+            return core.Steps(self.numbers, self.scale, NODES, (CUTTING, CUTTING))
         held = tuple((*NUMBERS, "turn").index(name) for name in self.names)
-        return core.Steps(self.numbers, self.scale, grid(), POINTS, HOW, held)
+        return core.Steps(self.numbers, self.scale, POINTS, HOW, held)
 
     def place(self, p: float) -> LinePoint | None:
         """The problem under dead loads at p with its critical points."""

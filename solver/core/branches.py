@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from .library import Cutting, address, cut, fine, functions, points
+from .library import Cutting, address, cut, fine, functions, grid, points
 
 LEFT_TO_CALLER, AT_END, IS_CLOSED, ENOUGH = range(4)  # why the steps end
 KINDS = ("saddle", "start", "end")
@@ -116,18 +116,16 @@ class Steps:
         the five given numbers, span and A/C.
     scale : float
         Of p.
-    grid, n, how
+    n, how
         As of `orbits.orbits`; how panels are cut for the transit times, and for the orbits.
     held : tuple of int, optional
         The places of the given numbers among those of `orbit_rates`, with held ends.
     """
 
-    def __init__(
-        self, numbers: Numbers, scale: float, grid: Any, n: int, how: tuple[Cutting, Cutting], held: Any = None
-    ) -> None:
+    def __init__(self, numbers: Numbers, scale: float, n: int, how: tuple[Cutting, Cutting], held: Any = None) -> None:
         self._raised: list[BaseException] = []
         self._scale, self._held = scale, held
-        angles, table = self._arrays = grid
+        angles, table = self._arrays = grid()
         self._pointed = points(n), cut(how[0], True), cut(how[1], False)
         told = (ctypes.cast(pointer, ctypes.c_void_p) for pointer in self._pointed)
         self._curve = _Curve(

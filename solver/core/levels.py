@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans, Integers
-from .library import Cutting, address, cut, fine, functions, points
+from .library import Cutting, address, cut, fine, functions, grid, points
 
 
 class _Boundary(ctypes.Structure):
@@ -77,7 +77,7 @@ def level_roots(
 
 
 def resume(
-    first: Array, last: Array, level: tuple[float, float, float], way: tuple[int, int], grid: Any, n: int, how: Cutting
+    first: Array, last: Array, level: tuple[float, float, float], way: tuple[int, int], n: int, how: Cutting
 ) -> tuple[float, float, float, int, int] | None:
     """The equilibrium of the ends problem `last` (6,) on the branch of one of `first`, by continuation.
 
@@ -87,7 +87,7 @@ def resume(
         lam, mu, phi, span, beta(0), beta(L).
     level : pin, sign, y
     way : leaving, turns
-    grid, n, how
+    n, how
         As of `orbits`, for the transit times.
 
     Returns
@@ -95,7 +95,7 @@ def resume(
     tuple or None
         Pin, sign, y, leaving and turns; None where the branch ends, or where it needs a leap or passes a helix.
     """
-    angles, table = grid
+    angles, table = grid()
     at, told = np.array(level, dtype=float), np.array(way, dtype=np.int64)
     status = functions().rod_continued(
         address(first), address(last), ctypes.c_int64(angles.size), address(angles), address(table),

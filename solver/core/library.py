@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.arrays import Array
 from ..numerics.chebyshev import Basis, basis
 from .build import HERE, OTHER, digest, library_name
 
@@ -125,6 +126,25 @@ def cut(cutting: Cutting, times_only: bool) -> Any:
     """How panels are cut, as an argument of the core."""
     length, goal, stretch, lanes, relative = cutting
     return ctypes.byref(_Cutting(length, goal, stretch, int(times_only), lanes or widest(), int(relative)))
+
+
+@cache
+def grid() -> tuple[Array, Array]:
+    """The grid of the search for critical points of G: angles, and H, H' there as linear functions of
+    (lam - mu, lam + mu, mu, phi, 1): (M,), (5, 2 M).
+
+    Even spacing leaves at most one pair of roots of H in a cell; small loads gather three roots about beta = 0 and
+    beta = pi, which points in geometric progression separate.
+    """
+    near = 2.0 ** -np.arange(6, 42)
+    even = np.linspace(-np.pi, np.pi, 193)[:-1] + 1e-3
+    angles = np.sort(np.concatenate([even, near, -near, [0.0], near - np.pi, np.pi - near]))
+    s, c = np.sin(angles), np.cos(angles)
+    up, size = c > 0, np.abs(c)
+    bent = s * s * (1 + 2 * size) / (1 + size)
+    value = [c * up, c * ~up, bent, -s, -2 * c * s**3]
+    rate = [-s * up, -s * ~up, np.where(up, -s, s) + 2 * np.sin(2 * angles), -c, -2 * s * s * (3 * c * c - s * s)]
+    return angles, np.ascontiguousarray(np.hstack([value, rate]))
 
 
 @cache

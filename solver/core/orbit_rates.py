@@ -9,14 +9,14 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from .branches import RATES, Grid, Level
-from .library import Cutting, address, cut, fine, functions, points
+from .library import Cutting, address, cut, fine, functions, grid, points
 from .orbits import reading
 
 _NUMBERS, _PARTS, _NO_ORBIT = 11, 5, 100
 
 
 def orbit_rates(
-    numbers: Sequence[float], path: Any, grid: Any, n: int, how: tuple[Cutting, Cutting], rates: bool
+    numbers: Sequence[float], path: Any, n: int, how: tuple[Cutting, Cutting], rates: bool
 ) -> tuple[Array, Array, Array, Array] | None:
     """The values (11,), rows (11, 5), derivatives by the length (11,), and length () of one equilibrium.
 
@@ -26,14 +26,14 @@ def orbit_rates(
     ----------
     numbers : lam, mu, phi, span, beta(0), beta(L)
     path : `line_point.Path`
-    grid, n, how
+    n, how
         As of `orbits.orbits`; how panels are cut for the length, and for the orbit.
     rates : bool
         Whether rows and derivatives are wanted; else they are NaN.
     """
     if path.helix:
         return None
-    angles, table = grid
+    angles, table = grid()
     searched, out = Grid(angles.size, address(angles), address(table)), np.full(RATES, np.nan)
     level = Level(path.pin, path.sign, path.y, path.leaving, path.turns)
     status = functions().rod_orbit_rates(
@@ -44,17 +44,17 @@ def orbit_rates(
 
 
 def start_rates(
-    numbers: Sequence[float], grid: Any, n: int, how: Cutting, rates: bool
+    numbers: Sequence[float], n: int, how: Cutting, rates: bool
 ) -> tuple[Array, Array, Array, Array] | None:
     """The same of the orbit of a start problem, at its far end; y has no value and no row.
 
     Parameters
     ----------
     numbers : lam, mu, phi, span, beta(0), beta_t(0)
-    grid, n, how, rates
+    n, how, rates
         As of `orbit_rates`; how panels of the orbit are cut.
     """
-    angles, table = grid
+    angles, table = grid()
     searched, out = Grid(angles.size, address(angles), address(table)), np.full(RATES, np.nan)
     status = functions().rod_start_rates(
         (ctypes.c_double * 6)(*numbers), ctypes.byref(searched), points(n), cut(how, False), int(rates), address(out)

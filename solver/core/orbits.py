@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans, Integers
-from .library import Cutting, address, cut, fine, functions, points
+from .library import Cutting, address, cut, fine, functions, grid, points
 
 _CRITICAL = 16  # most critical points of a problem
 FUNCTIONS, PIECE_COLUMNS = 5, 17  # series of a panel; numbers of a piece
@@ -36,12 +36,12 @@ class FoundOrbits(NamedTuple):
     pieces: Array
 
 
-def critical_points(loads: Array, grid: tuple[Array, Array]) -> tuple[Array, Booleans, Integers] | None:
+def critical_points(loads: Array) -> tuple[Array, Booleans, Integers] | None:
     """Critical points of G, which are centres (B, K each) and their count (B,), from loads (B, 3).
 
     None where a load is not finite, or critical points could not be told apart.
     """
-    B, (angles, table) = loads.shape[0], grid
+    B, (angles, table) = loads.shape[0], grid()
     beta, centre = np.full((B, _CRITICAL), np.nan), np.zeros((B, _CRITICAL), np.bool_)
     count = np.empty(B, np.int64)
     status = functions().rod_critical_points(
@@ -52,7 +52,7 @@ def critical_points(loads: Array, grid: tuple[Array, Array]) -> tuple[Array, Boo
     return (beta[:, :most], centre[:, :most], count) if fine(status) else None
 
 
-def orbits(numbers: Array, pin: Any, grid: tuple[Array, Array], n: int, cutting: Cutting) -> FoundOrbits | None:
+def orbits(numbers: Array, pin: Any, n: int, cutting: Cutting) -> FoundOrbits | None:
     """The orbits of B start problems.
 
     Parameters
@@ -61,8 +61,6 @@ def orbits(numbers: Array, pin: Any, grid: tuple[Array, Array], n: int, cutting:
         lam, mu, phi, span, beta(0), beta_t(0).
     pin : tuple of (B,), (B,), or None
         Angles, and heights of the level above G there.
-    grid : tuple of (m,), (5, 2 m)
-        Of the search for critical points.
     n : int
         Nodes of a panel.
     cutting : Cutting
@@ -76,7 +74,7 @@ def orbits(numbers: Array, pin: Any, grid: tuple[Array, Array], n: int, cutting:
     kind, direction, count = np.empty(B, np.int64), np.empty(B), np.empty(2 * B, np.int64)
     pieces, status = ctypes.c_int64(), ctypes.c_int64()
     pinned = (None, None) if pin is None else tuple(np.ascontiguousarray(v, dtype=float) for v in pin)
-    angles, table = grid
+    angles, table = grid()
     made = core.rod_orbits(
         ctypes.c_int64(B), address(numbers), address(pinned[0]), address(pinned[1]), ctypes.c_int64(angles.size),
         address(angles), address(table), points(n), cut(cutting, False),

@@ -26,7 +26,6 @@ from ..mechanics.potential import slope_higher_rates, slope_rate
 from ..numerics.arrays import Array
 from ..numerics.roots import solve
 from ..orbit import helix_variations
-from ..orbit.critical_points import grid
 from ..orbit.periodic_orbit import Orbit
 from ..orbit.variation_nodes import height_rates, slopes_by_loads
 from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations, change_between
@@ -123,7 +122,7 @@ def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
     B = problem.size
     values, rows, by_span, span = np.empty((B, 11)), np.empty((B, 11, 5)), np.empty((B, 11)), np.empty(B)
     for i, path in enumerate(paths):
-        found = core.orbit_rates(_numbers(problem, i), path, grid(), POINTS, HOW, True)
+        found = core.orbit_rates(_numbers(problem, i), path, POINTS, HOW, True)
         if found is None:
             one = _rates_beyond_core(problem.take(slice(i, i + 1)), path)
             found = one.values[0], one.rows[0], one.by_span[0], one.length[0]
@@ -139,7 +138,7 @@ def start_rates(problem: StartProblem) -> OrbitRates:
     """
     numbers = [float(getattr(problem, name)[0]) for name in ("lam", "mu", "phi", "span", "beta0", "dbeta0")]
     numbers[5] = numbers[5] if abs(numbers[5]) > _REST else 0.0
-    found = core.start_rates(numbers, grid(), POINTS, HOW[1], True)
+    found = core.start_rates(numbers, POINTS, HOW[1], True)
     values, rows, by_span = (
         (np.full(11, np.nan), np.full((11, 5), np.nan), np.full(11, np.nan)) if found is None else found[:3]
     )
@@ -249,7 +248,7 @@ def _steepness_rates(problem: EndsProblem, saddle: float) -> Array:
 
 def orbit_numbers(problem: EndsProblem, path: Path) -> tuple[Array, float]:
     """The `NUMBERS` of one equilibrium that is no helix, (11,), without their rates; and the length of its path."""
-    found = core.orbit_rates(_numbers(problem, 0), path, grid(), POINTS, HOW, False)
+    found = core.orbit_rates(_numbers(problem, 0), path, POINTS, HOW, False)
     if found is not None:
         return found[0], float(found[3])
     place = LinePoint(problem)

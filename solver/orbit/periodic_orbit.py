@@ -19,7 +19,6 @@ from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import polynomials
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import PLAIN
-from .critical_points import grid
 from .pieces import HELIX, LIBRATION, Arcs, Panels, Phase, Pieces, phase_at, running, unfold
 
 TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
@@ -206,7 +205,7 @@ def _orbits(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, A
 
     def solve(rows: Any) -> core.FoundOrbits | None:
         own = None if pinned is None else (pinned[rows, 0], pinned[rows, 1])
-        return core.orbits(np.ascontiguousarray(numbers[rows]), own, grid(), n, cutting)
+        return core.orbits(np.ascontiguousarray(numbers[rows]), own, n, cutting)
 
     found = solve(slice(None))
     if found is not None:

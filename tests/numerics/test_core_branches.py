@@ -18,7 +18,6 @@ from solver.equilibrium.orbit_rates import HOW
 from solver.equilibrium.system import FREE, Given
 from solver.levels.line_point import Path
 from solver.levels.transit_times import CUTTING, NODES
-from solver.orbit.critical_points import grid
 from solver.orbit.variations import POINTS
 from solver.problem.case_fields import numbers_over, unchecked_with_field, value_of
 from solver.problem.held_ends import held_numbers_over, reduce_held
@@ -120,7 +119,7 @@ def test_what_the_problem_raises_passes_through_the_core() -> None:
     def numbers(value: float) -> Any:
         raise KeyError(value)
 
-    steps = Steps(numbers, 1.0, grid(), NODES, (CUTTING, CUTTING))
+    steps = Steps(numbers, 1.0, NODES, (CUTTING, CUTTING))
     with pytest.raises(KeyError):
         steps.excess(chart_of(Chart("start", Path(0.5, 1.0, 0.0, 1, 2), 1.0, False)), 0.0, np.array([1.0]))
 
@@ -134,12 +133,12 @@ def test_odd_numbers_end_in_an_answer_or_in_none(seed: int) -> None:
         level = np.where(rng.random(3) < 0.3, rng.choice(ODD, 3), rng.uniform(-1, 1, 3))
         path = Path(float(level[0]), 1.0 if level[1] > 0 else -1.0, float(level[2]), 1, int(rng.integers(0, 5)))
         for rates in (True, False):
-            found = orbit_rates(numbers[:6].tolist(), path, grid(), POINTS, HOW, rates)
+            found = orbit_rates(numbers[:6].tolist(), path, POINTS, HOW, rates)
             assert found is None or found[0].shape == (11,)
         chart = Chart(str(rng.choice(["saddle", "start", "end"])), path, 1.0, bool(rng.random() < 0.5))
         for held in (None, (0, 1, 6, 7, 8), (2, 1, 6, 4, 11)):
             count = 7 if held else 6
-            steps = Steps(lambda p, one=numbers[:count]: one + 1e-3 * p, 1.0, grid(), POINTS, HOW, held)
+            steps = Steps(lambda p, one=numbers[:count]: one + 1e-3 * p, 1.0, POINTS, HOW, held)
             at = Point(sign=1.0, ahead=1e-6, chart=chart_of(chart))
             at.w[:], at.tangent[:] = rng.normal(size=7).tolist(), [0, 1, 0, 0, 0, 0, 0]
             at.jacobian[:] = rng.normal(size=42).tolist()

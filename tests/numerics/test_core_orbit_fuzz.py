@@ -13,7 +13,6 @@ from solver.core import levels, orbits
 from solver.core.library import Cutting
 from solver.levels.level_grid import boundary_of
 from solver.levels.transit_times import CUTTING, NODES
-from solver.orbit.critical_points import grid
 from solver.orbit.periodic_orbit import orbit_of
 from solver.problem.reduced import EndsProblem, StartProblem
 
@@ -35,7 +34,7 @@ def test_odd_numbers_give_orbits_or_none(seed: int) -> None:
         rows = odd(rng, int(rng.integers(0, 3)), 6)
         rows[:, 3] = np.abs(rows[:, 3])
         pin = None if rng.random() < 0.5 else (odd(rng, rows.shape[0]), odd(rng, rows.shape[0]))
-        found = orbits.orbits(rows, pin, grid(), NODES, Cutting(0.45, 10.0 ** rng.uniform(-15, -5), 4.0))
+        found = orbits.orbits(rows, pin, NODES, Cutting(0.45, 10.0 ** rng.uniform(-15, -5), 4.0))
         told = rows if pin is None else np.column_stack([rows, *pin])
         if found is None:
             assert not np.isfinite(told).all() or np.abs(told).max() >= 1e100
@@ -79,7 +78,7 @@ def test_odd_lines_give_a_path_or_none(seed: int) -> None:
         first = odd(rng, 6)
         last = first + np.where(rng.random(6) < 0.1, odd(rng, 6), 1e-2 * rng.normal(size=6))
         level, way = tuple(odd(rng, 3)), (int(rng.choice([-1, 1])), int(rng.integers(-1, 5)))
-        found = levels.resume(first, last, level, way, grid(), NODES, CUTTING)
+        found = levels.resume(first, last, level, way, NODES, CUTTING)
         if found is not None:
             assert np.isfinite([*first, *last]).all()
             assert found[4] >= 0

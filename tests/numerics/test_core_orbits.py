@@ -10,7 +10,7 @@ from solver import Case, Cylinder, Ends, Rod, equilibria
 from solver.core import orbits as core
 from solver.core.library import Cutting
 from solver.mechanics.potential import Loads, slope
-from solver.orbit.critical_points import critical_points, grid
+from solver.orbit.critical_points import critical_points
 from solver.orbit.periodic_orbit import solve_orbit
 from solver.problem.reduced import Reduced, StartProblem
 from tests.cases import ends_in_units_of_rho
@@ -76,7 +76,7 @@ def test_an_orbit_is_the_same_bits_alone_in_a_batch_and_in_any_thread() -> None:
 def test_the_width_of_the_lanes_changes_no_bit() -> None:
     for kind in KINDS:
         numbers = core.numbers_of(problems(kind, 20))
-        one, two = (core.orbits(numbers, None, grid(), 22, Cutting(0.45, 1e-14, 1.0, lanes)) for lanes in (2, 0))
+        one, two = (core.orbits(numbers, None, 22, Cutting(0.45, 1e-14, 1.0, lanes)) for lanes in (2, 0))
         assert one is not None
         assert two is not None
         for first, second in zip(one, two, strict=True):
@@ -84,11 +84,10 @@ def test_the_width_of_the_lanes_changes_no_bit() -> None:
 
 
 def test_the_core_refuses_numbers_that_are_not_finite() -> None:
-    grid = (np.linspace(-3, 3, 8), np.zeros((5, 16)))
     for row in ([np.nan, 0, 0, 1, 0, 0], [0, np.inf, 0, 1, 0, 0], [0, 0, 0, 1, 0, np.nan]):
-        assert core.orbits(np.array([row], dtype=float), None, grid, 22, Cutting(0.45, 1e-14, 1.0)) is None
-    assert core.critical_points(np.array([[np.nan, 0.0, 0.0]]), grid) is None
-    empty = core.orbits(np.empty((0, 6)), None, grid, 22, Cutting(0.45, 1e-14, 1.0))
+        assert core.orbits(np.array([row], dtype=float), None, 22, Cutting(0.45, 1e-14, 1.0)) is None
+    assert core.critical_points(np.array([[np.nan, 0.0, 0.0]])) is None
+    empty = core.orbits(np.empty((0, 6)), None, 22, Cutting(0.45, 1e-14, 1.0))
     assert empty is not None
     assert empty.arc.size == 0
 
