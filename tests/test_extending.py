@@ -1,4 +1,4 @@
-"""Adding a method, an observable or a kind of law takes one file and one row: each is added here in that way."""
+"""A method, an observable of what is measured already and a direction of laws are rows: each is added here so."""
 
 import ast
 from collections.abc import Iterator

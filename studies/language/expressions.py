@@ -191,8 +191,8 @@ def observables_of(
         return known, remarks.astype(str)
     fixed = {name: _number(study, sol, name, given) for name in _others(study, used, known)}
     for name, formula in formulas.items():
-        one, verdict_words = evaluate(formula, {**fixed, **known})
-        values, why = np.broadcast_to(one, sol.case.size), np.broadcast_to(verdict_words, sol.case.size)
+        one, reasons = evaluate(formula, {**fixed, **known})
+        values, why = np.broadcast_to(one, sol.case.size), np.broadcast_to(reasons, sol.case.size)
         for reason in dict.fromkeys(why.tolist()):
             if reason:
                 _remark(remarks, why == reason, f"{name} has no value: {reason}")

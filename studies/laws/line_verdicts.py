@@ -206,13 +206,13 @@ def _with_gaps(
     row: NDArray[np.float64], cut: NDArray[np.bool_], pausing: bool, pairs: _Pairs, exceptions: list[tuple[int, int]]
 ) -> Verdict:
     """The verdict on a line with unknown steps: it fails only if the known steps rule out even a trend."""
-    verdict_words = []
+    reasons = []
     if unsolved := int(np.isnan(row).sum()):
-        verdict_words.append(f"{unsolved} of {row.size} cases unsolved")
+        reasons.append(f"{unsolved} of {row.size} cases unsolved")
     if crossed := int(cut.sum()):
         steps = f"{crossed} of {cut.size} steps {'cross' if crossed > 1 else 'crosses'}"
-        verdict_words.append(f"{steps} to another branch of equilibria")
-    reason = "; ".join(verdict_words) or "a single value has no step"
+        reasons.append(f"{steps} to another branch of equilibria")
+    reason = "; ".join(reasons) or "a single value has no step"
     wrong = pairs.wrong > 0 or (not pausing and pairs.right < pairs.compared)
     best = pairs.at_best(row.size * (row.size - 1) // 2).tau
     if wrong and best is not None and best < TREND_TAU:

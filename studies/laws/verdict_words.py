@@ -23,7 +23,7 @@ NOT_CONTRADICTED, ON_PART, ON_OBSERVABLE = QUALIFICATIONS = (
     "depends on the observable",
 )
 
-MOST = 3  # verdict_words of different lines of a grid that are listed
+MOST = 3  # reasons of different lines of a grid that are listed
 PLAIN = {  # verdict -> what a reader is told
     HOLDS: "true",
     TREND: "true as a trend",

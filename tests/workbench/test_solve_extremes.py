@@ -1,4 +1,4 @@
-"""`workbench solve` far from every ordinary rod: no traceback, no warning of NumPy, and verdict_words in words."""
+"""`workbench solve` far from every ordinary rod: no traceback, no warning of NumPy, and reasons in words."""
 
 import json
 

@@ -44,7 +44,8 @@ def scene_file(
     """Draw a scene of a dataset or a study; 0, or 1 where OpenGL is missing or the stations are too few.
 
     file: of a dataset, or the name or TOML file of a study, which is then solved at the stations that the picture
-    needs. kind: a name of `kinds.KINDS`; default: equilibria for a dataset of them, else contact. Raises `InputError`.
+    needs. kind: a name of `scene_kinds.KINDS`; default: equilibria for a dataset of them, else contact.
+    Raises `InputError`.
     """
     from dataclasses import replace
 

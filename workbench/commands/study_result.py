@@ -15,26 +15,26 @@ TOLD = ("sampling", "sampling_caution", "refinement", "equilibria", "branches") 
 
 
 def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None, alternatives: bool = False) -> None:
-    """Print how many laws are true, a table with the verdict on each, and below it the verdict_words.
+    """Print how many laws are true, a table with the verdict on each, and below it the reasons.
 
     alternatives: with the other observables of each law in the rows below it.
     """
     from ..data import law_verdicts
 
     console.say(law_verdicts.tally_of(list(verdicts)))
-    rows, verdict_words = [], []
+    rows, reasons = [], []
     for row in verdicts:
         rows.append([law_verdicts.plain(row), row["claim"], law_verdicts.law_in_words(row), law_verdicts.measure(row)])
         if detail := law_verdicts.detail(row):
-            verdict_words.append(f"{row['claim']}, {row['observable']}: {detail}")
+            reasons.append(f"{row['claim']}, {row['observable']}: {detail}")
         for also in row["also"] if alternatives else ():
             role = "alternative" if also["alternative"] else "for information"
             rows.append([f"  {law_verdicts.plain(also)}", "", f"  {role}: {also['observable']}",
                          law_verdicts.measure(also)])  # fmt: skip
             if detail := law_verdicts.detail(also):
-                verdict_words.append(f"{row['claim']}, {also['observable']}: {detail}")
+                reasons.append(f"{row['claim']}, {also['observable']}: {detail}")
     console.print_table(["verdict", "claim", "law", "measured"], rows, title=title)
-    for reason in verdict_words:
+    for reason in reasons:
         console.say(reason)
 
 

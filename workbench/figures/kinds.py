@@ -33,16 +33,20 @@ from .sheet import SCREEN, Sheet
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of picture: its figure of a dataset and a sheet, its further keywords, and the data that it draws."""
+    """A kind of picture: its figure of a dataset and a sheet, its further keywords, and the data that it draws.
+
+    refined: whether it draws a refined study as it is; else it gets the coarse grid.
+    """
 
     figure: Callable[..., Figure]
     options: tuple[str, ...] = ()
     of: str = "study"
+    refined: bool = False
 
 
 KINDS = {
-    "map": Kind(map_figure.figure, ("x", "y", "show", "at", "shapes")),
-    "lines": Kind(study_figure.figure, ("x", "show")),
+    "map": Kind(map_figure.figure, ("x", "y", "show", "at", "shapes"), refined=True),
+    "lines": Kind(study_figure.figure, ("x", "show"), refined=True),
     "curves": Kind(unrolled.figure, ("x", "at")),
     "ridge": Kind(along.figure, ("x", "at", "show")),
     "portrait": Kind(portrait.figure, ("x", "at")),
@@ -68,7 +72,7 @@ def figure(ds: xr.Dataset, kind: str | None = None, sheet: Sheet | None = SCREEN
     name = kind or files.kind_of(ds).figure
     if name in ("", "study"):
         name = kind_of(ds, None, [one for one in options if one != "verdicts"])
-    if name in OF_STUDIES and name not in ("map", "lines"):
+    if name in OF_STUDIES and not KINDS[name].refined:
         ds = drawn_rods.grid(ds)
     return KINDS[name].figure(ds, sheet=sheet, **options)
 

@@ -97,7 +97,7 @@ def compose(
     at
         Values of axes, which are stored; default: those of the study's laws or of Table 1.
     kind
-        A name of `kinds.KINDS`.
+        A name of `scene_kinds.KINDS`.
     axes
         The axis or two that a scene of several cases shows; default: the dataset's first.
     along

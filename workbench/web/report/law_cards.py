@@ -1,4 +1,4 @@
-"""The laws in the report: sentences, verdicts with their verdict_words, the claims, and the table of all readings."""
+"""The laws in the report: sentences, verdicts with their reasons, the claims, and the table of all readings."""
 
 import json
 import re
