@@ -279,7 +279,7 @@ def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_whe
     (row, _) = law_verdicts.verdicts(regimes)
     (line,) = [line for line in ax.lines if len(line.get_xdata()) == 2]
     assert set(line.get_ydata()) == {row["at"]["R"]}
-    said = " ".join(text.get_text() for text in ax.texts).replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
+    said = notes(fig).replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
     law = "(a): the number of bends does not rise with E; true in part: true at R = 0.7349 cm; lines: 12 true"
     assert law in said
     assert {"law false on these lines", "the law is judged on this line"} <= set(legend(fig))

@@ -217,9 +217,7 @@ def test_whatever_a_study_asks_for_no_word_is_cut_off_and_no_two_meet(kind: str)
     assert faults(study_figure.figure(of_user(kind))) == []
 
 
-@pytest.mark.parametrize(
-    ("kind", "said"), [("thin", "distance around the cylinder [cm], drawn 600 times larger"), ("one value", None)]
-)
+@pytest.mark.parametrize(("kind", "said"), [("thin", "distance around the cylinder [cm], ×600"), ("one value", None)])
 def test_curves_too_thin_to_see_are_drawn_at_two_scales_and_the_axis_says_so(kind: str, said: str | None) -> None:
     ax = strips(of_user(kind), "E")
     assert (ax.get_aspect() == 1) == (said is None)

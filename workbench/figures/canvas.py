@@ -73,7 +73,7 @@ def _letter_panels(fig: Figure) -> None:
     if not 1 < len(panels) <= MOST_LETTERS or any(" against " in str(ax.get_label()) for ax in panels):
         return
     for letter, ax in zip(ascii_lowercase, panels, strict=False):
-        down = 9 if str(ax.get_label()).startswith("unrolled views along") else 0  # beside the names of its strips
+        down = 4 if str(ax.get_label()).startswith("unrolled views along") else 0  # beside the names of its strips
         ax.annotate(letter, (0, 1), (-6, 5 - down), xycoords="axes fraction", textcoords="offset points", ha="right",
                     weight="bold", size=style.normal())  # fmt: skip
 

@@ -18,7 +18,6 @@ from .trends import axis_label
 
 COLUMN = 2.0  # inches, the height of maps in columns
 LEAST_COLUMN = 1.45  # inches, their least width with a gap
-LINE = 0.155  # inches of a line of small text
 MOST_NARROW = 2  # observables on one column of a page, where none is asked for
 
 
@@ -97,7 +96,6 @@ class _Maps:
     def __init__(
         self, ds: xr.Dataset, choice: Choice, columns: list[Cells], laws: list[law_lines.JudgedLaw], sheet: Sheet
     ) -> None:
-        self.titled = sheet.titled
         self.width, self.across = sheet.width, 1 if sheet.narrow else 2
         alone = self.width - (1.25 if sheet.narrow else 2.0)
         self.large = alone, alone * 0.605  # inches of a map alone in its row
@@ -123,8 +121,7 @@ class _Maps:
 
     def heights(self) -> list[float]:
         """The height of each row with its titles and labels, in inches."""
-        lines = [max(len(self._laws_of(name)) for name in row) for row in self.rows]
-        return [self.inches[1] + (0.6 if self.choice.along else 0.95) + LINE * count * 2 for count in lines]
+        return [self.inches[1] + (0.6 if self.choice.along else 0.85)] * len(self.rows)
 
     def columns_of_rows(self) -> int:
         """How many maps stand side by side."""
@@ -147,9 +144,9 @@ class _Maps:
             self.entries += law_lines.draw_map(ax, law, self.columns[0], where, self.small)
             self._label(ax, leaving=law.row["axis"])
             said = f"{law_lines.sentence(law, self.ds, self.choice)}; lines: {law_lines.counts(law, where)}"
-            above = self._write(ax, said, 4, law)
+            self.more.append(f"Law {said}.")
             along = f"verdicts on {law.row['observable']} along {labels.axis_symbol(law.row['axis'])}"
-            ax.set_title(along, loc="left", pad=above + 6)
+            ax.set_title(along, loc="left")
 
     def draw_shapes(self, ax: Axes, shapes: thumbnails.Shapes) -> None:
         """Draw the panel of shapes: those of the first column, on a pale map of the first observable."""
@@ -193,30 +190,15 @@ class _Maps:
     def _laws_of(self, name: str) -> list[law_lines.JudgedLaw]:
         return [law for law in self.laws if law.row["observable"] == name]
 
-    def _write(self, ax: Axes, text: str, above: float, law: law_lines.JudgedLaw, at: str = "") -> float:
-        """Write of a law above a map, so many points above it, or keep it for the caption; the points that it needs.
-
-        at: the value of the third axis, for the caption. The pad of the title makes the room.
-        """
-        if not self.titled:
-            self.more.append(f"Law {text}{f' at {at}' if at else ''}.")
-            return 0.0
-        lines = style.fitted(text, self.inches[0] + 0.2, style.small())
-        note = ax.annotate(lines, (0, 1), (0, above), xycoords="axes fraction", textcoords="offset points",
-                           size=style.small(), color=style.VERDICT_COLOURS[law.row["verdict"]],
-                           va="bottom")  # fmt: skip
-        note.set_in_layout(False)
-        return 11.0 * (lines.count("\n") + 1)
-
     def _title(self, ax: Axes, name: str, column: Cells, where: Mapping[str, int], leftmost: bool) -> None:
-        """The observable, the value of the third axis, and each law in the colour of its verdict."""
+        """The observable and the value of the third axis; what is said of each law is kept."""
         laws = self._laws_of(name)
         above = sum(law.row["axis"] == self.choice.y for law in laws) * (law_lines.THICK + law_lines.GAP) * 72
         value = self._value(self.choice.along, where[self.choice.along]) if self.choice.along else ""
-        for law in reversed(laws):
+        for law in laws:
             said, lines = law_lines.sentence(law, self.ds, self.choice), law_lines.counts(law, where)
             text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
-            above += self._write(ax, text, above + 4, law, value)
+            self.more.append(f"Law {text}{f' at {value}' if value else ''}.")
         title = labels.label(self.ds[name], long=True) + self.colours[name].said()
         title = style.fitted(title, self.inches[0] + 0.3)
         if self.choice.along:

@@ -21,7 +21,7 @@ from .laws import panel
 from .sheet import SCREEN, Sheet
 from .trends import trend
 
-LAW_HEIGHT, TALL_LAW, LEAST_LAW = 3.2, 3.8, 2.4  # inches; the second beside curves
+LAW_HEIGHT, TALL_LAW, LEAST_LAW, LEAST_LINE = 3.2, 3.8, 2.4, 1.5  # inches; the second beside curves
 ONE_ROD = 0.55  # the share of the least height of a narrow panel of one rod
 NARROW_LAW = 1.4, 2.2  # inches of a law on a narrow sheet
 SAMPLES = "samples"  # the panel of the scatter diagrams
@@ -97,7 +97,10 @@ def figure(
     rods = [drawn_rods.choose(curves, ("alpha", "z"), axis, most=MOST_CURVES) for axis in strips]
     forms = [unrolled.plan(one, width * (BESIDE if beside else 1), tallest) for one in rods]
     heights = [law_height if beside and i < count else form.height + LABELS for i, form in enumerate(forms)]
-    below = 0 if beside else law_height * -(-count // across)
+    lines = -(-count // across)
+    below = 0.0 if beside else law_height * lines
+    if sheet.style == "paper" and not sheet.narrow:
+        below = min(below, max(canvas.TALLEST_PAGE - 0.3 - sum(heights), LEAST_LINE * lines))
     heights += [below] if below else []
     if sampled and sheet.style == SCREEN.style and not sheet.narrow:
         width = max(width, scatter.LEAST_WIDTH * len(scatter.fields_of(ds)) + 0.8)

@@ -212,7 +212,7 @@ def draw(
     width = float(np.clip((2.0 if coloured else 1.4) * narrowest**0.5, 0.8, 2.0 if coloured else 1.2))
     last, notes, rings = None, list[str](), list[Any]()
     column = form.pitch[0] * form.scale
-    named = all(style.width_of(rod.name, style.small()) < column for rod in rods.rods)
+    named = all(style.width_of(rod.name, style.small()) < 0.85 * column for rod in rods.rods)
     for k, rod in enumerate(rods.rods):
         right, up = form.shift(k)
         corner = form.low[0] + right, form.low[1] + up
@@ -326,7 +326,7 @@ def _frame(ax: Axes, rods: DrawnRods, form: Strips, unit: str) -> None:
         f"{style.AROUND} [{unit}]{larger(form.factor)}",
         *(f"{word} [{unit}]{brief}" for word in (style.AROUND, "around")),
     ]
-    ax.set_ylabel(style.shorter(words, form.height), labelpad=1)
+    ax.set_ylabel(style.shorter(words, form.height - HEAD), labelpad=1)
 
 
 def _label_columns(ax: Axes, form: Strips, columns: int, count: int, text: str) -> None:
