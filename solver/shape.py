@@ -307,11 +307,23 @@ class Shape:
         Each state has a word, and the s at which it begins and ends [length]. None for other rods, and for an unsolved
         case. `shooting.state.states` says what the words mean.
         """
+        return self._stretches("states")
+
+    @cached_property
+    def lift_offs(self) -> Any:
+        """Of rods with weight or friction, where the wall would have to pull: pairs of s [length], (*cases) of tuples.
+
+        None for other rods, and for an unsolved case. Elsewhere the wall pushes.
+        """
+        return self._stretches("lift_offs")
+
+    def _stretches(self, name: str) -> Any:
+        """What a method of the shapes says of each solved case, (*cases)."""
         found = np.full(self.case.size, None, dtype=object)
         if self.trajectory.shapes is not None:
             rho = flat(self.case.rho, self.case.shape)
             for i in np.flatnonzero(np.reshape(self.solved, -1)):
-                found[i] = self.trajectory.shapes.of(int(i)).states(rho[i])
+                found[i] = getattr(self.trajectory.shapes.of(int(i)), name)(rho[i])
         return self._each(found)
 
     @property

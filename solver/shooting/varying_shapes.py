@@ -17,6 +17,7 @@ from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, Q
 from .state import State, states
 
 DENSE = 17  # places on a stretch, at which the states along a rod are judged
+BISECTIONS = 40  # of a place at which the rod lifts off
 FINE = 2  # nodes of a start problem, for each step of its march
 
 
@@ -65,12 +66,30 @@ class Nodes:
         plain = contact_force(1.0, mu, 1.0, around, slope(Loads(lam, mu, phi), beta), beta, speed)
         return np.asarray(self.numbers[6] * (plain - weight) / divisor)
 
-    def states(self, rho: float) -> tuple[State, ...]:
-        """The states along the rod, with s in the unit of rho."""
+    def _dense(self) -> tuple[Array, Array]:
+        """Times and states (n,) and (n, 8), dense enough to judge what the rod does between its nodes."""
         places = np.linspace(-1, 1, DENSE)[:-1]
         y = np.concatenate([self.between(places).reshape(-1, SIZE), self.y[-1:]])
         t = (self.t[:-1, None] + np.diff(self.t)[:, None] * (1 + places) / 2).reshape(-1)
-        return states(np.append(t, self.t[-1]) * rho, y[:, BETA], y[:, ALPHA])
+        return np.append(t, self.t[-1]), y
+
+    def states(self, rho: float) -> tuple[State, ...]:
+        """The states along the rod, with s in the unit of rho."""
+        t, y = self._dense()
+        return states(t * rho, y[:, BETA], y[:, ALPHA])
+
+    def lift_offs(self, rho: float) -> tuple[tuple[float, float], ...]:
+        """The stretches on which the wall would have to pull, from one s to another, in the unit of rho."""
+        t, _ = self._dense()
+        pulls = self.push_at(t) < 0
+        change = np.flatnonzero(pulls[1:] != pulls[:-1])
+        low, high = t[change], t[change + 1]
+        for _ in range(BISECTIONS if change.size else 0):
+            middle = (low + high) / 2
+            same = (self.push_at(middle) < 0) == pulls[change]
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        ends = [*(t[:1] if pulls[0] else ()), *low, *(t[-1:] if pulls[-1] else ())]
+        return tuple((float(a * rho), float(b * rho)) for a, b in zip(ends[::2], ends[1::2], strict=True))
 
     def neutral(self) -> float:
         """The first t at which FZ changes its sign; NaN where it does not."""

@@ -153,6 +153,8 @@ def test_a_long_pipe_whose_sinusoid_would_lift_off_is_a_stable_helix_in_balance(
     assert abs(sol.beta[place]) == pytest.approx(
         0.04445 * np.sqrt(-sol.F3[place] / PIPE["EI"] / 2), rel=0.1
     )  # Lubinski
+    lifted = sum(end - begin for begin, end in sol.lift_offs)
+    assert lifted == pytest.approx(L * np.mean(sol.push < 0), abs=0.2 * max(1, len(sol.lift_offs)))
     if not wall:
         assert sol.held_index == 0
         assert (sol.push > 0).mean() > 0.99

@@ -82,6 +82,7 @@ def solve(
         "caution": cautions.said(cautions.of_cases(sol, unit=asked.units["length"])),
         "left_out": left_out.note(asked.case),
         "pipe": pipe_state.sentences(sol, asked.units),
+        "lift_offs": sol.lift_offs,
     }
     if json:
         console.print_json(found)

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from solver import Solution
 
 SINUSOID, PRESSED = 2.0, 2.744687  # forces in sqrt(A w sin(theta)/rho), as of `studies/pipe_horizontal.toml`
+MOST = 6  # stretches that are listed
 LEAVES = "leaves its branch"  # as `solver.shooting.answers.words_of` says it
 WAYS = {
     "forward": "slides forward along itself everywhere",
@@ -31,6 +32,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
         return [*_buckling(sol, force), *_long_pipe(sol, force)]
     barred = cautions.is_barred(str(cautions.of_cases(sol, unit=length)))
     said = [f"state: {in_words(sol.states, length)}{', which no real rod could hold: see the caution' * barred}"]
+    said += _lift_offs(sol, length)
     begun = str(sol.begun or "")
     if LEAVES in begun:
         said.append(f"on the way to these loads the rod {begun[begun.index(LEAVES) :]}")
@@ -44,6 +46,15 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
         said[-1] += f", bending stress {_stress(sol, length, force)}"
     said.append(_index(sol) + ", if the cylinder could pull" * (barred and not sol.case.cylinder.friction))
     return said
+
+
+def _lift_offs(sol: "Solution", length: str) -> list[str]:
+    """Where the wall would have to pull, in a sentence; none where it does nowhere."""
+    found = [f"{begin:.4g} to {end:.4g} {length}" for begin, end in sol.lift_offs]
+    if not found:
+        return []
+    more = f", and {len(found) - MOST} more stretches" if len(found) > MOST else ""
+    return [f"the wall presses, but for where it would have to pull: {', '.join(found[:MOST])}{more}"]
 
 
 def _observe(sol: "Solution", name: str) -> float:
