@@ -140,9 +140,9 @@ def tally(rows: Sequence[Mapping[str, Any]]) -> dict[str, int]:
     return {verdict: found.count(verdict) for verdict in VERDICTS}
 
 
-def tally_of(rows: Sequence[Mapping[str, Any]]) -> str:
+def tally_of(rows: Sequence[Mapping[str, Any]], noun: str = "law") -> str:
     """The tally in words: ``7 laws: 3 true, 4 true in part``."""
-    return f"{count_of(len(rows), 'law')}: {verdict_words.count(tally(rows))}"
+    return f"{count_of(len(rows), noun)}: {verdict_words.count(tally(rows))}"
 
 
 def law_in_words(row: Mapping[str, Any]) -> str:

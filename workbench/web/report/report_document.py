@@ -84,10 +84,11 @@ def html(
     verdicts = "".join(f" --{CLASSES[name]}: {colour};" for name, colour in style.VERDICT_COLOURS.items())
     style_ = f":root {{{verdicts} }}\n{turntable_page.look()}{_text('report.css')}"
     program = f"{turning.script()}\n{turntable_page.program()}\n{_text('enlarge.js')}"
+    claims = claims_of(sections)
     return template.render(
         reading=str(results[0].ds.attrs["reading"]),
-        claims=claims_of(sections),
-        tally=law_verdicts.tally_of([row for result in results for row in result.verdicts]),
+        claims=claims,
+        tally=law_verdicts.tally_of(claims, "claim"),
         sections=sections,
         laws=laws,
         notes=list(dict.fromkeys(law["fixed_note"] for law in laws if law["fixed_note"])),
