@@ -241,14 +241,14 @@ def test_a_cross_is_a_case_no_real_rod_takes_and_cells_without_a_solution_or_a_n
     ]
     np.testing.assert_allclose(sorted(crosses.tolist()), sorted(expected))
     np.testing.assert_array_equal(meshes(fig)[0].get_array().mask.reshape(shape[::-1]).T, unsolved | unknown)
-    barred = "would lift off or pass through itself"
+    barred = "would lift off away from its ends, or pass through itself"
     assert legend(fig)[:4] == ["a case", f"a case: {barred}", "not solved", "solved, number unknown"]
 
 
 def test_a_caution_that_holds_everywhere_is_said(regimes) -> None:
     every, none = np.ones(regimes["turns"].shape, dtype=bool), np.zeros(regimes["turns"].shape, dtype=bool)
     fig = map_figure.figure(with_cells(regimes, none, every, none), show=["turns"])
-    assert "Every rod would lift off or pass through itself." in notes(fig)
+    assert "Every rod would lift off away from its ends, or pass through itself." in notes(fig)
     assert "a case" not in legend(fig)
 
 

@@ -26,7 +26,7 @@ DECADES = 1e3  # ratio of the values from which their colours are logarithmic
 MOST_COLOURS = 256  # counts, each with a colour of its own
 MOST_CLASSES = 24  # of a count, with a border between each two
 MOST_SAMPLES = 2500  # points that a map shows
-BARRED = "would lift off or pass through itself"
+BARRED = "would lift off away from its ends, or pass through itself"
 SAMPLES: Any = {"color": style.INK, "linestyle": "none", "markeredgewidth": 0.4, "alpha": 0.6}
 HALO = withStroke(linewidth=2.2, foreground="white", alpha=0.75)
 

@@ -20,7 +20,7 @@ KEY = "z", "around"  # its two arrows
 LARGEST, SMALLEST, STEP = 8.0, 0.1, 0.97  # inches of the largest curve; from one scale that is tried to the next
 NEARLY = 0.6  # of the largest scale is enough for fewer rows
 ARROW = 0.5  # inches of the arrows of the key at most
-RING = 3.8  # points across
+RING = 3.0  # points across
 
 Values = NDArray[np.float64]
 
