@@ -142,7 +142,7 @@ PIPE = "--EI 1.228e6 --GJ 9.45e5 --a 0.0635 --L 60 --R 0.10795 --beta0 0 --betaL
         (["--FZ", "-2e5", "--side", "inside", "--weight", "242", "--friction", "0.1"], 0,
          "leaves out the moment of friction about the rod's own axis, joints, and clearance at the ends.\n"),
         (["--FZ", "-2e5", "--side", "inside", "--weight", "242", "--inclination", "90deg"], 0, "stable (index 0)"),
-        (["--FZ", "-3e5", "--side", "inside", "--weight", "242", "--inclination", "90deg"], 0,
+        (["--FZ", "-2e5", "--MZ", "2e4", "--side", "inside", "--weight", "242", "--inclination", "90deg"], 0,
          "which no real rod could hold: see the caution"),
         (["--FZ", "-1e5", "--side", "inside", "--weight", "242", "--inclination", "90deg"], 0,
          "state: straight all along"),

@@ -15,6 +15,7 @@ from tests.workbench.pictures import pixels
 from workbench import cli
 from workbench.commands import console
 
+PAPER = " --style paper --no-title"  # as the page on diagrams says that the pictures of the pages are drawn
 DOCS = Path(__file__).parents[2] / "docs"
 FENCE = re.compile(r"^ *```(\w+|\{code-cell\} python)\n(.*?)^ *```$", re.DOTALL | re.MULTILINE)
 
@@ -57,7 +58,7 @@ PAGES = [
         said=("12 of 19 rows agree",),
         made=("regimes.png", "bends.pdf", "turned.png", "lines.png", "three.png", "one.png"),
     ),
-    Page("how-to/find-equilibria", left=UNKNOWN, python="left", made=("all.png", "b.png")),
+    Page("how-to/find-equilibria", left=UNKNOWN, python="run", made=("all.png", "b.png")),
     Page("how-to/find-equilibria", "Map the folds", made=("folds_atlas.png", "buckling.png")),
     Page(
         "how-to/find-equilibria", "Follow a branch", files=("snap.toml",), made=("dead.png", "held.png"),
@@ -136,7 +137,8 @@ def test_a_page_runs_as_it_stands(page: Page, tmp_path: Path, monkeypatch, capsy
         elif language == "sh":
             for line in map(str.strip, body.replace(" && ", "\n").splitlines()):
                 if line.startswith("workbench ") and not line.startswith(page.left or "-"):
-                    run(line, page.status.get(line.removeprefix("workbench "), 0))
+                    drawn = re.search(r"^workbench plot | --plot ", line) and "--style" not in line
+                    run(line + PAPER * bool(drawn), page.status.get(line.removeprefix("workbench "), 0))
         elif language.endswith("python") and page.python != "left":
             printed += capsys.readouterr().out
             exec(compile(dedent(body), page.name, "exec"), names)

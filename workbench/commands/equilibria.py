@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .case_options import ENDS_FIELDS, HELD, Given, takes_case
-from .options import Choose, Json, argument, flag, option
+from .options import Choose, Json, NoTitle, Style, Width, argument, flag, option
 from .ranges import ENDS_NUMBERS, read_range
 from .solve import parse_choose
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from solver.equilibria import Equilibria
     from studies import Study
 
+    from ..figures.sheet import Sheet
     from .present import Files, Result
 
 DEFAULT = "fig7_4_end_angle"
@@ -70,6 +71,9 @@ def equilibria(
     export: Annotated[
         Path | None, option("FOLDER", "Folder for one TOML file per equilibrium, which the command solve reads.")
     ] = None,
+    style: Style = "screen",
+    width: Width = None,
+    no_title: NoTitle = False,
     force: Annotated[
         bool, flag("Replace an existing picture, and the file of --out even if it holds no equilibria.", "--force")
     ] = False,
@@ -98,18 +102,20 @@ def equilibria(
 
     from ..branches.ends_study import write_cases
     from ..data import writing
+    from . import option_checks
     from .present import files, present
 
     study, case = study_and_case(file, given, held=axis is None)
     search = _search(case, axis, within, values, tries)
     _check(case, axis, show, export)
+    sheet = option_checks.page(plot, style, width, no_title)
     asked = files(plot, out, force, "equilibria")
     if export is not None:
         writing.check_folder(export)
     if axis is not None:
-        return _over_axis(study, case, parse_axis(axis), asked, json, show)
+        return _over_axis(study, case, parse_axis(axis), asked, json, show, sheet)
     found = all_equilibria(case, **search)
-    present(_list(study, case, found, choose, _source(study, file, given)), asked, json)
+    present(_list(study, case, found, choose, _source(study, file, given)), asked, json, sheet=sheet)
     if export:
         write_cases(study, case, found, export)
         if not json:
@@ -303,7 +309,13 @@ def parse_axis(text: str) -> "tuple[str, np.ndarray]":
 
 
 def _over_axis(
-    study: "Study", case: "Case", axis: "tuple[str, np.ndarray]", asked: "Files", as_json: bool, show: str | None
+    study: "Study",
+    case: "Case",
+    axis: "tuple[str, np.ndarray]",
+    asked: "Files",
+    as_json: bool,
+    show: str | None,
+    sheet: "Sheet | None",
 ) -> int:
     """Hand over the branches of equilibria over an axis; 0, or 1 if there is none."""
     from ..branches import branch_dataset
@@ -329,5 +341,5 @@ def _over_axis(
         for remark in remarks:
             console.say(f"a branch stops at {remark}")
 
-    present(Result(data, tell, lambda: ds), asked, as_json)
+    present(Result(data, tell, lambda: ds), asked, as_json, sheet=sheet)
     return 0 if rows else 1

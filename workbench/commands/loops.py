@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .case_options import ROD_FIELDS, Given, takes_case
-from .options import Json, argument, flag, option
+from .options import Json, NoTitle, Style, Width, argument, flag, option
 
 if TYPE_CHECKING:
     from solver import Cylinder, Loop, Rod
@@ -33,6 +33,9 @@ def loops(
     export: Annotated[
         Path | None, option("FOLDER", "Folder for one TOML file per loop, a start problem that run and solve read.")
     ] = None,
+    style: Style = "screen",
+    width: Width = None,
+    no_title: NoTitle = False,
     force: Annotated[
         bool, flag("Replace an existing picture, and the file of --out even if it holds no loops.", "--force")
     ] = False,
@@ -52,10 +55,12 @@ def loops(
     from solver import loops as closed_rods
 
     from ..branches import loops_dataset
+    from . import option_checks
     from .present import Files, Result, files, present
 
     rod, cylinder, units = _rod(file, given)
     counts = parse_folds(folds)
+    sheet = option_checks.page(picture, style, width, no_title)
     asked = files(picture, out, force, "equilibria")
     found, remarks = [], []
     for count in counts:
@@ -72,7 +77,7 @@ def loops(
         return {"units": units, "loops": rows, "complete": complete, "remarks": remarks}
 
     result = Result(data, lambda: _print(found, remarks, units), lambda: loops_dataset.dataset_of(found, units))
-    present(result, asked if found else Files(None, None, force), json)
+    present(result, asked if found else Files(None, None, force), json, sheet=sheet)
     return 0 if complete else 1
 
 
