@@ -35,7 +35,7 @@ class Orbit:
     The rest is known of equilibria, and None for other orbits. lengthens: (B,), 1 where the length of the orbit between
     the two end angles grows with its level, 0 where it shrinks, NaN where that is unknown; the Morse index needs it.
     response: (B,), largest |d beta(t)/d beta(L)| along the rod. passed: (B,), turning points passed. path: the level
-    and the path of each, `levels.paths.LevelPaths`.
+    and the path of each, `levels.transit_times.LevelPaths`.
     """
 
     problem: StartProblem

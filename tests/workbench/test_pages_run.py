@@ -58,7 +58,7 @@ PAGES = [
         said=("12 of 19 rows agree",),
         made=("regimes.png", "bends.pdf", "turned.png", "lines.png", "three.png", "one.png"),
     ),
-    Page("how-to/find-equilibria", left=UNKNOWN, python="run", made=("all.png", "b.png")),
+    Page("how-to/find-equilibria", left=UNKNOWN, python="left", made=("all.png", "b.png")),
     Page("how-to/find-equilibria", "Map the folds", made=("folds_atlas.png", "buckling.png")),
     Page(
         "how-to/find-equilibria", "Follow a branch", files=("snap.toml",), made=("dead.png", "held.png"),
