@@ -237,10 +237,10 @@ def solutions_of(branch: Branch, stations: int) -> Solution:
         return solutions_at(list(branch.points), with_field(branch.points[0].case, branch.field, branch.values), u, tol)
     shapes = [_shape(point, u, tol) for point in branch.points]
     case = with_field(branch.points[0].case, branch.field, branch.values)
-    t = np.concatenate([one[1] for one in shapes])
-    each = [vars(one[0]) for one in shapes]
+    t = np.concatenate([shape[1] for shape in shapes])
+    each = [vars(shape[0]) for shape in shapes]
     problem = EndsProblem(**{name: np.concatenate([one[name] for one in each]) for name in each[0]})
-    return Solution(case, problem, together([one[2] for one in shapes], t), t, "shooting", tol)
+    return Solution(case, problem, together([shape[2] for shape in shapes], t), t, "shooting", tol)
 
 
 def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bounds", solved: _Solver) -> Branch:

@@ -145,7 +145,7 @@ def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations
     found, remarks = [], []
     pairs = zip((1, -1), ("pi/2", "-pi/2"), orbits_of_gain(span / folds, 2 * np.pi * wraps / folds), strict=True)
     for about, word, orbits in pairs:
-        some = [_loop(rod, cylinder, wraps, folds, one, about, stations) for one in orbits if one.error < CLOSE]
+        some = [_loop(rod, cylinder, wraps, folds, orbit, about, stations) for orbit in orbits if orbit.error < CLOSE]
         worst = max((one.closure for one in some), default=0.0)
         remarks += [] if some else [NOT_FOUND.format(word)]
         remarks += [NOT_CLOSED.format(word, worst)] if worst > CLOSE * span else []

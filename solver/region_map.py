@@ -40,7 +40,7 @@ class Region:
 
     @property
     def stable(self) -> int:
-        return sum(one.index == 0 for one in self.equilibria)
+        return sum(equilibrium.index == 0 for equilibrium in self.equilibria)
 
 
 @dataclass(frozen=True, eq=False)

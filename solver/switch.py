@@ -88,7 +88,7 @@ def _crossing(branch: Branch, special: SpecialPoint, value: float, reach: float)
     own = _own_shapes(branch, special, value)
     others = [one.solution for one in every if all(np.abs(one.solution.beta - beta).max() > _OWN for beta in own)]
     others.sort(key=lambda one: float(np.abs(one.beta - point.solution.beta).max()))
-    found = [one for one in others[:_MOST] if _leads_through(one, branch.field, special.value, value, reach)]
+    found = [other for other in others[:_MOST] if _leads_through(other, branch.field, special.value, value, reach)]
     return sorted(found, key=lambda one: float(one.dbeta[0]))
 
 
@@ -106,7 +106,7 @@ def _own_shapes(branch: Branch, special: SpecialPoint, value: float) -> list[Arr
             continue
         field: dict[str, Any] = {branch.field: value}
         way = follow(neighbour.solution, **field)
-        shapes += [one.solution.beta for one in way.points if one.value == value]
+        shapes += [point.solution.beta for point in way.points if point.value == value]
     return shapes
 
 

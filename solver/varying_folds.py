@@ -94,10 +94,10 @@ def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
     points = [*back.points[::-1], first, *ahead.points]
     middle = len(back.points)
     cusps = [*(middle - 1 - i for i in back.cusps), *(middle + 1 + i for i in ahead.cusps)]
-    values = np.array([one.z * sizes for one in points])
-    rho = np.array([case_at(one.z).rho for one in points])
-    dbeta0 = np.array([one.point.shape.y[0, SPEED] for one in points]) / rho
-    more = np.array([one.more * one.across for one in points])
+    values = np.array([point.z * sizes for point in points])
+    rho = np.array([case_at(point.z).rho for point in points])
+    dbeta0 = np.array([point.point.shape.y[0, SPEED] for point in points]) / rho
+    more = np.array([point.more * point.across for point in points])
     exact = np.ones(len(points), dtype=bool)
     return FoldCurve(FOLD, values, exact, dbeta0, values[cusps], dbeta0[cusps], lower, more, (back.end, ahead.end))
 

@@ -157,7 +157,7 @@ def helix_ahead(state: State, wanted: Given) -> State | None:
     first = wanted.at(state)
     for share in np.linspace(0, 1, _HELICES + 1)[1:]:
         beta = float(state.problem.beta0[0])
-        ahead = [helix_at(one, beta) for one in helices_of(first.towards(wanted, float(share)))[0]]
+        ahead = [helix_at(helix, beta) for helix in helices_of(first.towards(wanted, float(share)))[0]]
         apart = [max(abs(float((getattr(one.problem, name) - getattr(state.problem, name))[0])) for name in FREE)
                  for one in ahead]  # fmt: skip
         if not apart or min(apart) > _NEAR:

@@ -59,7 +59,8 @@ def _alternatives(seed: State, found: State, wanted: Given, tol: float, t: Array
     """Of each other equilibrium near that of the seed: its distance from the seed, problem and shape."""
     others = alternatives_of(seed, found, wanted)
     told = [
-        (away(seed, one), one.problem, held_trajectory(Reached(one, ALTERNATIVE), wanted, t, tol)) for one in others
+        (away(seed, other), other.problem, held_trajectory(Reached(other, ALTERNATIVE), wanted, t, tol))
+        for other in others
     ]
     return sorted(told, key=lambda one: one[0])
 

@@ -100,12 +100,12 @@ class FoldCurves:
         known = self.searched.counted.known
         points = np.array(list(known))[:: max(1, len(known) // 60)]
         alike = []
-        for one in points[:10]:
-            base = Counter(known[tuple(one)].indices)
+        for point in points[:10]:
+            base = Counter(known[tuple(point)].indices)
             right = 0
             for other in points:
                 change = Counter(base)
-                change.update(change_along(self.searched.pieces, one, other))
+                change.update(change_along(self.searched.pieces, point, other))
                 right += {k: n for k, n in change.items() if n} == dict(known[tuple(other)].indices)
             alike.append(right)
         return np.asarray(points[int(np.argmax(alike))])

@@ -39,7 +39,9 @@ class Curve:
     @property
     def exact(self) -> Booleans:
         """Which of the points of `dense` are points of the curve itself, (N,)."""
-        return np.concatenate([np.arange(PIECES * (len(one.points) - 1) + 1) % PIECES == 0 for one in self.stretches])
+        return np.concatenate(
+            [np.arange(PIECES * (len(stretch.points) - 1) + 1) % PIECES == 0 for stretch in self.stretches]
+        )
 
 
 @dataclass(frozen=True, eq=False)

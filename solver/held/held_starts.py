@@ -68,7 +68,7 @@ def nearest_start(wanted: Given, problem: HeldProblem) -> Reached | str:
     guesses, helices = _guesses(wanted, problem), helices_of(wanted)[0]
     themselves = [Reached(state, HELIX) for state in helices]
     reached, tried, why = _reach(wanted, _starts(wanted, problem, guesses), helices)
-    reached = reached or [one for one in themselves if index_of(one.state, wanted) == 0]
+    reached = reached or [candidate for candidate in themselves if index_of(candidate.state, wanted) == 0]
     if not reached and (near := _next_to_helices(wanted, guesses)):
         reached, more, _ = _reach(wanted, _starts(wanted, problem, near), helices, _STEPS_NEAR)
         tried += more
@@ -91,7 +91,7 @@ def _reach(
         if isinstance(found, Stopped):
             why = why or outcome_of(found)
             continue
-        found = next((one for one in helices if is_known(found, [numbers_of(one)])), found)
+        found = next((helix for helix in helices if is_known(found, [numbers_of(helix)])), found)
         reached.append(Reached(found, _dead(start)))
         if index_of(found, wanted) == 0 or len(reached) == _REACHED:
             return reached, tried, why

@@ -26,7 +26,7 @@ def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
         return _nothing(model)
     best, data, parameters = minima[0], model.data, model.parameters
     known = uncertainty(parameters, best.x, best.jacobian, best.found.residuals, data.known, best.free)
-    names = [one.name for one in parameters]
+    names = [parameter.name for parameter in parameters]
     directions = [_in_units(model, way) for way in known.directions]
     others = tuple(_others(model, minima, known))
     back = _as_given(model)
@@ -68,7 +68,7 @@ def _nothing(model: "Model") -> Fit:
     """The result where the data cannot be computed at any of the values tried."""
     F, N = len(model.parameters), model.data.size
     empty, nothing = np.full((F, F), np.nan), np.full(N, np.nan)
-    names = [one.name for one in model.parameters]
+    names = [parameter.name for parameter in model.parameters]
     why = model.refused.most_common(1)[0][0]
     return Fit(
         outcome=f"failed: at none of the values tried the data can be computed, most often: {why}", reached=True,

@@ -90,7 +90,7 @@ class Model:
         if isinstance(self.case.given, Ends):
             self._branch = found.sol  # x was accepted
         self.derivatives += 1
-        fields, targets = [one.name for one in self.parameters], list(self.data.targets)
+        fields, targets = [parameter.name for parameter in self.parameters], list(self.data.targets)
         known = found.sol.sensitivity(fields, targets)
         if not known.solved:
             raise NoValueError(f"at {values_in_words(self.parameters, x)}: {known.outcome}")

@@ -133,7 +133,7 @@ def _limits(case: Case, name: str) -> tuple[float, float]:
 
 def _numbers(name: str, bounds: Any) -> tuple[float, float]:
     try:
-        low, high = (angle(one) if isinstance(one, str) else float(one) for one in bounds)
+        low, high = (angle(bound) if isinstance(bound, str) else float(bound) for bound in bounds)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"the bounds of {name} must be two numbers, low and high, got {show(bounds)}") from None
     if not low < high:

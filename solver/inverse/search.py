@@ -35,7 +35,7 @@ def fit_from(
         raise InputError(f"starts must be from 0 to {MOST_STARTS}, got {starts}")
     model = Model(case, parameters, data, check(choose), check_tolerance(tol))
     model.starts = starts
-    own = np.array([one.start for one in parameters])
+    own = np.array([parameter.start for parameter in parameters])
     first = _search(model, own, [])
     minima = [] if first is None else [first]
     others = _starts(model, starts, seed)
@@ -71,7 +71,7 @@ def _search(model: Model, start: Array, known: list[Minimum]) -> Minimum | None:
         if any(_close(intermediate_result.x, one.x) for one in known):
             raise StopIteration
 
-    bounds = np.array([one.bounds for one in model.parameters]).T
+    bounds = np.array([parameter.bounds for parameter in model.parameters]).T
     try:
         if not jacobian(start).any() or not residuals.any():  # no direction is better, or nothing is left to gain
             return Minimum(*seen[0], float(residuals @ residuals) / 2, np.ones(start.size, dtype=bool))
@@ -122,7 +122,7 @@ def _starts(model: Model, count: int, seed: int) -> list[Array]:
 
     F = len(model.parameters)
     u = qmc.Sobol(F, rng=np.random.default_rng(seed)).random_base2(int(np.ceil(np.log2(count))))[:count]
-    low, high = np.array([one.span for one in model.parameters]).T
+    low, high = np.array([parameter.span for parameter in model.parameters]).T
     x = low + u * (high - low)
     residuals = np.empty((count, model.data.size))
     for i, one in enumerate(x):

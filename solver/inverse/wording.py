@@ -52,7 +52,9 @@ def miss_of(model: "Model", best: "Minimum") -> str:
         return ""
     goals = choices(f"{name} = {value:g}" for name, value in data.targets.items())
     nearest = choices(f"{name} = {value:.6g}" for name, value in zip(data.targets, reached, strict=True))
-    ranges = " and ".join(one.name + (one.between or _starts_in_words(model, one)) for one in model.parameters)
+    ranges = " and ".join(
+        parameter.name + (parameter.between or _starts_in_words(model, parameter)) for parameter in model.parameters
+    )
     verb = "reaches" if len(model.parameters) == 1 else "reach"
     found = values_in_words(model.parameters, best.x)
     return f"the search found no {ranges} that {verb} {goals}; the nearest reached is {nearest}, at {found}"
@@ -175,7 +177,7 @@ def remarks(
     for i, j in np.argwhere(np.triu(np.abs(correlation) > _ALIKE, 1)):
         pair = f"{parameters[i].name} and {parameters[j].name}"
         yield f"the data hardly tell {pair} apart: correlation {correlation[i, j]:+.5f}"
-    if good := sum(one.as_good for one in others):
+    if good := sum(other.as_good for other in others):
         yield f"{_as_good(model, good, exact)}: the values are not unique"
     if count := model.refused.total():
         reason, _ = model.refused.most_common(1)[0]

@@ -30,7 +30,7 @@ def critical_points(problem: Reduced) -> CriticalPoints:
     loads = np.stack([problem.lam, problem.mu, problem.phi], axis=1)
     found = core.critical_points(loads)
     if found is None:
-        fit = np.array([core.critical_points(one[None]) is not None for one in loads])[:, None]
+        fit = np.array([core.critical_points(load[None]) is not None for load in loads])[:, None]
         found = core.critical_points(np.where(fit, loads, 0.0))
         assert found is not None
         beta, centre, count = found

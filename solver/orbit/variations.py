@@ -232,7 +232,7 @@ def variations_on(orbit: Orbit, arcs: Arcs) -> Variations:
     place = order[np.searchsorted(number, panels.arc * most + panels.rank, sorter=order)]
     base, origin = pieces.base[place], pieces.origin[place]
     found = core.variations(orbit, origin)
-    nodes = Nodes(*(found[one.name] for one in fields(Nodes)))
+    nodes = Nodes(*(found[field.name] for field in fields(Nodes)))
     return Variations(orbit, base, nodes, *(found[name] for name in ("jump", "closing", "series", "gain")))
 
 

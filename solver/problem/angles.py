@@ -67,7 +67,7 @@ def doubt(name: str, value: object) -> str:
     >>> doubt("beta0", "5 rad"), doubt("beta0", 3), doubt("beta0", 6.283185307179586)
     ('', '', '')
     """
-    doubtful = [one for one in _numbers(value) if _looks_like_degrees(one)]
+    doubtful = [number for number in _numbers(value) if _looks_like_degrees(number)]
     if not doubtful:
         return ""
     worst = max(doubtful, key=abs)

@@ -51,7 +51,7 @@ def numbers_over(case: Case, name: str) -> Callable[[float], tuple[float, ...]]:
 def _copy(value: Any, changes: dict[str, Any]) -> Any:
     """A copy of a frozen dataclass that is not validated."""
     new = object.__new__(type(value))
-    vars(new).update({one.name: changes.get(one.name, getattr(value, one.name)) for one in fields(value)})
+    vars(new).update({field.name: changes.get(field.name, getattr(value, field.name)) for field in fields(value)})
     return new
 
 

@@ -80,7 +80,7 @@ def _symbols(text: str, names: list[str]) -> list[str]:
 
 def _begin(text: str, names: list[str]) -> list[str]:
     """The names, one to three, of which the text is the beginning: beta0 and betaL for ``beta``."""
-    found = [one for one in names if len(text) > 3 and one.startswith(text)]
+    found = [name for name in names if len(text) > 3 and name.startswith(text)]
     return found if len(found) < 4 else []
 
 
@@ -91,7 +91,7 @@ def _one_letter_off(text: str, names: list[str]) -> list[str]:
         apart = [a + b for a, b in zip(one, text, strict=True) if a != b]
         return len(apart) == 1 and apart[0].isalpha()
 
-    return [one for one in names if 1 < len(one) == len(text) < 4 and alike(one)][:1]
+    return [name for name in names if 1 < len(name) == len(text) < 4 and alike(name)][:1]
 
 
 DEFAULT_TOLERANCE = 1e-8

@@ -147,7 +147,7 @@ class DensityChange:
 
 
 def first_of(values: Values) -> Values:
-    return Values(*(getattr(values, one.name)[:, 0] for one in fields(Values)))
+    return Values(*(getattr(values, field.name)[:, 0] for field in fields(Values)))
 
 
 def zeros_between(values: Array) -> tuple[Integers, Integers, Array]:

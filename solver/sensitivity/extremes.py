@@ -71,7 +71,7 @@ def slope_of_largest(found: Candidates, size: int) -> tuple[Booleans, Array]:
 
 def _either_sign(found: Candidates) -> Candidates:
     """The candidates, and the same of minus the values."""
-    twice = {one.name: np.concatenate([getattr(found, one.name)] * 2) for one in fields(Candidates)}
+    twice = {field.name: np.concatenate([getattr(found, field.name)] * 2) for field in fields(Candidates)}
     sign = np.repeat([1.0, -1.0], found.case.size)
     return replace(Candidates(**twice), values=sign * twice["values"], slopes=sign[:, None] * twice["slopes"])
 
@@ -100,7 +100,7 @@ def candidates(found: DensityChange) -> Candidates:
         moved = _along(one, found.e, np.abs) + np.abs(shifted)
         slopes = _along(one, found.e) + shifted
         parts.append(Candidates(rows, when, one.values, one.size, slopes, moved, none, 0.0 * when))
-    names = (one.name for one in fields(Candidates))
+    names = (field.name for field in fields(Candidates))
     return Candidates(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 

@@ -53,7 +53,7 @@ def first_peak(rods: DensityChange, seen: Array) -> Array:
 
 
 def _pick(some: Candidates, index: Array) -> Candidates:
-    return Candidates(*(getattr(some, one.name)[index] for one in fields(Candidates)))
+    return Candidates(*(getattr(some, field.name)[index] for field in fields(Candidates)))
 
 
 def _move(rods: DensityChange, at: Candidates) -> Array:

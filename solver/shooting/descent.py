@@ -49,7 +49,7 @@ def held_indices(shape: Shape, strengths: Sequence[float]) -> list[int]:
     shape = fine_shape(shape)
     springs = [None, *(springs_of(shape, strength) for strength in strengths)]
     transfer = march_of(shape)[1]
-    return [index_of(shape.rod, transfer, shape.rod.scale, one) for one in springs]
+    return [index_of(shape.rod, transfer, shape.rod.scale, spring) for spring in springs]
 
 
 def fine_shape(shape: Shape) -> Shape:

@@ -87,8 +87,8 @@ def shapes_from_no_weight(rod: LoadedRod, t: Array, light: Sequence[Any]) -> Ite
             continue
         wanted = np.array([0.0, 1.0, HEAVIEST])
         points, _ = stages(curve, first, 1.0, (0.0, HEAVIEST), wanted, MOST_POINTS)
-        seen += [one.point.shape for one in points if one.x == 0]
-        yield from (replace(one.point.shape, rod=rod) for one in points if one.x == 1)
+        seen += [point.point.shape for point in points if point.x == 0]
+        yield from (replace(point.point.shape, rod=rod) for point in points if point.x == 1)
 
 
 def light_shape(rod: LoadedRod, t: Array, solution: Any) -> Shape:

@@ -155,13 +155,13 @@ class VaryingShapes:
         """States at the start and at the far end, (B, 8) each; NaN for a rod without a shape."""
         none = np.full(SIZE, np.nan)
         shapes = [self.of(i) for i in range(self.index.size)]
-        pairs = [(none, none) if one is None else (one.y[0], one.y[-1]) for one in shapes]
+        pairs = [(none, none) if shape is None else (shape.y[0], shape.y[-1]) for shape in shapes]
         return np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
 
     def turns(self) -> Array:
         """The number of interior extrema of beta of each rod, (B,); NaN for a rod without a shape."""
         shapes = [self.of(i) for i in range(self.index.size)]
-        return np.array([np.nan if one is None else one.turns() for one in shapes])
+        return np.array([np.nan if shape is None else shape.turns() for shape in shapes])
 
 
 def read_states(y: Array, t: Array, alpha0: Array, twist: Array) -> dict[str, Any]:

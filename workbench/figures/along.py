@@ -80,7 +80,7 @@ def figure(
     names = names[:MOST_PANELS]
     rods = drawn_rods.choose(ds, list(dict.fromkeys(a for n in names for a in NEEDED.get(n, (n,)))), x, at, MOST)
     curves = [_curves(rods, name) for name in names]
-    ends = min(one.ends()[0] for one in curves), max(one.ends()[1] for one in curves)
+    ends = min(curve.ends()[0] for curve in curves), max(curve.ends()[1] for curve in curves)
     tall = float(np.clip(EACH * (ends[1] - ends[0]), *TALL))
     if sheet.narrow:
         tall = float(np.clip(tall, NARROW[0], NARROW[1] / len(names)))
@@ -92,7 +92,7 @@ def figure(
             _panel(ax, rods, one, ends, tall, labelled=sheet.narrow or i == 0)
             ax.xaxis.label.set_visible(not sheet.narrow or i == len(names) - 1)
         lines = ["Faint line: where the quantity of a rod is 0."] * any(
-            not one.foot for one in curves if len(names) > 1
+            not curve.foot for curve in curves if len(names) > 1
         )
         legend.below(fig, entries(rods, names), [*lines, *rods.said(), *rods.notes], sheet)
 
@@ -147,7 +147,7 @@ def _curves(rods: DrawnRods, name: str) -> Curves:
     _, unit, change = _words(rods.source, shown)
     title = TITLES.get(shown, labels.symbol_of(shown))
     values = [change(rod[shown]) if rod.arrays is not None else None for rod in rods.rods]
-    drawn = [one for one in values if one is not None]
+    drawn = [value for value in values if value is not None]
     low, high = min(one.min() for one in drawn), max(one.max() for one in drawn)
     far = low > 2 * (high - low) or high < -2 * (high - low)  # 0 lies far from all curves
     foot = float(low) if far and high - low > NOISE * max(abs(low), abs(high)) else 0.0

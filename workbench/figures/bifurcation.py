@@ -190,7 +190,7 @@ def _judge(row: dict[str, Any]) -> str:
         return ""
     if _holds(row):
         return ", no law of the study fails"
-    return ", a law fails" if any(one.startswith(FAILS) for one in _verdicts(row)) else ", a law is not decided"
+    return ", a law fails" if any(verdict.startswith(FAILS) for verdict in _verdicts(row)) else ", a law is not decided"
 
 
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:

@@ -97,8 +97,8 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_ylabel(_label(ds, 1))
     ax.plot(*values, "o", color=style.PAIR[1], markersize=6, zorder=4)
     others = ds["other_minimum"].values[:, :2]
-    for one in others:
-        ax.plot(*_show(ds, one), "X", color=style.INK, markersize=7, zorder=3)
+    for other in others:
+        ax.plot(*_show(ds, other), "X", color=style.INK, markersize=7, zorder=3)
     covariance = ds["covariance"].values[:2, :2] * np.outer(_factors(ds), _factors(ds))
     also = CROSSES[bool(ds.attrs["exact"])] if len(others) else ""
     if not np.isfinite(covariance).all() or not np.isfinite([low, high]).all():

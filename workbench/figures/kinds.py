@@ -71,7 +71,7 @@ def figure(ds: xr.Dataset, kind: str | None = None, sheet: Sheet | None = SCREEN
     """
     name = kind or files.kind_of(ds).figure
     if name in ("", "study"):
-        name = kind_of(ds, None, [one for one in options if one != "verdicts"])
+        name = kind_of(ds, None, [option for option in options if option != "verdicts"])
     if name in OF_STUDIES and not KINDS[name].refined:
         ds = drawn_rods.grid(ds)
     return KINDS[name].figure(ds, sheet=sheet, **options)

@@ -34,7 +34,7 @@ def keep(fig: Figure, texts: Sequence[str]) -> None:
 
 def kept(fig: Figure) -> list[str]:
     """The sentences that a figure keeps, each once."""
-    texts = [" ".join(text.split()) for one in fig.artists if isinstance(one, _Kept) for text in one.texts]
+    texts = [" ".join(text.split()) for artist in fig.artists if isinstance(artist, _Kept) for text in artist.texts]
     return list(dict.fromkeys(texts))
 
 

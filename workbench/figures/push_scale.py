@@ -69,7 +69,9 @@ def bar(
     if inside is not None:
         below, where = True, {"cax": inside, "orientation": "horizontal"}
     said = f"push [{labels.unit(unit)}]"
-    pulled = any(isinstance(one, LineCollection) and pulls(one.get_array()) for one in axes[0].collections)
+    pulled = any(
+        isinstance(collection, LineCollection) and pulls(collection.get_array()) for collection in axes[0].collections
+    )
     found = fig.colorbar(drawn, **where)
     found.set_label(said + "; below 0: lifts off" * pulled, size=style.small())
     (found.ax.xaxis if below else found.ax.yaxis).set_major_formatter(Ticks())

@@ -166,7 +166,7 @@ def _draw_shapes(
         return
     rho, alpha, z = (np.asarray(one) for one in (_rho(ds), ds["stable_alpha"].values, ds["stable_z"].values))
     extents = [rho[:, None] * np.ptp(alpha, axis=2), np.ptp(z, axis=2)]
-    half = 0.54 * max((float(np.nanmax(one)) for one in extents if np.isfinite(one).any()), default=1.0)
+    half = 0.54 * max((float(np.nanmax(extent)) for extent in extents if np.isfinite(extent).any()), default=1.0)
     for i in range(count):
         left = middle[0] + (i - count / 2) * side[0]
         inset = ax.inset_axes((left, middle[1] - side[1] / 2, side[0], side[1]), zorder=6)
@@ -174,7 +174,7 @@ def _draw_shapes(
         inset.plot(*places, color="white", linewidth=2.6, alpha=0.8, clip_on=False)
         inset.plot(*places, color=style.INK, linewidth=1.1, clip_on=False)
         inset.plot(places[0][0], places[1][0], "o", color=style.INK, markersize=2.2, clip_on=False)
-        middles = [(one.min() + one.max()) / 2 for one in places]
+        middles = [(place.min() + place.max()) / 2 for place in places]
         inset.set(
             xlim=(middles[0] - half, middles[0] + half), ylim=(middles[1] + half, middles[1] - half), aspect="equal"
         )

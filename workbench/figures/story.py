@@ -144,17 +144,20 @@ def law(ds: xr.Dataset, ax: Axes) -> None:
 
 def claims(ds: xr.Dataset, ax: Axes) -> None:
     """The verdict on each claim, (reading, claim), as a table of marks: a row a claim, a column a reading."""
-    names, readings = [str(one) for one in ds["claim"].values], [str(one).split("/") for one in ds["reading"].values]
+    names, readings = (
+        [str(value) for value in ds["claim"].values],
+        [str(value).split("/") for value in ds["reading"].values],
+    )
     verdicts, wide = ds["claim_verdict"].values.astype(str), bool(style.inches(ax)[0] > WIDE_TABLE)
     for (j, i), verdict in np.ndenumerate(verdicts):
         ax.plot(j, i, **_mark(verdict))
     sayings = [_claim(ds, name) for name in names]
-    ax.set_yticks(range(len(names)), [one if wide else one.replace("mean ", "") for one in sayings])
-    heads = [", ".join(one if wide else SHORT.get(one, one) for one in words[1:]) for words in readings]
+    ax.set_yticks(range(len(names)), [saying if wide else saying.replace("mean ", "") for saying in sayings])
+    heads = [", ".join(word if wide else SHORT.get(word, word) for word in words[1:]) for words in readings]
     ax.set_xticks(range(len(readings)), heads, rotation=90)
     ax.xaxis.tick_top()
     ax.set(xlim=(-0.6, len(readings) - 0.4), ylim=(len(names) - 0.4, -0.6))
-    for first in dict.fromkeys(one[0] for one in readings):
+    for first in dict.fromkeys(reading[0] for reading in readings):
         on = [j for j, one in enumerate(readings) if one[0] == first]
         _write(ax, (np.mean(on), 1), first, (0, HEADS[wide]), xycoords=("data", "axes fraction"), va="bottom")
         if on[0]:
@@ -164,7 +167,7 @@ def claims(ds: xr.Dataset, ax: Axes) -> None:
             _write(ax, (0, 1), text, (-14, above), xycoords="axes fraction", ha="right", va="bottom", color=style.SOFT)
     ax.tick_params(length=0, colors=style.INK, pad=2)
     ax.spines[:].set_visible(False)
-    handles = [Line2D([], [], label=PLAIN[one], **_mark(one)) for one in MARKS if one in verdicts]
+    handles = [Line2D([], [], label=PLAIN[mark], **_mark(mark)) for mark in MARKS if mark in verdicts]
     ax.legend(handles=handles, loc="upper right", bbox_to_anchor=(1.02, 0.0), ncols=len(handles), borderaxespad=0,
               handletextpad=0.1, columnspacing=0.7, handlelength=1.2)  # fmt: skip
 

@@ -95,7 +95,7 @@ def figure(
         law_height = float(np.clip(room / max(count, 1), *NARROW_LAW))
     tallest = law_height - LABELS if beside else STRIPS * width
     rods = [drawn_rods.choose(curves, ("alpha", "z"), axis, most=MOST_CURVES) for axis in strips]
-    forms = [unrolled.plan(one, width * (BESIDE if beside else 1), tallest) for one in rods]
+    forms = [unrolled.plan(rod, width * (BESIDE if beside else 1), tallest) for rod in rods]
     heights = [law_height if beside and i < count else form.height + LABELS for i, form in enumerate(forms)]
     lines = -(-count // across)
     below = 0.0 if beside else law_height * lines
@@ -161,7 +161,12 @@ def one_rod(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
                 said = unrolled.draw(ax, rods, form, "contact" in ds.data_vars)[1]
             else:
                 along.alone(ax, rods, arrays[name][0], form is not None and unrolled.is_coarse(rods.rods[0]))
-        artists = [one for ax in fig.axes for one in ax.collections if str(one.get_label()).startswith("the cylinder")]
+        artists = [
+            collection
+            for ax in fig.axes
+            for collection in ax.collections
+            if str(collection.get_label()).startswith("the cylinder")
+        ]
         rings = unrolled.entries(fig.axes[-1], rods) if form and not artists else unrolled.ring_entries(fig.axes[-1])
         legend.below(fig, [*artists, *rings], [*said, *rods.notes], sheet)
 

@@ -53,7 +53,9 @@ def rows(ax: Axes) -> Iterator[tuple[str, str, Any, Any, Any]]:
         points = np.column_stack([np.asarray(line.get_xdata(), dtype=float), np.asarray(line.get_ydata(), dtype=float)])
         for x, y in points[np.isfinite(points).all(axis=1)].tolist():
             yield "line", _label(line, k), x, y, ""
-    for k, coloured in enumerate((one for one in ax.collections if isinstance(one, LineCollection)), 1):
+    for k, coloured in enumerate(
+        (collection for collection in ax.collections if isinstance(collection, LineCollection)), 1
+    ):
         array = coloured.get_array()
         shades = [] if array is None else np.asarray(array, dtype=float).tolist()
         for points, shade in zip(coloured.get_segments() if shades else [], shades, strict=True):
@@ -64,7 +66,7 @@ def rows(ax: Axes) -> Iterator[tuple[str, str, Any, Any, Any]]:
         offsets: Any = np.ma.getdata(dot.get_offsets()).astype(float)
         for x, y in offsets[np.isfinite(offsets).all(axis=1)].tolist():
             yield "dot", _label(dot, k), x, y, ""
-    for bars in (one for one in ax.containers if isinstance(one, BarContainer)):
+    for bars in (container for container in ax.containers if isinstance(container, BarContainer)):
         lies = bars.orientation == "horizontal"
         for bar in bars.patches:
             (left, low), (right, high) = bar.get_bbox().get_points()
@@ -72,7 +74,7 @@ def rows(ax: Axes) -> Iterator[tuple[str, str, Any, Any, Any]]:
             begin, end = (begin, end) if (bar.get_width() if lies else bar.get_height()) >= 0 else (end, begin)
             name = " ".join(filter(None, (_name_at(ax.yaxis if lies else ax.xaxis, foot), bar.get_gid())))
             yield "bar", name, *((end, foot) if lies else (foot, end)), begin
-    for k, mesh in enumerate((one for one in ax.collections if isinstance(one, QuadMesh)), 1):
+    for k, mesh in enumerate((collection for collection in ax.collections if isinstance(collection, QuadMesh)), 1):
         corners: Any = mesh.get_coordinates()
         values: Any = np.ma.asarray(mesh.get_array())
         middles = (corners[1:, 1:] + corners[:-1, :-1]) / 2

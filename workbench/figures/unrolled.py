@@ -359,4 +359,4 @@ def ring_entries(ax: Axes) -> list[Artist]:
     """The legend of a ring, where there is one."""
     ring = Line2D([], [], markersize=7, markerfacecolor="none", color=style.CROSSED, label=THROUGH, linestyle="none",
                   marker="o")  # fmt: skip
-    return [ring] if any(one.get_label() == THROUGH for one in ax.collections) else []
+    return [ring] if any(collection.get_label() == THROUGH for collection in ax.collections) else []
