@@ -25,7 +25,7 @@ NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one e
 def equilibrium_trajectory(problem: EndsProblem, orbit: Orbit, t: Array, tol: float) -> Trajectory:
     """The orbits of K ends problems at stations t (K, n); their error is that of beta(L)."""
     beta, dbeta, alpha, z = orbit.at(t)
-    condition = core.response(orbit) if orbit.response is None else orbit.response
+    condition = core.response(orbit)[0] if orbit.response is None else orbit.response
     miss = np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
     error = (2 * miss + 1e-14) * condition
     calls = np.bincount(orbit.panels.arc // 2, weights=orbit.panels.calls, minlength=t.shape[0]).astype(np.int64)

@@ -120,7 +120,7 @@ static void slope_along(const course *o, const double *beta, const double *v, do
         size = larger(size, slope_size(p->lam, p->mu, p->phi, beta[k]));
     }
     const double unit = o->speed * o->unit, sign = o->direction * (backward ? -1 : 1);
-    const double lost = EPS * n * n * (least < most / 2 ? 1 : most) / half;
+    const double lost = EPS * n * n * most / half;
     if (EPS * size / unit < lost) {
         for (int k = 0; k < n; k++)
             h[k] = sign * slope(p->lam, p->mu, p->phi, beta[k]) / unit;
@@ -132,7 +132,7 @@ static void slope_along(const course *o, const double *beta, const double *v, do
         h[k] = -h[k] / half;
 }
 
-/* c of a panel: `conditioning._across`. */
+/* c of a panel. */
 static double across_of(int n, const double *v, const double *h, const double *rate, double half)
 {
     double fastest = v[0], slowest = v[0], steepest = fabs(h[0]), least = fabs(h[0]), most = fabs(rate[0]);
@@ -202,12 +202,20 @@ static void flows_of(course *o)
     }
 }
 
-/* The growth of two changes of the start, each given by its parts along the flow and across it. */
-static double grown(const double along[2], const double across[2], double a, double v, double h, double c)
+/* A change of the orbit: its part along the flow, and across it, which stays. */
+typedef struct {
+    double along, across;
+} change;
+
+/* The change of beta where the shear is a, and the flow (v, -h) with the transversal (c h, v)/(v^2 + c h^2). */
+static double change_at(change of, double a, double v, double h, double c)
 {
-    const double size = v * v + c * h * h, drift = c * h / size;
-    return larger(fabs((along[0] + across[0] * a) * v + across[0] * drift),
-                  fabs((along[1] + across[1] * a) * v + across[1] * drift));
+    return (of.along + of.across * a) * v + of.across * (c * h / (v * v + c * h * h));
+}
+
+static double larger_at(const change of[2], double a, double v, double h, double c)
+{
+    return larger(fabs(change_at(of[0], a, v, h, c)), fabs(change_at(of[1], a, v, h, c)));
 }
 
 /* One passage of a panel by the rod: where the times of its nodes begin, their sign, and what is added to the shear. */
@@ -224,7 +232,9 @@ static int passages_of(const course *o, int backward, passage out[2])
     return o->librates ? 2 : 1;
 }
 
-static double growth_at_nodes(const course *o, const double along[2], const double across[2], double worst)
+/* The larger of two changes at the nodes that the rod passes, in its first period and in its last: between them each
+   grows evenly. At least `worst`. */
+static double largest_at_nodes(const course *o, const change of[2], double worst)
 {
     const double span = o->problem->span, periods = floor(span / o->period);
     const double a_period = o->librates ? 2 * (o->total[0] + o->total[1]) : o->total[0];
@@ -241,15 +251,16 @@ static double growth_at_nodes(const course *o, const double along[2], const doub
                     continue;
                 const double a = ways[w].shift + ways[w].way * one->a[k], v = way * ways[w].sign * one->v[k];
                 const double many = periods > 0 ? periods - (time + periods * o->period > span) : 0;
-                worst = larger(worst, grown(along, across, a, v, way * one->h[k], one->across));
+                worst = larger(worst, larger_at(of, a, v, way * one->h[k], one->across));
                 if (many > 0)
-                    worst = larger(worst, grown(along, across, a + a_period * many, v, way * one->h[k], one->across));
+                    worst = larger(worst, larger_at(of, a + a_period * many, v, way * one->h[k], one->across));
             }
     }
     return worst;
 }
 
-static double growth_at_end(const course *o, const double along[2], const double across[2])
+/* Two changes at the far end. */
+static void changes_at_end(const course *o, const change of[2], double out[2])
 {
     phase where;
     double x, h[NODES];
@@ -259,7 +270,8 @@ static double growth_at_end(const course *o, const double along[2], const double
     double v = at_place(series_of(o, panel - o->at, 1), o->n + 1, x) / o->speed, a = at_place(one->shear, o->n + 1, x);
     a = rod_unfolded(a, &where, o->total[0], o->total[1], o->librates);
     const double way = where.second ? -1 : 1;
-    return grown(along, across, a, way * (where.mirrored ? -v : v), way * at_place(h, o->n, x), one->across);
+    for (int k = 0; k < 2; k++)
+        out[k] = change_at(of[k], a, way * (where.mirrored ? -v : v), way * at_place(h, o->n, x), one->across);
 }
 
 /* The errors of the panels of all orbits: `Panels`. */
@@ -267,25 +279,33 @@ typedef struct {
     const double *fastest, *error, *time_error, *time_rounding;
 } panel_errors;
 
-static double condition_of(course *o, const panel_errors *of)
+/* The changes of the start by a unit of beta(0), and of beta_t(0) in the course's unit of time; with the flows. */
+static void vary_start(course *o, const panel_errors *of, change out[2])
 {
-    double worst;
-    const start_problem *p = o->problem;
-    const int steady = beside_helix(p, &worst);
-    const int64_t P = o->count[0] + o->count[1];
-    if (o->all->kind[o->orbit] == HELIX || !P || steady)
-        return worst;
     double fastest = 0;
-    for (int64_t i = o->at; i < o->at + P; i++)
+    for (int64_t i = o->at; i < o->at + o->count[0] + o->count[1]; i++)
         fastest = larger(fastest, of->fastest[i]);
     o->speed = fastest > 0 ? fastest : 1;
     flows_of(o);
     const flow *first = &o->flows[0];
-    const double weight = slope_weight(p) / o->unit, c = first->across;
-    const double v = first->v[0], h = first->h[0] * (o->count[0] ? 1 : -1), size = v * v + c * h * h;
-    const double along[2] = {v / size, -c * h / size * weight}, across[2] = {h, v * weight};
-    worst = growth_at_nodes(o, along, across, 1);
-    worst = larger(worst, growth_at_end(o, along, across));
+    const double c = first->across, v = first->v[0], h = first->h[0] * (o->count[0] ? 1 : -1), size = v * v + c * h * h;
+    out[0] = (change){v / size, h}, out[1] = (change){-c * h / size, v};
+}
+
+static double condition_of(course *o, const panel_errors *of)
+{
+    double worst, end[2];
+    const start_problem *p = o->problem;
+    const int steady = beside_helix(p, &worst);
+    change by[2];
+    if (o->all->kind[o->orbit] == HELIX || !(o->count[0] + o->count[1]) || steady)
+        return worst;
+    vary_start(o, of, by);
+    const double weight = slope_weight(p) / o->unit;
+    by[1].along *= weight, by[1].across *= weight;
+    worst = largest_at_nodes(o, by, 1);
+    changes_at_end(o, by, end);
+    worst = larger(worst, larger(fabs(end[0]), fabs(end[1])));
     return worst == worst ? worst : INFINITY;
 }
 
@@ -365,100 +385,43 @@ int rod_orbits_judge(int64_t n, const start_problem *problems, const read_orbits
     return DONE;
 }
 
-/* The flow for `orbits.response`: |beta_t| and H at the nodes, and the shear with c = 1. */
-static void plain_flows(course *o)
+/* eta(L) of the change with eta(0) = 0 and eta_t(0) = 1, and the largest |eta(t)/eta(L)|. */
+static void response_of(course *o, const panel_errors *of, double *largest, double *end)
 {
-    const start_problem *p = o->problem;
-    double beta[NODES], pace[NODES];
-    o->total[0] = o->total[1] = 0;
-    for (int64_t i = 0; i < o->count[0] + o->count[1]; i++) {
-        flow *one = &o->flows[i];
-        const int backward = i >= o->count[0];
-        const double half = o->all->width[o->at + i] / 2 * o->unit;
-        nodes_of(o, i, beta, one->v);
-        for (int k = 0; k < o->n; k++) {
-            const double v = one->v[k] /= o->unit, h = slope(p->lam, p->mu, p->phi, beta[k]) / square(o->unit);
-            const double rate = slope_rate(p->lam, p->mu, p->phi, beta[k]) / square(o->unit), size = v * v + h * h;
-            one->h[k] = h;
-            pace[k] = (1 - rate) * ((v - h) * (v + h) / size) / size * half;
-        }
-        integrated(o->points, pace, one->shear);
-        one->gain = sum(o->n + 1, one->shear);
-        one->shear[0] += o->total[backward];
-        product(o->n + 1, o->n, one->shear, o->points->values, one->a);
-        o->total[backward] += one->gain;
+    const double rate = rate_at_start(o->problem), waves = sqrt(larger(rate, 0)) * o->problem->span;
+    change by[2];
+    double ends[2];
+    *end = NAN;
+    if (o->all->kind[o->orbit] == HELIX) {
+        *largest = waves > PI / 2 ? 1 / fabs(sin(waves)) : 1;
+        return;
     }
+    *largest = 1;
+    if (!(o->count[0] + o->count[1]))
+        return;
+    vary_start(o, of, by);
+    by[0] = by[1];
+    changes_at_end(o, by, ends);
+    const double ratio = largest_at_nodes(o, by, 0) / fabs(ends[1]);
+    *largest = isfinite(ratio) ? larger(ratio, 1) : INFINITY, *end = ends[1] / o->unit;
 }
 
-/* The largest |eta| at the nodes that the rod passes, in its first period and in its last. */
-static double largest_response(const course *o, double v0, double fixed)
-{
-    const double span = o->problem->span, periods = floor(span / o->period);
-    const double a_period = o->librates ? 2 * (o->total[0] + o->total[1]) : o->total[0];
-    double largest = 0;
-    for (int64_t i = 0; i < o->count[0] + o->count[1]; i++) {
-        const flow *one = &o->flows[i];
-        const int backward = i >= o->count[0];
-        const double since = o->all->since[o->at + i], half = o->all->width[o->at + i] / 2;
-        passage ways[2];
-        const int count = passages_of(o, backward, ways);
-        for (int w = 0; w < count; w++)
-            for (int k = 0; k < o->n; k++) {
-                const double time = ways[w].begin + ways[w].sign * (since + half * (1 + o->points->nodes[k]));
-                if (!(time <= span || periods > 0))
-                    continue;
-                const double v = one->v[k] * o->direction * (backward ? -1 : 1) * ways[w].sign;
-                const double a = ways[w].shift + ways[w].way * one->a[k], h = one->h[k];
-                const double many = larger(periods - (time + periods * o->period > span), 0);
-                const double rest = v0 * (h / (one->v[k] * one->v[k] + h * h));
-                largest = larger(largest, fabs((fixed + v0 * a) * v + rest));
-                if (many > 0)
-                    largest = larger(largest, fabs((fixed + v0 * (a + a_period * many)) * v + rest));
-            }
-    }
-    return largest;
-}
-
-static double response_of(course *o)
-{
-    const start_problem *p = o->problem;
-    phase where;
-    double x;
-    plain_flows(o);
-    const double v0 = p->dbeta0 / o->unit, H0 = slope(p->lam, p->mu, p->phi, p->beta0) / square(o->unit);
-    const double fixed = -H0 / (v0 * v0 + H0 * H0);
-    const int64_t panel = rod_place(o->all, o->orbit, p->span, &where, &x);
-    const flow *one = &o->flows[panel - o->at];
-    const double a = rod_unfolded(at_place(one->shear, o->n + 1, x), &where, o->total[0], o->total[1], o->librates);
-    const double around = o->librates ? 0 : 2 * PI * o->direction * where.periods;
-    const double beta = at_place(series_of(o, panel - o->at, 0), o->n + 1, x) + around;
-    const double sign = (where.second ? -o->direction : o->direction) * (where.mirrored ? -1 : 1);
-    const double v = sign * at_place(series_of(o, panel - o->at, 1), o->n + 1, x) / o->unit;
-    const double H = slope(p->lam, p->mu, p->phi, beta) / square(o->unit);
-    const double eta = (fixed + v0 * a) * v + v0 * (H / (v * v + H * H));
-    const double ratio = largest_response(o, v0, fixed) / fabs(eta);
-    return isfinite(ratio) ? larger(ratio, 1) : INFINITY;
-}
-
-/* The largest |d beta(t)/d beta(L)| along n orbits whose beta(0) is held, (n,): `orbits.response`. */
-int rod_orbits_response(int64_t n, const start_problem *problems, const read_orbits *all, const points *at, double *out)
+/* The answers of n orbits whose beta(0) is held to a change of their far angle, (n,) each: `orbits.response`. */
+int rod_orbits_response(int64_t n, const start_problem *problems, const read_orbits *all, const points *at,
+                        const panel_errors *of, double *largest, double *end)
 {
     flow *room = malloc(sizeof(flow) * (size_t)most_panels(all, n));
     if (!room)
         return NO_MEMORY;
     for (int64_t b = 0; b < n; b++) {
         course o = course_of(&problems[b], all, at, b, room);
-        const double rate = rate_at_start(&problems[b]), waves = sqrt(larger(rate, 0)) * problems[b].span;
-        if (all->kind[b] == HELIX)
-            out[b] = waves > PI / 2 ? 1 / fabs(sin(waves)) : 1;
-        else
-            out[b] = o.count[0] + o.count[1] ? response_of(&o) : 1;
+        response_of(&o, of, &largest[b], &end[b]);
     }
     free(room);
     return DONE;
 }
 
-/* The integral of beta_t^2 over n rods, (n,): `orbit_energy.action`. */
+/* The integral of beta_t^2 over n rods, (n,): `orbits.action`. */
 void rod_orbits_action(int64_t n, const start_problem *problems, const read_orbits *all, const points *at, double *out)
 {
     for (int64_t b = 0; b < n; b++) {

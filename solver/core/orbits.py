@@ -143,30 +143,30 @@ def numbers_of(problem: Any) -> Array:
 
 def judge(orbit: Any) -> tuple[Array, Array]:
     """Condition number and estimated error of B start problems from their orbits, (B,) each."""
+    return _variation("rod_orbits_judge", orbit)
+
+
+def response(orbit: Any) -> tuple[Array, Array]:
+    """How B orbits whose beta(0) is held answer a change of beta(L), (B,) each.
+
+    The largest |d beta(t)/d beta(L)| = |eta(t)/eta(L)|, the condition numbers of equilibria between given ends, and
+    eta(L) = d beta(L)/d beta_t(0), NaN for a helix. eta is the Jacobi field, at the nodes of all panels that the rod
+    passes, in its first period and in its last: between them eta grows evenly. At least 1; unbounded at a fold.
+    """
+    return _variation("rod_orbits_response", orbit)
+
+
+def _variation(name: str, orbit: Any) -> tuple[Array, Array]:
+    """Two numbers of each orbit by a function of conditioning.c."""
     numbers, (of, kept), panels = numbers_of(orbit.problem), reading(orbit), orbit.panels
-    told = [np.ascontiguousarray(a) for a in (panels.fastest, panels.error, panels.time_error, panels.time_rounding)]
-    condition, error = np.empty((2, numbers.shape[0]))
-    fine(functions().rod_orbits_judge(
+    errors = [np.ascontiguousarray(a) for a in (panels.fastest, panels.error, panels.time_error, panels.time_rounding)]
+    first, second = np.empty((2, numbers.shape[0]))
+    fine(getattr(functions(), name)(
         ctypes.c_int64(numbers.shape[0]), address(numbers), ctypes.byref(of), _points_of(orbit),
-        ctypes.byref(_PanelErrors(*(address(a) for a in told))), address(condition), address(error),
+        ctypes.byref(_PanelErrors(*(address(a) for a in errors))), address(first), address(second),
     ))  # fmt: skip
     del kept
-    return condition, error
-
-
-def response(orbit: Any) -> Array:
-    """The largest |d beta(t)/d beta(L)| = |eta(t)/eta(L)| along B orbits whose beta(0) is held, (B,): the condition
-    numbers of equilibria between given ends.
-
-    eta is the Jacobi field, at the nodes of all panels that the rod passes, in its first period and in its last:
-    between them eta grows evenly. At least 1; unbounded at a fold.
-    """
-    numbers, (of, kept) = numbers_of(orbit.problem), reading(orbit)
-    out = np.empty(numbers.shape[0])
-    size = ctypes.c_int64(out.size)
-    fine(functions().rod_orbits_response(size, address(numbers), ctypes.byref(of), _points_of(orbit), address(out)))
-    del kept
-    return out
+    return first, second
 
 
 def action(orbit: Any) -> Array:

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.potential import Loads, slope, slope_rate
+from ..core import orbits as core
+from ..mechanics.potential import Loads, slope_rate
 from ..numerics.arrays import Array
-from ..numerics.chebyshev import basis
-from ..orbit.pieces import HELIX, LIBRATION, Panels, running, unfold
-from ..problem.reduced import Reduced, StartProblem
+from ..orbit.pieces import HELIX, LIBRATION
+from ..problem.reduced import Reduced
 
 _MOST = 40_000  # steps of a mesh
 
@@ -116,7 +116,7 @@ def jacobi_zeros(orbit: Any) -> Array:
     them is given by the sign of eta(L) = d beta(L)/d beta_t(0), which is that of -2 beta_t(0) beta_t(L) dT/d(level), T
     being the length of the orbit between the two angles. So the index is exact however long the rod and however
     closely it passes a saddle. The search for equilibria knows the sign of dT/d(level) (`Orbit.lengthens`); for other
-    orbits `jacobi_end` gives that of eta(L).
+    orbits the core gives that of eta(L).
 
     Returns
     -------
@@ -127,57 +127,10 @@ def jacobi_zeros(orbit: Any) -> Array:
     librates = orbit.kind == LIBRATION
     shorter = np.full(problem.size, np.nan) if orbit.lengthens is None else 1 - orbit.lengthens
     if np.isnan(shorter[librates]).any():
-        end = np.where(turns % 2 == 0, 1, -1) * jacobi_end(orbit)
+        end = np.where(turns % 2 == 0, 1, -1) * core.response(orbit)[1]
         shorter = np.where(np.isnan(shorter), np.where(np.isnan(end), np.nan, end > 0), shorter)
     with np.errstate(invalid="ignore"):
         of_helix = helix_index(helix_half_waves(problem))
     at_rest = orbit.back == 0  # eta is beta_t itself
     index = np.maximum(turns - 1 + np.where(at_rest, 1, shorter), 0)
     return np.where(orbit.kind == HELIX, of_helix, np.where(librates, index, 0))
-
-
-def jacobi_end(orbit: Any) -> Array:
-    """eta(L) of B orbits that librate, (B,), in some unit of time; NaN for others and where a float cannot hold it.
-
-    eta = (c + beta_t(0) a) beta_t + beta_t(0) H / (beta_t^2 + H^2), with c = -H(0) / (beta_t(0)^2 + H(0)^2) and the
-    shear a(t), a' = (1 - H') (beta_t^2 - H^2)/(beta_t^2 + H^2)^2, which grows by the same amount each period.
-    """
-    problem, panels, librates = orbit.problem, orbit.panels, orbit.kind == LIBRATION
-    eta = np.full(problem.size, np.nan)
-    if not librates.any():
-        return eta
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        unit = np.where(librates, np.pi / (orbit.ahead + orbit.back), 1.0)  # in which a small libration has no shear
-        a = _accumulate(orbit, _shear(problem, panels, unit), problem.span[:, None])[:, 0]
-        beta, v, _, _ = (value[:, 0] for value in orbit.at(problem.span[:, None]))
-        v0, H0 = problem.dbeta0 / unit, slope(problem, problem.beta0) / unit**2
-        v, H = v / unit, slope(problem, beta) / unit**2
-        found = (v0 * a - H0 / (v0 * v0 + H0 * H0)) * v + v0 * (H / (v * v + H * H))
-    eta[librates] = found[librates]
-    return eta
-
-
-def _accumulate(orbit: Any, series: Array, t: Array) -> Array:
-    """The value at t (B, n) of an integral from the start; 0 on a helix.
-
-    series: (P, n + 1), the integral on each panel from the panel's near end.
-    """
-    ends = series.sum(axis=1)
-    gain = np.bincount(orbit.panels.arc, weights=ends, minlength=2 * orbit.problem.size).reshape(-1, 2)
-    series = series.copy()
-    series[:, 0] += running(ends[:, None], orbit.first, orbit.count)[:, 0]
-    phase = orbit.locate(t)
-    value = unfold(orbit.read(series[:, None], phase)[..., 0], phase, gain, (orbit.kind == LIBRATION)[:, None])
-    return np.where((orbit.kind == HELIX)[:, None], 0.0, value)
-
-
-def _shear(problem: StartProblem, panels: Panels, unit: Array) -> Array:
-    """The series of the shear a(t) on each panel from its near end, (P, n + 1), in time of 1/unit, (B,)."""
-    b, points = panels.arc // 2, basis(panels.series.shape[2] - 1)
-    loads, time = Loads.columns(problem, b), unit[b, None]
-    beta, v = panels.series[:, 0] @ points.values, panels.series[:, 1] @ points.values
-    v, H, rate = v / time, slope(loads, beta) / time**2, slope_rate(loads, beta) / time**2
-    size = v * v + H * H
-    pace = (1 - rate) * ((v - H) * (v + H) / size) / size
-    scale: Array = (panels.duration / 2 * unit[b])[:, None]
-    return (pace * scale) @ points.analyse @ points.integrate

@@ -72,7 +72,7 @@ def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, len
     falls[moves] = boundary.falls[pin]
     orbit = solve_orbit(start, TIGHT, (path.pin, gap), STRETCH)
     # between two ends on saddles of this height eta(L) stays while eta between them grows as the gap's root falls
-    growth = core.response(orbit) * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
+    growth = core.response(orbit)[0] * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
     if excess.any():
         orbit = with_saddle_panels(orbit, np.full(K, problem.span[0]), gap, excess)
     series = orbit.panels.series.copy()

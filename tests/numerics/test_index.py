@@ -4,11 +4,17 @@ import numpy as np
 import pytest
 
 from solver import Case, equilibria, solve
-from solver.levels.morse_index import index_at_stations, jacobi_end, jacobi_zeros, morse_index
+from solver.core.orbits import response
+from solver.levels.level_search import search
+from solver.levels.line_point import LinePoint, path_of
+from solver.levels.morse_index import index_at_stations, jacobi_zeros, morse_index
+from solver.levels.path_orbits import variations_of
 from solver.mechanics.potential import slope_rate
 from solver.observe.observables import observe
 from solver.orbit.periodic_orbit import solve_orbit
-from solver.problem.reduced import StartProblem, reduce
+from solver.orbit.pieces import LIBRATION
+from solver.orbit.variations import change_between, directions
+from solver.problem.reduced import EndsProblem, StartProblem, reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 
 
@@ -42,10 +48,23 @@ def test_the_jacobi_field_at_the_far_end_is_what_a_change_of_the_start_slope_mak
         for way in (-1, 1)
     ]
     change = (ends[1] - ends[0]) / (2 * nudge)
-    told = jacobi_end(orbit) * (orbit.ahead + orbit.back) / np.pi  # its unit of time
+    told = np.where(orbit.kind == LIBRATION, response(orbit)[1], np.nan)
     swings = np.isfinite(told) & (np.abs(change) < 1e3)  # beyond, the nudge is too wide
     assert swings.sum() > 60
     np.testing.assert_allclose(told[swings], change[swings], rtol=1e-3, atol=1e-3)  # nudge^2 times the third change
+
+
+def test_the_response_beside_a_saddle_is_that_of_the_variations() -> None:
+    """The gap is exp(-70), so beta keeps no digit of H there, but beta_t does."""
+    problem = EndsProblem(*np.array([-4.742, 0.809, 0.311, 71.597, -1.034, -0.881])[:, None])
+    every = search(problem)
+    assert every is not None
+    path = path_of(every.path, 1)
+    varied = variations_of(problem, path, LinePoint(problem))
+    there = varied.at(np.linspace(0, problem.span[0], 20001)[None])
+    eta = change_between(varied.start, there, *directions(varied.start)).beta[0, :, 1]
+    assert path.y < -65
+    assert np.abs(eta).max() / abs(eta[-1]) == pytest.approx(every.orbit.response[1], rel=1e-4)  # between stations
 
 
 @pytest.mark.parametrize("L", (20.0, 500.0, 2e4, 2e6))
