@@ -1,18 +1,31 @@
-/* Start problems in a browser or in Node: the compiled core as WebAssembly (rod.wasm), called from JavaScript.
+/* Rods under dead loads in a browser or in Node: the compiled core as WebAssembly (rod.wasm), called from JavaScript.
 
    const core = await RodCore.load(bytes);
    const orbit = core.solve({lam, mu, phi, span, beta0, dbeta0}, 1e-8, times);
+   const rod = core.between({lam, mu, phi, span, beta0, betaL}, {t, beta, rate});
 
-   The problem is dimensionless: lengths in units of rho, loads as lam = MZ rho/A, mu = M3 rho/A, phi = FZ rho^2/A.
-   times rise from 0 to at most span. The orbit has beta, rate (d beta/dt), alpha, z, swirl (arrays over the times),
-   error, condition, sound (whether the error is within the tolerance), halfPeriod (of beta; of an orbit that goes round
-   the time of one round) and end: "turns", "goes round" or "lost". A lost orbit, next to a saddle, has no values: the
-   march cannot tell where it goes. */
+   Problems are dimensionless: lengths in units of rho, loads as lam = MZ rho/A, mu = M3 rho/A, phi = FZ rho^2/A.
+
+   `solve` gives a start problem at times that rise from 0 to at most span: beta, rate (d beta/dt), alpha, z (arrays over
+   the times), error, condition, sound (whether the error is within the tolerance) and end: "turns" or "goes round", with
+   swirl (an array) and halfPeriod (of beta; of an orbit that goes round the time of one round); "marched" along the
+   whole rod, next to a saddle, where half periods cannot be told; or "lost", without values.
+
+   `between` gives the rod between two end angles that Newton's method reaches from another shape, given at times t; or
+   null; a third argument: how many nodes it has, beside the usual number. It has error (of beta), nodes t with their beta,
+   rate, alpha and z, and at(times): these at other times. */
 "use strict";
 const RodCore = (() => {
   const ENDS = ["lost", "turns", "goes round"];
   const ORBIT = 256 + 16; // bytes: `orbit` in rod.c
   const LEG = 13 * 8, AHEAD = 2 * 8, BACK = AHEAD + LEG, STATUS = BACK + LEG, SOUND = STATUS + 4 * 8;
+  const STATES = 8, PARAMETERS = 7; // of varying_loads.c, with the states beta, rate, alpha, lam - mu, phi, mu, t - z
+  const BY_ANGLE = 2, ORDER = 20; // columns of derivatives; order of their series
+  const NEWTON = {columns: BY_ANGLE, deep: 13}; // for Newton's method
+  const LEFT_OUT = 1e-17, ROUGH = 1e-12; // of the scales, by a step of a march; by one for Newton's method
+  const SAFETY = 3, ROUNDING = 2e-16, SHORTER = 0.7; // of estimated errors; the steps of a march that estimates one
+  const UNTOLD = 1e12, TOO_LONG = 5e4; // a condition number that leaves no digits; the most lengths of a whole march
+  const ROUNDS = 40, LONGEST = 0.3, FAR = 30, CLOSE = 1e-7; // of Newton's method; rad; the last step is squared once more
 
   async function load(bytes) {
     const made = await WebAssembly.instantiate(bytes, {});
@@ -45,13 +58,143 @@ const RodCore = (() => {
       const integers = new BigInt64Array(own.memory.buffer);
       const end = ENDS[Number(integers[(orbit + STATUS) / 8])], sound = integers[(orbit + SOUND) / 8] === 1n;
       const known = {end, sound, error: numbers[orbit / 8], condition: numbers[orbit / 8 + 1]};
-      if (end === "lost") return known;
+      if (end === "lost") return whole(problem, tol, times) || known;
       const [beta, rate, alpha, z, swirl] = rows.map(row => numbers.slice(row / 8, row / 8 + n));
       const ahead = numbers[(orbit + AHEAD) / 8], halfPeriod = end === "turns" ? ahead + numbers[(orbit + BACK) / 8] : ahead;
       return {...known, halfPeriod, beta, rate, alpha, z, swirl};
     }
 
-    return {solve};
+    /* March stretches of a rod under dead loads, whose states are those of `begin` and the loads of the problem.
+
+       begin: {beta, rate}, (n,) each. lengths: (n,). how: columns (0 or BY_ANGLE) of derivatives by beta and rate, and
+       the order `deep` of their series; judged: whether errors are estimated instead; shorter: a factor of the steps;
+       first (n + 1,): the numbers of the stretches' first stations in `stations`, times from their begins. */
+    function march(problem, begin, lengths, how) {
+      const {columns = 0, deep = ORDER, judged = false, shorter = 1, leftOut = LEFT_OUT, first = null, stations = []} = how;
+      const n = lengths.length, m = stations.length, {lam, mu, phi} = problem;
+      const sizes = [PARAMETERS, STATES, STATES * n, n, STATES * n, STATES * n * columns, 6 * n, 2 * n, n, n + 1, m,
+                     STATES / 2, STATES * m];
+      let place = reserve(sizes.reduce((sum, size) => sum + size, 0));
+      const [rod, goal, state, length, end, derived, growth, errors, steps, from, times, rows, out] =
+        sizes.map(size => (place += 8 * size) - 8 * size);
+      const numbers = new Float64Array(own.memory.buffer);
+      numbers.set([1, 0, 0, 0, 0, 0, 1], rod / 8); // neither weight nor friction; gamma is not read
+      numbers.set(scaleOf(problem).map(size => size * leftOut), goal / 8);
+      for (let i = 0; i < n; i++)
+        numbers.set([begin.beta[i], begin.rate[i], 0, lam - mu, phi, mu, 0, 0], state / 8 + STATES * i);
+      numbers.set(lengths, length / 8);
+      if (first) {
+        new BigInt64Array(own.memory.buffer).set(Array.from(first, BigInt), from / 8);
+        new Uint32Array(own.memory.buffer).set([...Array(STATES).keys()].map(k => out + 8 * m * k), rows / 4);
+        numbers.set(stations, times / 8);
+      }
+      const some = where => columns ? where : 0;
+      own.rod_loaded(BigInt(n), rod, goal, 1n, shorter, state, length, columns, deep, end, some(derived), some(growth),
+                     judged ? errors : 0, first ? from : 0, times, rows, 1n, steps, 0, 2);
+      const after = new Float64Array(own.memory.buffer), part = (where, size) => after.slice(where / 8, where / 8 + size);
+      const read = [0, 1, 2, 6].map(k => part(out + 8 * m * k, m));
+      return {end: part(end, STATES * n), derived: part(derived, STATES * n * columns), growth: part(growth, 6),
+              errors: part(errors, 2), read};
+    }
+
+    /* A start problem by one march along the whole rod; or null. */
+    function whole(problem, tol, times) {
+      const scale = scaleOf(problem), {span, beta0, dbeta0} = problem, n = times.length;
+      if (!(span * scale[5] < TOO_LONG)) return null;
+      const how = {columns: BY_ANGLE, judged: true, first: [0, n], stations: times};
+      const {growth, errors, read} = march(problem, {beta: [beta0], rate: [dbeta0]}, [span], how);
+      const condition = Math.max(1, growth[0], Math.sqrt(Math.abs(dbeta0) + scale[4]) * growth[1]);
+      if (!(condition < UNTOLD)) return null;
+      const off = Math.max(errors[0], errors[1] / Math.max(1, span));
+      const error = SAFETY * off + ROUNDING * (condition + span * scale[1]), [beta, rate, alpha, short] = read;
+      return {end: "marched", sound: error <= tol, error, condition, beta, rate, alpha, z: short.map((u, i) => times[i] - u)};
+    }
+
+    function between(problem, near, dense = 1) {
+      const {span, beta0, betaL} = problem, bend = largest(near.beta.map(Math.sin)) * Math.SQRT2;
+      const n = Math.max(8, Math.ceil(dense * span * Math.hypot(scaleOf(problem)[5], bend)));
+      if (!(n < TOO_LONG)) return null;
+      const t = Float64Array.from({length: n + 1}, (_, i) => span * i / n), lengths = new Float64Array(n).fill(span / n);
+      const [beta, rate] = [near.beta, near.rate].map(row => t.map(time => straight(near.t, row, time)));
+      beta[0] = beta0, beta[n] = betaL;
+      for (let round = 0, size = Infinity; !(size <= CLOSE); round++) {
+        const change = correction({beta, rate}, march(problem, {beta, rate}, lengths, {...NEWTON, leftOut: ROUGH}));
+        size = largest(change.beta);
+        if (!(size < FAR) || round === ROUNDS) return null;
+        const share = Math.min(1, LONGEST / size);
+        for (let i = 0; i <= n; i++) beta[i] += share * change.beta[i], rate[i] += share * change.rate[i];
+      }
+      const last = march(problem, {beta, rate}, lengths, {...NEWTON, shorter: SHORTER});
+      const left = correction({beta, rate}, last), error = SAFETY * largest(left.beta) + ROUNDING * n;
+      const alpha = new Float64Array(n + 1), z = new Float64Array(n + 1);
+      for (let i = 0; i <= n; i++) {
+        beta[i] += left.beta[i], rate[i] += left.rate[i];
+        if (i === n) break;
+        alpha[i + 1] = alpha[i] + last.end[STATES * i + 2];
+        z[i + 1] = z[i] + lengths[i] - last.end[STATES * i + 6];
+      }
+      const nodes = {t, beta, rate, alpha, z};
+      return {...nodes, error, at: times => readings(problem, nodes, lengths, times)};
+    }
+
+    /* beta, rate, alpha and z at times that rise, from those at nodes: the stretches with such times are marched. */
+    function readings(problem, nodes, lengths, times) {
+      const n = lengths.length, used = [], first = [], stations = new Float64Array(times.length);
+      for (let k = 0, i = 0; k < times.length; k++) {
+        while (i < n - 1 && times[k] > nodes.t[i + 1]) i++;
+        if (used[used.length - 1] !== i) used.push(i), first.push(k);
+        stations[k] = times[k] - nodes.t[i];
+      }
+      const taken = row => used.map(i => row[i]), begin = {beta: taken(nodes.beta), rate: taken(nodes.rate)};
+      first.push(times.length);
+      const [beta, rate, alpha, z] = march(problem, begin, taken(lengths), {first, stations}).read;
+      used.forEach((i, j) => {
+        for (let k = first[j]; k < first[j + 1]; k++) alpha[k] += nodes.alpha[i], z[k] = nodes.z[i] + stations[k] - z[k];
+      });
+      return {beta, rate, alpha, z};
+    }
+
+    return {solve, between};
+  }
+
+  /* The sizes of the states, by which the errors of steps are judged; the sixth is 1 over the length on which the shape
+     changes. */
+  function scaleOf({lam, mu, phi, span, beta0, dbeta0 = 0}) {
+    const rate = Math.sqrt(Math.abs(phi) + mu ** 2 + Math.cbrt((lam - mu) ** 2) + 1 / span ** 2);
+    const size = Math.min(1, Math.max(rate, Math.abs(beta0)));
+    return [size, Math.max(size * rate, Math.abs(dbeta0)), 1, size * rate ** 2, rate ** 2, rate, size ** 2 / rate, 1];
+  }
+
+  /* Newton's correction of nodes whose first and last beta are given. The stretches turn a change (x, v) of a node into
+     (a x + b v, c x + d v) with a d - b c = 1, so that v follows from x at both ends, and x solves a tridiagonal system. */
+  function correction({beta, rate}, {end, derived}) {
+    const n = beta.length - 1, x = new Float64Array(n + 1), v = new Float64Array(n + 1), upper = new Float64Array(n + 1);
+    const by = (i, row, column) => derived[(STATES * i + row) * BY_ANGLE + column];
+    const off = i => end[STATES * i] - beta[i + 1], bent = i => end[STATES * i + 1] - rate[i + 1];
+    for (let i = 1; i < n; i++) {
+      const before = by(i - 1, 0, 1), after = by(i, 0, 1), far = by(i - 1, 1, 1) / before;
+      const right = off(i) / after - far * off(i - 1) + bent(i - 1);
+      const pivot = -by(i, 0, 0) / after - far - upper[i - 1] / before;
+      upper[i] = 1 / after / pivot;
+      x[i] = (right - x[i - 1] / before) / pivot;
+    }
+    for (let i = n - 1; i > 0; i--) x[i] -= upper[i] * x[i + 1];
+    for (let i = 0; i < n; i++) v[i] = (x[i + 1] - off(i) - by(i, 0, 0) * x[i]) / by(i, 0, 1);
+    v[n] = bent(n - 1) + by(n - 1, 1, 0) * x[n - 1] + by(n - 1, 1, 1) * v[n - 1];
+    return {beta: x, rate: v};
+  }
+
+  const largest = values => values.reduce((most, v) => v !== v ? NaN : Math.max(most, Math.abs(v)), 0);
+
+  /* The value at t of a row over times, by a straight line. */
+  function straight(times, row, t) {
+    let low = 0, high = times.length - 1;
+    while (high - low > 1) {
+      const middle = low + high >> 1;
+      if (times[middle] <= t) low = middle;
+      else high = middle;
+    }
+    return row[low] + (row[high] - row[low]) * (t - times[low]) / (times[high] - times[low]);
   }
 
   return {load};

@@ -105,7 +105,8 @@ def _begin(preset: Preset) -> dict[str, Any]:
         raise InputError("a page without a server shows rods without weight and friction: use workbench explore")
     if sol.problem.kind != "ends":
         return {}
-    return {"shape": {"s": sol.s.tolist(), "beta": [round(float(beta), 10) for beta in sol.beta]}}
+    rows = {"s": sol.s, "beta": sol.beta, "dbeta": sol.dbeta}
+    return {"shape": {name: [float(f"{v:.9g}") for v in row] for name, row in rows.items()}}
 
 
 def _json(data: Any) -> str:

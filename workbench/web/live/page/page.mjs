@@ -59,7 +59,7 @@ function begin(name) {
   enter(name, copied(one.state), one.shape);
 }
 
-/* seed: s and beta of the shape between two ends with which this file was saved. */
+/* seed: s, beta and dbeta of the shape between two ends with which this file was saved. */
 function enter(name, state, seed = null) {
   Object.assign(me, { preset: name, centre: copied(state.base), state, list: [], here: -1, cursor: null });
   shown.setCursor(null);
@@ -96,7 +96,7 @@ function update(how = {}) {
     if (one.varies && !served) throw new Refused("A rod with weight or friction needs the server of workbench explore.");
     if (asks) return askShape(one, how, since);
     again = null;
-    const shape = one.kind === "start" ? marched(core, one) : near && near.one.kind === "ends" && moved(one, near);
+    const shape = one.kind === "start" ? marched(core, one) : near && near.one.kind === "ends" && moved(core, one, near);
     if (shape) return took(shape, { method: "in this page" }, how, since);
     if (one.kind === "ends")
       throw new Refused(

@@ -2,8 +2,6 @@
 
 import { Refused, reduced } from "./rod_case.mjs";
 import { bend, forcesAlong } from "./forces.mjs";
-import { followed, isFar } from "./between_ends.mjs";
-import { integrated } from "./integrator.mjs";
 
 const TOL = 1e-8;
 const LEAST = 301,
@@ -14,26 +12,20 @@ const ZERO_ROUNDS = 3;
 const ROUGHER = 2.7; // times these distances, where MOST stations are too few; a still longer rod is shown in part
 const SERVED = ["dbeta", "push", "kappa", "tension", "axial"]; // of a rod whose loads vary, by straight lines
 const LARGEST = 1e12; // a number of the dimensionless problem
+const SAME = 0.7; // rad: a shape farther from the one before is another equilibrium
 const UNFIT = "These numbers are too large or too small to compute with.";
 export const LOST = "The shape was not found: the orbit runs too near an unstable equilibrium of β.";
 
 /* The shape of a start problem. Throws Refused where it was not found. */
 export function marched(core, one, dbeta0 = one.dbeta) {
   const problem = fitting(reduced(one, dbeta0)),
-    tried = orbit(core, problem, evenly(problem.span, LEAST));
-  if (!tried) throw new Refused(LOST);
+    orbit = (times) => core.solve(problem, TOL, times),
+    tried = orbit(evenly(problem.span, LEAST));
+  if (tried.end === "lost") throw new Refused(LOST);
   const { shown, n } = stationsFor(problem.span, tried);
-  const at = (s) =>
-    scaled(
-      one,
-      orbit(
-        core,
-        problem,
-        s.map((v) => v / one.rho),
-      ),
-    );
+  const at = (s) => scaled(one, orbit(s.map((v) => v / one.rho)));
   const s = evenly(one.L * shown, n),
-    halfPeriod = tried.end === "turns" ? tried.halfPeriod * one.rho : tried.end === "integrated" ? undefined : 0;
+    halfPeriod = tried.end === "turns" ? tried.halfPeriod * one.rho : tried.end === "marched" ? undefined : 0;
   return made(one, at, s, {
     error: tried.error,
     condition: tried.condition,
@@ -50,12 +42,6 @@ function fitting(problem) {
   return problem;
 }
 
-/* The orbit of a problem at times that rise, by the core or, where its march is lost, by the integrator; or null. */
-function orbit(core, problem, times) {
-  const found = core.solve(problem, TOL, times);
-  return found.end === "lost" ? integrated(problem, times) : found;
-}
-
 /* The shape at stations that the server solved: s, beta, dbeta, alpha, z. Between them by cubic polynomials. */
 export function interpolated(one, stations, facts) {
   const { s } = stations,
@@ -66,22 +52,48 @@ export function interpolated(one, stations, facts) {
   return made(one, at, evenly(length, Math.max(n, s.length)), { ...facts, problem });
 }
 
-/* The shape between two ends that a slider leads to from the shape before, in one step or in four; or null. */
-export function moved(one, near) {
+/* The shape between two ends that a slider leads to from the shape before, in one step or in four; or null. near: its
+   case, s, beta and dbeta. */
+export function moved(core, one, near) {
   fitting(reduced(one, 0));
-  for (const steps of [1, 4]) {
-    let stations = near;
-    for (let k = 1; k <= steps && stations; k++)
-      stations = followed(k === steps ? one : partWay(near.one, one, k / steps), stations);
-    if (stations && !isFar(stations, near))
-      return interpolated(one, stations, {
-        error: stations.error,
-        condition: NaN,
-        sound: stations.error < 1e-6,
-        shown: 1,
-      });
+  const { rho } = near.one,
+    begun = { t: near.s.map((s) => s / rho), beta: near.beta, rate: near.dbeta.map((v) => v * rho) };
+  let rod = nextTo(core, one, begun);
+  if (!rod || isFar(rod, begun)) {
+    rod = begun;
+    for (const share of [0.25, 0.5, 0.75, 1]) rod = rod && nextTo(core, partWay(near.one, one, share), dense(rod), 2);
   }
-  return null;
+  return rod && !isFar(rod, begun) ? joined(one, rod) : null;
+}
+
+const nextTo = (core, one, { t, beta, rate }, nodes = 1) => {
+  const problem = { ...reduced(one, 0), betaL: one.betaL },
+    share = problem.span / t[t.length - 1];
+  return core.between(problem, { t: t.map((v) => v * share), beta, rate }, nodes);
+};
+
+/* A rod at so many times that straight lines join them. */
+function dense(rod) {
+  const t = evenly(rod.t[rod.t.length - 1], LEAST);
+  return rod.at ? { t, ...rod.at(t) } : rod;
+}
+
+function joined(one, rod) {
+  const { n } = stationsFor(one.L / one.rho, rod),
+    at = (s) => scaled(one, rod.at(s.map((v) => v / one.rho)));
+  const { error } = rod,
+    problem = reduced(one, rod.rate[0] / one.rho);
+  return made(one, at, evenly(one.L, n), { error, condition: NaN, sound: error < 1e-6, shown: 1, problem });
+}
+
+/* Whether a rod is far from another, at the same shares of the length. */
+function isFar({ t, beta }, near) {
+  const length = near.t[near.t.length - 1] / t[t.length - 1];
+  return beta.some((v, i) => {
+    const k = Math.min(intervalOf(near.t, t[i] * length), near.t.length - 2),
+      share = (t[i] * length - near.t[k]) / (near.t[k + 1] - near.t[k]);
+    return Math.abs(v - near.beta[k] - share * (near.beta[k + 1] - near.beta[k])) > SAME;
+  });
 }
 
 const BETWEEN = ["L", "R", "rho", "A", "C", "E", "a", "nu", "inner_radius", "EI", "GJ"].concat(
