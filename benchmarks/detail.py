@@ -20,13 +20,12 @@ import numpy as np
 import xarray as xr
 
 from studies.language.loader import loads
-from workbench.data import writing
 from workbench.geometry.centreline import Array, Centreline
 from workbench.geometry.refinement import Rings, rings
-from workbench.run import in_memory
 from workbench.scene import opengl
 from workbench.scene.body import Body, Surface, read
 from workbench.scene.scene_kinds import KINDS
+from workbench.store import in_memory, writing
 
 WIDE = 1450  # pixels of the picture that the rod's length fills
 ERRORS = (2.0, 0.5)

@@ -22,8 +22,8 @@ from solver import solve
 from solver.observe.observables import observe
 from studies import Study
 from studies.language.loader import loads
-from workbench.data import cautions
-from workbench.run.study_store import Options, run_to_file
+from workbench.store.study_store import Options, run_to_file
+from workbench.words import cautions
 
 STUDY = """
 title = "Benchmark"

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from workbench.data import writing
+from workbench.store import writing
 from workbench.web.report.measured_runs import SHIPPED
 
 KEPT = {

@@ -20,9 +20,9 @@ from solver import solve
 from solver.observe.observables import observe
 from studies import Study
 from studies.language.loader import load, loads
-from workbench.data import writing
 from workbench.figures import canvas, map_figure
-from workbench.run.study_store import Options, run_to_file
+from workbench.store import writing
+from workbench.store.study_store import Options, run_to_file
 
 
 def regimes(count: int, observables: list[str]) -> Study:

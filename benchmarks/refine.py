@@ -21,9 +21,8 @@ from studies import Study
 from studies.language.lattice import Lattice
 from studies.language.loader import load, loads
 from studies.language.refinement import refinement_of
-from workbench.data import refined
-from workbench.run import in_memory
-from workbench.run.study_store import Options, run_to_file
+from workbench.store import in_memory, refined
+from workbench.store.study_store import Options, run_to_file
 
 BLOCK = 512  # cases, as of a run
 

@@ -13,9 +13,8 @@ from pathlib import Path
 from time import perf_counter, process_time
 
 from studies import load
-from workbench.data import writing
-from workbench.run import in_memory
 from workbench.scene import opengl
+from workbench.store import in_memory, writing
 
 KINDS = ("plain", "contact", "curvature", "twist")
 TIMES = 3

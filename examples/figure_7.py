@@ -8,8 +8,8 @@ and the forces. This script runs the five shipped studies, judges their laws and
 
 from studies import load, names
 from workbench import notebook
-from workbench.data.law_verdicts import verdicts
-from workbench.run import in_memory
+from workbench.store import in_memory
+from workbench.store.law_verdicts import verdicts
 
 panels = {name: in_memory.run(load(name)) for name in names() if name.startswith("fig7")}
 for name, ds in panels.items():

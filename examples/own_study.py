@@ -8,8 +8,8 @@ A study says which fields of the case vary, what is observed, and which law must
 
 from studies.language.loader import loads
 from workbench import notebook
-from workbench.data.law_verdicts import verdicts
-from workbench.run import in_memory
+from workbench.store import in_memory
+from workbench.store.law_verdicts import verdicts
 
 study = loads("""
 title = "A rod pushed into a pipe"

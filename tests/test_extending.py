@@ -19,9 +19,8 @@ from studies.language.loader import loads
 from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, Direction, Line, Verdict
 from tests.workbench import small
 from workbench.compare.trade_runs import ladders_of
-from workbench.data import law_verdicts
 from workbench.figures import study_figure, work_precision
-from workbench.run import in_memory
+from workbench.store import in_memory, law_verdicts
 
 ROOT = Path(__file__).parents[1]
 CASE = Case(Rod(1.07e4, 0.25, 0.25, 5.0), Cylinder(0.75), Start(0.5, 0.5, dgamma=0.5))

@@ -40,8 +40,8 @@ LISTS = {
     ],
     "studies": ["grammar", "laws", "language"],
     "workbench": [
-        "data", "geometry", "run", "branches", "influence", "fitting", "figures", "scene", "export", "compare", "web",
-        "notebook_tables", "notebook", "commands", "accessor", "cli", "plugin",
+        "words", "store", "geometry", "branches", "influence", "fitting", "figures", "scene", "export", "compare",
+        "web", "notebook_tables", "notebook", "commands", "accessor", "cli", "plugin",
     ],
 }  # fmt: skip
 
@@ -163,7 +163,7 @@ def test_a_sub_package_imports_only_from_those_above_it_in_the_list(top: str) ->
 
 
 def test_drawing_loads_no_method_of_the_solver() -> None:
-    parts = ("data", "geometry", "figures", "scene")
+    parts = ("words", "geometry", "figures", "scene")
     assert methods_loaded_by([file for part in parts for file in files_of(f"workbench/{part}/**/*.py")]) == []
 
 

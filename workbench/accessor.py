@@ -42,14 +42,14 @@ class RodAccessor:
     @cached_property
     def study(self) -> "Study":
         """The study, under the reading that the dataset was run under. Raises `InputError`."""
-        from .run.stored_case import study_of
+        from .store.stored_case import study_of
 
         return study_of(self._ds)
 
     @cached_property
     def case(self) -> "Case":
         """The case of the dataset, of the shape of its remaining axes. Raises `InputError`."""
-        from .run.stored_case import case_of
+        from .store.stored_case import case_of
 
         return case_of(self._ds, self.study)
 
@@ -76,7 +76,7 @@ class RodAccessor:
         --------
         >>> import workbench.accessor
         >>> from studies import load
-        >>> from workbench.run import in_memory
+        >>> from workbench.store import in_memory
         >>> ds = in_memory.run(load("fig7_1_modulus"))
         >>> one = ds.rod.sel(E="10905")
         >>> int(one["turns"]), dict(one.sizes)
@@ -84,7 +84,7 @@ class RodAccessor:
         """
         from solver.problem.errors import InputError
 
-        from .data.selection import axis_of, indices
+        from .store.selection import axis_of, indices
 
         found = {}
         for name, value in values.items():
@@ -117,12 +117,12 @@ class RodAccessor:
         --------
         >>> import workbench.accessor
         >>> from studies import load
-        >>> from workbench.run import in_memory
+        >>> from workbench.store import in_memory
         >>> ds = in_memory.run(load("fig7_1_modulus"))
         >>> print(f"{ds.rod.at(E=12000.0).z[-1]:.3f}")
         6.965
         """
-        from .run.stored_case import solve_at
+        from .store.stored_case import solve_at
 
         return solve_at(self._ds, self.study, values)
 
@@ -149,8 +149,8 @@ class RodAccessor:
         InputError
             For an unknown observable, a real one without a step, or a grid of more than two axes.
         """
-        from .data.boundary import boundary, boundary_of_law
-        from .data.law_verdicts import laws
+        from .store.boundary import boundary, boundary_of_law
+        from .store.law_verdicts import laws
 
         if any(law.claim == name for law in laws(self._ds)):
             return boundary_of_law(self._ds, name)
@@ -176,7 +176,7 @@ class RodAccessor:
         InputError
             For an unknown array, a dataset that is not a stored study, and a table of more than 5e8 numbers.
         """
-        from .data import rows
+        from .store import rows
 
         return (
             rows.stations(self._ds, [self.along(name).rename(name) for name in along])
@@ -206,7 +206,7 @@ class RodAccessor:
         --------
         >>> import workbench.accessor
         >>> from studies import load
-        >>> from workbench.run import in_memory
+        >>> from workbench.store import in_memory
         >>> ds = in_memory.run(load("fig7_1_modulus"))
         >>> len(ds.rod.plot(E="10905").figure.axes)
         3
@@ -239,7 +239,7 @@ class RodAccessor:
 
     @cached_property
     def _solved(self) -> "Solution":
-        from .run.stored_case import solve_at
+        from .store.stored_case import solve_at
 
         return solve_at(self._ds, self.study, {})
 
@@ -247,21 +247,21 @@ class RodAccessor:
         """The array along the rod of that name; the same as the attribute, ``ds.rod.contact``. Raises `InputError`."""
         from solver.problem.errors import no_such
 
-        from .data.derived_arrays import ARRAYS, Stored
+        from .store.derived_arrays import ARRAYS, Stored
 
         if name not in ARRAYS:
             raise no_such("array along the rod", name, ARRAYS)
         return Stored(self._ds, self.study, lambda: self.case, lambda: self._solved).array(name)
 
     def __getattr__(self, name: str) -> xr.DataArray:
-        from .data.derived_arrays import ARRAYS
+        from .store.derived_arrays import ARRAYS
 
         if name not in ARRAYS:
             raise AttributeError(f"ds.rod has no {name!r}; choose from {', '.join(dir(self))}")
         return self.along(name)
 
     def __dir__(self) -> list[str]:
-        from .data.derived_arrays import ARRAYS
+        from .store.derived_arrays import ARRAYS
 
         return sorted({"study", "case", "sel", "at", "along", "boundary", "to_pandas", *ARRAYS})
 

@@ -45,7 +45,7 @@ from .commands import (
     summary,
     trade,
 )
-from .data import escaping
+from .words import escaping
 
 OF_SCENE = ("pyvista", "trimesh", "vtkmodules")  # packages of the extra scene
 NOTICE = r".* is read as .* rad = "  # the warnings of `solver.problem.angles`, which --help does not import

@@ -18,8 +18,9 @@ import xarray as xr
 from solver import Solution, solve
 from solver.problem.errors import InputError, no_such
 
-from .data import atomic, cautions, dataset, labels, schema, selection
 from .notebook_tables import WORDS, of_laws
+from .store import atomic, dataset, schema, selection
+from .words import cautions, labels
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -112,8 +113,7 @@ class StudyRun:
     """
 
     def __init__(self, study: "Study") -> None:
-        from .data import law_verdicts
-        from .run import in_memory
+        from .store import in_memory, law_verdicts
 
         self.ds = in_memory.run(study)
         self._rows = law_verdicts.verdicts(self.ds)
@@ -128,7 +128,7 @@ class StudyRun:
         return scene(self.ds, at)
 
     def _repr_html_(self) -> str:
-        from .data import law_verdicts
+        from .store import law_verdicts
 
         title = f"{self.ds.attrs['title']}: {law_verdicts.count_of(int(self.ds['solved'].size), 'case')}"
         return of_laws(title, [(stated, law_verdicts.said(row)) for (stated, _), row in zip(self.verdicts, self._rows,

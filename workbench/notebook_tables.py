@@ -12,7 +12,7 @@ from solver.equilibrium_list import stability
 from solver.observe.observables import observe
 from solver.problem.quantities import quantity, unit_of
 
-from .data import cautions, labels
+from .words import cautions, labels
 
 NUMBERS = ("turns", "wraps", "height", "kappa_max", "push_min", "push_max")  # of a solution's table
 WORDS = {"length": "length", "force": "force"}  # units of a solution, which knows none

@@ -16,7 +16,7 @@ from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, where_shown
 from .base import StartMethod
 
-BLOCK = 2048  # cases: 512 take `orbit` 1.4 times as long; a study's own blocks (`workbench.run.plan`) are no larger
+BLOCK = 2048  # cases: 512 take `orbit` 1.4 times as long; a study's own blocks (`workbench.store.plan`) are no larger
 BLOCK_VALUES = 2**20  # stations of all cases of a block, at most: 8 MB an array
 _MORE = 1 / 8  # a full table grows by this share
 

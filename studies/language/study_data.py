@@ -59,7 +59,7 @@ class StudyData(BaseModel):
     laws: list[Law] = []
     _text: str = PrivateAttr("")
     _samples: Dimension | None = PrivateAttr(None)
-    _part_of: Any = PrivateAttr(None)  # for a part of a sweep: the spine of the whole (`workbench.run.sweep.Spine`)
+    _part_of: Any = PrivateAttr(None)  # for a part of a sweep: the spine of the whole (`workbench.store.sweep.Spine`)
 
     @property
     def text(self) -> str:

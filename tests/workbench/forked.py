@@ -23,8 +23,9 @@ from typing import Any
 
 ROOT = Path(__file__).parents[2]
 IMPORTED = (
-    "workbench.cli", "workbench.data.law_verdicts", "workbench.data.writing", "workbench.run.study_store",
-    "workbench.run.file_merge", "workbench.commands.study_result", "solver.methods.orbit", "rich.table", "rich.console",
+    "workbench.cli", "workbench.store.law_verdicts", "workbench.store.writing",
+    "workbench.store.study_store", "workbench.store.file_merge", "workbench.commands.study_result",
+    "solver.methods.orbit", "rich.table", "rich.console",
     "pydantic.type_adapter", "scipy.integrate", "scipy.interpolate", "scipy.optimize", "h5netcdf.legacyapi",
     "dask.array", "distributed",
 )  # fmt: skip

@@ -15,8 +15,7 @@ from studies.language.loader import loads
 from studies.language.study_data import OUTPUTS
 from tests.workbench import small
 from workbench.commands import option_checks
-from workbench.data import schema, selection, writing
-from workbench.run import block, in_memory
+from workbench.store import block, in_memory, schema, selection, writing
 
 ENDS = """
 title = "between two ends"
@@ -74,7 +73,7 @@ def test_every_array_is_the_solutions_own_where_nothing_along_the_rod_is_stored(
 
 
 def test_what_suffices_is_not_solved_and_what_does_not_is_solved_once(full, monkeypatch) -> None:
-    from workbench.run import stored_case
+    from workbench.store import stored_case
 
     ds, _ = full
     calls = []
@@ -232,7 +231,7 @@ def test_unsolved_cases_stay_nan_when_they_are_solved_again(monkeypatch) -> None
 
 
 def test_what_would_take_too_long_is_refused(full, monkeypatch) -> None:
-    from workbench.run import stored_case
+    from workbench.store import stored_case
 
     monkeypatch.setattr(stored_case, "MOST_SOLVED", 5)
     kept = full[0][["alpha", "outcome"]]

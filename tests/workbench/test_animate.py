@@ -14,9 +14,8 @@ from studies.language.loader import loads
 from tests.workbench import small
 from workbench import cli
 from workbench.commands import animate, console, study_scene
-from workbench.data import writing
-from workbench.run import in_memory
 from workbench.scene import film, opengl, scene_kinds
+from workbench.store import in_memory, writing
 
 draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 DPI, SIZE = 50, (320, 212)  # of a scene in a frame

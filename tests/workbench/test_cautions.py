@@ -10,9 +10,9 @@ from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
 from studies.language.loader import loads
 from tests.cases import in_units_of_rho
 from tests.workbench import small
-from workbench.data import cautions, dataset
-from workbench.run import in_memory
-from workbench.run.block import columns
+from workbench.store import dataset, in_memory
+from workbench.store.block import columns
+from workbench.words import cautions
 
 STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m
 

@@ -23,9 +23,8 @@ from tests.test_layers import HEAVY
 from tests.workbench import forked, small
 from workbench import cli
 from workbench.commands import option_checks, scene
-from workbench.data import writing
-from workbench.run import in_memory, study_store
 from workbench.scene import opengl
+from workbench.store import in_memory, study_store, writing
 
 ROOT = Path(__file__).parents[2]
 
@@ -638,7 +637,7 @@ INTERRUPTIBLE = """
 import signal
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
 from workbench import cli
-from workbench.run import in_memory, study_store
+from workbench.store import in_memory, study_store
 solve = study_store._solve
 def told(*args, **kwargs):
     print("solving", flush=True)

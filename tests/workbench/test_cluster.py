@@ -16,8 +16,8 @@ from solver import InputError
 from studies import load
 from tests.workbench import runs
 from tests.workbench.test_faults import DEADLY, GRID, SMALL, TELLING, whole  # noqa: F401  (a fixture)
-from workbench.run import dask_engine, local_pool, plan, recipe
-from workbench.run.study_store import Options, run_to_file
+from workbench.store import dask_engine, local_pool, plan, recipe
+from workbench.store.study_store import Options, run_to_file
 
 distributed = pytest.importorskip("distributed")
 

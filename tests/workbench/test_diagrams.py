@@ -15,10 +15,9 @@ from solver.problem.errors import InputError
 from studies import load
 from tests.workbench.small import study
 from workbench import cli
-from workbench.data import push_colours, selection, writing
-from workbench.figures import along, drawn_rods, portrait, push_scale, table, unrolled
+from workbench.figures import along, drawn_rods, portrait, push_colours, push_scale, table, unrolled
 from workbench.geometry.self_intersections import places
-from workbench.run import in_memory
+from workbench.store import in_memory, selection, writing
 
 OUTPUTS = 'outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n'
 AXIS = "[axes.E]\nvalues = [5e3, 1e4, 2e4, 4e4]\n"

@@ -9,7 +9,7 @@ from tests.workbench.page_faults import faults, picture
 from tests.workbench.pictures import share_of_ink
 from workbench.figures import kinds, story
 from workbench.figures.sheet import sheet
-from workbench.run import in_memory
+from workbench.store import in_memory
 from workbench.web.report import readings_table
 
 

@@ -12,7 +12,7 @@ from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError
 from studies.language.loader import loads
 from studies.language.writer import dumps
-from workbench.run import block
+from workbench.store import block
 from workbench.web.live import page_model, page_shape
 from workbench.web.live.presets import PRESETS
 

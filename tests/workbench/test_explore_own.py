@@ -16,7 +16,7 @@ from tests.workbench.live import asked, served, unpacked
 from tests.workbench.node import needs_node, run
 from workbench import cli
 from workbench.commands import explore
-from workbench.run.case_input import read_case
+from workbench.store.case_input import read_case
 from workbench.web.live import own_case, page_model, page_shape
 from workbench.web.live.presets import PRESETS, Preset
 

@@ -26,14 +26,13 @@ from workbench import cli
 from workbench.commands import export as export_command
 from workbench.commands import option_checks
 from workbench.commands import plot as plot_command
-from workbench.data import writing
 from workbench.export import formats, step
 from workbench.export.base import Format, Options
 from workbench.export.base import Rod as StoredRod
 from workbench.export.stored_rod import export, put
 from workbench.figures import kinds
 from workbench.geometry import centreline, self_contact, stored_line
-from workbench.run import in_memory
+from workbench.store import in_memory, writing
 
 # Table 1 but for E, its lengths in any unit: at 5000 a bend is tighter than the rod is thick, at 10700 turns meet, at
 # 20000 neither.

@@ -9,8 +9,8 @@ from matplotlib.colors import to_hex
 from solver.methods import available
 from workbench.compare.extreme_cases import extremes, references
 from workbench.compare.extreme_runs import INACCURATE, REFUSED, VERDICTS, attempts_at, dataset_of
-from workbench.data import writing
 from workbench.figures import canvas, robustness
+from workbench.store import writing
 from workbench.web.report import measured_runs
 
 

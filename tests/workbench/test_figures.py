@@ -8,8 +8,7 @@ from solver import Ends, solve
 from solver.end_angle_branch import to_fold
 from studies import READINGS, TABLE_1, load, names
 from studies.laws.verdicts import VERDICTS as VERDICTS_OF_LAWS
-from workbench.data import law_verdicts
-from workbench.run import in_memory
+from workbench.store import in_memory, law_verdicts
 from workbench.web.report import readings_table
 
 

@@ -16,7 +16,7 @@ from studies.language.model import Study
 from tests.workbench import small
 from workbench import cli
 from workbench.commands.case_options import FIELDS
-from workbench.run import in_memory
+from workbench.store import in_memory
 
 ROOT = Path(__file__).parents[2]
 HEAD = 'title = "One rod"\nunits = { length = "cm", force = "N" }\n[base]\nE = 1e4\nnu = 0.25\na = 0.25\nL = 20.0\n'
@@ -86,7 +86,7 @@ def test_a_number_with_a_unit_is_refused_with_the_place_of_units(told) -> None:
 
 
 def test_the_arguments_of_plot_are_checked_before_its_file(told, tmp_path) -> None:
-    from workbench.data import writing
+    from workbench.store import writing
 
     stored = tmp_path / "small.h5"
     writing.write(in_memory.run(small.study()), stored)

@@ -12,8 +12,8 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import follow, solve
 from studies import Study
 from studies.language.loader import loads
-from workbench.run import block, in_memory
-from workbench.run.study_store import Options, run_to_file
+from workbench.store import block, in_memory
+from workbench.store.study_store import Options, run_to_file
 
 TEXT = """
 title = "A rod that snaps through"

@@ -21,11 +21,11 @@ from studies import load
 from studies.language.loader import loads
 from tests.workbench import forked, runs, small
 from workbench import cli
-from workbench.data import checksums, escaping, reading, schema, writing
 from workbench.figures import canvas, study_figure
-from workbench.run import in_memory, stored_run
-from workbench.run.study_store import run_to_file
 from workbench.scene import opengl
+from workbench.store import checksums, in_memory, reading, schema, stored_run, writing
+from workbench.store.study_store import run_to_file
+from workbench.words import escaping
 
 ROOT = Path(__file__).parents[2]
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"

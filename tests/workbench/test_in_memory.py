@@ -10,8 +10,7 @@ from solver.methods import METHODS, Verlet, available
 from solver.problem.trajectory import Trajectory
 from studies.language.loader import loads
 from tests.workbench import small
-from workbench.data import dataset, law_verdicts
-from workbench.run import in_memory
+from workbench.store import dataset, in_memory, law_verdicts
 
 SLOW_EULER = pytest.param("euler", marks=pytest.mark.slow)  # three seconds
 

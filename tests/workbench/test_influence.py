@@ -19,12 +19,11 @@ from studies.language.samples import METHODS
 from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench import cli
-from workbench.data import writing
 from workbench.figures import bars, canvas
 from workbench.influence import analyse, local, one_case, sobol
 from workbench.influence.derivatives import REAL, sentences
 from workbench.influence.design import Design, design_of
-from workbench.run import in_memory
+from workbench.store import in_memory, writing
 
 TABLE = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start("30deg", 0.5, F1=5.0, F3=10.0))
 SAMPLES = """

@@ -17,11 +17,10 @@ from solver import Case, Cylinder, InputError, Rod, Start, solve
 from studies.grammar.units import FORCES, LENGTHS
 from tests.workbench import small
 from workbench import cli
-from workbench.data import writing
 from workbench.export.base import Options
 from workbench.export.stored_rod import export
 from workbench.geometry import stored_line
-from workbench.run import in_memory
+from workbench.store import in_memory, writing
 
 UNSOLVED = "failed: on purpose"
 
@@ -137,7 +136,7 @@ def test_a_table_refuses_what_is_no_study_no_array_or_too_large(ds, monkeypatch)
         xr.Dataset({"E": ("x", [1.0])}).rod.to_pandas()
     with pytest.raises(InputError, match="array along the rod 'spin'"):
         ds.rod.to_pandas("spin")
-    monkeypatch.setattr("workbench.data.rows.MOST", 100)
+    monkeypatch.setattr("workbench.store.rows.MOST", 100)
     with pytest.raises(InputError, match=r"the table would have \d+ numbers, more than 100"):
         ds.rod.to_pandas()
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.data import writing
+from workbench.store import writing
 
 ROOT = Path(__file__).parents[2]
 

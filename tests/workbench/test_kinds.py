@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from solver import Case, Cylinder, Ends, InputError, Rod, follow, solve
 from workbench import cli
-from workbench.data import file_kinds
+from workbench.store import file_kinds
 
 ENDS = """title = "ends"
 stations = 51

@@ -10,8 +10,7 @@ from typer.testing import CliRunner
 from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 from tests.workbench import small
 from workbench import cli
-from workbench.data import law_verdicts, writing
-from workbench.run import file_merge, in_memory
+from workbench.store import file_merge, in_memory, law_verdicts, writing
 
 AXES = "[axes.E]\nvalues = [1e4, 2e4, 4e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0, 1.25]\n"
 LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'

@@ -13,7 +13,6 @@ from studies.language.loader import loads
 from tests.workbench import small
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.data import labels, law_verdicts, writing
 from workbench.figures import (
     along,
     canvas,
@@ -29,8 +28,9 @@ from workbench.figures import (
 )
 from workbench.figures import equilibria as equilibria_figure
 from workbench.figures.sheet import sheet
-from workbench.run import in_memory
+from workbench.store import in_memory, law_verdicts, writing
 from workbench.web.report import measured_runs
+from workbench.words import labels
 
 LEAST = 6.0  # points, of letters in print
 TWO_COLUMNS = 183 / 25.4  # inches of a page

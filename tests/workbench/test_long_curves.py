@@ -11,7 +11,7 @@ from studies.language.loader import loads
 from workbench.figures import long_curve, study_figure, table, unrolled
 from workbench.figures.drawn_rods import DrawnRod
 from workbench.figures.sheet import sheet
-from workbench.run import in_memory
+from workbench.store import in_memory
 
 PIPE = """
 title = "A pipe of 300 m in a hole"

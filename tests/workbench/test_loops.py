@@ -10,8 +10,8 @@ import pytest
 
 from solver import Cylinder, InputError, Rod, loops
 from workbench import cli
-from workbench.data import writing
 from workbench.geometry import self_contact, stored_line
+from workbench.store import writing
 
 ROOT = Path(__file__).parents[2]
 

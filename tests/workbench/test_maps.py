@@ -16,7 +16,6 @@ from studies.laws.verdicts import HOLDS, VERDICTS, judge
 from tests.workbench.pictures import pixels, share_of_ink
 from tests.workbench.small import grid, study
 from workbench import cli
-from workbench.data import cautions, law_verdicts, writing
 from workbench.figures import (
     canvas,
     kinds,
@@ -29,7 +28,8 @@ from workbench.figures import (
 )
 from workbench.figures import thumbnails as thumbs
 from workbench.figures.sheet import Sheet
-from workbench.run import in_memory
+from workbench.store import in_memory, law_verdicts, writing
+from workbench.words import cautions
 
 THREE = """
 [axes.E]

@@ -14,8 +14,7 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
 from studies.language.loader import loads
 from tests.workbench import small
-from workbench.data import concatenation, dataset, law_verdicts, writing
-from workbench.run import file_merge, in_memory, study_store
+from workbench.store import concatenation, dataset, file_merge, in_memory, law_verdicts, study_store, writing
 
 RADII = "[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "E"\ndirection = "falls"\nsource = "s"\n'

@@ -15,7 +15,7 @@ from studies.language.loader import loads
 from tests.workbench import small
 from workbench import cli
 from workbench.figures import laws
-from workbench.run import in_memory
+from workbench.store import in_memory
 
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
 ROD = f"{UNITS}[base]\nE = 1.07e4\nnu = 0.25\na = 0.25\nL = 5.0\nR = 0.75\n"

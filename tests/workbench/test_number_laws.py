@@ -16,10 +16,9 @@ from studies import Study, load
 from studies.laws.verdicts import FAILS, HOLDS, UNDECIDED
 from tests.workbench import small
 from workbench import cli
-from workbench.data import law_numbers, law_verdicts, writing
 from workbench.figures import study_figure
 from workbench.figures.laws import panel
-from workbench.run import in_memory
+from workbench.store import in_memory, law_numbers, law_verdicts, writing
 from workbench.web.report import law_cards
 
 SAID = """
@@ -109,7 +108,7 @@ def test_the_file_opens_bare_and_check_and_summary_say_the_same(ds: xr.Dataset, 
 
 
 def test_a_run_to_a_file_stores_what_a_run_in_memory_gives(ds: xr.Dataset, tmp_path: Path, monkeypatch: Any) -> None:
-    from workbench.run.study_store import run_to_file
+    from workbench.store.study_store import run_to_file
 
     run_to_file(study(), tmp_path / "small.h5")
     with xr.open_dataset(tmp_path / "small.h5") as stored:
@@ -207,7 +206,7 @@ def test_the_report_has_a_card_for_each_kind_of_law(pipe: xr.Dataset) -> None:
 
 @pytest.mark.slow
 def test_another_formula_under_the_same_name_is_computed_anew_and_not_merged(tmp_path: Path) -> None:
-    from workbench.run.study_store import run_to_file
+    from workbench.store.study_store import run_to_file
 
     axes = "[axes.R]\nvalues = [0.5, 0.75]\n"
     one, other = (small.study(f'[expressions]\nx = "{text}*turns"\n{axes}', "outputs = []\n") for text in "23")

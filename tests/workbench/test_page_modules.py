@@ -15,13 +15,13 @@ from solver.problem.quantities import QUANTITIES, unit_of
 from studies.language.loader import loads
 from studies.language.readings import READINGS
 from tests.workbench.node import needs_node, run
-from workbench.data import labels, push_colours, scene_look
-from workbench.figures import along, drawn_rods
+from workbench.figures import along, drawn_rods, push_colours, scene_look
 from workbench.geometry import self_contact, stored_line
 from workbench.scene import colours as scene_colours
 from workbench.scene import shading
 from workbench.web.live import page_model, page_shape
 from workbench.web.live.presets import PRESETS
+from workbench.words import labels
 
 pytestmark = needs_node
 STATES = {preset.name: preset.state for preset in PRESETS}

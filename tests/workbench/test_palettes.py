@@ -15,8 +15,7 @@ from matplotlib.colors import to_rgb
 
 import workbench
 from solver.benchmark import ladders
-from workbench.data import push_colours, scene_look
-from workbench.figures import bars, push_scale, robustness, style
+from workbench.figures import bars, push_colours, push_scale, robustness, scene_look, style
 from workbench.scene import colours as scene_colours
 
 WHITE = "#ffffff"

@@ -9,9 +9,8 @@ import xarray as xr
 from solver import Case, Cylinder, Ends, Rod, Start, fit, observe, solve
 from studies.language.loader import loads
 from studies.laws.verdicts import HOLDS
-from workbench.data import law_verdicts
-from workbench.run import in_memory
-from workbench.run.study_store import Options, run_to_file
+from workbench.store import in_memory, law_verdicts
+from workbench.store.study_store import Options, run_to_file
 
 ROD, WALL = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
 NAMES = ("FZ", "MZ", "M3", "M10", "M1L")

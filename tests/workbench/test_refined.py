@@ -18,13 +18,12 @@ from studies.language.loader import loads
 from tests.workbench import runs, small
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench import cli
-from workbench.data import law_verdicts, reading, refined, writing
-from workbench.data.boundary import boundary, boundary_of_law
 from workbench.figures import canvas, kinds, map_figure, study_figure, thumbnails
-from workbench.run import block, file_merge, in_memory
-from workbench.run.file_summary import summary
-from workbench.run.progress import Meter
-from workbench.run.study_store import Options, run_to_file
+from workbench.store import block, file_merge, in_memory, law_verdicts, reading, refined, writing
+from workbench.store.boundary import boundary, boundary_of_law
+from workbench.store.file_summary import summary
+from workbench.store.progress import Meter
+from workbench.store.study_store import Options, run_to_file
 
 PLANE = """
 [base]
@@ -67,7 +66,7 @@ def study(axes: str = PLANE, refine: str = REFINE, head: str = HEAD) -> Study:
 def small_blocks() -> Iterator[None]:
     """Fewer cases a block than by default: many blocks in no time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("workbench.run.plan.BLOCK", 16)
+        patch.setattr("workbench.store.plan.BLOCK", 16)
         yield
 
 
@@ -261,7 +260,7 @@ def test_a_damaged_shard_of_an_early_round_is_solved_again(stored: Path, tmp_pat
 def test_a_killed_run_continues_to_the_same_file(tmp_path) -> None:
     (tmp_path / "many.toml").write_text(study(PLANE + LAW).text)
     assert runs.run(tmp_path, "many.toml", "--out", "whole.h5").returncode in (0, 1)
-    kill = "import os, workbench.run.shards as shards\nput, n = shards.Shards.store, [0]\n"
+    kill = "import os, workbench.store.shards as shards\nput, n = shards.Shards.store, [0]\n"
     kill += "def store(*args):\n    put(*args)\n    n[0] += 1\n    n[0] < 4 or os.kill(os.getpid(), 9)\n"
     kill += "shards.Shards.store = store\n"
     (tmp_path / "b").mkdir()

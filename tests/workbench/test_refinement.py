@@ -11,9 +11,9 @@ from solver.problem.errors import InputError
 from studies.language.loader import loads
 from workbench.geometry import centreline, stored_line
 from workbench.geometry.refinement import rings, stations_for
-from workbench.run import in_memory
 from workbench.scene.body import Body, read
 from workbench.scene.scene_kinds import KINDS
+from workbench.store import in_memory
 
 TEXT = """title = "a rod"
 reading = "force-first/tension/paper"

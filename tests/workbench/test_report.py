@@ -25,14 +25,14 @@ from studies import READINGS, load, names
 from studies.laws import verdict_words
 from tests.workbench import browser, node, small
 from tests.workbench.pictures import shares_of_push
-from workbench.data import cautions, labels, law_verdicts, writing
 from workbench.figures import style
-from workbench.run import in_memory
-from workbench.run.in_memory import StudyResult
 from workbench.scene import opengl
+from workbench.store import in_memory, law_verdicts, writing
+from workbench.store.in_memory import StudyResult
 from workbench.web.report import law_cards, measured_runs, readings_table, report_document, sisters, sources, turning
 from workbench.web.report.errata import ERRATA, mark_up
 from workbench.web.report.report_document import with_hard_spaces
+from workbench.words import cautions, labels
 
 PAPER = [name for name in names() if name.startswith("fig")]  # the studies of the report
 LOW = ("fig7_1_modulus", "fig7_2_radius")  # the studies whose pictures are low enough for one page

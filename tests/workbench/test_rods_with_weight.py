@@ -10,15 +10,15 @@ import xarray as xr
 
 from solver import InputError
 from studies import loads
-from workbench.data import left_out
 from workbench.export import stored_rod
 from workbench.figures import along, portrait, table
 from workbench.geometry import stored_line
-from workbench.run import in_memory
 from workbench.scene import body as body_of
 from workbench.scene import camera, layout, long_rod, scene_kinds
 from workbench.scene.settings import Settings
+from workbench.store import in_memory
 from workbench.web.turntable import stored
+from workbench.words import left_out
 
 STUDY = """
 title = "a pipe"

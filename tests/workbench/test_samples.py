@@ -19,13 +19,12 @@ from tests.workbench import runs, small
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench import cli
 from workbench.commands import study_scene
-from workbench.data import reading, selection, writing
 from workbench.figures import canvas, scatter, study_figure
-from workbench.run import file_merge, in_memory, stored_case
-from workbench.run.file_summary import summary
-from workbench.run.progress import Meter
-from workbench.run.study_store import Options, run_to_file
 from workbench.scene import captions, scene_kinds
+from workbench.store import file_merge, in_memory, reading, selection, stored_case, writing
+from workbench.store.file_summary import summary
+from workbench.store.progress import Meter
+from workbench.store.study_store import Options, run_to_file
 
 HEAD = 'observables = ["turns", "wraps", "kappa_max"]\noutputs = ["beta", "alpha", "z"]'
 SAMPLE = """
@@ -82,7 +81,7 @@ def study(size: int = 40, seed: int = 3, more: str = "") -> Study:
 def small_blocks() -> Iterator[None]:
     """Fewer cases a block than by default: many blocks in no time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("workbench.run.plan.BLOCK", 16)
+        patch.setattr("workbench.store.plan.BLOCK", 16)
         yield
 
 
@@ -194,7 +193,7 @@ def test_samples_over_an_axis_grow_along_both(tmp_path) -> None:
 
 
 def test_a_law_is_judged_on_the_line_of_every_sample(crossed: xr.Dataset) -> None:
-    from workbench.data import law_verdicts
+    from workbench.store import law_verdicts
 
     (row,) = law_verdicts.verdicts(crossed)
     assert (row["lines"], row["at"], row["verdict"]) == (5, {"sample": 2.0}, "holds")

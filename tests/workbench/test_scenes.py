@@ -18,18 +18,17 @@ from tests.cases import helix_moment, in_units_of_rho
 from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench.commands import option_checks, scene
-from workbench.data import selection, writing
-from workbench.data.schema import SECTION
 from workbench.figures import canvas, style
 from workbench.geometry import refinement, self_contact, tube
 from workbench.geometry.centreline import Centreline
-from workbench.run import in_memory
 from workbench.scene import body as rods
 from workbench.scene import camera as cameras
 from workbench.scene import captions, colours, hidden, long_rod, opengl, page, scene_kinds, shading
 from workbench.scene.captions import Cell
 from workbench.scene.scene_kinds import KINDS, kind_of
 from workbench.scene.views import View
+from workbench.store import in_memory, selection, writing
+from workbench.store.schema import SECTION
 
 HEAD = 'title = "a rod"\nstations = %d\n[units]\nlength = "cm"\nforce = "N"\n'
 BASE = """[base]

@@ -16,10 +16,9 @@ from solver import Case, InputError, Rod, Start, solve
 from studies.language.loader import loads
 from studies.language.writer import dumps
 from tests.workbench import doc_pages
-from workbench.data import law_verdicts, reading, value_checks, writing
 from workbench.geometry import stored_line
-from workbench.run import in_memory
-from workbench.run.case_input import field_values, from_values, with_fields
+from workbench.store import in_memory, law_verdicts, reading, value_checks, writing
+from workbench.store.case_input import field_values, from_values, with_fields
 
 HEAD = """
 title = "A section"

@@ -11,10 +11,9 @@ from studies.language.loader import loads
 from tests.workbench import small
 from tests.workbench.pictures import pixels
 from workbench.commands import scene, study_scene
-from workbench.data import writing
 from workbench.export.stored_rod import export
-from workbench.run import in_memory
 from workbench.scene import opengl, scene_kinds
+from workbench.store import in_memory, writing
 from workbench.web.turntable import turntable_page
 
 if opengl.probe()[0]:

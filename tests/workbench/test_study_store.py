@@ -19,9 +19,9 @@ from studies import load
 from studies.language.loader import loads
 from studies.language.study_data import OUTPUTS
 from tests.workbench import runs
-from workbench.data import grid_io, outcomes, schema
-from workbench.run import assembly, block, in_memory, recipe, shards, study_store
-from workbench.run.study_store import Options, run_to_file
+from workbench.store import assembly, block, grid_io, in_memory, recipe, schema, shards, study_store
+from workbench.store.study_store import Options, run_to_file
+from workbench.words import outcomes
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
 
@@ -30,7 +30,7 @@ GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
 def small_blocks() -> Iterator[None]:
     """Fewer cases a block than by default: many blocks in no time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("workbench.run.plan.BLOCK", 64)
+        patch.setattr("workbench.store.plan.BLOCK", 64)
         yield
 
 
@@ -163,7 +163,7 @@ def test_other_results_of_the_same_study_are_replaced_with_a_line_that_says_what
 
 def test_a_finished_study_is_answered_without_xarray(whole) -> None:
     before = (
-        "import atexit, sys\nfrom workbench.run import plan; plan.BLOCK = 64\n"
+        "import atexit, sys\nfrom workbench.store import plan; plan.BLOCK = 64\n"
         "atexit.register(lambda: print('xarray' in sys.modules))"
     )
     with runs.start(whole.parent, whole.with_suffix(".toml"), before=before) as told:
@@ -459,7 +459,7 @@ def test_a_study_of_fewer_values_is_another_one(half, monkeypatch) -> None:
 def test_importing_a_worker_loads_no_xarray() -> None:
     import subprocess
 
-    code = "import sys, workbench.run.local_pool; print('xarray' in sys.modules)"
+    code = "import sys, workbench.store.local_pool; print('xarray' in sys.modules)"
     told = subprocess.run([sys.executable, "-c", code], cwd=runs.ROOT, capture_output=True, text=True, check=True)
     assert told.stdout == "False\n"
 

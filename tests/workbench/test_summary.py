@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 from studies.language.loader import loads
 from tests.workbench import small
 from workbench import cli
-from workbench.data import grid_io, labels, writing
-from workbench.run import file_summary, in_memory
+from workbench.store import file_summary, grid_io, in_memory, writing
+from workbench.words import labels
 
 AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'

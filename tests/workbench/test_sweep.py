@@ -12,11 +12,11 @@ from studies.language.loader import loads
 from studies.laws.verdicts import FAILS, UNDECIDED
 from workbench import cli
 from workbench.commands import study_scene
-from workbench.data import branch_numbers, law_verdicts
-from workbench.run import block, file_merge, in_memory, plan, sweep, sweep_order
-from workbench.run.block import solve_chunk
-from workbench.run.study_store import Options, run_to_file
 from workbench.scene import scene_kinds
+from workbench.store import block, file_merge, in_memory, law_verdicts, plan, sweep, sweep_order
+from workbench.store.block import solve_chunk
+from workbench.store.study_store import Options, run_to_file
+from workbench.words import branch_numbers
 
 TEXT = """
 title = "A pipe pushed down its hole"

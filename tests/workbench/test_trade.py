@@ -17,11 +17,10 @@ from workbench import cli
 from workbench.commands import trade
 from workbench.compare.trade_cases import CASES, reference
 from workbench.compare.trade_runs import advice
-from workbench.data import writing
-from workbench.data.schema import CURVES
 from workbench.figures import canvas, work_precision
-from workbench.run import in_memory
-from workbench.run.fidelity import FIDELITIES, fidelity
+from workbench.store import in_memory, writing
+from workbench.store.fidelity import FIDELITIES, fidelity
+from workbench.store.schema import CURVES
 
 ROOT = Path(__file__).parents[2]
 NUMBERS = (

@@ -13,13 +13,13 @@ from studies import load
 from studies.laws.verdict_words import PLAIN
 from tests.workbench.page_faults import faults
 from tests.workbench.small import grid, study
-from workbench.data import labels, law_verdicts, selection
 from workbench.figures import along, canvas, drawn_rods, legend, study_figure, style, unrolled
 from workbench.figures.laws import panel
 from workbench.figures.sheet import sheet
 from workbench.figures.trends import trend
 from workbench.figures.unrolled import stretch
-from workbench.run import in_memory
+from workbench.store import in_memory, law_verdicts, selection
+from workbench.words import labels
 
 
 @pytest.fixture(scope="module")

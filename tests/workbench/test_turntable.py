@@ -24,7 +24,7 @@ from tests.workbench import browser, node, small
 from workbench import notebook
 from workbench.cli import main
 from workbench.geometry import stored_line
-from workbench.run import in_memory
+from workbench.store import in_memory
 from workbench.web.turntable import turntable_page
 from workbench.web.turntable.stored import turntable_of_dataset
 

@@ -8,9 +8,8 @@ import pytest
 
 from tests.workbench import forked, small
 from workbench import cli
-from workbench.data import writing
-from workbench.run import in_memory
 from workbench.scene import opengl
+from workbench.store import in_memory, writing
 
 SAID = "libegl1 libgl1-mesa-dri"
 

@@ -16,9 +16,8 @@ import xarray as xr
 
 from solver import InputError
 from tests.workbench import forked, runs, small
-from workbench.data import atomic, netcdf, writing
-from workbench.run import in_memory
-from workbench.run.study_store import run_to_file
+from workbench.store import atomic, in_memory, netcdf, writing
+from workbench.store.study_store import run_to_file
 
 
 @pytest.fixture(scope="module")
@@ -200,7 +199,7 @@ def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monk
 def test_a_full_disk_is_one_sentence_where_hdf5_would_end_the_process(ds, tmp_path, room) -> None:
     path = writing.write(ds, tmp_path / "small.h5")
     limited = (
-        "import resource, sys\nfrom workbench.data import writing\nds = writing.read(sys.argv[1])\n"
+        "import resource, sys\nfrom workbench.store import writing\nds = writing.read(sys.argv[1])\n"
         f"resource.setrlimit(resource.RLIMIT_FSIZE, ({room}, {room}))\n"
         "try:\n    writing.write(ds, sys.argv[2])\nexcept ValueError as error:\n    print(error)"
     )
@@ -232,7 +231,7 @@ def test_windows_flushes_files_that_are_open_for_writing_and_no_folder(
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from workbench.data import writing
+from workbench.store import writing
 ds = writing.read(sys.argv[1])
 os.fsync = lambda handle: os.kill(os.getpid(), signal.SIGKILL)  # written, not renamed
 writing.write(ds, sys.argv[1])

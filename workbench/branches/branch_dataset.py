@@ -19,7 +19,7 @@ from studies.grammar.axes import quantity_of
 from studies.laws.law import Law
 from studies.laws.verdicts import QUALIFIED, decide
 
-from ..data import schema
+from ..store import schema
 from .equilibria_dataset import COUNT, DEAD_LOADS, EACH, PUSH, attributes, with_case
 from .followed_curves import default_observable, follow_curves, special_points
 from .held_tracing import PARTNER, trace_held

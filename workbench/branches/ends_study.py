@@ -10,8 +10,8 @@ from solver.problem.errors import choices
 from solver.problem.held_ends import held_of
 from studies import Study
 
-from ..data import writing
-from ..run.case_input import field_values
+from ..store import writing
+from ..store.case_input import field_values
 
 ELASTIC = ("bending_energy", "twist_energy")
 

@@ -16,7 +16,8 @@ from solver.problem.errors import choices
 from solver.problem.held_ends import held_of
 from studies import Study
 
-from ..data import cautions, dataset, schema
+from ..store import dataset, schema
+from ..words import cautions
 from .ends_study import ELASTIC, elastic
 
 ALONG = ("beta", "alpha", "z", "contact")

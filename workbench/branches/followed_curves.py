@@ -15,7 +15,7 @@ from solver.observe.observables import OBSERVABLES, observe
 from solver.problem.errors import no_such
 from studies.grammar.axes import quantity_of
 
-from ..data import schema
+from ..store import schema
 from .held_tracing import PARTNER
 from .tracing import Piece, Traced
 

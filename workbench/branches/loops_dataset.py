@@ -13,8 +13,9 @@ from studies import Study
 from studies.language.loader import loads
 from studies.language.readings import TABLE_UNITS
 
-from ..data import cautions, schema, writing
-from ..run.case_input import field_values
+from ..store import schema, writing
+from ..store.case_input import field_values
+from ..words import cautions
 from .ends_study import study_text
 from .equilibria_dataset import ALONG, attributes
 

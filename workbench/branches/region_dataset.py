@@ -11,7 +11,7 @@ from solver.problem.case_fields import value_of
 from solver.region_map import Region, RegionMap
 from studies import Study
 
-from ..data import schema
+from ..store import schema
 from .equilibria_dataset import attributes, with_case
 
 ALONG = ("beta", "alpha", "z", "contact")

@@ -20,9 +20,10 @@ def animate_file(
     """Write the film of a stored dataset; 0, or 1 where this machine cannot draw. Raises `InputError`."""
     from solver.problem.errors import InputError, choices
 
-    from ..data import outcomes, schema, writing
     from ..scene import film, opengl
     from ..scene.scene_kinds import kind_of
+    from ..store import schema, writing
+    from ..words import outcomes
     from . import option_checks, study_scene
 
     ds = writing.read(file)

@@ -19,7 +19,7 @@ def check(file: File, json: Json = False) -> int:
     from solver.problem import angles
     from studies.language.loader import notices
 
-    from ..data import file_checks, reading
+    from ..store import file_checks, reading
 
     with reading.open_study(file, whole=True) as ds, file_checks.refusing(file):
         found = _verdicts_of(ds, file)
@@ -33,8 +33,9 @@ def _verdicts_of(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
     """The counts and verdicts of a dataset, computed from its numbers."""
     import numpy as np
 
-    from ..data import branch_numbers, law_verdicts, schema
-    from ..data.outcomes import group
+    from ..store import law_verdicts, schema
+    from ..words import branch_numbers
+    from ..words.outcomes import group
 
     outcomes, caution = ([str(text) for text in np.ravel(ds[name].values)] for name in ("outcome", "caution"))
     counts = branch_numbers.counts(ds["branch"].values) if "branch" in ds else None

@@ -28,7 +28,7 @@ def doctor(json: Json = False) -> int:
     """
     import platform
 
-    from ..data import dataset
+    from ..store import dataset
 
     findings = examine()
     packages = {**dataset.versions(), **_drawing_versions()}
@@ -71,7 +71,7 @@ def _hdf5() -> dict[str, Any]:
     import numpy as np
     import xarray as xr
 
-    from ..data import schema
+    from ..store import schema
 
     try:
         with tempfile.TemporaryDirectory() as folder:

@@ -101,7 +101,7 @@ def equilibria(
     from solver.problem.held_ends import held_of
 
     from ..branches.ends_study import write_cases
-    from ..data import writing
+    from ..store import writing
     from . import option_checks
     from .present import files, present
 
@@ -179,7 +179,7 @@ def _study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
     from studies.language.readings import TABLE_UNITS
 
     from ..branches.ends_study import ends_problem, study_text
-    from ..run.case_input import from_values, with_fields
+    from ..store.case_input import from_values, with_fields
 
     if not given.units:
         study = load(DEFAULT if file is None else str(file))
@@ -210,9 +210,9 @@ def _list(study: "Study", case: "Case", found: "Equilibria", choose: str | None,
 
     from ..branches.ends_study import row
     from ..branches.equilibria_dataset import dataset_of
-    from ..data.left_out import SENTENCE
-    from ..run.case_input import field_values, with_unit
-    from ..run.sweep import rule_of
+    from ..store.case_input import field_values, with_unit
+    from ..store.sweep import rule_of
+    from ..words.left_out import SENTENCE
     from .present import Result
 
     rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule

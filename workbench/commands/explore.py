@@ -71,7 +71,7 @@ def _save(path: Path, presets: Any) -> int:
     """Write the page as a file."""
     from solver.problem.errors import InputError
 
-    from ..data import atomic
+    from ..store import atomic
     from ..web.live import live_document
 
     if path.suffix != ".html":

@@ -13,10 +13,10 @@ def export_file(
     file: Path, at: list[str], out: Path, tolerance: float | None, line: bool, overlap: bool, force: bool, json: bool
 ) -> int:
     """Export a case, or those along an axis; 0, or 1 where a real rod could not have its shape. Raises `InputError`."""
-    from ..data import writing
     from ..export import stored_rod
     from ..export.base import Options
     from ..export.formats import format_of
+    from ..store import writing
     from . import option_checks
 
     format_of(out)  # before a large file is read

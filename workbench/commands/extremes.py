@@ -27,7 +27,7 @@ def extremes(
     """
     from ..compare import extreme_cases
     from ..compare.extreme_runs import INACCURATE, VERDICTS, rows_of
-    from ..data import writing
+    from ..store import writing
 
     writing.check_folder(out)
     writing.check_free(out / "extremes.h5", "extremes")
@@ -60,8 +60,8 @@ def extremes(
 def _store(found: "Mapping[str, Mapping[str, Attempt]]", out: Path, name: str) -> "tuple[xr.Dataset, list[Path]]":
     """The dataset of the finished extremes, and the files made of it: NAME.h5 and NAME.png."""
     from ..compare.extreme_runs import dataset_of
-    from ..data import writing
     from ..figures import canvas, robustness
+    from ..store import writing
 
     ds = dataset_of(found)
     picture = out / f"{name}.png"

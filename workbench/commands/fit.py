@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ..figures.sheet import Sheet
-    from ..run.case_input import CaseInput
+    from ..store.case_input import CaseInput
 
 OUT = (".toml", ".csv")
 
@@ -135,7 +135,7 @@ def _case(
     from studies import load
 
     from ..fitting import fit_input
-    from ..run.case_input import read_case
+    from ..store.case_input import read_case
     from . import option_checks
 
     if file is None:

@@ -12,7 +12,7 @@ from . import console
 if TYPE_CHECKING:
     from solver.inverse.result import Fit
 
-    from ..run.case_input import CaseInput
+    from ..store.case_input import CaseInput
 
 UNITLESS = ("1", "")
 
@@ -40,7 +40,7 @@ def say(found: "Fit", asked: "CaseInput", taken: dict[str, float]) -> None:
 
 def as_data(found: "Fit", asked: "CaseInput", taken: dict[str, float]) -> dict[str, Any]:
     """A fit as plain data for --json; angles in rad."""
-    from ..run.case_input import field_values
+    from ..store.case_input import field_values
 
     groups = list(dict.fromkeys(found.groups))
     return {
@@ -61,7 +61,7 @@ def as_data(found: "Fit", asked: "CaseInput", taken: dict[str, float]) -> dict[s
 
 def _shape(found: "Fit", asked: "CaseInput") -> list[str]:
     """The sentence of `solve` on what a real rod could not do."""
-    from ..data import cautions
+    from ..words import cautions
 
     if found.solution is None:
         return []

@@ -78,8 +78,8 @@ def gallery(
     is pushed and released. hero_page.png shows the live page; without a Chromium on PATH it is left out. Exit status 1
     if OpenGL does not work on this machine.
     """
-    from ..data import writing
     from ..scene import opengl
+    from ..store import writing
     from . import option_checks
 
     suffixes = _suffixes(only or [])
@@ -129,8 +129,8 @@ def _four_views(ds: Any, path: Path) -> None:
     import numpy as np
     from PIL import Image
 
-    from ..data import atomic
     from ..scene import composition, layout, page, scene_kinds
+    from ..store import atomic
 
     views = []
     for letter, kind in zip("abcd", VIEWS, strict=True):
@@ -168,7 +168,7 @@ def _datasets() -> dict[str, Callable[[], Any]]:
     from studies.grammar.axes import Axis
     from studies.language.loader import loads
 
-    from ..run import in_memory
+    from ..store import in_memory
 
     def equilibria() -> Any:
         from solver import equilibria as every

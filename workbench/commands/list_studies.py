@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 def list_studies(json: Json = False) -> int:
     """List the shipped studies with their axes and laws."""
-    from ..data import law_verdicts
+    from ..store import law_verdicts
 
     rows = _list()
     if json:

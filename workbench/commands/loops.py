@@ -99,7 +99,7 @@ def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str
     from solver.problem.case import from_fields
     from studies.language.readings import TABLE_UNITS
 
-    from ..run.case_input import check_units, read_case
+    from ..store.case_input import check_units, read_case
 
     if file is None and given.units:
         check_units(given.units)
@@ -134,7 +134,7 @@ def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str]) -> No
 def row(one: "Loop") -> dict[str, Any]:
     """The numbers of a loop as plain data."""
     from ..branches import loops_dataset
-    from ..data import cautions
+    from ..words import cautions
 
     keys = cautions.keys(loops_dataset.caution(one))
     decided = one.overlaps is not None

@@ -20,8 +20,8 @@ def merge(
 
     Exit status 1 if a case is unsolved, or if a law fails, is not decided or is qualified.
     """
-    from ..data import law_verdicts
-    from ..run.file_merge import merge as join
+    from ..store import law_verdicts
+    from ..store.file_merge import merge as join
 
     done = join(files, out, force)
     status = law_verdicts.status(done["unsolved"], done["laws"])

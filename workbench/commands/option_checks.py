@@ -7,7 +7,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError, choices
 
-from ..data import selection, writing
+from ..store import selection, writing
 
 if TYPE_CHECKING:
     from ..figures.sheet import Sheet

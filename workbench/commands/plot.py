@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from ..data.file_kinds import Kind
     from ..figures.sheet import Sheet
+    from ..store.file_kinds import Kind
 
 
 def plot(
@@ -76,9 +76,10 @@ def plot(
     """
     from solver.problem.errors import InputError
 
-    from ..data import atomic, outcomes, writing
     from ..figures import canvas, kinds, legend, table
     from ..figures.sheet import sheet
+    from ..store import atomic, writing
+    from ..words import outcomes
     from . import option_checks
 
     given = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
@@ -114,7 +115,7 @@ def _other(file: Path) -> "Kind | None":
     """The kind of a file that holds no study; None for a study. Raises `InputError` where it has no figure."""
     from solver.problem.errors import InputError
 
-    from ..data import file_kinds, reading
+    from ..store import file_kinds, reading
 
     with reading.raw(file) as ds:
         kind = file_kinds.kind_of(ds)
@@ -127,9 +128,9 @@ def _other(file: Path) -> "Kind | None":
 
 def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) -> int:
     """Draw the figure of the datasets that reproduce wrote into a folder."""
-    from ..data import writing
     from ..figures import canvas, story
     from ..figures.sheet import sheet
+    from ..store import writing
     from . import option_checks
 
     path = option_checks.check(out, canvas.DIAGRAMS, force)

@@ -42,7 +42,7 @@ def files(plot: Path | None, out: Path | None, force: bool, kind: str) -> Files:
 
     kind: of the dataset, as of `writing.check_free`: what `out` holds already may be replaced if it is of this kind.
     """
-    from ..data import writing
+    from ..store import writing
     from . import option_checks
 
     if plot is not None:
@@ -59,7 +59,7 @@ def files(plot: Path | None, out: Path | None, force: bool, kind: str) -> Files:
 def present(result: Result, asked: Files, as_json: bool, dpi: int = 200, sheet: "Sheet | None" = None) -> None:
     """Store and draw what was asked for, then print it; sheet: of the picture."""
     if asked.out or asked.picture:
-        from ..data import writing
+        from ..store import writing
 
         ds = result.dataset()
         if asked.out:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from studies import Study
 
-    from ..run.in_memory import StudyResult
+    from ..store.in_memory import StudyResult
 
 RODS = "fig6"  # the study of the rod of Table 1
 STORY = "story.png"
@@ -33,7 +33,7 @@ def reproduce(
     """
     from studies import READINGS, load, names
 
-    from ..data import law_verdicts, writing
+    from ..store import law_verdicts, writing
     from ..web.report import readings_table, sisters
 
     studies = [load(name).under(reading) for name in names() if name.startswith(FIGURES)]
@@ -68,8 +68,7 @@ def _results(
     """Solve, store and draw each study; the results, and a sentence for each study that its reading does not admit."""
     from solver.problem.errors import InputError
 
-    from ..data import writing
-    from ..run import in_memory, study_store
+    from ..store import in_memory, study_store, writing
 
     results, refusals = [], []
     for study in studies:
@@ -90,7 +89,7 @@ def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[xr.Dataset, dic
     """Store the equilibria of the rod of Table 1 and draw it beside the stable one; None where it has no shape."""
     from solver.problem.errors import InputError
 
-    from ..data import writing
+    from ..store import writing
     from ..web.report import sisters
 
     try:
@@ -135,7 +134,7 @@ def _draw_story(results: "list[StudyResult]", readings: "xr.Dataset", path: Path
 
 
 def _print(results: "list[StudyResult]", readings: "xr.Dataset", out: Path, advice: str) -> None:
-    from ..data import law_verdicts
+    from ..store import law_verdicts
 
     verdicts = [row for result in results for row in result.verdicts]
     print_verdicts(verdicts, title=f"Table 1 read {results[0].ds.attrs['reading']}")

@@ -45,9 +45,9 @@ def run(
     """
     from studies import load
 
-    from ..run import memory
-    from ..run.fidelity import fidelity
-    from ..run.study_store import Options, run_to_file
+    from ..store import memory
+    from ..store.fidelity import fidelity
+    from ..store.study_store import Options, run_to_file
 
     chosen = load(study, cases).under(reading)
     if level is not None:
@@ -78,11 +78,11 @@ def _say(text: str) -> None:
 
 def _check_free(path: Path, name: str, force: bool) -> None:
     """Raise `InputError` if `path` holds something that may not be replaced; imports xarray only if it must look."""
-    from ..run.stored_run import look
+    from ..store.stored_run import look
 
     there = look(path)
     if force or (there is not None and there.name == name):
         return
-    from ..data import writing
+    from ..store import writing
 
     writing.check_free(path, name)

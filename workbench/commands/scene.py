@@ -49,9 +49,9 @@ def scene_file(
     """
     from dataclasses import replace
 
-    from ..data import schema, selection
     from ..scene import opengl, scene_kinds
     from ..scene.settings import check, check_name
+    from ..store import schema, selection
     from . import option_checks, scene_page, study_scene
 
     if out is not None and scene_page.is_page(out):

@@ -26,9 +26,8 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
     """
     from solver.problem.errors import InputError
 
-    from ..data import atomic
-    from ..run import in_memory
     from ..scene.scene_kinds import kind_of
+    from ..store import atomic, in_memory
     from ..web.turntable import turntable_page
     from . import option_checks, study_scene
 
@@ -64,7 +63,7 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
 
 def _free(ds: "xr.Dataset", where: Mapping[str, float]) -> list[str]:
     """The axes without a value, each of which has a slider."""
-    from ..data import schema, selection
+    from ..store import schema, selection
 
     fixed = {selection.axis_of(ds, name) for name in where}
     return [name for name in schema.axes_of(ds) if name not in fixed]
@@ -74,8 +73,8 @@ def _stations(ds: "xr.Dataset") -> int:
     """About how many stations the rods need for a curve without corners; as many as there are where these suffice."""
     from itertools import product
 
-    from ..data import schema
     from ..geometry import stored_line
+    from ..store import schema
     from ..web.turntable.stored import stations_for
 
     axes = schema.axes_of(ds)

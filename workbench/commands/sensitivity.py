@@ -90,9 +90,8 @@ def _local(
     from solver.observe.observables import is_count
     from studies import load
 
-    from ..data import schema, writing
     from ..influence import derivatives, one_case
-    from ..run import in_memory, stored_case
+    from ..store import in_memory, schema, stored_case, writing
     from . import option_checks
     from .study_scene import is_study
 
@@ -122,8 +121,8 @@ def _indices(
     """The indices of a stored study, and the sentences on them."""
     from solver.problem.errors import InputError
 
-    from ..data import writing
     from ..influence import indices
+    from ..store import writing
     from . import option_checks
     from .study_scene import is_study
 

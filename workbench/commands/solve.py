@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from solver import Solution
     from studies.grammar.axes import Which
 
-    from ..run.fidelity import Fidelity as Level
+    from ..store.fidelity import Fidelity as Level
 
 LOADS = ("FZ", "MZ", "M3")
 HEADLINES = (
@@ -54,10 +54,10 @@ def solve(
     """
     from solver import Ends, InputError
 
-    from ..data import cautions, left_out, pipe_state
-    from ..run.block import solve_one
-    from ..run.case_input import read_case
-    from ..run.fidelity import fidelity
+    from ..store.block import solve_one
+    from ..store.case_input import read_case
+    from ..store.fidelity import fidelity
+    from ..words import cautions, left_out, pipe_state
 
     chosen = fidelity(level or "standard")
     asked = read_case(file, given.values, given.units, table1, reading)
@@ -121,7 +121,7 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, A
 
     from solver.observe.observables import observe, why_unknown
 
-    from ..run.case_input import field_values, with_unit
+    from ..store.case_input import field_values, with_unit
 
     seen = observe(sol, level.observables(sol.case.rod))
     remarks = [words for name in seen for words, here in why_unknown(name, seen[name]) if here and sol.solved]

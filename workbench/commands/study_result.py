@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from . import console
 
 if TYPE_CHECKING:
-    from ..run.study_store import Ran
+    from ..store.study_store import Ran
 
 
 TOLD = ("sampling", "sampling_caution", "refinement", "equilibria", "branches")  # sentences that a study may have
@@ -19,7 +19,7 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
 
     alternatives: with the other observables of each law in the rows below it.
     """
-    from ..data import law_verdicts
+    from ..store import law_verdicts
 
     console.say(law_verdicts.tally_of(list(verdicts)))
     rows, reasons = [], []
@@ -55,7 +55,7 @@ def print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
     from solver.choose.selection import INCOMPLETE
     from solver.problem.trajectory import FEWER
 
-    from ..data.outcomes import group
+    from ..words.outcomes import group
 
     fewer = 0
     for text, count in sorted(group(outcomes).items()):
@@ -84,8 +84,9 @@ def warn_of_incomplete(outcomes: Mapping[str, int], file: Path) -> None:
 
 def _fewer_digits(count: int, file: Path) -> str:
     """What cases have lost whose error is above the tolerance, how many digits remain, and which case is the worst."""
-    from ..data import labels, law_verdicts
-    from ..run.file_summary import least_accurate
+    from ..store import law_verdicts
+    from ..store.file_summary import least_accurate
+    from ..words import labels
 
     worst = least_accurate(file)
     digits = max(floor(-log10(worst["error"])), 0)
@@ -105,7 +106,8 @@ def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None)
 
     Returns the exit status of the command check: 0, or 1 if a case is unsolved or a law does not hold.
     """
-    from ..data import cautions, law_verdicts
+    from ..store import law_verdicts
+    from ..words import cautions
 
     outcomes, cases, unsolved = found["outcomes"], sum(found["outcomes"].values()), found["unsolved"]
     status = law_verdicts.status(unsolved, found["laws"])

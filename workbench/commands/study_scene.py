@@ -18,12 +18,11 @@ from studies.grammar.axes import Axis
 from studies.grammar.dimensions import SAMPLE
 from studies.language.study_data import MAX_STATIONS, OUTPUTS
 
-from ..data import file_kinds, reading, schema, selection, writing
 from ..figures.scales import WIDE
-from ..run import in_memory
-from ..run.plan import plan
-from ..run.stored_case import solve_at, study_of
 from ..scene.scene_kinds import Kind
+from ..store import file_kinds, in_memory, reading, schema, selection, writing
+from ..store.plan import plan
+from ..store.stored_case import solve_at, study_of
 
 if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
     from ..scene.composition import Picture

@@ -16,9 +16,9 @@ def summary(file: File, json: Json = False) -> int:
     Prints its axes, observables, outcomes, laws and versions, and the cases of the largest error and condition number;
     of lists of equilibria, branches, fold maps and measurements their numbers.
     """
-    from ..data import file_kinds, reading
-    from ..run.file_summary import contents
-    from ..run.file_summary import summary as summarise
+    from ..store import file_kinds, reading
+    from ..store.file_summary import contents
+    from ..store.file_summary import summary as summarise
 
     with reading.raw(file) as ds:
         is_study = file_kinds.kind_of(ds) is file_kinds.STUDY

@@ -31,7 +31,7 @@ def trade(
     """
     from ..compare import trade_runs as comparison
     from ..compare.trade_cases import choose
-    from ..data import writing
+    from ..store import writing
 
     named, ladders = choose(_names(cases)), comparison.ladders_of(_names(methods))
     writing.check_folder(out)
@@ -59,9 +59,9 @@ def _store(
 ) -> "tuple[xr.Dataset, list[Path]]":
     """The dataset of the rows, and the files made of it: NAME.h5 and its pictures."""
     from ..compare.trade_runs import dataset_of
-    from ..data import writing
     from ..figures import canvas, kinds
     from ..figures.work_precision import COSTS
+    from ..store import writing
 
     ds = dataset_of(rows, ladders)
     path = writing.write(ds, out / f"{name}.h5")

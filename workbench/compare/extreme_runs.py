@@ -19,7 +19,7 @@ import xarray as xr
 from solver import Case, Ends, Solution, solve
 from solver.methods import OrbitQuadrature, available
 
-from ..data import dataset
+from ..store import dataset
 from .extreme_cases import SHARES, Extreme, Reference, extremes, references
 
 TOL = 1e-6

@@ -16,7 +16,7 @@ from solver.methods import METHODS
 from solver.methods.base import Ladder
 from solver.problem.errors import choices, no_such
 
-from ..data import dataset
+from ..store import dataset
 from .trade_cases import CASES, Named, reference
 
 LEVELS = (1e-3, 1e-6, 1e-9, 1e-12)

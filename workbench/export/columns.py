@@ -10,8 +10,8 @@ from solver.mechanics.statics import contact_force
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES, unit_of
 
-from ..data import schema
 from ..geometry.centreline import APART, Array, Centreline
+from ..store import schema
 from .base import Rod
 
 # columns before all others, whatever the study stores

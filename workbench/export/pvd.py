@@ -11,8 +11,8 @@ import xarray as xr
 
 from solver.problem.errors import InputError, choices
 
-from ..data import schema, selection
 from ..geometry import stored_line
+from ..store import schema, selection
 from . import vtp
 from .base import Format, Options, Rod
 

@@ -11,8 +11,8 @@ import xarray as xr
 
 from solver.problem.errors import InputError, choices
 
-from ..data import atomic, selection, writing
 from ..geometry import self_contact, stored_line
+from ..store import atomic, selection, writing
 from . import pvd
 from .base import Format, Options, Rod, metres
 from .formats import FORMATS, format_of

@@ -23,8 +23,9 @@ from matplotlib.transforms import Affine2D
 from solver.problem.errors import no_such
 from studies.laws.verdicts import NOISE
 
-from ..data import labels, schema
-from ..data.cautions import SLIGHT
+from ..store import schema
+from ..words import labels
+from ..words.cautions import SLIGHT
 from . import canvas, drawn_rods, legend, push_scale, regions, style
 from .drawn_rods import DrawnRods
 from .scales import Ticks, angle_locator

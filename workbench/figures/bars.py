@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from solver.problem.errors import InputError
 from solver.problem.quantities import quantity
 
-from ..data import labels
+from ..words import labels
 from . import canvas, legend, style
 from .scales import Ticks
 from .sheet import SCREEN, Sheet

@@ -15,7 +15,7 @@ from studies.laws.line_verdicts import DIRECTIONS
 from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED
 
 from ..branches.branch_dataset import branches
-from ..data import labels
+from ..words import labels
 from . import canvas, legend, point_numbers, shape_rows, style, unrolled
 from .shape_rows import Shape
 from .sheet import SCREEN, Sheet

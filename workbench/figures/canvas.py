@@ -15,7 +15,8 @@ from matplotlib.text import Text
 
 from solver.problem.errors import InputError
 
-from ..data import atomic, labels
+from ..store import atomic
+from ..words import labels
 from . import style
 from .sheet import MILLIMETRES, SCREEN, Sheet
 from .style import DPI, RC, SOFT

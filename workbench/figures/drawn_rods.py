@@ -12,8 +12,9 @@ from solver.mechanics.statics import push_from
 from solver.problem.errors import InputError
 from studies.grammar.dimensions import SAMPLE
 
-from ..data import labels, reading, refined, schema, selection
-from ..data.derived_arrays import Stored
+from ..store import reading, refined, schema, selection
+from ..store.derived_arrays import Stored
+from ..words import labels
 
 STATIONS = 1000  # along each rod at least, two for each pixel of a panel
 POINTS = 60_000  # of all rods together at most
@@ -213,7 +214,7 @@ def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list
 
 def _solve_again(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None], str]:
     """The arrays of the cases solved again at many stations, those stored among them; or none, and why."""
-    from ..run import stored_case  # it loads the solver
+    from ..store import stored_case
 
     intervals = max(some.sizes.get("u", 2) - 1, 1)
     wanted = int(np.clip(POINTS // count, 200, STATIONS if count > 1 else 4 * STATIONS))

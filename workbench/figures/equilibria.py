@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from solver.mechanics.statics import push_from
 
-from ..data import cautions, labels
+from ..words import cautions, labels
 from . import canvas, legend, point_numbers, push_scale, shape_rows, style, unrolled
 from .shape_rows import Shape
 from .sheet import SCREEN, Sheet

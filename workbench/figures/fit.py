@@ -10,7 +10,7 @@ from scipy import special
 
 from studies.grammar.axes import quantity_of
 
-from ..data import labels
+from ..words import labels
 from . import canvas, legend, style, unrolled
 from .sheet import SCREEN, Sheet
 

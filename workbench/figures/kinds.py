@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from solver.problem.errors import InputError, choices, no_such
 from studies.grammar.dimensions import SAMPLE
 
-from ..data import file_kinds as files
-from ..data import refined, schema, selection
+from ..store import file_kinds as files
+from ..store import refined, schema, selection
 from . import (
     along,
     bars,

@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 from studies.laws.verdict_words import PLAIN, count
 from studies.laws.verdicts import HOLDS, VERDICTS
 
-from ..data import labels, law_verdicts, refined
-from ..data.schema import SAMPLING
+from ..store import law_verdicts, refined
+from ..store.schema import SAMPLING
+from ..words import labels
 from . import regions, style
 from .map_cells import Cells, Choice
 

@@ -13,7 +13,8 @@ from studies.laws.law import Law
 from studies.laws.law_kinds import MONOTONE
 from studies.laws.verdict_words import PLAIN
 
-from ..data import labels, law_numbers, law_verdicts, selection
+from ..store import law_numbers, law_verdicts, selection
+from ..words import labels
 from . import legend, style
 from .trends import trend
 

@@ -16,8 +16,8 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
-from ..data import cautions, labels
 from ..geometry import lines
+from ..words import cautions, labels
 from . import push_scale, style
 from .drawn_rods import DrawnRod
 from .scales import Ticks

@@ -11,8 +11,9 @@ from solver.problem.errors import InputError, choices
 from studies.grammar.axes import FIELDS, WORDS
 from studies.grammar.dimensions import SAMPLE
 
-from ..data import cautions, labels, selection
-from ..data.schema import axes_of, dimension
+from ..store import selection
+from ..store.schema import axes_of, dimension
+from ..words import cautions, labels
 from .scales import Scale, scale_of
 
 MOST_MAPS = 12  # observables of one figure

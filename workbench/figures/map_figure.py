@@ -9,7 +9,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..data import labels, law_verdicts, refined, selection
+from ..store import law_verdicts, refined, selection
+from ..words import labels
 from . import canvas, law_lines, legend, map_panel, style, thumbnails
 from .map_cells import MOST_MAPS, Cells, Choice, cells, choose
 from .sheet import SCREEN, Sheet

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from studies.laws.verdicts import NOISE
 
-from ..data import labels, selection
+from ..store import selection
+from ..words import labels
 from . import regions, style
 from .map_cells import STRAIGHT, Cells
 from .scales import Ticks

@@ -18,7 +18,8 @@ from solver.mechanics.potential import TAU, Loads, potential, slope, slope_rate
 from solver.numerics.roots import bracket
 from solver.problem.errors import InputError, no_such
 
-from ..data import labels, schema
+from ..store import schema
+from ..words import labels
 from . import canvas, drawn_rods, legend, style
 from .drawn_rods import DrawnRod
 from .scales import Ticks, angle_locator

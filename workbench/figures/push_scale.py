@@ -1,4 +1,4 @@
-"""Lines in the colours of the push along a rod, and the bar of these colours; see `data.push_colours`."""
+"""Lines in the colours of the push along a rod, and the bar of these colours; see `figures.push_colours`."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
-from ..data import labels, push_colours
-from ..data.cautions import SLIGHT
-from . import style
+from ..words import labels
+from ..words.cautions import SLIGHT
+from . import push_colours, style
 from .scales import Ticks
 from .table import CASING
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..data import labels
+from ..words import labels
 from . import canvas, legend, regions, style
 from .map_panel import HALO
 from .sheet import SCREEN, Sheet

@@ -15,7 +15,7 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from ..data import labels
+from ..words import labels
 from . import canvas, style
 from .sheet import SCREEN, Sheet
 

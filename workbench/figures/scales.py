@@ -12,7 +12,7 @@ from matplotlib.axis import XAxis, YAxis
 from matplotlib.ticker import FixedLocator, Formatter, MaxNLocator, MultipleLocator, NullLocator
 from numpy.typing import NDArray
 
-from ..data import labels
+from ..words import labels
 from . import style
 
 Values = NDArray[np.float64]

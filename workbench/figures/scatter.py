@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from studies.grammar.dimensions import SAMPLE
 from studies.laws.verdicts import FAILS
 
-from ..data import labels, schema, selection
+from ..store import schema, selection
+from ..words import labels
 from . import style
 from .scales import Ticks, put
 

@@ -15,7 +15,8 @@ from solver.mechanics import frames
 from studies.laws.verdict_words import PLAIN
 from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
-from ..data import labels, law_verdicts
+from ..store import law_verdicts
+from ..words import labels
 from . import canvas, drawn_rods, push_scale, solid, style
 from .sheet import Sheet, sheet
 from .solid import Eye

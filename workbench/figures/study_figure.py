@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 from solver.problem.errors import InputError, choices, no_such
 from studies.grammar.dimensions import SAMPLE
 
-from ..data import cautions, labels, law_verdicts, refined, schema, selection
+from ..store import law_verdicts, refined, schema, selection
+from ..words import cautions, labels
 from . import along, canvas, drawn_rods, legend, scatter, unrolled
 from .drawn_rods import DrawnRods
 from .laws import panel

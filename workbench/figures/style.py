@@ -16,7 +16,7 @@ from matplotlib.textpath import TextToPath
 
 from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
-from ..data import push_colours
+from . import push_colours
 
 PUSHED = "#{:02x}{:02x}{:02x}".format(*push_colours.PUSHED)  # the cylinder pushes
 LIFTED = "#{:02x}{:02x}{:02x}".format(*push_colours.PULLED)  # it would have to pull

@@ -17,7 +17,7 @@ from matplotlib.container import BarContainer
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..data import labels
+from ..words import labels
 from . import legend
 
 CASING = "_casing"  # the label of the grey casing of a coloured line

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from solver.problem.errors import InputError
 
-from ..data import labels
+from ..words import labels
 from . import drawn_rods, style, unrolled
 from .drawn_rods import DrawnRod
 from .map_cells import Cells, Choice

@@ -11,7 +11,8 @@ from matplotlib.ticker import MaxNLocator
 from solver.problem.errors import no_such
 from studies.laws.verdicts import FAILS, NOISE
 
-from ..data import labels, selection
+from ..store import selection
+from ..words import labels
 from . import style
 from .scales import WIDE, Ticks, is_geometric, put
 

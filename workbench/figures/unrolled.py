@@ -24,8 +24,8 @@ from matplotlib.transforms import Affine2D
 from solver.mechanics import frames
 from solver.problem.errors import no_such
 
-from ..data import cautions, labels
 from ..geometry.self_intersections import places
+from ..words import cautions, labels
 from . import canvas, drawn_rods, legend, long_curve, push_scale, style
 from .drawn_rods import DrawnRod, DrawnRods
 from .scales import Ticks

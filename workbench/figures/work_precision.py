@@ -12,7 +12,7 @@ from matplotlib.ticker import NullFormatter
 
 from solver.problem.errors import no_such
 
-from ..data import labels
+from ..words import labels
 from . import canvas, style
 from .sheet import SCREEN, Sheet
 

@@ -9,7 +9,8 @@ from solver import solve
 from solver.inverse.data import DISTANCE
 from solver.inverse.result import Fit
 
-from ..data import labels, schema
+from ..store import schema
+from ..words import labels
 
 STATIONS = 801
 UNDETERMINED = "undetermined"  # in place of an unbounded interval

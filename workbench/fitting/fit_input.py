@@ -14,8 +14,8 @@ from studies import Study
 from studies.grammar.axes import in_rad, quantity_of
 from studies.language import tables
 
-from ..data import dataset, schema, selection
-from ..run.case_input import CaseInput, with_fields
+from ..store import dataset, schema, selection
+from ..store.case_input import CaseInput, with_fields
 
 POINT_COLUMNS = ("s", *COLUMNS, *(f"sigma_{name}" for name in COLUMNS))
 

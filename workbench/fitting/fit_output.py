@@ -10,8 +10,8 @@ from solver import Ends, observe
 from solver.inverse.result import Fit
 
 from ..branches.ends_study import study_text
-from ..data import atomic, schema
-from ..run.case_input import CaseInput, field_values
+from ..store import atomic, schema
+from ..store.case_input import CaseInput, field_values
 
 
 def study(found: Fit, asked: CaseInput) -> str:

@@ -11,7 +11,7 @@ from scipy.interpolate import make_interp_spline
 
 from solver.problem.errors import InputError
 
-from ..data import schema
+from ..store import schema
 from .centreline import NEEDED, Array, Centreline, slopes
 
 

@@ -17,7 +17,7 @@ from solver.problem.field_rates import fields_of
 from solver.problem.quantities import quantity, unit_of
 from studies.grammar.axes import FIELDS, WORDS
 
-from ..data import schema
+from ..store import schema
 
 REAL = tuple(name for name in OBSERVABLES if not is_count(name))
 PERCENT = "%"

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, choices
 from studies.grammar.dimensions import SAMPLE
 
-from ..data import schema, selection
+from ..store import schema, selection
 from .design import Design, design_of
 
 CONFIDENCE, SEED = 0.95, 1  # of the intervals; of the bootstrap, whose 0 would mean another each time

@@ -9,10 +9,9 @@ import xarray as xr
 from solver import Solution
 from studies import Study
 
-from ..data import schema, selection
-from ..run import in_memory, stored_case, sweep_solutions
-from ..run.block import solve_one
-from ..run.plan import plan
+from ..store import in_memory, schema, selection, stored_case, sweep_solutions
+from ..store.block import solve_one
+from ..store.plan import plan
 
 
 def of_dataset(ds: xr.Dataset, at: Mapping[str, selection.Value] | None = None) -> Solution:

@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-from ..data import atomic
+from ..store import atomic
 
 _LOCAL = ("observable", "value", "unit", "field", "at", "field_unit", "derivative", "derivative_unit", "effect",
           "effect_unit", "amount", "remark")  # fmt: skip

@@ -12,12 +12,12 @@ from scipy.interpolate import CubicSpline
 
 from solver.problem.errors import InputError
 
-from ..data import schema
-from ..data.schema import SECTION
 from ..geometry import centreline, self_contact, stored_line, tube
 from ..geometry.centreline import Array, Centreline
 from ..geometry.lines import TALLEST
 from ..geometry.refinement import Rings, rings
+from ..store import schema
+from ..store.schema import SECTION
 from . import shading
 from .colours import Paint
 from .scene_kinds import Kind

@@ -7,8 +7,8 @@ import xarray as xr
 
 from studies.grammar.dimensions import SAMPLE
 
-from ..data import labels
-from ..data.schema import dimension, fields_of_samples
+from ..store.schema import dimension, fields_of_samples
+from ..words import labels
 
 ASKED = 6  # digits of a value with which --at finds its case again
 

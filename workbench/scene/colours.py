@@ -8,8 +8,9 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap, to_hex, to_rgb
 
 from solver.problem.errors import InputError
 
-from ..data import labels, push_colours
+from ..figures import push_colours
 from ..figures.style import RAMP
+from ..words import labels
 
 NEUTRAL = "#8d96a1"  # a rod in one colour
 UNPAINTED, STRIPE = "#d9c9a3", "#5d4a72"  # the rod beside its stripe, and the stripe; no colours of the push

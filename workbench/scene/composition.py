@@ -9,10 +9,10 @@ import xarray as xr
 from solver.problem.errors import InputError
 from studies.language.study_data import MAX_STATIONS
 
-from ..data import labels, left_out
 from ..figures import style
 from ..geometry.centreline import APART, Array
 from ..geometry.refinement import stations_for
+from ..words import labels, left_out
 from . import colours, long_rod, page
 from .arrangement import EDGE, Arrangement, arrange
 from .body import Body

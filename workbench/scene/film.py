@@ -19,9 +19,10 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from solver.problem.errors import InputError, choices, no_such
 
-from ..data import atomic, labels, law_verdicts, left_out, schema, selection
 from ..figures import canvas, style
 from ..figures.scales import WIDE, Ticks
+from ..store import atomic, law_verdicts, schema, selection
+from ..words import labels, left_out
 from . import body as rods
 from . import camera as cameras
 from . import page, scene_kinds

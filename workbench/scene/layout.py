@@ -14,10 +14,11 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from ..data import labels, selection
-from ..data.schema import axes_of
 from ..figures import canvas
 from ..geometry.centreline import Array
+from ..store import selection
+from ..store.schema import axes_of
+from ..words import labels
 from . import body as rods
 from . import camera as cameras
 from . import captions, colours, composition, long_rod, page

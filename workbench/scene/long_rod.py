@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..data import labels
 from ..geometry import lines
 from ..geometry.lines import LABELLED
+from ..words import labels
 from .body import Body
 from .captions import Cell
 

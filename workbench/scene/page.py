@@ -17,9 +17,10 @@ from matplotlib.patches import Circle, Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..data import atomic, labels
-from ..data.scene_look import SURFACE
 from ..figures import canvas, style
+from ..figures.scene_look import SURFACE
+from ..store import atomic
+from ..words import labels
 from .arrangement import BELOW, DOT, LINE, Arrangement, height
 from .captions import Cell
 from .colours import Bar

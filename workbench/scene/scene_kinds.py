@@ -8,9 +8,9 @@ import xarray as xr
 
 from solver.problem.errors import InputError, no_such
 
-from ..data.schema import axes_of
 from ..geometry import centreline
 from ..geometry.centreline import Array, Centreline
+from ..store.schema import axes_of
 from . import captions, colours
 from .captions import Cell
 

@@ -18,8 +18,9 @@ from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
 from studies.language.readings import READINGS
 
-from ...data import labels, scene_look
-from ...data.escaping import finite
+from ...figures import scene_look
+from ...words import labels
+from ...words.escaping import finite
 from . import page_model, page_shape
 from .page_model import study_of
 from .presets import Preset

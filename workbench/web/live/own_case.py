@@ -7,7 +7,7 @@ from solver import Case
 from studies.grammar.axes import quantity_of
 from studies.language.readings import TABLE_1
 
-from ...run.case_input import CaseInput, field_values, read_case
+from ...store.case_input import CaseInput, field_values, read_case
 from .page_shape import check_shown
 from .presets import Preset
 

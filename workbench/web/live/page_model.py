@@ -26,9 +26,10 @@ from studies.language.loader import loads
 
 from ...branches.ends_study import row as equilibrium_row
 from ...branches.tracing import Piece, Traced, traced
-from ...data import cautions, dataset, labels, pipe_state
 from ...export.stored_rod import export
-from ...run.block import columns
+from ...store import dataset
+from ...store.block import columns
+from ...words import cautions, labels, pipe_state
 from . import page_shape
 from .page_shape import STATIONS, TOL, Shape, refuse_many
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from solver.problem.errors import InputError
 
-from ...run import worker_processes
+from ...store import worker_processes
 
 AT_ONCE, WAITING = 2, 16  # searches that run, and that wait
 MEMORY = 3 * 2**30  # bytes of address space of a search, its libraries included

@@ -24,9 +24,9 @@ from aiohttp import web
 
 from solver.problem.errors import InputError
 
-from ...data import escaping
-from ...data.escaping import finite
-from ...run import worker_processes
+from ...store import worker_processes
+from ...words import escaping
+from ...words.escaping import finite
 from . import live_document, page_model, page_shape, search_processes
 from .presets import PRESETS, Preset
 

@@ -9,7 +9,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from ...data import atomic
+from ...store import atomic
 from . import live_document
 from .presets import PRESETS
 

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from ...data import labels
+from ...words import labels
 
 SHOWN = (
     "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_size_mean", "push_min",

@@ -13,7 +13,8 @@ from studies.laws import verdict_words
 from studies.laws.law_kinds import MONOTONE
 from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
-from ...data import labels, law_verdicts
+from ...store import law_verdicts
+from ...words import labels
 
 CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
 

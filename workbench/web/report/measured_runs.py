@@ -13,8 +13,9 @@ from matplotlib.figure import Figure
 from solver.methods import METHODS, available
 from solver.problem.errors import InputError
 
-from ...data import labels, writing
 from ...figures import canvas, robustness, work_precision
+from ...store import writing
+from ...words import labels
 
 SHIPPED = Path(__file__).parents[2] / "compare" / "measured"  # made with benchmarks/make_measured.py
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 from studies.language.readings import DEFAULT
 
-from ...data import labels
+from ...words import labels
 
 
 def mechanism(claim: str, ds: xr.Dataset) -> str:

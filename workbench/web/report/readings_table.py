@@ -11,8 +11,7 @@ from solver.problem.errors import InputError
 from studies import READINGS, Study, load, names
 from studies.laws.verdicts import refusal, worst
 
-from ...data import dataset, law_verdicts
-from ...run import in_memory
+from ...store import dataset, in_memory, law_verdicts
 
 NAME = "readings"
 

@@ -17,10 +17,11 @@ from PIL import Image
 
 from solver.problem.errors import InputError
 
-from ...data import atomic, cautions, labels, law_verdicts, left_out
-from ...data.schema import axes_of
 from ...figures import style
-from ...run.in_memory import StudyResult
+from ...store import atomic, law_verdicts
+from ...store.in_memory import StudyResult
+from ...store.schema import axes_of
+from ...words import cautions, labels, left_out
 from ..live.live_document import policy
 from ..turntable import turntable_page
 from . import case_facts, measured_runs, sisters, sources, turning

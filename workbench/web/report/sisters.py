@@ -11,7 +11,7 @@ from studies import Study
 
 from ...branches.ends_study import ends_problem
 from ...branches.equilibria_dataset import dataset_of
-from ...data import labels
+from ...words import labels
 
 NAME = "equilibria"
 OWN, STABLE = "rank_of_study", "rank_of_stable"  # attributes: places by energy, from 1; 0: there is none

@@ -12,8 +12,9 @@ from studies import TABLE_1
 from studies.grammar.axes import quantity_of
 from studies.language.readings import Reading
 
-from ...data import labels, law_verdicts
-from ...run.in_memory import StudyResult
+from ...store import law_verdicts
+from ...store.in_memory import StudyResult
+from ...words import labels
 
 WORKBENCH = "rod-workbench"
 

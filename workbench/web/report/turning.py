@@ -11,8 +11,8 @@ from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
 from studies.language.readings import DROPPED, TABLE_1, Reading
 
-from ...data import labels
-from ...data.schema import axes_of
+from ...store.schema import axes_of
+from ...words import labels
 from ..live.presets import PRESETS, Preset
 from ..turntable.stored import turntable_of_dataset
 from . import case_facts

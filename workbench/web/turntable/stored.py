@@ -13,10 +13,11 @@ from scipy.interpolate import CubicHermiteSpline
 from solver.problem.errors import InputError
 from studies.grammar.dimensions import SAMPLE
 
-from ...data import cautions, labels, left_out, schema, selection
-from ...data.schema import axes_of
 from ...geometry import refinement, stored_line
 from ...geometry.centreline import APART, Array, Centreline
+from ...store import schema, selection
+from ...store.schema import axes_of
+from ...words import cautions, labels, left_out
 
 MOST_BYTES = 1_900_000  # of the stored arrays; as text a third more, so that a file stays below 3 MB
 ROWS, BYTES = 4, 4  # beta, beta', alpha and z; of a number

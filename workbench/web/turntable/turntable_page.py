@@ -9,8 +9,10 @@ from typing import Any
 import xarray as xr
 from jinja2 import Environment, StrictUndefined
 
-from ...data import labels, scene_look, selection
-from ...data.escaping import finite
+from ...figures import scene_look
+from ...store import selection
+from ...words import labels
+from ...words.escaping import finite
 from ..live import live_document
 from .stored import turntable_of_dataset
 

@@ -22,7 +22,7 @@ from solver.observe.observables import observe
 from studies import Study
 from studies.grammar.axes import Which, is_angle
 
-from ..data.branch_numbers import NONE
+from ..words.branch_numbers import NONE
 from .followed_case import follow_to
 from .sweep_order import Grid
 

@@ -10,7 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.observe.cautions import AT_ENDS, JUDGED, MEETS, PULLED, SLIGHT, TIGHT, TURNED, UNCHECKED, UNKNOWN, of_cases
+from solver.observe.cautions import (
+    AT_ENDS,
+    JUDGED,
+    MEETS,
+    PULLED,
+    SLIGHT,
+    TIGHT,
+    TURNED,
+    UNCHECKED,
+    UNKNOWN,
+    of_cases,
+)
 
 from . import outcomes
 

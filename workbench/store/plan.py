@@ -18,10 +18,10 @@ from studies.grammar.dimensions import SAMPLE, Dimension, Dimensions
 from studies.language.paired import SOURCES
 from studies.language.refinement import Refinement
 
-from ..data.schema import LOADS, inner_shape
 from . import shards, sweep, sweep_order
 from .block import Chunk
 from .recipe import recipe_of
+from .schema import LOADS, inner_shape
 
 Coordinates = Mapping[str, NDArray[np.float64]]
 

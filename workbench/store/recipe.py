@@ -20,7 +20,7 @@ from studies.grammar.dimensions import Dimensions
 from studies.language.refine import lattice
 from studies.laws.law import Law
 
-from ..data.schema import version_of
+from .schema import version_of
 
 
 def recipe_of(study: Study, dimensions: Dimensions, block: int) -> dict[str, Any]:

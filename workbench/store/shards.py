@@ -1,6 +1,6 @@
 """Shards: the finished cases of a run, packed with a checksum, in a folder beside the output with a lock.
 
-A shard that stands under its name is whole (`data.atomic`), so the folder is the whole state of a run, and a run that
+A shard that stands under its name is whole (`store.atomic`), so the folder is the whole state of a run, and a run that
 was killed continues from it. The checksum covers the recipe of the run and the range of cases beside the columns, so a
 shard of another run, or under the name of another one, counts as damaged.
 """
@@ -24,9 +24,9 @@ import numpy as np
 
 from solver.problem.errors import InputError
 
-from ..data import atomic
-from ..data.schema import Columns
+from . import atomic
 from .recipe import differences
+from .schema import Columns
 
 MOST = 10**12 - 1  # cases that the name of a shard can count
 FORMAT = 2  # of the folder and its shards

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..data import outcomes
-from ..data.schema import TEXTS, Columns
+from ..words import outcomes
+from .schema import TEXTS, Columns
 from .stored_run import StoredRun
 
 Tally = Mapping[str, Counter[Any]]

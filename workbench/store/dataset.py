@@ -16,7 +16,7 @@ from studies.grammar.axes import quantity_of
 from studies.grammar.dimensions import SAMPLE, Dimensions
 from studies.language import expressions, paired, refine
 
-from . import cautions
+from ..words import cautions
 from .schema import (
     COMPONENTS,
     CONVENTIONS,
@@ -76,7 +76,7 @@ def store(study: Study, over: Dimensions) -> list[Stored]:
 
 
 def make(study: Study, over: Dimensions, columns: Columns, first: str = "", case: Case | None = None) -> xr.Dataset:
-    """The dataset of a study as it was run, from its columns (`run.block.columns`) in the order of the grid.
+    """The dataset of a study as it was run, from its columns (`store.block.columns`) in the order of the grid.
 
     over: its samples and axes. first: how the equilibrium of a sweep's first case was taken.
     case: the grid as one case, where the study does not know it.

@@ -17,11 +17,10 @@ from studies.grammar.axes import FIELDS, WORDS, quantity_of
 from studies.grammar.dimensions import SAMPLE, Dimension
 from studies.language.loader import loads
 
-from ..data import reading
-from ..data.schema import axes_left, dimension, field_of, fields_of_samples, own_dimension
-from ..data.selection import SAME, real
-from . import sweep_solutions
+from . import reading, sweep_solutions
 from .block import solve_one
+from .schema import axes_left, dimension, field_of, fields_of_samples, own_dimension
+from .selection import SAME, real
 
 MOST_SOLVED = 10_000  # cases that are solved again: seconds
 

@@ -14,7 +14,8 @@ from studies.grammar.axes import FIELDS
 from studies.grammar.dimensions import SAMPLE
 from studies.laws.law import Law
 
-from . import checksums, escaping, file_kinds, netcdf, refined, value_checks
+from ..words import escaping
+from . import checksums, file_kinds, netcdf, refined, value_checks
 from .file_checks import open_valid, refusing, show
 from .schema import CURVES, FORMAT, INNER, dimension, fields_of_samples
 

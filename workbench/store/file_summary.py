@@ -14,21 +14,10 @@ from solver.problem.case import PAIRS
 from solver.problem.errors import InputError
 from studies.grammar.dimensions import SAMPLE
 
-from ..data import (
-    branch_numbers,
-    cautions,
-    file_checks,
-    file_kinds,
-    labels,
-    law_verdicts,
-    reading,
-    refined,
-    schema,
-    selection,
-    writing,
-)
-from ..data.boundary import boundary, boundary_of_law
-from ..data.grid_io import blocks
+from ..words import branch_numbers, cautions, labels
+from . import file_checks, file_kinds, law_verdicts, reading, refined, schema, selection, writing
+from .boundary import boundary, boundary_of_law
+from .grid_io import blocks
 from .stored_case import study_of
 
 BLOCK = 100_000  # cases that are read at a time

@@ -9,7 +9,7 @@ from studies import Study
 from studies.grammar.axes import is_angle, quantity_of
 from studies.grammar.dimensions import Dimensions
 
-from ..data import dataset, schema
+from . import dataset, schema
 from .block import columns
 
 

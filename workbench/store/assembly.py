@@ -10,22 +10,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import (
-    atomic,
-    branch_numbers,
-    cautions,
-    checksums,
-    concatenation,
-    dataset,
-    law_verdicts,
-    netcdf,
-    refined,
-    schema,
-    writing,
-)
-from ..data.schema import Columns
-from . import shards
+from ..words import branch_numbers, cautions
+from . import atomic, checksums, concatenation, dataset, law_verdicts, netcdf, refined, schema, shards, writing
 from .plan import Plan, bytes_a_case, bytes_of_file, first_of
+from .schema import Columns
 from .shards import Shards
 from .stored_run import StoredRun, places
 from .tally import Tally, statistics_of

@@ -19,7 +19,8 @@ from solver.problem.rod import DIRECT, ELASTIC, GIVEN
 from studies.grammar.axes import LONGEST_LINE
 from studies.grammar.units import FORCES, LENGTHS
 
-from . import escaping, schema
+from ..words import escaping
+from . import schema
 from .file_checks import show
 from .grid_io import blocks
 from .schema import CURVES, LOADS, SECTION, TEXTS

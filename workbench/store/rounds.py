@@ -13,8 +13,8 @@ from studies.language import refine as tables
 from studies.language.lattice import Values
 from studies.language.study_tables import OUTCOME
 
-from ..data.schema import Columns
 from .plan import Plan
+from .schema import Columns
 from .stored_run import StoredRun
 
 

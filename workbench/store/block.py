@@ -19,9 +19,9 @@ from studies import Study
 from studies.grammar.axes import Which
 from studies.language import expressions
 
-from ..data import cautions
-from ..data.branch_numbers import NONE
-from ..data.schema import LOADS, Columns, inner_shape
+from ..words import cautions
+from ..words.branch_numbers import NONE
+from .schema import LOADS, Columns, inner_shape
 from .shards import encode
 from .sweep import State, grid_of, walk_states
 from .sweep_solutions import show

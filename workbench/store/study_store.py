@@ -11,12 +11,12 @@ from typing import Any
 from solver.problem.errors import InputError
 from studies import Study
 
-from ..data.schema import TEXTS
 from . import local_pool, shards, worker_processes
 from .block import unsolved
 from .plan import Plan, plan, room
 from .progress import Meter, Progress, unshown
 from .rounds import Rounds
+from .schema import TEXTS
 from .shards import Damaged, Shards, decode, encode
 from .stored_run import StoredRun, grow, is_finished, look, replace
 from .tally import Tally, count, statistics_of, tally_of
@@ -98,7 +98,7 @@ def run_to_file(
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from studies import load
-    >>> from workbench.run.study_store import run_to_file
+    >>> from workbench.store.study_store import run_to_file
     >>> with TemporaryDirectory() as folder:
     ...     ran = run_to_file(load("fig7_1_modulus"), Path(folder) / "modulus.h5")
     >>> ran.solved
@@ -116,7 +116,7 @@ def run_to_file(
         return _follow(work, output)
     if options.scheduler is None and _workers(work, work.todo, options) > 1:
         worker_processes.get_ready()  # while this process reads xarray
-    from ..data.writing import check_parent  # xarray is not needed before
+    from .writing import check_parent
 
     check_parent(output)
     folder = shards.folder_of(output)
@@ -139,7 +139,7 @@ def run_to_file(
 
 def _follow(work: Plan, output: Path) -> Ran:
     """A study that follows one equilibrium cannot be cut into chunks, and is solved in memory."""
-    from ..data import law_verdicts, writing
+    from . import law_verdicts, writing
     from .following import run_followed
 
     writing.check_parent(output)

@@ -38,8 +38,8 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     Examples
     --------
     >>> from studies import load
-    >>> from workbench.data.law_verdicts import verdicts
-    >>> from workbench.run import in_memory
+    >>> from workbench.store.law_verdicts import verdicts
+    >>> from workbench.store import in_memory
     >>> (law,) = verdicts(in_memory.run(load("fig7_1_modulus")))
     >>> law["observable"], law["verdict"]
     ('turns', 'holds')

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError
 from studies.grammar.dimensions import SAMPLE, Dimension, Dimensions
 
-from ..data import checksums, file_checks
-from ..data.schema import FORMAT, dimension
+from . import checksums, file_checks
 from .plan import Plan
 from .recipe import axis_line, differences
+from .schema import FORMAT, dimension
 
 MOST_TOLD = 5  # differences in one line
 _ROUNDING = 8 * 2.0**-52  # relative; values of an axis that differ by less are the same

@@ -19,11 +19,22 @@ from studies.language.loader import loads
 from studies.language.paired import SOURCES
 from studies.language.writer import axis_table, dumps, dumps_paired, dumps_table
 
-from ..data import atomic, cautions, checksums, concatenation, law_verdicts, netcdf, reading, schema, writing
-from ..data.selection import SAME
-from . import file_summary, stored_case
+from ..words import cautions
+from . import (
+    atomic,
+    checksums,
+    concatenation,
+    file_summary,
+    law_verdicts,
+    netcdf,
+    reading,
+    schema,
+    stored_case,
+    writing,
+)
 from .plan import SPARE, TEXT_BYTES
 from .recipe import axis_line
+from .selection import SAME
 
 # Attributes in which merged files may not differ, and their names in messages.
 ALIKE = {

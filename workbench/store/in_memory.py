@@ -9,11 +9,12 @@ import xarray as xr
 from solver import InputError
 from studies import Study
 
-from ..data import branch_numbers, dataset, law_verdicts, refined
-from ..data.schema import Columns
+from ..words import branch_numbers
+from . import dataset, law_verdicts, refined
 from .block import block_of, join
 from .plan import Plan, bytes_a_case, first_of, plan
 from .rounds import Rounds
+from .schema import Columns
 
 MOST_IN_MEMORY = 2_000_000_000
 
@@ -59,7 +60,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     Examples
     --------
     >>> from studies import load
-    >>> from workbench.run import in_memory
+    >>> from workbench.store import in_memory
     >>> ds = in_memory.run(load("fig7_1_modulus"))
     >>> ds["turns"].values
     array([8, 7, 6, 6, 6, 5, 5, 5, 5])

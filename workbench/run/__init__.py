@@ -1,1 +1,0 @@
-"""Study runs: plan, shards, resume, workers, assembly, fidelity, merge."""

@@ -1,0 +1,1 @@
+"""Stored studies: schema, runs, resume, growth, merge, checks, reading, selection, verdicts."""

@@ -1,0 +1,1 @@
+"""Words: numbers, units and labels as text, and the sentences about outcomes, cautions, branches and pipes."""
