@@ -17,7 +17,6 @@ from ..levels.path_orbits import orbit_of, variations_of
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
-from ..orbit.variations import change_between
 from ..problem.held_ends import HeldProblem
 from ..problem.limits import TAUT, beyond_limits, is_taut
 from ..problem.reduced import EndsProblem
@@ -107,8 +106,7 @@ def response_of(state: State, wanted: Given) -> float:
         if path.helix:
             moves = helix_change(problem, t).beta[0] @ parts
         else:
-            varied = variations_of(problem, path, LinePoint(problem))
-            moves = change_between(varied.start, varied.at(t), parts[None, 0], parts[None, 1:].swapaxes(1, 2)).beta
+            moves = variations_of(problem, path, LinePoint(problem)).change(t, parts[None]).beta
         largest = float(np.abs(moves).max())
     return max(1.0, largest) if np.isfinite(largest) else np.inf
 

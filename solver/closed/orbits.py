@@ -24,7 +24,7 @@ from ..mechanics.frames import position
 from ..numerics.arrays import Array
 from ..numerics.roots import root
 from ..orbit.periodic_orbit import Orbit, solve_orbit
-from ..orbit.variations import Variations, change_between, directions, orbits_to_vary, variations_on
+from ..orbit.variations import Variations, directions, orbits_to_vary, variations_on
 from ..problem.reduced import StartProblem
 
 AMPLITUDES = 32  # of the curve of one period, at which the azimuth is compared with the wanted one
@@ -136,10 +136,9 @@ def residual(b1: float, y: float, wanted: Array) -> tuple[Array, Array]:
     problem = start(np.array([b1]), np.array([_load(b1, y)]))
     varied = vary_from(problem)
     T = varied.orbit.period
-    a0, e = directions(varied.start)
-    there = varied.at(T[:, None])
-    gained = change_between(varied.start, there, a0, e).integrals[0, 0, :, 0]
-    later = -2 * np.einsum("bk,bfk->bf", varied.gain[:, :, :4].sum(axis=1), e)[0]
+    parts = directions(varied.start)
+    gained = varied.change(T[:, None], parts).integrals[0, 0, :, 0]
+    later = -2 * varied.gain[0, :, :4].sum(axis=0) @ parts[0, 1:]
     plain = np.stack([later, gained + np.sin(b1) * later])[:, [0, 2]]  # by b1 and by lam
     by_lam = np.exp(y) * plain[:, 1]
     J = np.stack([plain[:, 0] + 6 * np.sin(b1) ** 2 * np.cos(b1) * plain[:, 1], -by_lam], axis=1)

@@ -152,8 +152,9 @@ def functions() -> Any:
     """The library with the types of what its functions return."""
     core = library()
     core.rod_orbits.restype = ctypes.c_void_p
-    for one in (core.rod_orbits_fetch, core.rod_orbits_read, core.rod_orbits_action, core.rod_series_read):
-        one.restype = None
+    nothing = "orbits_fetch", "orbits_read", "orbits_action", "series_read", "variations_places", "variations_changes"
+    for name in nothing:
+        getattr(core, f"rod_{name}").restype = None
     core.rod_fall.restype = ctypes.c_double
     core.rod_fall.argtypes = [ctypes.c_double] * 5 + [ctypes.c_int]
     return core

@@ -1,15 +1,9 @@
 /* The numbers of one equilibrium and the linear equations between their changes: solver/equilibrium/orbit_rates.py. */
 
 #include "orbit_rates.h"
-#include "variations.h"
 
 enum { SHARES = 13 }; /* the ten elements of M, and alpha, z and the swirl */
 #define SAME 1e-9     /* rad: critical points that are this near are one */
-
-/* The state at one end: `variations.Place`. M: from the start. */
-typedef struct {
-    double beta, v, H, c, shift[4], gamma[4], M[PAIRS];
-} end_state;
 
 /* One orbit on its panels, in the order of travel: those of the forward arc, then those of the backward one. */
 typedef struct {
@@ -144,8 +138,8 @@ static double integral_at(const points *at, const double *values, double x)
     return at_place(series, (int)at->n + 1, x);
 }
 
-/* The state where the rod is at time t, and the integrals of sin, cos and sin cos of beta up to there. */
-static void state_at(const course *o, double t, int with_rates, end_state *out, double *integrals)
+/* The state where the rod is at time t, the integrals of sin, cos and sin cos of beta up to there, and beta. */
+static double state_at(const course *o, double t, int with_rates, varied_place *out, double *integrals)
 {
     const int n = (int)o->at->n;
     const int64_t none = 0, first[2] = {0, o->count[0]};
@@ -157,7 +151,6 @@ static void state_at(const course *o, double t, int with_rates, end_state *out, 
     const varied_nodes *one = &o->nodes[k];
     const double half = o->width[k] / 2, sign = o->direction * (where.second ? -1 : 1) * (where.mirrored ? -1 : 1);
     const int librates = o->kind == LIBRATION;
-    out->beta = o->base[k] + value_at(o->at, o->x + n * k, x) + (librates ? 0 : TAU * o->direction * where.periods);
     out->v = sign * value_at(o->at, one->v, x), out->H = value_at(o->at, one->H, x), out->c = one->c;
     out->shift[0] = 0, out->gamma[0] = 1;
     directions_on(o, k, turned);
@@ -168,35 +161,7 @@ static void state_at(const course *o, double t, int with_rates, end_state *out, 
     }
     for (int q = 0; q < 3 && with_rates; q++)
         out->shift[q + 1] = one->shift[q], out->gamma[q + 1] = value_at(o->at, one->gamma[q], x);
-}
-
-static double across_flow(const end_state *at)
-{
-    const double D = at->v * at->v + at->c * at->H * at->H;
-    return D > 0 ? D : 1;
-}
-
-static double end_term(const end_state *at, double a, double g, int q)
-{
-    return at->shift[q] * (g * (at->v / across_flow(at))) - a * (at->gamma[q] + at->shift[q] * at->H);
-}
-
-/* What a unit of each part adds to beta and beta_t at an end, and to the integrals up to there: `variations.changed`. */
-static void add_parts(const end_state *start, const end_state *there, int rows[2], double *out, double *sums)
-{
-    static const int place[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
-    for (int part = 0; part < PARTS; part++) {
-        double rise[4], a0 = part == 0;
-        for (int j = 0; j < 4; j++)
-            rise[j] = part ? there->M[place[j][part - 1]] - start->M[place[j][part - 1]] : 0;
-        const double a = a0 + rise[0], D = across_flow(there);
-        const double g = part ? there->gamma[part - 1] : 0, shift = part ? there->shift[part - 1] : 0;
-        const double g0 = part ? start->gamma[part - 1] : 0;
-        out[PARTS * rows[0] + part] = shift + a * there->v + g * (there->c * there->H / D);
-        out[PARTS * rows[1] + part] = -a * there->H + g * (there->v / D);
-        for (int q = 1; q < 4 && sums; q++)
-            sums[PARTS * (q - 1) + part] = rise[q] + (end_term(there, a, g, q) - end_term(start, a0, g0, q));
-    }
+    return o->base[k] + value_at(o->at, o->x + n * k, x) + (librates ? 0 : TAU * o->direction * where.periods);
 }
 
 /* What changes of the loads and of the level add to y. */
@@ -227,12 +192,11 @@ static void numbers_of(course *o, const place *at, const path *level, double len
                        double *by_span)
 {
     const ends_problem *p = o->p;
-    end_state start = {0}, far = {0};
+    varied_place start = {0}, far = {0};
     double integrals[3], none[3];
     const int64_t nearest = vary(o, rows != NULL);
     state_at(o, 0, rows != NULL, &start, none);
-    state_at(o, length, rows != NULL, &far, integrals);
-    const double betaL = level ? p->betaL : far.beta;
+    const double end = state_at(o, length, rows != NULL, &far, integrals), betaL = level ? p->betaL : end;
     const double found[NUMBERS] = {p->beta0, betaL, start.v, far.v, integrals[0], integrals[2],
                                    integrals[1], p->lam, p->mu, p->phi, level ? level->y : 0};
     memcpy(values, found, sizeof found);
@@ -241,17 +205,20 @@ static void numbers_of(course *o, const place *at, const path *level, double len
     const double s = sin(betaL), c = cos(betaL);
     const double later[NUMBERS] = {0, far.v, 0, -far.H, s, s * c, c, 0, 0, 0, 0};
     static const int order[3] = {ALPHA, SWIRL, Z};
-    int here[2] = {BETA0, DBETA0}, there[2] = {BETAL, DBETAL};
-    double sums[3 * PARTS];
     memset(rows, 0, sizeof(double) * NUMBERS * PARTS);
     memcpy(by_span, later, sizeof later);
-    add_parts(&start, &start, here, rows, NULL);
-    add_parts(&start, &far, there, rows, sums);
-    for (int q = 0; q < 3; q++) {
-        for (int part = 0; part < PARTS; part++)
-            rows[PARTS * order[q] + part] = (q == 1 ? -1 : 1) * sums[PARTS * q + part];
-        rows[PARTS * (LAM + q) + 2 + q] = 1;
+    for (int part = 0; part < PARTS; part++) {
+        double unit[PARTS] = {0}, here[5], there[5];
+        unit[part] = 1;
+        rod_varied_change(&start, &start, unit, here);
+        rod_varied_change(&start, &far, unit, there);
+        rows[PARTS * BETA0 + part] = here[BETA], rows[PARTS * DBETA0 + part] = here[RATE];
+        rows[PARTS * BETAL + part] = there[BETA], rows[PARTS * DBETAL + part] = there[RATE];
+        for (int q = 0; q < 3; q++)
+            rows[PARTS * order[q] + part] = (q == 1 ? -1 : 1) * there[LIFTS + q];
     }
+    for (int q = 0; q < 3; q++)
+        rows[PARTS * (LAM + q) + 2 + q] = 1;
     if (level)
         add_level(at, level, o->nodes[nearest].origin, values, rows, by_span);
 }

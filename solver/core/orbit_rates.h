@@ -4,9 +4,10 @@
 #define ROD_ORBIT_RATES_H
 
 #include "branches.h"
+#include "variations.h"
 
 enum { BETA0, BETAL, DBETA0, DBETAL, ALPHA, SWIRL, Z, LAM, MU, PHI, Y, NUMBERS };
-enum { TURN = NUMBERS, PARTS = 5 }; /* TURN: the rotation, made of mu, the length and the swirl */
+enum { TURN = NUMBERS }; /* the rotation, made of mu, the length and the swirl */
 enum { NO_ORBIT = 100 }; /* besides NO_MEMORY and NOT_POSSIBLE: no orbit of the path joins the ends */
 
 /* `orbit_rates.OrbitRates`. length: at which the path meets beta(L). */

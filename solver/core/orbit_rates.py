@@ -95,3 +95,27 @@ def variations(orbit: Any, origin: Array) -> dict[str, Array]:
     ))  # fmt: skip
     del kept
     return out
+
+
+def places(orbit: Any, series: Array, gain: Array, t: Array) -> Array:
+    """The states of B varied orbits at t (B, n), (B, n, 21): v, H, c, the shifts (4), gammas (4) and M (10)."""
+    (of, kept), out = reading(orbit), np.empty((*t.shape, 21))
+    given = [np.ascontiguousarray(a) for a in (series, gain, t)]
+    functions().rod_variations_places(
+        ctypes.byref(of), *(ctypes.c_int64(k) for k in t.shape), *(address(a) for a in given), address(out)
+    )
+    del kept
+    return out
+
+
+def changes(orbit: Any, series: Array, gain: Array, t: Array, parts: Array) -> Array:
+    """The changes of B varied orbits at t (B, n) by F directions with the parts (B, 5, F): (5, B, F, n), of beta, of
+    beta_t and of the integrals of H_q d beta up to t."""
+    (of, kept), (B, n), F = reading(orbit), t.shape, parts.shape[2]
+    out = np.empty((5, B, F, n))
+    given = [np.ascontiguousarray(a) for a in (series, gain, t, parts.swapaxes(1, 2))]
+    functions().rod_variations_changes(
+        ctypes.byref(of), *(ctypes.c_int64(k) for k in (B, n, F)), *(address(a) for a in given), address(out)
+    )
+    del kept
+    return out

@@ -1,7 +1,9 @@
-/* The variations of orbits: solver/orbit/variation_nodes.py and variations.py. */
+/* The variations of orbits: the state at the nodes of their panels, and the change of an orbit anywhere along the rod;
+   solver/orbit/variations.py explains them. */
 
 #include "variations.h"
 
+enum { SERIES = 9 + PAIRS }; /* of a panel: |beta_t|, H, c, shifts, gammas and the elements of M */
 #define NEAR 0.5 /* rad: the largest distance from a critical point at which its shift is split off */
 
 const int rod_pairs[2][PAIRS] = {{0, 0, 0, 0, 1, 1, 1, 2, 2, 3}, {0, 1, 2, 3, 1, 2, 3, 2, 3, 3}};
@@ -214,7 +216,7 @@ static double integrated(const points *at, const double *values, double half, do
 static void keep(const varied_nodes *one, const points *at, int64_t i, const kept *out)
 {
     const int64_t n = at->n, size = sizeof(double);
-    double *series = out->series + 19 * (n + 1) * i;
+    double *series = out->series + SERIES * (n + 1) * i;
     memset(series, 0, (size_t)(9 * (n + 1) * size));
     memcpy(out->v + n * i, one->v, (size_t)(n * size)), memcpy(out->H + n * i, one->H, (size_t)(n * size));
     memcpy(out->shift + 3 * i, one->shift, (size_t)(3 * size));
@@ -252,7 +254,7 @@ static void one_orbit(const double *loads, const read_orbits *of, int64_t b, con
     for (int64_t i = 0; i < P; i++) {
         const int backward = i >= count[0], begins = i == 0 || i == count[0];
         const double sign = of->direction[b] * (backward ? -1 : 1);
-        double *jump = out->jump + PAIRS * (first + i), *series = out->series + (19 * (first + i) + 9) * width;
+        double *jump = out->jump + PAIRS * (first + i), *series = out->series + (SERIES * (first + i) + 9) * width;
         rod_varied_rates(loads, origin[first + nearest], n, x + n * i, &nodes[i]);
         memset(jump, 0, sizeof(double) * PAIRS);
         if (i)
@@ -297,4 +299,103 @@ int rod_variations(int64_t n, const double *loads, const read_orbits *of, const 
     free(nodes);
     free(x);
     return failed;
+}
+
+static double across_flow(const varied_place *at)
+{
+    const double D = at->v * at->v + at->c * at->H * at->H;
+    return D > 0 ? D : 1;
+}
+
+/* What the places at the ends add to the integral of H_q d beta; lift: g v/D. */
+static double end_term(const varied_place *at, double a, double lift, int q)
+{
+    return at->shift[q] * lift - a * (at->gamma[q] + at->shift[q] * at->H);
+}
+
+void rod_varied_change(const varied_place *start, const varied_place *there, const double parts[PARTS], double out[5])
+{
+    static const int place[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
+    const double *e = parts + 1;
+    double rise[4] = {0}, g = 0, g0 = 0, shift = 0;
+    for (int k = 0; k < 4; k++) {
+        if (e[k] == 0)
+            continue; /* next to a saddle a column of M may be infinite */
+        g += there->gamma[k] * e[k], g0 += start->gamma[k] * e[k], shift += there->shift[k] * e[k];
+        for (int j = 0; j < 4; j++)
+            rise[j] += (there->M[place[j][k]] - start->M[place[j][k]]) * e[k];
+    }
+    const double a = parts[0] + rise[0], D = across_flow(there), lift = g * (there->v / D);
+    const double lift0 = g0 * (start->v / across_flow(start));
+    out[BETA] = shift + a * there->v + g * (there->c * there->H / D);
+    out[RATE] = -a * there->H + lift;
+    for (int q = 1; q < 4; q++)
+        out[LIFTS + q - 1] = rise[q] + (end_term(there, a, lift, q) - end_term(start, parts[0], lift0, q));
+}
+
+/* The series of the panels of varied orbits as `keep` has them, and what M gains over the arcs of each; those of the
+   panel that was read last, one coefficient of all after the other. */
+typedef struct {
+    const read_orbits *of;
+    const double *series, *gain;
+    int64_t panel;
+    double last[NODES + 1][SERIES];
+} reader;
+
+/* The state of orbit b at t. */
+static void place_at(reader *from, int64_t b, double t, varied_place *out)
+{
+    const read_orbits *of = from->of;
+    const double *gain = from->gain + 2 * PAIRS * b;
+    const int size = (int)of->coefficients;
+    double x, value[SERIES], older = 1, now;
+    phase where;
+    const int64_t panel = rod_place(of, b, t, &where, &x);
+    for (int i = 0; panel != from->panel && i < size * SERIES; i++)
+        from->last[i % size][i / size] = from->series[SERIES * size * panel + i];
+    from->panel = panel, now = x;
+    for (int k = 0; k < SERIES; k++)
+        value[k] = from->last[0][k] + x * from->last[1][k];
+    for (int m = 2; m < size; m++) {
+        const double next = 2 * x * now - older;
+        older = now, now = next;
+        for (int k = 0; k < SERIES; k++)
+            value[k] += next * from->last[m][k];
+    }
+    out->v = of->direction[b] * (where.second ? -1 : 1) * (where.mirrored ? -1 : 1) * value[0];
+    out->H = value[1], out->c = value[2], out->shift[0] = 0, out->gamma[0] = 1;
+    memcpy(out->shift + 1, value + 3, sizeof(double) * 3), memcpy(out->gamma + 1, value + 6, sizeof(double) * 3);
+    for (int m = 0; m < PAIRS; m++)
+        out->M[m] = rod_unfolded(value[9 + m], &where, gain[m], gain[PAIRS + m], of->kind[b] == LIBRATION);
+}
+
+/* The states of n orbits, none of them a helix, at t (n, stations) into out (n, stations). */
+void rod_variations_places(const read_orbits *of, int64_t n, int64_t stations, const double *series, const double *gain,
+                           const double *t, varied_place *out)
+{
+    reader from = {of, series, gain, -1, {{0}}};
+    for (int64_t i = 0; i < n * stations; i++)
+        place_at(&from, i / stations, t[i], out + i);
+}
+
+/* The changes of n orbits, none of them a helix, by F directions with the parts (n, F, PARTS) at t (n, stations), into
+   out (5, n, F, stations). */
+void rod_variations_changes(const read_orbits *of, int64_t n, int64_t stations, int64_t F, const double *series,
+                            const double *gain, const double *t, const double *parts, double *out)
+{
+    reader from = {of, series, gain, -1, {{0}}};
+    const int64_t each = n * F * stations;
+    for (int64_t b = 0; b < n; b++) {
+        varied_place start, there;
+        double change[5];
+        place_at(&from, b, 0, &start);
+        for (int64_t i = 0; i < stations; i++) {
+            place_at(&from, b, t[b * stations + i], &there);
+            for (int64_t f = b * F; f < (b + 1) * F; f++) {
+                rod_varied_change(&start, &there, parts + PARTS * f, change);
+                for (int k = 0; k < 5; k++)
+                    out[each * k + stations * f + i] = change[k];
+            }
+        }
+    }
 }

@@ -1,16 +1,25 @@
-/* The variations of orbits on their panels: solver/orbit/variations.py and variation_nodes.py. */
+/* The variations of orbits on their panels; solver/orbit/variations.py explains them. */
 
 #ifndef ROD_VARIATIONS_H
 #define ROD_VARIATIONS_H
 
 #include "panels.h"
 
-enum { PAIRS = 10 }; /* the elements of the symmetric matrix M */
+enum { PAIRS = 10, PARTS = 5 }; /* the elements of the symmetric matrix M; parts of a change: a0, g0 and three loads */
+enum { BETA, RATE, LIFTS };      /* what changes: beta, beta_t and, by each load q, the integral of H_q d beta */
 
 /* The state at the nodes of one panel, by a unit of the level and of the three loads: `variation_nodes.Nodes`. */
 typedef struct {
     double v[NODES], H[NODES], c, origin, least, shift[3], gamma[3][NODES], M[PAIRS][NODES];
 } varied_nodes;
+
+/* The state at one place of an orbit: `variations.Place`. v: with its sign. M: from the start. */
+typedef struct {
+    double v, H, c, shift[4], gamma[4], M[PAIRS];
+} varied_place;
+
+/* What a change with these parts adds at a place, (5,): to beta, to beta_t and to the integrals up to there. */
+void rod_varied_change(const varied_place *start, const varied_place *there, const double parts[PARTS], double out[5]);
 
 /* The state on a panel but for what depends on the other panels: all but gamma and M. x, v: (n,), beta from the angle
    `origin` and |beta_t| at the nodes. half: of the duration. */

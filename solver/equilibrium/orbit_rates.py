@@ -28,8 +28,8 @@ from ..numerics.roots import solve
 from ..orbit import helix_variations
 from ..orbit.periodic_orbit import Orbit
 from ..orbit.variation_nodes import height_rates, slopes_by_loads
-from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations, change_between
-from ..problem.reduced import EndsProblem, StartProblem
+from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations
+from ..problem.reduced import EndsProblem, Reduced, StartProblem
 
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
 _Y = 10
@@ -178,20 +178,22 @@ def rates_of_variations(problem: EndsProblem, varied: Variations, integrals: Arr
 
     integrals: of sin, sin cos and cos, (3, B).
     """
-    start, far = varied.start, varied.at(problem.span[:, None])
-    unit = np.broadcast_to(np.eye(5), (problem.size, 5, 5))
-    parts = unit[..., 0], unit[..., 1:]
-    here, there = (change_between(start, place, *parts) for place in (start.take((slice(None), None)), far))
-    v, H = (np.stack([getattr(start, name), getattr(far, name)[:, 0]]) for name in ("v", "H"))
-    return _assemble(problem, here, there, v, H, integrals)
+    t, unit = ends_of(problem), np.broadcast_to(np.eye(5), (problem.size, 5, 5))
+    at = varied.at(t)
+    return _assemble(problem, varied.change(t, unit), at.v.T, at.H.T, integrals)
+
+
+def ends_of(problem: Reduced) -> Array:
+    """t at the two ends, (B, 2)."""
+    return np.asarray(problem.span[:, None] * np.array([0.0, 1.0]))
 
 
 def rates_of_helices(problem: EndsProblem) -> OrbitRates:
     """The numbers of helices at t = span, and their rows but that of y."""
-    far = problem.span[:, None]
-    here, there = (helix_change(problem, t) for t in (0 * far, far))
     s, c, none = np.sin(problem.beta0), np.cos(problem.beta0), np.zeros((2, problem.size))
-    found = _assemble(problem, here, there, none, none, np.stack([s, s * c, c]) * problem.span)
+    found = _assemble(
+        problem, helix_change(problem, ends_of(problem)), none, none, np.stack([s, s * c, c]) * problem.span
+    )
     found.values[:, _Y], found.rows[:, _Y] = -np.inf, np.nan
     return found
 
@@ -207,13 +209,11 @@ def helix_change(problem: EndsProblem, t: Array) -> Change:
     return Change(*(np.where(steep.reshape(-1, *[1] * (a.ndim - 1)), a, b) for a, b in pairs))
 
 
-def _assemble(problem: EndsProblem, here: Change, there: Change, v: Array, H: Array, integrals: Array) -> OrbitRates:
-    """here, there: the changes at the two ends, (B, 1, 5). v, H: at the two ends, (2, B). integrals: (3, B)."""
+def _assemble(problem: EndsProblem, ends: Change, v: Array, H: Array, integrals: Array) -> OrbitRates:
+    """ends: the changes at the two ends, (B, 2, 5). v, H: at the two ends, (2, B). integrals: (3, B)."""
     rows, by_span = np.zeros((problem.size, len(NUMBERS), 5)), np.zeros((problem.size, len(NUMBERS)))
-    of_ends = here.beta, there.beta, here.rate, there.rate
-    of_integrals = (factor * there.integrals[..., k] for k, factor in enumerate((1, -1, 1)))
-    for k, value in enumerate((*of_ends, *of_integrals)):
-        rows[:, k] = value[:, 0]
+    rows[:, :2], rows[:, 2:4] = ends.beta, ends.rate
+    rows[:, 4:7] = ends.integrals[:, 1].swapaxes(1, 2) * np.array([1, -1, 1])[:, None]
     rows[:, [7, 8, 9], [2, 3, 4]] = 1
     s, c = np.sin(problem.betaL), np.cos(problem.betaL)
     by_span[:, [1, 3, 4, 5, 6]] = np.stack([v[1], -H[1], s, s * c, c], axis=1)

@@ -34,6 +34,8 @@ from .pieces import LIBRATION, Arcs, running, unfold
 from .variation_nodes import PAIRS, Nodes, nearest
 
 POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
+_MATRIX = np.zeros((4, 4), dtype=int)  # where the elements of M are kept
+_MATRIX[PAIRS] = _MATRIX[PAIRS[::-1]] = range(10)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,12 +96,14 @@ class Variations:
 
     def at(self, t: Array) -> Place:
         """The places at t (B, n), (B, n) each."""
-        orbit = self.orbit
-        values, phase = orbit.read_at(self.series, t)
-        kind, direction = orbit.arcs.kind[:, None], orbit.arcs.direction[:, None]
-        sign = np.where(phase.second, -direction, direction) * np.where(phase.mirrored, -1.0, 1.0)
-        ten = unfold(values[..., 9:], phase, self.gain, kind == LIBRATION)
-        return _place(sign * values[..., 0], values[..., 1:9], [*np.moveaxis(ten, -1, 0)])
+        found = core.places(self.orbit, self.series, self.gain, t)
+        M = found[..., 11:][..., _MATRIX]
+        return Place(found[..., 0], found[..., 1], found[..., 2], found[..., 3:7], found[..., 7:11], M)
+
+    def change(self, t: Array, parts: Array) -> Change:
+        """The changes at t (B, n) in F directions with the parts (B, 5, F): a0, then e."""
+        found = core.changes(self.orbit, self.series, self.gain, t, parts).swapaxes(2, 3)
+        return Change(found[0], found[1], np.moveaxis(found[2:], 0, -1))
 
     @cached_property
     def start(self) -> Place:
@@ -132,8 +136,9 @@ class Variations:
         sign = self.orbit.arcs.direction[arc // 2] * np.where(arc % 2 == 1, -1.0, 1.0)
         series = np.concatenate([self.orbit.panels.series[panel, :1], self.series[panel, :9]], axis=1)
         values = np.einsum("nks,snm->nmk", series, polynomials(x, series.shape[2]), optimize=False)
-        ten = [np.zeros(x.shape)] * 10
-        place = _place(sign[:, None] * np.maximum(values[..., 1], 0), values[..., 2:], ten)
+        v, H, c = sign[:, None] * np.maximum(values[..., 1], 0), values[..., 2], values[..., 3]
+        shift, gamma = (np.insert(values[..., k : k + 3], 0, first, axis=-1) for k, first in ((4, 0.0), (7, 1.0)))
+        place = Place(v, H, c, shift, gamma, np.zeros((*x.shape, 4, 4)))
         return self.base[panel, None] + values[..., 0], place
 
     def sums(self, rates: Array, jump: Array, closing: Array, until: Array) -> Array:
@@ -174,48 +179,17 @@ class Variations:
         return _vary(orbit, self.base[every], nodes, jump, self.closing)
 
 
-def _place(v: Array, values: Array, ten: list[Array]) -> Place:
-    H, c, shift, gamma = values[..., 0], values[..., 1], values[..., 2:5], values[..., 5:8]
-    M = np.empty((*v.shape, 4, 4))
-    for i, j, value in zip(*PAIRS, ten, strict=True):
-        M[..., i, j] = M[..., j, i] = value
-    none, one = np.zeros((*v.shape, 1)), np.ones((*v.shape, 1))
-    return Place(v, H, c, np.concatenate([none, shift], axis=-1), np.concatenate([one, gamma], axis=-1), M)
-
-
-def directions(start: Place) -> tuple[Array, Array]:
-    """a0 (B, 5) and e (B, 5, 4) of a unit of beta(0), beta_t(0), lam, mu and phi, each with the others held."""
-    e = np.zeros((*start.v.shape, 5, 4))
-    a0 = np.zeros((*start.v.shape, 5))
+def directions(start: Place) -> Array:
+    """The parts of a unit of beta(0), beta_t(0), lam, mu and phi, each with the others held, (B, 5, 5)."""
+    parts = np.zeros((*start.v.shape, 5, 5))
     v, H, c, D = start.v, start.H, start.c, start.D
-    e[..., 0, 0], a0[..., 0] = H, v / D
-    e[..., 1, 0], a0[..., 1] = v, -c * H / D
+    parts[:, :2, 0] = np.stack([v / D, H], axis=1)
+    parts[:, :2, 1] = np.stack([-c * H / D, v], axis=1)
     full = start.gamma + start.shift * H[..., None]
     for q in (1, 2, 3):
-        e[..., q + 1, q] = 1
-        e[..., q + 1, 0] = -full[..., q]
-        a0[..., q + 1] = -start.shift[..., q] * v / D
-    return a0, e
-
-
-def change_between(start: Place, there: Place, a0: Array, e: Array) -> Change:
-    """The change at places (B, n) by the directions a0 (B, F), e (B, F, 4), (B, n, F) each."""
-    rise = np.einsum("bnjk,bfk->bnfj", there.M - start.M[:, None], e)
-    a = a0[:, None, :] + rise[..., 0]
-    g, shift = (np.einsum("bnk,bfk->bnf", value, e) for value in (there.gamma, there.shift))
-    v, H, c, D = (value[..., None] for value in (there.v, there.H, there.c, there.D))
-    beta = shift + a * v + g * (c * H / D)
-    rate = -a * H + g * (v / D)
-    g0 = np.einsum("bk,bfk->bf", start.gamma, e)
-    ends = _end_term(there, a, g) - _end_term(start, a0, g0)[:, None]
-    return Change(beta, rate, rise[..., 1:] + ends)
-
-
-def _end_term(place: Place, a: Array, g: Array) -> Array:
-    """shift g beta_t/D - a gamma of each load, (..., F, 3)."""
-    shift = place.shift[..., None, 1:]
-    gamma = place.gamma[..., None, 1:] + shift * place.H[..., None, None]
-    return shift * (g * (place.v / place.D)[..., None])[..., None] - a[..., None] * gamma
+        parts[:, q + 1, q + 1] = 1
+        parts[:, :2, q + 1] = np.stack([-start.shift[..., q] * v / D, -full[..., q]], axis=1)
+    return parts
 
 
 def orbits_to_vary(problem: StartProblem) -> Orbit:

@@ -15,14 +15,17 @@ from ..observe.rod_pieces import Angles
 from ..orbit.variation_nodes import slopes_by_loads
 from ..problem.reduced import StartProblem
 from .extremes import EXTREMES, INTEGRALS, LARGEST, LARGEST_SIZE, LIFTS, MIDDLE_PUSH, PEAK, PUSHES
-from .motions import MARKS, Motion
+from .motions import MARKS, Motion, marks_of
 
 _STEADY = 1e-10  # relative: a change that is the same all along a helix
 
 
-def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: set[str]) -> dict[str, Array]:
-    """As `measured_orbits.of_orbits`; an extreme has a derivative where every place of the rod changes equally."""
-    rods = _Helices(motion, unit, later, sign)
+def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: set[str], t: Array) -> dict[str, Array]:
+    """As `measured_orbits.of_orbits`; an extreme has a derivative where every place of the rod changes equally.
+
+    t: (b, n), the stations.
+    """
+    rods = _Helices(motion, unit, later, sign, t)
     found: dict[str, Array] = {"half_period": np.full_like(later, np.nan)}
     for name in wanted:
         if name in EXTREMES:
@@ -53,6 +56,7 @@ class _Helices:
     unit: Array
     later: Array
     sign: Array
+    stations: Array
 
     @property
     def problem(self) -> StartProblem:
@@ -62,14 +66,14 @@ class _Helices:
     def turned(self) -> Array:
         """The integrals of d beta up to the marks, (b, 3, F)."""
         H_q = slopes_by_loads(self.problem.beta0[:, None])[..., 0]
-        by_each = np.einsum("bmfk,bk->bmf", self.motion.marks.integrals, H_q) / (H_q**2).sum(axis=1)[:, None, None]
-        return np.asarray(np.einsum("bmf,bfg->bmg", by_each, self.unit))
+        moved = self.motion.change(marks_of(self.problem), self.unit).integrals
+        return np.asarray(np.einsum("bmgk,bk->bmg", moved, H_q) / (H_q**2).sum(axis=1)[:, None, None])
 
     @cached_property
     def along(self) -> Array:
         """d beta at the stations and the marks, (b, F, n)."""
-        beta = np.concatenate([self.motion.along.beta, self.motion.marks.beta], axis=1)
-        return np.asarray(np.einsum("bnf,bfg->bgn", beta, self.unit))
+        t = np.concatenate([self.stations, marks_of(self.problem)], axis=1)
+        return np.asarray(self.motion.change(t, self.unit).beta.swapaxes(1, 2))
 
     def rates(self, density: Any) -> _Rates:
         problem, beta = self.problem, self.problem.beta0[:, None]

@@ -146,10 +146,9 @@ def of_orbits(
     unit: (b, 5, F), of `result.amounts`. later: (b, F), the change of the length in t. sign: (b,), of `Case.outward`.
     peak: (b,), the t of the largest push that is observed; read where it is wanted.
     """
-    orbits = motion.orbits
-    assert orbits is not None
-    a0, e = np.einsum("bf,bfg->bg", orbits.a0, unit), np.einsum("bfk,bfg->bgk", orbits.e, unit)
-    varied, places, span = orbits.varied, (orbits.start, orbits.end), motion.problem.span
+    varied, span = motion.varied, motion.problem.span
+    assert varied is not None
+    a0, e, places = unit[:, 0], unit[:, 1:].swapaxes(1, 2), (varied.start, motion.end)
     found = {"half_period": -np.einsum("bk,bgk->bg", varied.gain[:, :, :4].sum(axis=1), e)}
 
     def measure(density: Any) -> DensityChange:

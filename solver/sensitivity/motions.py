@@ -1,7 +1,9 @@
-"""The motions of the solved cases of a solution: how each orbit answers a unit of its end values and of its loads."""
+"""The motions of the solved cases of a solution: how each orbit answers what is given."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +16,7 @@ from ..observe.measurement import MIDDLE
 from ..orbit import helix_variations
 from ..orbit.periodic_orbit import Orbit
 from ..orbit.pieces import HELIX
-from ..orbit.variations import Change, Place, Variations, change_between, directions, orbits_to_vary, variations_on
+from ..orbit.variations import Change, Place, Variations, directions, orbits_to_vary, variations_on
 from ..problem.held_ends import given_numbers
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat
 from ..shape import Shape
@@ -25,42 +27,26 @@ MARKS = np.array([*MIDDLE, 1.0])  # shares of the length that observables need
 
 
 @dataclass(frozen=True, eq=False)
-class VariedOrbits:
-    """How b orbits move that are no helices.
-
-    varied: their variations. a0 (b, 5), e (b, 5, 4): the directions as in `orbit.variations`. start, end: the places of
-    the two ends, (b,).
-    """
-
-    varied: Variations
-    a0: Array
-    e: Array
-    start: Place
-    end: Place
-
-
-@dataclass(frozen=True, eq=False)
 class Motion:
-    """The motions of b cases, the `rows` of a solution, in five directions.
+    """The motions of b cases, the `rows` of a solution.
 
-    The directions of a start problem are a unit of beta(0), of beta_t(0), and of lam, mu and phi, each with the others
-    held; those of an ends problem are the five parts of a change of its orbit (`equilibrium.orbit_rates`), the last
-    three those of the loads.
-
-    problem: the start problems of the orbits. along: at the stations, (b, n, 5). marks: at the shares `MARKS`
-    of the length, (b, 3, 5). ends: of beta_t at the start and at the far end, (b, 2, 5). rate: beta_t at the far end,
-    (b,). orbits: what moves; None for helices. parts: (b, 5, 6), how much of each direction a unit of each given number
-    of an ends problem makes, and last of the length; None for a start problem.
+    problem: the start problems of the orbits. change: the changes at t (b, n) by amounts (b, 5, F) of five directions,
+    the parts of a change of an orbit (`orbit.variations`); about helices two of them are others. parts: (b, 5, k), how
+    much of each direction a unit of what is given makes: of beta(0), beta_t(0), lam, mu and phi of a start problem
+    (k = 5), of the five given numbers of an ends problem and of the length (k = 6). varied: None for helices.
     """
 
     rows: Integers
     problem: StartProblem
-    along: Change
-    marks: Change
-    ends: Array
-    rate: Array
-    orbits: VariedOrbits | None = None
-    parts: Array | None = None
+    change: Callable[[Array, Array], Change]
+    parts: Array
+    varied: Variations | None = None
+
+    @cached_property
+    def end(self) -> Place:
+        """The places of the far ends, (b,) each, of orbits that are no helices."""
+        assert self.varied is not None
+        return self.varied.at(self.problem.span[:, None]).take((slice(None), 0))
 
 
 def motions(sol: Shape, outcome: Array) -> Iterator[Motion]:
@@ -81,24 +67,16 @@ def motions(sol: Shape, outcome: Array) -> Iterator[Motion]:
         orbit = orbits_to_vary(problem)
         still = orbit.kind == HELIX
         if not still.any():
-            yield _of_orbits(sol, block, orbit)
+            yield _of_orbits(block, orbit)
             continue
-        yield _of_helices(sol, block[still], problem.take(still))
+        yield _of_helices(block[still], problem.take(still))
         if not still.all():
-            yield _of_orbits(sol, block[~still], orbits_to_vary(problem.take(~still)))
+            yield _of_orbits(block[~still], orbits_to_vary(problem.take(~still)))
 
 
-def _of_orbits(sol: Shape, rows: Integers, orbit: Orbit) -> Motion:
+def _of_orbits(rows: Integers, orbit: Orbit) -> Motion:
     varied = variations_on(orbit, orbit.arcs)
-    return _move(varied, rows, orbit.problem, sol.t[rows], *directions(varied.start))
-
-
-def _move(varied: Variations, rows: Integers, problem: StartProblem, t: Array, a0: Array, e: Array) -> Motion:
-    start, places = varied.start, varied.at(marks_of(problem))
-    ends = varied.at(_ends_of(problem))
-    along, marks, at_ends = (change_between(start, there, a0, e) for there in (varied.at(t), places, ends))
-    end = places.take((slice(None), -1))
-    return Motion(rows, problem, along, marks, at_ends.rate, end.v, VariedOrbits(varied, a0, e, start, end))
+    return Motion(rows, orbit.problem, varied.change, directions(varied.start), varied)
 
 
 def marks_of(problem: Reduced) -> Array:
@@ -106,29 +84,27 @@ def marks_of(problem: Reduced) -> Array:
     return np.asarray(problem.span[:, None] * MARKS)
 
 
-def _ends_of(problem: Reduced) -> Array:
-    """t at the two ends, (b, 2)."""
-    return np.asarray(problem.span[:, None] * np.array([0.0, 1.0]))
+def _of_helices(rows: Integers, problem: StartProblem) -> Motion:
+    parts = np.broadcast_to(np.eye(5), (rows.size, 5, 5))
+    return Motion(rows, problem, partial(_helix_change, helix_variations.start, problem), parts)
 
 
-def _of_helices(sol: Shape, rows: Integers, problem: StartProblem) -> Motion:
-    places = sol.t[rows], marks_of(problem), _ends_of(problem)
-    along, marks, ends = (helix_variations.start(problem, t) for t in places)
-    return Motion(rows, problem, along, marks, ends.rate, np.zeros(rows.size))
+def _helix_change(way: Callable[[Any, Array], Change], problem: Any, t: Array, amounts: Array) -> Change:
+    by = way(problem, t)
+    integrals = np.stack([by.integrals[..., k] @ amounts for k in range(3)], axis=-1)
+    return Change(by.beta @ amounts, by.rate @ amounts, integrals)
 
 
 def _of_equilibrium(sol: Shape, one: EndsProblem, path: Path, i: int) -> Motion:
-    rows, t = np.array([i]), sol.t[i : i + 1]
+    rows = np.array([i])
     names, ratio = given_numbers(sol.case), float(flat(sol.case.rod.stiffness_ratio, sol.case.shape)[i])
     problem = one.with_start(sol.trajectory.dbeta[i : i + 1, 0])
     if path.helix:
         parts = parts_by_given(rates_of_helices(one), names, ratio)[None]
-        along, marks, ends = (helix_change(one, where) for where in (t, marks_of(one), _ends_of(one)))
-        return Motion(rows, problem, along, marks, ends.rate, np.zeros(1), parts=parts)
+        return Motion(rows, problem, partial(_helix_change, helix_change, one), parts)
     varied = variations_of(one, path, LinePoint(one))
     parts = parts_by_given(rates_of_variations(one, varied, np.full((3, 1), np.nan)), names, ratio)[None]
-    each = np.eye(5)[None]
-    return replace(_move(varied, rows, problem, t, each[..., 0], each[..., 1:]), parts=parts)
+    return Motion(rows, problem, varied.change, parts, varied)
 
 
 def _path(sol: Shape, one: EndsProblem, i: int) -> Path | None:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..equilibrium.orbit_rates import ends_of
 from ..numerics.arrays import Array
 from ..observe.measurement import Reading
 from ..observe.observables import OBSERVABLES, check_names, is_count
@@ -64,7 +65,7 @@ class Moving(Reading):
         sign = flat(self.sol.case.outward, self.sol.case.shape)[motion.rows]
         given = motion, unit, rates.span, sign, self._wanted
         peak = self.plain.value(PEAK)[motion.rows] if PEAK in self._wanted else np.zeros_like(sign)
-        found = of_helices(*given) if motion.orbits is None else of_orbits(*given, peak)
+        found = of_helices(*given, self.sol.t[motion.rows]) if motion.varied is None else of_orbits(*given, peak)
         turned, risen = _gains(motion, unit, rates.span)
         found |= {"alpha": turned[:, 2], "z": risen[:, 2]}
         found |= {"middle turned": turned[:, 1] - turned[:, 0], "middle risen": risen[:, 1] - risen[:, 0]}
@@ -133,18 +134,18 @@ class Moving(Reading):
 
 def _gains(motion: Motion, unit: Array, later: Array) -> tuple[Array, Array]:
     """The derivatives of alpha and of z/rho, without their values at the start, at the marks, (b, 3, F) each."""
-    orbits, problem = motion.orbits, motion.problem
-    beta = problem.beta0[:, None] if orbits is None else orbits.varied.beta(marks_of(problem))
-    found = np.einsum("bmfk,bfg->bmgk", motion.marks.integrals, unit)
+    problem, t = motion.problem, marks_of(motion.problem)
+    beta = problem.beta0[:, None] if motion.varied is None else motion.varied.beta(t)
+    found = motion.change(t, unit).integrals
     longer = later[:, None, :] * MARKS[:, None]
     return found[..., 0] + np.sin(beta)[..., None] * longer, found[..., 2] + np.cos(beta)[..., None] * longer
 
 
 def _end_rates(motion: Motion, unit: Array, later: Array) -> dict[str, Array]:
     """The derivatives of beta_t at the two ends, (b, F) each."""
-    first, last = (np.matmul(motion.ends[:, None, k], unit)[:, 0] for k in range(2))
-    bend = 0.0 if motion.orbits is None else motion.orbits.end.H[:, None]  # -beta_tt at the far end
-    return {"dbeta0": first, "dbetaL": last - bend * later}
+    rate = motion.change(ends_of(motion.problem), unit).rate
+    bend = 0.0 if motion.varied is None else motion.end.H[:, None]  # -beta_tt at the far end
+    return {"dbeta0": rate[:, 0], "dbetaL": rate[:, 1] - bend * later}
 
 
 def _amplitude(read: Moving) -> Any:

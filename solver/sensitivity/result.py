@@ -81,8 +81,8 @@ def of_rows(rates: FieldRates, rows: Array) -> FieldRates:
 
 def amounts(motion: Motion, rates: FieldRates) -> Array:
     """How far a unit of each field moves the cases in the five directions of a motion, (b, 5, F)."""
-    if motion.parts is None or rates.given is None:
-        return np.stack([rates.beta0, rates.end, rates.lam, rates.mu, rates.phi], axis=1)
+    if rates.given is None:
+        return np.matmul(motion.parts, np.stack([rates.beta0, rates.end, rates.lam, rates.mu, rates.phi], axis=1))
     return np.matmul(motion.parts, np.concatenate([rates.given, rates.span[:, None]], axis=1))
 
 
@@ -91,8 +91,8 @@ def along(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> dict[st
 
     unit: (b, 5, F), of `amounts`. rates: of these cases.
     """
-    rows, change, t = motion.rows, motion.along, sol.t[motion.rows]
-    problem = motion.problem
+    rows, t, problem = motion.rows, sol.t[motion.rows], motion.problem
+    change = motion.change(t, unit)
     beta, v, z = (getattr(sol.trajectory, name)[rows][:, None, :] for name in ("beta", "dbeta", "z"))
     later = rates.span[:, :, None] * (t / problem.span[:, None])[:, None, :]  # the change of t at a constant s/L
     case = sol.case
@@ -101,17 +101,14 @@ def along(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> dict[st
         getattr(rates, name)[:, :, None] for name in ("mu", "ratio", "rho", "alpha", "gamma")
     )
 
-    def by(values: Array) -> Array:
-        return np.matmul(values, unit).swapaxes(1, 2)
-
     s, c = np.sin(beta), np.cos(beta)
     force = slope(Loads.columns(problem), beta[:, 0])[:, None, :]
-    alpha, minus_swirl, height = (by(change.integrals[..., k]) for k in range(3))
+    alpha, minus_swirl, height = (change.integrals[..., k].swapaxes(1, 2) for k in range(3))
     mu = problem.mu[:, None, None]
     twist = (d_mu * ratio + mu * d_ratio) * t[:, None, :] + mu * ratio * later
     return {
-        "beta": by(change.beta) + v * later,
-        "dbeta": (by(change.rate) - force * later - v / rho * d_rho) / rho,
+        "beta": change.beta.swapaxes(1, 2) + v * later,
+        "dbeta": (change.rate.swapaxes(1, 2) - force * later - v / rho * d_rho) / rho,
         "alpha": alpha0 + alpha + s * later,
         "z": rho * (height + c * later) + z * d_rho,
         "gamma": gamma0 + twist + minus_swirl - s * c * later,

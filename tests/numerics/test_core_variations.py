@@ -12,7 +12,6 @@ from solver.levels.line_point import Path, path_of
 from solver.orbit.pieces import HELIX
 from solver.orbit.variations import (
     Variations,
-    change_between,
     directions,
     orbits_to_vary,
     variations_on,
@@ -35,7 +34,7 @@ def test_variations_are_those_of_a_march_of_the_variational_equation() -> None:
     found = variations(2, 12)
     p = found.orbit.problem
     rows = np.flatnonzero(p.span < 12)[:4]
-    change = change_between(found.start, found.at(p.span[:, None]), *directions(found.start))
+    change = found.change(p.span[:, None], directions(found.start))
     assert rows.size == 4
     for i in rows:
         loads = float(p.lam[i]), float(p.mu[i]), float(p.phi[i])

@@ -13,7 +13,7 @@ from solver.mechanics.potential import slope_rate
 from solver.observe.observables import observe
 from solver.orbit.periodic_orbit import solve_orbit
 from solver.orbit.pieces import LIBRATION
-from solver.orbit.variations import change_between, directions
+from solver.orbit.variations import directions
 from solver.problem.reduced import EndsProblem, StartProblem, reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 
@@ -61,8 +61,7 @@ def test_the_response_beside_a_saddle_is_that_of_the_variations() -> None:
     assert every is not None
     path = path_of(every.path, 1)
     varied = variations_of(problem, path, LinePoint(problem))
-    there = varied.at(np.linspace(0, problem.span[0], 20001)[None])
-    eta = change_between(varied.start, there, *directions(varied.start)).beta[0, :, 1]
+    eta = varied.change(np.linspace(0, problem.span[0], 20001)[None], directions(varied.start)).beta[0, :, 1]
     assert path.y < -65
     assert np.abs(eta).max() / abs(eta[-1]) == pytest.approx(every.orbit.response[1], rel=1e-4)  # between stations
 

@@ -13,7 +13,7 @@ from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, obs
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.field_rates import check_fields, fields_of
 from solver.problem.held_ends import given_numbers
-from solver.problem.reduced import reduce
+from solver.problem.reduced import StartProblem, reduce
 from solver.sensitivity.motions import motions
 from tests.cases import START, ends_in_units_of_rho
 from tests.workbench import doc_pages
@@ -57,13 +57,12 @@ def jacobian(solution: Any) -> Any:
     """Derivatives of beta, beta_t, alpha, z, swirl (n, 5) in the five directions of the references, (n, 5, 5)."""
     outcome = np.array(["solved"], dtype=object)
     (motion,) = motions(solution, outcome)
-    along = motion.along
+    along = motion.change(solution.t, motion.parts)
     alpha, minus_swirl, z = (along.integrals[0, ..., k] for k in range(3))
     found = np.stack([along.beta[0], along.rate[0], alpha, z, -minus_swirl], axis=1)
-    if motion.parts is None:
+    if isinstance(solution.problem, StartProblem):
         return found
-    order = [given_numbers(solution.case).index(name) for name in ("beta0", "betaL", "lam", "mu", "phi")]
-    return found @ motion.parts[0][:, order]
+    return found[..., [given_numbers(solution.case).index(name) for name in ("beta0", "betaL", "lam", "mu", "phi")]]
 
 
 def off(found: Any, exact: Any) -> float:
