@@ -15,9 +15,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.optimize import brentq, minimize_scalar
 
 from solver import Case, Cylinder, Ends, Rod, Solution, observe, solve
+from workbench.figures import canvas, style
+from workbench.figures.sheet import sheet
 
 WEIGHT = 1e-14  # w rho^3/A
 LENGTH, FORCE = WEIGHT**-0.25, WEIGHT**0.5
@@ -127,11 +130,7 @@ def events() -> dict[str, float]:
 
 def draw(found: dict[str, float], path: Path = PICTURE) -> None:
     """Draw the energies of the three states over the compression, with the events."""
-    from matplotlib.figure import Figure
-
     loads = list(found.values())
-    figure = Figure(figsize=(7.2, 4.0), layout="constrained")
-    axes = figure.add_subplot()
     _, way = fold()
     branch, rising = HalfWave(SINUSOID), [(loads[0], 0.0, 1.0)]
     below = [(None, F) for F in np.linspace(2.06, loads[4], 30)]
@@ -142,25 +141,30 @@ def draw(found: dict[str, float], path: Path = PICTURE) -> None:
     wound = [
         (F, energy(sol, F), push_min(sol)) for F in np.linspace(2.6, 3.6, 41) for sol in (HalfWave(HELIX).best(F),)
     ]
-    axes.plot([1.8, loads[0]], [0, 0], color="0.35", lw=2.5)
-    axes.plot([loads[0], 3.9], [0, 0], color="0.35", lw=0.8)
-    for rows, colour in ((rising, "tab:blue"), (wound, "tab:purple")):
-        force, height, push = np.array(rows).T
-        axes.plot(force, height, color=colour, lw=0.8)
-        axes.plot(np.where(push >= -1e-5, force, np.nan), height, color=colour, lw=2.5)
     heights = [0.0, *(float(np.interp(F, *np.array(wound).T[:2])) for F in loads[1:4]),
                float(np.interp(loads[4], *np.array(rising).T[:2]))]  # fmt: skip
-    for number, (force, height) in enumerate(zip(loads, heights, strict=False), 1):
-        axes.plot(force, height, "o", color="black", ms=5)
-        axes.annotate(f"{number}: {force:.4g}", (force, height), (6, 6), textcoords="offset points", size=9)
-    for text, place, colour in (("straight", (1.83, 0.015), "0.35"), ("sinusoid", (3.12, -0.09), "tab:blue"),
-                                ("helix", (3.44, -0.46), "tab:purple"),
-                                ("thick: stable and pressed on the wall", (1.83, -0.56), "0.35")):  # fmt: skip
-        axes.text(*place, text, color=colour, size=10)
-    axes.set(xlim=(1.8, 3.9), ylim=(-0.6, 0.18), xlabel="compression F, in √(EI w/ρ)",
-             ylabel="energy per length, in w ρ,\nabove that of the straight pipe")  # fmt: skip
-    axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=150)
+
+    def diagram(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        axes.plot([1.8, loads[0]], [0, 0], color=style.SOFT, lw=2.5)
+        axes.plot([loads[0], 3.9], [0, 0], color=style.SOFT, lw=0.8)
+        for rows, colour in ((rising, style.PAIR[1]), (wound, style.PAIR[0])):
+            force, height, push = np.array(rows).T
+            axes.plot(force, height, color=colour, lw=0.8)
+            axes.plot(np.where(push >= -1e-5, force, np.nan), height, color=colour, lw=2.5)
+        for number, (force, height) in enumerate(zip(loads, heights, strict=False), 1):
+            axes.plot(force, height, "o", color=style.INK, ms=4)
+            axes.annotate(f"{number}: {force:.4g}", (force, height), (6, 6), textcoords="offset points",
+                          size=style.small())  # fmt: skip
+        for text, place, colour in (("straight", (1.83, 0.015), style.SOFT), ("sinusoid", (3.12, -0.09), style.PAIR[1]),
+                                    ("helix", (3.44, -0.46), style.PAIR[0]),
+                                    ("thick: stable and pressed on the wall", (1.83, -0.56), style.SOFT)):  # fmt: skip
+            axes.text(*place, text, color=colour)
+        axes.set(xlim=(1.8, 3.9), ylim=(-0.6, 0.18), xlabel="compression F, in √(EI w/ρ)",
+                 ylabel="energy per length, in w ρ,\nabove that of the straight pipe")  # fmt: skip
+
+    page = sheet("paper", titled=False)
+    canvas.save(canvas.figure((page.width, 3.6), diagram, sheet=page), path)
 
 
 if __name__ == "__main__":

@@ -25,8 +25,8 @@ from .trends import trend
 ROD, ALONG, CLAIMS = "fig6", "fig7_1_modulus", "readings"  # the datasets by the name of their study
 NEEDED = (ROD, ALONG, CLAIMS)
 TURNED = np.radians(38.0)  # from facing the middle of a rod: three quarters
-PART = 0.44  # of the rod with its letters: more would be small
-SHOWN = 0.4  # of its length, where the angle is drawn
+PART = 0.45  # of the rod with its letters: more would be small
+SHOWN = 0.42  # of its length, where the angle is drawn
 BODY = (0.36, 0.55, 0.74)
 HEADS = 56, 72  # points from the table to the heads of its columns
 # the height of the figure, and left, low, width and height of the panels a to d and of the bar of colours, in inches
@@ -80,7 +80,7 @@ def letters(ds: xr.Dataset, ax: Axes) -> None:
     eye = Eye(float(rod["alpha"].mean()) - TURNED)
     shown = rod.between(0.0, PART)
     low = float(shown["z"].min() - R)  # where the azimuth is drawn
-    ends = low - 0.6 * R, float(shown["z"].max() + 1.2 * R)
+    ends = low - 0.9 * R, float(shown["z"].max() + 1.2 * R)
     solid.rod(ax, eye, shown, np.tile(BODY, (shown["s"].size, 1)), ends, R)
     k = int(np.argmin(np.abs(rod["s"] - SHOWN * rod["s"][-1])))
     places = frames.position(rod.rho, rod["alpha"], rod["z"])
@@ -91,7 +91,9 @@ def letters(ds: xr.Dataset, ax: Axes) -> None:
     arc = at + 1.7 * R * arc / np.linalg.norm(arc, axis=1)[:, None]
     around = solid.ring(R, low, np.linspace(rod["alpha"][0], rod["alpha"][k], 40))
     for foot, head in ((around[0], start), (around[-1], at)):  # the meridians of s = 0 and of the point
-        _line(ax, eye, [foot, [foot[0], foot[1], head[2]]], style.INK, linestyle=(0, (3, 2)), zorder=2.5)
+        way_up = [foot, [foot[0], foot[1], head[2]], head]
+        _line(ax, eye, way_up, style.INK, linestyle=(0, (1, 1.5)), zorder=4)  # on the wall, seen through the rod
+        ax.plot(*eye.to_page(head), "o", color=style.INK, markersize=3, zorder=6)
     _line(ax, eye, around, style.INK)
     _line(ax, eye, around[-3:], style.INK, arrow="")
     _line(ax, eye, arc, style.INK)
@@ -100,9 +102,10 @@ def letters(ds: xr.Dataset, ax: Axes) -> None:
     top = ends[1] * up
     _line(ax, eye, [top, top + 1.2 * R * up], style.INK, arrow="z")
     _line(ax, eye, [top, top + R * frames.outward(np.array(eye.azimuth - 1.0))], style.INK, arrow="R")
-    ax.plot(*eye.to_page(start), "o", color=style.INK, markersize=3, zorder=6)
-    _write(ax, eye.to_page(start), "s = 0", (-4, -5), ha="right")
-    _write(ax, eye.to_page(at + 1.3 * (arc[20] - at)), "β", (0, 0))
+    left, height = -1.12 * R, eye.to_page(start)[1]  # beside the cylinder
+    ax.plot([left, eye.to_page(start)[0]], [height, height], color=style.INK, linewidth=0.5, zorder=5)
+    _write(ax, (left, height), "s = 0", (-2, 0), ha="right")
+    _write(ax, eye.to_page(at + 1.3 * (arc[20] - at)), "β", (-1, 4))
     _write(ax, eye.to_page(around[20]), "α", (0, -6))
     _frame(ax)
 
@@ -199,7 +202,7 @@ def _line(ax: Axes, eye: Eye, points: Any, colour: str, arrow: str | None = None
     look = {"arrowstyle": "-|>", "color": colour, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6}
     ax.annotate("", places[-1], places[0], zorder=6, annotation_clip=False, arrowprops=look)
     way = (places[-1] - places[0]) / np.linalg.norm(places[-1] - places[0])
-    _write(ax, places[-1], arrow, tuple(7.5 * way))
+    _write(ax, places[-1], arrow, tuple((7.5 if way[1] > 0 else 10.0) * way))
 
 
 def _write(ax: Axes, place: Any, text: str, offset: Any, **look: Any) -> None:

@@ -244,7 +244,11 @@ def level_notes(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
     asked = re.compile(r"[<>]|==|!=|\b(and|or|not)\b")  # an expression that is true or false
     said = [("false", "true")[bool(value)] if asked.search(str(array.attrs.get("expression", "")))
             else labels.value(value, array) for array, value in level]  # fmt: skip
-    texts = [f"{labels.long_name(array)}: {text} in all cases." for (array, _), text in zip(level, said, strict=True)]
+    texts = []
+    for (array, value), text in zip(level, said, strict=True):
+        flag = re.fullmatch("1 where (.*), else 0", labels.long_name(array))
+        does = flag[1] if flag else f"{labels.long_name(array)}: {text}"
+        texts.append(f"{does} in {'no case' if flag and not value else 'all cases'}.")
     return [text[0].upper() + text[1:] for text in texts]
 
 

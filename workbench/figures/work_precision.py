@@ -48,9 +48,10 @@ def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figu
     if cost not in COSTS:
         raise no_such("cost", cost, COSTS)
     cases = shown(ds)
-    columns = min(max(int(sheet.width / PANEL[0] + 1e-9), 1), len(cases))
+    columns = min(1 if sheet.narrow else 3, len(cases))
     lines = -(-len(cases) // columns)
-    size = (max(sheet.width, 2 * PANEL[0]), lines * PANEL[1] + 1.5)
+    above = 1.0 if sheet.titled else 0.75  # inches of the title and the legend
+    size = (max(sheet.width, 2 * PANEL[0]), lines * PANEL[1] + 0.5 + above)
     inch = 1 / size[1]
 
     def draw(fig: Figure) -> None:
@@ -65,16 +66,16 @@ def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figu
         error = "error achieved: of angle [rad], or of position over max(ρ, L)"
         fig.supylabel(error if lines > 2 else fill(error, 34), size=style.normal())
         some = f", {len(cases)} of {ds.sizes['case']} cases" if len(cases) < ds.sizes["case"] else ""
-        title = f"{ds.attrs['title']}: {COSTS[cost]}{some}" if ds.attrs["title"] else ""
+        title = f"{ds.attrs['title']}: {COSTS[cost]}{some}" if ds.attrs["title"] and sheet.titled else ""
         fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=style.large())
         for i, (title, handles) in enumerate(_legends(ds)):
-            top = 1 - (0.33 + 0.19 * i) * inch
+            top = 1 - (above - 0.67 + 0.19 * i) * inch
             fig.text(0.012, top - 0.1 * inch, title, va="center", size=style.small(), color=style.SOFT)
             fig.legend(handles=handles, loc="center left", bbox_to_anchor=(0.12, top - 0.1 * inch), ncols=len(handles),
                        borderaxespad=0, columnspacing=1.2, handlelength=1.8, handletextpad=0.5)  # fmt: skip
-        fig.get_layout_engine().set(rect=(0, 0, 1, 1 - 1.0 * inch))  # type: ignore[union-attr, call-arg]
+        fig.get_layout_engine().set(rect=(0, 0, 1, 1 - above * inch))  # type: ignore[union-attr, call-arg]
 
-    return canvas.figure(size, draw)
+    return canvas.figure(size, draw, sheet=sheet)
 
 
 def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:

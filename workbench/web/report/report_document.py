@@ -35,6 +35,7 @@ TEMPLATE = "report.html.j2"
 CAPTIONS = {
     "solved": "Change the values: the rod is solved again here, in this file. Drag to turn it, arrow keys turn it too.",
     "stored": "Drag to turn the rod about the axis of the cylinder; the slider goes through the cases of the figure.",
+    "row": "The blue frame above marks the rod that is shown here; the slider moves it. Drag to turn the rod.",
 }
 TITLES = {"trade": "Accuracy against cost", "extremes": "The extremes"}
 STORY = "The rod with its letters, nine rods over the modulus, their number of bends, and the verdicts of all readings"
