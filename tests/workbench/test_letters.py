@@ -148,7 +148,11 @@ def test_angles_are_in_degrees_on_every_axis(judged) -> None:
 
 
 def test_a_count_that_is_the_same_in_all_cases_is_a_sentence_and_no_panel(two) -> None:
-    level = two.assign(turns=two["turns"] * 0 + 3)
+    flag = (two["turns"] * 0 + 1).assign_attrs(long_name="1 where the rod intersects itself, else 0")
+    level = two.assign(turns=two["turns"] * 0 + 3, overlaps=flag, met=flag * 0)
+    level["met"].attrs = flag.attrs
+    notes = study_figure.level_notes(level, ["overlaps", "met"])
+    assert notes == ["The rod intersects itself in all cases.", "The rod intersects itself in no case."]
     fig = study_figure.figure(level, [])
     assert "number of bends" not in [ax.get_title(loc="left") for ax in fig.axes]
     assert any("Number of bends: 3 in all cases." in text.get_text() for text in fig.findobj(Text))
