@@ -33,12 +33,10 @@ INLINE void polynomials_at(int n, const double *restrict x, double *restrict out
             out[k * AT + i] = 2 * x[i] * out[(k - 1) * AT + i] - out[(k - 2) * AT + i];
 }
 
-/* The angles from the series of beta and |beta_t| (2, n) and the polynomials at the nodes. */
-INLINE void angles_at(int n, const double *restrict series, const double *restrict polynomials, node_angles *restrict a)
+/* sin and cos of beta. */
+INLINE void directions_of(node_angles *restrict a)
 {
     double far = 0;
-    product(n, AT, series, polynomials, a->beta);
-    product(n, AT, series + n, polynomials, a->speed);
     for (int i = 0; i < AT; i++)
         far = larger(far, fabs(a->beta[i]));
     if (far < FAR)
@@ -46,6 +44,14 @@ INLINE void angles_at(int n, const double *restrict series, const double *restri
     else
         for (int i = 0; i < AT; i++)
             a->s[i] = sin(a->beta[i]), a->c[i] = cos(a->beta[i]);
+}
+
+/* The angles from the series of beta and |beta_t| (2, n) and the polynomials at the nodes. */
+INLINE void angles_at(int n, const double *restrict series, const double *restrict polynomials, node_angles *restrict a)
+{
+    product(n, AT, series, polynomials, a->beta);
+    product(n, AT, series + n, polynomials, a->speed);
+    directions_of(a);
 }
 
 INLINE void angle(const node_angles *restrict a, density *restrict out)

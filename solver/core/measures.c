@@ -229,3 +229,22 @@ int rod_measure(const rods *all, numbers *out, int64_t begin, int64_t end, int l
     rod_workspace_free(w);
     return failed;
 }
+
+/* The push, the curvature and the tension at n points of a rod, out (3, n), from beta and beta_t. loads: lam, mu, phi and
+   the sign of the push. */
+void rod_forces(int64_t n, const double *loads, const double *beta, const double *rate, double *out)
+{
+    static const int kinds[3] = {OUTWARD, CURVATURE, TENSION};
+    const rod_loads l = {loads[0], loads[1], loads[2], loads[3], 0};
+    for (int64_t done = 0; done < n; done += AT) {
+        const size_t bytes = sizeof(double) * (size_t)(n - done < AT ? n - done : AT);
+        node_angles angles = {0};
+        density found;
+        memcpy(angles.beta, beta + done, bytes), memcpy(angles.speed, rate + done, bytes);
+        directions_of(&angles);
+        for (int k = 0; k < 3; k++) {
+            density_of(kinds[k], &angles, &l, &found);
+            memcpy(out + k * n + done, found.values, bytes);
+        }
+    }
+}

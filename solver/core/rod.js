@@ -13,7 +13,8 @@
 
    `between` gives the rod between two end angles that Newton's method reaches from another shape, given at times t; or
    null; a third argument: how many nodes it has, beside the usual number. It has error (of beta), nodes t with their beta,
-   rate, alpha and z, and at(times): these at other times. */
+   rate, alpha and z, and at(times): these at other times. `through(problem, nodes)` is such a function for nodes that are
+   known, and `forces(problem, sign, beta, rate)` gives push, curvature and tension. */
 "use strict";
 const RodCore = (() => {
   const ENDS = ["lost", "turns", "goes round"];
@@ -134,7 +135,7 @@ const RodCore = (() => {
         z[i + 1] = z[i] + lengths[i] - last.end[STATES * i + 6];
       }
       const nodes = {t, beta, rate, alpha, z};
-      return {...nodes, error, at: times => readings(problem, nodes, lengths, times)};
+      return {...nodes, error, at: through(problem, nodes)};
     }
 
     /* beta, rate, alpha and z at times that rise, from those at nodes: the stretches with such times are marched. */
@@ -154,7 +155,23 @@ const RodCore = (() => {
       return {beta, rate, alpha, z};
     }
 
-    return {solve, between};
+    /* beta, rate, alpha and z between nodes, {t, beta, rate, alpha, z}: a function of times that rise. */
+    function through(problem, nodes) {
+      const lengths = Float64Array.from({length: nodes.t.length - 1}, (_, i) => nodes.t[i + 1] - nodes.t[i]);
+      return times => readings(problem, nodes, lengths, times);
+    }
+
+    /* Push, curvature and tension, [1/rho], at as many points as beta and rate; sign: 1 outside the cylinder, -1 inside. */
+    function forces({lam, mu, phi}, sign, beta, rate) {
+      const n = beta.length, loads = reserve(4 + 5 * n), rows = [4, 4 + n, 4 + 2 * n].map(k => loads / 8 + k);
+      const numbers = new Float64Array(own.memory.buffer);
+      numbers.set([lam, mu, phi, sign], loads / 8), numbers.set(beta, rows[0]), numbers.set(rate, rows[1]);
+      own.rod_forces(BigInt(n), loads, ...rows.map(row => 8 * row));
+      const [push, curvature, tension] = [0, 1, 2].map(k => numbers.slice(rows[2] + k * n, rows[2] + (k + 1) * n));
+      return {push, curvature, tension};
+    }
+
+    return {solve, between, through, forces};
   }
 
   /* The sizes of the states, by which the errors of steps are judged; the sixth is 1 over the length on which the shape

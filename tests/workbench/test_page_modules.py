@@ -94,7 +94,7 @@ def test_a_rod_with_weight_has_the_fields_and_the_push_of_the_server() -> None:
     script = """
     const rows = Object.entries(given.arrays).map(([name, row]) => [name, Float64Array.from(row)]),
       arrays = Object.fromEntries(rows);
-    const shape = rod_shape.interpolated(rod_case.caseOf(given.state, {}), arrays, { error: 0 });
+    const shape = rod_shape.interpolated(core, rod_case.caseOf(given.state, {}), arrays, { error: 0 });
     const found = numbers.observables(shape);
     answer([rod_case.fieldNames(given.state), shape.s, shape.push, found, controls.spanOf("friction")]);
     """

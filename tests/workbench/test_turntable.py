@@ -131,7 +131,7 @@ def test_on_paper_a_scene_shows_its_rod(ds: xr.Dataset, tmp_path: Path) -> None:
 def test_the_page_draws_the_stored_rods(ds: xr.Dataset) -> None:
     data = data_of(turntable_page.html(ds)) | {"k": 7}
     script = """given.arrays = stored_shapes.numbersOf(given.arrays);
-const { s, alpha, z, push } = stored_shapes.storedShape(given, given.k); answer({ s, alpha, z, push });"""
+const { s, alpha, z, push } = stored_shapes.storedShape(core, given, given.k); answer({ s, alpha, z, push });"""
     found = node.run(script, data, ("stored_shapes",))
     line = stored_line.read(ds, {"E": 7})
     s = np.array(found["s"])

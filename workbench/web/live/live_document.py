@@ -38,12 +38,22 @@ def text(presets: Sequence[Preset], served: bool, style: str = "") -> str:
     those of the page.
     """
     style = read("shared.css") + read("page.css") + style
-    core, program = (build.HERE / "rod.js").read_text(encoding="utf-8"), bundle()
+    core, program = core_script(), bundle()
     parts = {
         "style": style, "core": core, "program": program, "data": _json(_data(presets, served)),
         "policy": policy(style, core, program, served),
     }  # fmt: skip
     return re.sub(r"{{ (\w+) }}", lambda found: parts[found[1]], read("index.html"))
+
+
+def core_text() -> str:
+    """The compiled core for browsers, in base64."""
+    return base64.b64encode((build.HERE / build.WASM).read_bytes()).decode("ascii")
+
+
+def core_script() -> str:
+    """The script that calls it."""
+    return (build.HERE / "rod.js").read_text(encoding="utf-8")
 
 
 def read(name: str) -> str:
@@ -95,7 +105,7 @@ def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
         },
         "branches": {"fields": page_model.FIELDS, "shown": page_model.SHOWN},
         "colours": scene_look.for_pages(),
-        "core": base64.b64encode((build.HERE / build.WASM).read_bytes()).decode(),
+        "core": core_text(),
     }
 
 

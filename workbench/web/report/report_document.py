@@ -85,7 +85,7 @@ def html(
     laws = [row for section in sections for row in section["laws"]]
     verdicts = "".join(f" --{CLASSES[name]}: {colour};" for name, colour in style.VERDICT_COLOURS.items())
     style_ = f":root {{{verdicts} }}\n{turntable_page.look()}{_text('report.css')}"
-    program = f"{turning.script()}\n{turntable_page.program()}\n{_text('enlarge.js')}"
+    program = f"{turntable_page.program()}\n{_text('enlarge.js')}"
     claims = claims_of(sections)
     return template.render(
         reading=str(results[0].ds.attrs["reading"]),
@@ -109,7 +109,7 @@ def html(
         style=style_,
         program=program,
         policy=policy(style_, program, "", served=False),
-        data=turntable_page.data(figures, core=turning.core()),
+        data=turntable_page.data(figures),
         measured=[_measure(one) for one in measured],
         story=[] if story is None else [_picture(story, STORY, DRAWING) | _column(story)],
         left_out=left_out.SENTENCE,

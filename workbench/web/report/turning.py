@@ -1,12 +1,10 @@
 """The turntables of the report: one a panel, and for a rod of Table 1 one that is solved again in the browser."""
 
-import base64
 from dataclasses import asdict
 from typing import Any
 
 import xarray as xr
 
-from solver.core import build
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
 from studies.language.readings import DROPPED, TABLE_1, Reading
@@ -29,16 +27,6 @@ def figure_of(ds: xr.Dataset) -> dict[str, Any] | None:
         return turntable_of_dataset(ds, most_bytes=MOST_BYTES, facts=case_facts.rows).data
     except InputError:
         return None
-
-
-def core() -> str:
-    """The compiled core for browsers, in base64."""
-    return base64.b64encode((build.HERE / build.WASM).read_bytes()).decode("ascii")
-
-
-def script() -> str:
-    """The script that calls it."""
-    return (build.HERE / "rod.js").read_text(encoding="utf-8")
 
 
 def _solve(ds: xr.Dataset) -> dict[str, Any] | None:

@@ -59,17 +59,17 @@ def figure(name: str, label: str, still: str = "", caption: str = "", reset: boo
     return render("figure.html.j2", id=name, label=label, still=still, caption=caption, reset=reset, row=row)
 
 
-def data(figures: Mapping[str, Any], **more: Any) -> str:
-    """The data of all turntables of a page as JSON that may stand inside a script element."""
-    plain = {"colours": scene_look.for_pages(), "figures": dict(figures), **more}
+def data(figures: Mapping[str, Any]) -> str:
+    """The data of all turntables of a page, and the core, as JSON that may stand inside a script element."""
+    plain = {"colours": scene_look.for_pages(), "figures": dict(figures), "core": live_document.core_text()}
     text = json.dumps(finite(plain), ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c")
 
 
 @cache
 def program() -> str:
-    """The script of a page with turntables."""
-    return live_document.bundle(FIRST)
+    """The script of a page with turntables, and that of the core."""
+    return f"{live_document.core_script()}\n{live_document.bundle(FIRST)}"
 
 
 def look() -> str:

@@ -1,6 +1,5 @@
 // Observables of a shape: integrals, extremes and counts along the whole rod.
 
-import { withPush } from "./rod_shape.mjs";
 import { crossings } from "./self_contact.mjs";
 import { range } from "./range.mjs";
 
@@ -69,11 +68,7 @@ export function warnings(shape, found, crossed = crossings(shape)) {
 }
 
 /* The shape half way between its stations. */
-function middles({ one, s, at }) {
-  const where = Float64Array.from({ length: s.length - 1 }, (_, i) => (s[i] + s[i + 1]) / 2),
-    arrays = at(where);
-  return withPush(one, arrays);
-}
+const middles = ({ s, at }) => at(Float64Array.from({ length: s.length - 1 }, (_, i) => (s[i] + s[i + 1]) / 2));
 
 /* An integral over s by Simpson's rule on each interval, from values at the stations and half way between them. */
 function integral(s, value, middle) {

@@ -124,7 +124,7 @@ async function askShape(one, how, since) {
     if (head.which) me.state.equilibrium = head.which;
     const { outcome, error, condition, method, notes, ticket } = head;
     took(
-      interpolated(one, arrays, { error: error ?? NaN, condition: condition ?? NaN, sound: true, shown: 1 }),
+      interpolated(core, one, arrays, { error: error ?? NaN, condition: condition ?? NaN, sound: true, shown: 1 }),
       { outcome, method, notes, ticket },
       how,
       since,

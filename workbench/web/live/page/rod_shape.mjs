@@ -1,7 +1,6 @@
 // The shape of a rod: solved by the compiled core in this page, or read between the stations that the server solved.
 
 import { Refused, reduced } from "./rod_case.mjs";
-import { bend, forcesAlong } from "./forces.mjs";
 
 const TOL = 1e-8;
 const LEAST = 301,
@@ -10,7 +9,7 @@ const A_HALF_PERIOD = 40; // stations that each half period of beta has at least
 const TURN = 0.09; // rad by which beta or the azimuth may change between two stations
 const ZERO_ROUNDS = 3;
 const ROUGHER = 2.7; // times these distances, where MOST stations are too few; a still longer rod is shown in part
-const SERVED = ["dbeta", "push", "kappa", "tension", "axial"]; // of a rod whose loads vary, by straight lines
+const SERVED = ["beta", "dbeta", "alpha", "z", "push", "kappa", "tension", "axial"]; // of a rod whose loads vary
 const LARGEST = 1e12; // a number of the dimensionless problem
 const SAME = 0.7; // rad: a shape farther from the one before is another equilibrium
 const UNFIT = "These numbers are too large or too small to compute with.";
@@ -23,7 +22,7 @@ export function marched(core, one, dbeta0 = one.dbeta) {
     tried = orbit(evenly(problem.span, LEAST));
   if (tried.end === "lost") throw new Refused(LOST);
   const { shown, n } = stationsFor(problem.span, tried);
-  const at = (s) => scaled(one, orbit(s.map((v) => v / one.rho)));
+  const at = along(core, one, problem, orbit);
   const s = evenly(one.L * shown, n),
     halfPeriod = tried.end === "turns" ? tried.halfPeriod * one.rho : tried.end === "marched" ? undefined : 0;
   return made(one, at, s, {
@@ -42,28 +41,37 @@ function fitting(problem) {
   return problem;
 }
 
-/* The shape at stations that the server solved: s, beta, dbeta, alpha, z. Between them by cubic polynomials. */
-export function interpolated(one, stations, facts) {
-  const { s } = stations,
+/* The shape at stations that are known: s, beta, dbeta, alpha, z. Between them it is marched; where loads vary, it has
+   straight lines, also of the other rows of the server. */
+export function interpolated(core, one, stations, facts) {
+  const { s, beta, alpha } = stations,
     length = s[s.length - 1],
     problem = reduced(one, stations.dbeta[0]);
-  const at = (where) => between(one, stations, where);
-  const { n } = stationsFor(length / one.rho, { beta: stations.beta, alpha: stations.alpha });
+  const at = one.varies ? (where) => between(stations, where) : along(core, one, problem, core.through(problem, timed(one, stations)));
+  const { n } = stationsFor(length / one.rho, { beta, alpha });
   return made(one, at, evenly(length, Math.max(n, s.length)), { ...facts, problem });
 }
+
+/* Dimensionless rows of a shape. */
+const timed = ({ rho, alpha = 0 }, rows) => ({
+  t: rows.s.map((v) => v / rho),
+  beta: rows.beta,
+  rate: rows.dbeta.map((v) => v * rho),
+  alpha: rows.alpha?.map((v) => v - alpha),
+  z: rows.z?.map((v) => v / rho),
+});
 
 /* The shape between two ends that a slider leads to from the shape before, in one step or in four; or null. near: its
    case, s, beta and dbeta. */
 export function moved(core, one, near) {
   fitting(reduced(one, 0));
-  const { rho } = near.one,
-    begun = { t: near.s.map((s) => s / rho), beta: near.beta, rate: near.dbeta.map((v) => v * rho) };
+  const begun = timed(near.one, near);
   let rod = nextTo(core, one, begun);
   if (!rod || isFar(rod, begun)) {
     rod = begun;
     for (const share of [0.25, 0.5, 0.75, 1]) rod = rod && nextTo(core, partWay(near.one, one, share), dense(rod), 2);
   }
-  return rod && !isFar(rod, begun) ? joined(one, rod) : null;
+  return rod && !isFar(rod, begun) ? joined(core, one, rod) : null;
 }
 
 const nextTo = (core, one, { t, beta, rate }, nodes = 1) => {
@@ -78,12 +86,12 @@ function dense(rod) {
   return rod.at ? { t, ...rod.at(t) } : rod;
 }
 
-function joined(one, rod) {
-  const { n } = stationsFor(one.L / one.rho, rod),
-    at = (s) => scaled(one, rod.at(s.map((v) => v / one.rho)));
+function joined(core, one, rod) {
   const { error } = rod,
+    { n } = stationsFor(one.L / one.rho, rod),
     problem = reduced(one, rod.rate[0] / one.rho);
-  return made(one, at, evenly(one.L, n), { error, condition: NaN, sound: error < 1e-6, shown: 1, problem });
+  const facts = { error, condition: NaN, sound: error < 1e-6, shown: 1, problem };
+  return made(one, along(core, one, problem, rod.at), evenly(one.L, n), facts);
 }
 
 /* Whether a rod is far from another, at the same shares of the length. */
@@ -123,31 +131,41 @@ function stationsFor(span, { beta, alpha, halfPeriod = 0 }) {
   return { shown: Math.min(1, (ROUGHER * MOST) / needed), n: Math.min(MOST, 2 * Math.ceil(needed / 2) + 1) };
 }
 
-function scaled(one, orbit) {
-  const { rho } = one;
-  return {
-    beta: orbit.beta,
-    dbeta: orbit.rate.map((v) => v / rho),
-    alpha: orbit.alpha.map((v) => one.alpha + v),
-    z: orbit.z.map((v) => rho * v),
+/* The arrays of a rod as a function of s, from those of its orbit as a function of time. */
+function along(core, one, problem, orbit) {
+  const { A, rho } = one,
+    times = (row, scale) => row.map((v) => scale * v);
+  return (s) => {
+    const { beta, rate, alpha, z } = orbit(s.map((v) => v / rho)),
+      { push, curvature, tension } = core.forces(problem, one.sign, beta, rate);
+    return {
+      s,
+      beta,
+      dbeta: times(rate, 1 / rho),
+      alpha: alpha.map((v) => one.alpha + v),
+      z: times(z, rho),
+      push: times(push, A / rho ** 3),
+      kappa: times(curvature, 1 / rho),
+      tension: times(tension, A / rho ** 2),
+    };
   };
 }
 
 /* The arrays over s, with the extremes of beta, push and curvature and the zeros of the push as further stations. */
 function made(one, at, s, facts) {
-  const even = withForces(one, s, at);
+  const even = at(s);
   const peaks = ["beta", "push", "kappa"].flatMap((name) =>
-    sharpened(peaksOf(s, even[name]), name, s[1] / 10, one, at),
+    sharpened(peaksOf(s, even[name]), name, s[1] / 10, at),
   );
-  const more = withForces(one, Float64Array.from([...peaks, ...zerosOf(even, one, at)]).sort(), at);
+  const more = at(Float64Array.from([...peaks, ...zerosOf(even, at)]).sort());
   return { one, at, even, ...(more.s.length ? merged(even, more) : even), ...facts };
 }
 
 /* Extremes again, by the parabola through values a little before and after each. */
-function sharpened(peaks, name, h, one, at) {
+function sharpened(peaks, name, h, at) {
   if (!peaks.length) return peaks;
   const near = Float64Array.from(peaks.flatMap((s) => [s - h, s, s + h])),
-    values = withForces(one, near, at)[name];
+    values = at(near)[name];
   return peaks.map((s, k) => {
     const left = values[3 * k + 1] - values[3 * k],
       right = values[3 * k + 2] - values[3 * k + 1];
@@ -155,14 +173,6 @@ function sharpened(peaks, name, h, one, at) {
     return Math.abs(off) < 5 ? s + h * off : s;
   });
 }
-
-function withForces(one, s, at) {
-  return { s, ...withPush(one, at(s)) };
-}
-
-/* Arrays over s with push, kappa and tension; those of a rod whose loads vary are the server's. */
-export const withPush = (one, arrays) =>
-  one.varies ? arrays : { ...arrays, ...forcesAlong(one, arrays.beta, arrays.dbeta) };
 
 /* Where a row of values has its inner extremes: the vertex of the parabola through three stations. */
 export function peaksOf(s, values) {
@@ -184,13 +194,13 @@ export function peaksOf(s, values) {
 }
 
 /* Where the push changes its sign: bracketed by two stations and found by the Illinois rule. */
-function zerosOf({ s, push }, one, at) {
+function zerosOf({ s, push }, at) {
   const ends = [];
   for (let i = 1; i < s.length; i++)
     if (push[i - 1] < 0 !== push[i] < 0)
       ends.push({ low: s[i - 1], high: s[i], fLow: push[i - 1], fHigh: push[i], side: 0 });
   for (let round = 0; round < ZERO_ROUNDS && ends.length; round++) {
-    const values = withForces(one, Float64Array.from(ends, chordZero), at).push;
+    const values = at(Float64Array.from(ends, chordZero)).push;
     ends.forEach((e, k) => {
       const where = chordZero(e);
       if (values[k] < 0 === e.fLow < 0) {
@@ -227,30 +237,16 @@ function merged(first, second) {
   return all;
 }
 
-function between(one, stations, where) {
-  const { s, beta, dbeta, alpha, z } = stations,
-    n = where.length,
-    last = s.length - 2;
-  const found = {
-    beta: new Float64Array(n),
-    dbeta: new Float64Array(n),
-    alpha: new Float64Array(n),
-    z: new Float64Array(n),
-  };
-  const rows = one.varies ? SERVED : [];
-  for (const name of rows) found[name] = new Float64Array(n);
-  for (let k = 0; k < n; k++) {
-    const i = Math.min(intervalOf(s, where[k]), last),
-      j = i + 1,
-      h = s[j] - s[i],
-      u = (where[k] - s[i]) / h;
-    const cubic = (p, dp, q, dq) =>
-      (1 - u) ** 2 * ((1 + 2 * u) * p + u * h * dp) + u * u * ((3 - 2 * u) * q - (1 - u) * h * dq);
-    found.beta[k] = cubic(beta[i], dbeta[i], beta[j], dbeta[j]);
-    if (!one.varies) found.dbeta[k] = cubic(dbeta[i], bend(one, beta[i]), dbeta[j], bend(one, beta[j]));
-    for (const name of rows) found[name][k] = (1 - u) * stations[name][i] + u * stations[name][j];
-    found.alpha[k] = cubic(alpha[i], Math.sin(beta[i]) / one.rho, alpha[j], Math.sin(beta[j]) / one.rho);
-    found.z[k] = cubic(z[i], Math.cos(beta[i]), z[j], Math.cos(beta[j]));
+/* The rows of stations at s, by straight lines. */
+function between(stations, where) {
+  const { s } = stations,
+    last = s.length - 2,
+    found = { s: where };
+  const places = Array.from(where, (v) => Math.min(intervalOf(s, v), last)),
+    shares = places.map((i, k) => (where[k] - s[i]) / (s[i + 1] - s[i]));
+  for (const name of SERVED) {
+    const row = stations[name];
+    found[name] = Float64Array.from(places, (i, k) => row[i] + shares[k] * (row[i + 1] - row[i]));
   }
   return found;
 }

@@ -8,7 +8,7 @@ import { observables, warnings } from "./numbers.mjs";
 import { minus, number, unitText, withUnit } from "./text.mjs";
 
 /* The cases of a file: one slider an axis; the case at its places; the words of a place. */
-export function storedSource(data) {
+export function storedSource(data, core) {
   const { axes } = data,
     places = axes.map((axis) => axis.start);
   const index = () => axes.reduce((at, axis, k) => at * axis.texts.length + places[k], 0);
@@ -23,7 +23,7 @@ export function storedSource(data) {
     })),
     now() {
       const one = data.cases[index()];
-      return { shape: one.numbers ? storedShape(data, index()) : null, note: one.note, rows: one.facts || [] };
+      return { shape: one.numbers ? storedShape(core, data, index()) : null, note: one.note, rows: one.facts || [] };
     },
     reset: () => axes.forEach((axis, k) => (places[k] = axis.start)),
   };

@@ -5,7 +5,7 @@ import { interpolated } from "./rod_shape.mjs";
 const ROWS = ["beta", "dbeta", "alpha", "z"]; // of the stored arrays of a case
 
 /* The shape of a stored case. data: the plain data of workbench/web/turntable/stored.py. */
-export function storedShape(data, index) {
+export function storedShape(core, data, index) {
   const n = data.stations.length,
     one = { ...data.shared, ...data.cases[index].numbers };
   const row = (k) => data.arrays.subarray((4 * index + k) * n, (4 * index + k + 1) * n);
@@ -13,7 +13,7 @@ export function storedShape(data, index) {
   ROWS.forEach((name, k) => (stations[name] = Float64Array.from(row(k))));
   one.kind = "start";
   [one.beta, one.alpha] = [stations.beta[0], stations.alpha[0]];
-  return interpolated(one, stations, { error: 0, condition: NaN, sound: true, shown: 1 });
+  return interpolated(core, one, stations, { error: 0, condition: NaN, sound: true, shown: 1 });
 }
 
 /* Base64 of numbers of four bytes, as such. */

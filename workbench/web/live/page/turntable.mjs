@@ -13,11 +13,11 @@ const LAP = 12, // s of one turn
   REST = 150; // ms until what is slower is computed
 const NO_DIAGRAMS = { setFine() {}, onPaper() {} };
 
-/* Make a figure turn. core: the compiled core, where the figure solves. */
+/* Make a figure turn. core: the compiled core. */
 export function turntable(figure, data, code, core, calm) {
   const part = (name) => figure.querySelector(`.${name}`),
     canvas = part("rod");
-  const source = data.arrays ? storedSource(data) : solvedSource(data, core),
+  const source = data.arrays ? storedSource(data, core) : solvedSource(data, core),
     scale = data.extremes ? scaleOf(code, data.extremes) : null; // one for all its rods
   figure.classList.add("live"); // now the canvas has its size
   const view = makeView(canvas, part("spot"), code, calm);

@@ -9,7 +9,7 @@ for (const one of Object.values(data.figures)) if (one.arrays) one.arrays = numb
 
 async function begin(figure) {
   const one = data.figures[figure.id];
-  const core = one.state ? await RodCore.load(Uint8Array.from(atob(data.core), (c) => c.charCodeAt(0))) : null;
+  const core = await RodCore.load(Uint8Array.from(atob(data.core), (c) => c.charCodeAt(0)));
   turntable(figure, { ...one, ...data.words }, data.colours, core, () => calm.matches);
 }
 
