@@ -15,6 +15,7 @@ from scipy.sparse.linalg import splu
 
 from solver import Case, Solution, solve
 from tests.cases import GENERAL, TABLE_1
+from tests.slow import slow_but
 
 NAMES = (
     "force-first/tension/paper",
@@ -26,10 +27,7 @@ NAMES = (
     "inside, twisted",
     "going round backwards",
 )
-ALIKE = NAMES[2:4] + NAMES[7:]  # the others are as twisted, compressed and solid
-cases = pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow if name in ALIKE else ()) for name in NAMES]
-)
+cases = pytest.mark.parametrize("name", slow_but(NAMES, "compressed, symmetric", "inside, twisted"))
 EZ = np.array([0.0, 0.0, 1.0])
 
 

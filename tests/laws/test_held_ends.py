@@ -274,9 +274,9 @@ def test_the_index_is_that_of_the_constrained_second_variation(names: tuple[str,
 
 
 @pytest.mark.parametrize("given", (
-    {"beta0": 0.5, "betaL": 0.2, "height": 4.0, "azimuth": 1.0, "rotation": 0.5},
+    pytest.param({"beta0": 0.5, "betaL": 0.2, "height": 4.0, "azimuth": 1.0, "rotation": 0.5}, marks=pytest.mark.slow),
     {"beta0": 0.5, "M1L": 2.0, "height": 4.0, "M3": 3.0},
-    {"M10": -3.0, "betaL": 0.2, "FZ": -10.0, "rotation": 0.5},
+    pytest.param({"M10": -3.0, "betaL": 0.2, "FZ": -10.0, "rotation": 0.5}, marks=pytest.mark.slow),
 ))  # fmt: skip
 def test_derivatives_by_every_field_agree_with_differences(given: dict[str, float]) -> None:
     case = Case(SHORT, DRUM, Ends(**given))

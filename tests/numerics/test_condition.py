@@ -13,6 +13,7 @@ from tests.extreme_cases import KINDS
 from tests.helix_cases import NEAR, problems
 from tests.reach import core
 from tests.references import references
+from tests.slow import slow_but
 from tests.variation import growth, weight
 
 STARTS = core("start")
@@ -148,7 +149,7 @@ def test_no_length_of_a_small_libration_is_ill_conditioned(method: str) -> None:
 
 
 @BOTH
-@pytest.mark.parametrize("kind", (*KINDS, *NEAR))
+@pytest.mark.parametrize("kind", slow_but((*KINDS, *NEAR), "gap", "helix", "plain", "fold", "centre"))
 def test_the_condition_number_is_that_of_the_variational_equation(kind: str, method: str) -> None:
     checked(kind, 40, 5, method)
 

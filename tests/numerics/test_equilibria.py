@@ -15,6 +15,7 @@ from solver.levels.morse_index import jacobi_zeros, morse_index
 from solver.levels.transit_times import repeat
 from solver.problem.reduced import reduce
 from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
+from tests.slow import slow_but
 
 MANY = -0.3655, 0.7464, -0.7506  # lam, mu, phi
 PROBLEMS = {
@@ -96,8 +97,7 @@ def guesses(numbers: tuple[float, ...], nodes: int, rng: np.random.Generator) ->
 
 
 # the others are as long again, each
-SHORT = ("no loads", "pulled", "all the way round")
-searched = [pytest.param(name, marks=() if name in SHORT else pytest.mark.slow) for name in PROBLEMS]
+searched = slow_but(PROBLEMS, "no loads", "all the way round")
 
 
 @pytest.mark.parametrize("name", searched)

@@ -10,8 +10,12 @@ import pytest
 import solver
 import studies
 import workbench
+from tests.slow import slow_but
 
 RUNNER_FLAGS = doctest.NORMALIZE_WHITESPACE
+
+
+SLOW = {"region_map", "fold_curves", "trace_fold"}  # more than a second each
 
 
 def examples(name: str) -> list[doctest.DocTest]:
@@ -19,7 +23,7 @@ def examples(name: str) -> list[doctest.DocTest]:
     return [one for one in finder.find(getattr(solver, name), name) if one.examples]
 
 
-@pytest.mark.parametrize("name", solver.__all__)
+@pytest.mark.parametrize("name", slow_but(solver.__all__, *{*solver.__all__} - SLOW))
 def test_the_example_of_a_public_name_gives_what_it_shows(name: str) -> None:
     (example,) = examples(name)
     told: list[str] = []

@@ -16,6 +16,7 @@ from solver.problem.held_ends import given_numbers
 from solver.problem.reduced import StartProblem, reduce
 from solver.sensitivity.motions import motions
 from tests.cases import START, ends_in_units_of_rho
+from tests.slow import slow_but
 from tests.workbench import doc_pages
 
 FILE = json.loads((Path(__file__).parents[1] / "sensitivity_references.json").read_text(encoding="utf-8"))
@@ -89,7 +90,7 @@ def test_derivatives_of_equilibria_agree_with_fifty_digits(place: str) -> None:
     assert off(jacobian(again), np.array(wanted["jacobian"])) < 1e-11
 
 
-@pytest.mark.parametrize("tol", (1e-4, 1e-6, 1e-9))
+@pytest.mark.parametrize("tol", slow_but((1e-4, 1e-6, 1e-9), 1e-4, 1e-6))
 def test_the_stated_error_includes_that_of_the_solution(tol: float) -> None:
     start, ends = Start(0.5, 0.5, M3=5.0, F2=3.0, F3=-10.0), Ends(0.5, 0.8, FZ=-8.66)
     for given, method in ((start, "auto"), (start, "rk4"), (ends, "collocation")):

@@ -21,6 +21,7 @@ from tests.cases import EXACT
 from tests.extreme_cases import KINDS, draw
 from tests.helix_cases import NEAR, problems
 from tests.linearised_growth import beside_helix
+from tests.slow import slow_but
 from workbench.compare.trade_cases import CASES
 
 NEAR_SADDLE = (0.0, 0.0, -1.0, 60.0, np.pi, 1e-9)  # a pendulum that all but stands on its head
@@ -192,11 +193,14 @@ def test_an_empty_batch_and_no_station_are_no_error() -> None:
 
 
 ANOTHER = Path(_ctypes.__file__).read_bytes()
-UNUSABLE = [(None, "rod.so"), (b"half a library", "rod.so"), (ANOTHER, "rod_sources")]
+UNUSABLE = {
+    "missing": (None, "rod.so"), "half-written": (b"half a library", "rod.so"), "another": (ANOTHER, "rod_sources"),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("content, why", UNUSABLE, ids=["missing", "half-written", "another"])
-def test_a_library_that_cannot_be_used_is_told_in_a_sentence(content, why: str, tmp_path) -> None:
+@pytest.mark.parametrize("name", slow_but(UNUSABLE, "missing"))
+def test_a_library_that_cannot_be_used_is_told_in_a_sentence(name: str, tmp_path) -> None:
+    content, why = UNUSABLE[name]
     path = tmp_path / "rod.so"
     if content is not None:
         path.write_bytes(content)

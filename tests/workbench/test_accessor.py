@@ -13,6 +13,7 @@ from solver import InputError, solve
 from solver.methods import METHODS, Verlet
 from studies.language.loader import loads
 from studies.language.study_data import OUTPUTS
+from tests.slow import slow_but
 from tests.workbench import small
 from workbench.commands import option_checks
 from workbench.store import block, in_memory, schema, selection, writing
@@ -259,7 +260,7 @@ IMPORTS = {
 }
 
 
-@pytest.mark.parametrize("order", IMPORTS)
+@pytest.mark.parametrize("order", slow_but(IMPORTS, "accessor first"))
 def test_importing_the_accessor_registers_it_and_loads_no_solver(order: str) -> None:
     assert printed(f"{IMPORTS[order]}; print(xarray.Dataset.rod.__name__, 'solver' in sys.modules)") == [
         "RodAccessor",

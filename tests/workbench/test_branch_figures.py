@@ -82,6 +82,7 @@ def test_each_shape_has_the_number_of_its_point(which, drawn) -> None:
     assert below[0].startswith("1")  # the first branch is 1, as in the printed table and among all equilibria
 
 
+@pytest.mark.slow
 def test_the_point_of_a_shape_lies_on_the_line_of_its_branch(dead, drawn) -> None:
     ax = drawn["dead"].axes[0]
     lines = [line for line in ax.lines if len(line.get_xdata()) > 2]

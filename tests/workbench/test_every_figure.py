@@ -4,6 +4,7 @@ import pytest
 import xarray as xr
 
 from studies import load, names
+from tests.slow import slow_but
 from tests.workbench import small
 from tests.workbench.page_faults import faults, picture
 from tests.workbench.pictures import share_of_ink
@@ -19,7 +20,7 @@ def told() -> dict[str, xr.Dataset]:
     return found | {story.CLAIMS: readings_table.run([load("fig7_1_modulus"), load("fig7_2_radius")])}
 
 
-@pytest.mark.parametrize("width", [89, 183])
+@pytest.mark.parametrize("width", slow_but([89, 183], 183))
 def test_the_story_has_four_panels_that_can_be_read(told, width: float) -> None:
     fig = story.figure(told, sheet("paper", width, titled=False))
     assert faults(fig) == []

@@ -162,6 +162,7 @@ def test_a_slider_moves_the_shape(page) -> None:
     assert float(page("return document.getElementById('n-E').value")) == pytest.approx(E)
 
 
+@pytest.mark.slow
 def test_the_rod_stays_in_its_frame_whatever_is_chosen(page) -> None:
     def within() -> None:
         page.until(lambda: max(page.frame()) <= 1.0, "a view that contains the rod")
@@ -220,6 +221,7 @@ def test_with_reduced_motion_the_camera_jumps(page) -> None:
     assert page("return page.view.camera === page.view.target")
 
 
+@pytest.mark.slow
 def test_of_many_moves_the_last_is_drawn(page) -> None:
     for share in (100, 900, 300, 800, 620):
         page.slide("R", share)
@@ -251,6 +253,7 @@ def test_bad_input_is_explained_once_in_place_and_the_last_good_shape_stays(page
     assert page("return document.getElementById('n-' + arguments[0]).getAttribute('aria-invalid')", name) == "false"
 
 
+@pytest.mark.slow
 def test_arrow_keys_move_a_field_and_its_unit_is_spoken(page) -> None:
     page.driver.find_element(By.ID, "n-E").send_keys(Keys.ARROW_UP)
     E = page("return page.state.base.E")
@@ -274,6 +277,7 @@ def test_where_drawing_is_slow_fewer_pixels_are_drawn_until_the_slider_rests(pag
     page.until(lambda: page("return widths.at(-1) > 2.5 * Math.min(...widths)"), "the whole picture after a coarse one")
 
 
+@pytest.mark.slow
 def test_the_cursor_is_one_in_all_diagrams_and_on_the_rod(page) -> None:
     page("document.getElementById('mark').hidden")
     page("const c = document.getElementById('cursor'); c.value = 500; c.dispatchEvent(new Event('input'))")
@@ -437,6 +441,7 @@ def test_a_link_brings_back_the_rod(page, driver) -> None:
     np.testing.assert_array_equal(other.points(), points)
 
 
+@pytest.mark.slow
 def test_a_broken_link_is_explained_and_the_page_still_works(page, driver, port) -> None:
     driver.get("about:blank")
     driver.get(f"http://127.0.0.1:{port}/#nonsense")

@@ -21,6 +21,7 @@ from scipy.spatial import cKDTree
 from solver import Case, Cylinder, Rod, Solution, Start, solve
 from solver.problem.errors import InputError
 from studies.language.loader import loads
+from tests.slow import slow_but
 from tests.workbench import small
 from workbench import cli
 from workbench.commands import export as export_command
@@ -210,8 +211,8 @@ LINES = {
 }
 
 
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-3])
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n == "long" else n for n in LINES])
+@pytest.mark.parametrize("tolerance", slow_but([1e-6, 1e-3], 1e-3))
+@pytest.mark.parametrize("name", slow_but(LINES, "short", "Table 1", "tight: kappa a = 0.87", "nearly a ring"))
 def test_open_cascades_default_measures_the_volume_of_pappus(kernel, tmp_path, name, tolerance) -> None:
     path, line = tmp_path / "rod.step", LINES[name]()
     step.write_line(path, line, "mm", "rod", tolerance, True)

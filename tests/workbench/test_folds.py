@@ -80,7 +80,9 @@ def test_the_picture_shows_curves_of_stable_folds_cusps_and_numbers() -> None:
     assert words[1:] == ["fold of a stable and an unstable equilibrium", "cusp"]
 
 
-@pytest.mark.parametrize(("given", "inside"), [((-30.0, 2.0), True), ((0.0, 3.0), False)])
+@pytest.mark.parametrize(
+    ("given", "inside"), [pytest.param((-30.0, 2.0), True, marks=pytest.mark.slow), ((0.0, 3.0), False)]
+)
 def test_the_given_case_is_marked_and_named_where_it_lies(given, inside) -> None:
     assert made().attrs["given"] == [0.0, 3.0]
     ax = region_figure.figure(made().assign_attrs(given=given, reading="a"), sheet()).axes[0]

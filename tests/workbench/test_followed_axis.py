@@ -91,7 +91,7 @@ def test_a_rising_axis_begins_at_its_low_end_on_another_branch() -> None:
         ("R", "L = 5.0\nbeta0 = 0.5\nbetaL = 0.8\nFZ = -0.3\n"),
         ("alpha", "L = 5.0\nR = 0.75\nbeta0 = 0.5\nbetaL = 0.8\nFZ = -0.3\n"),
         ("height", "L = 5.0\nR = 0.75\nbeta0 = 0.5\nbetaL = 0.8\n"),
-        ("M1L", "L = 5.0\nR = 0.75\nbeta0 = 0.5\nheight = 4.2\n"),
+        pytest.param("M1L", "L = 5.0\nR = 0.75\nbeta0 = 0.5\nheight = 4.2\n", marks=pytest.mark.slow),
     ],
 )
 def test_any_numeric_axis_is_followed(axis: str, base: str) -> None:

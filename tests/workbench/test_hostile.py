@@ -19,6 +19,7 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
 from studies import load
 from studies.language.loader import loads
+from tests.slow import slow_but
 from tests.workbench import forked, runs, small
 from workbench import cli
 from workbench.figures import canvas, study_figure
@@ -423,7 +424,7 @@ def test_every_alteration_of_a_study_ends_in_a_sentence(base: str, tmp_path: Pat
 UNITS = ("$\\mathrm{", "$x$ and $\\frac{", "\\alpha $")
 
 
-@pytest.mark.parametrize("text", UNITS)
+@pytest.mark.parametrize("text", slow_but(UNITS, UNITS[1]))
 def test_a_dollar_in_a_units_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path, text: str) -> None:
     path = tmp_path / "dollar.h5"
     path.write_bytes(whole)

@@ -317,6 +317,7 @@ def test_one_seed_gives_the_same_intervals() -> None:
 # stored studies
 
 
+@pytest.mark.slow
 def test_a_stored_study_of_the_design_has_indices(stored: Path, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     found = sobol(xr.open_dataset(stored))

@@ -13,6 +13,7 @@ import xarray as xr
 import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
 from studies.language.loader import loads
+from tests.slow import slow_but
 from tests.workbench import small
 from workbench.store import concatenation, dataset, file_merge, in_memory, law_verdicts, study_store, writing
 
@@ -88,9 +89,7 @@ def test_what_is_joined_is_what_one_run_of_all_values_stores(split: str, tmp_pat
         assert_same(merged.load(), one_by_one(axis("E", union) + RADII + LAW))
 
 
-@pytest.mark.parametrize(
-    "name", [name if name in "RL" else pytest.param(name, marks=pytest.mark.slow) for name in AXES]
-)
+@pytest.mark.parametrize("name", slow_but(AXES, "R"))
 def test_an_axis_of_any_field_can_be_joined_first_or_last(name: str, tmp_path) -> None:
     parts, union = AXES[name]
     other = axis("F3", [5.0, 10.0])
@@ -169,7 +168,7 @@ def different(text: str, reading=None, tol=1e-3, method="verlet", stations=None,
     return in_memory.run(study.model_copy(update={"stations": stations or study.stations}), tol, method)
 
 
-@pytest.mark.parametrize("sentence", DIFFERENT)
+@pytest.mark.parametrize("sentence", slow_but(DIFFERENT, *[*DIFFERENT][:3], *[*DIFFERENT][-1:]))
 def test_what_is_not_alike_is_named(sentence: str, tmp_path) -> None:
     first, second, how = DIFFERENT[sentence]
     files = stored(tmp_path, different(first), different(second, **how))

@@ -437,6 +437,7 @@ def test_what_a_study_says_is_text_and_not_markup(results) -> None:
     assert "<script>alert" not in text
 
 
+@pytest.mark.slow
 def test_the_report_replaces_the_old_one_whole(results, measured, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(measured_runs, "both", lambda folder: measured if folder == tmp_path else [])
     assert report_document.write(results[:1], tmp_path) == tmp_path / "report.html"

@@ -18,6 +18,7 @@ from solver import InputError, solve
 from studies import load
 from studies.language.loader import loads
 from studies.language.study_data import OUTPUTS
+from tests.slow import slow_but
 from tests.workbench import runs
 from workbench.store import assembly, block, grid_io, in_memory, recipe, schema, shards, study_store
 from workbench.store.study_store import Options, run_to_file
@@ -206,11 +207,11 @@ def _flipped(content: bytes, at: int) -> bytes:
     return content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :]
 
 
-@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
+@pytest.mark.parametrize("damage", slow_but(DAMAGE, "empty", "the last bit flipped"))
 def test_a_damaged_shard_is_found_and_solved_again(damage, whole, tmp_path, monkeypatch) -> None:
     path = runs.study(tmp_path, GRID)
     shard = kept(path, monkeypatch) / "000000000000-000000000064.shard"
-    shard.write_bytes(damage(shard.read_bytes()))
+    shard.write_bytes(DAMAGE[damage](shard.read_bytes()))
     solved = counted(monkeypatch)
     run_to_file(load(path), tmp_path / "many.h5", Options(workers=1))
     assert solved == [64]
@@ -244,8 +245,9 @@ def _folder(folder: Path) -> None:
 MISPLACED = {"exchanged": (_exchanged, [64, 64]), "foreign": (_foreign, [64]), "a folder": (_folder, [64])}
 
 
-@pytest.mark.parametrize("misplace, again", MISPLACED.values(), ids=MISPLACED)
-def test_a_shard_that_belongs_elsewhere_is_solved_again(misplace, again, whole, tmp_path, monkeypatch) -> None:
+@pytest.mark.parametrize("name", slow_but(MISPLACED, "foreign"))
+def test_a_shard_that_belongs_elsewhere_is_solved_again(name, whole, tmp_path, monkeypatch) -> None:
+    misplace, again = MISPLACED[name]
     path = runs.study(tmp_path, GRID)
     misplace(kept(path, monkeypatch))
     solved = counted(monkeypatch)
@@ -281,8 +283,9 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("change, sentence", CHANGES.values(), ids=CHANGES)
-def test_shards_of_another_run_are_refused_with_the_difference(change, sentence, tmp_path, monkeypatch) -> None:
+@pytest.mark.parametrize("name", slow_but(CHANGES, "outputs", "tol"))
+def test_shards_of_another_run_are_refused_with_the_difference(name, tmp_path, monkeypatch) -> None:
+    change, sentence = CHANGES[name]
     path = runs.study(tmp_path, runs.grid(2, 3))
     folder = kept(path, monkeypatch)
     before = {file.name: file.read_bytes() for file in folder.glob("*.shard")}

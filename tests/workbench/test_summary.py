@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from studies.language.loader import loads
+from tests.slow import slow_but
 from tests.workbench import small
 from workbench import cli
 from workbench.store import file_summary, grid_io, in_memory, writing
@@ -72,7 +73,7 @@ def test_the_reactions_of_held_ends_are_among_the_observables(tmp_path) -> None:
         assert (rows["FZ"]["min"], rows["FZ"]["max"], rows["FZ"]["units"]) == (force.min(), force.max(), "N")
 
 
-@pytest.mark.parametrize("most", [1, 2, 4])
+@pytest.mark.parametrize("most", slow_but([1, 2, 4], 2))
 def test_small_blocks_tell_the_same(file, most: int, monkeypatch) -> None:
     path, _ = file
     whole = file_summary.summary(path)

@@ -10,6 +10,7 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import Case, Ends, InputError, solve
 from studies.language.loader import loads
 from studies.laws.verdicts import FAILS, UNDECIDED
+from tests.slow import slow_but
 from workbench import cli
 from workbench.commands import study_scene
 from workbench.scene import scene_kinds
@@ -109,7 +110,7 @@ def taken_over(values: list[float], more: str = "", base: str = "L = 20.0") -> d
     return {float(FZ): (float(ds["beta"].sel(FZ=FZ)[1]), float(ds["height"].sel(FZ=FZ))) for FZ in ds["FZ"].values}
 
 
-@pytest.mark.parametrize("more", ("", '[equilibrium]\nchoose = "lowest"\n', "[equilibrium]\nindex = 1\n"))
+@pytest.mark.parametrize("more", slow_but(("", '[equilibrium]\nchoose = "lowest"\n', "[equilibrium]\nindex = 1\n"), ""))
 def test_the_equilibrium_at_a_load_does_not_depend_on_the_other_loads(more) -> None:
     few = taken_over([-60.0, -45.0], more)
     for values in ([-400.0, -60.0, -50.0, -45.0, -5.0], [-60.0, -59.0, -58.0, -45.0], [-45.0, 3.0, 200.0]):
