@@ -14,8 +14,8 @@ FIRST = {"folds": 1}  # the others are three times as long
 def sample(kind: str) -> list[Any]:
     """Every so many rows of a kind by default, the others with -m slow."""
     own = [i for i, row in enumerate(rows()) if row["kind"] == kind]
-    return [pytest.param(i, id=rows()[i]["name"], marks=[] if k % SOME[kind] == FIRST.get(kind, 0) else [pytest.mark.slow])
-            for k, i in enumerate(own)]  # fmt: skip
+    quick = {i for k, i in enumerate(own) if k % SOME[kind] == FIRST.get(kind, 0)}
+    return [pytest.param(i, id=rows()[i]["name"], marks=() if i in quick else pytest.mark.slow) for i in own]
 
 
 @pytest.mark.parametrize("i", [param for kind in KINDS for param in sample(kind)])
