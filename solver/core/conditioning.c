@@ -21,29 +21,11 @@ typedef struct {
     flow *flows;
 } course;
 
-/* Values at the nodes to the series of the integral from -1, (n + 1,). */
-static void integrated(const points *at, const double *values, double *out)
-{
-    double coefficients[NODES];
-    product((int)at->n, (int)at->n, values, at->analyse, coefficients);
-    integral((int)at->n, coefficients, out);
-}
-
 static double sum(int n, const double *values)
 {
     double total = 0;
     for (int k = 0; k < n; k++)
         total += values[k];
-    return total;
-}
-
-static double at_place(const double *series, int n, double x)
-{
-    double older = 1, now = x, total = series[0] + (n > 1 ? x * series[1] : 0);
-    for (int k = 2; k < n; k++) {
-        const double next = 2 * x * now - older;
-        older = now, now = next, total += next * series[k];
-    }
     return total;
 }
 
@@ -132,30 +114,6 @@ static void slope_along(const course *o, const double *beta, const double *v, do
         h[k] = -h[k] / half;
 }
 
-/* c of a panel. */
-static double across_of(int n, const double *v, const double *h, const double *rate, double half)
-{
-    double fastest = v[0], slowest = v[0], steepest = fabs(h[0]), least = fabs(h[0]), most = fabs(rate[0]);
-    for (int k = 1; k < n; k++) {
-        fastest = larger(fastest, v[k]), slowest = smaller(slowest, v[k]);
-        steepest = larger(steepest, fabs(h[k])), least = smaller(least, fabs(h[k])), most = larger(most, fabs(rate[k]));
-    }
-    const int slows = slowest < fastest / 2, levels = least < steepest / 2;
-    const double ratio = square(fastest / steepest);
-    double c = 1 / larger(most, 1e-200);
-    if (levels)
-        c = fmin(c, 8 * ratio);
-    if (levels && !slows)
-        c = fmin(c, square(20 * half));
-    return slows ? fmax(c, ratio / 2) : c;
-}
-
-/* What a gains where c changes: the part of b(old) - b(new) along f. */
-static double jump(double v, double h, double old, double new)
-{
-    return v * h * ((old - new) / (v * v + old * h * h)) / (v * v + new * h * h);
-}
-
 static void flow_of(const course *o, int64_t i, flow *out)
 {
     const start_problem *p = o->problem;
@@ -168,11 +126,9 @@ static void flow_of(const course *o, int64_t i, flow *out)
     slope_along(o, beta, out->v, half, i >= o->count[0], out->h);
     for (int k = 0; k < n; k++)
         rate[k] = slope_rate(p->lam, p->mu, p->phi, beta[k]) / square(o->unit);
-    const double c = out->across = across_of(n, out->v, out->h, rate, half);
-    for (int k = 0; k < n; k++) {
-        const double v = out->v[k], h = out->h[k], size = v * v + c * h * h;
-        pace[k] = (1 - c * rate[k]) * ((v * v - c * h * h) / size) / size * half;
-    }
+    out->across = rod_across(n, out->v, out->h, rate, half);
+    for (int k = 0; k < n; k++)
+        pace[k] = shear_rate(out->v[k], out->h[k], rate[k], out->across) * half;
     integrated(o->points, pace, out->shear);
     out->gain = sum(n + 1, out->shear);
 }
@@ -188,7 +144,7 @@ static void flows_of(course *o)
         flow_of(o, i, one);
         /* the backward arc follows the forward one */
         const int64_t last = i != o->count[0] ? i - 1 : 0;
-        const double more = i == 0 ? 0 : jump(one->v[0], one->h[0], o->flows[last].across, one->across);
+        const double more = i == 0 ? 0 : shear_jump(one->v[0], one->h[0], o->flows[last].across, one->across);
         one->shear[0] += before[backward] + more;
         before[backward] += one->gain + more;
         product(o->n + 1, o->n, one->shear, o->points->values, one->a);
@@ -198,7 +154,7 @@ static void flows_of(course *o)
         const flow *one = &o->flows[start];
         o->total[arc] = before[arc];
         if (!o->librates && o->count[arc])
-            o->total[arc] += jump(one->v[0], one->h[0], o->flows[start + o->count[arc] - 1].across, one->across);
+            o->total[arc] += shear_jump(one->v[0], one->h[0], o->flows[start + o->count[arc] - 1].across, one->across);
     }
 }
 

@@ -25,7 +25,7 @@ static double left_out(const workspace *w)
 }
 
 /* The integral, and its error where beta has the error `error`. */
-static void integrated(const workspace *w, double error, double *value, double *doubt)
+static void whole_of(const workspace *w, double error, double *value, double *doubt)
 {
     double total = 0, wrong = 0;
     for (int64_t i = 0; i < w->count; i++) {
@@ -162,7 +162,7 @@ static int integrals_of(workspace *w, int64_t b, const rod_loads *loads, double 
             continue;
         if (rod_resolved(w, b, kinds[i], INTEGRAL, w->all->goal, loads))
             return NO_MEMORY;
-        integrated(w, error, &out->value[names[i]], &out->error[names[i]]);
+        whole_of(w, error, &out->value[names[i]], &out->error[names[i]]);
     }
     return DONE;
 }
@@ -187,7 +187,7 @@ static int measured(workspace *w, int64_t b, numbers *out)
     if (groups >> CURVATURES & 1) {
         if (rod_resolved(w, b, CURVATURE, EXTREMES, all->goal, &loads))
             return NO_MEMORY;
-        integrated(w, error, &out->value[CURVED], &out->error[CURVED]);
+        whole_of(w, error, &out->value[CURVED], &out->error[CURVED]);
         out->value[TIGHTEST] = rod_largest(w, 1), out->error[TIGHTEST] = worst_of(w, error, 0);
     }
     if (groups & (1 << PUSHES | 1 << PUSH_ALONE | 1 << LIFT_OFFS | 1 << PEAKS)) {

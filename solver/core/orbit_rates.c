@@ -84,12 +84,11 @@ static int64_t vary(course *o, int with_rates)
         if (o->nodes[k].least < o->nodes[nearest].least)
             nearest = k;
     for (int64_t k = 0; k < o->P; k++) {
-        const int arc = k >= o->count[0], begins = k == 0 || k == o->count[0];
+        const int arc = k >= o->count[0];
         double jump[SHARES] = {0}, turned[3][NODES], *share = o->shares + SHARES * k, *gain = o->gain + SHARES * arc;
         if (with_rates) {
             rod_varied_rates(&o->p->lam, o->nodes[nearest].origin, n, o->x + n * k, &o->nodes[k]);
-            if (k)
-                rod_varied_jump(&o->nodes[begins ? 0 : k - 1], &o->nodes[k], o->direction * (arc ? -1 : 1), jump);
+            rod_varied_entry(o->nodes, o->count, k, o->direction, jump);
         }
         directions_on(o, k, turned);
         for (int m = with_rates ? 0 : PAIRS; m < SHARES; m++) {
@@ -103,24 +102,11 @@ static int64_t vary(course *o, int with_rates)
     }
     for (int arc = 0; arc < 2 && with_rates; arc++) {
         double closing[PAIRS];
-        const int64_t start = arc ? o->count[0] : 0;
-        if (!o->count[arc] || o->kind == LIBRATION)
-            continue;
-        rod_varied_jump(&o->nodes[start + o->count[arc] - 1], &o->nodes[start], o->direction * (arc ? -1 : 1), closing);
+        rod_varied_closing(o->nodes, o->count, arc, o->kind, o->direction, closing);
         for (int m = 0; m < PAIRS; m++)
             o->gain[SHARES * arc + m] += closing[m];
     }
     return nearest;
-}
-
-static double at_place(const double *series, int n, double x)
-{
-    double older = 1, now = x, total = series[0] + x * series[1];
-    for (int k = 2; k < n; k++) {
-        const double next = 2 * x * now - older;
-        older = now, now = next, total += next * series[k];
-    }
-    return total;
 }
 
 static double value_at(const points *at, const double *values, double x)
@@ -132,9 +118,8 @@ static double value_at(const points *at, const double *values, double x)
 
 static double integral_at(const points *at, const double *values, double x)
 {
-    double coefficients[NODES], series[NODES + 1];
-    product((int)at->n, (int)at->n, values, at->analyse, coefficients);
-    integral((int)at->n, coefficients, series);
+    double series[NODES + 1];
+    integrated(at, values, series);
     return at_place(series, (int)at->n + 1, x);
 }
 

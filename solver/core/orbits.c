@@ -1,5 +1,5 @@
-/* Periodic orbits by quadrature, made of panels, and their values along the rod: solver/orbit/periodic_orbit.py and
-   phase.py. */
+/* Periodic orbits by quadrature, made of panels, and their values along the rod; solver/orbit/periodic_orbit.py and
+   pieces.py explain them. */
 
 #include "panels.h"
 
@@ -235,7 +235,7 @@ static void value_on(const read_orbits *o, int64_t b, double t, double *out)
 }
 
 /* k series of the panels (P, k, n + 1) where n orbits are at t (n, stations), none of them a helix, into out
-   (n, stations, k); where that is, (n, stations) each: `phase.Phase`. */
+   (n, stations, k); where that is, (n, stations) each: `pieces.Phase`. */
 void rod_series_read(const read_orbits *o, int64_t n, int64_t stations, int64_t k, const double *series,
                      const double *t, double *out, int64_t *arc, double *local, double *periods, uint8_t *second,
                      uint8_t *mirrored)

@@ -57,7 +57,7 @@ INLINE void passing(const piece *p, int n, const double *restrict x, const doubl
     }
 }
 
-/* beta_t over sqrt(x1^2 - x^2), kept above zero where the turning point is next to a helix: `local_potential.ratio` */
+/* beta_t over sqrt(x1^2 - x^2), kept above zero where the turning point is next to a helix: `rod_ratio` */
 INLINE void turning(const piece *p, int n, const double *restrict x, const double *restrict sh,
                     const double *restrict ch, double *restrict root)
 {
@@ -367,7 +367,7 @@ static int halved(const start_problem *p, const points *at, const cutting *how, 
     return DONE;
 }
 
-/* The panels of the pieces of one problem behind those that are there: `panels.panelled`. Arcs 0 .. 3. */
+/* The panels of the pieces of one problem behind those that are there. Arcs 0 .. 3. */
 int rod_panelled(const start_problem *p, const piece *pieces, int count, const points *at, const cutting *how,
                  panels *all)
 {

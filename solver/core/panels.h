@@ -1,8 +1,7 @@
 /* What the files about quadrature over an orbit share: `orbit` and the search for equilibria.
 
-   Each function does for one problem what the NumPy code of the same name does for many (solver/orbit,
-   solver/levels), in the same order of operations where that decides a digit next to a saddle. Pieces, panels and
-   levels are explained there. C11, libm only; no global state. */
+   Each function does one problem. Next to a saddle the order of operations decides a digit. Pieces, panels and levels
+   are explained in solver/orbit and solver/levels. C11, libm only; no global state. */
 
 #ifndef ROD_PANELS_H
 #define ROD_PANELS_H
@@ -71,7 +70,7 @@ typedef struct {
     double *series;
 } panels;
 
-/* How panels are cut: see `panels.panelled`. lanes: what rod_lanes says, or fewer. relative: of `rod_orbits`. */
+/* How panels are cut: see `rod_panelled`. lanes: what rod_lanes says, or fewer. relative: of `rod_orbits`. */
 typedef struct {
     double length, goal, stretch;
     int times_only, lanes, relative;
@@ -84,7 +83,7 @@ typedef struct {
     const double *beta0, *direction, *duration, *gain, *since, *width, *series;
 } read_orbits;
 
-/* Where a time lies on an orbit: `phase.Phase`. */
+/* Where a time lies on an orbit: `pieces.Phase`. */
 typedef struct {
     int second, mirrored;
     double local, periods;
@@ -224,6 +223,38 @@ INLINE void integral(int n, const double *restrict a, double *restrict b)
     b[0] = total;
 }
 
+/* Values at the nodes to the series of the integral from -1, (n + 1,). */
+INLINE void integrated(const points *at, const double *values, double *out)
+{
+    double coefficients[NODES];
+    product((int)at->n, (int)at->n, values, at->analyse, coefficients);
+    integral((int)at->n, coefficients, out);
+}
+
+/* A series of n coefficients at x. */
+static inline double at_place(const double *series, int n, double x)
+{
+    double older = 1, now = x, total = series[0] + (n > 1 ? x * series[1] : 0);
+    for (int k = 2; k < n; k++) {
+        const double next = 2 * x * now - older;
+        older = now, now = next, total += next * series[k];
+    }
+    return total;
+}
+
+/* Along a flow (v, -H) with the transversal (c H, v)/D, D = v^2 + c H^2: the rate at which a change across the flow
+   moves along it, and how far it moves at once where c changes. */
+static inline double shear_rate(double v, double H, double rate, double c)
+{
+    const double D = v * v + c * H * H;
+    return (1 - c * rate) * ((v * v - c * H * H) / D) / D;
+}
+
+static inline double shear_jump(double v, double H, double old, double new)
+{
+    return v * H * ((old - new) / (v * v + old * H * H)) / (v * v + new * H * H);
+}
+
 /* A root by Newton's rule kept inside a shrinking bracket: `numerics.roots.bracket`. */
 typedef void function(const void *of, double x, double *value, double *rate);
 double rod_bracketed(function *f, const void *of, double lo, double hi, double x);
@@ -244,6 +275,9 @@ int rod_arcs(const start_problem *, double pin, double gap, const critical *, ar
 /* panels.c */
 int rod_panelled(const start_problem *, const piece *, int count, const points *, const cutting *, panels *);
 void rod_panels_free(panels *);
+
+/* variations.c: c of a panel from |beta_t|, H and H' at its nodes */
+double rod_across(int n, const double *v, const double *H, const double *rate, double half);
 
 /* orbits.c */
 int64_t rod_place(const read_orbits *, int64_t b, double t, phase *, double *x);

@@ -13,8 +13,7 @@ static void slopes_by_loads(double s, double c, double *out)
     out[0] = c, out[1] = -(c - s) * (c + s), out[2] = -s;
 }
 
-/* c of a panel from |beta_t|, H and H' at its nodes: `conditioning.across`. */
-static double across(int n, const double *v, const double *H, const double *rate, double half)
+double rod_across(int n, const double *v, const double *H, const double *rate, double half)
 {
     double fastest = 0, slowest = INFINITY, steepest = 0, flattest = INFINITY, most = 1e-200;
     for (int i = 0; i < n; i++) {
@@ -106,7 +105,7 @@ void rod_varied_state(const double *loads, double origin, double half, int n, co
         }
     }
     rates_at(loads, n, origin, x, sine, cosine, rate);
-    out->c = across(n, out->v, out->H, rate, half);
+    out->c = rod_across(n, out->v, out->H, rate, half);
     out->origin = origin, out->least = INFINITY;
     for (int i = 0; i < n; i++)
         out->least = smaller(out->least, square(out->v[i]) + out->c * square(out->H[i]));
@@ -162,7 +161,7 @@ void rod_varied_rates(const double *loads, double nearest, int n, const double *
     for (int i = 0; i < n; i++) {
         const double v = out->v[i], H = out->H[i], D = v * v + across * H * H;
         const int rest = D == 0;
-        const double sigma = rest ? 0 : (1 - across * rate[i]) * ((v * v - across * H * H) / D) / D;
+        const double sigma = rest ? 0 : shear_rate(v, H, rate[i], across);
         const double lever = rest ? 0 : across * H / D;
         const double g[4] = {1, gamma[0][i], gamma[1][i], gamma[2][i]}, h[4] = {0, H_q[0][i], H_q[1][i], H_q[2][i]};
         const double k[4] = {0, out->shift[0], out->shift[1], out->shift[2]};
@@ -176,7 +175,9 @@ void rod_varied_rates(const double *loads, double nearest, int n, const double *
     }
 }
 
-void rod_varied_jump(const varied_nodes *old, const varied_nodes *now, double sign, double *out)
+/* What M gains where the transversal and the shift change from those of one panel to those at the near end of another.
+   sign: of beta_t on the latter, away from the start. */
+static void jump_between(const varied_nodes *old, const varied_nodes *now, double sign, double *out)
 {
     const double v = sign * now->v[0], H = now->H[0];
     double D_old = v * v + old->c * H * H, D_now = v * v + now->c * H * H;
@@ -196,19 +197,33 @@ void rod_varied_jump(const varied_nodes *old, const varied_nodes *now, double si
     }
 }
 
+void rod_varied_entry(const varied_nodes *nodes, const int64_t *count, int64_t i, double direction, double *out)
+{
+    memset(out, 0, sizeof(double) * PAIRS);
+    if (i) /* the backward arc follows the forward one */
+        jump_between(&nodes[i == count[0] ? 0 : i - 1], &nodes[i], direction * (i >= count[0] ? -1 : 1), out);
+}
+
+void rod_varied_closing(const varied_nodes *nodes, const int64_t *count, int arc, int64_t kind, double direction,
+                        double *out)
+{
+    const varied_nodes *start = nodes + (arc ? count[0] : 0);
+    memset(out, 0, sizeof(double) * PAIRS);
+    if (count[arc] && kind != LIBRATION)
+        jump_between(start + count[arc] - 1, start, direction * (arc ? -1 : 1), out);
+}
+
 /* What the variations of orbits are kept in, P panels and n nodes: `variations.Variations`. */
 typedef struct {
     double *v, *H, *c, *shift, *gamma, *M, *jump, *closing, *series, *gain;
 } kept;
 
 /* The series of the values at the nodes, and of their integral from the near end; its value at the far end. */
-static double integrated(const points *at, const double *values, double half, double *out)
+static double grown(const points *at, const double *values, double half, double *out)
 {
-    double coefficients[NODES], total = 0;
-    const int n = (int)at->n;
-    product(n, n, values, at->analyse, coefficients);
-    integral(n, coefficients, out);
-    for (int k = 0; k <= n; k++)
+    double total = 0;
+    integrated(at, values, out);
+    for (int k = 0; k <= at->n; k++)
         out[k] *= half, total += out[k];
     return total;
 }
@@ -252,26 +267,20 @@ static void one_orbit(const double *loads, const read_orbits *of, int64_t b, con
     }
     double total[2][PAIRS] = {{0}};
     for (int64_t i = 0; i < P; i++) {
-        const int backward = i >= count[0], begins = i == 0 || i == count[0];
-        const double sign = of->direction[b] * (backward ? -1 : 1);
+        const int backward = i >= count[0];
         double *jump = out->jump + PAIRS * (first + i), *series = out->series + (SERIES * (first + i) + 9) * width;
         rod_varied_rates(loads, origin[first + nearest], n, x + n * i, &nodes[i]);
-        memset(jump, 0, sizeof(double) * PAIRS);
-        if (i)
-            rod_varied_jump(&nodes[begins ? 0 : i - 1], &nodes[i], sign, jump);
+        rod_varied_entry(nodes, count, i, of->direction[b], jump);
         keep(&nodes[i], at, first + i, out);
         for (int m = 0; m < PAIRS; m++) {
-            const double gained = integrated(at, nodes[i].M[m], of->width[first + i] / 2, series + m * width);
+            const double gained = grown(at, nodes[i].M[m], of->width[first + i] / 2, series + m * width);
             series[m * width] += total[backward][m] + jump[m];
             total[backward][m] += gained + jump[m];
         }
     }
     for (int arc = 0; arc < 2; arc++) {
         double *closing = out->closing + PAIRS * (2 * b + arc);
-        const int64_t start = arc ? count[0] : 0;
-        memset(closing, 0, sizeof(double) * PAIRS);
-        if (count[arc] && of->kind[b] != LIBRATION)
-            rod_varied_jump(&nodes[start + count[arc] - 1], &nodes[start], of->direction[b] * (arc ? -1 : 1), closing);
+        rod_varied_closing(nodes, count, arc, of->kind[b], of->direction[b], closing);
         for (int m = 0; m < PAIRS; m++)
             out->gain[PAIRS * (2 * b + arc) + m] = total[arc][m] + closing[m];
     }

@@ -29,9 +29,11 @@ void rod_varied_state(const double *loads, double origin, double half, int n, co
 /* gamma counted from the height of the critical point at `nearest`, and M. */
 void rod_varied_rates(const double *loads, double nearest, int n, const double *x, varied_nodes *out);
 
-/* What M gains where the transversal and the shift change from those of one panel to those at the near end of another.
-   sign: of beta_t on the latter, away from the start. */
-void rod_varied_jump(const varied_nodes *old, const varied_nodes *now, double sign, double *out);
+/* What M gains on entering panel i of an orbit, and where the rotation of an arc closes, (PAIRS,). nodes: of all panels,
+   with their rates up to that one. count: (2,), of the arcs. */
+void rod_varied_entry(const varied_nodes *nodes, const int64_t *count, int64_t i, double direction, double *out);
+void rod_varied_closing(const varied_nodes *nodes, const int64_t *count, int arc, int64_t kind, double direction,
+                        double *out);
 
 /* -(G_q(angle) - G_q(other))/2 for q = lam, mu, phi. */
 void rod_height_rates(double angle, double other, double *out);
