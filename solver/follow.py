@@ -12,9 +12,8 @@ from .numerics.arclength import CLOSED, END
 from .numerics.arrays import Array
 from .problem.angles import doubt, given_by_a_program, warn
 from .problem.case import ANGLES, PAIRS, Case, Ends
-from .problem.case_fields import value_of, with_field
+from .problem.case_fields import fields_of, value_of, with_field
 from .problem.errors import InputError, choices, no_such, show
-from .problem.field_rates import fields_of
 from .problem.field_values import in_rad
 from .problem.held_ends import held_of, reduce_held
 from .problem.reduced import EndsProblem

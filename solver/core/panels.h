@@ -133,7 +133,7 @@ static inline double slope_size(double lam, double mu, double phi, double beta)
 {
     const double s = sin(beta), c = cos(beta), s2 = s * s, size = fabs(c);
     return fabs((lam - (c < 0 ? -mu : mu)) * c) + fabs(mu * (s2 * (1 + 2 * size) / (1 + size))) +
-           fabs((phi + 2 * c * s2) * s);
+           (fabs(phi) + 2 * size * s2) * fabs(s);
 }
 
 /* a - b moved into [-pi, pi), of angles in [-pi, pi); exact where they are neighbours across the cut at pi */

@@ -8,12 +8,11 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.angles import angle
 from ..problem.case import ANGLES, Case, Ends
-from ..problem.case_fields import FIELD
+from ..problem.case_fields import FIELD, check_fields
 from ..problem.errors import InputError, choices, show
-from ..problem.field_rates import NUMBERS, check_fields, field_rates
+from ..problem.field_rates import ACTING, field_rates
 from ..problem.reduced import EndsProblem, reduce
 
-_ACTING = ("lam", "mu", "phi", "span", "beta0", "end")  # the numbers on which equilibria depend
 MARGIN = 1e-3  # of a range: how far beyond it equilibria may be computed
 
 
@@ -59,7 +58,7 @@ def with_two(case: Case, values: dict[str, Any]) -> Case:
     for part in (case.rod, case.cylinder, case.given):
         known = {field.name for field in fields(part)}
         # the place of the start is called alpha0, gamma0 among the quantities
-        mine = {FIELD.get(name, name): value for name, value in values.items()}
+        mine = {name if name in known else FIELD.get(name, name): value for name, value in values.items()}
         parts.append(replace(part, **{name: value for name, value in mine.items() if name in known}))
     return Case(*parts)
 
@@ -96,7 +95,7 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
         rates = field_rates(plane.case_at(corners), plane.names)
     except InputError as refusal:
         raise InputError(f"no fold curves over {first} and {second}: {refusal}") from None
-    moved = np.stack([np.asarray(getattr(rates, name)) for name in NUMBERS if name in _ACTING])
+    moved = np.stack([np.asarray(getattr(rates, name)) for name in ACTING])
     for k, name in enumerate((first, second)):
         if not moved[:, :, k].any():
             raise InputError(f"no equilibrium depends on {name}; choose another field")

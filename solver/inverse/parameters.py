@@ -9,15 +9,14 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.angles import angle
 from ..problem.case import TWISTS, Case, Start, from_fields
+from ..problem.case_fields import FIELD, check_fields
 from ..problem.errors import InputError, choices, show
-from ..problem.field_rates import check_fields
 from ..problem.quantities import quantity
 
 POSITIVE = ("E", "EI", "GJ", "a", "L", "R")  # searched by their logarithm
 _LIMITS = {"nu": (-1.0, 0.5), "weight": (0.0, np.inf), "friction": (0.0, np.inf), "inclination": (0.0, np.pi)}
 _SPREAD = 4.0  # starts of a positive field without bounds: from its value over this to its value times this
 # The fields of Start and Ends that are the value of a quantity at s = 0.
-_FIELD = {"beta0": "beta", "dbeta0": "dbeta", "alpha0": "alpha", "gamma0": "gamma"}
 
 
 @dataclass(frozen=True)
@@ -91,7 +90,7 @@ def _by_name(case: Case, vary: Any) -> dict[str, Any]:
     if isinstance(vary, str):
         vary = (vary,)
     pairs = list(vary.items()) if isinstance(vary, Mapping) else [(name, None) for name in _list(vary)]
-    own = {field: name for name, field in _FIELD.items() if field in {f.name for f in fields(case.given)}}
+    own = {field: name for name, field in FIELD.items() if field in {f.name for f in fields(case.given)}}
     names = [str(own.get(name, name)) for name, _ in pairs]
     if twice := [name for name in names if names.count(name) > 1]:
         raise InputError(f"the field {twice[0]!r} is varied twice")
@@ -153,7 +152,7 @@ def natural_unit(case: Case, name: str) -> float:
 def value_of(case: Case, name: str) -> float:
     """The value of a field, by the name of its derivative."""
     for part in (case.rod, case.cylinder, case.given):
-        for field in (name, _FIELD.get(name, name)):
+        for field in (name, FIELD.get(name, name)):
             if getattr(part, field, None) is not None:
                 return float(getattr(part, field))
     raise InputError(f"this case has no value of {name}")
@@ -165,7 +164,7 @@ def replace(case: Case, values: Mapping[str, float]) -> Case:
     for part in (case.rod, case.cylinder, case.given):
         own = {f.name: getattr(part, f.name) for f in fields(part)}
         for name, value in values.items():
-            field = name if name in own else _FIELD.get(name, name)
+            field = name if name in own else FIELD.get(name, name)
             if field in own:
                 own[field] = value
         if isinstance(part, Start):

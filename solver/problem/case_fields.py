@@ -1,40 +1,59 @@
-"""A case with another value of one of its numeric fields, named as its quantity."""
+"""The numeric fields of a case by the names of their quantities, and a case with another value of one of them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import fields, replace
 from typing import Any
 
 from .case import Case
 from .errors import InputError, choices, near
-from .field_rates import fields_of
 
-FIELD = {"alpha0": "alpha", "gamma0": "gamma"}  # the fields of `Ends` whose quantity has another name
+# Fields of `Start` and `Ends` whose quantity has another name; `Ends` has fields beta0 and betaL.
+FIELD = {"beta0": "beta", "dbeta0": "dbeta", "alpha0": "alpha", "gamma0": "gamma"}
+_QUANTITY = {field: name for name, field in FIELD.items()}
 
 
-def with_field(case: Case, name: str, value: Any) -> Case:
-    """The case with another value of one numeric field, named as its quantity. Raises `InputError`."""
-    name = FIELD.get(name, name)
-    for part in ("rod", "cylinder", "given"):
-        owner = getattr(case, part)
-        if hasattr(owner, name):
-            return replace(case, **{part: replace(owner, **{name: value})})
+def fields_of(case: Case) -> tuple[str, ...]:
+    """The names of the fields of a case with respect to which there are derivatives."""
+    given = (_QUANTITY.get(name, name) for part, name, _ in case._numeric() if part is case.given)
+    return (*(name for part, name, _ in case._numeric() if part is not case.given), *given)
+
+
+def check_fields(case: Case, names: Any) -> tuple[str, ...]:
+    """The names as a tuple. Raises `InputError` for a name that is no numeric field of the case or is repeated."""
+    fields = (names,) if not isinstance(names, Iterable) or isinstance(names, str) else tuple(names)
+    known = fields_of(case)
+    for name in fields:
+        if name not in known:
+            raise InputError(f"no field {name!r} in this case{near(name, known)}; choose from {choices(known)}")
+    if not fields or len(set(fields)) < len(fields):
+        raise InputError(f"fields must be one or several different names, got {choices(fields) or 'none'}")
+    return fields
+
+
+def _place_of(case: Case, name: str) -> tuple[str, str]:
+    """The part of a case that has a field, named as its quantity, and the field's name there."""
+    for field in (name, FIELD.get(name, name)):
+        for part in ("rod", "cylinder", "given"):
+            if hasattr(getattr(case, part), field):
+                return part, field
     known = fields_of(case)
     raise InputError(f"no field {name!r} in this case{near(name, known)}; choose from {choices(known)}")
 
 
-def unchecked_with_field(case: Case, name: str, value: float) -> Case:
+def with_field(case: Case, name: str, value: Any) -> Case:
+    """The case with another value of one numeric field, named as its quantity. Raises `InputError`."""
+    part, field = _place_of(case, name)
+    return replace(case, **{part: replace(getattr(case, part), **{field: value})})
+
+
+def unchecked_with_field(case: Case, name: str, value: Any) -> Case:
     """The same for a valid value, several times as fast."""
-    name = FIELD.get(name, name)
-    parts: dict[str, Any] = {}
-    for part in fields(case):
-        owner = getattr(case, part.name)
-        parts[part.name] = _copy(owner, {name: value}) if hasattr(owner, name) else owner
-    return _copy(case, parts)
+    part, field = _place_of(case, name)
+    return _copy(case, {part: _copy(getattr(case, part), {field: value})})
 
 
 def numbers_over(case: Case, name: str) -> Callable[[float], tuple[float, ...]]:
     """lam, mu, phi, span, beta(0) and beta(L) of an ends problem over one of its fields: those of `reduced.reduce`."""
-    name = FIELD.get(name, name)
     given, rod = case.given, case.rod
     own = {one: getattr(given, one) for one in ("MZ", "M3", "FZ", "beta0", "betaL")}
     alters_section = name != "L" and not hasattr(given, name)
@@ -62,5 +81,5 @@ def value_of(case: Case, name: str) -> float:
 
 def values_of(case: Case, name: str) -> Any:
     """The value or the values of one numeric field, named as its quantity."""
-    name = FIELD.get(name, name)
-    return next(getattr(p, name) for p in (case.rod, case.cylinder, case.given) if hasattr(p, name))
+    part, field = _place_of(case, name)
+    return getattr(getattr(case, part), field)

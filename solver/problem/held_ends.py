@@ -5,7 +5,7 @@ moment M1 at an end the angle there. An ends problem takes one of each pair; the
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from .case import PAIRS, Case, Ends
 from .case_fields import unchecked_with_field
-from .reduced import EndsProblem, Reduced, flat, refuse_varying
+from .reduced import Reduced, flat, refuse_varying
 
 # The number (`equilibrium.orbit_rates`, and the rotation "turn") that each field of Ends fixes, in the order of PAIRS.
 NUMBER_OF = {
@@ -107,19 +107,6 @@ def held_numbers_over(case: Case, name: str) -> Callable[[float], tuple[float, .
 def _factors(A: Any, rho: Any) -> dict[str, Any]:
     """What makes dimensionless numbers of the fields of `Ends`."""
     return {"M10": rho / A, "M1L": rho / A, "FZ": rho * rho / A, "MZ": rho / A, "M3": rho / A, "height": 1 / rho}
-
-
-def under_dead_loads(case: Case, problem: EndsProblem) -> Case:
-    """The same rods under the dead loads and between the end angles of `problem`, which must be finite."""
-    g, A, rho = case.given, case.rod.bending_stiffness, case.rho
-    assert isinstance(g, Ends)
-    found = {
-        "beta0": problem.beta0, "betaL": problem.betaL,
-        **dict(zip(("FZ", "MZ", "M3"), loads_of(problem, A, rho, case.shape), strict=True)),
-    }  # fmt: skip
-    plain = {name: np.reshape(value, case.shape)[()] for name, value in found.items()}
-    kept = {own: getattr(g, own) if getattr(g, own) is not None else plain[own] for own, _ in PAIRS}
-    return replace(case, given=Ends(**kept, alpha=g.alpha, gamma=g.gamma))
 
 
 def loads_of(problem: Reduced, A: Any, rho: Any, shape: tuple[int, ...]) -> tuple[Array, Array, Array]:

@@ -71,11 +71,11 @@ def reduce(case: Case) -> StartProblem | EndsProblem:
     return dimensionless_problem(case)
 
 
-def dimensionless_problem(case: Case) -> StartProblem | EndsProblem:
-    """The same of any case; where loads vary along the rod, with those that the case gives."""
+def dimensionless_problem(case: Case, kind: type = float) -> StartProblem | EndsProblem:
+    """The same of any case; where loads vary along the rod, with those that the case gives. kind: of the numbers."""
     FZ, MZ, M3 = case.loads
     rho, A, given = case.rho, case.rod.bending_stiffness, case.given
-    numbers = np.empty((6, *case.shape))
+    numbers: Array = np.empty((6, *case.shape), kind)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         numbers[0], numbers[1], numbers[2] = MZ / A * rho, M3 / A * rho, FZ / A * rho * rho
         numbers[3] = case.rod.L / rho
@@ -99,7 +99,8 @@ def refuse_varying(case: Case) -> None:
 
 def flat(value: Any, shape: tuple[int, ...]) -> Array:
     """A field of a case as a contiguous array, (B,)."""
-    value = np.asarray(value, dtype=float)
+    value = np.asarray(value)
+    value = np.asarray(value, dtype=complex if value.dtype.kind == "c" else float)
     if value.ndim == 0:
         return np.full(math.prod(shape), value)
     return np.ascontiguousarray(np.broadcast_to(value, shape)).reshape(-1)

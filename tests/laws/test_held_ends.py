@@ -17,7 +17,7 @@ from solver.levels.line_point import path_of
 from solver.levels.path_orbits import orbit_of
 from solver.mechanics.potential import slope_rate
 from solver.problem.case import PAIRS
-from solver.problem.field_rates import fields_of
+from solver.problem.case_fields import fields_of
 from solver.problem.reduced import EndsProblem, reduce
 from tests.cases import in_units_of_rho, table_1
 

@@ -263,6 +263,10 @@ REFUSALS: dict[str, tuple[Callable[[], Any], str]] = {
     "an unhashable observable": (lambda: observe(solve(case()), [["turns"]]), "no observable ['turns'], did"),
     "a misspelt observable": (lambda: observe(solve(case()), "heigth"), "'heigth', did you mean 'height'; choose"),
     "no name of a field": (lambda: solve(case()).sensitivity(5), "no field 5 in this case; choose from E"),
+    "no weight": (
+        lambda: solve(Case(Rod(**ROD, weight=0.0), Cylinder(0.75), Start(**START))).sensitivity("weight"),
+        "the derivative by weight of a rod without weight is not known",
+    ),
     "no radius that floats hold": (
         lambda: loops(Rod(1.0, 0.25, 1e-251, 1e-249), Cylinder(9e-251)),
         "beyond 1e290 or 1e-290 in these units; the most extreme field is a = 1e-251",

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from benchmarks.make_observable_references import FIELDS, NAMES
 from solver import Case, Cylinder, Ends, Rod, Start, observe, solve
 from solver.observe.observables import OBSERVABLES, is_count
-from solver.problem.field_rates import fields_of
+from solver.problem.case_fields import fields_of
 from tests.cases import EXACT, START, ends_in_units_of_rho, helix_moment, in_units_of_rho
 from tests.numerics.test_sensitivity import differences, moved
 

@@ -10,7 +10,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fit, observe, solve
 from solver.observe.observables import OBSERVABLES, is_count, observables_of
-from solver.problem.field_rates import fields_of
+from solver.problem.case_fields import fields_of
 
 SOLID: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 6.0}
 TUBE: dict[str, Any] = {**SOLID, "inner_radius": 0.2}

@@ -11,7 +11,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, observe, solve
 from solver.observe.observables import OBSERVABLES, is_count
-from solver.problem.field_rates import check_fields, fields_of
+from solver.problem.case_fields import check_fields, fields_of
 from solver.problem.held_ends import given_numbers
 from solver.problem.reduced import StartProblem, reduce
 from solver.sensitivity.motions import motions

@@ -12,8 +12,8 @@ import xarray as xr
 
 from solver import InputError, Rod, Solution, observe
 from solver.observe.observables import OBSERVABLES, is_count, observables_of
+from solver.problem.case_fields import fields_of
 from solver.problem.errors import no_such
-from solver.problem.field_rates import fields_of
 from solver.problem.quantities import quantity, unit_of
 from studies.grammar.axes import FIELDS, WORDS
 
