@@ -16,8 +16,7 @@ from solver import equilibria as all_equilibria
 from studies import load
 from workbench.branches import branch_dataset
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.figures import bifurcation, canvas, point_numbers, shape_rows
-from workbench.figures import equilibria as equilibria_figure
+from workbench.figures import bifurcation, canvas, equilibria_figure, point_numbers, shape_rows
 from workbench.figures.point_numbers import Point
 
 ROD, CYLINDER = Rod(E=325.95, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)

@@ -19,8 +19,7 @@ from workbench.branches import branch_dataset
 from workbench.branches.ends_study import ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands.equilibria import DEFAULT, parse_axis
-from workbench.figures import bifurcation, canvas
-from workbench.figures import equilibria as equilibria_figure
+from workbench.figures import bifurcation, canvas, equilibria_figure
 from workbench.store import in_memory, writing
 from workbench.store.block import solve_one
 from workbench.store.case_input import field_values

@@ -10,8 +10,7 @@ from solver import Case, Cylinder, Rod, Start, fit, observe, solve
 from studies import load
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench import cli
-from workbench.figures import fit as fit_figure
-from workbench.figures import style
+from workbench.figures import fit_figure, style
 from workbench.fitting import fit_dataset
 
 ENDS = """title = "a rod between two ends"

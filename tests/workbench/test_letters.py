@@ -16,6 +16,7 @@ from workbench.branches.equilibria_dataset import dataset_of
 from workbench.figures import (
     along,
     canvas,
+    equilibria_figure,
     laws,
     map_figure,
     portrait,
@@ -26,7 +27,6 @@ from workbench.figures import (
     unrolled,
     work_precision,
 )
-from workbench.figures import equilibria as equilibria_figure
 from workbench.figures.sheet import sheet
 from workbench.store import in_memory, law_verdicts, writing
 from workbench.web.report import measured_runs

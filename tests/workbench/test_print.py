@@ -22,8 +22,7 @@ from workbench import cli
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands import plot
-from workbench.figures import canvas, map_figure, scales, study_figure, style
-from workbench.figures import equilibria as equilibria_figure
+from workbench.figures import canvas, equilibria_figure, map_figure, scales, study_figure, style
 from workbench.figures.sheet import SCREEN, sheet
 from workbench.scene import opengl
 from workbench.store import in_memory, law_verdicts, writing
