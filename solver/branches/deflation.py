@@ -17,12 +17,12 @@ from ..equilibrium.system import (
     State,
     answer,
     corner_state,
-    correct,
     move,
     problem_after,
     problem_at,
     rates_in,
     rows_of,
+    settle,
     size_of,
     values_of,
 )
@@ -68,17 +68,8 @@ def deflate(start: State, wanted: Given, known: list[Array]) -> State | None:
             return None
         state, size = following
         if size < _NEAR and abs(rate) < 0.5:
-            found = finish(state, wanted)
-            return None if found is None or is_known(found, known) else found
-    return None
-
-
-def finish(state: State, wanted: Given) -> State | None:
-    """The equilibrium with the wanted numbers next to a state, in whichever coordinate Newton's rule converges."""
-    for chart in charts(LinePoint(state.problem), state.path, wanted.hinged):
-        found = correct(state.problem, wanted, chart, coordinate(chart))
-        if not isinstance(found, str):
-            return found
+            found = settle(state.problem, state.path, wanted)
+            return None if isinstance(found, str) or is_known(found, known) else found
     return None
 
 

@@ -215,10 +215,13 @@ def correct(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: fl
     return LEFT if is_still(last.problem, at) else replace(corner_state(last.rates, at), corrected=last.corrected)
 
 
-def settle(problem: EndsProblem, path: Path) -> State | str:
-    """The equilibrium of a problem under its own dead loads next to a path; or why there is none."""
-    given, reason = Given.dead(problem), ""
-    for chart in charts(LinePoint(problem), path):
+def settle(problem: EndsProblem, path: Path, given: Given | None = None) -> State | str:
+    """The equilibrium next to a path, in whichever coordinate Newton's rule converges; or why there is none.
+
+    given: default: the dead loads of the problem.
+    """
+    given, reason = given or Given.dead(problem), ""
+    for chart in charts(LinePoint(problem), path, given.hinged):
         found = correct(problem, given, chart, coordinate(chart))
         if not isinstance(found, str):
             return found

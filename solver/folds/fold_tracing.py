@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..numerics.arclength import FOLD, Lengths, Stride, trace
+from ..numerics.arclength import FOLD, Lengths, Stride, border_distances, trace
 from ..numerics.arrays import Array
 from .fold_system import CurvePoint, CurveSystem, FoldSystem, correct
 from .separatrix_folds import SeparatrixSystem, deep_system
@@ -57,8 +57,7 @@ def _is_beyond(x: Array) -> bool:
 def _border(system: CurveSystem, here: CurvePoint, step: float) -> CurvePoint | None:
     """The first point of the border that the curve meets within about a step after a point."""
     rate = here.tangent[1:3]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        far = np.where(rate > 0, (1 - here.shares) / rate, np.where(rate < 0, -here.shares / rate, np.inf))
+    far = border_distances(here.shares, rate, np.zeros(2), np.ones(2))
     for k in np.argsort(far):
         if far[k] > 2 * step:
             return None

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..branches.continuation import Stopped, carry
-from ..branches.deflation import across_fold, deflate, finish, is_known, numbers_of
+from ..branches.deflation import across_fold, deflate, is_known, numbers_of
 from ..branches.held_helices import helices_of
 from ..equilibrium.orbit_rates import orbit_rates
-from ..equilibrium.system import FREE, Given, State
+from ..equilibrium.system import FREE, Given, State, settle
 from ..numerics.arrays import Array
 from .held_mirrors import half_period_later, image_of, mirrors_of
 from .held_ranges import Ranges, ranges_of, within_a_turn
@@ -64,8 +64,8 @@ class HeldFound:
         images = [image_of(state, mirror, self.given) for mirror in mirrors_of(self.given)]
         later = half_period_later(state, self.given)
         for image in [*images, *([] if later is None else [later])]:
-            whole = image if image.path.helix else finish(image, self.given)
-            if whole is not None:
+            whole = image if image.path.helix else settle(image.problem, image.path, self.given)
+            if not isinstance(whole, str):
                 self.add(whole, MIRRORED)
         return True
 
@@ -91,7 +91,7 @@ def held_search(
     for state in helices:
         found.add(state, HELIX)  # first: an orbit whose swings fall to rounding is the helix
     for start in scanned:
-        if (whole := finish(start, given)) is not None:
+        if not isinstance(whole := settle(start.problem, start.path, given), str):
             found.add(whole, SCANNED)
     if scanned:
         return found

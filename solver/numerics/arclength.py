@@ -105,6 +105,12 @@ def trace(
     return found, ""
 
 
+def border_distances(x: Array, rate: Array, low: Array, high: Array) -> Array:
+    """How far along a direction `rate` each coordinate of a point x meets the border low < x < high, (n,)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(rate > 0, (high - x) / rate, np.where(rate < 0, (low - x) / rate, np.inf))
+
+
 def node_at(curve: Curve, w: Array, along: Array) -> Node | str:
     """The point of a curve at w, travelled in a direction like `along` (n + 1,)."""
     jacobian = curve.jacobian(w)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..numerics.arclength import LEFT, Lengths, Node, Stride, advance, node_at, trace
+from ..numerics.arclength import LEFT, Lengths, Node, Stride, advance, border_distances, node_at, trace
 from ..numerics.arrays import Array
 from ..problem.errors import InputError
 from .curve import Curve, Point
@@ -132,8 +132,7 @@ def fold_line(first: FoldPoint, sense: float, low: Array, high: Array, most: int
 def border_point(fold: FoldPoint, node: Node, low: Array, high: Array) -> FoldPoint | None:
     """The fold on the border that the curve meets next, without values beyond it; None where it meets none nearby."""
     onward = fold.along * np.sign(node.tangent[1])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ways = np.where(onward > 0, (high - fold.z) / onward, np.where(onward < 0, (low - fold.z) / onward, np.inf))
+    ways = border_distances(fold.z, onward, low, high)
     k = int(np.argmin(ways))
     limit = (high if onward[k] > 0 else low)[k]
     w = node.tangent * (ways[k] / abs(node.tangent[1]))

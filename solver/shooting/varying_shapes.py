@@ -83,12 +83,8 @@ class Nodes:
         t, _ = self._dense()
         pulls = self.push_at(t) < 0
         change = np.flatnonzero(pulls[1:] != pulls[:-1])
-        low, high = t[change], t[change + 1]
-        for _ in range(BISECTIONS if change.size else 0):
-            middle = (low + high) / 2
-            same = (self.push_at(middle) < 0) == pulls[change]
-            low, high = np.where(same, middle, low), np.where(same, high, middle)
-        ends = [*(t[:1] if pulls[0] else ()), *low, *(t[-1:] if pulls[-1] else ())]
+        found = bisect(self.push_at, t[change], t[change + 1], BISECTIONS)
+        ends = [*(t[:1] if pulls[0] else ()), *found, *(t[-1:] if pulls[-1] else ())]
         return tuple((float(a * rho), float(b * rho)) for a, b in zip(ends[::2], ends[1::2], strict=True))
 
     def neutral(self) -> float:
