@@ -2,7 +2,6 @@
 
 from .branch import Branch
 from .equilibria import Equilibrium, equilibria
-from .folds.fold_curves import fold_curves
 from .follow import follow
 from .inverse import fit
 from .loops import Loop, loops
@@ -10,7 +9,7 @@ from .observe import observe
 from .problem.case import Case, Cylinder, Ends, Rod, Start
 from .problem.errors import InputError
 from .problem.rod import weight_in_fluid
-from .region_map import region_map
+from .region_map import fold_curves, region_map
 from .solution import Solution
 from .solve import solve
 from .switch import switch

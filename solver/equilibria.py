@@ -211,10 +211,10 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
         seen = observe(solution, ["turns", "attached"])
         numbers = held_energy(solution), float(solution.dbeta[0]), int(seen["turns"]), float(seen["attached"])
         listed.append(Equilibrium(solution, index, *numbers, stray(solution), path, -1, how))
-    ways = ["from the straight rod", "along the weakest modes"]
+    ways = ["from the straight rod"]
     if follows:
         ways.append(f"from {len(light)} equilibria without weight, which grows to {HEAVIEST:g} times this one")
-    ways += ["by a scan of the start"] * bool(found.scanned)
+    ways += ["by a scan of the start"] * bool(found.scanned) + ["by deflation"]
     said = [f"not proved complete: searched {', '.join(ways[:-1])}, and {ways[-1]}"]
     if not found.scanned:
         said.append(f"only rods of at most {LONGEST:g} radii are scanned")

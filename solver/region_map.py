@@ -7,13 +7,18 @@ import numpy as np
 
 from .equilibria import Equilibria, equilibria
 from .folds.curve_crossings import Pieces
-from .folds.fold_curves import FoldCurves, fold_curves
+from .folds.fold_curves import FoldCurves, curves_of
+from .folds.fold_search import search_curves
+from .folds.parameter_plane import parameter_plane
 from .numerics.arrays import Array, Booleans, Integers
 from .problem.case import Case
 from .problem.errors import InputError
+from .varying_folds import search_varying
 
 PIXELS = 240  # of the raster along each field
 MOST_POINTS = 100_000
+MOST = 101  # points of the lattice along a field
+NINE, THREE = 9, 3  # by default, without and with weight
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +91,59 @@ class RegionMap:
         return wrong
 
 
-def region_map(case: Case, *, lattice: int = 9, stations: int = 101, **ranges: Any) -> RegionMap:
-    """The number of equilibria, and of stable ones, over two fields under dead loads.
+def fold_curves(case: Case, *, lattice: int | None = None, **ranges: Any) -> FoldCurves:
+    """Fold and pitchfork curves that cross a rectangle of two fields: all under dead loads, with weight those found.
+
+    Under dead loads, on a lattice of points all equilibria are counted by their Morse index. Between two neighbours
+    whose numbers differ a point of a curve is found, and the curve is traced from it both ways, until the curves
+    explain every difference. A closed curve that lies between the lines of the lattice is not found, nor are two curves
+    that cross the same lines next to each other and undo each other's change, unless one of thirty further points lies
+    between; a finer lattice finds them.
+
+    Of a rod with weight the equilibria that `equilibria` finds at the middle are followed along the lines of the
+    lattice, with those that branches meet or that split off, and every fold and pitchfork on the way is traced. What
+    does not hang together with them is not found, and the remark is never empty.
+
+    Parameters
+    ----------
+    case : Case
+        A single ends problem.
+    lattice : int, optional
+        Points of the lattice along each field, 2 to 101. Default: 9, of a rod with weight 3.
+    **ranges
+        Two numeric fields of rod, cylinder or ends with their ranges, such as ``FZ=(-10, 10)`` and ``betaL=("-90deg",
+        "90deg")``.
+
+    Returns
+    -------
+    FoldCurves
+
+    Raises
+    ------
+    InputError
+        For a start problem, a grid of cases, an unknown field, a range that is not two finite numbers, the first lower,
+        values in it that no case has, and friction.
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Ends, Rod, fold_curves
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=3.0)
+    >>> case = Case(rod, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8))
+    >>> (curve,) = fold_curves(case, FZ=(-60, -20), L=(1.5, 3), lattice=3).curves
+    >>> curve.kind, curve.lower, curve.cusps.round(6).tolist()
+    ('fold', 0, [[-55.891532, 2.293935]])
+    """
+    plane = parameter_plane(case, ranges)
+    lattice = (THREE if plane.varies else NINE) if lattice is None else lattice
+    if not 2 <= lattice <= MOST or lattice != int(lattice):
+        raise InputError(f"lattice must be a whole number from 2 to {MOST}, got {lattice!r}")
+    if plane.varies:
+        return search_varying(plane, int(lattice))
+    return curves_of(search_curves(plane, int(lattice)))
+
+
+def region_map(case: Case, *, lattice: int | None = None, stations: int = 101, **ranges: Any) -> RegionMap:
+    """The number of equilibria, and of stable ones, over two fields; with weight of those that are found.
 
     Parameters
     ----------

@@ -62,7 +62,7 @@ def deflate(start: State, wanted: Given, known: list[Array]) -> State | None:
         change = answer(state.rates, wanted, off[:, None], np.array([wanted.span - length]))[:, 0]
         if not np.isfinite(change[:-1]).all():
             return None
-        rate = _rate(numbers_of(state), change[:-1], known)
+        rate = rate_of_product(numbers_of(state), change[:-1], known)
         following = _next_state(state, wanted, change, 1 / (1 - rate) if rate != 1 else np.inf)
         if following is None:
             return None
@@ -73,8 +73,8 @@ def deflate(start: State, wanted: Given, known: list[Array]) -> State | None:
     return None
 
 
-def _rate(here: Array, change: Array, known: list[Array]) -> float:
-    """The derivative of the logarithm of the product along a change."""
+def rate_of_product(here: Array, change: Array, known: list[Array]) -> float:
+    """The derivative of the logarithm of the product along a change of the numbers in which distances are taken."""
     total = 0.0
     for one in known:
         apart = here - one

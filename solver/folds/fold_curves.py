@@ -9,13 +9,10 @@ import numpy as np
 
 from ..numerics.arrays import Array, Booleans
 from ..problem.case import Case
-from ..problem.errors import InputError
 from .curve_crossings import change_along
-from .fold_search import Curve, Searched, search_curves
+from .fold_search import Curve, Searched
 from .fold_tracing import PIECES
-from .parameter_plane import parameter_plane
-
-MOST = 101  # points of the lattice along a field
+from .parameter_plane import ParameterPlane
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +38,8 @@ class FoldCurve:
     more : array (N, 2)
         A vector towards the side of two more equilibria, in shares of the two ranges.
     ends : tuple of str
-        How the curve ends at either side: "border" of the rectangle, "closed", or "stopped": it could not be followed.
+        How the curve ends at either side: "border" of the rectangle, "closed", "crossing": with weight, where another
+        curve crosses and the index changes, or "stopped": it could not be followed.
     """
 
     kind: str
@@ -111,59 +109,20 @@ class FoldCurves:
         return np.asarray(points[int(np.argmax(alike))])
 
 
-def fold_curves(case: Case, *, lattice: int = 9, **ranges: Any) -> FoldCurves:
-    """All fold curves that cross a rectangle of two fields, under dead loads.
-
-    On a lattice of points all equilibria are counted by their Morse index. Between two neighbours whose numbers differ
-    a point of a curve is found, and the curve is traced from it both ways, until the curves explain every difference. A
-    closed curve that lies between the lines of the lattice is not found, nor are two curves that cross the same lines
-    next to each other and undo each other's change, unless one of thirty further points lies between; a finer lattice
-    finds them.
-
-    Parameters
-    ----------
-    case : Case
-        A single ends problem.
-    lattice : int
-        Points of the lattice along each field, 2 to 101.
-    **ranges
-        Two numeric fields of rod, cylinder or ends with their ranges, such as ``FZ=(-10, 10)`` and ``betaL=("-90deg",
-        "90deg")``.
-
-    Returns
-    -------
-    FoldCurves
-
-    Raises
-    ------
-    InputError
-        For a start problem, a grid of cases, an unknown field, a range that is not two finite numbers, the first lower,
-        and values in it that no case has.
-
-    Examples
-    --------
-    >>> from solver import Case, Cylinder, Ends, Rod, fold_curves
-    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=3.0)
-    >>> case = Case(rod, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8))
-    >>> (curve,) = fold_curves(case, FZ=(-60, -20), L=(1.5, 3), lattice=3).curves
-    >>> curve.kind, curve.lower, curve.cusps.round(6).tolist()
-    ('fold', 0, [[-55.891532, 2.293935]])
-    """
-    plane = parameter_plane(case, ranges)
-    if not 2 <= lattice <= MOST or lattice != int(lattice):
-        raise InputError(f"lattice must be a whole number from 2 to {MOST}, got {lattice!r}")
-    searched = search_curves(plane, int(lattice))
-    curves = [_fold_curve(searched, curve) for curve in searched.curves]
-    return FoldCurves(case, plane.names, plane.low, plane.high, curves, _remark(searched), searched)
-
-
-def _fold_curve(searched: Searched, curve: Curve) -> FoldCurve:
-    """A traced curve in the units of its case."""
+def curves_of(searched: Searched, remark: str | None = None) -> FoldCurves:
+    """What a search found, in the units of the case. remark: default: where the equilibria do not fit the curves."""
     plane = searched.plane
+    curves = [fold_curve(plane, curve) for curve in searched.curves]
+    said = _remark(searched) if remark is None else remark
+    return FoldCurves(plane.case, plane.names, plane.low, plane.high, curves, said, searched)
+
+
+def fold_curve(plane: ParameterPlane, curve: Curve) -> FoldCurve:
+    """A traced curve in the units of its case."""
     line, more = curve.dense()
     slopes, cusps, turned = [], [], []
     for trace in curve.stretches:
-        slope = [trace.system.start_rate(point.x) for point in trace.points]
+        slope = trace.slopes
         fine = np.arange(PIECES * (len(slope) - 1) + 1) / PIECES
         slopes.append(np.interp(fine, np.arange(len(slope)), slope))
         cusps += [trace.points[i].shares for i in trace.cusps]

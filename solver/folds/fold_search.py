@@ -1,7 +1,9 @@
 """All fold and pitchfork curves that cross a rectangle of two fields, searched for on a lattice of points."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 
@@ -9,6 +11,7 @@ from ..mechanics.potential import load_size
 from ..numerics.arrays import Array, Booleans
 from .curve_crossings import Pieces, join_pieces
 from .fold_seeds import Counted, Seed, change_beyond, seed_between, strip_between
+from .fold_system import CurvePoint
 from .fold_tracing import PIECES, Trace, dense, whole_curve
 from .parameter_plane import ParameterPlane
 
@@ -19,21 +22,34 @@ _PROBES = 30  # random points that are looked at beside the lattice
 _EACH = 6  # curves at most that are searched for on one line
 
 
+class Stretch(Protocol):
+    """Points of a curve, the numbers of those that are cusps, and beta_t(0) at each."""
+
+    @property
+    def kind(self) -> str: ...
+    @property
+    def points(self) -> list[CurvePoint]: ...
+    @property
+    def cusps(self) -> list[int]: ...
+    @property
+    def slopes(self) -> list[float]: ...
+
+
 @dataclass(frozen=True, eq=False)
 class Curve:
     """A curve in stretches, how it ends at either side, and the lower Morse index of the two equilibria that meet."""
 
-    stretches: list[Trace]
+    stretches: Sequence[Stretch]
     ends: tuple[str, str]
     lower: int
 
     @property
     def kind(self) -> str:
-        return self.stretches[0].system.kind
+        return self.stretches[0].kind
 
     def dense(self) -> tuple[Array, Array]:
         """As `fold_tracing.dense`."""
-        lines = [dense(trace) for trace in self.stretches]
+        lines = [dense(stretch.points) for stretch in self.stretches]
         return np.concatenate([line for line, _ in lines]), np.concatenate([side for _, side in lines])
 
     @property
@@ -65,11 +81,12 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     ticks = _ticks(lattice)
     scale = float(np.sqrt(load_size(plane.problems(np.array([0.5, 0.5])))[0] + 1))
     curves: list[Curve] = []
+    traces: list[Trace] = []
     pieces = join_pieces([], [])
     failed: list[Array] = []
 
     def known(found: Seed) -> bool:
-        return any(_lies_on(trace, found) for curve in curves for trace in curve.stretches)
+        return any(_lies_on(trace, found) for trace in traces)
 
     def search_line(start: Array, end: Array) -> None:
         nonlocal pieces
@@ -82,7 +99,9 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
             if not isinstance(found, Seed):
                 failed.append(np.array(found))
                 break
-            curves.append(Curve(*whole_curve(found.system, found.point, found.lower), found.lower))
+            stretches, ends = whole_curve(found.system, found.point, found.lower)
+            traces.extend(stretches)
+            curves.append(Curve(stretches, ends, found.lower))
             pieces = join_pieces([one.dense() for one in curves], [one.lower for one in curves])
 
     edges = _edges(ticks)
@@ -98,14 +117,17 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
 
 def _lies_on(trace: Trace, found: Seed) -> bool:
     """Whether a point lies on a curve that is known already."""
-    seed = found.point
-    if type(trace.system) is not type(found.system) or trace.system.kind != found.system.kind:
+    if type(trace.system) is not type(found.system) or trace.kind != found.system.kind:
         return False
-    points = trace.points if len(trace.points) > 1 else 2 * trace.points
-    first, last = (np.array([point.x for point in some]) for some in (points[:-1], points[1:]))
+    return lies_on(np.array([point.x for point in trace.points]), found.point.x)
+
+
+def lies_on(points: Array, x: Array) -> bool:
+    """Whether x (n,) lies on the polyline through points (N, n), as closely as such a polyline follows its curve."""
+    first, last = (points[:-1], points[1:]) if len(points) > 1 else (points, points)
     chord = last - first
-    share = np.clip(((seed.x - first) * chord).sum(axis=1) / np.maximum((chord * chord).sum(axis=1), 1e-300), 0, 1)
-    far = np.linalg.norm(first + share[:, None] * chord - seed.x, axis=1)
+    share = np.clip(((x - first) * chord).sum(axis=1) / np.maximum((chord * chord).sum(axis=1), 1e-300), 0, 1)
+    far = np.linalg.norm(first + share[:, None] * chord - x, axis=1)
     return bool((far < _SAME + 0.1 * np.linalg.norm(chord, axis=1)).any())
 
 

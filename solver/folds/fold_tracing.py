@@ -26,6 +26,15 @@ class Trace:
     points: list[CurvePoint]
     cusps: list[int]
 
+    @property
+    def kind(self) -> str:
+        return self.system.kind
+
+    @property
+    def slopes(self) -> list[float]:
+        """beta_t(0) at each point."""
+        return [self.system.start_rate(point.x) for point in self.points]
+
 
 def one_way(system: CurveSystem, seed: CurvePoint) -> tuple[list[CurvePoint], str]:
     """The points after the seed, to the border of the rectangle or closed, and how the stretch ends."""
@@ -122,21 +131,21 @@ def _side_change(system: FoldSystem, one: CurvePoint, other: CurvePoint) -> list
     return [replace(p, tangent=p.tangent if p.tangent @ along > 0 else -p.tangent) for p in some]
 
 
-def dense(trace: Trace, pieces: int = PIECES) -> tuple[Array, Array]:
+def dense(points: list[CurvePoint], pieces: int = PIECES) -> tuple[Array, Array]:
     """The curve as a fine polyline (N, 2) of shares, and towards which side two more equilibria exist, (N, 2).
 
     Between two points it is the cubic with the tangents of both.
     """
-    if len(trace.points) < 2:
-        return np.array([point.shares for point in trace.points]), np.array([point.more for point in trace.points])
-    xs = np.array([point.x for point in trace.points])
-    tangents = np.array([point.tangent for point in trace.points])
+    if len(points) < 2:
+        return np.array([point.shares for point in points]), np.array([point.more for point in points])
+    xs = np.array([point.x for point in points])
+    tangents = np.array([point.tangent for point in points])
     chord = np.linalg.norm(np.diff(xs, axis=0), axis=1)[:, None, None]
     t = (np.arange(pieces) / pieces)[None, :, None]
     a, b, m, n = xs[:-1, None], xs[1:, None], tangents[:-1, None] * chord, tangents[1:, None] * chord
     curve = (2 * t**3 - 3 * t**2 + 1) * a + (t**3 - 2 * t**2 + t) * m + (3 * t**2 - 2 * t**3) * b + (t**3 - t**2) * n
     line = np.vstack([curve.reshape(-1, xs.shape[1]), xs[-1:]])[:, 1:3]
-    more = np.array([point.more for point in trace.points])
+    more = np.array([point.more for point in points])
     size = np.linalg.norm(more, axis=1)
     whole = np.where((size[:-1] > 0)[:, None], more[:-1], more[1:])  # a cusp has no side of its own
     return line, np.vstack([np.repeat(whole, pieces, axis=0), whole[-1:]])

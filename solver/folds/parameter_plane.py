@@ -45,6 +45,11 @@ class ParameterPlane:
         first, second = np.moveaxis(self.values(shares), -1, 0)
         return with_two(self.case, dict(zip(self.names, (first, second), strict=True)))
 
+    @property
+    def varies(self) -> bool:
+        """Whether loads vary along the rod somewhere in the plane."""
+        return self.case_at(np.ones(2)).varies
+
     def problems(self, shares: Array) -> EndsProblem:
         """The problems at shares (N, 2), as one of size N."""
         problem = reduce(self.case_at(np.atleast_2d(shares)))
@@ -76,11 +81,6 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
         raise InputError(f"fold curves need a Case with Ends, got {type(case.given).__name__}")
     if case.shape:
         raise InputError(f"fold curves need one case, got a grid of shape {case.shape}")
-    if case.varies:
-        raise InputError(
-            "fold curves over the whole rectangle need a rod without weight and friction; with them follow an "
-            "equilibrium to a fold, and trace_fold in Python traces its curve"
-        )
     if len(ranges) != 2:
         raise InputError(f"fold curves need two fields with their ranges, got {choices(ranges) or 'none'}")
     first, second = check_fields(case, ranges)
@@ -91,6 +91,13 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
         plane.case_at(corners)
     except InputError:
         plane = replace(plane, closed=True)
+    if plane.varies:
+        if plane.case_at(np.ones(2)).cylinder.friction:
+            raise InputError(
+                "fold curves over the whole rectangle need a rod without friction, which leaves no index; with it "
+                "follow an equilibrium to a fold, and trace_fold in Python traces its curve"
+            )
+        return plane
     try:
         rates = field_rates(plane.case_at(corners), plane.names)
     except InputError as refusal:

@@ -169,7 +169,10 @@ def cusp_between(fold: FoldPoint, node: Node, step: float, after: float) -> Fold
         if isinstance(found, str):
             break
         best, rate = found[0], float(found[1][1])
-        low, high, before, after = (middle, high, rate, after) if rate * before > 0 else (low, middle, before, rate)
+        # Illinois: the rate at an end that stays is halved
+        low, high, before, after = (
+            (middle, high, rate, after / 2) if rate * before > 0 else (low, middle, before / 2, rate)
+        )
         if abs(rate) < FLAT:
             break
     return replace(best, more=0.0)

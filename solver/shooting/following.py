@@ -71,7 +71,7 @@ def at_value(curve: Curve, here: Stage, there: Stage, x: float) -> Stage | None:
     return replace(found, point=replace(found.point, x=x, tangent=tangent))
 
 
-def special_between(curve: Curve, here: Stage, there: Stage, step: float) -> Stage | None:
+def special_between(curve: Curve, here: Stage, there: Stage, step: float, narrow: float = NARROW) -> Stage | None:
     """The special point within a step after which the index or the sense of x differs; None where it is not enclosed.
 
     A change of branch has no place at which the points on both sides meet, so it is not enclosed.
@@ -82,7 +82,7 @@ def special_between(curve: Curve, here: Stage, there: Stage, step: float) -> Sta
         rate, last = before.point.tangent[-1], after.point.tangent[-1]
         middle = low + (high - low) * (min(0.9, max(0.1, rate / (rate - last))) if turned else 0.5)
         found = ahead(curve, here, middle)
-        if found is None or (not turned and high - low < NARROW * step):
+        if found is None or (not turned and high - low < narrow * step):
             break
         if turned and abs(found.point.tangent[-1]) < FLAT:
             return replace(found, kind=FOLD if here.index != there.index or found.point.shape.rod.rubbed else PITCHFORK)
@@ -95,11 +95,18 @@ def special_between(curve: Curve, here: Stage, there: Stage, step: float) -> Sta
 
 
 def stages(
-    curve: Curve, first: Stage, sense: float, limits: tuple[float, float], wanted: Array, most: int
+    curve: Curve,
+    first: Stage,
+    sense: float,
+    limits: tuple[float, float],
+    wanted: Array,
+    most: int,
+    narrow: float = NARROW,
 ) -> tuple[list[Stage], str]:
     """The points after the first one while x leaves it in a sense, 1 or -1, and why there are no more.
 
-    wanted: values at which there are points, those of the first and of both limits included.
+    wanted: values at which there are points, those of the first and of both limits included. narrow: how closely a
+    branch point is enclosed, of a step.
     """
     tangent = first.point.tangent * np.sign(first.point.tangent[-1] or 1.0) * sense
 
@@ -109,7 +116,7 @@ def stages(
             return LOST
         targets = [there]
         if here.point.tangent[-1] * there.point.tangent[-1] < 0 or there.index != here.index:
-            special = special_between(curve, here, there, step)
+            special = special_between(curve, here, there, step, narrow)
             if special is None:
                 return LOST
             targets.insert(0, special)
@@ -135,9 +142,9 @@ def stages(
     return found, why or f"the limit of {most} points"
 
 
-def both_ways(curve: Curve, shape: Shape, x: float, low: float, high: float, wanted: Array, most: int) -> (
-    tuple[list[Stage], int, str, str] | None
-):  # fmt: skip
+def both_ways(
+    curve: Curve, shape: Shape, x: float, low: float, high: float, wanted: Array, most: int, narrow: float = NARROW
+) -> tuple[list[Stage], int, str, str] | None:
     """The points of the branch of a shape at x with the place of its own, and why it stops at its begin and end.
 
     None where the shape is no equilibrium.
@@ -148,9 +155,10 @@ def both_ways(curve: Curve, shape: Shape, x: float, low: float, high: float, wan
     sides: list[tuple[list[Stage], str]] = []
     for sense, last in ((-1.0, low), (1.0, high)):
         closed = bool(sides) and sides[0][1] == CLOSED
-        idle = x == last or closed
-        found = ([], CLOSED if closed else END) if idle else stages(curve, first, sense, (low, high), wanted, most)
-        sides.append(found)
+        if x == last or closed:
+            sides.append(([], CLOSED if closed else END))
+        else:
+            sides.append(stages(curve, first, sense, (low, high), wanted, most, narrow))
     if sides[0][0] and not sides[1][0]:
         sides.reverse()
     (before, why), (after, then) = sides

@@ -12,18 +12,18 @@ from .branch import CLOSE, branch_from_straight, straight_shape
 from .curve import Curve
 from .descent import index_at, on_nodes, weakest_modes
 from .following import begin, stage, stages
+from .further_shapes import further_shapes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import Shape, correct, is_same
 
 LONGEST = 10.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
 CELLS = 120, 80  # of the scan, over beta_t(0) or beta(0) and over q(0)
-ROUNDS, AMPLITUDES = 3, (0.1, 0.3, 1.0)  # of the search along the weakest modes
-MOST_KNOWN = 30  # equilibria from which it begins
+TRIES, FEW_TRIES = 60, 10  # of deflations in a row that find none, after which the search ends; of a long rod
 WIDE = 5  # times the largest load: the range of a reaction
 HEAVIEST = 2.0  # times the weight: how far a branch is followed from no weight, as some turn back on the way
 MOST_NODES, MOST_POINTS = 100, 150  # of a rod that is followed from no weight; of a branch
 MOST_MODES, SMALL = 8, 0.05  # of the straight rod, whose branches are followed; their first amplitude
-STRAIGHT, MODES, SCAN = "the branch of the straight rod", "weakest modes", "scan of the start"
+STRAIGHT, DEFLATION, SCAN = "the branch of the straight rod", "deflation", "scan of the start"
 WEIGHT, BUCKLED = "growth of the weight", "a buckling load of the straight rod"
 
 
@@ -46,7 +46,7 @@ class Found:
 
 
 def search(rod: LoadedRod, light: Sequence[Any] = ()) -> Found:
-    """The equilibria that are found from the straight rod, from those without weight, along modes and by a scan.
+    """The equilibria found from the straight rod, from those without weight, by a scan and by deflation.
 
     light: solutions of the rod without weight. A long rod is not scanned.
     """
@@ -65,15 +65,8 @@ def search(rod: LoadedRod, light: Sequence[Any] = ()) -> Found:
     if scanned is not None:
         for y in starts(rod, t, *scanned):
             found.add(correct(Shape(rod, t, y), reach=1.0, most=15), SCAN)
-    done = 0
-    for _ in range(ROUNDS):
-        known, done = found.shapes[done:MOST_KNOWN], len(found.shapes)
-        for shape in known:
-            for mode in weakest_modes(shape, 2):
-                for size in AMPLITUDES:
-                    for sign in (1, -1):
-                        guess = replace(shape, y=shape.y + sign * size * mode)
-                        found.add(correct(guess, reach=1.0, most=15), MODES)
+    for shape in further_shapes(rod, t, found.shapes, TRIES if t.size <= MOST_NODES else FEW_TRIES):
+        found.add(shape, DEFLATION)
     return found
 
 

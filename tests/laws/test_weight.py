@@ -25,19 +25,23 @@ from solver import (
     trace_fold,
 )
 from solver.core.varying_loads import MOST_STEPS, march
-from solver.folds.parameter_plane import with_two
+from solver.folds.fold_curves import fold_curve
+from solver.folds.parameter_plane import parameter_plane, with_two
 from solver.numerics.arclength import Lengths
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.reduced import reduce
 from solver.shooting.branch import buckling_tension, straight_shape
 from solver.shooting.descent import index_at
+from solver.shooting.further_shapes import further_shapes
 from solver.shooting.loaded_rod import PHI, LoadedRod
 from solver.shooting.local_waves import compression, places, sinusoid, wave_shape
 from solver.shooting.newton import open_at
 from solver.shooting.numbers import rods_of
+from solver.shooting.pitchfork_line import pitchfork_at
 from solver.shooting.search import buckling_shapes, buckling_shares
 from solver.shooting.slender_sinusoid import OVER, rows
 from solver.shooting.state import in_words
+from solver.varying_folds import pitchforks_of, rods_over
 
 ROD: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 8.0, "weight": 3.0}
 PIPE: dict[str, Any] = {"EI": 1.228e6, "GJ": 9.45e5, "a": 0.0635, "weight": 242.0}  # 5 inch, in N and m
@@ -298,6 +302,51 @@ def test_the_branches_of_the_straight_rod_begin_at_each_buckling_load() -> None:
     assert len(buckling_shares(rod, rod.nodes())) == below
     assert sorted(index_at(one) for one in shapes) == [0, 0, 0, 0, 1, 1]
     assert max(np.abs(open_at(one)).max() for one in shapes) < 1e-12
+
+
+SHORT = Case(
+    Rod(EI=1.0, GJ=1.0, a=0.05, L=6.0, weight=1.0), Cylinder(R=0.15, side="inside", inclination="90deg"),
+    Ends(M10=0.0, M1L=0.0, azimuth=0.0, FZ=-7.25),
+)  # fmt: skip
+
+
+def test_the_curve_of_a_buckling_load_over_the_weight_is_the_exact_one() -> None:
+    plane = parameter_plane(SHORT, {"FZ": (-7.5, -6.9), "weight": (1.1, 1.2)})
+    rod_at = rods_over(plane)
+    z = plane.shares(np.array([-buckling_loads(with_field(SHORT, "weight", 1.15))[1], 1.15]))
+    rod = rod_at(z)
+    (curve,) = pitchforks_of(pitchfork_at(rod_at, z, 0, straight_shape(rod, rod.nodes())), lambda z, shape: False)
+    found = fold_curve(plane, curve)
+    exact = [-buckling_loads(with_field(SHORT, "weight", weight))[1] for weight in found.values[:, 1]]
+    assert found.values[:, 0] == pytest.approx(exact, rel=1e-10)
+    assert (found.kind, found.lower, found.ends) == ("pitchfork", 1, ("border", "border"))
+    assert (found.more[:, 0] < 0).all()
+
+
+@pytest.mark.slow
+def test_deflation_finds_the_shapes_between_stable_ones() -> None:
+    """The straight pipe has index 2, four shapes are stable: as many of index 1 are passes between them."""
+    _, (rod,) = rods_of(with_field(SHORT, "weight", 1.06))
+    t = rod.nodes()
+    known = [straight_shape(rod, t), *buckling_shapes(rod, t)]
+    assert sorted(map(index_at, known)) == [0, 0, 0, 0, 2]
+    for shape in further_shapes(rod, t, known, 10):
+        assert np.abs(open_at(shape)).max() < 1e-11
+        known.append(shape)
+    assert sum(index_at(shape) == 1 for shape in known) >= 4
+
+
+@pytest.mark.slow
+def test_the_fold_curves_of_a_rod_with_weight_part_the_numbers_that_a_search_finds() -> None:
+    folds = fold_curves(bent_rod(0.1), FZ=(-60, -20), L=(1.5, 3))
+    assert folds.remark == "not proved complete: 6 branches along 6 lines were followed"
+    (curve,) = folds.curves
+    assert (curve.lower, curve.ends, len(curve.cusps)) == (0, ("border", "border"), 1)
+    for i in (20, -30, -12):
+        for sign, indices in ((1, [0, 0, 1]), (-1, [0])):
+            case = folds.case_at(curve.values[i] + sign * 2e-3 * curve.more[i] * (folds.high - folds.low))
+            assert sorted(one.index for one in equilibria(case)) == indices
+            assert sorted(folds.indices_at([case.given.FZ, case.rod.L]).elements()) == indices
 
 
 def bent_rod(weight: float | None, L: float = 3.0) -> Case:
@@ -619,7 +668,12 @@ def test_a_height_of_the_whole_length_leaves_the_axial_force_open(sign: int) -> 
             "with friction are not searched",
         ),
         (lambda case: follow(solve(case), height=4.0), "takes a field that the case gives, got height"),
-        (lambda case: fold_curves(case, FZ=(-9, -1), weight=(1, 3)), "follow an equilibrium to a fold, and trace_fold"),
+        (
+            lambda case: fold_curves(
+                replace(case, cylinder=Cylinder(R=0.75, friction=0.1)), FZ=(-9, -1), weight=(1, 3)
+            ),
+            "need a rod without friction",
+        ),
         (lambda case: trace_fold(follow(solve(case), M3=0.1), weight=(1, 4)), "the branch has 0 folds, got number 0"),
         (lambda case: solve(case, method="orbit"), "is solved by shooting alone"),
         (lambda case: solve(case, choose="lowest"), "needs all equilibria"),

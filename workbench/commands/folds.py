@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
-from .case_options import ENDS_FIELDS, Given, takes_case
+from .case_options import ENDS_FIELDS, HELD, Given, takes_case
 from .equilibria import study_and_case
 from .options import ForceOutput, Json, argument, flag, number_option, option
 from .ranges import ENDS_NUMBERS, read_range
@@ -18,7 +18,7 @@ PRINT = {"rich_help_panel": "Print"}
 MOST_POINTS = 100_000  # as of `RegionMap.checked`
 
 
-@takes_case(ENDS_FIELDS)
+@takes_case((*ENDS_FIELDS, *HELD))
 def folds(
     file: Annotated[
         Path | None, argument("FILE|STUDY", "TOML file or name of a study of one case; default: Table 1.")
@@ -33,8 +33,12 @@ def folds(
         ),
     ] = None,
     lattice: Annotated[
-        int, option("COUNT", "Points along each field between which curves are searched for, 2 to 101.")
-    ] = 9,
+        int | None,
+        option(
+            "COUNT",
+            "Points along each field between which curves are searched for, 2 to 101; default: 9, with weight 3.",
+        ),
+    ] = None,
     points: Annotated[
         int, option("COUNT", "Random points at which the map is checked by all equilibria there.", "--check", min=0)
     ] = 0,
@@ -50,18 +54,22 @@ def folds(
     """Map where equilibria appear and disappear over two fields.
 
     Fold curves divide the rectangle of the two fields into regions; in each the number of equilibria and of stable ones
-    is constant. Exit status 1 if curves may be missing, or a check fails.
+    is constant. With weight, curves and equilibria are those that a search finds. Exit status 1 if curves may be
+    missing, or a check fails.
 
     The options of a case are those of the command equilibria.
     """
     from solver import InputError
     from solver.region_map import region_map
 
+    from ..branches.ends_study import refuse_held
     from ..branches.region_dataset import dataset_of
     from ..figures.sheet import sheet
     from .present import Result, files, present
 
-    study, case = study_and_case(file, given)
+    study, case = study_and_case(file, given, held=True)
+    if case.rod.weight is None:
+        refuse_held(case)
     read = [read_range("--axis", text, ENDS_NUMBERS) for text in axis or []]
     ranges: dict[str, Any] = {name: (low, high) for name, low, high, _ in read}
     if len(axis or []) != 2 or len(ranges) != 2:

@@ -1,0 +1,168 @@
+"""The curve of a pitchfork over two numbers z, of a rod whose loads vary along it.
+
+An equilibrium that its symmetry keeps, such as the straight rod, exists on both sides of the curve, and on it a push
+along one mode meets no resistance. The stiffness against that push, smooth over z, is the equation of the curve.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..numerics import arclength
+from ..numerics.arclength import LEFT, Lengths, Node, Stride, advance, node_at, trace
+from ..numerics.arrays import Array
+from .curve import Curve
+from .descent import index_at, weakest_modes
+from .fold_line import BORDER, CLOSE, STEP, STOPPED
+from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod, Q
+from .newton import Shape, correct, linear_at
+
+LENGTHS = Lengths(first=0.03, longest=0.1, least=2e-4)  # of steps, in the sizes of z
+BESIDE = 1e-3  # in the sizes of z: how far beside the curve the indices are read
+CROSSED, CROSSING = 3e-3, "crossing"  # how closely the place is enclosed where another curve crosses; an end there
+NEAR = 3  # weakest modes: where another such curve crosses, that of this one is not the weakest
+SMALL = 0.02  # of the angles, in their scales: of the shapes that split off
+
+
+@dataclass(frozen=True, eq=False)
+class PitchforkPoint:
+    """A pitchfork, and the equation of its curve nearby, a `numerics.arclength.Curve` in z.
+
+    z: (2,), over their sizes. shape: the equilibrium there that the symmetry keeps. mode: (N, 8), along which others
+    split off. lower: the lower index of that equilibrium beside the curve. more: (2,), towards the side of the two
+    others, of length 1; NaN where they lie on different sides.
+    """
+
+    rod_at: Callable[[Array], LoadedRod]
+    z: Array
+    shape: Shape
+    mode: Array
+    lower: int = 0
+    more: Array = field(default_factory=lambda: np.full(2, np.nan))
+
+    def shape_at(self, z: Array) -> Shape | None:
+        """The equilibrium that the symmetry keeps, at z."""
+        rod = self.rod_at(z).in_scales(self.shape.rod.scale)
+        return correct(Shape(rod, self.shape.t * (rod.span / self.shape.t[-1]), self.shape.y))
+
+    def value(self, w: Array) -> Array | None:
+        """The stiffness against a push along the mode at z = w, (1,)."""
+        shape = self.shape_at(w)
+        if shape is None:
+            return None
+        push = (self.mode / shape.rod.scale)[:, [BETA, ALPHA]]
+        right = np.zeros(self.mode.shape)
+        right[:-1, [SPEED, Q]] = push[1:]
+        found = linear_at(shape).solve(np.concatenate([np.zeros(4), right[:-1].reshape(-1), np.zeros(4)])[:, None])
+        if found is None:
+            return np.zeros(1)
+        return 1 / np.array([(push * found.reshape(self.mode.shape)[:, [BETA, ALPHA]]).sum()])
+
+    def jacobian(self, w: Array) -> Array | None:
+        """Its derivatives by z, (1, 2)."""
+        pairs = [(self.value(w + h), self.value(w - h)) for h in STEP * np.eye(2)]
+        if any(one is None for pair in pairs for one in pair):
+            return None
+        return np.array([[(high[0] - low[0]) / (2 * STEP) for high, low in pairs]])  # type: ignore[index]
+
+    def at(self, node: Node) -> "PitchforkPoint | None":
+        """The pitchfork at a node, with its index and its side."""
+        across = node.jacobian[0] / np.linalg.norm(node.jacobian[0])
+        beside = (self.shape_at(node.w + sign * BESIDE * across) for sign in (1, -1))
+        sides = [one for one in beside if one is not None]
+        if len(sides) < 2:
+            return None
+        shape = replace(sides[0], rod=self.rod_at(node.w).in_scales(self.shape.rod.scale))
+        shape = replace(shape, y=(sides[0].y + sides[1].y) / 2, t=shape.t * (shape.rod.span / shape.t[-1]))
+        mode = max(weakest_modes(sides[0], NEAR), key=lambda one: abs(likeness(one, self.mode)))
+        curve = Curve(lambda n: self.rod_at(node.w + n * across), 1.0, shape.rod.scale)
+        split = [curve.correct(replace(shape, y=shape.y + sign * SMALL * mode), 0.0, curve.direction(mode, 0.0))
+                 for sign in (1, -1)]  # fmt: skip
+        turns = {float(np.sign(one.x)) for one in split if one is not None}
+        more = across * turns.pop() if len(turns) == 1 else np.full(2, np.nan)
+        return replace(self, z=node.w, shape=shape, mode=mode, lower=min(map(index_at, sides)), more=more)
+
+
+def likeness(one: Array, other: Array) -> float:
+    """The cosine of the angle between the azimuths of two modes (N, 8)."""
+    a, b = one[:, ALPHA], other[:, ALPHA]
+    return float(a @ b / np.sqrt((a @ a) * (b @ b)))
+
+
+def pitchfork_at(rod_at: Callable[[Array], LoadedRod], z: Array, axis: int, shape: Shape) -> PitchforkPoint | None:
+    """The pitchfork near z on the line along number `axis`, of an equilibrium that its symmetry keeps; None without."""
+    guess = PitchforkPoint(rod_at, z, shape, weakest_modes(shape)[0])
+    jacobian = guess.jacobian(z)
+    if jacobian is None:
+        return None
+    w = arclength.correct(guess, z, np.eye(2)[1 - axis], jacobian)
+    node = w if isinstance(w, str) else node_at(guess, w, np.eye(2)[1 - axis])
+    return None if isinstance(node, str) else guess.at(node)
+
+
+def pitchfork_line(
+    first: PitchforkPoint, sense: float, most: int, known: Callable[[Array, Shape], bool]
+) -> tuple[list[PitchforkPoint], str]:
+    """The points of the curve after the first, in one sense, to the border of 0 <= z <= 1, and how it ends.
+
+    known: whether a place and its shape lie on a known curve.
+    """
+
+    def stride(
+        here: tuple[PitchforkPoint, Array], step: float, points: list[PitchforkPoint]
+    ) -> Stride[PitchforkPoint, tuple[PitchforkPoint, Array]] | str:
+        point, direction = here
+        node = node_at(point, point.z, direction)
+        if isinstance(node, str):
+            return node
+        ahead = point.z + step * node.tangent
+        if (np.abs(ahead - 0.5) > 0.5).any():
+            last = border_point(point, node)
+            if last is not None:
+                return Stride([last] * bool(np.abs(last.z - point.z).max() > CLOSE), here, step, BORDER)
+        taken = step_from(point, node, step)
+        if isinstance(taken, str):
+            return taken
+        there, tangent = taken
+        if known(there.z, there.shape):
+            return Stride([there], taken, step, CROSSING)
+        crossing = [] if there.lower == point.lower else crossing_between(point, node, step, there)
+        return Stride([*crossing, there], (there, tangent), step * 1.5)
+
+    tangent = np.array([-first.more[1], first.more[0]])
+    points, end = trace((first, sense * tangent), stride, LENGTHS, most)
+    return points, end if end in (BORDER, CROSSING) else STOPPED
+
+
+def step_from(point: PitchforkPoint, node: Node, step: float) -> tuple[PitchforkPoint, Array] | str:
+    """The pitchfork after a step and the direction there, or why there is none."""
+    found = advance(point, node, step)
+    if isinstance(found, str):
+        return found
+    there = point.at(found)
+    return LEFT if there is None or np.isnan(there.more).any() else (there, found.tangent)
+
+
+def crossing_between(point: PitchforkPoint, node: Node, step: float, there: PitchforkPoint) -> list[PitchforkPoint]:
+    """Pitchforks within a step, on either side of where another curve crosses and close to it."""
+    low, high, before, after = 0.0, step, point, there
+    while high - low > CROSSED:
+        taken = step_from(point, node, (low + high) / 2)
+        if isinstance(taken, str):  # so close to it that the index is not clear
+            high = (low + high) / 2
+            continue
+        same = taken[0].lower == point.lower
+        low, high = ((low + high) / 2, high) if same else (low, (low + high) / 2)
+        before, after = (taken[0], after) if same else (before, taken[0])
+    return [one for one in (before, after) if one is not point and one is not there]
+
+
+def border_point(point: PitchforkPoint, node: Node) -> PitchforkPoint | None:
+    """The pitchfork on the border that the curve meets next; None where it meets none nearby."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ways = ((node.tangent > 0) - point.z) / node.tangent
+    k = int(np.argmin(np.where(node.tangent == 0, np.inf, ways)))
+    w = arclength.correct(point, point.z + ways[k] * node.tangent, np.eye(2)[k], node.jacobian)
+    there = w if isinstance(w, str) else node_at(point, w, node.tangent)
+    return None if isinstance(there, str) else point.at(there)
