@@ -81,11 +81,14 @@ const RodCore = (() => {
       const numbers = new Float64Array(own.memory.buffer);
       numbers.set([1, 0, 0, 0, 0, 0, 1], rod / 8); // neither weight nor friction; gamma is not read
       numbers.set(scaleOf(problem).map(size => size * leftOut), goal / 8);
-      for (let i = 0; i < n; i++)
-        numbers.set([begin.beta[i], begin.rate[i], 0, lam - mu, phi, mu, 0, 0], state / 8 + STATES * i);
+      for (let i = 0, at = state / 8; i < n; i++, at += STATES) {
+        numbers[at] = begin.beta[i], numbers[at + 1] = begin.rate[i], numbers[at + 3] = lam - mu;
+        numbers[at + 4] = phi, numbers[at + 5] = mu, numbers[at + 2] = numbers[at + 6] = numbers[at + 7] = 0;
+      }
       numbers.set(lengths, length / 8);
       if (first) {
-        new BigInt64Array(own.memory.buffer).set(Array.from(first, BigInt), from / 8);
+        const places = new Int32Array(own.memory.buffer, from, 2 * n + 2).fill(0); // lower and upper halves
+        first.forEach((place, i) => (places[2 * i] = place));
         new Uint32Array(own.memory.buffer).set([...Array(STATES).keys()].map(k => out + 8 * m * k), rows / 4);
         numbers.set(stations, times / 8);
       }
@@ -93,9 +96,9 @@ const RodCore = (() => {
       own.rod_loaded(BigInt(n), rod, goal, 1n, shorter, state, length, columns, deep, end, some(derived), some(growth),
                      judged ? errors : 0, first ? from : 0, times, rows, 1n, steps, 0, 2);
       const after = new Float64Array(own.memory.buffer), part = (where, size) => after.slice(where / 8, where / 8 + size);
-      const read = [0, 1, 2, 6].map(k => part(out + 8 * m * k, m));
-      return {end: part(end, STATES * n), derived: part(derived, STATES * n * columns), growth: part(growth, 6),
-              errors: part(errors, 2), read};
+      const read = first && [0, 1, 2, 6].map(k => part(out + 8 * m * k, m));
+      if (judged) return {growth: part(growth, 6), errors: part(errors, 2), read};
+      return first ? {read} : {end: part(end, STATES * n), derived: part(derived, STATES * n * columns)};
     }
 
     /* A start problem by one march along the whole rod; or null. */
@@ -112,8 +115,7 @@ const RodCore = (() => {
     }
 
     function between(problem, near, dense = 1) {
-      const {span, beta0, betaL} = problem, bend = largest(near.beta.map(Math.sin)) * Math.SQRT2;
-      const n = Math.max(8, Math.ceil(dense * span * Math.hypot(scaleOf(problem)[5], bend)));
+      const {span, beta0, betaL} = problem, n = Math.max(8, Math.ceil(dense * span * swiftness(problem, near.beta)));
       if (!(n < TOO_LONG)) return null;
       const t = Float64Array.from({length: n + 1}, (_, i) => span * i / n), lengths = new Float64Array(n).fill(span / n);
       const [beta, rate] = [near.beta, near.rate].map(row => t.map(time => straight(near.t, row, time)));
@@ -155,8 +157,14 @@ const RodCore = (() => {
       return {beta, rate, alpha, z};
     }
 
-    /* beta, rate, alpha and z between nodes, {t, beta, rate, alpha, z}: a function of times that rise. */
-    function through(problem, nodes) {
+    /* beta, rate, alpha and z between nodes, {t, beta, rate, alpha, z}: a function of times that rise. Nodes nearer to each
+       other than the length on which the shape changes are left out. */
+    function through(problem, all) {
+      const apart = 0.5 / swiftness(problem, all.beta), last = all.t.length - 1, kept = [0];
+      for (let i = 1; i < last; i++) if (all.t[i + 1] - all.t[kept[kept.length - 1]] > apart) kept.push(i);
+      if (last) kept.push(last);
+      const nodes = {};
+      for (const name of ["t", "beta", "rate", "alpha", "z"]) nodes[name] = kept.map(i => all[name][i]);
       const lengths = Float64Array.from({length: nodes.t.length - 1}, (_, i) => nodes.t[i + 1] - nodes.t[i]);
       return times => readings(problem, nodes, lengths, times);
     }
@@ -181,6 +189,9 @@ const RodCore = (() => {
     const size = Math.min(1, Math.max(rate, Math.abs(beta0)));
     return [size, Math.max(size * rate, Math.abs(dbeta0)), 1, size * rate ** 2, rate ** 2, rate, size ** 2 / rate, 1];
   }
+
+  /* 1 over the length on which a shape with these angles changes. */
+  const swiftness = (problem, beta) => Math.hypot(scaleOf(problem)[5], Math.SQRT2 * largest(beta.map(Math.sin)));
 
   /* Newton's correction of nodes whose first and last beta are given. The stretches turn a change (x, v) of a node into
      (a x + b v, c x + d v) with a d - b c = 1, so that v follows from x at both ends, and x solves a tridiagonal system. */
