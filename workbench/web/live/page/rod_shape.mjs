@@ -47,7 +47,10 @@ export function interpolated(core, one, stations, facts) {
   const { s, beta, alpha } = stations,
     length = s[s.length - 1],
     problem = reduced(one, stations.dbeta[0]);
-  const at = one.varies ? (where) => between(stations, where) : along(core, one, problem, core.through(problem, timed(one, stations)));
+  const lines = (where) => Object.fromEntries(SERVED.map((name) => [name, onLines(s, stations[name], where)]));
+  const at = one.varies
+    ? (where) => ({ s: where, ...lines(where) })
+    : along(core, one, problem, core.through(problem, timed(one, stations)));
   const { n } = stationsFor(length / one.rho, { beta, alpha });
   return made(one, at, evenly(length, Math.max(n, s.length)), { ...facts, problem });
 }
@@ -74,6 +77,7 @@ export function moved(core, one, near) {
   return rod && !isFar(rod, begun) ? joined(core, one, rod) : null;
 }
 
+/* The rod of a case next to another one, or null; nodes: as of `core.between`. */
 const nextTo = (core, one, { t, beta, rate }, nodes = 1) => {
   const problem = { ...reduced(one, 0), betaL: one.betaL },
     share = problem.span / t[t.length - 1];
@@ -86,6 +90,7 @@ function dense(rod) {
   return rod.at ? { t, ...rod.at(t) } : rod;
 }
 
+/* The shape of a rod that Newton's method found. */
 function joined(core, one, rod) {
   const { error } = rod,
     { n } = stationsFor(one.L / one.rho, rod),
@@ -96,12 +101,13 @@ function joined(core, one, rod) {
 
 /* Whether a rod is far from another, at the same shares of the length. */
 function isFar({ t, beta }, near) {
-  const length = near.t[near.t.length - 1] / t[t.length - 1];
-  return beta.some((v, i) => {
-    const k = Math.min(intervalOf(near.t, t[i] * length), near.t.length - 2),
-      share = (t[i] * length - near.t[k]) / (near.t[k + 1] - near.t[k]);
-    return Math.abs(v - near.beta[k] - share * (near.beta[k + 1] - near.beta[k])) > SAME;
-  });
+  const share = near.t[near.t.length - 1] / t[t.length - 1],
+    before = onLines(
+      near.t,
+      near.beta,
+      t.map((v) => v * share),
+    );
+  return beta.some((v, i) => Math.abs(v - before[i]) > SAME);
 }
 
 const BETWEEN = ["L", "R", "rho", "A", "C", "E", "a", "nu", "inner_radius", "EI", "GJ"].concat(
@@ -237,18 +243,12 @@ function merged(first, second) {
   return all;
 }
 
-/* The rows of stations at s, by straight lines. */
-function between(stations, where) {
-  const { s } = stations,
-    last = s.length - 2,
-    found = { s: where };
-  const places = Array.from(where, (v) => Math.min(intervalOf(s, v), last)),
-    shares = places.map((i, k) => (where[k] - s[i]) / (s[i + 1] - s[i]));
-  for (const name of SERVED) {
-    const row = stations[name];
-    found[name] = Float64Array.from(places, (i, k) => row[i] + shares[k] * (row[i + 1] - row[i]));
-  }
-  return found;
+/* A row of values over x at other places, by straight lines. */
+function onLines(x, row, places) {
+  return Float64Array.from(places, (v) => {
+    const i = Math.min(intervalOf(x, v), x.length - 2);
+    return row[i] + ((row[i + 1] - row[i]) * (v - x[i])) / (x[i + 1] - x[i]);
+  });
 }
 
 /* The number of the last station at or before s. */
