@@ -6,7 +6,6 @@ it is exact to rounding, and the formulas of `Case`, `reduced` and `held_ends` s
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -57,31 +56,32 @@ def field_rates(case: Case, fields: Sequence[str]) -> FieldRates:
 
     Raises `InputError` for the weight or the friction of a case that has none.
     """
-    found = {number: np.zeros((case.size, len(fields))) for number in (*ACTING, *_OTHERS)}
-    given = np.zeros((case.size, 5, len(fields))) if isinstance(case.given, Ends) else None
+    F, moved, steps = len(fields), case, np.empty((len(fields), case.size))
     for k, field in enumerate(fields):
         if field in ("weight", "friction"):
             raise InputError(f"the derivative by {field} of a rod without {field} is not known; give it a little")
-        value = np.asarray(values_of(case, field), dtype=float)
+        value = np.broadcast_to(np.asarray(values_of(case, field), dtype=float), case.shape)
         step = _STEP * np.where(value == 0, 1.0, np.abs(value))
-        with np.errstate(all="ignore"):  # a case whose numbers overflow has an outcome that says so
-            numbers, ends = _numbers(unchecked_with_field(case, field, value + 1j * step))
-            each = flat(step, case.shape)
-            for name, number in numbers.items():
-                found[name][:, k] = number.imag / each
-            if given is not None:
-                given[:, :, k] = ends.imag / each[:, None]
-    return FieldRates(tuple(fields), **found, given=given)
+        alone = (np.arange(F) == k).reshape(F, *[1] * value.ndim)  # one row of cases for each field
+        moved, steps[k] = unchecked_with_field(moved, field, value + 1j * step * alone), step.reshape(-1)
+    with np.errstate(all="ignore"):  # a case whose numbers overflow has an outcome that says so
+        numbers, given = _numbers(moved)
+        found = {name: number.imag.reshape(F, -1).T / steps.T for name, number in numbers.items()}
+        if given is not None:
+            given = np.moveaxis(given.imag.reshape(F, -1, 5) / steps[..., None], 0, 2)
+    none = {name: np.zeros((case.size, F)) for name in ACTING if name not in found}
+    return FieldRates(tuple(fields), **found, **none, given=given)
 
 
-def _numbers(case: Case) -> tuple[dict[str, Any], Any]:
+def _numbers(case: Case) -> tuple[dict[str, Array], Array | None]:
     """The numbers of a case by their names in `FieldRates`, (B,), and those that its ends give, (B, 5)."""
     rod, given = case.rod, case.given
     plain = rod.bending_stiffness, case.rho, rod.stiffness_ratio, given.alpha, given.gamma
     numbers = {name: flat(number, case.shape) for name, number in zip(_OTHERS, plain, strict=True)}
     if isinstance(given, Ends):
         held = held_problem(case)
-        known = {_FROM_ENDS[name]: held.known(name) for name in held.numbers if name in _FROM_ENDS}
+        known = dict(zip(held.numbers, held.values.T, strict=True))
+        known = {_FROM_ENDS[name]: number for name, number in known.items() if name in _FROM_ENDS}
         return numbers | known | {"span": held.span}, held.values
     problem = dimensionless_problem(case, complex)
     return numbers | dict(zip(ACTING, vars(problem).values(), strict=True)), None
