@@ -20,6 +20,7 @@ from ..levels.transit_times import fall
 from ..mechanics.potential import load_size
 from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
+from ..numerics.chebyshev import polynomial_rates
 from ..numerics.roots import null_vector, root
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import EndsProblem
@@ -29,18 +30,8 @@ _SHARE = 0.015  # of the distance over which B changes its form: the step of the
 _NUDGE = 1e-5  # of the ranges: the step of the derivatives by the fields
 DEEP = 3e-4  # of the gap between the level and a saddle
 _OFFSETS = np.arange(-3, 4)
-# d/dv, d^2/dv^2, d^3/dv^3 from seven values, of order 6, 6 and 4
-_WEIGHTS = np.array(
-    [
-        [-1 / 60, 3 / 20, -3 / 4, 0, 3 / 4, -3 / 20, 1 / 60],
-        [1 / 90, -3 / 20, 3 / 2, -49 / 18, 3 / 2, -3 / 20, 1 / 90],
-        [1 / 8, -1, 13 / 8, 0, -13 / 8, 1, -1 / 8],
-    ]
-)
-
-
-# step dB/dv of order 6 less that of order 4
-_ROUGH = _WEIGHTS[0] - np.array([0, 1 / 12, -2 / 3, 0, 2 / 3, -1 / 12, 0])
+_WEIGHTS = polynomial_rates(_OFFSETS, 4)[1:]  # d/dv, d^2/dv^2, d^3/dv^3 from seven values, of order 6, 6 and 4
+_ROUGH = _WEIGHTS[0] - np.pad(polynomial_rates(_OFFSETS[1:-1], 2)[1], 1)  # dB/dv of order 6 less that of order 4
 _SMOOTH, _REDUCTIONS = 1e-6, 8  # of the change of B: how large that may be; how often the reach is reduced
 
 

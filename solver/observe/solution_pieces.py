@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev as C
+from numpy.polynomial.polynomial import polyder
 
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array, Booleans
@@ -25,16 +26,9 @@ from .rod_pieces import NODES, Pieces, join_pieces
 _CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
 _RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend
 _WILDEST = 100.0  # rad between two stations: they show no shape, and the bends of such a polynomial take seconds
-_HERMITE = np.array(  # y(0), y(1), y'(0), y'(1), y''(0), y''(1) to powers of x, rising
-    [
-        [1, 0, 0, -10, 15, -6],
-        [0, 0, 0, 10, -15, 6],
-        [0, 1, 0, -6, 8, -3],
-        [0, 0, 0, -4, 7, -3],
-        [0, 0, 0.5, -1.5, 1.5, -0.5],
-        [0, 0, 0, 0.5, -1, 0.5],
-    ]
-)
+# derivatives of the powers of x at the ends of [0, 1]; the inverse has whole numbers and halves
+_AT_ENDS = [polyder(np.eye(6), k).T @ x ** np.arange(6.0 - k) for k in range(3) for x in (0.0, 1.0)]
+_HERMITE = np.round(np.linalg.inv(_AT_ENDS).T, 1)  # y(0), y(1), y'(0), y'(1), y''(0), y''(1) to powers of x, rising
 
 
 def blocks(sol: Shape) -> Iterator[slice]:

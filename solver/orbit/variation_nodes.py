@@ -10,7 +10,7 @@ import numpy as np
 from ..numerics.arrays import Array, Integers
 from .periodic_orbit import Orbit
 
-PAIRS = ((0, 0, 0, 0, 1, 1, 1, 2, 2, 3), (0, 1, 2, 3, 1, 2, 3, 2, 3, 3))  # the rows and columns of M that are kept
+PAIRS = np.triu_indices(4)  # the rows and columns of M that are kept
 
 
 @dataclass(frozen=True, eq=False)
