@@ -16,11 +16,12 @@ RECORD = np.dtype(
     + [(name, "i8") for name in ("leaving", "turns", "index")]
     + [("numbers", "f8", 6)]
 )
-_FAILED = 100
-RATES = 78  # doubles of `orbit_numbers`
+NO_ORBIT = 100
+NUMBERS, PARTS = 11, 5  # of an equilibrium; of a change
+RATES = NUMBERS * (PARTS + 2) + 1  # doubles of `orbit_numbers`
 _MOST = 256  # records of a call
 _PROBLEM = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, ctypes.POINTER(ctypes.c_double))
-_UNKNOWNS, _EQUATIONS, _GIVEN = 7, 6, 5
+_UNKNOWNS, _EQUATIONS = PARTS + 2, PARTS + 1
 Numbers = Callable[[float], Sequence[float] | None]
 
 
@@ -73,7 +74,7 @@ class _Range(ctypes.Structure):
 class _Held(ctypes.Structure):
     """`held_ends` in branch_steps.h."""
 
-    _fields_ = [("given", ctypes.c_int64 * _GIVEN), ("loads", ctypes.c_double)]
+    _fields_ = [("given", ctypes.c_int64 * PARTS), ("loads", ctypes.c_double)]
 
 
 class _Curve(ctypes.Structure):
@@ -144,7 +145,7 @@ class Steps:
             address(off),
         )  # fmt: skip
         self._raise()
-        return off if failed != _FAILED and fine(failed) else None
+        return off if failed != NO_ORBIT and fine(failed) else None
 
     def run(
         self, at: Point, step: float, kept: int, first: Any, most: int, halts: Array, rounding: float, loads: float
@@ -177,7 +178,7 @@ class Steps:
         count, why = ctypes.c_int64(), ctypes.c_int64()
         self._curve.over = ctypes.pointer(over)
         if self._held:
-            self._curve.held = ctypes.pointer(_Held((ctypes.c_int64 * _GIVEN)(*self._held), loads))
+            self._curve.held = ctypes.pointer(_Held((ctypes.c_int64 * PARTS)(*self._held), loads))
         status = functions().rod_branch_steps(
             ctypes.byref(self._curve), ctypes.byref(at), ctypes.byref(length), ctypes.byref(keep), address(first),
             ctypes.c_int64(out.size), address(out), address(rates), ctypes.byref(count), ctypes.byref(why),

@@ -11,7 +11,8 @@ from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis
 from .library import begin_of, fine, function, share_out, widest
 
-NODES, LONGEST = 24, 64  # of each piece; most coefficients of a series
+NODES = 24  # of each piece, at which densities are computed
+LONGEST = 64  # most coefficients of a series
 NUMBERS = (  # in the order of measures.c
     "low", "high", "curvature", "tightest", "bending", "potential", "pushed", "pulled", "share", "least", "most",
     "push", "lifts", "tension", "turned", "risen", "peak",

@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from .branches import RATES, Grid, Level
+from .branches import NO_ORBIT, NUMBERS, PARTS, RATES, Grid, Level
 from .library import Cutting, address, cut, fine, functions, grid, points
 from .orbits import reading
-
-_NUMBERS, _PARTS, _NO_ORBIT = 11, 5, 100
 
 
 def orbit_rates(
@@ -40,7 +38,7 @@ def orbit_rates(
         (ctypes.c_double * 6)(*numbers), ctypes.byref(level), ctypes.byref(searched), points(n), cut(how[0], True),
         cut(how[1], False), int(rates), address(out),
     )  # fmt: skip
-    return split(out) if status == _NO_ORBIT or fine(status) else None
+    return split(out) if status == NO_ORBIT or fine(status) else None
 
 
 def start_rates(
@@ -64,11 +62,12 @@ def start_rates(
 
 def split(records: Array) -> tuple[Array, Array, Array, Array]:
     """Values (..., 11), rows (..., 11, 5), derivatives by the length (..., 11) and lengths (...) of (..., `RATES`)."""
-    values, rows, by_span, length = np.split(records, np.cumsum([_NUMBERS, _NUMBERS * _PARTS, _NUMBERS]), axis=-1)
-    return values, rows.reshape(*records.shape[:-1], _NUMBERS, _PARTS), by_span, length[..., 0]
+    values, rows, by_span, length = np.split(records, np.cumsum([NUMBERS, NUMBERS * PARTS, NUMBERS]), axis=-1)
+    return values, rows.reshape(*records.shape[:-1], NUMBERS, PARTS), by_span, length[..., 0]
 
 
-_PAIRS, _SERIES = 10, 19  # elements of M that are kept; series of a panel
+_PAIRS = 10  # elements of M that are kept
+_SERIES = 9 + _PAIRS  # of a panel
 KEPT = ("v", "H", "c", "shift", "gamma", "M", "jump", "closing", "series", "gain")
 
 

@@ -34,7 +34,7 @@ from ..problem.reduced import EndsProblem, Reduced, StartProblem
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
 _Y = 10
 _REST = 1e-15  # beta_t at a start at rest
-_SAME = 1e-9  # rad: critical points that are this near are one
+SAME = 1e-9  # rad: critical points that are this near are one
 HOW = CUTTING, Cutting(LENGTH, GOAL, STRETCH, relative=True)
 
 
@@ -226,7 +226,7 @@ def _add_level(found: OrbitRates, origin: Array, path: Path, place: LinePoint) -
     """The row of y. The gap is eta - G(pin); g0 is half the change of eta less that of G at `origin`, (1,)."""
     found.values[0, _Y] = path.y
     if path.pin in place.angles:
-        same = np.abs(np.sin((path.pin - origin) / 2)) < _SAME
+        same = np.abs(np.sin((path.pin - origin) / 2)) < SAME
         gap = path.sign * np.exp(max(path.y, place.blank.deepest))
         found.rows[0, _Y, 1:] = 2 * np.array([1, *height_rates(np.where(same, origin, path.pin), origin)[0]]) / gap
         if path.y < place.blank.deepest:

@@ -13,7 +13,7 @@ import numpy as np
 from ..levels.line_point import LinePoint, Path
 from ..levels.transit_times import DOWN, UP
 from ..mechanics.potential import load_size, slope, steepest
-from ..numerics.arrays import Array
+from ..numerics.arrays import EPS, Array
 from ..numerics.roots import DIVERGED, Ending, newton, solve
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.held_ends import HeldProblem
@@ -24,7 +24,7 @@ from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, start_
 FREE = ("beta0", "betaL", "lam", "mu", "phi")  # what a state consists of, beside its path
 LEFT = "no orbit of its path joins the two ends there"
 REACH = 0.25  # largest size of a change in one step
-_LEAST = 9 * float(np.finfo(float).eps)  # share by which rounding may change an angle, or a load
+_LEAST = 9 * EPS  # share by which rounding may change an angle, or a load
 _MET = 1e-3  # of the length: by how much the length of an equilibrium may be off
 _SWING = 1e-7  # beta_t and H at a start below which an orbit is its helix, in units of the loads
 _STILL = 1e-11  # beta_t below which an end is at rest, in units of the loads

@@ -8,11 +8,9 @@ import numpy as np
 from ..numerics.arrays import Array, Integers
 from ..problem.reduced import EndsProblem
 from .level_grid import boundary_of, helix_of, level_grid_of
-from .level_search import level_roots
+from .level_search import MOST_PERIODS, level_roots
 from .morse_index import helix_half_waves, helix_index
 from .transit_times import Boundary, Levels, transit_times
-
-MOST_PERIODS = 200  # as of `level_search`
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..numerics.arrays import Array, Booleans
+from ..numerics.arrays import EPS, Array, Booleans
 from ..orbit.periodic_orbit import Orbit
 from ..problem.limits import LARGEST
 from ..problem.reduced import EndsProblem
@@ -16,6 +16,7 @@ from .morse_index import jacobi_zeros
 from .path_orbits import energies, solve_orbits
 from .transit_times import Boundary, LevelPaths, Levels, Paths, TransitTimes, transit_times
 
+MOST_PERIODS = 200  # of an orbit along a rod, unless asked for more
 BUDGET = 3e7  # evaluations of G: ten to twenty seconds
 _EACH = 15  # levels computed for each equilibrium
 _PATHS = 1000  # paths searched together
@@ -70,7 +71,7 @@ class Roots:
     calls: int
 
 
-def search(problem: EndsProblem, most_periods: int = 200, most_turns: int | None = None) -> Found | None:
+def search(problem: EndsProblem, most_periods: int = MOST_PERIODS, most_turns: int | None = None) -> Found | None:
     """Every equilibrium of one ends problem.
 
     Parameters
@@ -235,7 +236,7 @@ def _end_rounding(orbit: Orbit) -> Array:
     """How far the rounding of the rod's length may move beta at the far end, (K,)."""
     fastest = np.zeros(orbit.problem.size)
     np.maximum.at(fastest, orbit.panels.arc // 2, orbit.panels.fastest)
-    return np.asarray(64 * np.finfo(float).eps * orbit.problem.span * fastest)
+    return np.asarray(64 * EPS * orbit.problem.span * fastest)
 
 
 def _range(orbit: Orbit, problem: EndsProblem) -> tuple[Array, Array]:

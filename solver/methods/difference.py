@@ -11,7 +11,7 @@ import numpy as np
 
 from ..choose.selection import NEAREST, Choose
 from ..mechanics.potential import Loads, slope, slope_rate
-from ..numerics.arrays import Array
+from ..numerics.arrays import EPS, Array
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed, Trajectory, verdicts
 from .base import MOST_COMPILED, EndsMethod, Ladder, knob, twos
@@ -151,7 +151,7 @@ def _newton(problem: EndsProblem, beta: Array, bend: float = np.inf, goal: float
     one = _numbers(problem)
     beta = beta.copy()
     beta[0], beta[-1] = problem.beta0[0], problem.betaL[0]
-    floor = 16 * 2.0**-52 * np.abs(beta).max() + 1e-300  # rounding of the residual, which has a factor h^2
+    floor = 16 * EPS * np.abs(beta).max() + 1e-300  # rounding of the residual, which has a factor h^2
     (off, rate), met, iteration, last = _residual(one, beta, h), False, 0, np.inf
     while iteration < _NEWTON and not met:
         iteration += 1

@@ -14,10 +14,9 @@ import numpy as np
 
 from ..core.measures import LONGEST, measure
 from ..mechanics.potential import steepest
-from ..numerics.arrays import Array
+from ..numerics.arrays import EPS, Array
 from ..numerics.chebyshev import means, primitive, series_at
 from ..orbit.marched_orbit import MarchedOrbit
-from ..orbit.pieces import EPS
 from ..problem.errors import InputError
 from ..problem.reduced import flat
 from ..shape import Shape

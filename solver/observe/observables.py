@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..levels.morse_index import index_at_stations, jacobi_zeros
-from ..numerics.arrays import Array
+from ..numerics.arrays import EPS, Array
 from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION, ROTATION
 from ..problem.errors import known_name, no_such
@@ -53,7 +53,7 @@ def _inner_turns(orbit: Any) -> Any:
 def _librates(read: Reading) -> Any:
     """Whether beta changes by more than rounding, and where no orbit is known, by more than the tolerance, (B,)."""
     low, high = read.value("low"), read.value("high")
-    rounding = 64 * 2.0**-52 * np.maximum(1, np.maximum(np.abs(low), np.abs(high)))
+    rounding = 64 * EPS * np.maximum(1, np.maximum(np.abs(low), np.abs(high)))
     allowed = np.minimum(2 * read.error, 1e-6)
     if read.sol.trajectory.orbit is None:
         allowed = np.fmax(allowed, read.sol.tol)
@@ -115,7 +115,7 @@ def bend_number(read: Reading) -> Pair:
         late = np.where(librates, 2 * read.error / (read.value("high") - read.value("low")), 0.0)
         if isinstance(orbit, MarchedOrbit):
             late = late + SPREAD * orbit.late * np.where(librates, count / half_period, 0.0)
-    return count, late + 8 * 2.0**-52 * count
+    return count, late + 8 * EPS * count
 
 
 def amplitude(read: Reading) -> Pair:
@@ -311,7 +311,7 @@ def bending_energy(read: Reading) -> Pair:
 def twist_energy(read: Reading) -> Pair:
     """M3^2 L/(2 C) [force length]."""
     value = read.A / read.rho * _twist(read) * read.length
-    return value, 8 * 2.0**-52 * value
+    return value, 8 * EPS * value
 
 
 def energy(read: Reading) -> Pair:

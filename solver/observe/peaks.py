@@ -4,11 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from ..numerics.arrays import Array, Integers
+from ..core.measures import NODES
+from ..numerics.arrays import EPS, Array, Integers
 from ..numerics.chebyshev import derivative, series_at
-from ..orbit.pieces import EPS
 from .quadrature import Resolved
-from .rod_pieces import NODES
 
 
 def first_peak(found: Resolved, doubt: Array, same: Array) -> tuple[Any, Any]:

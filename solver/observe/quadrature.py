@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..core.measures import NODES
+from ..numerics.arrays import EPS, Array
 from ..numerics.chebyshev import Basis, basis, derivative, means, polynomials, series_at, through, weights
 from ..numerics.roots import bracket
-from ..orbit.pieces import EPS
 from .densities import Density
-from .rod_pieces import COLUMNS, NODES, Pieces
+from .rod_pieces import COLUMNS, Pieces
 
 _ROUNDS, _PATIENCE = 48, 3  # halvings; those that may fail to shorten the series
 _MOST = 1_000_000  # pieces of a round

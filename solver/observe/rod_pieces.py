@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from ..core.measures import NODES
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, polynomials
 from ..problem.reduced import Reduced
 
 COLUMNS = ("case", "row", "low", "high", "time", "count", "begin")  # fields of each piece
-NODES = 24  # of each piece, at which densities are computed
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.polynomial import chebyshev as C
 from numpy.polynomial.polynomial import polyder
 
+from ..core.measures import NODES
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array, Booleans
 from ..numerics.chebyshev import basis, series_at, through
@@ -21,7 +22,7 @@ from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION
 from ..problem.reduced import Reduced
 from ..shape import Shape
-from .rod_pieces import NODES, Pieces, join_pieces
+from .rod_pieces import Pieces, join_pieces
 
 _CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
 _RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend

@@ -67,7 +67,6 @@ def apart(a: Array, b: Array) -> Array:
     return np.where(x >= np.pi, (a - TAU) - b, np.where(x < -np.pi, (a + TAU) - b, x))
 
 
-EPS = 2.0**-52
 MOST = 10_000  # panels of one orbit beyond which none is halved any more
 
 

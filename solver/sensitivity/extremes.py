@@ -14,7 +14,7 @@ from .density_changes import DensityChange, Values, first_of, zeros_between
 LARGEST, SMALLEST, LARGEST_SIZE = "largest", "smallest", "largest size"
 _SAME = 1e-12  # relative: extremes that differ by less are equal
 _APART = 1e-4  # relative: derivatives that differ by more are different
-_EDGE = 1e-9  # of the largest pace of a density: at the end of a panel the density is stationary
+STILL = 1e-9  # of the largest pace of a density: one that changes less is stationary
 _FAINT = 1e-9  # of the sum of the sizes of its terms: a derivative below this is rounding
 
 
@@ -82,7 +82,7 @@ def candidates(found: DensityChange) -> Candidates:
     q, _, x = zeros_between(pace)
     most = np.zeros(found.problem.size)
     np.maximum.at(most, found.case, np.abs(pace).max(axis=1))
-    edges = np.abs(pace[:, [0, -1]]) <= _EDGE * most[found.case, None]
+    edges = np.abs(pace[:, [0, -1]]) <= STILL * most[found.case, None]
     edge, side = np.nonzero(edges)
     q, x = np.concatenate([q, edge]), np.concatenate([x, 2.0 * side - 1])
     t, passed = _passes(found.varied, q, x)

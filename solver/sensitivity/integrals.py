@@ -9,13 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..numerics.arrays import Array, Integers
+from ..equilibrium.orbit_rates import SAME
+from ..numerics.arrays import EPS, Array, Integers
 from ..numerics.chebyshev import basis
 from .density_changes import DensityChange, first_of, zeros_between
 
-_SAME = 1e-12  # rad: critical points that are this near are one
 _NEAR = 0.1  # rad: how near a critical point the difference of a density from that there is integrated
-_ROUNDING = 64 * 2.0**-52  # of a difference of two values of a density
+_ROUNDING = 64 * EPS  # of a difference of two values of a density
 
 
 def integral(rods: DensityChange) -> Array:
@@ -57,7 +57,7 @@ def _sum(rods: DensityChange, kept: Callable[[Array], Array], rate: Callable[[Ar
         rows = np.arange(t.size)
         exact = rods.difference(rows, base[:, None], x[:, None], np.abs(place.v)[:, None])[:, 0]
         exact, plain = rate(values.values) * exact, kept(values.values) - level
-        same = np.abs(np.sin((base - rods.varied.base[closest]) / 2)) < _SAME
+        same = np.abs(np.sin((base - rods.varied.base[closest]) / 2)) < SAME
         ends.append(np.where(same & (np.abs(plain - exact) <= size), exact, plain))
     whole = _by_parts(rods, above, moved, np.zeros((rods.case.size, 4)), ends[0], ends[1])
     return whole + kept(rods.ends[1].values)[:, None] * rods.later
@@ -104,7 +104,7 @@ def _closest(rods: DensityChange) -> tuple[Integers, Array]:
 def _near(rods: DensityChange) -> Array:
     """Which panels are near that point, (P,)."""
     x, base = rods.varied.orbit.panels.series[:, 0], rods.varied.base
-    same = np.abs(np.sin((base - base[_closest(rods)[0]][rods.case]) / 2)) < _SAME
+    same = np.abs(np.sin((base - base[_closest(rods)[0]][rods.case]) / 2)) < SAME
     return same & (np.abs(x).sum(axis=1) < _NEAR)
 
 

@@ -17,6 +17,7 @@ from .extremes import (
     MIDDLE_PUSH,
     PEAK,
     PUSHES,
+    STILL,
     Candidates,
     candidates,
     extreme,
@@ -26,7 +27,6 @@ from .integrals import cut_at_zeros, integral, parts, positive_between
 from .motions import Motion
 
 _NEAR = 1e-5  # of the length: the place is the one that is observed
-_BENDS = 1e-9  # of the largest pace of a density: one that changes less does not move its maximum smoothly
 
 
 def first_peak(rods: DensityChange, seen: Array) -> Array:
@@ -78,7 +78,7 @@ def _rates_on(rods: DensityChange, panel: Integers, x: Array) -> tuple[Array, Ar
     most = np.zeros(rods.problem.size)
     np.maximum.at(most, rods.case, np.abs(nodes.pace).max(axis=1))
     per_time = 2 / rods.varied.orbit.panels.duration[panel]
-    still = np.abs(found[:, 0]) * per_time <= _BENDS * most[rods.case[panel]]
+    still = np.abs(found[:, 0]) * per_time <= STILL * most[rods.case[panel]]
     return np.where(still, np.nan, found[:, 0]), found[:, 1:]
 
 

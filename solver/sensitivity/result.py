@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.potential import Loads, slope
-from ..numerics.arrays import Array
+from ..numerics.arrays import EPS, Array
 from ..problem.case_fields import check_fields
 from ..problem.field_rates import FieldRates, field_rates
 from ..problem.held_ends import given_numbers
@@ -75,7 +75,7 @@ def along(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> dict[st
     }
 
 
-_ROUNDING = 32 * 2.0**-52  # of a derivative, times the condition number
+_ROUNDING = 32 * EPS  # of a derivative, times the condition number
 _CARRIED = 4  # of the error of the shape, on which the derivatives depend through beta, H, alpha and z
 _ALONG = ("beta", "dbeta", "alpha", "z", "gamma")
 
