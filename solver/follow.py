@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
-from .numerics.arclength import CLOSED, END
+from .numerics.arclength import CLOSED, END, both_senses
 from .numerics.arrays import Array
 from .problem.angles import doubt, given_by_a_program, warn
 from .problem.case import ANGLES, PAIRS, Case, Ends
@@ -245,7 +245,6 @@ def solutions_of(branch: Branch, stations: int) -> Solution:
 def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bounds", solved: _Solver) -> Branch:
     """The branch, followed with the field falling and rising where there is room."""
     from .branches.branch_following import Stop, own_place, trace
-    from .branches.branch_states import Place
     from .branches.family import family_of
 
     own = value_of(case, name)
@@ -253,13 +252,10 @@ def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bo
     middle = own_place(family, path, own)
     if isinstance(middle, str):
         raise InputError(f"the equilibrium cannot be followed: {middle}")
-    here, sides = Stop(END, own), list[tuple[list[Place], Stop]]()
-    for rises, last in ((False, bounds.low), (True, bounds.high)):
-        closed = bool(sides) and sides[0][1].reason == CLOSED
-        there = own == last or closed
-        sides.append(([], sides[0][1] if closed else here) if there else trace(family, path, own, rises, bounds))
-    if sides[0][0] and not sides[1][0]:  # one direction alone: from the solution on
-        sides.reverse()
+    sides = both_senses(
+        own, bounds.low, bounds.high, lambda rises: trace(family, path, own, rises, bounds), Stop(END, own),
+        lambda stop: stop.reason == CLOSED,
+    )  # fmt: skip
     (before, begin), (after, end) = sides
     points, special = _points([*before[::-1], middle, *after], case, name, solved)
     ends = _end(name, begin), _end(name, end)

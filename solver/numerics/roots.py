@@ -1,6 +1,6 @@
 """Small linear systems, scaled; the root of several equations by Newton's rule; roots of many functions at once."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -151,6 +151,43 @@ def bracket(
                 return new
             older, last, x = (older if not last.any() else last), step, new
     return x
+
+
+def enclose(
+    at: Callable[[float], tuple[Point, float] | None],
+    high: float,
+    values: tuple[float, float],
+    rounds: int,
+    kept: float,
+) -> Iterator[tuple[float, Point, float]]:
+    """Points ever nearer to where a value changes its sign between 0 and `high`, by false position.
+
+    Yields the width of the bracket that a point leaves, the point, and its value; ends where there is no point.
+
+    Parameters
+    ----------
+    at : callable
+        Of a place: the point and the value there; None where there is none.
+    values : tuple of two floats
+        At 0 and at `high`.
+    rounds : int
+        Of points, at most.
+    kept : float
+        Factor of the value at an end that stays: 0.5 is the Illinois rule; 1, with values 1 and -1, bisection.
+    """
+    before, after = values
+    low = 0.0
+    for _ in range(rounds):
+        middle = low + (high - low) * min(0.95, max(0.05, before / (before - after)))
+        found = at(middle)
+        if found is None:
+            return
+        point, value = found
+        if value * before > 0:
+            low, before, after = middle, value, kept * after
+        else:
+            high, before, after = middle, kept * before, value
+        yield high - low, point, value
 
 
 def bisect(f: Callable[[Array], Array], lo: Array, hi: Array, steps: int) -> Array:

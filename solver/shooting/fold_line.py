@@ -12,6 +12,7 @@ import numpy as np
 
 from ..numerics.arclength import LEFT, Lengths, Node, Stride, advance, border_distances, node_at, trace
 from ..numerics.arrays import Array
+from ..numerics.roots import enclose
 from ..problem.errors import InputError
 from .curve import Curve, Point
 from .descent import index_of_any
@@ -161,21 +162,17 @@ def step_from(fold: FoldPoint, node: Node, step: float) -> tuple[FoldPoint, Arra
 
 def cusp_between(fold: FoldPoint, node: Node, step: float, after: float) -> FoldPoint:
     """The cusp within a step after which the rate of u is `after`, of the other sign."""
-    low, high, before, best = 0.0, step, float(node.tangent[1]), fold
-    for _ in range(ROUNDS):
-        share = min(0.95, max(0.05, before / (before - after)))
-        middle = low + (high - low) * share
-        found = step_from(fold, node, middle)
-        if isinstance(found, str):
-            break
-        best, rate = found[0], float(found[1][1])
-        # Illinois: the rate at an end that stays is halved
-        low, high, before, after = (
-            (middle, high, rate, after / 2) if rate * before > 0 else (low, middle, before / 2, rate)
-        )
+
+    def rate_at(place: float) -> tuple[FoldPoint, float] | None:
+        found = step_from(fold, node, place)
+        return None if isinstance(found, str) else (found[0], float(found[1][1]))
+
+    cusp, rates = fold, (float(node.tangent[1]), after)
+    for _, found, rate in enclose(rate_at, step, rates, ROUNDS, kept=0.5):
+        cusp = found
         if abs(rate) < FLAT:
             break
-    return replace(best, more=0.0)
+    return replace(cusp, more=0.0)
 
 
 def indices_beside(fold: FoldPoint) -> tuple[int, int]:

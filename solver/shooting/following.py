@@ -4,8 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK, Lengths, Stride, trace
+from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK, Lengths, Stride, both_senses, trace
 from ..numerics.arrays import Array
+from ..numerics.roots import enclose
 from ..problem.errors import InputError
 from .curve import Curve, Point, inner
 from .descent import index_of_any
@@ -77,21 +78,23 @@ def special_between(curve: Curve, here: Stage, there: Stage, step: float, narrow
     A change of branch has no place at which the points on both sides meet, so it is not enclosed.
     """
     turned = here.point.tangent[-1] * there.point.tangent[-1] < 0
-    low, high, before, after = 0.0, step, here, there
-    for _ in range(60):
-        rate, last = before.point.tangent[-1], after.point.tangent[-1]
-        middle = low + (high - low) * (min(0.9, max(0.1, rate / (rate - last))) if turned else 0.5)
-        found = ahead(curve, here, middle)
-        if found is None or (not turned and high - low < narrow * step):
-            break
-        if turned and abs(found.point.tangent[-1]) < FLAT:
+    width, before, after = step, here, there
+
+    def sense_at(place: float) -> tuple[Stage, float] | None:
+        found = ahead(curve, here, place)
+        if found is None:
+            return None
+        return found, float(found.point.tangent[-1]) if turned else 1.0 if found.index == here.index else -1.0
+
+    ends = (float(here.point.tangent[-1]), float(there.point.tangent[-1])) if turned else (1.0, -1.0)
+    for width, found, value in enclose(sense_at, step, ends, 60, kept=0.5 if turned else 1.0):
+        if turned and abs(value) < FLAT:
             return replace(found, kind=FOLD if here.index != there.index or found.point.shape.rod.rubbed else PITCHFORK)
-        same = found.point.tangent[-1] * rate > 0 if turned else found.index == here.index
-        low, high, before, after = (middle, high, found, after) if same else (low, middle, before, found)
+        before, after = (found, after) if value * ends[0] > 0 else (before, found)
+        if not turned and width < narrow * step:
+            break
     change = curve.direction_between(before.point, after.point)
-    return (
-        None if turned or inner(change, change) > (2 * (high - low) + SAME) ** 2 else replace(after, kind=BRANCH_POINT)
-    )
+    return None if turned or inner(change, change) > (2 * width + SAME) ** 2 else replace(after, kind=BRANCH_POINT)
 
 
 def stages(
@@ -152,14 +155,10 @@ def both_ways(
     first = begin(curve, shape, x)
     if first is None:
         return None
-    sides: list[tuple[list[Stage], str]] = []
-    for sense, last in ((-1.0, low), (1.0, high)):
-        closed = bool(sides) and sides[0][1] == CLOSED
-        if x == last or closed:
-            sides.append(([], CLOSED if closed else END))
-        else:
-            sides.append(stages(curve, first, sense, (low, high), wanted, most, narrow))
-    if sides[0][0] and not sides[1][0]:
-        sides.reverse()
+
+    def side(rises: bool) -> tuple[list[Stage], str]:
+        return stages(curve, first, 1.0 if rises else -1.0, (low, high), wanted, most, narrow)
+
+    sides = both_senses(x, low, high, side, END, lambda why: why == CLOSED)
     (before, why), (after, then) = sides
     return [*before[::-1], first, *after], len(before), why, then

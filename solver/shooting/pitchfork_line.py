@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..numerics import arclength
-from ..numerics.arclength import LEFT, Lengths, Node, Stride, advance, node_at, trace
+from ..numerics.arclength import LEFT, Lengths, Node, Stride, advance, border_distances, node_at, trace
 from ..numerics.arrays import Array
 from .curve import Curve
 from .descent import index_at, weakest_modes
@@ -160,9 +160,8 @@ def crossing_between(point: PitchforkPoint, node: Node, step: float, there: Pitc
 
 def border_point(point: PitchforkPoint, node: Node) -> PitchforkPoint | None:
     """The pitchfork on the border that the curve meets next; None where it meets none nearby."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ways = ((node.tangent > 0) - point.z) / node.tangent
-    k = int(np.argmin(np.where(node.tangent == 0, np.inf, ways)))
+    ways = border_distances(point.z, node.tangent, np.zeros(2), np.ones(2))
+    k = int(np.argmin(ways))
     w = arclength.correct(point, point.z + ways[k] * node.tangent, np.eye(2)[k], node.jacobian)
     there = w if isinstance(w, str) else node_at(point, w, node.tangent)
     return None if isinstance(there, str) else point.at(there)
