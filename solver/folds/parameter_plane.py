@@ -11,6 +11,7 @@ from ..problem.case import ANGLES, Case, Ends
 from ..problem.case_fields import FIELD, check_fields
 from ..problem.errors import InputError, choices, show
 from ..problem.field_rates import ACTING, field_rates
+from ..problem.held_ends import held_of
 from ..problem.reduced import EndsProblem, reduce
 
 MARGIN = 1e-3  # of a range: how far beyond it equilibria may be computed
@@ -74,8 +75,9 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
     Raises
     ------
     InputError
-        For a start problem, a grid of cases, not two fields, an unknown field, one on which no equilibrium depends, and
-        a range that is not two finite numbers, the first lower, or that holds invalid values.
+        For a start problem, held ends without weight, a grid of cases, not two fields, an unknown field, one on which
+        no equilibrium depends, and a range that is not two finite numbers, the first lower, or that holds invalid
+        values.
     """
     if not isinstance(case.given, Ends):
         raise InputError(f"fold curves need a Case with Ends, got {type(case.given).__name__}")
@@ -98,6 +100,10 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
                 "follow an equilibrium to a fold, and trace_fold in Python traces its curve"
             )
         return plane
+    if held := held_of(case):
+        raise InputError(
+            f"fold curves take dead loads and end angles, under which all equilibria are known; got {choices(held)}"
+        )
     try:
         rates = field_rates(plane.case_at(corners), plane.names)
     except InputError as refusal:

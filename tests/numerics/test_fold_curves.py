@@ -287,6 +287,16 @@ def test_the_numbers_of_the_atlas_are_those_of_all_equilibria_at_200_random_poin
 REFUSED = {
     "a start problem": (Case(ROD, CASE.cylinder, Start(beta=0.5, dbeta=0.1, M3=0.0)), {}, "need a Case with Ends"),
     "one field": (CASE, {"FZ": (0, 1)}, "need two fields with their ranges, got FZ"),
+    "a given end moment": (
+        Case(ROD, CASE.cylinder, Ends(beta0=0.5, M1L=0.0)),
+        {"FZ": (-1, 0), "MZ": (0, 1)},
+        "got M1L",
+    ),
+    "a held height": (
+        Case(ROD, CASE.cylinder, Ends(0.5, 0.8, height=2.0)),
+        {"E": (1e4, 2e4), "MZ": (0, 1)},
+        "got height",
+    ),
     "an unknown field": (CASE, {"FZ": (0, 1), "height": (0, 1)}, "no field 'height' in this case; choose from"),
     "a field of no effect": (CASE, {"FZ": (0, 1), "nu": (0, 0.4)}, "no equilibrium depends on nu"),
     "a range upside down": (CASE, {"FZ": (1, 0), "MZ": (0, 1)}, "two finite numbers, the first lower, got (1, 0)"),

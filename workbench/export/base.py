@@ -70,7 +70,7 @@ class Format:
     write
         Writes a rod to a path, and returns numbers about the file by name.
     series
-        Whether `write` takes the rods along one axis, a `series.Series`, in place of a rod.
+        Whether `write` takes the rods along one axis, a `pvd.Series`, in place of a rod.
     body
         What the file holds. Of a rod that passes through itself a solid is refused, of a surface a warning is given; a
         curve is not tested.
