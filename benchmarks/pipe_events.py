@@ -78,7 +78,7 @@ def wave_number(sol: Solution) -> float:
 
 def buckling() -> float:
     """The least compression at which a straight half wave of any length buckles."""
-    from solver.shooting.branch import buckling_tension
+    from solver.shooting.buckling import buckling_tension
     from solver.shooting.numbers import rods_of
 
     def load(k: float) -> float:

@@ -11,7 +11,8 @@ from ..problem.case import Case
 from ..problem.limits import TAUT, is_taut
 from ..problem.reduced import EndsProblem, StartProblem, flat
 from ..problem.trajectory import Trajectory, verdicts
-from .branch import Path, branch_from_straight, straight_shape
+from .branch import Path, branch_from_straight
+from .buckling import straight_shape
 from .curve import Curve
 from .descent import index_of_any
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
@@ -92,7 +93,10 @@ def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[End
     begin, end = shapes.ends()
     error, condition = np.array(estimates).T
     read = read_states(y, t, alpha0, np.array([rod.numbers[0] for rod in rods]) * end[:, MU])
-    why = np.array(["" if path.shape is not None else f"failed: {path.why}" for path in paths], dtype=object)
+    size, rubbed = flat(case.rod.bending_stiffness / case.rho**2, case.shape), case.cylinder.friction
+    friction = flat(0.0 if rubbed is None else rubbed, case.shape)
+    told = zip(paths, size, friction, strict=True)
+    why = np.array(["" if path.shape is not None else failure(path, *one) for path, *one in told], dtype=object)
     solved, outcome = verdicts(read["beta"], error, condition, tol).failed(why)
     spans = np.array([rod.span for rod in rods])
     problem = EndsProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], spans, begin[:, BETA], end[:, BETA])
@@ -144,6 +148,17 @@ def path_to(rod: LoadedRod, seed: Any, i: int) -> Path:
     return Path(found, index_of_any(found), why="seed")
 
 
+def failure(path: Path, size: float, friction: float) -> str:
+    """Why a rod has no shape, and with which load or friction it has one. size: of forces."""
+    said = f"failed: {path.why}"
+    if path.limit is None:
+        return said
+    above = f"with FZ at s = L above {path.limit * size:.4g}"
+    if path.share is None:
+        return f"{said}; it does not {above}"
+    return f"{said}; this rod has an answer with friction {path.share * friction:.3g}, and, straight, {above}"
+
+
 def words_of(path: Path) -> str:
     """How a shape was reached, in words."""
     if path.shape is None:
@@ -156,9 +171,11 @@ def words_of(path: Path) -> str:
     if path.buckled is not None:
         said.append(f"which buckles at {path.buckled:.6g} times these loads")
     said += [f"leaves its branch at {share:.4g} times them for another stable shape" for share in path.jumped]
-    if path.slipped is not None:
+    if path.slipped == 0:
+        said.append("buckles where friction raises its compression")
+    elif path.slipped is not None:
         said.append(f"leaves its branch at {path.slipped:.4g} of the friction for another sinusoid")
-    return ", ".join(said)
+    return ", ".join([*said, *([path.why] * bool(path.why))])
 
 
 def estimate(shape: Shape) -> tuple[float, float]:

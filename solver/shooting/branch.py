@@ -2,22 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 
-from ..numerics.arrays import Array
 from ..problem.case import ALONG_ITSELF
-from .curve import Curve
-from .descent import LOOSE, descend, index_at, index_of_any, is_near, weakest_modes
+from .buckling import AHEAD, buckle, buckling_share, straight_shape
+from .descent import LOOSE, descend, index_at, index_of_any, is_near
 from .loaded_rod import SHORT, LoadedRod
-from .local_waves import lock_up_share, sinusoid, wound_shape
+from .local_waves import compression, has_waves, lock_up_share, places, sinusoid, wound_shape
 from .newton import Shape, correct
 
-CLOSE = 1e-6  # relative: of the load at which the straight rod buckles
-AMPLITUDES = tuple(
-    0.05 * 4.0**-k for k in range(6)
-)  # of the angles, in their scales, with which a buckled shape is sought
 MOST_FORCES, LEAST_BENT = 20, 1e-3  # that are tried for a held height; how much they shorten the rod, of the wanted
 FRICTION = "this friction"
 WAVES = f"{FRICTION}: beyond, it may drive waves along the rod or wind up its helix"
@@ -27,10 +21,13 @@ LOCKED = (
     "the rod locks up: it is a helix, and on {:.3g} of the length from s = L friction raises the compression without "
     "bound"
 )
+OVERLOADED = (
+    "stays straight though friction raises its compression above that which buckles a long rod: no sinusoid was found"
+)
 FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.1, 1e-4, 0.25
-LEAST_RUBBED = 3e-3  # least step of a rod with friction, whose branch ends where its waves run
+HALVINGS = 8  # of a load
+LEAST_RUBBED = 1e-2  # least step of a rod with friction, whose branch ends where its waves run
 SHARES_AHEAD = 1.0, 0.9, 0.7, 0.4  # of the rest of the way: where a sinusoid is tried when a branch ends
-AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought to which a rod jumps
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +38,8 @@ class Path:
     which the straight rod buckles; None if it does not. jumped: shares at which the branch ended and the rod fell to
     another one. slipped: the share of the friction at which the branch ended and another sinusoid was taken. wound:
     whether the shape is a helix in place of a sinusoid that would lift off. why: why no shape, or none under the whole
-    loads, was reached.
+    loads, was reached. limit, share: the far end's phi above which a rod with friction has a shape, and the share of
+    its friction with which it has one; None where they are not known.
     """
 
     shape: Shape | None
@@ -51,11 +49,8 @@ class Path:
     slipped: float | None = None
     wound: bool = False
     why: str = ""
-
-
-def straight_shape(rod: LoadedRod, t: Array) -> Shape:
-    """The straight rod along the axis."""
-    return Shape(rod, t, rod.lying(t))
+    limit: float | None = None
+    share: float | None = None
 
 
 def branch_from_straight(rod: LoadedRod) -> Path:
@@ -95,18 +90,49 @@ def branch_from_straight(rod: LoadedRod) -> Path:
 
 
 def branch_with_friction(rod: LoadedRod) -> Path:
-    """The same of a rod with friction, which grows on the shape without it."""
+    """The same of a rod with friction, which grows on the shape without it.
+
+    Where its compression, with what friction adds, buckles it nowhere, the rod stays straight; where friction raises
+    the compression so far that a straight rod buckles, the sinusoid is taken.
+    """
     locked = lock_up_share(rod)
     if locked is not None:
-        return Path(None, why=LOCKED.format(locked))
+        return Path(None, why=LOCKED.format(locked), limit=least_tension(rod, lock_up_share))
+    if rod.straight and buckles_somewhere(rod) is None:
+        return Path(straight_shape(rod, rod.nodes()))
     plain = branch_from_straight(rod.with_friction(0.0))
     if plain.shape is None:
         return plain
+    stays = rod.straight and plain.buckled is None and not plain.wound
+    if stays and (bent := sinusoid(rod)) is not None:
+        return Path(bent, slipped=0.0)
     hints = [HINGES] * bool({"beta0", "betaL"} & rod.held) + [AS_A_WHOLE] * bool(rod.numbers[4] == ALONG_ITSELF)
     ends = f"{WAVES}; {' or '.join(hints)} may have an answer" if hints else WAVES
     found = grow(rod.with_friction, plain.shape, 0.0, 1.0, FRICTION if rod.turning else ends)
     slipped = found.jumped[0] if found.jumped else None
-    return replace(found, buckled=plain.buckled, jumped=plain.jumped, slipped=slipped, wound=plain.wound)
+    found = replace(found, buckled=plain.buckled, jumped=plain.jumped, slipped=slipped, wound=plain.wound)
+    if found.shape is None:
+        return replace(found, limit=least_tension(rod, buckles_somewhere))
+    return replace(found, why=OVERLOADED) if stays and buckles_somewhere(rod) else found
+
+
+def buckles_somewhere(rod: LoadedRod) -> bool | None:
+    """Whether the compression of a straight rod, with what friction adds, is anywhere above that of a long rod's waves.
+
+    None where it is not, and False where such waves are not known.
+    """
+    if not has_waves(rod):
+        return False
+    return True if compression(rod, places(rod, rod.nodes())).max() > 0 else None
+
+
+def least_tension(rod: LoadedRod, fault: Callable[[LoadedRod], object]) -> float:
+    """The far end's phi, a little above the least one, at which a rod has a fault no more that it has under its own."""
+    far, low, high = rod.far.copy(), float(rod.far[2]), max(0.0, rod.along * rod.span)
+    for _ in range(HALVINGS):
+        far[2] = (low + high) / 2
+        low, high = (low, far[2]) if fault(replace(rod, far=far.copy())) is None else (far[2], high)
+    return float(high)
 
 
 def branch_to_height(rod: LoadedRod) -> Path:
@@ -137,65 +163,6 @@ def branch_to_height(rod: LoadedRod) -> Path:
     return Path(None, why=why)
 
 
-def buckling_share(rod: LoadedRod, t: Array) -> float:
-    """The share of the loads just above which the straight rod is unstable along one mode."""
-    low, high, index = 0.0, 1.0, index_at(straight_shape(rod, t))
-    while (high - low > CLOSE * high or index > 1) and high - low > 1e-12 * high:
-        middle = (low + high) / 2
-        now = index_at(straight_shape(rod.share(middle), t))
-        low, high, index = (low, middle, now) if now else (middle, high, index)
-    return high
-
-
-def buckling_tension(rod: LoadedRod) -> float | None:
-    """The far end's phi below which the straight rod under its whole weight is unstable, without friction.
-
-    None where the straight rod is no equilibrium, or is unstable though all of it is in tension.
-    """
-    rod = replace(rod.with_friction(0.0), held=rod.held - {"height"})
-
-    def is_unstable(phi: float) -> bool:
-        far = rod.far.copy()
-        far[2] = phi
-        pulled = replace(rod, far=far)
-        return index_at(straight_shape(pulled, pulled.nodes())) > 0
-
-    high = max(0.0, rod.along * rod.span)  # here no part of the rod is compressed
-    if not rod.straight or is_unstable(high):
-        return None
-    low = high - 1 / rod.span**2
-    while not is_unstable(low):
-        low = high + 4 * (low - high)
-    while high - low > CLOSE * max(abs(high), abs(low)):
-        middle = (low + high) / 2
-        low, high = (middle, high) if is_unstable(middle) else (low, middle)
-    return (low + high) / 2
-
-
-def buckle(rod: LoadedRod, t: Array, critical: float) -> tuple[Shape, float] | None:
-    """A stable shape into which the straight rod buckles at a share of its loads, and its own share; None without one.
-
-    The amplitude of the weakest mode is given and the share unknown: so the way leads round no straight rod. Where the
-    branch turns to smaller loads it is the stable shape below the straight rod.
-    """
-    begin = straight_shape(rod.share(critical), t)
-    modes = weakest_modes(begin, 2)
-    curve = Curve(rod.share, 1.0, begin.rod.scale)
-    for amplitude, mode in product(AMPLITUDES, modes):
-        across = curve.direction(mode, 0.0)
-        guess = replace(begin, y=begin.y + amplitude * mode)
-        found = curve.correct(guess, critical, across)
-        if found is None or found.x > 1:
-            continue
-        if found.x < critical:
-            break
-        if index_at(found.shape) == 0:
-            return found.shape, found.x
-    share = min(1.0, critical * (1 + AHEAD))
-    below = descend(straight_shape(rod.share(share), t), modes[0])
-    return None if below is None else (below, share)
-
-
 def grow(
     rod_at: Callable[[float], LoadedRod], shape: Shape, x: float, last: float, target: str = "these loads"
 ) -> Path:
@@ -222,7 +189,7 @@ def grow(
         below = stable_shape_ahead(rod_at, shape, x, last)
         if below is None:
             why = f"the branch ends at {x / last:.6g} of the way to {target}"
-            return Path(None, index, None, tuple(jumped), why=why)
+            return Path(None, index, None, tuple(jumped), why=why, share=x / last)
         jumped.append(x)
         (x, shape), index, before, step = below, 0, None, AHEAD * last
     final = correct(Shape(rod_at(last), shape.t, shape.y))

@@ -23,7 +23,8 @@ FRONTS = EQUAL + np.array([0.0, 0.05, -0.05, -0.1])  # F - 2: where a helix may 
 SOFT = 0.03  # of F: how softly the amplitude comes to 0
 FINE, LEAST = 12, 0.1  # places for a node; of the square of the amplitude
 ROUNDS, SETTLED = 100, 1e-9  # of the compression under friction, and its last change
-STEPS = 60  # of Newton's method from it
+MANY = 1000  # nodes of a rod with friction, of which one front is tried: each that fails takes seconds
+STEPS, NODES = 30, 50  # of Newton's method from it, and one more for so many nodes
 STEEPEST = 0.9  # sine of beta
 TURNS = 2.0  # least, of a helix
 BLUR = 1.0  # of x: from where a helix becomes a sinusoid
@@ -207,7 +208,7 @@ def sinusoid(rod: LoadedRod) -> Shape | None:
     over = compression(rod, places(rod, t))
     if not 0 < over.max() < LAST:
         return None
-    found = (correct(wave_shape(rod, t, over, more=more), most=STEPS) for more in (0, 1, -1))
+    found = (correct(wave_shape(rod, t, over, more=more), most=STEPS + t.size // NODES) for more in (0, 1, -1))
     return next((shape for shape in found if shape is not None), None)
 
 
@@ -218,7 +219,8 @@ def wound_shape(rod: LoadedRod) -> Shape | None:
     """
     if not has_waves(rod) or compression(rod, places(rod, rod.nodes())).max() <= LIFTED:
         return None
-    for front in FRONTS:
+    fronts = FRONTS[:1] if rod.rubbed and rod.nodes().size > MANY else FRONTS
+    for front in fronts:
         t = rod.nodes()
         over = compression(rod, places(rod, t), front)
         if over.max() >= largest(rod):
@@ -230,7 +232,7 @@ def wound_shape(rod: LoadedRod) -> Shape | None:
         waves = waves_at(rod, over, front)
         if integral(waves.k * waves.wound, places(rod, t))[-1] * rod.across**0.25 < 2 * np.pi * TURNS:
             return None
-        found = correct(wave_shape(rod, t, over, front), most=STEPS)
+        found = correct(wave_shape(rod, t, over, front), most=STEPS + t.size // NODES)
         if found is not None and index_of_any(found) == 0:
             return found
     return None

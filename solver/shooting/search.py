@@ -8,7 +8,8 @@ import numpy as np
 
 from ..core.varying_loads import march
 from ..numerics.arrays import Array, Booleans
-from .branch import CLOSE, branch_from_straight, straight_shape
+from .branch import branch_from_straight
+from .buckling import CLOSE, straight_shape
 from .curve import Curve
 from .descent import index_at, on_nodes, weakest_modes
 from .following import begin, stage, stages

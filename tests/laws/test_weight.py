@@ -30,7 +30,7 @@ from solver.folds.parameter_plane import parameter_plane, with_two
 from solver.numerics.arclength import Lengths
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.reduced import reduce
-from solver.shooting.branch import buckling_tension, straight_shape
+from solver.shooting.buckling import buckling_tension, straight_shape
 from solver.shooting.descent import index_at
 from solver.shooting.further_shapes import further_shapes
 from solver.shooting.loaded_rod import PHI, LoadedRod
@@ -177,6 +177,42 @@ def test_a_lying_helix_locks_where_its_friction_raises_the_compression_without_b
         share = re.search(r"locks up: it is a helix, and on (\S+) of the length", sol.outcome)
         assert share
         assert float(share[1]) == pytest.approx(reach, rel=0.02)
+
+
+def lying_and_sliding(L: float, load: float, sliding: str) -> Case:
+    hole = Cylinder(**HOLE, inclination="90deg", friction=0.25, sliding=sliding)
+    return Case(Rod(L=L, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, azimuth=0.0, FZ=-load))
+
+
+@pytest.mark.parametrize(
+    ("load", "sliding", "words", "state"),
+    [
+        (155e3, "axial-forward", "buckles where friction raises its compression", "sinusoidal from 0 to"),
+        (155e3, "forward", "no sinusoid was found", "straight all along"),
+        (165e3, "axial-backward", "", "straight all along"),
+    ],
+)
+def test_a_pipe_buckles_where_the_compression_with_friction_passes_the_load_of_dawson_and_paslay(
+    load: float, sliding: str, words: str, state: str
+) -> None:
+    sol = solve(lying_and_sliding(600.0, load, sliding), stations=6001)
+    assert sol.solved
+    assert state in in_words(sol.states)
+    assert sol.begun.endswith(words)
+    assert max(unbalanced(sol)) < 1e-6
+
+
+@pytest.mark.slow
+def test_a_pipe_without_an_answer_names_a_friction_and_a_load_with_which_it_has_one() -> None:
+    case = lying_and_sliding(300.0, 200e3, "backward")
+    found = re.search(
+        r"an answer with friction (\S+), and, straight, with FZ at s = L above (\S+)", solve(case).outcome
+    )
+    assert found
+    friction, load = map(float, found.groups())
+    assert solve(replace(case, cylinder=replace(case.cylinder, friction=friction))).solved
+    assert load < -0.9 * BUCKLES
+    assert "straight all" in in_words(solve(with_field(case, "FZ", 0.999 * load)).states)
 
 
 @pytest.mark.parametrize("place", (2, 5, 8))

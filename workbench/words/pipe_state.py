@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 SINUSOID, PRESSED = 2.0, 2.744687  # forces in sqrt(A w sin(theta)/rho), as of `studies/pipe_horizontal.toml`
 MOST = 6  # stretches that are listed
-LEAVES = "leaves its branch"  # as `solver.shooting.answers.words_of` says it
+NEWS = "leaves its branch", "buckles where friction", "stays straight"  # as `solver.shooting.answers` says it
 WAYS = {
     "forward": "slides forward along itself everywhere",
     "backward": "slides backward along itself everywhere",
@@ -34,8 +34,8 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     said = [f"state: {in_words(sol.states, length)}{', which no real rod could hold: see the caution' * barred}"]
     said += _lift_offs(sol, length)
     begun = str(sol.begun or "")
-    if LEAVES in begun:
-        said.append(f"on the way to these loads the rod {begun[begun.index(LEAVES) :]}")
+    news = next((begun[begun.index(words) :] for words in NEWS if words in begun), "")
+    said += [f"on the way to these loads the rod {news}"] * bool(news)
     said += _buckling(sol, force)
     said += _long_pipe(sol, force)
     said.append(_ends(sol, force, length))
@@ -72,7 +72,7 @@ def _stress(sol: "Solution", length: str, force: str) -> str:
 
 def _buckling(sol: "Solution", force: str) -> list[str]:
     """The load at which the straight rod buckles under its whole weight; none where it is no equilibrium."""
-    from solver.shooting.branch import buckling_tension
+    from solver.shooting.buckling import buckling_tension
     from solver.shooting.numbers import rods_of
 
     if sol.case.kind != "ends" or sol.case.cylinder.side == "outside":

@@ -1,0 +1,80 @@
+"""Where a straight rod buckles, and the stable shape into which it does."""
+
+from dataclasses import replace
+from itertools import product
+
+from ..numerics.arrays import Array
+from .curve import Curve
+from .descent import descend, index_at, weakest_modes
+from .loaded_rod import LoadedRod
+from .newton import Shape
+
+CLOSE = 1e-6  # relative: of the load at which the straight rod buckles
+AMPLITUDES = tuple(
+    0.05 * 4.0**-k for k in range(6)
+)  # of the angles, in their scales, with which a buckled shape is sought
+AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought to which a rod jumps
+
+
+def straight_shape(rod: LoadedRod, t: Array) -> Shape:
+    """The straight rod along the axis."""
+    return Shape(rod, t, rod.lying(t))
+
+
+def buckling_share(rod: LoadedRod, t: Array) -> float:
+    """The share of the loads just above which the straight rod is unstable along one mode."""
+    low, high, index = 0.0, 1.0, index_at(straight_shape(rod, t))
+    while (high - low > CLOSE * high or index > 1) and high - low > 1e-12 * high:
+        middle = (low + high) / 2
+        now = index_at(straight_shape(rod.share(middle), t))
+        low, high, index = (low, middle, now) if now else (middle, high, index)
+    return high
+
+
+def buckling_tension(rod: LoadedRod) -> float | None:
+    """The far end's phi below which the straight rod under its whole weight is unstable, without friction.
+
+    None where the straight rod is no equilibrium, or is unstable though all of it is in tension.
+    """
+    rod = replace(rod.with_friction(0.0), held=rod.held - {"height"})
+
+    def is_unstable(phi: float) -> bool:
+        far = rod.far.copy()
+        far[2] = phi
+        pulled = replace(rod, far=far)
+        return index_at(straight_shape(pulled, pulled.nodes())) > 0
+
+    high = max(0.0, rod.along * rod.span)  # here no part of the rod is compressed
+    if not rod.straight or is_unstable(high):
+        return None
+    low = high - 1 / rod.span**2
+    while not is_unstable(low):
+        low = high + 4 * (low - high)
+    while high - low > CLOSE * max(abs(high), abs(low)):
+        middle = (low + high) / 2
+        low, high = (middle, high) if is_unstable(middle) else (low, middle)
+    return (low + high) / 2
+
+
+def buckle(rod: LoadedRod, t: Array, critical: float) -> tuple[Shape, float] | None:
+    """A stable shape into which the straight rod buckles at a share of its loads, and its own share; None without one.
+
+    The amplitude of the weakest mode is given and the share unknown: so the way leads round no straight rod. Where the
+    branch turns to smaller loads it is the stable shape below the straight rod.
+    """
+    begin = straight_shape(rod.share(critical), t)
+    modes = weakest_modes(begin, 2)
+    curve = Curve(rod.share, 1.0, begin.rod.scale)
+    for amplitude, mode in product(AMPLITUDES, modes):
+        across = curve.direction(mode, 0.0)
+        guess = replace(begin, y=begin.y + amplitude * mode)
+        found = curve.correct(guess, critical, across)
+        if found is None or found.x > 1:
+            continue
+        if found.x < critical:
+            break
+        if index_at(found.shape) == 0:
+            return found.shape, found.x
+    share = min(1.0, critical * (1 + AHEAD))
+    below = descend(straight_shape(rod.share(share), t), modes[0])
+    return None if below is None else (below, share)
