@@ -44,6 +44,10 @@ class Page:
 
 UNDETERMINED = "fit --table1 --M3 17 --points points.csv --vary E,M3,F3"
 UNKNOWN = ("workbench scene", "workbench equilibria pipe.toml", "workbench solve pipe.toml", "workbench explore")
+LYING = (
+    "folds --length-unit m --EI 1 --GJ 1 --a 0.05 --L 6 --weight 1 --R 0.15 --side inside --inclination 90deg --M10 0 "
+    "--M1L 0 --azimuth 0 --axis FZ=-6.2:-5 --axis weight=0.7:0.9 --plot lying.png"
+)
 SOFT = "how-to/analyse-stored-studies"
 PAGES = [
     Page(
@@ -59,7 +63,10 @@ PAGES = [
         made=("regimes.png", "bends.pdf", "turned.png", "lines.png", "three.png", "one.png"),
     ),
     Page("how-to/find-equilibria", left=UNKNOWN, python="left", made=("all.png", "b.png")),
-    Page("how-to/find-equilibria", "Map the folds", made=("folds_atlas.png", "buckling.png")),
+    Page(
+        "how-to/find-equilibria", "Map the folds", status={LYING: 1},
+        made=("folds_atlas.png", "buckling.png", "lying.png"),
+    ),
     Page(
         "how-to/find-equilibria", "Follow a branch", files=("snap.toml",), made=("dead.png", "held.png"),
         said=("14 branches, 9 folds over 21 values of FZ", "1 branch, 0 folds over 21 values of height"),
