@@ -1,6 +1,6 @@
 /* The arcs of one orbit as pieces, from its start forward and backward to the turning points. */
 
-#include "panels.h"
+#include "orbit_parts.h"
 
 #define UNCERTAIN 64.0 /* times the rounding of an angle: how much the rounding of G may move the start */
 

@@ -1,6 +1,6 @@
 /* A branch of equilibria as a curve: solver/branches/equilibrium_curve.py. */
 
-#include "branch_steps.h"
+#include "branch_points.h"
 
 enum { ROUNDS = 10 };
 #define QUADRATIC 1e-7 /* size of a correction by Newton's rule after which the next one would be rounding */

@@ -2,7 +2,7 @@
    branch_states.py, equilibrium_curve.py and numerics/arclength.py. Only ordinary steps are made here: a step on which
    anything else happens is not made, and is left to the caller. */
 
-#include "branch_steps.h"
+#include "branch_points.h"
 
 enum { MOST_AT_ONCE = 3 };
 enum { LEFT_TO_CALLER, AT_END, IS_CLOSED, ENOUGH }; /* why the steps end */

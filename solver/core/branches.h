@@ -4,7 +4,7 @@
 #ifndef ROD_BRANCHES_H
 #define ROD_BRANCHES_H
 
-#include "panels.h"
+#include "orbit_parts.h"
 
 enum { UP = 1, DOWN = -1, CHARTS = CRITICAL + 4 };
 enum { SADDLE_OF, START_OF, END_OF }; /* where the level of a chart is measured from */

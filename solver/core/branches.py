@@ -47,7 +47,7 @@ class Grid(ctypes.Structure):
 
 
 class Point(ctypes.Structure):
-    """`point` in branch_steps.h."""
+    """`point` in branch_points.h."""
 
     _fields_ = [
         ("w", ctypes.c_double * _UNKNOWNS),
@@ -65,14 +65,14 @@ def chart_of(chart: Any) -> Chart:
 
 
 class _Range(ctypes.Structure):
-    """`range` in branch_steps.h."""
+    """`range` in branch_points.h."""
 
     _fields_ = [(name, ctypes.c_double) for name in ("scale", "low", "high", "rounding")]
     _fields_ += [("count", ctypes.c_int64), ("halts", ctypes.c_void_p)]
 
 
 class _Held(ctypes.Structure):
-    """`held_ends` in branch_steps.h."""
+    """`held_ends` in branch_points.h."""
 
     _fields_ = [("given", ctypes.c_int64 * PARTS), ("loads", ctypes.c_double)]
 

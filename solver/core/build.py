@@ -18,7 +18,7 @@ SANITIZED = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover
 WASM = "rod.wasm"  # in the repository: not every installation can make it
 WASM_SOURCES = (
     "rod.c", "varying_loads.c", "measures.c", "stretches.c", "peaks.c", "critical_points.c",
-    "lanes.h", "varying_lanes.h", "vectors.h", "widths.h", "densities.h", "stretches.h", "panels.h",
+    "lanes.h", "varying_lanes.h", "vectors.h", "widths.h", "densities.h", "stretches.h", "orbit_parts.h",
 )  # fmt: skip
 WASM_CALLS = ("rod_march", "rod_loaded", "rod_forces", "rod_sources", "malloc", "free")
 # No operation is contracted or reordered, so that every compiler and every processor give the same bits.

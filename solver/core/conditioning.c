@@ -1,7 +1,7 @@
 /* The growth of changes along orbits: the condition number and estimated error of start problems, the response of
    equilibria to a change of the far angle, and the action. */
 
-#include "panels.h"
+#include "orbit_parts.h"
 
 /* The flow on one panel at its nodes: |beta_t|, H and the integral a(t) of the shear, in units of the problem.
    across: c; gain: what the panel adds to a, with what the change of c from the panel before it adds. */

@@ -1,6 +1,6 @@
 /* The critical points of G of one problem, and bracketed roots. */
 
-#include "panels.h"
+#include "orbit_parts.h"
 
 enum { GRID = 512 }; /* the most angles of the grid */
 

@@ -4,7 +4,7 @@
 #ifndef ROD_DENSITIES_H
 #define ROD_DENSITIES_H
 
-#include "panels.h"
+#include "orbit_parts.h"
 
 enum { AT = 24, LONGEST = 64 }; /* nodes of a piece; most coefficients of its series */
 enum { ANGLE, CURVATURE, BENDING, POTENTIAL, OUTWARD, TENSION, ACROSS, ALONG, DENSITIES };

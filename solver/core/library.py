@@ -84,13 +84,13 @@ _NO_MEMORY = 1
 
 
 class _Points(ctypes.Structure):
-    """`points` in panels.h."""
+    """`points` in orbit_parts.h."""
 
     _fields_ = [("n", ctypes.c_int64)] + [(n, ctypes.c_void_p) for n in ("nodes", "analyse", "values", "differentiate")]
 
 
 class _Cutting(ctypes.Structure):
-    """`cutting` in panels.h."""
+    """`cutting` in orbit_parts.h."""
 
     _fields_ = [(name, ctypes.c_double) for name in ("length", "goal", "stretch")]
     _fields_ += [("times_only", ctypes.c_int), ("lanes", ctypes.c_int)]

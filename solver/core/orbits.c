@@ -1,7 +1,7 @@
 /* Periodic orbits by quadrature, made of panels, and their values along the rod; solver/orbit/periodic_orbit.py and
    pieces.py explain them. */
 
-#include "panels.h"
+#include "orbit_parts.h"
 
 enum { COLUMNS = 6, PIECE_COLUMNS = 17 };
 

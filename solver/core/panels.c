@@ -1,6 +1,6 @@
 /* Panels of one orbit: short parts of an arc on which beta and the developed curve are Chebyshev series in time. */
 
-#include "panels.h"
+#include "orbit_parts.h"
 
 enum { MOST = 10000, ROUNDS = 14, PATIENCE = 3, CROWD = 16, NEWTON = 12, ARCS = 4 };
 #define TOO_LONG 1e4 /* times the rod's length: a first panel that lasts longer is cut */
@@ -58,7 +58,7 @@ INLINE void passing(const piece *p, int n, const double *restrict x, const doubl
 }
 
 /* beta_t over sqrt(x1^2 - x^2), kept above zero where the turning point is next to a helix: `rod_ratio` */
-INLINE void turning(const piece *p, int n, const double *restrict x, const double *restrict sh,
+INLINE void slope_over_root(const piece *p, int n, const double *restrict x, const double *restrict sh,
                     const double *restrict ch, double *restrict root)
 {
     const local_potential l = p->local;
@@ -118,7 +118,7 @@ INLINE void pace_of(const piece *p, int n, const double *u, double *x, double *p
     if (p->kind == PASS)
         passing(p, n, x, sh, ch, root);
     else
-        turning(p, n, x, sh, ch, root);
+        slope_over_root(p, n, x, sh, ch, root);
     for (int i = 0; i < n; i++)
         pace[i] = 1 / root[i], speed[i] = fabs(p->scale * rate[i]) * root[i];
 }

@@ -1,6 +1,6 @@
 /* Whether rods meet themselves: solver/observe/strand_pairs.py, where the search is explained. One rod at a time. */
 
-#include "panels.h"
+#include "orbit_parts.h"
 
 enum { PARTS = 16, GRID = 4 * PARTS, WINDOW = 65536, DEEPEST = 48 }; /* DEEPEST: halvings */
 #define FINEST 0.00390625 /* of the radius: shorter stretches count as points */

@@ -1,7 +1,7 @@
 /* The times that orbits of one level take between two end angles, and the levels at which a path has the length of the
    rod: solver/levels/transit_times.py and level_brackets.py. */
 
-#include "panels.h"
+#include "orbit_parts.h"
 
 /* 1/(2 r) where the piece ends at the saddle from whose height the level is measured, or before it, else 0. */
 static double half_passage(const piece *p, double gap)

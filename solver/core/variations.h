@@ -3,7 +3,7 @@
 #ifndef ROD_VARIATIONS_H
 #define ROD_VARIATIONS_H
 
-#include "panels.h"
+#include "orbit_parts.h"
 
 enum { PAIRS = 10, PARTS = 5 }; /* the elements of the symmetric matrix M; parts of a change: a0, g0 and three loads */
 enum { BETA, RATE, LIFTS };      /* what changes: beta, beta_t and, by each load q, the integral of H_q d beta */

@@ -3,8 +3,8 @@
    Each function does one problem. Next to a saddle the order of operations decides a digit. Pieces, panels and levels
    are explained in solver/orbit and solver/levels. C11, libm only; no global state. */
 
-#ifndef ROD_PANELS_H
-#define ROD_PANELS_H
+#ifndef ROD_ORBIT_PARTS_H
+#define ROD_ORBIT_PARTS_H
 
 #include <float.h>
 #include <math.h>

@@ -1,8 +1,8 @@
 /* A branch of equilibria over one parameter p as a curve in its unknowns, and pseudo-arclength steps along it:
    solver/branches/equilibrium_curve.py and numerics/arclength.py. */
 
-#ifndef ROD_BRANCH_STEPS_H
-#define ROD_BRANCH_STEPS_H
+#ifndef ROD_BRANCH_POINTS_H
+#define ROD_BRANCH_POINTS_H
 
 #include "branches.h"
 #include "orbit_rates.h"
