@@ -83,7 +83,7 @@ def test_words_have_the_choices_of_the_solver() -> None:
 
 @pytest.mark.parametrize(
     "command, names",
-    [("solve", FIELDS), ("explore", FIELDS), ("equilibria", (*ENDS_FIELDS, *HELD)), ("folds", ENDS_FIELDS)],
+    [("solve", FIELDS), ("explore", FIELDS), ("equilibria", (*ENDS_FIELDS, *HELD)), ("folds", (*ENDS_FIELDS, *HELD))],
 )
 def test_a_command_offers_each_field_with_its_help(command: str, names) -> None:
     options = {param.opts[0]: param for param in get_command(cli.app).commands[command].params}  # type: ignore[attr-defined]
