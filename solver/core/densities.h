@@ -1,5 +1,5 @@
-/* The densities whose integrals and extremes are the observables, at the nodes of one piece of a rod: each function does
-   what the one of the same name does in solver/observe/densities.py. */
+/* The densities whose integrals and extremes are the observables, in units of A and rho, at the nodes of one piece of a
+   rod. Their derivatives: solver/sensitivity/densities.py. */
 
 #ifndef ROD_DENSITIES_H
 #define ROD_DENSITIES_H
@@ -9,8 +9,11 @@
 enum { AT = 24, LONGEST = 64 }; /* nodes of a piece; most coefficients of its series */
 enum { ANGLE, CURVATURE, BENDING, POTENTIAL, OUTWARD, TENSION, ACROSS, ALONG, DENSITIES };
 
+/* The loads at the nodes of a piece. steepness: a bound of the change of beta_t for a unit change of beta. weight: across
+   the rod, outward. divisor: what friction divides the contact force by. far_lam, far_mu: at the far end of the rod, where
+   the given loads act. sign: of the push. */
 typedef struct {
-    double lam, mu, phi, sign, steepness; /* sign: of the push; steepness: `densities.rate` */
+    double lam[AT], mu[AT], phi[AT], weight[AT], divisor[AT], steepness[AT], far_lam, far_mu, sign;
 } rod_loads;
 
 /* beta, |beta_t|, sin and cos of beta. */
@@ -18,10 +21,26 @@ typedef struct {
     double beta[AT], speed[AT], s[AT], c[AT];
 } node_angles;
 
-/* `densities.Density` */
+/* values. size: sum of the sizes of the terms of a value, whose rounding is that many EPS. spread: the largest change of a
+   value for a unit change of beta and the change of beta_t that comes with it. */
 typedef struct {
     double values[AT], size[AT], spread[AT];
 } density;
+
+INLINE void steepness_of(rod_loads *restrict l)
+{
+    for (int i = 0; i < AT; i++)
+        l->steepness[i] = sqrt(fabs(l->lam[i]) + 2 * fabs(l->mu[i]) + fabs(l->phi[i]) + 2);
+}
+
+/* Loads that are the same along a rod. */
+INLINE void steady_loads(double lam, double mu, double phi, double sign, rod_loads *out)
+{
+    for (int i = 0; i < AT; i++)
+        out->lam[i] = lam, out->mu[i] = mu, out->phi[i] = phi, out->weight[i] = 0, out->divisor[i] = 1;
+    steepness_of(out);
+    out->far_lam = lam, out->far_mu = mu, out->sign = sign;
+}
 
 /* The first n polynomials of Chebyshev at x. */
 INLINE void polynomials_at(int n, const double *restrict x, double *restrict out)
@@ -44,6 +63,15 @@ INLINE void directions_of(node_angles *restrict a)
     else
         for (int i = 0; i < AT; i++)
             a->s[i] = sin(a->beta[i]), a->c[i] = cos(a->beta[i]);
+}
+
+/* Loads from series (5, n) of lam, mu, phi, the weight across the rod and the divisor of the contact force. */
+INLINE void loads_at(int n, const double *restrict series, const double *restrict polynomials, rod_loads *restrict l)
+{
+    double *values[5] = {l->lam, l->mu, l->phi, l->weight, l->divisor};
+    for (int k = 0; k < 5; k++)
+        product(n, AT, series + k * n, polynomials, values[k]);
+    steepness_of(l);
 }
 
 /* The angles from the series of beta and |beta_t| (2, n) and the polynomials at the nodes. */
@@ -81,7 +109,7 @@ INLINE void curvature(const node_angles *restrict a, const rod_loads *l, density
         const double v = fabs(a->speed[i]), s = a->s[i], kappa = out->values[i];
         const double share = kappa > 0 ? v / kappa : 1.0;
         out->size[i] = v + s * s;
-        out->spread[i] = share * l->steepness + 2 * fabs(s * a->c[i]);
+        out->spread[i] = share * l->steepness[i] + 2 * fabs(s * a->c[i]);
     }
 }
 
@@ -90,46 +118,47 @@ INLINE void bending(const node_angles *restrict a, const rod_loads *l, density *
     for (int i = 0; i < AT; i++) {
         const double v = a->speed[i], s = a->s[i], s2 = s * s;
         out->values[i] = out->size[i] = (v * v + s2 * s2) / 2;
-        out->spread[i] = fabs(v) * l->steepness + 2 * s2 * fabs(s * a->c[i]);
+        out->spread[i] = fabs(v) * l->steepness[i] + 2 * s2 * fabs(s * a->c[i]);
     }
 }
 
+/* With weight, the work of FZ at the far end less that of the weight along the axis is that of the local FZ. */
 INLINE void energy(const node_angles *restrict a, const rod_loads *l, density *restrict out)
 {
-    const double lam = l->lam, mu = l->mu, phi = l->phi;
+    const double lam = l->far_lam, mu = l->far_mu;
     for (int i = 0; i < AT; i++) {
-        const double v = a->speed[i], s = a->s[i], c = a->c[i], s2 = s * s;
+        const double phi = l->phi[i], weight = l->weight[i], v = a->speed[i], s = a->s[i], c = a->c[i], s2 = s * s;
         const double bent = (v * v + s2 * s2) / 2, twisted = mu * s * c, pulled = phi * c, turned = lam * s;
         const double moved = 2 * s2 * s * c + mu * (c - s) * (c + s) + phi * s - lam * c;
-        out->values[i] = bent + twisted - pulled - turned;
-        out->size[i] = bent + fabs(twisted) + fabs(pulled) + fabs(turned);
-        out->spread[i] = fabs(v) * l->steepness + fabs(moved);
+        out->values[i] = bent + twisted - pulled - turned - weight;
+        out->size[i] = bent + fabs(twisted) + fabs(pulled) + fabs(turned) + fabs(weight);
+        out->spread[i] = fabs(v) * l->steepness[i] + fabs(moved);
     }
 }
 
 /* The push: the contact force, positive where the cylinder pushes. */
 INLINE void outward(const node_angles *restrict a, const rod_loads *l, density *restrict out)
 {
-    const double lam = l->lam, mu = l->mu, phi = l->phi, steepness = l->steepness;
     for (int i = 0; i < AT; i++) {
+        const double lam = l->lam[i], mu = l->mu[i], phi = l->phi[i], weight = l->weight[i];
         const double v = a->speed[i], s = a->s[i], c = a->c[i], absolute = fabs(c);
         const double v2 = v * v, s2 = s * s, s3 = s * s * s, cos2 = (c - s) * (c + s);
         const double across = lam - mu * c - s3, lever = 3 * s * c - mu;
         const double even = (lam - (c < 0 ? -mu : mu)) * c, twist = mu * (s2 * (1 + 2 * absolute) / (1 + absolute));
         const double rest = (phi + 2 * c * s2) * s, H = even + twist - rest;
-        const double size = fabs(s) * (fabs(lam) + fabs(mu * c) + fabs(s3)) + 3 * v2 * fabs(cos2);
+        const double size = fabs(s) * (fabs(lam) + fabs(mu * c) + fabs(s3)) + 3 * v2 * fabs(cos2) + fabs(weight);
         const double rate = -lam * s + 4 * mu * s * c - phi * c - 2 * s * s * (3 * c * c - s * s);
         const double moved = c * across + s * (mu * s - 3 * s * s * c) + rate * lever + 3 * H * cos2;
-        out->values[i] = (s * across + H * lever - 3 * v2 * cos2) * l->sign;
+        out->values[i] = (s * across + H * lever - 3 * v2 * cos2 - weight) / l->divisor[i] * l->sign;
         out->size[i] = size + (fabs(even) + fabs(twist) + fabs(rest)) * (3 * fabs(s * c) + fabs(mu));
-        out->spread[i] = fabs(moved + 12 * v2 * s * c) + 6 * fabs(v * cos2) * steepness;
+        out->spread[i] = fabs(moved + 12 * v2 * s * c) + 6 * fabs(v * cos2) * l->steepness[i];
     }
 }
 
 INLINE void tension(const node_angles *restrict a, const rod_loads *l, density *restrict out)
 {
-    const double lam = l->lam, mu = l->mu, phi = l->phi;
     for (int i = 0; i < AT; i++) {
+        const double lam = l->lam[i], mu = l->mu[i], phi = l->phi[i];
         const double s = a->s[i], c = a->c[i], s3 = s * s * s, across = lam - mu * c - s3;
         out->values[i] = phi * c + across * s;
         out->size[i] = fabs(phi * c) + fabs(s) * (fabs(lam) + fabs(mu * c) + fabs(s3));

@@ -1,5 +1,5 @@
-/* The numbers measured along each rod: solver/observe/measurement.py. One rod at a time; the result for a rod does not
-   depend on the others. */
+/* The numbers measured along each rod, in units of A and rho. One rod at a time; the result for a rod does not depend on
+   the others. */
 
 #include "stretches.h"
 
@@ -88,7 +88,8 @@ static parted parted_on(const workspace *w, const stretch *p, double whole, doub
     return out;
 }
 
-/* The parts of the rod on which the cylinder pushes and pulls: `measurement._part`; the error of the push alone. */
+/* The parts of the rod on which the cylinder pushes and pulls; the error of the push alone. An uncertain push has uncertain
+   zeros, or may vanish on a whole stretch. */
 static void pushes_of(const workspace *w, double error, numbers *out)
 {
     double pushed = 0, pulled = 0, share = 0, unsure = 0, wrong = 0;
@@ -153,14 +154,14 @@ static void range_of_angles(const workspace *w, int64_t pieces, numbers *out)
 }
 
 /* Integrals, of all groups asked for that need no extremes. */
-static int integrals_of(workspace *w, int64_t b, const rod_loads *loads, double error, numbers *out)
+static int integrals_of(workspace *w, int64_t b, double error, numbers *out)
 {
     static const int kinds[4] = {BENDING, POTENTIAL, ACROSS, ALONG}, names[4] = {BENT, POTENTIAL_ENERGY, TURNED, RISEN};
     static const int groups[4] = {BENDINGS, POTENTIALS, DIRECTIONS, DIRECTIONS};
     for (int i = 0; i < 4; i++) {
         if (!(w->all->groups >> groups[i] & 1))
             continue;
-        if (rod_resolved(w, b, kinds[i], INTEGRAL, w->all->goal, loads))
+        if (rod_resolved(w, b, kinds[i], INTEGRAL, w->all->goal))
             return NO_MEMORY;
         whole_of(w, error, &out->value[names[i]], &out->error[names[i]]);
     }
@@ -170,8 +171,7 @@ static int integrals_of(workspace *w, int64_t b, const rod_loads *loads, double 
 static int measured(workspace *w, int64_t b, numbers *out)
 {
     const rods *all = w->all;
-    const double lam = all->lam[b], mu = all->mu[b], phi = all->phi[b], error = all->error[b];
-    const rod_loads loads = {lam, mu, phi, all->sign[b], sqrt(fabs(lam) + 2 * fabs(mu) + fabs(phi) + 2)};
+    const double error = all->error[b];
     const int64_t groups = all->groups;
     if (rod_angles(w, b))
         return NO_MEMORY;
@@ -179,19 +179,19 @@ static int measured(workspace *w, int64_t b, numbers *out)
         out->error[LOW] = out->error[HIGH] = error;
         if (all->monotone)
             range_of_angles(w, all->first[b + 1] - all->first[b], out);
-        else if (rod_resolved(w, b, ANGLE, EXTREMES, INFINITY, &loads))
+        else if (rod_resolved(w, b, ANGLE, EXTREMES, INFINITY))
             return NO_MEMORY;
         else
             out->value[LOW] = -rod_largest(w, -1), out->value[HIGH] = rod_largest(w, 1);
     }
     if (groups >> CURVATURES & 1) {
-        if (rod_resolved(w, b, CURVATURE, EXTREMES, all->goal, &loads))
+        if (rod_resolved(w, b, CURVATURE, EXTREMES, all->goal))
             return NO_MEMORY;
         whole_of(w, error, &out->value[CURVED], &out->error[CURVED]);
         out->value[TIGHTEST] = rod_largest(w, 1), out->error[TIGHTEST] = worst_of(w, error, 0);
     }
     if (groups & (1 << PUSHES | 1 << PUSH_ALONE | 1 << LIFT_OFFS | 1 << PEAKS)) {
-        if (rod_resolved(w, b, OUTWARD, SIGNS, all->goal, &loads))
+        if (rod_resolved(w, b, OUTWARD, SIGNS, all->goal))
             return NO_MEMORY;
         if (groups & (1 << PUSHES | 1 << PUSH_ALONE))
             pushes_of(w, error, out);
@@ -206,12 +206,12 @@ static int measured(workspace *w, int64_t b, numbers *out)
             return NO_MEMORY;
     }
     if (groups >> TENSIONS & 1) {
-        if (rod_resolved(w, b, TENSION, EXTREMES, all->goal, &loads))
+        if (rod_resolved(w, b, TENSION, EXTREMES, all->goal))
             return NO_MEMORY;
         out->value[LARGEST_TENSION] = larger(fabs(rod_largest(w, 1)), fabs(rod_largest(w, -1)));
         out->error[LARGEST_TENSION] = worst_of(w, error, 0);
     }
-    return integrals_of(w, b, &loads, error, out);
+    return integrals_of(w, b, error, out);
 }
 
 /* Measures rods from `begin` to `end` into out: (n, 2, NUMBERS), values and errors of the groups asked for.
@@ -235,7 +235,8 @@ int rod_measure(const rods *all, numbers *out, int64_t begin, int64_t end, int l
 void rod_forces(int64_t n, const double *loads, const double *beta, const double *rate, double *out)
 {
     static const int kinds[3] = {OUTWARD, CURVATURE, TENSION};
-    const rod_loads l = {loads[0], loads[1], loads[2], loads[3], 0};
+    rod_loads l;
+    steady_loads(loads[0], loads[1], loads[2], loads[3], &l);
     for (int64_t done = 0; done < n; done += AT) {
         const size_t bytes = sizeof(double) * (size_t)(n - done < AT ? n - done : AT);
         node_angles angles = {0};

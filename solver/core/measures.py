@@ -12,12 +12,12 @@ from ..numerics.chebyshev import basis
 from .library import begin_of, fine, function, share_out, widest
 
 NODES = 24  # of each piece, at which densities are computed
-LONGEST = 64  # most coefficients of a series
-NUMBERS = (  # in the order of measures.c
-    "low", "high", "curvature", "tightest", "bending", "potential", "pushed", "pulled", "share", "least", "most",
-    "push", "lifts", "tension", "turned", "risen", "peak",
+GROUPS = (  # numbers that are measured together, in the order of measures.c
+    ("low", "high"), ("curvature", "tightest"), ("bending",), ("potential",),
+    ("pushed", "pulled", "share", "least", "most"), ("push",), ("lifts",), ("tension",), ("turned", "risen"), ("peak",),
 )  # fmt: skip
-_COUNTS = ("coefficients", "monotone", "groups")
+NUMBERS = tuple(name for group in GROUPS for name in group)
+_COUNTS = ("coefficients", "kinds", "monotone", "groups")
 _PIECES, _RODS = ("low", "high", "time", "count", "begin"), ("lam", "mu", "phi", "span", "beta0", "sign", "error")
 _MAPS = ("nodes", "analyse", "values", "differentiate")
 
@@ -34,8 +34,13 @@ class _Rods(ctypes.Structure):
     ]
 
 
+def groups_with(names: Iterable[str]) -> list[tuple[str, ...]]:
+    """The groups that contain one of the names."""
+    return [group for group in GROUPS if not set(names).isdisjoint(group)]
+
+
 def measure(
-    pieces: Any, given: Mapping[str, Array], groups: Iterable[int], goal: float, lanes: int = 0
+    pieces: Any, given: Mapping[str, Array], names: Iterable[str], goal: float, lanes: int = 0
 ) -> dict[str, tuple[Any, Any]]:
     """Measure rods.
 
@@ -45,8 +50,8 @@ def measure(
         The pieces of B rods.
     given : mapping
         ``sign`` of the push and ``error`` of beta, (B,) each.
-    groups : iterable of int
-        Places of the groups in `measurement.GROUPS`.
+    names : iterable of str
+        Of `NUMBERS`; what is measured together with one of them is measured too.
     goal : float
         Allowed error of the series, relative.
     lanes : int
@@ -55,7 +60,7 @@ def measure(
     Returns
     -------
     dict
-        Name -> values and errors, (B,) each, of `NUMBERS`; those of other groups are 0.
+        Name -> values and errors, (B,) each.
     """
     size, order = pieces.problem.size, np.argsort(pieces.case, kind="stable")
     kept: dict[str, Any] = {name: getattr(pieces, name)[order] for name in _PIECES}
@@ -68,18 +73,21 @@ def measure(
         name: np.ascontiguousarray(array, dtype=np.int64 if name in ("first", "row") else float)
         for name, array in kept.items()
     }
-    asked = sum(1 << group for group in groups)
-    counts = pieces.series.shape[2], int(pieces.monotone), asked
+    groups = groups_with(names)
+    asked = sum(1 << GROUPS.index(group) for group in groups)
+    counts = pieces.series.shape[2], pieces.series.shape[1], int(pieces.monotone), asked
     places = {name: begin_of(array) for name, array in kept.items()}
     rods = _Rods(**dict(zip(_COUNTS, counts, strict=True)), goal=goal, n=NODES, **places)
     out = np.zeros((size, 2, len(NUMBERS)))
     call = function("rod_measure", ctypes.c_int, *2 * [ctypes.c_void_p], *2 * [ctypes.c_int64], ctypes.c_int)
 
     def part(a: int, b: int) -> None:
-        fine(call(ctypes.addressof(rods), begin_of(out), a, b, lanes or widest()))
+        if not fine(call(ctypes.addressof(rods), begin_of(out), a, b, lanes or widest())):
+            raise ValueError(f"a series of {pieces.series.shape[2]} coefficients is too long to be measured")
 
     share_out(part, size)
-    return {name: (out[:, 0, k], out[:, 1, k]) for k, name in enumerate(NUMBERS)}
+    places_of = {name: NUMBERS.index(name) for group in groups for name in group}
+    return {name: (out[:, 0, k], out[:, 1, k]) for name, k in places_of.items()}
 
 
 _STEPS, _NUMBERS = ("first", "since", "width", "series"), ("period", "length", "a", "apart")

@@ -1,4 +1,4 @@
-/* Where the density is largest along a rod: solver/observe/peaks.py. */
+/* Where the density is largest along a rod: the first place, and how far the others are that may be larger. */
 
 #include "stretches.h"
 
@@ -89,7 +89,12 @@ static void first_of(const maximum *m, int64_t n, double doubt, double same, dou
     *error = far;
 }
 
-/* The first t at which the density is largest within `doubt`, and the error of that t. Returns DONE or NO_MEMORY. */
+/* The first t at which the density is largest, and the error of that t.
+
+   A density that is the same all along, within `doubt`, has it at t = 0. What a rod passes backward, it passed forward
+   before, with the same values; so only the way forward counts. doubt: the error of the largest value; of the local maxima
+   whose values are the largest within `doubt`, the first counts. The error is the largest distance to a t at which a
+   density with this error may be larger. Returns DONE or NO_MEMORY. */
 int rod_first_peak(workspace *w, double doubt, double span, double barely, double *value, double *error)
 {
     const double top = rod_largest(w, 1), begin = begin_of(w), same = equal_below(w, barely), varies = top - least_of(w);

@@ -1,4 +1,4 @@
-/* Densities on the pieces of a rod, and their extremes and changes of sign: `quadrature.Resolved`. */
+/* Densities on the pieces of a rod, and their extremes and changes of sign. */
 
 #include "stretches.h"
 
@@ -18,19 +18,21 @@ int rod_roomy(void **array, int64_t *room, int64_t wanted, size_t size)
     return DONE;
 }
 
-INLINE void angles_on(const rods *all, const rule *by, const stretch *p, node_angles *out)
+/* loads: NULL where they do not vary. */
+INLINE void angles_on(const rods *all, const rule *by, const stretch *p, node_angles *out, rod_loads *loads)
 {
     const int n = (int)all->coefficients;
-    const double *series = all->series + 2 * n * p->row;
-    if (p->low == -1 && p->high == 1) {
-        angles_at(n, series, by->polynomials, out);
-        return;
+    const double *series = all->series + all->kinds * n * p->row, *polynomials = by->polynomials;
+    double x[AT], inner[LONGEST * AT];
+    if (p->low != -1 || p->high != 1) {
+        for (int i = 0; i < AT; i++)
+            x[i] = smaller(larger(p->low + (p->high - p->low) * (1 + all->at.nodes[i]) / 2, -1), 1);
+        polynomials_at(n, x, inner);
+        polynomials = inner;
     }
-    double x[AT], polynomials[LONGEST * AT];
-    for (int i = 0; i < AT; i++)
-        x[i] = smaller(larger(p->low + (p->high - p->low) * (1 + all->at.nodes[i]) / 2, -1), 1);
-    polynomials_at(n, x, polynomials);
     angles_at(n, series, polynomials, out);
+    if (loads)
+        loads_at(n, series + 2 * n, polynomials, loads);
 }
 
 INLINE void expanded(const rods *all, int kind, const node_angles *angles, const rod_loads *loads, stretch *p)
@@ -42,9 +44,10 @@ INLINE void expanded(const rods *all, int kind, const node_angles *angles, const
 
 /* The kernels above for lanes of one width. */
 #define KERNELS(TARGET, SUFFIX)                                                                                        \
-    static TARGET void angles_##SUFFIX(const rods *all, const rule *by, const stretch *p, node_angles *out)            \
+    static TARGET void angles_##SUFFIX(const rods *all, const rule *by, const stretch *p, node_angles *out,            \
+                                       rod_loads *loads)                                                               \
     {                                                                                                                  \
-        angles_on(all, by, p, out);                                                                                    \
+        angles_on(all, by, p, out, loads);                                                                             \
     }                                                                                                                  \
     static TARGET void expanded_##SUFFIX(const rods *all, int kind, const node_angles *a, const rod_loads *l,          \
                                          stretch *p)                                                                   \
@@ -96,21 +99,26 @@ workspace *rod_workspace(const rods *all, int lanes)
 void rod_workspace_free(workspace *w)
 {
     if (w)
-        free(w->angles), free(w->parts), free(w->maxima);
+        free(w->angles), free(w->loads), free(w->parts), free(w->maxima);
     free(w);
 }
 
-/* The angles at the nodes of the pieces of rod b. */
+/* The angles and loads at the nodes of the pieces of rod b. */
 int rod_angles(workspace *w, int64_t b)
 {
     const rods *all = w->all;
     const int64_t pieces = all->first[b + 1] - all->first[b];
-    if (rod_roomy((void **)&w->angles, &w->angle_room, pieces, sizeof(node_angles)))
+    const int vary = all->kinds > 2;
+    if (rod_roomy((void **)&w->angles, &w->angle_room, pieces, sizeof(node_angles)) ||
+        rod_roomy((void **)&w->loads, &w->load_room, vary ? pieces : 0, sizeof(rod_loads)))
         return NO_MEMORY;
+    steady_loads(all->lam[b], all->mu[b], all->phi[b], all->sign[b], &w->steady);
     for (int64_t i = 0; i < pieces; i++) {
         const int64_t j = all->first[b] + i;
         const stretch p = {.row = all->row[j], .low = all->low[j], .high = all->high[j]};
-        w->use.angles(all, &w->by, &p, &w->angles[i]);
+        if (vary)
+            w->loads[i] = w->steady;
+        w->use.angles(all, &w->by, &p, &w->angles[i], vary ? &w->loads[i] : NULL);
     }
     return DONE;
 }
@@ -153,10 +161,12 @@ static void halved(const stretch *p, int second, stretch *out)
 }
 
 /* Adds the parts of a piece on which the series of the density converges. */
-static int refined(workspace *w, const wanted *goal, const rod_loads *loads, const stretch *piece)
+static int refined(workspace *w, const wanted *goal, const stretch *piece)
 {
     int waiting = 1;
     node_angles angles;
+    rod_loads loads = w->steady;
+    rod_loads *varying = w->all->kinds > 2 ? &loads : NULL;
     w->waiting[0] = (candidate){*piece, INFINITY, 0, 0};
     while (waiting > 0) {
         const candidate one = w->waiting[--waiting];
@@ -167,8 +177,8 @@ static int refined(workspace *w, const wanted *goal, const rod_loads *loads, con
                 candidate *half = &w->waiting[waiting++];
                 halved(&one.part, second, &half->part);
                 half->before = one.part.tail, half->stuck = stuck, half->round = one.round + 1;
-                w->use.angles(w->all, &w->by, &half->part, &angles);
-                w->use.expanded(w->all, goal->kind, &angles, loads, &half->part);
+                w->use.angles(w->all, &w->by, &half->part, &angles, varying);
+                w->use.expanded(w->all, goal->kind, &angles, &loads, &half->part);
             }
             continue;
         }
@@ -179,8 +189,11 @@ static int refined(workspace *w, const wanted *goal, const rod_loads *loads, con
     return DONE;
 }
 
-/* The density on the parts of rod b: `quadrature.resolve`. */
-int rod_resolved(workspace *w, int64_t b, int kind, int precision, double allowed, const rod_loads *loads)
+/* The density on the parts of rod b, whose angles are there.
+
+   allowed: error of the integral, relative to that of the density's size. precision: what else is to be known to
+   `allowed` of the largest value. Returns DONE or NO_MEMORY. */
+int rod_resolved(workspace *w, int64_t b, int kind, int precision, double allowed)
 {
     const rods *all = w->all;
     const int64_t pieces = all->first[b + 1] - all->first[b];
@@ -193,7 +206,7 @@ int rod_resolved(workspace *w, int64_t b, int kind, int precision, double allowe
         stretch *p = &w->parts[i];
         p->row = all->row[j], p->low = all->low[j], p->high = all->high[j];
         p->time = all->time[j], p->count = all->count[j], p->begin = all->begin[j];
-        w->use.expanded(all, kind, &w->angles[i], loads, p);
+        w->use.expanded(all, kind, &w->angles[i], all->kinds > 2 ? &w->loads[i] : &w->steady, p);
         double absolute[AT];
         for (int k = 0; k < AT; k++)
             absolute[k] = fabs(p->of.values[k]);
@@ -206,7 +219,7 @@ int rod_resolved(workspace *w, int64_t b, int kind, int precision, double allowe
         const stretch piece = w->parts[i];
         if (!insufficient(&goal, &piece))
             w->parts[kept++] = piece;
-        else if (refined(w, &goal, loads, &piece))
+        else if (refined(w, &goal, &piece))
             return NO_MEMORY;
     }
     if (w->count > pieces)
@@ -289,7 +302,7 @@ static void add_change(sign_changes *found, const double *c, double low, double 
     found->sign[found->count++] = rises ? 1 : -1;
 }
 
-/* Where values with these coefficients change sign, twice in a cell included: `Resolved.crossings`. */
+/* Where values with these coefficients change sign, twice in a cell included. */
 void rod_changes(const workspace *w, const double *values, const double *c, sign_changes *found)
 {
     const points *at = &w->all->at;

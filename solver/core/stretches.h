@@ -1,4 +1,5 @@
-/* Densities on the pieces of rods, which are halved until a series of each converges: solver/observe/quadrature.py. */
+/* Densities on the pieces of rods, which are halved until a series of each converges; the last coefficients measure the
+   error that is left. */
 
 #ifndef ROD_STRETCHES_H
 #define ROD_STRETCHES_H
@@ -7,9 +8,10 @@
 
 enum { ROUNDS = 48, CROSSINGS = 4 * AT }; /* most halvings of a piece; most changes of sign on a part of one */
 
-/* The pieces of the rods, those of rod b from first[b] to first[b + 1]: `rod_pieces.Pieces`. The others: (n,). */
+/* The pieces of the rods, those of rod b from first[b] to first[b + 1]: `rod_pieces.Pieces`. kinds: of series, 2 or, where
+   loads vary along the rods, 7. The others: (n,). */
 typedef struct {
-    int64_t coefficients, monotone, groups;
+    int64_t coefficients, kinds, monotone, groups;
     double goal;
     const double *series;
     const int64_t *first, *row;
@@ -37,7 +39,7 @@ typedef struct {
 
 /* The functions in which most time is spent, for the lanes of the processor; all give the same bits. */
 typedef struct {
-    void (*angles)(const rods *, const rule *, const stretch *, node_angles *);
+    void (*angles)(const rods *, const rule *, const stretch *, node_angles *, rod_loads *);
     void (*expanded)(const rods *, int kind, const node_angles *, const rod_loads *, stretch *);
     void (*through)(const double *values, const double *linear, double *out);
 } kernels;
@@ -48,13 +50,15 @@ typedef struct {
     double x, t, value;
 } maximum;
 
-/* What a call needs: room for the angles of the pieces of a rod, and for the stretches of a density. */
+/* What a call needs: room for the angles and loads of the pieces of a rod, and for the stretches of a density. loads: only
+   where they vary along the rods; steady: elsewhere. */
 typedef struct {
     const rods *all;
     rule by;
     kernels use;
-    int64_t angle_room, room, count, maximum_room;
+    int64_t angle_room, load_room, room, count, maximum_room;
     node_angles *angles;
+    rod_loads *loads, steady;
     stretch *parts;
     maximum *maxima;
     candidate waiting[2 * ROUNDS + 4];
@@ -106,7 +110,7 @@ workspace *rod_workspace(const rods *, int lanes);
 void rod_workspace_free(workspace *);
 int rod_roomy(void **array, int64_t *room, int64_t wanted, size_t size);
 int rod_angles(workspace *, int64_t b);
-int rod_resolved(workspace *, int64_t b, int kind, int precision, double allowed, const rod_loads *);
+int rod_resolved(workspace *, int64_t b, int kind, int precision, double allowed);
 double rod_largest(const workspace *, double sign);
 void rod_changes(const workspace *, const double *values, const double *series, sign_changes *);
 void rod_series_and_rate(const void *series, double x, double *value, double *rate);

@@ -64,26 +64,6 @@ def series_at(coefficients: Array, x: Array) -> Array:
     return found
 
 
-def primitive(coefficients: Array) -> Array:
-    """The series of the integral from -1, (Q, n) -> (Q, n + 1)."""
-    return through(coefficients, basis(coefficients.shape[1]).integrate)
-
-
-@cache
-def means(n: int) -> Array:
-    """Means of T_0 .. T_{n-1} over [-1, 1], (n,)."""
-    found = np.zeros(n)
-    found[::2] = 1 / (1 - np.arange(0, n, 2.0) ** 2)
-    return found
-
-
-@cache
-def weights(n: int) -> Array:
-    """Weights of the nodes for the mean over [-1, 1], (n,); all positive."""
-    found: Array = basis(n).analyse @ means(n)
-    return found
-
-
 @cache
 def derivative(n: int) -> Array:
     """Coefficients to those of the derivative, (n, n)."""

@@ -5,189 +5,29 @@ between the stations, and the error is the change when every other station is le
 do not resolve every bend or do not cover the whole rod.
 """
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ..core.measures import LONGEST, measure
+from ..core.measures import groups_with, measure
 from ..mechanics.potential import steepest
 from ..numerics.arrays import EPS, Array
-from ..numerics.chebyshev import means, primitive, series_at
 from ..orbit.marched_orbit import MarchedOrbit
 from ..problem.errors import InputError
 from ..problem.reduced import flat
 from ..shape import Shape
 from ..shooting.loaded_rod import ALPHA, SHORT, SPEED
-from . import densities
-from .peaks import first_peak
-from .quadrature import Resolved, resolve
-from .rod_pieces import Pieces
 from .solution_pieces import blocks, is_resolved, off_between, pieces_of
 
 _FINEST = 1e-14  # relative: smallest goal of a series
 SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test
 _SHARE = 1e-3  # of the tolerance, for the series of the densities
-_SAFETY = 2.0
 BARELY = 64 * EPS  # of the size of its terms: a push below this is rounding
 
 Pair = tuple[Any, Any]  # values and errors, (B,) each
-
-
-@dataclass(frozen=True)
-class Group:
-    """The numbers that are computed from one density.
-
-    measured: takes pieces, the sign of push (B,), the error of beta (B,) and a relative goal, and returns name ->
-    values and errors (B,) in units of A and rho.
-    """
-
-    names: tuple[str, ...]
-    measured: Callable[[Pieces, Array, Array, float], dict[str, Pair]]
-
-
-def _angles(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    if not pieces.monotone:
-        beta = resolve(pieces, densities.angle, np.inf)
-        return {"low": (beta.smallest(), error), "high": (beta.largest(), error)}
-    ends = pieces.at(np.array([-1.0, 1.0]))[0]
-    low, high = (np.full(pieces.problem.size, side * np.inf) for side in (1, -1))
-    np.fmin.at(low, pieces.case, ends.min(axis=1))
-    np.fmax.at(high, pieces.case, ends.max(axis=1))
-    return {"low": (low, error), "high": (high, error)}
-
-
-def _curvatures(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    kappa = resolve(pieces, densities.curvature, goal)
-    doubt = _doubt(kappa, error)
-    return {
-        "curvature": (kappa.integral, kappa.left_out + kappa.integral_of(doubt)),
-        "tightest": (kappa.largest(), _worst(kappa, doubt)),
-    }
-
-
-def _energy(density: Callable[..., densities.Density], name: str) -> Group:
-    def energy(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-        found = resolve(pieces, density, goal, extremes=False)
-        return {name: (found.integral, found.left_out + found.integral_of(_doubt(found, error)))}
-
-    return Group((name,), energy)
-
-
-def _resolve_push(pieces: Pieces, sign: Array, error: Array, goal: float) -> tuple[Resolved, Array]:
-    """The push, and the error of its values at the nodes, (Q, m)."""
-    push = resolve(pieces, lambda some: densities.push(some, sign), goal, signs=True)
-    return push, _doubt(push, error) + 2 * push.tail[:, None] + BARELY * push.size
-
-
-def _pushes(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    push, doubt = _resolve_push(pieces, sign, error, goal)
-    wrong, worst = push.integral_of(doubt), _worst(push, doubt)
-    pushed, pulled, share, unsure = _part(push, doubt)
-    return {
-        "pushed": (pushed, wrong),
-        "pulled": (pulled, wrong),
-        "share": (share, unsure),
-        "least": (push.smallest(), worst),
-        "most": (push.largest(), worst),
-    }
-
-
-def _pushes_alone(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    push, doubt = _resolve_push(pieces, sign, error, goal)
-    return {"push": (_part(push, doubt)[0], push.integral_of(doubt))}
-
-
-def _lift_offs(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    """The least t at which the cylinder would have to pull by more than rounding; the whole length where it nowhere
-    has to. Its error: how far that t moves where the push is less or more by its doubt."""
-    push, doubt = _resolve_push(pieces, sign, error, goal)
-    span = pieces.problem.span
-    below = (push.less(of).first_below() for of in (-BARELY * push.size, doubt, -doubt))
-    first, early, late = (np.minimum(one, span) for one in below)
-    return {"lifts": (first, np.maximum(late - first, first - early) + 8 * EPS * span)}
-
-
-def _peaks(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    """The least t at which the push is largest."""
-    push, doubt = _resolve_push(pieces, sign, error, goal)
-    same = push.most(BARELY * push.size.max(axis=1) + 4 * push.tail)
-    return {"peak": first_peak(push, _worst(push, doubt), same)}
-
-
-def _directions(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    found = {}
-    for name, density in (("turned", densities.across), ("risen", densities.along)):
-        one = resolve(pieces, density, goal, extremes=False)
-        found[name] = one.integral, one.left_out + one.integral_of(_doubt(one, error))
-    return found
-
-
-def _tensions(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    tension = resolve(pieces, densities.tension, goal)
-    worst = _worst(tension, _doubt(tension, error))
-    return {"tension": (np.maximum(np.abs(tension.largest()), np.abs(tension.smallest())), worst)}
-
-
-def _part(push: Resolved, doubt: Array) -> tuple[Array, Array, Array, Array]:
-    """Integrals of push alone and of pull alone, the length on which the cylinder pushes, and its error, (B,) each."""
-    beyond = push.less(BARELY * push.size)
-    q, x, sign = beyond.crossings()
-    first, Q = beyond.values[:, 0] > 0, push.values.shape[0]
-    whole, mine = push.coefficients @ means(push.values.shape[1]), primitive(push.coefficients)[q]
-    left = series_at(mine, np.ones(q.size)) - series_at(mine, x)
-    area = np.where(first, whole, 0) + np.bincount(q, weights=sign * left, minlength=Q) / 2
-    share = np.where(first, 1.0, 0) + np.bincount(q, weights=sign * (1 - x), minlength=Q) / 2
-    # an uncertain push has uncertain zeros, or may vanish on the whole piece
-    moved = doubt.max(axis=1)[q] / np.abs(beyond.rate_at(q, x))
-    moved = np.bincount(q, weights=np.where(moved < 1, moved, 1), minlength=Q)
-    faint = ((np.abs(push.values) < doubt) & (push.values != 0)).mean(axis=1)
-    unsure = np.minimum(np.maximum(moved, faint), 1) + EPS
-    return push.over(area), push.over(area - whole), push.over(np.clip(share, 0, 1)), push.over(unsure)
-
-
-def _doubt(found: Resolved, error: Array) -> Array:
-    """The error of the values at the nodes, (Q, m), by the error of beta (B,)."""
-    return found.spread * (_SAFETY * error[found.pieces.case, None])
-
-
-def _worst(found: Resolved, doubt: Array) -> Array:
-    return found.most(doubt.max(axis=1) + 2 * found.tail + EPS * found.size.max(axis=1))
-
-
-PEAK = Group(("peak",), _peaks)
-GROUPS = (
-    Group(("low", "high"), _angles),
-    Group(("curvature", "tightest"), _curvatures),
-    _energy(densities.bending, "bending"),
-    _energy(densities.potential, "potential"),
-    Group(("pushed", "pulled", "share", "least", "most"), _pushes),
-    Group(("push",), _pushes_alone),
-    Group(("lifts",), _lift_offs),
-    Group(("tension",), _tensions),
-    Group(("turned", "risen"), _directions),
-    PEAK,
-)
 MIDDLE = (1 / 3, 2 / 3)  # the middle third of the length
-
-
-def _of_groups(groups: list[Group], pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    """The numbers of some groups, (B,) each; by the core, but of longer series than it takes, and of varying loads."""
-    if pieces.varying is not None or pieces.series.shape[2] > LONGEST:
-        return reference_groups(groups, pieces, sign, error, goal)
-    found = measure(pieces, {"sign": sign, "error": error}, [GROUPS.index(group) for group in groups], goal)
-    return {name: found[name] for group in groups for name in group.names}
-
-
-def reference_groups(groups: list[Group], pieces: Pieces, *given: Any) -> dict[str, Pair]:
-    """The same in NumPy."""
-    found: dict[str, Pair] = {}
-    with np.errstate(all="ignore"):  # replacement rods of refused cases, and numbers next to the range of a float
-        for group in groups:
-            found |= group.measured(pieces, *given)
-    return found
 
 
 class Reading:
@@ -199,42 +39,39 @@ class Reading:
         self._middle: dict[str, Pair] = {}
 
     def measure(self, wanted: Iterable[str]) -> None:
-        """Compute every group that contains one of the names, on the same pieces."""
-        missing = {name for name in wanted if name not in self._known}
-        if groups := [group for group in GROUPS if missing & set(group.names)]:
-            self._known.update(self._measure(groups))
+        """Compute every group of numbers that contains one of the names, on the same pieces."""
+        if missing := {name for name in wanted if name not in self._known}:
+            self._known.update(self._measure(missing))
 
     def middle(self, name: str) -> Pair:
         """An integral in t over the middle third of the length, and its error, (B,) each."""
         if name not in self._middle:
-            groups = [group for group in GROUPS if name in group.names]
-            low, high = (self._measure(groups, until) for until in MIDDLE)
+            low, high = (self._measure({name}, until) for until in MIDDLE)
             for key in low:
                 self._middle[key] = high[key][0] - low[key][0], high[key][1] + low[key][1]
         return self._middle[name]
 
     def over(self, name: str, until: float) -> Pair:
         """A number measured over the first share `until` of the length, and its error, (B,) each."""
-        return self._measure([group for group in GROUPS if name in group.names], until)[name]
+        return self._measure({name}, until)[name]
 
-    def _measure(self, groups: list[Group], until: float = 1.0) -> dict[str, Pair]:
-        """The numbers of some groups over the first share `until` of the length."""
+    def _measure(self, wanted: set[str], until: float = 1.0) -> dict[str, Pair]:
+        """The numbers of the groups that contain these names, over the first share `until` of the length."""
         sol = self.sol
         sign = flat(sol.case.outward, sol.case.shape)
         error = np.where(np.isfinite(sol.trajectory.error), sol.trajectory.error, 1.0)
         error = np.maximum(error, 4 * EPS) * (SPREAD if isinstance(sol.trajectory.orbit, MarchedOrbit) else 1)
         goal = max(_SHARE * sol.tol, _FINEST)
-        names = [name for group in groups for name in group.names]
+        names = [name for group in groups_with(wanted) for name in group]
         found = {name: (np.full(sol.problem.size, np.nan), np.full(sol.problem.size, np.nan)) for name in names}
         for some in blocks(sol):
-            pieces = pieces_of(sol, some, until)
-            measured = _of_groups(groups, pieces, sign[some], error[some], goal)
+            pieces, given = pieces_of(sol, some, until), {"sign": sign[some], "error": error[some]}
+            measured = measure(pieces, given, wanted, goal)
             if sol.trajectory.orbit is None and sol.trajectory.shapes is None:
-                if PEAK in groups:  # at each bend the maximum is off by another amount
-                    wide = error[some] + off_between(sol, some)
-                    measured |= _of_groups([PEAK], pieces_of(sol, some, until), sign[some], wide, goal)
-                fewer = pieces_of(sol, some, until, 2)
-                coarse = _of_groups(groups, fewer, sign[some], error[some], goal)
+                if "peak" in wanted:  # at each bend the maximum is off by another amount
+                    wide = given | {"error": error[some] + off_between(sol, some)}
+                    measured |= measure(pieces, wide, ["peak"], goal)
+                coarse = measure(pieces_of(sol, some, until, 2), given, wanted, goal)
                 dense, shapeless = is_resolved(sol)[some], np.zeros(coarse[names[0]][0].size, dtype=bool)
                 shapeless[pieces.case[np.isnan(pieces.series[pieces.row]).any(axis=(1, 2))]] = True
                 for name, (value, doubt) in measured.items():

@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -12,14 +10,13 @@ from ..mechanics.potential import Loads
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, derivative, polynomials
 from ..numerics.roots import bracket
-from ..observe.densities import RATES
-from ..observe.rod_pieces import Angles
 from ..orbit.variations import Place, Variations
 from ..problem.reduced import Reduced, StartProblem
+from .densities import Angles, Density
 
 _GOAL, _ROUNDS = 1e-11, 3  # of the series of a density, relative; how often a panel may be halved
 
-Density = Callable[..., Any]
+DensityOf = Callable[[Angles, Loads], Density]
 
 _GAUSS = np.polynomial.legendre.leggauss(5)
 
@@ -39,11 +36,10 @@ class Values:
     moved: Array
 
 
-def density_at(density: Density, sign: Array, problem: Reduced, case: Array, beta: Array, place: Place) -> Values:
+def density_at(density: DensityOf, sign: Array, problem: Reduced, case: Array, beta: Array, place: Place) -> Values:
     """A density times sign (B,) of the problems `case` (Q,), at beta and places (Q, m)."""
     angles, loads = Angles(beta, np.abs(place.v), np.sin(beta), np.cos(beta)), Loads.columns(problem, case)
-    found = density(SimpleNamespace(angles=angles, problem=problem, case=case, varying=None))
-    rates = RATES[density](angles, loads)
+    rates = density(angles, loads)
     by_rate = rates.speed * np.where(place.v < 0, -1.0, 1.0)
     across = rates.beta * (place.c * place.H / place.D) + by_rate * (place.v / place.D)
     moved = place.gamma * across[..., None] + place.shift * rates.beta[..., None]
@@ -51,7 +47,7 @@ def density_at(density: Density, sign: Array, problem: Reduced, case: Array, bet
         moved[..., q] += rate
     turn = sign[case, None]
     pace = rates.beta * place.v - by_rate * place.H
-    return Values(turn * found.values, found.size, turn * pace, turn[..., None] * moved)
+    return Values(turn * rates.values, rates.size, turn * pace, turn[..., None] * moved)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +62,7 @@ class DensityChange:
     varied: Variations
     span: Array
     places: tuple[Place, Place]
-    density: Density
+    density: DensityOf
     sign: Array
     a0: Array
     e: Array
@@ -121,14 +117,14 @@ class DensityChange:
         for node, weight in zip(*_GAUSS, strict=True):
             share = (1 + node) / 2
             beta = base + share * x
-            rates = RATES[self.density](Angles(beta, share * speed, np.sin(beta), np.cos(beta)), loads)
+            rates = self.density(Angles(beta, share * speed, np.sin(beta), np.cos(beta)), loads)
             total += weight / 2 * (rates.beta * x + rates.speed * speed)
         return self.sign[case, None] * total
 
     def at_angles(self, case: Array, beta: Array, speed: Array) -> Array:
         angles = Angles(beta, speed, np.sin(beta), np.cos(beta))
-        some: Any = SimpleNamespace(angles=angles, problem=self.problem, case=case, varying=None)
-        return np.asarray(self.sign[case, None] * self.density(some).values)
+        found = self.density(angles, Loads.columns(self.problem, case))
+        return np.asarray(self.sign[case, None] * found.values)
 
     def refine(self) -> "DensityChange":
         """The same on panels that are halved until the series of the values and their changes end."""

@@ -6,9 +6,9 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans, Integers
-from ..observe import densities
 from ..orbit.pieces import LIBRATION
 from ..orbit.variations import Variations
+from . import densities
 from .density_changes import DensityChange, Values, first_of, zeros_between
 
 LARGEST, SMALLEST, LARGEST_SIZE = "largest", "smallest", "largest size"

@@ -8,12 +8,10 @@ import numpy as np
 
 from ..mechanics.potential import Loads
 from ..numerics.arrays import Array
-from ..observe import densities
-from ..observe.densities import RATES
 from ..observe.measurement import BARELY
-from ..observe.rod_pieces import Angles
 from ..orbit.variation_nodes import slopes_by_loads
 from ..problem.reduced import StartProblem
+from . import densities
 from .extremes import EXTREMES, INTEGRALS, LARGEST, LARGEST_SIZE, LIFTS, MIDDLE_PUSH, PEAK, PUSHES
 from .motions import MARKS, Motion, marks_of
 
@@ -77,13 +75,12 @@ class _Helices:
 
     def rates(self, density: Any) -> _Rates:
         problem, beta = self.problem, self.problem.beta0[:, None]
-        angles, loads = Angles(beta, 0 * beta, np.sin(beta), np.cos(beta)), Loads.columns(problem)
-        made, turn = RATES[density](angles, loads), self.sign if density is densities.outward else 1 + 0 * self.sign
-        by_load = [np.broadcast_to(rate, beta.shape)[:, 0] for rate in (made.lam, made.mu, made.phi)]
+        angles, loads = densities.Angles(beta, 0 * beta, np.sin(beta), np.cos(beta)), Loads.columns(problem)
+        found, turn = density(angles, loads), self.sign if density is densities.outward else 1 + 0 * self.sign
+        by_load = [np.broadcast_to(rate, beta.shape)[:, 0] for rate in (found.lam, found.mu, found.phi)]
         own = np.einsum("kb,bkg->bg", np.stack(by_load), self.unit[:, 2:])
-        found = density(_Point(problem, angles, np.arange(beta.size)))
         column = turn[:, None]
-        return _Rates(turn * found.values[:, 0], found.size[:, 0], column * made.beta, column * own)
+        return _Rates(turn * found.values[:, 0], found.size[:, 0], column * found.beta, column * own)
 
     def changes(self, rates: _Rates) -> tuple[Array, Array]:
         """The changes of a density along the rods, (b, F, n), and the sizes of their terms, (b, F)."""
@@ -123,13 +120,3 @@ class _Helices:
             LIFTS: np.where(pulls, 0.0, self.later),
         }
         return {name: np.where(unsure, np.nan, value) for name, value in found.items()}
-
-
-@dataclass(frozen=True, eq=False)
-class _Point:
-    """What a density needs of rod pieces."""
-
-    problem: Any
-    angles: Angles
-    case: Array
-    varying: None = None

@@ -7,8 +7,8 @@ import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, derivative, polynomials
-from ..observe import densities
 from ..observe.measurement import BARELY, MIDDLE
+from . import densities
 from .density_changes import DensityChange, first_of
 from .extremes import (
     EXTREMES,

@@ -1,4 +1,4 @@
-"""Integrals, extremes and self-contact by the compiled core: what NumPy computes by the same rule, for any batch.
+"""Integrals, extremes and self-contact by the compiled core, for any batch.
 
 `.ci/run` runs this file again with a library that checks every access and operation, as that of `test_core_fuzz`.
 """
@@ -11,14 +11,13 @@ import pytest
 
 from solver import solve
 from solver.core import measures
-from solver.numerics.chebyshev import basis
-from solver.observe import measurement, strand_pairs
+from solver.observe import strand_pairs
 from solver.observe.observables import observe
-from solver.observe.rod_pieces import NODES, Pieces
+from solver.observe.rod_pieces import Pieces
 from solver.observe.solution_pieces import pieces_of
 from solver.problem.reduced import StartProblem
 from tests.extreme_cases import KINDS, draw
-from tests.numerics.test_core_fuzz import ODD, odd
+from tests.numerics.test_core_fuzz import odd
 from tests.numerics.test_measurement import localised, random_rods
 
 ALL = slice(None)
@@ -35,79 +34,32 @@ def given(size: int, seed: int = 0) -> dict[str, Any]:
     return {"sign": rng.choice([-1.0, 1.0], size), "error": 10.0 ** rng.uniform(-15, -5, size)}
 
 
-def both(pieces: Pieces, numbers: dict[str, Any], goal: float = GOAL) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What NumPy and the core measure."""
-    with np.errstate(all="ignore"):
-        theirs = measurement.reference_groups(list(measurement.GROUPS), pieces, *numbers.values(), goal)
-    return theirs, measures.measure(pieces, numbers, range(len(measurement.GROUPS)), goal)
-
-
-def agree(theirs: dict[str, Any], mine: dict[str, Any], rows: Any = ALL) -> None:
-    """Values agree by a tenth of their own errors, and errors by 2 %; either also by the last bits.
-
-    The place of the largest push jumps where two places are equally good by rounding: it agrees by its error.
-    """
-    assert set(theirs) == set(mine) == set(measures.NUMBERS)
-    (there, wide), (place, doubt) = ((part[rows] for part in pair["peak"]) for pair in (theirs, mine))
-    with np.errstate(invalid="ignore"):
-        assert ((np.abs(there - place) <= np.maximum(wide, doubt)) | (np.isnan(there) & np.isnan(place))).all()
-    for name, (value, error) in theirs.items():
-        if name == "peak":
-            continue
-        value, error = value[rows], error[rows]
-        got, doubt = (part[rows] for part in mine[name])
-        with np.errstate(invalid="ignore", over="ignore"):
-            near = np.abs(got - value) <= 0.1 * error + 1e-14 * np.abs(value)  # sums in another order
-            close = np.abs(doubt - error) <= 0.02 * error + 1e-14 * np.abs(value)
-        for good, one, other in ((near, value, got), (close, error, doubt)):
-            good = good | (one == other) | (np.isnan(one) & np.isnan(other))
-            assert good.all(), (name, np.flatnonzero(~good), one[~good], other[~good])
-
-
-@pytest.mark.parametrize("method", ["swing", "orbit"])
-@pytest.mark.parametrize("kind", CASES)
-def test_numbers_along_rods_agree_with_those_of_numpy(kind: str, method: str) -> None:
-    sol = solve(CASES[kind](), tol=1e-8, method=method, stations=2)
-    size = sol.problem.size
-    agree(*both(pieces_of(sol, slice(0, size)), given(size)), rows=np.reshape(sol.solved, -1))
-
-
-@pytest.mark.parametrize("stations", [2, 9, 200])
-def test_numbers_between_stations_agree_with_those_of_numpy(stations: int) -> None:
-    sol = solve(random_rods(8, 7, 20.0), tol=1e-8, method="dop853", stations=stations)
-    agree(*both(pieces_of(sol, slice(0, 8)), given(8)))
-
-
-def test_a_part_of_a_rod_agrees_with_numpy() -> None:
-    sol = solve(random_rods(40, 9, 60.0), tol=1e-8, stations=2)
-    agree(*both(pieces_of(sol, slice(0, 40), 0.37), given(40)))
-
-
 def bits(found: dict[str, Any], rows: Any = ALL) -> list[bytes]:
     return [np.ascontiguousarray(part[rows]).tobytes() for pair in found.values() for part in pair]
 
 
 def test_neither_lanes_nor_neighbours_nor_threads_change_a_bit(monkeypatch) -> None:
-    size, groups = 700, range(len(measurement.GROUPS))
+    size, names = 700, measures.NUMBERS
     sol, numbers = solve(random_rods(size, 3), tol=1e-8, stations=2), given(size)
     pieces = pieces_of(sol, slice(0, size))
     monkeypatch.setenv("OMP_NUM_THREADS", "3")
-    found = measures.measure(pieces, numbers, groups, GOAL)
+    found = measures.measure(pieces, numbers, names, GOAL)
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     for lanes in (1, 2, 4, 8):
         if lanes <= measures.widest():
-            assert bits(measures.measure(pieces, numbers, groups, GOAL, lanes)) == bits(found)
+            assert bits(measures.measure(pieces, numbers, names, GOAL, lanes)) == bits(found)
     few = slice(60, 75)
     own = {name: value[few] for name, value in numbers.items()}
-    assert bits(measures.measure(pieces_of(sol, few), own, groups, GOAL)) == bits(found, few)
+    assert bits(measures.measure(pieces_of(sol, few), own, names, GOAL)) == bits(found, few)
 
 
 def test_only_the_groups_that_are_asked_for_are_measured() -> None:
     pieces, numbers = pieces_of(solve(random_rods(9, 3), stations=2), slice(0, 9)), given(9)
-    whole = measures.measure(pieces, numbers, range(len(measurement.GROUPS)), GOAL)
-    for place, group in enumerate(measurement.GROUPS):
-        alone = measures.measure(pieces, numbers, [place], GOAL)
-        for name in group.names:
+    whole = measures.measure(pieces, numbers, measures.NUMBERS, GOAL)
+    for group in measures.GROUPS:
+        alone = measures.measure(pieces, numbers, group[:1], GOAL)
+        assert set(alone) == set(group)
+        for name in group:
             assert bits({name: alone[name]}) == bits({name: whole[name]})
 
 
@@ -132,32 +84,28 @@ def test_odd_numbers_along_rods_end_in_numbers_or_nan(seed: int) -> None:
         pieces = odd_pieces(rng)
         size = pieces.problem.size
         numbers = {"sign": rng.choice([-1.0, 1.0], size), "error": np.abs(odd(rng, size))}
-        found = measures.measure(pieces, numbers, range(len(measurement.GROUPS)), float(10 ** rng.uniform(-18, 0)))
+        found = measures.measure(pieces, numbers, measures.NUMBERS, float(10 ** rng.uniform(-18, 0)))
         assert all(part.shape == (size,) for pair in found.values() for part in pair)
 
 
-@pytest.mark.parametrize("value", ODD)
-def test_rods_of_one_angle_agree_with_numpy_whatever_the_angle(value: float) -> None:
-    beta = np.array([value, 0.3, np.pi / 2])
-    problem = StartProblem(*np.full((3, 3), 0.7), np.full(3, 5.0), beta, np.zeros(3))
-    series = np.stack([beta, np.zeros(3)], axis=1)[:, :, None]
-    row, one = np.arange(3), np.ones(3)
-    agree(*both(Pieces(problem, series, row, row, -one, one, 5 * one, one, 0 * one, monotone=True), given(3)))
+def test_loads_that_do_not_vary_along_rods_give_the_bits_of_rods_whose_loads_may() -> None:
+    size = 60
+    pieces, numbers = pieces_of(solve(random_rods(size, 5), tol=1e-8, stations=2), slice(0, size), 0.37), given(size)
+    loads = np.zeros((len(pieces.series), 5, pieces.series.shape[2]))
+    of = np.zeros(len(loads), dtype=int)
+    of[pieces.row] = pieces.case
+    for k, values in enumerate((pieces.problem.lam, pieces.problem.mu, pieces.problem.phi, None, np.ones(size))):
+        loads[:, k, 0] = 0 if values is None else values[of]
+    varying = replace(pieces, series=np.concatenate([pieces.series, loads], axis=1))
+    found = [measures.measure(rods, numbers, measures.NUMBERS, GOAL) for rods in (pieces, varying)]
+    assert bits(found[0]) == bits(found[1])
 
 
-def test_series_too_long_for_the_core_are_measured_by_numpy() -> None:
-    sol = solve(random_rods(3, 1), stations=2)
-    pieces = pieces_of(sol, slice(0, 3))
-    longer = np.pad(pieces.series, ((0, 0), (0, 0), (0, measures.LONGEST)))
-    assert longer.shape[2] > measures.LONGEST
-    numbers, groups = given(3), list(measurement.GROUPS)
-    found = measurement._of_groups(groups, replace(pieces, series=longer), *numbers.values(), GOAL)
-    agree(found, measures.measure(pieces, numbers, range(len(groups)), GOAL))
-
-
-def test_the_core_and_numpy_have_the_same_nodes_and_numbers() -> None:
-    assert measures.NODES == NODES == basis(NODES).nodes.size
-    assert [name for group in measurement.GROUPS for name in group.names] == list(measures.NUMBERS)
+def test_a_series_too_long_for_the_core_is_refused() -> None:
+    pieces = pieces_of(solve(random_rods(3, 1), stations=2), slice(0, 3))
+    longer = replace(pieces, series=np.pad(pieces.series, ((0, 0), (0, 0), (0, 64))))
+    with pytest.raises(ValueError, match="coefficients is too long"):
+        measures.measure(longer, given(3), measures.NUMBERS, GOAL)
 
 
 def searched_by_both(sol: Any, limits: dict[str, int]) -> tuple[Any, Any]:

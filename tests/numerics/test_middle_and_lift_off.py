@@ -1,6 +1,5 @@
 """Pitch, push in the middle, place of lift-off, largest force, moment and stress: on helices and by other means."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -11,12 +10,7 @@ from scipy.optimize import brentq
 
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.methods import available
-from solver.observe import densities
-from solver.observe.densities import Density
 from solver.observe.observables import observe
-from solver.observe.quadrature import resolve
-from solver.observe.rod_pieces import Pieces
-from solver.observe.solution_pieces import pieces_of
 from tests.cases import EXACT, in_units_of_rho
 
 METHODS = [name for name in ("orbit", "swing", "dop853") if name in available()]
@@ -172,31 +166,6 @@ def test_a_rod_bent_once_in_its_middle_lifts_off_there(length: float, method: st
     exact = 1 / np.tan(b) - 1 / np.sqrt(5)
     assert abs(got["lift_off_at"] - exact) <= got["lift_off_at_error"] + 1e-13 * length
     assert got["lift_off_at"] == pytest.approx(exact, rel=1e-6)
-
-
-def test_the_first_place_where_a_density_is_negative_does_not_depend_on_how_the_rod_is_cut() -> None:
-    """cos(beta) less a level, on the pieces and on their quarters, against stations."""
-    places = []
-    for case in random_cases(30, 8):
-        sol = solve(case, tol=1e-9, stations=401)
-        rate = np.cos(sol.beta)
-        level = float(rate[0]) - 0.35 * float(np.ptp(rate))
-
-        def above(pieces: Pieces, level: float = level) -> Density:
-            cos = densities.along(pieces)
-            return replace(cos, values=cos.values - level)
-
-        whole = pieces_of(sol, slice(0, 1))
-        found = [resolve(pieces, above, np.inf).first_below()[0] for pieces in (whole, whole.halves().halves())]
-        below = np.flatnonzero(rate < level)
-        if below.size and np.ptp(rate) > 1e-3:
-            step = float(sol.s[1] - sol.s[0])
-            assert found[0] == pytest.approx(sol.s[below[0]] - step / 2, abs=step / 2 + 1e-9)
-            assert found[1] == pytest.approx(found[0], rel=1e-9)
-            places.append(found[0])
-        else:
-            assert np.isinf(found).all()
-    assert len(places) > 8
 
 
 def test_the_stress_is_that_of_the_modulus_whatever_the_stiffness_of_the_bending() -> None:
