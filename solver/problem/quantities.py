@@ -59,7 +59,7 @@ _ROWS = (
     Quantity("beta", "β", "rad", "angle from the axis to the tangent"),
     Quantity("dbeta", "β′", "rad/length", "rate of the angle (geodesic curvature)"),
     Quantity("alpha", "α", "rad", "azimuth"),
-    Quantity("z", "z", _LENGTH, "height along the axis"),
+    Quantity("z", "z", _LENGTH, "distance along the axis"),
     Quantity("gamma", "γ", "rad", "rotation of the section"),
     Quantity("position", "r", _LENGTH, "position of the centreline"),
     Quantity("kappa", "κ", _PER_LENGTH, "curvature"),
@@ -86,7 +86,7 @@ _ROWS = (
     Quantity("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature", estimated=True),
     Quantity("kappa_max", "max κ", _PER_LENGTH, "largest curvature", estimated=True),
     Quantity("wraps", "turns around", _NUMBER, "turns around the cylinder", estimated=True),
-    Quantity("height", "z(L)", _LENGTH, "height of the far end", estimated=True),
+    Quantity("height", "z(L)", _LENGTH, "axial distance of the far end", estimated=True),
     Quantity("pitch", "pitch", _LENGTH, "height of one turn about the axis, in the middle third", estimated=True),
     Quantity(
         "contact_size_mean",

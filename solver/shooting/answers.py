@@ -153,10 +153,17 @@ def failure(path: Path, size: float, friction: float) -> str:
     said = f"failed: {path.why}"
     if path.limit is None:
         return said
-    above = f"with FZ at s = L above {path.limit * size:.4g}"
+    load = round_up(path.limit * size)
+    straight = f"with a {'tension' if load > 0 else 'compression'} of {abs(load):.4g} at s = L (FZ = {load:.4g})"
     if path.share is None:
-        return f"{said}; it does not {above}"
-    return f"{said}; this rod has an answer with friction {path.share * friction:.3g}, and, straight, {above}"
+        return f"{said}; it does not {straight}"
+    return f"{said}; this rod has an answer with friction {path.share * friction:.3g}, and, straight, {straight}"
+
+
+def round_up(load: float) -> float:
+    """A load of four digits that is no less."""
+    unit = 10.0 ** (np.floor(np.log10(abs(load) or 1.0)) - 3)
+    return float(np.ceil(load / unit) * unit)
 
 
 def words_of(path: Path) -> str:

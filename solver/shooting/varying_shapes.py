@@ -61,12 +61,17 @@ class Nodes:
         order = np.argsort(t)
         y = np.empty((t.size, SIZE))
         y[order] = self.at(t[order])
-        beta, speed, lam, mu, phi, weight, divisor = self.local_values(y[None].transpose(1, 0, 2))[:, :, 0].T
+        return self._pushes(y)
+
+    def _pushes(self, y: Array) -> Array:
+        """The push in states y (n, 8), in units of A/rho^3, (n,)."""
+        beta, speed, lam, mu, phi, weight, divisor = self.local_values(y[None])[0]
         around = lam - mu * np.cos(beta) - np.sin(beta) ** 3
         plain = contact_force(1.0, mu, 1.0, around, slope(Loads(lam, mu, phi), beta), beta, speed)
         return np.asarray(self.numbers[6] * (plain - weight) / divisor)
 
-    def _dense(self) -> tuple[Array, Array]:
+    @cached_property
+    def dense(self) -> tuple[Array, Array]:
         """Times and states (n,) and (n, 8), dense enough to judge what the rod does between its nodes."""
         places = np.linspace(-1, 1, DENSE)[:-1]
         y = np.concatenate([self.between(places).reshape(-1, SIZE), self.y[-1:]])
@@ -75,13 +80,13 @@ class Nodes:
 
     def states(self, rho: float) -> tuple[State, ...]:
         """The states along the rod, with s in the unit of rho."""
-        t, y = self._dense()
+        t, y = self.dense
         return states(t * rho, y[:, BETA], y[:, ALPHA])
 
     def lift_offs(self, rho: float) -> tuple[tuple[float, float], ...]:
         """The stretches on which the wall would have to pull, from one s to another, in the unit of rho."""
-        t, _ = self._dense()
-        pulls = self.push_at(t) < 0
+        t, y = self.dense
+        pulls = self._pushes(y) < 0
         change = np.flatnonzero(pulls[1:] != pulls[:-1])
         found = bisect(self.push_at, t[change], t[change + 1], BISECTIONS)
         ends = [*(t[:1] if pulls[0] else ()), *found, *(t[-1:] if pulls[-1] else ())]

@@ -87,7 +87,7 @@ FIELDS: dict[str, CaseField] = {
         CaseField("MZ", "axial moment", "force length", "ends", default=0.0),
         CaseField("M3", "twisting moment", "force length", "start or ends",
                   "a start needs one of F1, dgamma, M3; default for ends: 0"),
-        CaseField("height", "height of the far end, held", "length", "ends", "in place of FZ"),
+        CaseField("height", "axial distance of the far end, held", "length", "ends", "in place of FZ"),
         CaseField("azimuth", "azimuth from the start to the far end, held", "rad", "ends", "in place of MZ"),
         CaseField("rotation", "rotation of the section from the start to the far end, held", "rad", "ends",
                   "in place of M3"),

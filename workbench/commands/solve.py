@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .case_options import Given, takes_case
+from .case_report import print_case
 from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Tol, flag
 
 if TYPE_CHECKING:
@@ -15,10 +16,6 @@ if TYPE_CHECKING:
     from ..store.fidelity import Fidelity as Level
 
 LOADS = ("FZ", "MZ", "M3")
-HEADLINES = (
-    "turns", "wraps", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max", "attached",
-    "index",
-)  # fmt: skip
 
 
 @takes_case()
@@ -57,7 +54,7 @@ def solve(
     from ..store.block import solve_one
     from ..store.case_input import read_case
     from ..store.fidelity import fidelity
-    from ..words import cautions, left_out, pipe_state
+    from ..words import cautions, left_out, pipe_numbers, pipe_state
 
     chosen = fidelity(level or "standard")
     asked = read_case(file, given.values, given.units, table1, reading)
@@ -74,7 +71,9 @@ def solve(
                 "--choose selects among the equilibria of an ends problem; a start problem has one solution"
             )
     sol = solve_one(asked.case, which, tol, "auto" if method is None else method, chosen.stations or stations)
-    found = _find(sol, asked.units, chosen) | {
+    whole = every or json or not asked.case.varies
+    rows = pipe_numbers.profile(sol, asked.units)
+    found = _find(sol, asked.units, chosen, whole) | {
         "source": asked.source,
         "assumed": asked.assumed,
         "which": _which(sol, asked.which is not None and asked.study is None and choose is None),
@@ -82,12 +81,14 @@ def solve(
         "caution": cautions.said(cautions.of_cases(sol, unit=asked.units["length"])),
         "left_out": left_out.note(asked.case),
         "pipe": pipe_state.sentences(sol, asked.units),
+        "profile": [row._asdict() for row in rows],
+        "warnings": pipe_state.warnings(sol, asked.units, rows),
         "lift_offs": sol.lift_offs,
     }
     if json:
         console.print_json(found)
     else:
-        _print(found, every)
+        print_case(found, every, whole)
     return 0 if sol.solved else 1
 
 
@@ -115,8 +116,11 @@ def parse_choose(text: str) -> "Which":
     return Which(index=rule) if isinstance(rule, int) else Which.model_validate({"choose": rule})
 
 
-def _find(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, Any]:
-    """The case, its loads, its accuracy, and the observables and arrays of a fidelity, as plain data."""
+def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -> dict[str, Any]:
+    """The case, its loads, its accuracy, and the observables and arrays of a fidelity, as plain data.
+
+    whole: whether the outcome says which observables are not defined.
+    """
     import numpy as np
 
     from solver.observe.observables import observe, why_unknown
@@ -124,7 +128,7 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, A
     from ..store.case_input import field_values, with_unit
 
     seen = observe(sol, level.observables(sol.case.rod))
-    remarks = [words for name in seen for words, here in why_unknown(name, seen[name]) if here and sol.solved]
+    remarks = [words for name in seen for words, here in why_unknown(name, seen[name]) if here and sol.solved and whole]
     return {
         "case": field_values(sol.case),
         "given": type(sol.case.given).__name__,
@@ -161,66 +165,3 @@ def _indices(sol: "Solution") -> dict[str, int]:
         return {}
     dead = float(observe(sol, ["index"])["index"])
     return {"held ends": int(sol.held_index)} | ({"dead loads": int(dead)} if math.isfinite(dead) else {})
-
-
-def _print(found: dict[str, Any], every: bool) -> None:
-    from solver.problem.quantities import quantity
-    from studies.grammar.axes import quantity_of
-
-    console.say(f"rod: {found['source']}")
-    console.say_units(found["units"], found["assumed"])
-    if found["assumed"]:
-        console.say(f"assumed: {', '.join(f'{name} = {value}' for name, value in found['assumed'].items())}")
-    console.say("")
-    rows = []
-    for name, value in found["case"].items():
-        row = None if isinstance(value, str) else quantity_of(name)
-        unit = _unit(row.name, found) if row else ""
-        turned = math.degrees(value) if unit == "rad" else 0.0
-        degrees = f" ({turned:.6g} deg)" if turned and math.isfinite(turned) else ""
-        shown = f"{value:.10g}" if isinstance(value, float) else value
-        rows.append([name, shown, unit, f"{row.long_name}{degrees}" if row else ""])
-    console.print_table(["given", "value", "unit", ""], rows)
-    console.say("")
-    if results := _results(found):
-        plain = set(found["observables"]) | set(found["case"]) - set(HEADLINES)  # a load that is given stands above
-        shown = [name for name in results if every or name in HEADLINES or name not in plain]
-        console.print_table(
-            ["found", "value", "unit", ""],
-            [[name, results[name], _unit(name, found), quantity(name).long_name] for name in shown],
-        )
-        if more := len(results) - len(shown):
-            console.say(f"{more} more numbers with --all")
-        console.say("")
-    accuracy = (
-        f": error {found['error']:.1e}, condition {found['condition']:.3g}" if math.isfinite(found["error"]) else ""
-    )
-    console.say(f"{found['outcome']} ({found['method']}, tolerance {found['tolerance']:g}{accuracy})")
-    if found["which"]:
-        console.say(found["which"])
-    for sentence in found["pipe"]:
-        console.say(sentence)
-    if found["begun"] and not found["pipe"]:
-        console.say(f"held: {', '.join(found['held'])}; the search began at {found['begun']}")
-    if found["indices"]:
-        console.say("index " + ", ".join(f"{index} under {loading}" for loading, index in found["indices"].items()))
-    if found["caution"]:
-        console.say(f"caution: {found['caution']}")
-    if found["left_out"]:
-        console.say(found["left_out"])
-
-
-def _results(found: dict[str, Any]) -> dict[str, float]:
-    """Loads, reactions and observables; of an unsolved case those that are known, or none if no observable is known."""
-    results = {**found["loads"], **found["reactions"], **found["observables"]}
-    if found["solved"] and not found["pipe"]:
-        return results
-    known = {name: value for name, value in results.items() if not math.isnan(value)}
-    return known if known.keys() & found["observables"].keys() else {}
-
-
-def _unit(name: str, found: dict[str, Any]) -> str:
-    from solver.problem.quantities import unit_of
-
-    unit = unit_of(name, found["units"])
-    return "" if unit == "1" else unit

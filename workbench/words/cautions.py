@@ -30,6 +30,7 @@ if TYPE_CHECKING:  # workers do not need it
 
 __all__ = [
     "JUDGED",
+    "PULLED",
     "SLIGHT",
     "UNCHECKED",
     "WORDS",

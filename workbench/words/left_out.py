@@ -14,12 +14,18 @@ if TYPE_CHECKING:
     from solver import Case
 
 
-def sentence(given: Mapping[str, Any]) -> str:
-    """What is left out where `given` holds the values of weight, friction and sliding, each if there is one."""
+NO_LOAD = "the curvature of the hole", "fluid flow", "temperature", "yielding"  # what no number of a case stands for
+
+
+def sentence(given: Mapping[str, Any], *more: str) -> str:
+    """What is left out where `given` holds the values of weight, friction and sliding, each if there is one, and more.
+
+    A picture has room for the first of them.
+    """
     parts = [name for name in ("weight", "friction") if not np.any(given.get(name, 0))]
     if "friction" not in parts and given.get("sliding") != "rotating":
         parts.append("the moment of friction about the rod's own axis")
-    parts += ["joints", "clearance at the ends"]
+    parts += ["joints", "clearance at the ends", *more]
     return f"The model leaves out {', '.join(parts[:-1])}{',' * (len(parts) > 2)} and {parts[-1]}."
 
 
@@ -31,7 +37,7 @@ def note(case: "Case") -> str:
     if case.cylinder.side != "inside":
         return ""
     wall = case.cylinder
-    return sentence({"weight": case.rod.weight, "friction": wall.friction, "sliding": wall.sliding})
+    return sentence({"weight": case.rod.weight, "friction": wall.friction, "sliding": wall.sliding}, *NO_LOAD)
 
 
 def note_of_dataset(ds: "xr.Dataset") -> str:

@@ -1,11 +1,12 @@
-"""A rod with weight or friction in sentences: its state along the length, when that changes, the forces at its ends."""
+"""A rod with weight or friction in words: its state along the length, when that changes, and what to mind."""
 
 import math
 from typing import TYPE_CHECKING, Any
 
-from solver.shooting.state import in_words
+from solver.shooting.state import STRAIGHT, in_words
 
-from . import cautions
+from . import cautions, pipe_numbers
+from .pipe_numbers import Row
 
 if TYPE_CHECKING:
     from solver import Solution
@@ -14,13 +15,24 @@ SINUSOID, PRESSED = 2.0, 2.744687  # forces in sqrt(A w sin(theta)/rho), as of `
 MOST = 6  # stretches that are listed
 NEWS = "leaves its branch", "buckles where friction", "stays straight"  # as `solver.shooting.answers` says it
 WAYS = {
-    "forward": "slides forward along itself everywhere",
-    "backward": "slides backward along itself everywhere",
+    "forward": "slides along itself towards s = L everywhere",
+    "backward": "slides along itself towards s = 0 everywhere",
     "rotating": "turns in place everywhere",
-    "axial-forward": "moves forward as a whole",
-    "axial-backward": "moves backward as a whole",
+    "axial-forward": "moves as a whole along the hole, towards s = L",
+    "axial-backward": "moves as a whole along the hole, towards s = 0",
 }
-REACHES = {"m": 30.0, "ft": 100.0}  # lengths on which drillers state a dogleg
+YIELD = 0.0025  # strain at which steel of grade E-75 yields: 517 MPa over 206 GPa
+
+
+def all_sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
+    """The sentences, the rows as sentences too, and the warnings."""
+    rows = pipe_numbers.profile(sol, units)
+    each = [
+        f"{row.name}: {row.start:.4g} {row.unit} at s = 0; {row.far:.4g} at s = L; in the middle third "
+        f"{row.middle:.4g}; at most {row.largest:.4g}, at s = {row.at:.4g}"
+        for row in rows
+    ]
+    return [*sentences(sol, units), *each, *warnings(sol, units, rows)]
 
 
 def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
@@ -31,43 +43,81 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if not sol.solved:
         return [*_buckling(sol, force), *_long_pipe(sol, force)]
     barred = cautions.is_barred(str(cautions.of_cases(sol, unit=length)))
-    said = [f"state: {in_words(sol.states, length)}{', which no real rod could hold: see the caution' * barred}"]
-    said += _lift_offs(sol, length)
+    unreal = ", which no real rod could hold: see the caution" * barred
+    said = [f"state: {in_words(sol.states, length)}{unreal}; {_stability(sol)}"]
     begun = str(sol.begun or "")
     news = next((begun[begun.index(words) :] for words in NEWS if words in begun), "")
     said += [f"on the way to these loads the rod {news}"] * bool(news)
-    said += _buckling(sol, force)
-    said += _long_pipe(sol, force)
-    said.append(_ends(sol, force, length))
-    reach = REACHES.get(length, 1.0)
-    most = math.degrees(_observe(sol, "kappa_max")) * reach
-    said.append(f"largest dogleg {most:.4g} deg in {reach:g} {length}")
+    said += [*_friction(sol, force), *_buckling(sol, force), *_long_pipe(sol, force)]
+    return [*said, pipe_numbers.lower_end(sol)]
+
+
+def _stability(sol: "Solution") -> str:
+    """Whether the shape is stable, in words."""
+    if sol.case.cylinder.friction:
+        return "whether it is stable is not known, as friction has no energy"
+    index: Any = sol.held_index
+    if not math.isfinite(index):
+        return "of a start problem with weight no Morse index is computed"
+    return "stable (index 0)" if index == 0 else f"unstable in {index:.0f} way{'s' * (index != 1)}"
+
+
+def _friction(sol: "Solution", force: str) -> list[str]:
+    """The friction in all; nothing without any."""
+    wall = sol.case.cylinder
+    if not wall.friction:
+        return []
+    scale = float(wall.friction) * float(sol.case.rod.L)
+    pushed, pulled = (scale * pipe_numbers.number(sol, name) for name in ("push_mean", "pull_mean"))
+    text = f"friction {pushed:.4g} {force} in all, of a rod that {WAYS[str(wall.sliding)]}"
+    if pulled > 5e-4 * pushed:  # the model's friction turns round with the push
+        text += f"; where the wall would pull, the model takes {pulled:.4g} {force} off again"
+    return [text]
+
+
+def warnings(sol: "Solution", units: dict[str, str], rows: list[Row]) -> list[str]:
+    """What to mind about the shape and the rows of a rod with weight or friction: what a real rod does otherwise."""
+    if not rows:
+        return []
+    said = [*_lift_offs(sol, units["length"]), *_clamps(sol, rows[1])]
     if sol.case.rod.E is not None:
-        said[-1] += f", bending stress {_stress(sol, length, force)}"
-    said.append(_index(sol) + ", if the cylinder could pull" * (barred and not sol.case.cylinder.friction))
-    return said
+        strain = rows[-1].largest / (float(sol.case.rod.E) * pipe_numbers.stress_unit(units)[1])
+        if strain > YIELD:
+            said.append(
+                f"caution: the strain reaches {100 * strain:.2g} %, and steel of drill pipe yields at 0.25 % (grade "
+                "E-75, 517 MPa) to 0.45 % (S-135, 931 MPa): the model is elastic"
+            )
+    text = str(cautions.of_cases(sol))
+    others = cautions.said(", ".join(part for part in cautions.parts(text) if not part.startswith(cautions.PULLED)))
+    return said + [f"caution: {others.removesuffix('.')}"] * bool(others)
 
 
 def _lift_offs(sol: "Solution", length: str) -> list[str]:
     """Where the wall would have to pull, in a sentence; none where it does nowhere."""
-    found = [f"{begin:.4g} to {end:.4g} {length}" for begin, end in sol.lift_offs]
-    if not found:
+    stretches = sol.lift_offs
+    if not stretches:
         return []
-    more = f", and {len(found) - MOST} more stretches" if len(found) > MOST else ""
-    return [f"the wall presses, but for where it would have to pull: {', '.join(found[:MOST])}{more}"]
+    share = 100 * sum(end - begin for begin, end in stretches) / float(sol.case.rod.L)
+    each = [f"{begin:.4g} to {end:.4g} {length}" for begin, end in stretches[:MOST]]
+    more = f", and on {len(stretches) - MOST} more stretches" if len(stretches) > MOST else ""
+    barred = cautions.is_barred(str(cautions.of_cases(sol, unit=length)))
+    so = "no real rod has this shape" if barred else "a real rod leaves the wall there"
+    return [f"caution: the wall would have to pull on {share:.2g} % of the length, {', '.join(each)}{more}: {so}"]
 
 
-def _observe(sol: "Solution", name: str) -> float:
-    from solver import observe
+def _clamps(sol: "Solution", push: Row) -> list[str]:
+    """That the push at a clamped end is not that of the pipe; nothing of a straight rod and of hinges."""
+    ends = ("s = 0", "beta0"), ("s = L", "betaL")
+    places = [place for place, angle in ends if getattr(sol.case.given, angle, None) is not None]
+    if not places or all(state.word == STRAIGHT for state in sol.states):
+        return []
+    said = f"the push at {' and '.join(places)} is that next to a clamp"
+    return [f"{said}; a wave away from the ends it is at most {push.inside:.4g} {push.unit}"]
 
-    return float(observe(sol, [name])[name])
 
-
-def _stress(sol: "Solution", length: str, force: str) -> str:
-    """The largest bending stress, in MPa where lengths are in metres."""
-    most = _observe(sol, "bending_stress_max")
-    sizes = {"N": 1e-6, "kN": 1e-3, "MN": 1.0}
-    return f"{most * sizes[force]:.4g} MPa" if length == "m" and force in sizes else f"{most:.4g} {force}/{length}^2"
+def _load(tension: float, force: str) -> str:
+    """A load below which, as a tension, something happens."""
+    return f"a compression above {-tension:.4g} {force}" if tension <= 0 else f"a tension below {tension:.4g} {force}"
 
 
 def _buckling(sol: "Solution", force: str) -> list[str]:
@@ -85,51 +135,20 @@ def _buckling(sol: "Solution", force: str) -> list[str]:
     if phi is None:
         return [f"{who} is unstable even in tension, by its torque"]
     near, far = ((phi - part) * unit for part in (rod.along * rod.span, 0.0))
-    start = f" ({near:.6g} at s = 0)" if abs(far - near) > 1e-9 * abs(far) else ""
-    return [f"{who} buckles where FZ at s = L is below {far:.6g} {force}{start}"]
+    start = f" ({_load(near, force)} at s = 0)" if abs(far - near) > 1e-9 * abs(far) else ""
+    return [f"{who} buckles with {_load(far, force)} at s = L{start}"]
 
 
 def _long_pipe(sol: "Solution", force: str) -> list[str]:
     """The compressions at which a long pipe of this weight changes its state; none without weight across the axis."""
     from solver.shooting.local_waves import EQUAL, LIFTED
 
-    rod, wall = sol.case.rod, sol.case.cylinder
-    across = float(rod.weight or 0) * math.sin(float(wall.inclination or 0))
-    if across <= 1e-12 * float(rod.weight or 1) or wall.side == "outside":
+    unit = math.sqrt(float(sol.case.rod.bending_stiffness) * pipe_numbers.weight_across(sol.case) / float(sol.case.rho))
+    if not unit:
         return []
-    unit = math.sqrt(float(rod.bending_stiffness) * across / float(sol.case.rho))
     one, two, three, four = (f"{x * unit:.4g}" for x in (SINUSOID, PRESSED, 2 + EQUAL, 2 + LIFTED))
     return [
-        f"local compression in a long pipe without torque or friction: straight below {one} {force}; from {two} a "
-        f"helix can stay, from {three} it has less energy than the sinusoid; above {four} the sinusoid lifts off the "
-        "wall: expect a helix"
+        f"local compression (-FZ) in a long pipe without torque or friction: straight below {one} {force}; from {two} "
+        f"a helix can stay, from {three} it has less energy than the sinusoid; above {four} the sinusoid lifts off "
+        "the wall: expect a helix"
     ]
-
-
-def _ends(sol: "Solution", force: str, length: str) -> str:
-    near, far = (_observe(sol, name) for name in ("FZ0", "FZ"))
-    near, far = (value if abs(value) > 1e-12 * max(abs(near), abs(far)) else 0.0 for value in (near, far))
-    wall = sol.case.cylinder
-    text = f"axial force {near:.6g} {force} at s = 0 and {far:.6g} {force} at s = L"
-    text += f"; push {float(sol.push[0]):.4g} and {float(sol.push[-1]):.4g} {force}/{length}"
-    if wall.friction:
-        text += (
-            f"; friction {' and '.join(f'{float(wall.friction * sol.push[i]):.4g}' for i in (0, -1))} {force}/{length}"
-        )
-        pushed, pulled = (
-            float(wall.friction) * _observe(sol, name) * float(sol.case.rod.L) for name in ("push_mean", "pull_mean")
-        )
-        text += f", {pushed:.4g} {force} in all, of a rod that {WAYS[str(wall.sliding)]}"
-        if pulled > 5e-4 * pushed:  # the model's friction turns round with the push
-            text += f"; where the wall would pull, the model takes {pulled:.4g} {force} off again"
-    return text
-
-
-def _index(sol: "Solution") -> str:
-    """Whether the shape is stable, in words."""
-    if sol.case.cylinder.friction:
-        return "with friction there is no energy, hence no Morse index: whether the shape is stable is not known"
-    index: Any = sol.held_index
-    if not math.isfinite(index):
-        return "of a start problem with weight no Morse index is computed"
-    return "stable (index 0)" if index == 0 else f"unstable in {index:.0f} way{'s' * (index != 1)}"

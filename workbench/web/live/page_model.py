@@ -29,7 +29,7 @@ from ...branches.tracing import Piece, Traced, traced
 from ...export.stored_rod import export
 from ...store import dataset
 from ...store.block import columns
-from ...words import cautions, labels, pipe_state
+from ...words import cautions, labels, pipe_numbers, pipe_state
 from . import page_shape
 from .page_shape import STATIONS, TOL, Shape, refuse_many
 
@@ -89,8 +89,7 @@ def stations(one: Shape) -> dict[str, Any]:
         names |= {"push": "push", "kappa": "kappa", "tension": "F3"}
     found = {name: np.asarray(getattr(sol, of), dtype=float) for name, of in names.items()}
     if sol.case.varies:
-        sin, cos = np.sin(found["beta"]), np.cos(found["beta"])
-        found["axial"] = np.asarray(sol.F2 * sin + sol.F3 * cos)
+        found["axial"] = pipe_numbers.axial_force(sol)
     return found
 
 
@@ -103,7 +102,7 @@ def facts(one: Shape) -> dict[str, Any]:
         notes.append(
             f"Only the first {labels.number(one.shown)} {units['length']} are shown: the rod bends too often for more."
         )
-    notes += [f"{said[0].upper()}{said[1:]}." for said in pipe_state.sentences(sol, units)]
+    notes += [f"{said[0].upper()}{said[1:]}." for said in pipe_state.all_sentences(sol, units)]
     return {
         "outcome": str(sol.outcome), "error": float(sol.error), "condition": float(sol.condition),
         "method": sol.method, "stations": sol.s.size, "notes": notes,
