@@ -157,7 +157,8 @@ def failure(path: Path, size: float, friction: float) -> str:
     straight = f"with a {'tension' if load > 0 else 'compression'} of {abs(load):.4g} at s = L (FZ = {load:.4g})"
     if path.share is None:
         return f"{said}; it does not {straight}"
-    return f"{said}; this rod has an answer with friction {path.share * friction:.3g}, and, straight, {straight}"
+    less = f"with friction {path.share * friction:.3g}, and, " if path.share else ""
+    return f"{said}; this rod has an answer {less}straight, {straight}"
 
 
 def round_up(load: float) -> float:
@@ -178,10 +179,8 @@ def words_of(path: Path) -> str:
     if path.buckled is not None:
         said.append(f"which buckles at {path.buckled:.6g} times these loads")
     said += [f"leaves its branch at {share:.4g} times them for another stable shape" for share in path.jumped]
-    if path.slipped == 0:
+    if path.rubbed:
         said.append("buckles where friction raises its compression")
-    elif path.slipped is not None:
-        said.append(f"leaves its branch at {path.slipped:.4g} of the friction for another sinusoid")
     return ", ".join([*said, *([path.why] * bool(path.why))])
 
 

@@ -6,23 +6,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..problem.case import ALONG_ITSELF
-from .buckling import AHEAD, buckle, buckling_share, straight_shape
+from .buckling import AHEAD, buckle, buckling_share, lying_rod, straight_index, straight_shape
 from .descent import LOOSE, descend, index_at, index_of_any, is_near
 from .loaded_rod import SHORT, LoadedRod
-from .local_waves import compression, has_waves, lock_up_share, places, sinusoid, wound_shape
-from .newton import Shape, correct
+from .local_waves import PASSED, lock_up_share, sinusoid, wound_shape
+from .newton import Shape, correct, is_same
 
 MOST_FORCES, LEAST_BENT = 20, 1e-3  # that are tried for a held height; how much they shorten the rod, of the wanted
 FRICTION = "this friction"
-WAVES = f"{FRICTION}: beyond, it may drive waves along the rod or wind up its helix"
 HINGES = "hinged ends (M10 and M1L in place of beta0 and betaL)"
 AS_A_WHOLE = "a rod that moves as a whole (sliding 'axial-forward' or 'axial-backward')"
 LOCKED = (
-    "the rod locks up: it is a helix, and on {:.3g} of the length from s = L friction raises the compression without "
-    "bound"
+    "the rod locks up: on {:.3g} of the length from s = L friction lets less than {:.0%} of a change of the axial "
+    "force pass"
 )
-OVERLOADED = (
-    "stays straight though friction raises its compression above that which buckles a long rod: no sinusoid was found"
+RESTLESS = (
+    "the straight rod buckles under its compression with friction, and no sinusoid or helix at rest was found: "
+    "friction may drive waves along the rod or wind up its helix"
 )
 FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.1, 1e-4, 0.25
 HALVINGS = 8  # of a load
@@ -36,17 +36,17 @@ class Path:
 
     shape: None if none was. index: its Morse index; 0 with friction, which has none. buckled: the share of the loads at
     which the straight rod buckles; None if it does not. jumped: shares at which the branch ended and the rod fell to
-    another one. slipped: the share of the friction at which the branch ended and another sinusoid was taken. wound:
-    whether the shape is a helix in place of a sinusoid that would lift off. why: why no shape, or none under the whole
-    loads, was reached. limit, share: the far end's phi above which a rod with friction has a shape, and the share of
-    its friction with which it has one; None where they are not known.
+    another one. rubbed: whether the straight rod buckles by its friction alone. wound: whether the shape is a helix in
+    place of a sinusoid that would lift off. why: why no shape, or none under the whole loads, was reached. limit,
+    share: the far end's phi above which a rod with friction has a shape, and the share of its friction with which it
+    has one; None where they are not known.
     """
 
     shape: Shape | None
     index: int = 0
     buckled: float | None = None
     jumped: tuple[float, ...] = ()
-    slipped: float | None = None
+    rubbed: bool = False
     wound: bool = False
     why: str = ""
     limit: float | None = None
@@ -61,11 +61,11 @@ def branch_from_straight(rod: LoadedRod) -> Path:
     stable shape below it. Friction grows at last, on the shape without it. A long rod whose sinusoid would lift off the
     wall takes the helix.
     """
+    if rod.rubbed:
+        return branch_with_friction(rod)
     wound = wound_shape(rod)
     if wound is not None:
         return Path(wound, wound=True)
-    if rod.rubbed:
-        return branch_with_friction(rod)
     if "height" in rod.held:
         return branch_to_height(rod)
     t = rod.nodes()
@@ -90,48 +90,48 @@ def branch_from_straight(rod: LoadedRod) -> Path:
 
 
 def branch_with_friction(rod: LoadedRod) -> Path:
-    """The same of a rod with friction, which grows on the shape without it.
+    """The equilibrium of a rod with friction.
 
-    Where its compression, with what friction adds, buckles it nowhere, the rod stays straight; where friction raises
-    the compression so far that a straight rod buckles, the sinusoid is taken.
+    It is straight where that is stable. Elsewhere it is the sinusoid or the helix that follows the local compression,
+    or what the shape without friction becomes while friction grows. A shape is never straight where the straight rod
+    buckles: then none is known.
     """
     locked = lock_up_share(rod)
     if locked is not None:
-        return Path(None, why=LOCKED.format(locked), limit=least_tension(rod, lock_up_share))
-    if rod.straight and buckles_somewhere(rod) is None:
+        limit = least_tension(rod, lambda pulled: lock_up_share(pulled) is not None)
+        return Path(None, why=LOCKED.format(locked, PASSED), limit=limit)
+    if rod.straight and not straight_index(rod):
         return Path(straight_shape(rod, rod.nodes()))
-    plain = branch_from_straight(rod.with_friction(0.0))
+    if (wound := wound_shape(rod)) is not None:
+        return Path(wound, wound=True)
+    plain = rod.with_friction(0.0)
+    alone = rod.straight and not straight_index(plain)
+    if (bent := sinusoid(rod)) is not None:
+        return Path(bent, rubbed=alone)
+    found = Path(None) if alone else grow_friction(rod, branch_from_straight(plain))
+    if found.shape is not None and not (rod.straight and is_same(found.shape, straight_shape(rod, found.shape.t))):
+        return found
+    if not rod.straight:
+        return found
+    hints = [HINGES] * bool({"beta0", "betaL"} & rod.held) + [AS_A_WHOLE] * bool(rod.numbers[4] == ALONG_ITSELF)
+    why = f"{RESTLESS}; {' or '.join(hints)} may have an answer" if hints else RESTLESS
+    return Path(None, why=why, limit=least_tension(rod, straight_index), share=found.share or 0.0)
+
+
+def grow_friction(rod: LoadedRod, plain: Path) -> Path:
+    """What the shape without friction becomes while friction grows."""
     if plain.shape is None:
         return plain
-    stays = rod.straight and plain.buckled is None and not plain.wound
-    if stays and (bent := sinusoid(rod)) is not None:
-        return Path(bent, slipped=0.0)
-    hints = [HINGES] * bool({"beta0", "betaL"} & rod.held) + [AS_A_WHOLE] * bool(rod.numbers[4] == ALONG_ITSELF)
-    ends = f"{WAVES}; {' or '.join(hints)} may have an answer" if hints else WAVES
-    found = grow(rod.with_friction, plain.shape, 0.0, 1.0, FRICTION if rod.turning else ends)
-    slipped = found.jumped[0] if found.jumped else None
-    found = replace(found, buckled=plain.buckled, jumped=plain.jumped, slipped=slipped, wound=plain.wound)
-    if found.shape is None:
-        return replace(found, limit=least_tension(rod, buckles_somewhere))
-    return replace(found, why=OVERLOADED) if stays and buckles_somewhere(rod) else found
+    found = grow(rod.with_friction, plain.shape, 0.0, 1.0, FRICTION)
+    return replace(found, buckled=plain.buckled, jumped=plain.jumped, wound=plain.wound)
 
 
-def buckles_somewhere(rod: LoadedRod) -> bool | None:
-    """Whether the compression of a straight rod, with what friction adds, is anywhere above that of a long rod's waves.
-
-    None where it is not, and False where such waves are not known.
-    """
-    if not has_waves(rod):
-        return False
-    return True if compression(rod, places(rod, rod.nodes())).max() > 0 else None
-
-
-def least_tension(rod: LoadedRod, fault: Callable[[LoadedRod], object]) -> float:
+def least_tension(rod: LoadedRod, is_at_fault: Callable[[LoadedRod], object]) -> float:
     """The far end's phi, a little above the least one, at which a rod has a fault no more that it has under its own."""
-    far, low, high = rod.far.copy(), float(rod.far[2]), max(0.0, rod.along * rod.span)
+    far, low, high = rod.far.copy(), float(rod.far[2]), max(0.0, lying_rod(rod).along * rod.span)
     for _ in range(HALVINGS):
         far[2] = (low + high) / 2
-        low, high = (low, far[2]) if fault(replace(rod, far=far.copy())) is None else (far[2], high)
+        low, high = (far[2], high) if is_at_fault(replace(rod, far=far.copy())) else (low, far[2])
     return float(high)
 
 

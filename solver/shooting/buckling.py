@@ -3,6 +3,8 @@
 from dataclasses import replace
 from itertools import product
 
+import numpy as np
+
 from ..numerics.arrays import Array
 from .curve import Curve
 from .descent import descend, index_at, weakest_modes
@@ -19,6 +21,24 @@ AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought 
 def straight_shape(rod: LoadedRod, t: Array) -> Shape:
     """The straight rod along the axis."""
     return Shape(rod, t, rod.lying(t))
+
+
+def lying_rod(rod: LoadedRod) -> LoadedRod:
+    """The rod without friction whose straight shape is under the same axial force.
+
+    What friction adds to that force varies along a straight rod as the weight does. A straight rod that moves along
+    itself feels a force across as well, of the size of f rho times the rate of the azimuth, which is left out.
+    """
+    even = rod.with_friction(0.0)
+    if not rod.turning:
+        even.numbers[1] -= rod.numbers[3] * rod.numbers[6] * rod.across * np.cos(rod.near[1])
+    return even
+
+
+def straight_index(rod: LoadedRod) -> int:
+    """The Morse index of the straight rod under its axial force, with what friction adds to it."""
+    even = lying_rod(rod)
+    return index_at(straight_shape(even, even.nodes()))
 
 
 def buckling_share(rod: LoadedRod, t: Array) -> float:

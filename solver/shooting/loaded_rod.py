@@ -147,7 +147,7 @@ class LoadedRod:
         rubbed: what friction adds to phi, at places of equal distances.
         """
         t = np.linspace(0, self.span, max(513, np.size(rubbed)))
-        rate = self.rate(t, rubbed)
+        rate = self.rate(t, np.interp(t, np.linspace(0, self.span, np.size(rubbed)), np.ravel(rubbed)))
         passed = np.concatenate([[0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(t))])
         count = max(4, int(np.ceil(passed[-1])))
         return np.interp(np.linspace(0, passed[-1], count + 1), passed, t)

@@ -26,6 +26,7 @@ ROUNDS, SETTLED = 100, 1e-9  # of the compression under friction, and its last c
 MANY = 1000  # nodes of a rod with friction, of which one front is tried: each that fails takes seconds
 STEPS, NODES = 30, 50  # of Newton's method from it, and one more for so many nodes
 STEEPEST = 0.9  # sine of beta
+PASSED, SLIGHT = 0.01, 0.01  # of a change of the axial force: less is lock-up; of F, such a change
 TURNS = 2.0  # least, of a helix
 BLUR = 1.0  # of x: from where a helix becomes a sinusoid
 
@@ -86,13 +87,18 @@ def largest(rod: LoadedRod) -> float:
 
 
 def lock_up_share(rod: LoadedRod) -> float | None:
-    """The share of the length, from the far end, on which friction raises the compression of a helix without bound."""
-    if not (rod.rubbed and has_waves(rod)):
+    """The share of the length, from the far end, on which friction lets too little of a change of the force pass.
+
+    None where it lets enough pass, and where friction lowers the compression from the far end on.
+    """
+    if not (rod.numbers[3] > 0 and has_waves(rod)):
         return None
     t = places(rod, rod.nodes())
     over = compression(rod, t, EQUAL)
-    locked = np.flatnonzero(over >= largest(rod))
-    return 1 - t[locked[-1]] / rod.span if locked.size else None
+    above, below = (waves_at(rod, over + sign * SLIGHT, EQUAL).push for sign in (1, -1))
+    lost = integral(rod.numbers[3] * np.sqrt(rod.across) * (above - below) / (2 * SLIGHT), t)
+    locked = np.flatnonzero((lost[-1] - lost > -np.log(PASSED)) | (over >= largest(rod)))
+    return float(1 - t[locked[-1]] / rod.span) if locked.size else None
 
 
 def positive_part(over: Array) -> Array:
@@ -200,12 +206,22 @@ def shape_of(rod: LoadedRod, nodes: Array, t: Array, alpha: Array, over: Array) 
     return Shape(rod, nodes, y)
 
 
+def wave_nodes(rod: LoadedRod, front: float = np.inf) -> tuple[Array, Array]:
+    """Nodes, dense where friction adds to the compression, and the compression at their `places`."""
+    t = rod.nodes()
+    over = compression(rod, places(rod, t), front)
+    if rod.rubbed:
+        rubbed = compression(rod.with_friction(0.0), places(rod, t), front) - over
+        t = rod.nodes(rubbed * np.sqrt(rod.across))
+        over = compression(rod, places(rod, t), front)
+    return t, over
+
+
 def sinusoid(rod: LoadedRod) -> Shape | None:
     """The equilibrium near the local sinusoid, with its half waves or one more or less; None where there is none."""
     if not has_waves(rod):
         return None
-    t = rod.nodes()
-    over = compression(rod, places(rod, t))
+    t, over = wave_nodes(rod)
     if not 0 < over.max() < LAST:
         return None
     found = (correct(wave_shape(rod, t, over, more=more), most=STEPS + t.size // NODES) for more in (0, 1, -1))
@@ -221,14 +237,9 @@ def wound_shape(rod: LoadedRod) -> Shape | None:
         return None
     fronts = FRONTS[:1] if rod.rubbed and rod.nodes().size > MANY else FRONTS
     for front in fronts:
-        t = rod.nodes()
-        over = compression(rod, places(rod, t), front)
+        t, over = wave_nodes(rod, front)
         if over.max() >= largest(rod):
             return None
-        if rod.rubbed:  # its compression sets the nodes too
-            rubbed = compression(rod.with_friction(0.0), places(rod, t), front) - over
-            t = rod.nodes(rubbed * np.sqrt(rod.across))
-            over = compression(rod, places(rod, t), front)
         waves = waves_at(rod, over, front)
         if integral(waves.k * waves.wound, places(rod, t))[-1] * rod.across**0.25 < 2 * np.pi * TURNS:
             return None

@@ -30,7 +30,7 @@ from solver.folds.parameter_plane import parameter_plane, with_two
 from solver.numerics.arclength import Lengths
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.reduced import reduce
-from solver.shooting.buckling import buckling_tension, straight_shape
+from solver.shooting.buckling import buckling_tension, straight_index, straight_shape
 from solver.shooting.descent import index_at
 from solver.shooting.further_shapes import further_shapes
 from solver.shooting.loaded_rod import PHI, LoadedRod
@@ -127,10 +127,9 @@ def test_a_long_pipe_with_friction_is_nearly_its_local_sinusoid(pipe: Any) -> No
 
 
 @pytest.mark.slow
-def test_friction_takes_a_long_pipe_to_another_sinusoid_in_balance() -> None:
+def test_the_sinusoid_of_a_long_pipe_with_friction_is_in_balance() -> None:
     sol = solve(long_pipe(*LONG_PIPES[1]), stations=10001)
     assert sol.solved
-    assert sol.begun.endswith("of the friction for another sinusoid")
     assert max(unbalanced(sol)) < 1e-7
 
 
@@ -168,38 +167,49 @@ def test_a_long_pipe_whose_sinusoid_would_lift_off_is_a_stable_helix_in_balance(
 def test_a_lying_helix_locks_where_its_friction_raises_the_compression_without_bound(
     friction: float, locked: bool
 ) -> None:
-    """F' = f F^2/4 in units of 2 sqrt(EI w/rho)/2 and (EI rho/w)^(1/4) has no bound at 4/(f F) from the far end."""
+    """F' = f F^2/4 in units of 2 sqrt(EI w/rho)/2 and (EI rho/w)^(1/4) has no bound at 4/(f F) from the far end.
+
+    The share x of that way, from the far end, raises a change of the force there by 1/(1 - x)^2.
+    """
     hole = Cylinder(**HOLE, inclination="90deg", friction=friction, sliding="axial-forward")
     sol = solve(Case(Rod(L=3000.0, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, azimuth=0.0, FZ=-300e3)))
-    reach = 4 * PIPE["EI"] / (friction * 0.04445 * 300e3) / 3000
+    reach = 0.9 * 4 * PIPE["EI"] / (friction * 0.04445 * 300e3) / 3000
     assert sol.solved == (not locked)
     if locked:
-        share = re.search(r"locks up: it is a helix, and on (\S+) of the length", sol.outcome)
+        share = re.search(r"locks up: on (\S+) of the length", sol.outcome)
         assert share
         assert float(share[1]) == pytest.approx(reach, rel=0.02)
 
 
-def lying_and_sliding(L: float, load: float, sliding: str) -> Case:
-    hole = Cylinder(**HOLE, inclination="90deg", friction=0.25, sliding=sliding)
+def lying_and_sliding(L: float, load: float, sliding: str, inclination: float = 90.0) -> Case:
+    hole = Cylinder(**HOLE, inclination=f"{inclination}deg", friction=0.25, sliding=sliding)
     return Case(Rod(L=L, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, azimuth=0.0, FZ=-load))
 
 
 @pytest.mark.parametrize(
-    ("load", "sliding", "words", "state"),
+    ("inclination", "load", "sliding", "words", "state"),
     [
-        (155e3, "axial-forward", "buckles where friction raises its compression", "sinusoidal from 0 to"),
-        (155e3, "forward", "no sinusoid was found", "straight all along"),
-        (165e3, "axial-backward", "", "straight all along"),
+        (90.0, 155e3, "axial-forward", "buckles where friction raises its compression", "sinusoidal from 0 to"),
+        (90.0, 165e3, "axial-backward", "the straight rod", "straight all along"),
+        (70.0, 76e3, "axial-forward", "the straight rod", "straight all along"),  # 1.2 kN above that load at s = 0
     ],
 )
 def test_a_pipe_buckles_where_the_compression_with_friction_passes_the_load_of_dawson_and_paslay(
-    load: float, sliding: str, words: str, state: str
+    inclination: float, load: float, sliding: str, words: str, state: str
 ) -> None:
-    sol = solve(lying_and_sliding(600.0, load, sliding), stations=6001)
+    case = lying_and_sliding(600.0, load, sliding, inclination)
+    sol = solve(case, stations=6001)
     assert sol.solved
     assert state in in_words(sol.states)
     assert sol.begun.endswith(words)
     assert max(unbalanced(sol)) < 1e-6
+    assert (straight_index(rods_of(case)[1][0]) == 0) == (words == "the straight rod")
+
+
+def test_a_pipe_whose_waves_are_not_found_is_not_called_straight() -> None:
+    """In a viscous fluid its waves run for ever: its end holds their phase no more."""
+    outcome = solve(lying_and_sliding(400.0, 158e3, "forward")).outcome
+    assert outcome.startswith("failed: the straight rod buckles under its compression with friction, and no sinusoid")
 
 
 @pytest.mark.slow
