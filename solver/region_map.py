@@ -72,7 +72,7 @@ class RegionMap:
     ticks: Array
     remark: str
 
-    def checked(self, points: int = 200, seed: int = 0) -> list[str]:
+    def check(self, points: int = 200, seed: int = 0) -> list[str]:
         """A sentence for each of some random points at which `equilibria` does not find the numbers of the map.
 
         Raises `InputError` for a number of points that is not from 1 to 100000.

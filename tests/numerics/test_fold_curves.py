@@ -116,7 +116,7 @@ def test_the_numbers_of_the_map_change_across_the_first_and_the_last_piece_of_ea
 @pytest.mark.parametrize("made", [small, straight])
 def test_the_numbers_of_the_map_are_those_of_all_equilibria_at_ten_random_points(made) -> None:
     assert made().remark == ""
-    assert made().checked(10) == []
+    assert made().check(10) == []
     assert sum(one.area for one in made().regions) == pytest.approx(1, abs=1e-3)
 
 
@@ -281,7 +281,7 @@ def test_the_atlas_has_the_folds_that_its_branches_end_in() -> None:
 @pytest.mark.slow
 def test_the_numbers_of_the_atlas_are_those_of_all_equilibria_at_200_random_points() -> None:
     assert atlas().remark == ""
-    assert atlas().checked(200) == []
+    assert atlas().check(200) == []
 
 
 REFUSED = {
@@ -337,7 +337,7 @@ def test_no_pitchfork_line_goes_where_a_field_breaks_the_symmetry(field, cusps) 
     assert {curve.kind for curve in found.folds.curves} == {"fold"}
     assert sum(len(curve.cusps) for curve in found.folds.curves) == cusps
     assert not found.remark
-    assert not found.checked(60)
+    assert not found.check(60)
 
 
 STRIPS = {
@@ -372,4 +372,4 @@ def test_a_pitchfork_line_changes_its_side_where_a_fold_curve_ends_on_it() -> No
     case = Case(rod, Cylinder(0.8), Ends(beta0=0.0, betaL=0.0))
     found = region_map(case, stations=2, FZ=(-7.3533, -0.1020), MZ=(-1.5, 1.5))
     assert not found.remark
-    assert not found.checked(100)
+    assert not found.check(100)

@@ -141,7 +141,7 @@ def test_strips_have_one_scale_do_not_touch_and_are_as_large_as_the_page_allows(
         assert form.height <= room[1] * (1 + 1e-9)
         boxes = [(np.array(form.low) + form.shift(k), np.array(form.low) + form.shift(k) + form.size) for k in range(4)]
         for k, (low, high) in enumerate(boxes):
-            x, y = rods[k].developed()
+            x, y = rods[k].plane_points()
             right, up = form.shift(k)
             assert low[0] < x.min() + right <= x.max() + right < high[0]
             assert low[1] < y.min() + up <= y.max() + up < high[1]

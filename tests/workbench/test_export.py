@@ -30,7 +30,7 @@ from workbench.commands import plot as plot_command
 from workbench.export import formats, step
 from workbench.export.base import Format, Options
 from workbench.export.base import Rod as StoredRod
-from workbench.export.stored_rod import export, put
+from workbench.export.stored_rod import export, write_file
 from workbench.figures import kinds
 from workbench.geometry import centreline, self_contact, stored_line
 from workbench.store import in_memory, writing
@@ -527,7 +527,7 @@ def test_a_writer_that_fails_leaves_what_was_there(tmp_path, monkeypatch, at) ->
     if at != "write":
         monkeypatch.setattr(os, at, fails)
     with pytest.raises(InputError, match="No space left"):
-        put(path, work, force=True)
+        write_file(path, work, force=True)
     monkeypatch.undo()
     assert [p.name for p in tmp_path.iterdir()] == ["rod.csv"]
     assert path.read_text() == "before"

@@ -230,19 +230,19 @@ def test_no_two_numbers_of_an_axis_meet(low: float, high: float, inches: float) 
         ax = fig.add_axes((1 / (inches + 2), 0.5, inches / (inches + 2), 0.4))
         ax.set_yticks([])
         ax.tick_params(labelsize=style.SMALL)
-        scales.put(ax.xaxis, (low, high), logarithmic, inches)
+        scales.set_scale(ax.xaxis, (low, high), logarithmic, inches)
         assert faults(fig) == []
 
 
 def test_a_text_is_broken_where_it_leaves_its_room_and_not_before() -> None:
     text = "Developed curves: ρα to the right, z up, at one scale"
     whole = style.width_of(text, 9.5)
-    assert style.fitted(text, whole + 0.01, 9.5) == text
-    lines = style.fitted(text, 0.6 * whole, 9.5).split("\n")
+    assert style.break_lines(text, whole + 0.01, 9.5) == text
+    lines = style.break_lines(text, 0.6 * whole, 9.5).split("\n")
     assert " ".join(lines) == text
     assert len(lines) == 2
     assert max(style.width_of(line, 9.5) for line in lines) <= 0.6 * whole
-    cut = style.fitted("a" * 200, 2.0, 9.5).split("\n")
+    cut = style.break_lines("a" * 200, 2.0, 9.5).split("\n")
     assert "".join(cut) == "a" * 200
     assert max(style.width_of(line, 9.5) for line in cut) <= 2.0
 

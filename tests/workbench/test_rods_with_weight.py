@@ -74,7 +74,7 @@ def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Data
     for where, up in (({"inclination": 0}, [-np.sqrt(3) / 2, 0.0, 0.5]), (LYING, [-1.0, 0.0, 0.0])):
         down = camera.gravity(ds, where)
         assert down == pytest.approx(-np.array(up), abs=1e-12)
-        seen = camera.upright(camera.facing([], 0.0, True, down))
+        seen = camera.upright(camera.front_camera([], 0.0, True, down))
         right, above = seen.page @ np.array(up)
         assert right == pytest.approx(0, abs=1e-12)
         assert above > 0.5

@@ -316,10 +316,10 @@ def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> N
 def test_rendered_pixels_stand_on_the_page_as_they_are(channels) -> None:
     rendered = np.random.default_rng(1).integers(0, 256, (40, 60, channels), dtype=np.uint8)
     rendered[..., 3:] = 255
-    fig = canvas.figure((1.0, 0.5), lambda fig: page.put(fig, rendered, 12, 7), dpi=200, layout=None)
+    fig = canvas.figure((1.0, 0.5), lambda fig: page.place_picture(fig, rendered, 12, 7), dpi=200, layout=None)
     if channels == 4:
         fig.patch.set_alpha(0.0)
-    stored = page.drawn(fig)
+    stored = page.pixels_of(fig)
     assert stored.shape == (100, 200, channels)  # no channel that says nothing
     np.testing.assert_array_equal(stored[100 - 7 - 40 : 100 - 7, 12 : 12 + 60], rendered)
     beside = stored[:50, :12, channels - 1]
@@ -328,7 +328,7 @@ def test_rendered_pixels_stand_on_the_page_as_they_are(channels) -> None:
 
 def before_it(bodies: list[rods.Body], width: int, height: int, lying: bool = False) -> cameras.Camera:
     """A camera that sees all of a rod in a picture of a size."""
-    camera = cameras.facing(bodies, lying=lying)
+    camera = cameras.front_camera(bodies, lying=lying)
     low, high = View(bodies, Cell("")).box(camera)
     return replace(camera, per_unit=float(np.min(np.array([width, height]) / (high - low))))
 

@@ -149,7 +149,7 @@ def test_a_diagram_needs_no_more_than_the_file(ds, tmp_path) -> None:
 
 def test_each_panel_of_a_trade_has_the_numbers_of_its_cost_and_many_cases_are_six(ds) -> None:
     many = ds.isel(case=[0] * 8).assign_coords(case=[f"case {k}" for k in range(8)])
-    assert work_precision.shown(many.isel(case=slice(5))) == [f"case {k}" for k in range(5)]
+    assert work_precision.cases_to_show(many.isel(case=slice(5))) == [f"case {k}" for k in range(5)]
     fig = work_precision.figure(many, "seconds")
     fig.draw_without_rendering()
     assert len(fig.axes) == 6

@@ -264,7 +264,7 @@ def test_any_stored_observable_is_drawn_if_asked_for_and_what_is_left_out_is_sai
     ]
     assert "true" in said(asked.axes[1])  # an observable with a law has the panel of its law
     assert len(study_figure.figure(angles, sheet=sheet(panel="wraps")).axes) == 1
-    (note,) = legend.kept(study_figure.figure(angles))
+    (note,) = legend.notes_of(study_figure.figure(angles))
     judged = {row["observable"] for row in law_verdicts.verdicts(angles)}
     level = {name for name in selection.observables(angles) if selection.is_level(angles, name)}
     left = [name for name in selection.observables(angles) if name not in judged | level]

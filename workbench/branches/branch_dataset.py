@@ -23,7 +23,7 @@ from ..store import schema
 from .equilibria_dataset import COUNT, DEAD_LOADS, EACH, PUSH, attributes, with_case
 from .followed_curves import default_observable, follow_curves, special_points
 from .held_tracing import PARTNER, trace_held
-from .tracing import Traced, traced
+from .tracing import Traced, trace_branches
 
 STATIONS = 101
 
@@ -57,7 +57,7 @@ def sweep(
     laws = [law for law in study.laws if law.axis == name and _is_of_observables(law)]
     units = study.unit_system
     held = name in PARTNER
-    trace = trace_held if held else traced
+    trace = trace_held if held else trace_branches
     seen = trace(case, name, [float(x) for x in values], STATIONS, lambda value: step(f"{name} = {value:.4g}"))
     found, branch = seen.found, seen.branch
     most = max((len(members) for members in found), default=0)

@@ -16,7 +16,7 @@ from solver.follow import MOST
 from solver.levels.line_point import LinePoint, path_of
 from solver.problem.case import PAIRS
 
-from .tracing import FINE, Traced, numbered
+from .tracing import FINE, Traced, number_pieces
 
 PARTNER = {held: own for own, held in PAIRS}  # height -> FZ
 _NEAR = 1e-6  # between the loads of one equilibrium, relative
@@ -53,7 +53,7 @@ def trace_held(case: Case, name: str, values: list[float], stations: int, step: 
             f"{name} = {end.value:.6g}: {end.reason}" for end in (branch.begin, branch.end) if end.value not in ends
         ]
     empty = [list[Equilibrium]() for _ in values]
-    return numbered(empty, [[] for _ in values], curves, remarks)
+    return number_pieces(empty, [[] for _ in values], curves, remarks)
 
 
 def holding(case: Case, name: str, value: float) -> Case:

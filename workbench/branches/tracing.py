@@ -50,7 +50,7 @@ class Traced:
     remarks: list[str]
 
 
-def traced(
+def trace_branches(
     case: Case, name: str, values: list[float], stations: int, step: Callable[[float], None], until: float = np.inf
 ) -> Traced:
     """The equilibria at each value of one field, and the branches on which they lie.
@@ -80,7 +80,7 @@ def traced(
                     f"{name} = {end.value:.6g}: {end.reason}" for end in (branch.begin, branch.end)
                     if end.value not in (low, high)
                 ]  # fmt: skip
-    return numbered(found, owner, curves, remarks)
+    return number_pieces(found, owner, curves, remarks)
 
 
 def _claim(
@@ -101,7 +101,7 @@ def _claim(
                 owner[k][i] = (curve, at)
 
 
-def numbered(
+def number_pieces(
     found: list[list[Equilibrium]], owner: list[list[tuple[int, int] | None]], curves: list[Branch], remarks: list[str]
 ) -> Traced:
     """The pieces in the order in which their equilibria appear; those without any come last."""

@@ -80,7 +80,7 @@ def folds(
     page = sheet(style, width, not no_title)
     asked = files(plot, out, force, "folds")
     found = region_map(case, lattice=lattice, **ranges)
-    wrong = found.checked(points) if points else []
+    wrong = found.check(points) if points else []
 
     def dataset() -> "xr.Dataset":
         ds = dataset_of(study, found, (points, len(wrong)) if points else None)

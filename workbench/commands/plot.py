@@ -101,7 +101,7 @@ def plot(
     numbers = option_checks.check(data, (".csv",), force) if data else None
     drawn = _figure(ds, kind, given, page)
     canvas.save(drawn, path, dpi)
-    for note in legend.kept(drawn):
+    for note in legend.notes_of(drawn):
         console.say(note)
     console.say(str(path))
     if numbers:

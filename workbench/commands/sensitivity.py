@@ -71,7 +71,7 @@ def sensitivity(
     if plot is not None:
         drawn = kinds.figure(table, "indices" if whole else "tornado", sheet)
         canvas.save(drawn, plot, dpi)
-        for note in legend.kept(drawn) if not json else ():
+        for note in legend.notes_of(drawn) if not json else ():
             console.say(note)
     for path in (out, plot):
         if path is not None and not json:

@@ -104,7 +104,7 @@ def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str,
         rod, facts = replace(rod, tolerance=tolerance), {"tolerance": tolerance, "unit": unit}
         facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * metres(rod.unit) / metres(unit)
     written: dict[str, Any] = {}
-    put(path, lambda aside: written.update(format.write(aside, rod)), force)
+    write_file(path, lambda aside: written.update(format.write(aside, rod)), force)
     return {**written, **facts}, [finding.sentence for finding in found]
 
 
@@ -145,11 +145,11 @@ def _series(ds: xr.Dataset, path: Path, options: Options, force: bool, format: F
     pvd.check_free(path, force)
     found = pvd.along(ds, path.stem, options)
     written: dict[str, Any] = {}
-    put(path, lambda aside: written.update(format.write(aside, found)), force)
+    write_file(path, lambda aside: written.update(format.write(aside, found)), force)
     return Exported(path, found.at, written, [])
 
 
-def put(path: Path, work: Callable[[Path], None], force: bool) -> None:
+def write_file(path: Path, work: Callable[[Path], None], force: bool) -> None:
     """Have `work` write beside `path` under a name of the same suffix, and move that there once it is complete.
 
     Raises `InputError` for an existing file without `force`, or where the folder cannot be written.

@@ -111,7 +111,7 @@ def _set_title(fig: Figure, below: str, title: str) -> None:
     """A title, and a line below it, above a constrained layout; the figure grows by the lines of a long title, and
     shrinks without one."""
     size = style.large()
-    title = style.fitted(title, fig.get_figwidth() - 0.3, size, bold=True)
+    title = style.break_lines(title, fig.get_figwidth() - 0.3, size, bold=True)
     more = 0.2 * title.count("\n") if title else -0.26  # inches
     fig.set_figheight(fig.get_figheight() + more)
     inch = 1 / fig.get_figheight()

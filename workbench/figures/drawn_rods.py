@@ -51,7 +51,7 @@ class DrawnRod:
         assert self.arrays is not None
         return replace(self, arrays={name: np.asarray(array)[kept] for name, array in self.arrays.items()})
 
-    def developed(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def plane_points(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """To the right and down on the unrolled cylinder: z and rho (alpha - alpha(0)), (n,) each."""
         alpha = self["alpha"]
         return self["z"], self.rho * (alpha - alpha[0])

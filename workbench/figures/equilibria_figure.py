@@ -54,7 +54,7 @@ def energies(ds: xr.Dataset, ax: Axes, width: float = SCREEN.width, high: float 
     index = ds["index"].values
     ax.scatter(ds["index"], ds["energy"], c=["white" if one else style.INK for one in index], s=20,
                edgecolors=style.INK, linewidths=0.9, zorder=3)  # fmt: skip
-    ax.set_xlabel(style.fitted("Morse index: unstable directions", width - 0.9))
+    ax.set_xlabel(style.break_lines("Morse index: unstable directions", width - 0.9))
     ax.set_ylabel(labels.label(ds["energy"]))
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.margins(0.04, 0.08)

@@ -84,7 +84,7 @@ def draw(
         _strip(ax, cells, verdicts, upward, beside if upward else above, inches)
         beside, above = beside + upward, above + (not upward)
         entries += _entries(verdicts, all_of_them=False)
-        value = _deciding(law.row, cells.ds, across, where)
+        value = _decisive_value(law.row, cells.ds, across, where)
         if value is not None:
             (ax.axhline if upward else ax.axvline)(value, **DECIDES)
             entries.append(Line2D([], [], **DECIDES, label="the law is judged on this line"))
@@ -102,8 +102,8 @@ def draw_map(
     here = law.at(where)
     verdicts = here.sortby([*here.dims]).transpose(*cells.ds["outcome"].dims).values
     numbers = _numbers(verdicts)
-    cells.x.put(ax, "x", inches[0])
-    cells.y.put(ax, "y", inches[1])
+    cells.x.apply(ax, "x", inches[0])
+    cells.y.apply(ax, "y", inches[1])
     ax.pcolormesh(x, y, numbers, **_COLOURS, rasterized=True)
     ax.add_collection(
         LineCollection(list(regions.borders(numbers, x, y)), colors="white", linewidths=1.0), autolim=False
@@ -169,12 +169,12 @@ def _strip(
     numbers = np.ma.masked_where(verdicts == HOLDS, _numbers(verdicts))
     grid = (np.array([0.0, 1.0]), scale.edges, numbers[:, None]) if upward else (scale.edges, [0.0, 1.0], numbers[None])
     strip.pcolormesh(*grid, **_COLOURS, rasterized=True)
-    scale.put(strip, "y" if upward else "x", size)
+    scale.apply(strip, "y" if upward else "x", size)
     strip.tick_params(left=False, bottom=False, labelleft=False, labelbottom=False)
     strip.set_axis_off()
 
 
-def _deciding(row: Mapping[str, Any], ds: xr.Dataset, across: str, where: Mapping[str, int]) -> float | None:
+def _decisive_value(row: Mapping[str, Any], ds: xr.Dataset, across: str, where: Mapping[str, int]) -> float | None:
     """The value of the other axis of the map on whose line the law is decided, None where it is decided elsewhere."""
     if across not in row["at"]:
         return None

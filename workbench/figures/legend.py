@@ -32,7 +32,7 @@ def keep(fig: Figure, texts: Sequence[str]) -> None:
         fig.add_artist(_Kept(texts), clip=False)
 
 
-def kept(fig: Figure) -> list[str]:
+def notes_of(fig: Figure) -> list[str]:
     """The sentences that a figure keeps, each once."""
     texts = [" ".join(text.split()) for artist in fig.artists if isinstance(artist, _Kept) for text in artist.texts]
     return list(dict.fromkeys(texts))
@@ -66,8 +66,8 @@ def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), she
         keep(fig, notes)
         notes = ()
     room = fig.get_figwidth() - HANDLE - 0.3
-    once = {style.fitted(str(entry.get_label()), room, style.small()): entry for entry in entries}
-    notes = [style.fitted(note, fig.get_figwidth() - 0.3, style.small()) for note in dict.fromkeys(notes)]
+    once = {style.break_lines(str(entry.get_label()), room, style.small()): entry for entry in entries}
+    notes = [style.break_lines(note, fig.get_figwidth() - 0.3, style.small()) for note in dict.fromkeys(notes)]
     if not once and not notes:
         return
     lines = [line for label in once for line in label.split("\n")]

@@ -57,7 +57,7 @@ class Lines:
 
 def lines_for(rod: DrawnRod, room: tuple[float, float]) -> Lines | None:
     """The lines in which a rod is largest in a room of inches; None where it needs none: in one piece it is no hair."""
-    z, across = rod.developed()
+    z, across = rod.plane_points()
     s, tall, spread = rod["s"], float(np.ptp(z)), float(np.ptp(across))
     if not lines.is_long(tall, rod.rho + rod.a) or spread * room[0] >= HAIR * tall:
         return None
@@ -89,7 +89,7 @@ def draw(
     dots: whether the stations miss bends. coloured: whether the lines have the colours of the push.
     """
     norm = push_scale.scale([rod["push"]]) if coloured and not dots else None
-    s, (z, across) = rod["s"], rod.developed()
+    s, (z, across) = rod["s"], rod.plane_points()
     starts = s[0] + found.every * np.arange(found.count)
     ends: list[float] = []
     last: LineCollection | None = None

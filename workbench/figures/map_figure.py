@@ -201,7 +201,7 @@ class _Maps:
             text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
             self.more.append(f"Law {text}{f' at {value}' if value else ''}.")
         title = labels.label(self.ds[name], long=True) + self.colours[name].said()
-        title = style.fitted(title, self.inches[0] + 0.3)
+        title = style.break_lines(title, self.inches[0] + 0.3)
         if self.choice.along:
             title = f"{title}\n{value}" if leftmost else value
         ax.set_title(title, loc="left", pad=above + 6)
@@ -216,7 +216,9 @@ class _Maps:
         held = {} if short else {name: i for name, i in self.places[0].items() if name != leaving}
         where = {**held, choice.x: 0}
         if lowest:
-            ax.set_xlabel(style.fitted(axis_label(self.ds, choice.x, where, long=not short), max(self.inches[0], 1.0)))
+            ax.set_xlabel(
+                style.break_lines(axis_label(self.ds, choice.x, where, long=not short), max(self.inches[0], 1.0))
+            )
         else:
             ax.tick_params(labelbottom=False)
         if leftmost:

@@ -94,8 +94,8 @@ def draw(ax: Axes, cells: Cells, name: str, colours: Colours, inches: tuple[floa
     """
     values = cells.values(name)
     x, y = cells.x.edges, cells.y.edges
-    cells.x.put(ax, "x", inches[0])
-    cells.y.put(ax, "y", inches[1])
+    cells.x.apply(ax, "x", inches[0])
+    cells.y.apply(ax, "y", inches[1])
     mesh = ax.pcolormesh(x, y, np.ma.masked_invalid(values), cmap=colours.cmap, norm=colours.norm, alpha=pale,
                          rasterized=True)  # fmt: skip
     if cells.unbent(name).any():

@@ -58,15 +58,15 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
 def promise_kept(ds: xr.Dataset) -> Any:
     """log10 of the error over the promise tol max(1, condition) of each cell, (extremes, methods)."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.log10(ds["error"].values / _promised(ds))
+        return np.log10(ds["error"].values / _promise(ds))
 
 
 def vague(ds: xr.Dataset) -> Any:
     """Whether a cell is solved and its bound, above which an error is wrong, exceeds `VAGUE`, (extremes, methods)."""
-    return (ds["verdict"].values == "solved") & (10**MOST * _promised(ds) > VAGUE)
+    return (ds["verdict"].values == "solved") & (10**MOST * _promise(ds) > VAGUE)
 
 
-def _promised(ds: xr.Dataset) -> Any:
+def _promise(ds: xr.Dataset) -> Any:
     return float(ds.attrs["tolerance"]) * np.fmax(1.0, ds["condition"].values)
 
 

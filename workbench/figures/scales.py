@@ -75,12 +75,12 @@ class Scale:
         shares = [self.share(float(edge)) for edge in self.edges[1:-1]]
         return int(np.searchsorted(shares, share, side="right"))
 
-    def put(self, ax: Axes, which: str, inches: float) -> None:
+    def apply(self, ax: Axes, which: str, inches: float) -> None:
         """Give the axis `x` or `y` of a panel, so many inches long, this scale."""
-        put(ax.xaxis if which == "x" else ax.yaxis, (self.edges[0], self.edges[-1]), self.logarithmic, inches)
+        set_scale(ax.xaxis if which == "x" else ax.yaxis, (self.edges[0], self.edges[-1]), self.logarithmic, inches)
 
 
-def put(axis: XAxis | YAxis, ends: tuple[float, float], logarithmic: bool, inches: float) -> None:
+def set_scale(axis: XAxis | YAxis, ends: tuple[float, float], logarithmic: bool, inches: float) -> None:
     """Give an axis of so many inches its ends, its scale, and round ticks that have room."""
     axis.axes.set(**{f"{axis.axis_name}scale": "log" if logarithmic else "linear", f"{axis.axis_name}lim": ends})
     axis.set_minor_locator(NullLocator())

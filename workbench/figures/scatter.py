@@ -17,7 +17,7 @@ from studies.laws.verdicts import FAILS
 from ..store import schema, selection
 from ..words import labels
 from . import style
-from .scales import Ticks, put
+from .scales import Ticks, set_scale
 
 ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel; of all
 NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches of a panel at least; of ticks and label
@@ -89,7 +89,7 @@ def _block(
                 words = [labels.axis_label(field, ds[field], long) for long in (True, False)]
                 ax.set_xlabel(style.shorter(words, room))
         assert left is not None
-        words = [style.fitted(labels.label(ds[name], long), 1.2) for long in (True, False)]
+        words = [style.break_lines(labels.label(ds[name], long), 1.2) for long in (True, False)]
         left.set_ylabel(words[words[0].count("\n") > 1])
         lefts.append(left)
     return lefts
@@ -133,7 +133,7 @@ def _scale(ax: Axes, x: Values, inches: float) -> bool:
         logarithmic = True
     spare = 0.03 * (np.log(high / low) if logarithmic else high - low)
     ends = (low * np.exp(-spare), high * np.exp(spare)) if logarithmic else (low - spare, high + spare)
-    put(ax.xaxis, (float(ends[0]), float(ends[1])), logarithmic, inches)
+    set_scale(ax.xaxis, (float(ends[0]), float(ends[1])), logarithmic, inches)
     return logarithmic
 
 

@@ -35,9 +35,9 @@ class Eye:
 
     def to_page(self, points: Any) -> Values:
         """Places on the page, (..., 2), of points in space (..., 3)."""
-        return np.asarray(self.turned(points)[..., :2] + [self.shift, 0.0])
+        return np.asarray(self.project(points)[..., :2] + [self.shift, 0.0])
 
-    def turned(self, points: Any) -> Values:
+    def project(self, points: Any) -> Values:
         """Points or directions as seen: to the right, up, towards the eye."""
         x, y, z = np.moveaxis(np.asarray(points, dtype=float), -1, 0)
         cos, sin = np.cos(self.azimuth), np.sin(self.azimuth)
@@ -79,7 +79,7 @@ def rod(ax: Axes, eye: Eye, rod: Any, colours: Any, ends: tuple[float, float], R
 
 def _faces(ax: Axes, eye: Eye, faces: Values, normals: Values, colours: Values, order: float) -> None:
     """Shaded faces, (..., 4, 3), the farthest first."""
-    corners, seen = eye.turned(faces.reshape(-1, 4, 3)), eye.turned(normals.reshape(-1, 3))
+    corners, seen = eye.project(faces.reshape(-1, 4, 3)), eye.project(normals.reshape(-1, 3))
     towards = seen[:, 2] > -0.05
     light = np.clip(seen @ (LIGHT / np.linalg.norm(LIGHT)), 0, 1)[:, None]
     shaded = np.clip(colours.reshape(-1, 3) * (SHADE + (1.08 - SHADE) * light) + 0.35 * light**24, 0, 1)
@@ -94,7 +94,7 @@ def _cylinder(ax: Axes, eye: Eye, R: float, ends: tuple[float, float]) -> None:
     """The near half of the surface, over what lies behind it, and the flat end above."""
     angle = eye.azimuth + np.linspace(-np.pi / 2, np.pi / 2, STRIPS + 1)
     low, high = (ring(R, z, angle) for z in ends)
-    light = np.clip(eye.turned(frames.outward((angle[1:] + angle[:-1]) / 2)) @ LIGHT, 0, 1)[:, None]
+    light = np.clip(eye.project(frames.outward((angle[1:] + angle[:-1]) / 2)) @ LIGHT, 0, 1)[:, None]
     base = np.array([int(SURFACE[i : i + 2], 16) for i in (1, 3, 5)]) / 255
     colours = np.clip(base * (0.8 + 0.22 * light), 0, 1)
     strips = np.stack([low[:-1], low[1:], high[1:], high[:-1]], axis=1)

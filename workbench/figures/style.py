@@ -108,10 +108,10 @@ def map_colours(count: int = 256) -> ListedColormap:
 
 def wrap(text: str, ax: Axes, size: float | None = None, bold: bool = False, upward: bool = False) -> str:
     """The text in lines that are no longer than the axes are wide (or high), for a font of that size in points."""
-    return fitted(text, inches(ax)[int(upward)], size, bold)
+    return break_lines(text, inches(ax)[int(upward)], size, bold)
 
 
-def fitted(text: str, room: float, size: float | None = None, bold: bool = False) -> str:
+def break_lines(text: str, room: float, size: float | None = None, bold: bool = False) -> str:
     """The text in lines that are no longer than so many inches, for a font of that size in points.
 
     A word that is longer than a line is cut; a product such as ``5 x 4`` is one word.
@@ -133,7 +133,7 @@ def shorter(texts: Sequence[str], room: float) -> str:
     return next((text for text in texts if width_of(text, normal()) <= room), texts[-1])
 
 
-@functools.lru_cache(maxsize=10_000)  # `fitted` asks for each line again with a word more
+@functools.lru_cache(maxsize=10_000)  # `break_lines` asks for each line again with a word more
 def width_of(text: str, size: float, bold: bool = False) -> float:
     """The width of a line of text in inches, for a font of that size in points."""
     font = FontProperties(family=RC["font.family"], size=size, weight="bold" if bold else "normal")

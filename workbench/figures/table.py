@@ -39,7 +39,7 @@ def table(fig: Figure) -> str:
         head = f"{number} {_one_line(str(title))}".strip()
         named = head, _one_line(ax.get_xlabel()), _one_line(ax.get_ylabel())
         writer.writerows((*named, *row) for row in rows(ax))
-    writer.writerows(("", "", "", "note", note, "", "", "") for note in legend.kept(fig))
+    writer.writerows(("", "", "", "note", note, "", "", "") for note in legend.notes_of(fig))
     return text.getvalue()
 
 

@@ -56,7 +56,7 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float]) ->
     known = [rod for cell, rod in rods.items() if cells.solved[cell] and rod.arrays is not None]
     if not known:
         return ["None of the chosen rods is solved: no shape is drawn."]
-    wide, tall = (max(float(np.ptp(rod.developed()[k])) for rod in known) for k in (0, 1))
+    wide, tall = (max(float(np.ptp(rod.plane_points()[k])) for rod in known) for k in (0, 1))
     extent = wide, tall
     factor = unrolled.stretch(wide, tall, (across * inches[0], up * inches[1]))
     for (j, i), rod in rods.items():
@@ -89,7 +89,7 @@ def _scale_of(ds: xr.Dataset, extent: tuple[float, float], factor: float) -> str
 
 def _curve(inset: Axes, rod: DrawnRod, extent: tuple[float, float], factor: float) -> None:
     """One unrolled view, in the middle of its own axes."""
-    across, down = rod.developed()
+    across, down = rod.plane_points()
     coarse: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2}
     inset.plot(across, down, color=style.INK, linewidth=1.0, **(coarse if unrolled.is_coarse(rod) else {}))
     inset.plot(across[0], down[0], "o", color=style.INK, markersize=2.5)

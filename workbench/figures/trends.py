@@ -14,7 +14,7 @@ from studies.laws.verdicts import FAILS, NOISE
 from ..store import selection
 from ..words import labels
 from . import style
-from .scales import WIDE, Ticks, is_geometric, put
+from .scales import WIDE, Ticks, is_geometric, set_scale
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
 
@@ -88,4 +88,4 @@ def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
     logarithmic = refined_so or is_geometric(along)
     spare = 0.04
     ends = (low * (low / high) ** spare, high * (high / low) ** spare) if logarithmic else ax.get_xlim()
-    put(ax.xaxis, ends, logarithmic, style.inches(ax)[0])
+    set_scale(ax.xaxis, ends, logarithmic, style.inches(ax)[0])

@@ -81,7 +81,7 @@ class Strips:
 
 def strips(rods: Sequence[DrawnRod], room: tuple[float, float]) -> Strips:
     """The strips in which rods are drawn largest in so many inches to the right and down."""
-    curves = [rod.developed() for rod in rods if rod.arrays is not None]
+    curves = [rod.plane_points() for rod in rods if rod.arrays is not None]
     ends = [(min(v.min() for v in values), max(v.max() for v in values)) for values in zip(*curves, strict=True)]
     whole = max(high - low for low, high in ends) or 1.0
     spare = [MARGIN * max(high - low, 0.4 * whole * (high - low <= STRAIGHT * whole)) for low, high in ends]
@@ -132,7 +132,7 @@ def has_curve(ds: xr.Dataset) -> bool:
 
 def is_coarse(rod: DrawnRod) -> bool:
     """Whether the stations of a rod miss a bend: some chord is much shorter than the arc between its ends."""
-    x, y = rod.developed()
+    x, y = rod.plane_points()
     return bool((np.hypot(np.diff(x), np.diff(y)) < SHORT * np.diff(rod["s"])).any())
 
 
@@ -208,7 +208,7 @@ def draw(
     if isinstance(form, long_curve.Lines):
         return long_curve.draw(ax, rods.rods[0], form, unit, is_coarse(rods.rods[0]), coloured)
     norm = push_scale.scale([rod["push"] for rod in rods.solved]) if coloured else None
-    narrowest = min(float(np.ptp(rod.developed()[1])) for rod in rods.solved) * form.scale * form.factor
+    narrowest = min(float(np.ptp(rod.plane_points()[1])) for rod in rods.solved) * form.scale * form.factor
     width = float(np.clip((2.0 if coloured else 1.4) * narrowest**0.5, 0.8, 2.0 if coloured else 1.2))
     last, notes, rings = None, list[str](), list[Any]()
     column = form.pitch[0] * form.scale
@@ -244,7 +244,7 @@ def _draw_curve(
     ax: Axes, rod: DrawnRod, form: Strips, shift: tuple[float, float], norm: Any, width: float
 ) -> LineCollection | None:
     """One curve and its start; a line where the stations are close enough, else dots."""
-    x, y = rod.developed()
+    x, y = rod.plane_points()
     where = Affine2D().translate(*shift) + ax.transData
     ax.plot(x[0], y[0], "o", color=style.INK, markersize=3.5, label="s = 0", zorder=4, transform=where)
     if is_coarse(rod):

@@ -37,7 +37,7 @@ SHOWN = {
 }
 
 
-def shown(ds: xr.Dataset) -> list[str]:
+def cases_to_show(ds: xr.Dataset) -> list[str]:
     """The cases of a trade that its diagrams show: all where they are few, else those of `SHOWN`, else the first."""
     cases = [str(case) for case in ds["case"].values]
     return cases if len(cases) <= MOST else [case for case in SHOWN if case in cases] or cases[:MOST]
@@ -47,7 +47,7 @@ def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figu
     """The shown cases of a trade against one cost, a name of `COSTS`. Raises `InputError` for another name."""
     if cost not in COSTS:
         raise no_such("cost", cost, COSTS)
-    cases = shown(ds)
+    cases = cases_to_show(ds)
     columns = min(1 if sheet.narrow else 3, len(cases))
     lines = -(-len(cases) // columns)
     above = 1.0 if sheet.titled else 0.75  # inches of the title and the legend

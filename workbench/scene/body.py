@@ -119,7 +119,7 @@ class Body:
         values = self.value(s)
         return float(values.min()), float(values.max())
 
-    def turned(self) -> Any:
+    def stripe_angle(self) -> Any:
         """The angle of the stripe about the tangent as a function of s, from the outward normal; None without one."""
         return None if self.gamma is None else CubicSpline(self.line.s, -self.gamma)
 
@@ -147,7 +147,7 @@ class Body:
         scale = (self.paint.high - self.paint.low) or 1.0
         multiple = 2 * STRIPE if self.paint.stripe else 2
         colour = (lambda s: self.value(s) / scale) if self.paint.ramp is not None else None
-        return rings(self.line, self.span, tolerance, self.turned(), colour, colour_length, multiple)
+        return rings(self.line, self.span, tolerance, self.stripe_angle(), colour, colour_length, multiple)
 
     def surface(self, drawn: Rings) -> Surface:
         """The tube of radius a about the curve, closed at both ends, its corners on the true surface."""
@@ -158,7 +158,7 @@ class Body:
             along /= np.linalg.norm(along, axis=-1, keepdims=True)
             across = np.cross(along, out) * np.sign(np.sum(np.cross(along, out) * across, axis=-1, keepdims=True))
         place = self.places(s)
-        turned = self.turned()
+        turned = self.stripe_angle()
         angle = np.zeros(s.size) if turned is None else turned(s)
         made = tube.mesh((place, along, out, across), self.a, sides, angle)
         values = None

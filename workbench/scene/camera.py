@@ -95,7 +95,9 @@ def gravity(ds: "xr.Dataset", where: Mapping[str, int]) -> Array | None:
     return np.array([np.sin(angles[0]), 0.0, -np.cos(angles[0])]) if len(angles) == 1 else None
 
 
-def facing(bodies: Sequence["Body"], elevation: float = 0.0, lying: bool = False, down: Array | None = None) -> Camera:
+def front_camera(
+    bodies: Sequence["Body"], elevation: float = 0.0, lying: bool = False, down: Array | None = None
+) -> Camera:
     """The camera before the rods' mean azimuth; the axis goes up the page, or with `lying` to its right.
 
     elevation: the angle by which it looks down on the plane across the axis [deg]. down: as of `Camera`; a viewer of a

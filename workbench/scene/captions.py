@@ -36,7 +36,7 @@ class Cell:
     stable: bool = False
 
 
-def named(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> Cell:
+def value_cell(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> Cell:
     """A cell with the case's values along the axes below it."""
     if len(names) == 1:
         return Cell(labels.value(float(ds[names[0]].values[where[names[0]]]), ds[names[0]]))

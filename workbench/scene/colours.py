@@ -55,7 +55,7 @@ def one_colour(units: dict[str, str], extremes: Extremes) -> Painted:
     return Paint(NEUTRAL), None
 
 
-def striped(units: dict[str, str], extremes: Extremes) -> Painted:
+def with_stripe(units: dict[str, str], extremes: Extremes) -> Painted:
     """A stripe on an unpainted rod."""
     return Paint(UNPAINTED, stripe=STRIPE), None
 
@@ -79,7 +79,7 @@ def by_curvature(units: dict[str, str], extremes: Extremes) -> Painted:
     return paint, Bar(paint, low, high, f"curvature κ [1/{units['length']}]")
 
 
-def ranged(paint: Paint, bar: Bar, chosen: tuple[float, float]) -> Painted:
+def set_range(paint: Paint, bar: Bar, chosen: tuple[float, float]) -> Painted:
     """The same colours between two other values.
 
     Raises `InputError` for a scale of pushes that is not pale at 0.

@@ -119,7 +119,7 @@ class Scene:
 def compose(scene: Scene) -> Picture:
     """Colour the rods, render them, and set the page. Raises `InputError`, `TooFewStations`."""
     settings, dpi = scene.settings, scene.settings.dpi
-    scene, bar, notes = coloured(_bare(scene) if settings.bare else scene)
+    scene, bar, notes = colour_rods(_bare(scene) if settings.bare else scene)
     words = replace(words_of(scene), bar=bar)
     words = replace(words, notes=[*words.notes, *notes])
     arranged = arrange(scene.rows, scene.camera, room(scene, words), scene.gutter, scene.pitch)
@@ -208,7 +208,7 @@ def room(scene: Scene, words: Words | None = None) -> tuple[float, float]:
     high = high or scene.size[1]
     if scene.settings.bare:
         return wide, high
-    words = words or replace(words_of(scene), bar=coloured(scene)[1])
+    words = words or replace(words_of(scene), bar=colour_rods(scene)[1])
     left, top = words.heads
     inside = wide - 2 * page.MARGIN - left, high - words.above(wide) - words.below(wide) - top
     if min(inside) < 0.3:
@@ -226,7 +226,7 @@ def _bare(scene: Scene) -> Scene:
     return replace(scene, rows=rows, columns=(), heads=(), gutter=0.0, names=(), ringed=False)
 
 
-def coloured(scene: Scene) -> tuple[Scene, Bar | None, list[str]]:
+def colour_rods(scene: Scene) -> tuple[Scene, Bar | None, list[str]]:
     """The scene with the colours of its kind on all rods, their bar, and what lies beyond a chosen scale."""
     if scene.kind.cells == "together":
         return scene, None, []
@@ -238,7 +238,7 @@ def coloured(scene: Scene) -> tuple[Scene, Bar | None, list[str]]:
         if scene.kind.value is None:
             raise InputError(f"a scene of kind {scene.kind.name} has no colour bar, so it takes no --color-range")
         if bar and extremes:
-            paint, bar = colours.ranged(paint, bar, chosen)
+            paint, bar = colours.set_range(paint, bar, chosen)
             beyond = [f"up to {labels.number(extremes[1])}"] if extremes[1] > paint.high else []
             beyond += [f"down to {labels.number(extremes[0])}"] if extremes[0] < paint.low else []
             notes = [f"{bar.label if bar else ''}: {', '.join(beyond)}"] if beyond else []

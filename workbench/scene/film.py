@@ -123,11 +123,11 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     (azimuth, elevation), *_ = cameras.views_of(None)
     down = cameras.gravity(ds, {name: i for name, i in cases[0].items() if name != film.axis})
     azimuth, elevation = (azimuth, elevation) if down is None else (0.0, 0.0 if lying else elevation)
-    camera = cameras.upright(cameras.facing(context, elevation, lying or down is not None, down))
+    camera = cameras.upright(cameras.front_camera(context, elevation, lying or down is not None, down))
     for k, (where, body) in enumerate(zip(cases, bodies, strict=True)):
         step(f"{film.axis} = {float(ds[film.axis][where[film.axis]]):.4g}")
         view = View([body] if body else [], Cell(), -np.radians(azimuth), ends, context)
-        yield _even(page.drawn(_frame(ds, film, cases, k, view, context, camera, lying)))
+        yield _even(page.pixels_of(_frame(ds, film, cases, k, view, context, camera, lying)))
 
 
 def _frame(
@@ -144,7 +144,7 @@ def _frame(
     settings = Settings(film.pixel_error, film.dpi, bare=True, samples=SAMPLES,
                         size=(round(wide * film.dpi), round(high * film.dpi)))  # fmt: skip
     scene = composition.Scene(ds, kind, [[view]], context, "", camera, settings)
-    bar, picture = composition.coloured(scene)[1], composition.compose(scene).page if view.bodies else None
+    bar, picture = composition.colour_rods(scene)[1], composition.compose(scene).page if view.bodies else None
     weight = composition.weight_on_page(scene)
 
     def draw(fig: Figure) -> None:
@@ -155,7 +155,7 @@ def _frame(
         low = tall - TOP - high
         if picture:
             corner = MARGIN + (wide - picture.size[0]) / 2, low + (high - picture.size[1]) / 2
-            page.put(fig, picture.pixels, *(round(length * film.dpi) for length in corner))
+            page.place_picture(fig, picture.pixels, *(round(length * film.dpi) for length in corner))
         else:
             ax.text(MARGIN, low + high / 2, str(ds["outcome"].isel(where).values), color=style.SOFT)
         if weight is not None:
@@ -163,7 +163,9 @@ def _frame(
         if bar:
             page.draw_bar(fig, bar, (2 * MARGIN, 0.22), (1.6, 0.1))
         if str(ds.attrs["side"]) == "inside":
-            words = style.fitted(left_out.note_of_dataset(ds), across - (2.4 if weight is None else 3.5), style.SMALL)
+            words = style.break_lines(
+                left_out.note_of_dataset(ds), across - (2.4 if weight is None else 3.5), style.SMALL
+            )
             ax.text(2.3, 0.24, words, size=style.SMALL, color=style.SOFT)
         if film.observable:
             box = ((0.62, FOOT + 0.3, across - 0.9, diagram[1] - 0.5) if lying else

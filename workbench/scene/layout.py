@@ -181,7 +181,7 @@ def _from_sides(
     sides = cameras.views_of(settings.camera)
     if down is not None and settings.camera is None:
         sides = ((0.0, 0.0 if lying else sides[0][1]),)
-    camera = cameras.upright(cameras.facing(context, sides[0][1], lying or down is not None, down))
+    camera = cameras.upright(cameras.front_camera(context, sides[0][1], lying or down is not None, down))
     cells = [Cell(_side(*side) if len(sides) > 1 else "") for side in sides]
     views = [View(bodies, cell, -np.radians(side[0]), ends, context) for side, cell in zip(sides, cells, strict=True)]
     toward = views[0].turn.T @ camera.toward
@@ -207,7 +207,7 @@ def _in_lines(
             f"a rod this long is set in lines, seen at right angles to its axis: --camera {settings.camera} has an "
             f"elevation of {elevation:g} degrees; draw a part of the rod with --from and --to"
         )
-    camera, turned = cameras.facing(context, lying=True, down=down), -np.radians(azimuth)
+    camera, turned = cameras.front_camera(context, lying=True, down=down), -np.radians(azimuth)
     scene = Scene(ds, kind, [[View([body], Cell())]], context, case, camera, settings, notes, gutter=GUTTER,
                   ringed=False, squeeze=body.squeeze)  # fmt: skip
     wide, high = (side * settings.dpi for side in room(scene))
@@ -286,7 +286,7 @@ def _cells(
     azimuth, elevation = cameras.views_of(settings.camera)[0] if settings.camera else (0.0, LEVEL)
     held = {name: i for name, i in cases[0][0].items() if all(each[name] == i for row in cases for each in row)}
     down = None if settings.camera else cameras.gravity(ds, held)
-    camera = cameras.upright(cameras.facing([], 0.0 if down is not None else elevation, down is not None, down))
+    camera = cameras.upright(cameras.front_camera([], 0.0 if down is not None else elevation, down is not None, down))
     each = [[rods.of_case(ds, where, kind, settings.span) for where in row] for row in cases]
     drawn = [body for row in each for body, _ in row if body]
     squeeze = long_rod.squeeze_of(drawn) if down is not None and long_rod.is_long(drawn) else 1.0

@@ -74,14 +74,16 @@ class Words:
         left = max((style.width_of(row, style.NORMAL) for row in self.rows[1:]), default=0.0) + 2 * HEAD
         return (left if self.rows else 0.0), (2 * HEAD if self.columns else 0.0)
 
-    def fitted(self, width: float) -> tuple[str, str]:
+    def in_lines(self, width: float) -> tuple[str, str]:
         """Title and subtitle in lines that fit on a page of that width."""
         room = width - 2 * MARGIN
-        return style.fitted(self.title, room, style.LARGE, bold=True), style.fitted(self.subtitle, room, style.NORMAL)
+        return style.break_lines(self.title, room, style.LARGE, bold=True), style.break_lines(
+            self.subtitle, room, style.NORMAL
+        )
 
     def above(self, width: float) -> float:
         """The height of title and subtitle with the gaps around them."""
-        title, subtitle = self.fitted(width)
+        title, subtitle = self.in_lines(width)
         return MARGIN + height(title, style.LARGE) + height(subtitle) + AFTER
 
     def beside(self, width: float) -> tuple[float, list[tuple[str, str]]]:
@@ -91,7 +93,7 @@ class Words:
         left += BAR + 1.4 * APART if self.bar else 0.0
         room = max(width - MARGIN - left - PATCH - 0.08, 1.0)
         entries = [*self.legend, *(("", note) for note in self.notes)]
-        return left, [(colour, style.fitted(text, room, style.SMALL)) for colour, text in entries]
+        return left, [(colour, style.break_lines(text, room, style.SMALL)) for colour, text in entries]
 
     def below(self, width: float) -> float:
         """The height of the line below the views with the gaps around it."""
@@ -165,7 +167,7 @@ def figure(page: Page) -> Figure:
     whole, corner, high = page.room[3], page.corner, page.size[1]
 
     def draw(fig: Figure) -> None:
-        put(fig, page.pixels, *(corner * page.dpi).round().astype(int))
+        place_picture(fig, page.pixels, *(corner * page.dpi).round().astype(int))
         if page.bare:
             return
         ax = fig.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -184,13 +186,13 @@ def figure(page: Page) -> Figure:
     return made
 
 
-def put(fig: Figure, pixels: Pixels, x: int, y: int) -> None:
+def place_picture(fig: Figure, pixels: Pixels, x: int, y: int) -> None:
     """Put a picture, (height, width, 3 or 4), on a figure; x, y: its lower left in pixels of the figure."""
     fig.figimage(pixels, x, y, origin="upper", zorder=-1)
 
 
 def _draw_title(ax: Axes, words: Words, width: float, whole: float) -> None:
-    title, subtitle = words.fitted(width)
+    title, subtitle = words.in_lines(width)
     y = whole - MARGIN
     _write(ax, MARGIN, y, title, size=style.LARGE, weight="bold")
     _write(ax, MARGIN, y - height(title, style.LARGE), subtitle, size=style.NORMAL, color=style.SOFT)
@@ -220,7 +222,7 @@ def _draw_cells(ax: Axes, page: Page, left: float, top: float) -> None:
             ax.text(left + box.x - 0.04, top - box.y - box.height / 2, cell.before, ha="right", va="center",
                     size=style.SMALL)  # fmt: skip
         if cell.why_empty:
-            ax.text(middle, top - box.y - box.height / 2, style.fitted(cell.why_empty, box.width, style.SMALL),
+            ax.text(middle, top - box.y - box.height / 2, style.break_lines(cell.why_empty, box.width, style.SMALL),
                     color=style.SOFT, ha="center", va="center", size=style.SMALL)  # fmt: skip
 
 
@@ -345,7 +347,7 @@ def draw_bar(fig: Figure, bar: Bar, corner: tuple[float, float], size: tuple[flo
         spine.set(visible=True, color=style.SOFT, linewidth=0.5)
 
 
-def drawn(fig: Figure) -> Pixels:
+def pixels_of(fig: Figure) -> Pixels:
     """The figure as pixels, (height, width, 3), or 4 where its background is transparent."""
     shown: Any = fig.canvas
     with rc_context(style.RC):
@@ -362,7 +364,7 @@ def save(page: Page, path: Path, level: int = 1) -> None:
     """
     from PIL import Image, PngImagePlugin
 
-    picture, how = Image.fromarray(drawn(figure(page))), dict[str, Any](quality=QUALITY)
+    picture, how = Image.fromarray(pixels_of(figure(page))), dict[str, Any](quality=QUALITY)
     if path.suffix.lower() == ".png":
         facts = PngImagePlugin.PngInfo()
         facts.add_text("rods", json.dumps(page.places))

@@ -72,7 +72,7 @@ class Window:
         _show(rods, True)
         return depths
 
-    def summed(self, samples: NDArray[Any], into: NDArray[Any]) -> None:
+    def add_samples(self, samples: NDArray[Any], into: NDArray[Any]) -> None:
         """Add the samples of each pixel to it."""
         for i, j in np.ndindex(self.block, self.block):
             into += samples[i :: self.block, j :: self.block]
@@ -100,12 +100,12 @@ def mean(
         if k == 0 and drawn:
             rods = window.render_before(walls)
             for found, into in zip(hidden.lines(rods, window.depths(), drawn), (line, behind), strict=True):
-                window.summed(found, into)
+                window.add_samples(found, into)
         else:
             window.render()
-        window.summed(window.colours(), sums)
+        window.add_samples(window.colours(), sums)
         if transparent:
-            window.summed((window.depths() < 1)[..., None], covered)
+            window.add_samples((window.depths() < 1)[..., None], covered)
     samples = len(window.moves) * window.block**2
     pixels = sums * np.float32(1 / samples)
     if drawn:

@@ -61,7 +61,7 @@ class Kind:
     value: Callable[[Centreline, Array], Array] | None = None
     paint: Callable[[dict[str, str], colours.Extremes], colours.Painted] = colours.one_colour
     legend: tuple[tuple[str, str], ...] = ()
-    cell: Callable[[xr.Dataset, list[str], dict[str, int]], Cell] = captions.named
+    cell: Callable[[xr.Dataset, list[str], dict[str, int]], Cell] = captions.value_cell
     check: Callable[[xr.Dataset], None] = accept
     most: int = 9
     notes: tuple[str, ...] = ()
@@ -74,8 +74,8 @@ TABLE = (
     Kind("contact", "how hard the cylinder pushes, and where it would have to pull", "one", **PUSH),
     Kind("curvature", "how tightly the rod is bent", "one", value=lambda line, s: line.kappa(s),
          paint=colours.by_curvature),
-    Kind("twist", "a stripe on the rod that turns with its material", "one", CURVE | {"gamma"}, paint=colours.striped,
-         legend=(TURNS,)),
+    Kind("twist", "a stripe on the rod that turns with its material", "one", CURVE | {"gamma"},
+         paint=colours.with_stripe, legend=(TURNS,)),
     Kind("ghosts", "every case of an axis in one scene", "together", most=3),
     Kind("grid", "every case of one axis or two, side by side at one scale", "each", **PUSH),
     Kind("equilibria", "every equilibrium between two ends", "each", CURVE | {"energy", "index"}, **PUSH,

@@ -45,7 +45,7 @@ class Stored:
         """The array of one of `ARRAYS`, (axes, u) and its components, with units. Raises `InputError`."""
         found = self.derive(name, ())
         if found is None:
-            found = self._solved(name)
+            found = self._values_of(name)
         order = [*axes_left(self.ds, self.study), "u", *INNER.get(name, ())]
         kept = {dim: list(COMPONENTS[dim]) for dim in INNER.get(name, ())}
         result = found.transpose(*(dim for dim in order if dim in found.dims)).assign_coords(kept)
@@ -65,7 +65,7 @@ class Stored:
         parts = [self.derive(need, (*above, name)) for need in needs]
         return None if any(part is None for part in parts) else rule(self, *parts)
 
-    def _solved(self, name: str) -> xr.DataArray:
+    def _values_of(self, name: str) -> xr.DataArray:
         """The array of the cases solved again, NaN where they are not solved."""
         sol = self.solution()
         values = np.asarray(getattr(sol, name))

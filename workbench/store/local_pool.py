@@ -55,7 +55,7 @@ def pool(study: Study, chunks: Iterable[Chunk], block: int, workers: int) -> Res
                 worker = busy[pipe]  # type: ignore[index]
                 chunk, results = worker.take()
                 if results is None:
-                    how = worker.ending()
+                    how = worker.end_reason()
                     worker.replace()
                     if chunk.deaths + 1 < DEATHS:
                         again.extend(chunk.blocks(block, chunk.deaths + 1))

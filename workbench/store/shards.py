@@ -124,7 +124,7 @@ def check_recipe(folder: Path, recipe: dict[str, Any]) -> str:
     if not path.exists():
         if _shards(folder):
             raise InputError(f"{folder} holds results of an unknown run; use --restart to discard them")
-        _put(path, json.dumps({"format": FORMAT, "recipe": recipe}, indent=1).encode())
+        _write(path, json.dumps({"format": FORMAT, "recipe": recipe}, indent=1).encode())
         return _digest(recipe)
     try:
         was = json.loads(path.read_text(encoding="utf-8"))
@@ -163,7 +163,7 @@ class Shards:
 
     def store(self, start: int, stop: int, content: bytes) -> None:
         """Store the packed results of cases `start` to `stop`. Raises `OSError`."""
-        _put(_name(self.folder, start, stop), self._checksum(start, stop, content) + content)
+        _write(_name(self.folder, start, stop), self._checksum(start, stop, content) + content)
 
     def read(self, start: int, stop: int) -> Columns:
         """The results of cases `start` to `stop`; a damaged shard is removed and raises `Damaged`."""
@@ -242,7 +242,7 @@ def _shards(folder: Path) -> list[tuple[int, int]]:
     return [(int(name.group(1)), int(name.group(2))) for name in named if name]
 
 
-def _put(path: Path, content: bytes) -> None:
+def _write(path: Path, content: bytes) -> None:
     with atomic.replacement(path) as aside:
         aside.write_bytes(content)
 

@@ -90,13 +90,13 @@ class Spine:
             at = None if parent is None else parent[0]
         state = None if at is None else self.known[at]
         for here, parent in reversed(way):
-            state = self._solved(here, parent, state)
+            state = self._solve_place(here, parent, state)
             if self._keeps(here):
                 self.known[here] = state
         assert state is not None
         return state
 
-    def _solved(self, place: int, parent: tuple[int, int] | None, before: State | None) -> State:
+    def _solve_place(self, place: int, parent: tuple[int, int] | None, before: State | None) -> State:
         case = self.study.case_of(self._values(place))
         if parent is None or before is None:
             return state_of(select(self.study, case), 0)

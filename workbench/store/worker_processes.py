@@ -46,7 +46,7 @@ class Worker:
     def check(self) -> None:
         """Wait until it is ready. Raises `InputError` where it ends before."""
         if self._receive() is None:
-            raise InputError(f"a worker process cannot start: {self.ending()}")
+            raise InputError(f"a worker process cannot start: {self.end_reason()}")
 
     def give(self, chunk: Chunk, block: int) -> None:
         """Send it a chunk; where it died while idle, it is replaced first."""
@@ -63,7 +63,7 @@ class Worker:
         assert chunk is not None
         return chunk, self._receive()
 
-    def ending(self) -> str:
+    def end_reason(self) -> str:
         """How a process that died ended, in words."""
         self.process.join()
         code = self.process.exitcode

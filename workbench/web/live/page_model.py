@@ -25,7 +25,7 @@ from studies.grammar.dimensions import Dimensions
 from studies.language.loader import loads
 
 from ...branches.ends_study import row as equilibrium_row
-from ...branches.tracing import Piece, Traced, traced
+from ...branches.tracing import Piece, Traced, trace_branches
 from ...export.stored_rod import export
 from ...store import dataset
 from ...store.block import columns
@@ -199,7 +199,7 @@ def follow_branches(study: Study, field: str, low: float, high: float) -> dict[s
     for value in values:
         page_shape.refuse_many(with_field(case, field, value))
     begun = time.monotonic()
-    seen = traced(case, field, values, FEW, lambda value: None, begun + PATIENCE)
+    seen = trace_branches(case, field, values, FEW, lambda value: None, begun + PATIENCE)
     rows = [_row(seen, piece) for piece in seen.pieces]
     missing = sum(branch < 0 for row in seen.branch for branch in row)
     return {"field": field, "low": min(values), "high": max(values), "pieces": rows, "missing": missing}

@@ -76,7 +76,7 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Re
     shapes, few, tasks = Shapes(), ThreadPoolExecutor(THREADS, "shapes"), search_processes.Tasks()
 
     @web.middleware
-    async def guarded(request: web.Request, handler: Handler) -> web.StreamResponse:
+    async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
         origin = request.headers.get("Origin")
         if request.host not in names:
             raise web.HTTPForbidden(text=f"this page is served at {', '.join(sorted(names))} only")
@@ -89,11 +89,11 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Re
             response.headers.setdefault(name, value)
         return response
 
-    app = web.Application(middlewares=[guarded], client_max_size=LARGEST)
+    app = web.Application(middlewares=[guard], client_max_size=LARGEST)
     app.router.add_get("/", _page(live_document.text(presets, served=True)))
     for path, work in (("/shape", _shape), ("/numbers", _numbers), ("/equilibria", _equilibria),
                        ("/branches", _branches), ("/download", _download)):  # fmt: skip
-        app.router.add_post(path, _answering(work, shapes, few, tasks, report))
+        app.router.add_post(path, _handler_of(work, shapes, few, tasks, report))
     return app
 
 
@@ -154,7 +154,7 @@ class Context:
 Work = Callable[[dict[str, Any], Context], Awaitable[web.Response]]
 
 
-def _answering(
+def _handler_of(
     work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: search_processes.Tasks, report: Report
 ) -> Handler:
     """Answer a request's JSON; an `InputError` becomes an answer with its sentence and the field.
@@ -168,13 +168,13 @@ def _answering(
         except (ValueError, RecursionError):  # a number of 5000 digits is a ValueError too
             return _refusal("the request is not valid JSON", status=400)
 
-        def wanted() -> bool:
+        def is_wanted() -> bool:
             return request.transport is not None and not request.transport.is_closing()
 
         try:
             if not isinstance(asked, dict):
                 raise InputError("the request must be a table")
-            return await work(asked, Context(shapes, few, tasks, wanted))
+            return await work(asked, Context(shapes, few, tasks, is_wanted))
         except ArithmeticError:  # a radius of 5e-324, say
             return _refusal(search_processes.NO_FLOAT)
         except InputError as error:
@@ -205,10 +205,10 @@ def _tell(one: page_shape.Shape, shapes: Shapes, solving: float) -> bytes:
         **page_model.facts(one), "ticket": shapes.keep(page_shape.bare(one)), "problem": one.sol.problem.kind,
         "seconds": {"solve": solving},
     }  # fmt: skip
-    return packed(head, page_model.stations(one))
+    return pack_arrays(head, page_model.stations(one))
 
 
-def packed(head: dict[str, Any], arrays: dict[str, Any]) -> bytes:
+def pack_arrays(head: dict[str, Any], arrays: dict[str, Any]) -> bytes:
     """The length of the JSON (4 bytes), the head as JSON, the arrays.
 
     Each begins at a multiple of 8 bytes; the head lists of each array its name, type, size and first byte after the

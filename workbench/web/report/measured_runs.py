@@ -68,7 +68,7 @@ def _run(ds: xr.Dataset) -> str:
 
 
 def _trade(ds: xr.Dataset) -> str:
-    shown = len(work_precision.shown(ds))
+    shown = len(work_precision.cases_to_show(ds))
     return (
         f"{ds.sizes['ladder']} methods and variants on {ds.sizes['case']} rods, {shown} of them shown: the error "
         "that is achieved against the seconds of the whole call, from the coarsest to the finest setting of each"

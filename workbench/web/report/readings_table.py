@@ -51,10 +51,10 @@ def run(
             missing.append(law_verdicts.unsolved(ds))
         rows.append(found)
         unsolved.append(missing)
-    return _labelled(studies, readings, rows, unsolved)
+    return _dataset_of_rows(studies, readings, rows, unsolved)
 
 
-def _labelled(
+def _dataset_of_rows(
     studies: Sequence[Study],
     readings: Sequence[str],
     rows: list[list[dict[str, Any]]],

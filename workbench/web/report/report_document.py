@@ -177,7 +177,7 @@ def _rods(path: Path, part: str, turning: Mapping[str, Any] | None) -> dict[str,
     places = [k for k, axis in enumerate(axes) if axis["name"] == part.removeprefix("scene").strip()]
     if not places or len(stored) != len(axes[places[0]]["texts"]):
         return {}
-    left, top, wide, high = _inked(image.imread(path))
+    left, top, wide, high = _ink_box(image.imread(path))
     boxes = np.array(stored) * (2 * size) - (left, top, left, top)
     return {"rods": json.dumps((boxes / (wide, high, wide, high)).round(4).tolist()), "axis": places[0]}
 
@@ -198,11 +198,11 @@ def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, A
 
 def _trim(pixels: Any) -> Any:
     """A picture without its white margins but a narrow one."""
-    left, top, wide, high = _inked(pixels)
+    left, top, wide, high = _ink_box(pixels)
     return pixels[top : top + high, left : left + wide]
 
 
-def _inked(pixels: Any) -> tuple[int, int, int, int]:
+def _ink_box(pixels: Any) -> tuple[int, int, int, int]:
     """The part of a picture that is not blank, with a narrow margin: left, top, width and height in pixels."""
     inked = (pixels[..., :3] < WHITE).any(axis=-1)
     high, wide = inked.shape
