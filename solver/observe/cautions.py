@@ -74,8 +74,6 @@ def _last_without_push(sol: Shape, cases: Array, places: Array, far: bool) -> Ar
 def push_at(sol: Shape, cases: Array, t: Array) -> Array:
     """The push at places t (k, m), in units of rho, of some cases (k,), in units of A/rho^3; between stations, where
     the method knows no orbit, linear in t."""
-    if sol.trajectory.shapes is not None:
-        return np.stack([sol.trajectory.shapes.of(int(i)).push_at(row) for i, row in zip(cases, t, strict=True)])
     problem: Reduced = sol.problem.take(cases)
     if sol.trajectory.orbit is None:
         shape = sol.trajectory
@@ -195,6 +193,9 @@ def _lift_off_ends(sol: Shape, candidates: Booleans) -> dict[int, float]:
     """Case -> how far from an end the cylinder does not push, as a share of the length, of rods pressed in between."""
     if not candidates.any():
         return {}
+    if (shapes := sol.trajectory.shapes) is not None:
+        reaches = {i: shapes.of(i).lift_off_reach() for i in np.flatnonzero(candidates).tolist()}
+        return {i: float(reach / sol.problem.span[i]) for i, reach in reaches.items() if reach is not None}
     cases = np.flatnonzero(candidates & only_at_ends(sol))
     return dict(zip(cases.tolist(), distance_from_ends(sol, cases).tolist(), strict=True)) if cases.size else {}
 

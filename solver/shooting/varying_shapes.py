@@ -18,6 +18,7 @@ from .state import State, states
 
 DENSE = 17  # places on a stretch, at which the states along a rod are judged
 BISECTIONS = 40  # of a place at which the rod lifts off
+WAVE = 2 * np.pi  # of the lengths on which the shape changes
 FINE = 2  # nodes of a start problem, for each step of its march
 
 
@@ -91,6 +92,16 @@ class Nodes:
         found = bisect(self.push_at, t[change], t[change + 1], BISECTIONS)
         ends = [*(t[:1] if pulls[0] else ()), *found, *(t[-1:] if pulls[-1] else ())]
         return tuple((float(a * rho), float(b * rho)) for a, b in zip(ends[::2], ends[1::2], strict=True))
+
+    def lift_off_reach(self) -> float | None:
+        """The largest t from the nearer end at which the wall would have to pull; None beyond a wave from the ends.
+
+        There is about one node on each length on which the shape changes.
+        """
+        first, last = WAVE * np.diff(self.t)[[0, -1]]
+        reaches = [(b, self.t[-1] - a) for a, b in self.lift_offs(1.0)]
+        near = all(here <= first or there <= last for here, there in reaches)
+        return max((min(pair) for pair in reaches), default=0.0) if near else None
 
     def neutral(self) -> float:
         """The first t at which FZ changes its sign; NaN where it does not."""
