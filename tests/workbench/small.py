@@ -1,5 +1,7 @@
-"""Small studies that solve in no time."""
+"""Studies as text, and small ones that solve in no time."""
 
+import json
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -8,34 +10,55 @@ import xarray as xr
 from studies import Study
 from studies.language.loader import loads
 
-TEXT = """
-title = "two moduli and three radii"
-reading = "force-first/tension/paper"
-observables = ["turns", "wraps"]
-outputs = ["beta", "alpha", "z", "F1"]
-stations = 21
-
-[units]
-length = "cm"
-force = "N"
-
-[axes.E]
-values = [1e4, 2e4]
-
-[axes.R]
-values = [0.5, 0.75, 1.0]
-
-[[laws]]
-claim = "(2)"
-observable = "kappa_max"
-axis = "R"
-direction = "falls"
-also = ["wraps"]
-source = "a sentence of the paper"
-"""
-
-
+ROD = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 20.0, "R": 0.75}  # of Table 1, with its cylinder
+SHORT = {**ROD, "L": 5.0}
 HEAD = 'title = "one"\nreading = "force-first/tension/paper"\n[units]\nlength = "cm"\nforce = "N"\n'
+
+
+def lines(keys: Mapping[str, Any]) -> str:
+    """Keys and values in TOML; what is None is left out."""
+    return "".join(f"{key} = {_value(value)}\n" for key, value in keys.items() if value is not None)
+
+
+def _value(value: Any) -> str:
+    if not isinstance(value, Mapping):
+        return json.dumps(value)
+    return "{ " + ", ".join(f"{key} = {_value(of)}" for key, of in value.items()) + " }"
+
+
+def axis(name: str, values: Any, **keys: Any) -> str:
+    """An axis of a list of values, or of (first, last, count)."""
+    spread = (
+        dict(zip(("from", "to", "count"), values, strict=True)) if isinstance(values, tuple) else {"values": values}
+    )
+    return f"[axes.{name}]\n{lines(spread | keys)}"
+
+
+def law(observable: str, axis: str, direction: str | None = None, **keys: Any) -> str:
+    """A law of an observable along an axis."""
+    said = {"claim": "(1)", "observable": observable, "axis": axis, "direction": direction, "source": "s"}
+    return f"[[laws]]\n{lines(said | keys)}"
+
+
+def text(base: Mapping[str, Any], tables: str = "", units: str = "cm N", **keys: Any) -> str:
+    """A study: its keys, its base case but for the fields that are axes of the tables, and these tables."""
+    length, force = units.split()
+    fields = lines({name: value for name, value in base.items() if f"[axes.{name}]" not in tables})
+    head = lines({"title": "a study", **keys, "units": {"length": length, "force": force}})
+    return f"{head}{fields and '[base]'}\n{fields}{tables}"
+
+
+TEXT = text(
+    {},
+    axis("E", [1e4, 2e4])
+    + axis("R", [0.5, 0.75, 1.0])
+    + law("kappa_max", "R", "falls", claim="(2)", also=["wraps"], source="a sentence of the paper"),
+    title="two moduli and three radii",
+    reading="force-first/tension/paper",
+    observables=["turns", "wraps"],
+    outputs=["beta", "alpha", "z", "F1"],
+    stations=21,
+)
 
 
 def grid() -> Study:
@@ -44,9 +67,8 @@ def grid() -> Study:
 
 def study(axes: str = "", head: str = "", name: str = "small") -> Study:
     """A study of Table 1 at 21 stations, with other axes and further keys."""
-    units = '[units]\nlength = "cm"\nforce = "N"\n'
-    start = 'title = "small"\nreading = "force-first/tension/paper"\nstations = 21\n'
-    return loads(f"{start}{head}\n{units}{axes}", default_name=name)
+    start = HEAD.replace("one", "small").replace("[units]", f"stations = 21\n{head}\n[units]")
+    return loads(start + axes, default_name=name)
 
 
 def with_outcomes(ds: xr.Dataset, words: Any) -> xr.Dataset:

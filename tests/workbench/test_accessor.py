@@ -18,24 +18,12 @@ from tests.workbench import small
 from workbench.commands import option_checks
 from workbench.store import block, in_memory, schema, selection, writing
 
-ENDS = """
-title = "between two ends"
-stations = 21
-outputs = ["beta", "dbeta", "alpha", "z"]
-[units]
-length = "cm"
-force = "N"
-[base]
-E = 1.07e4
-nu = 0.25
-a = 0.25
-L = 5.0
-R = 0.75
-beta0 = 0.5
-FZ = -8.0
-[axes.betaL]
-values = [0.7, 0.8]
-"""
+ENDS = small.text(
+    {**small.SHORT, "beta0": 0.5, "FZ": -8.0},
+    small.axis("betaL", [0.7, 0.8]),
+    stations=21,
+    outputs=["beta", "dbeta", "alpha", "z"],
+)
 ALL = f"outputs = {list(OUTPUTS)}"
 AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 FRAMES = ("tangent", "normal", "material_frame", "push")

@@ -105,35 +105,17 @@ def test_what_is_observed_already_is_taken_from_there(known: float) -> None:
     assert ("too tight" in str(cautions.of_cases(sol, {"kappa_max": known, "kappa_max_error": 0.0}))) == (known > 1)
 
 
-def grid_that_lifts_off(observables: str, outputs: str) -> str:
-    return f"""
-title = "lift-off"
-units = {{ length = "m", force = "kN" }}
-observables = [{observables}]
-outputs = [{outputs}]
-[base]
-E = 2.1e8
-nu = 0.3
-a = 0.01
-R = 1.0
-beta = 0.5
-dbeta = 0.0
-F2 = 0.0
-dgamma = 0.0
-[axes.L]
-values = [5.0, 8.0]
-[axes.F3]
-values = [-900.0, -1000.0]
-"""
+LIFTS_OFF = {"E": 2.1e8, "nu": 0.3, "a": 0.01, "R": 1.0, "beta": 0.5, "dbeta": 0.0, "F2": 0.0, "dgamma": 0.0}
 
 
-@pytest.mark.parametrize("observables", ['"attached"', '"wraps"', ""])
-@pytest.mark.parametrize("outputs", ['"z"', "", '"alpha", "z", "contact"'])
-def test_the_caution_does_not_hang_on_what_is_stored(observables: str, outputs: str) -> None:
+@pytest.mark.parametrize("observables", [["attached"], ["wraps"], []])
+@pytest.mark.parametrize("outputs", [["z"], [], ["alpha", "z", "contact"]])
+def test_the_caution_does_not_hang_on_what_is_stored(observables: list[str], outputs: list[str]) -> None:
     """In compression a helix presses outwards: outside the cylinder it lifts off, whoever asks."""
     if not (observables or outputs):
         return  # a study that asks for nothing at all is of no use
-    ds = in_memory.run(loads(grid_that_lifts_off(observables, outputs)))
+    axes = small.axis("L", [5.0, 8.0]) + small.axis("F3", [-900.0, -1000.0])
+    ds = in_memory.run(loads(small.text(LIFTS_OFF, axes, "m kN", observables=observables, outputs=outputs)))
     assert all("pulled" in text for text in ds["caution"].values.ravel())
     assert "4 would lift off" in ds.attrs["caution"]
 

@@ -12,6 +12,7 @@ pytest.importorskip("workbench.web.live.server", reason="the extra explore is no
 
 from solver.problem.errors import InputError
 from studies import load
+from tests.workbench import small
 from tests.workbench.live import asked, served, unpacked
 from tests.workbench.node import needs_node, run
 from workbench import cli
@@ -20,49 +21,16 @@ from workbench.store.case_input import read_case
 from workbench.web.live import own_case, page_model, page_shape
 from workbench.web.live.presets import PRESETS, Preset
 
-PIPE = """
-title = "A pipe in its hole"
-[units]
-length = "m"
-force = "kN"
-[base]
-E = 2.06e8
-inner_radius = 0.0543
-nu = 0.3
-a = 0.0635
-L = 30.0
-R = 0.10795
-side = "inside"
-beta0 = "0 deg"
-betaL = 0.0
-FZ = -200.0
-"""
-READ = """
-title = "Table 1, softer"
-reading = "twist-first/tension/solid"
-[units]
-length = "cm"
-force = "N"
-[base]
-E = 5e3
-beta = "40 deg"
-"""
-START = """
-title = "A rod turned about"
-[units]
-length = "mm"
-force = "mN"
-[base]
-E = 1e3
-nu = 0.3
-a = 1.0
-L = 80.0
-R = 4.0
-beta = 0.3
-dbeta = 0.05
-M3 = 0.0
-alpha = 0.2
-"""
+PIPE = small.text(
+    {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "L": 30.0, "R": 0.10795}
+    | {"side": "inside", "beta0": "0 deg", "betaL": 0.0, "FZ": -200.0},
+    units="m kN",
+)
+READ = small.text({"E": 5e3, "beta": "40 deg"}, reading="twist-first/tension/solid")
+START = small.text(
+    {"E": 1e3, "nu": 0.3, "a": 1.0, "L": 80.0, "R": 4.0, "beta": 0.3, "dbeta": 0.05, "M3": 0.0, "alpha": 0.2},
+    units="mm mN",
+)
 
 
 def begun(folder: Path, text: str, **options: Any) -> Preset:
@@ -204,7 +172,7 @@ def test_what_is_no_rod_is_refused_before_anything_is_served(words, sentence, tm
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(explore, "open_socket", lambda *_: pytest.fail("it listens"))
     Path("PIPE.toml").write_text(PIPE)
-    Path("GRID.toml").write_text(READ.replace("E = 5e3\n", "") + "[axes.E]\nvalues = [5e3, 6e3]\n")
+    Path("GRID.toml").write_text(READ.replace("E = 5000.0\n", "") + small.axis("E", [5e3, 6e3]))
     given = [f"{word}.toml" if word in ("PIPE", "GRID") else word for word in words]
     with pytest.raises(SystemExit) as end:
         cli.main(["explore", *given])

@@ -37,22 +37,12 @@ from workbench.store import in_memory, writing
 
 # Table 1 but for E, its lengths in any unit: at 5000 a bend is tighter than the rod is thick, at 10700 turns meet, at
 # 20000 neither.
-STUDY = """
-title = "three moduli"
-reading = "force-first/tension/paper"
-stations = 201
-[units]
-length = "{length}"
-force = "N"
-[base]
-R = 0.75
-a = 0.25
-L = 20.0
-dbeta = 0.5
-dgamma = 0.5
-[axes.E]
-values = [5e3, 1.07e4, 2e4]
-"""
+STUDY = small.text(
+    {"R": 0.75, "a": 0.25, "L": 20.0, "dbeta": 0.5, "dgamma": 0.5},
+    small.axis("E", [5e3, 1.07e4, 2e4]),
+    reading="force-first/tension/paper",
+    stations=201,
+)
 LIMITED = (  # a command that may write no file of more than 1000 bytes (with -B, or it cuts compiled modules off)
     "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); from workbench.cli import main; main()"
 )
@@ -69,7 +59,7 @@ def rod(E: float, s: np.ndarray) -> Solution:
 
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
-    return in_memory.run(loads(STUDY.format(length="cm"), default_name="moduli"))
+    return in_memory.run(loads(STUDY, default_name="moduli"))
 
 
 def line(ds: xr.Dataset, i: int = 2, every: int = 1) -> centreline.Centreline:
@@ -101,7 +91,7 @@ def test_too_few_stations_are_refused_and_the_number_named_is_enough(ds) -> None
         coarse.check(1e-6)
     more = int(re.search(r"about (\d+)", str(told.value))[1])
     assert 60 < more < 400  # 201 give 4e-8, 101 4e-6
-    study = loads(STUDY.format(length="cm").replace("201", str(more)), default_name="moduli")
+    study = loads(STUDY.replace("201", str(more)), default_name="moduli")
     stored_line.read(in_memory.run(study), {"E": 0}).check(1e-6)
 
 
@@ -258,7 +248,7 @@ def test_the_text_of_a_step_file_says_the_same_to_a_reader_without_a_cad_kernel(
 
 @pytest.mark.parametrize("length, size", [("nm", 1e-9), ("dm", 0.1), ("in", 0.0254)])
 def test_a_step_file_keeps_the_studys_unit(kernel, tmp_path, length, size) -> None:
-    ds = in_memory.run(loads(STUDY.format(length=length), default_name="moduli"))
+    ds = in_memory.run(loads(STUDY.replace('"cm"', f'"{length}"'), default_name="moduli"))
     export(ds, tmp_path / "rod.step", Options(SOUND, centreline=True))
     (edge,) = parts(kernel, shapes(kernel, tmp_path / "rod.step"), "EDGE")
     properties = kernel.GProp_GProps()
@@ -397,7 +387,7 @@ def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path
 
 def test_a_study_that_varies_the_angle_is_exported_with_the_one_along_the_rod(tmp_path) -> None:
     axis = "[axes.beta]\nvalues = [15.0, 30.0]\nunit = 'deg'\n"
-    varied = in_memory.run(loads(STUDY.format(length="cm").partition("[axes.E]")[0] + axis, default_name="angles"))
+    varied = in_memory.run(loads(STUDY.partition("[axes.E]")[0] + axis, default_name="angles"))
     export(varied, tmp_path / "rod.csv", Options(option_checks.axis_values(varied, ["beta=15deg"])))
     with (tmp_path / "rod.csv").open() as file:
         first = next(csv.DictReader(file))
@@ -533,24 +523,12 @@ def test_a_writer_that_fails_leaves_what_was_there(tmp_path, monkeypatch, at) ->
     assert path.read_text() == "before"
 
 
-TUBE = """
-title = "a tube"
-outputs = ["beta", "alpha", "z"]
-[units]
-length = "mm"
-force = "N"
-[base]
-E = 1e5
-nu = 0.3
-a = 0.25
-inner_radius = 0.15
-L = 5.0
-R = 0.75
-beta = 0.5
-dbeta = 0.1
-M3 = 0.0
-F3 = 1.0
-"""
+TUBE = small.text(
+    {"E": 1e5, "nu": 0.3, "a": 0.25, "inner_radius": 0.15, "L": 5.0, "R": 0.75}
+    | {"beta": 0.5, "dbeta": 0.1, "M3": 0.0, "F3": 1.0},
+    units="mm N",
+    outputs=["beta", "alpha", "z"],
+)
 WALL = np.pi * (0.25**2 - 0.15**2) * 5.0
 
 

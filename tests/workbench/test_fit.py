@@ -8,29 +8,13 @@ import pytest
 
 from solver import Case, Cylinder, Rod, Start, fit, observe, solve
 from studies import load
+from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench import cli
 from workbench.figures import fit_figure, style
 from workbench.fitting import fit_dataset
 
-ENDS = """title = "a rod between two ends"
-
-[units]
-length = "cm"
-force = "N"
-
-[base]
-E = 1.07e4
-nu = 0.25
-a = 0.25
-L = 20.0
-R = 0.75
-beta0 = 0.5
-betaL = 0.8
-FZ = -8.5
-MZ = 1.3
-M3 = 6.1
-"""
+ENDS = small.text({**small.ROD, "beta0": 0.5, "betaL": 0.8, "FZ": -8.5, "MZ": 1.3, "M3": 6.1})
 
 
 def run(capsys, *words: object) -> tuple[int, str, str]:

@@ -12,29 +12,19 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import follow, solve
 from studies import Study
 from studies.language.loader import loads
+from tests.workbench import small
 from workbench.store import block, in_memory
 from workbench.store.study_store import Options, run_to_file
 
-TEXT = """
-title = "A rod that snaps through"
-observables = ["height", "index"]
-outputs = ["beta"]
-stations = 21
-[units]
-length = "cm"
-force = "N"
-[base]
-E = {E}
-nu = 0.25
-a = 0.25
-{base}
-"""
-FALLING = "[axes.FZ]\nfollow = true\nfrom = 2.0\nto = -3.0\ncount = 11\n"
+SNAP = {"E": 325.95, "nu": 0.25, "a": 0.25, "R": 0.75, "L": 5.0, "beta0": 0.5, "betaL": 0.5}
+FALLING = small.axis("FZ", (2.0, -3.0, 11), follow=True)
 FOLD = -0.967071594676  # of `follow`; both signs of height meet there
 
 
-def study(axes: str = FALLING, base: str = "R = 0.75\nL = 5.0\nbeta0 = 0.5\nbetaL = 0.5", E: str = "325.95") -> Study:
-    return loads(TEXT.format(base=base, E=E) + axes, "text", "snap")
+def study(axes: str = FALLING, base: dict[str, Any] = SNAP) -> Study:
+    """A rod that snaps through."""
+    text = small.text(base, axes, observables=["height", "index"], outputs=["beta"], stations=21)
+    return loads(text, "text", "snap")
 
 
 @cache
@@ -77,29 +67,26 @@ def test_each_case_is_a_point_of_the_branch_of_the_first() -> None:
 
 
 def test_a_rising_axis_begins_at_its_low_end_on_another_branch() -> None:
-    ds = in_memory.run(study("[axes.FZ]\nfollow = true\nfrom = -3.0\nto = 2.0\ncount = 11\n"))
+    ds = in_memory.run(study(small.axis("FZ", (-3.0, 2.0, 11), follow=True)))
     height = falling()["height"]
     assert ds["FZ"].values[0] == -3.0
     assert float(ds["height"][0]) < 0 < float(height[0])
 
 
 @pytest.mark.parametrize(
-    "axis, base",
+    "axis, values, more",
     [
-        ("E", "L = 5.0\nR = 0.75\nbeta0 = 0.5\nbetaL = 0.8\nFZ = -0.3\n"),
-        ("L", "R = 0.75\nbeta0 = 0.5\nbetaL = 0.8\nFZ = -0.3\n"),
-        ("R", "L = 5.0\nbeta0 = 0.5\nbetaL = 0.8\nFZ = -0.3\n"),
-        ("alpha", "L = 5.0\nR = 0.75\nbeta0 = 0.5\nbetaL = 0.8\nFZ = -0.3\n"),
-        ("height", "L = 5.0\nR = 0.75\nbeta0 = 0.5\nbetaL = 0.8\n"),
-        pytest.param("M1L", "L = 5.0\nR = 0.75\nbeta0 = 0.5\nheight = 4.2\n", marks=pytest.mark.slow),
+        ("E", (300.0, 280.0), {"FZ": -0.3}),
+        ("L", (5.0, 5.2), {"FZ": -0.3}),
+        ("R", (0.75, 0.7), {"FZ": -0.3}),
+        ("alpha", (0.0, 1.0), {"FZ": -0.3}),
+        ("height", (4.2, 4.0), {}),
+        pytest.param("M1L", (0.1, 0.2), {"betaL": None, "height": 4.2}, marks=pytest.mark.slow),
     ],
 )
-def test_any_numeric_axis_is_followed(axis: str, base: str) -> None:
-    values = {"E": (300.0, 280.0), "L": (5.0, 5.2), "R": (0.75, 0.7), "alpha": (0.0, 1.0), "height": (4.2, 4.0)}
-    first, last = values.get(axis, (0.1, 0.2))
-    base = base if axis == "E" else "E = 325.95\n" + base
-    text = TEXT.replace("E = {E}\n", "").format(base=base)
-    one = loads(f"{text}[axes.{axis}]\nfollow = true\nvalues = [{first}, {last}]\n", "text", "snap")
+def test_any_numeric_axis_is_followed(axis: str, values: tuple[float, float], more: dict[str, Any]) -> None:
+    first, last = values
+    one = study(small.axis(axis, [first, last], follow=True), SNAP | {"betaL": 0.8} | more)
     ds = in_memory.run(one)
     assert ds["outcome"].values.tolist() == ["solved", "solved"]
     from_first = solve(one.case_of({axis: last}), seed=solve(one.case_of({axis: first})), stations=21)
@@ -108,16 +95,11 @@ def test_any_numeric_axis_is_followed(axis: str, base: str) -> None:
 
 def test_a_followed_axis_comes_last_and_each_line_ends_at_its_own_fold() -> None:
     axes = FALLING.replace("11", "6") + "[axes.E]\nvalues = [325.95, 651.9]\n"
-    ds = in_memory.run(two(axes))
+    ds = in_memory.run(study(axes))
     assert ds["outcome"].dims == ("E", "FZ")
     for E in (325.95, 651.9):
         line = ds.sel(E=E)
         np.testing.assert_array_equal(line["solved"], line["FZ"].values > FOLD * E / 325.95)  # loads scale with E
-
-
-def two(axes: str) -> Study:
-    base = "R = 0.75\nL = 5.0\nbeta0 = 0.5\nbetaL = 0.5"
-    return loads(TEXT.replace("E = {E}\n", "").format(base=base) + axes, "text", "snap")
 
 
 def test_a_first_case_without_an_equilibrium_leaves_the_axis_without_any() -> None:
@@ -128,9 +110,8 @@ def test_a_first_case_without_an_equilibrium_leaves_the_axis_without_any() -> No
 
 
 def test_a_buckled_pipe_ends_in_the_pitchfork_where_it_straightens() -> None:
-    base = "R = 0.99\nL = 10.0\nbeta0 = 0.0\nbetaL = 0.0"
-    text = TEXT.format(base=base, E=1.0).replace("E = 1.0\nnu = 0.25\na = 0.25", "EI = 1.0\nGJ = 0.8\na = 0.01")
-    ds = in_memory.run(loads(text + "[axes.FZ]\nfollow = true\nvalues = [-0.12, -0.11, -0.09]\n", "text", "pipe"))
+    pipe = {"EI": 1.0, "GJ": 0.8, "a": 0.01, "R": 0.99, "L": 10.0, "beta0": 0.0, "betaL": 0.0}
+    ds = in_memory.run(study(small.axis("FZ", [-0.12, -0.11, -0.09], follow=True), pipe))
     said = ds["outcome"].values.tolist()
     assert said[:2] == ["solved", "solved"]
     where = "failed: the followed branch ends where the rod becomes straight, in a pitchfork at FZ = "
@@ -138,7 +119,7 @@ def test_a_buckled_pipe_ends_in_the_pitchfork_where_it_straightens() -> None:
     assert float(said[2].rpartition(" = ")[2]) == pytest.approx(-((np.pi / 10) ** 2), rel=1e-9)
 
 
-START = "L = 8.0\nR = 0.75\nbeta = 0.5\ndbeta = 0.3\nF3 = 4.0\nM3 = 2.0"
+START = {"E": 325.95, "nu": 0.25, "a": 0.25, "L": 8.0, "R": 0.75, "beta": 0.5, "dbeta": 0.3, "F3": 4.0, "M3": 2.0}
 
 
 @pytest.mark.parametrize(
@@ -150,9 +131,7 @@ START = "L = 8.0\nR = 0.75\nbeta = 0.5\ndbeta = 0.3\nF3 = 4.0\nM3 = 2.0"
     ],
 )
 def test_the_equilibrium_of_a_start_problem_is_followed_to_the_last_value_or_its_fold(axis: str, last: float) -> None:
-    one = loads(
-        TEXT.format(base=START, E="325.95") + f"[axes.{axis}]\nfollow = true\nto = {last}\ncount = 5\n", "text", "one"
-    )
+    one = study(f"[axes]\n{axis} = {{ follow = true, to = {last}, count = 5 }}\n", START)
     ds = in_memory.run(one)
     assert set(ds["outcome"].values) == {"solved"}
     own = solve(one.case(), stations=21)
@@ -203,7 +182,7 @@ def test_an_interrupted_run_goes_on_to_the_same_bits(tmp_path: Path, monkeypatch
 @pytest.mark.slow
 def test_workers_and_lines_of_several_blocks_give_the_same_bits(tmp_path: Path) -> None:
     axes = FALLING.replace("11", "41") + "[axes.E]\nvalues = [325.95, 651.9]\n"
-    for number, one in enumerate((study(FALLING.replace("11", "41")), two(axes))):
+    for number, one in enumerate((study(FALLING.replace("11", "41")), study(axes))):
         run_to_file(one, tmp_path / f"one{number}.h5", Options(workers=1))
         run_to_file(one, tmp_path / f"two{number}.h5", Options(workers=2, chunk=1))
         assert bits(tmp_path / f"one{number}.h5") == bits(tmp_path / f"two{number}.h5")

@@ -9,14 +9,12 @@ import pytest
 import xarray as xr
 
 from solver import Case, Cylinder, Ends, Rod, solve
+from tests.workbench import small
 from workbench import cli
 
 ROD = "--length-unit cm --force-unit N --E 1.07e4 --nu 0.25 --a 0.25 --L 5 --R 0.75 --beta0 0 --betaL 0 --height 4"
 QUICK = "--within FZ=-90:-30 --values 3 --tries 0"
-STUDY = (
-    'title = "held"\n[units]\nlength = "cm"\nforce = "N"\n[base]\nE = 1.07e4\nnu = 0.25\na = 0.25\nL = 5.0\nR = 0.75\n'
-    "beta0 = 0.0\nbetaL = 0.0\nheight = 4.0\n"
-)
+STUDY = small.text({**small.SHORT, "beta0": 0.0, "betaL": 0.0, "height": 4.0})
 
 
 def run(line: str, status: int = 0) -> None:

@@ -30,7 +30,7 @@ from workbench.words import escaping
 
 ROOT = Path(__file__).parents[2]
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
-LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
+LAW = small.law("kappa_max", "R", "falls", claim="(2)")
 HEAD = 'observables = ["turns", "attached"]\noutputs = ["beta", "alpha", "z", "contact"]'
 
 
@@ -363,23 +363,12 @@ def test_a_file_without_any_one_of_its_variables_is_drawn_or_refused(whole: byte
 
 ONE_AXIS = "[axes.E]\nvalues = {}\n[base]\nL = 5.0\n" + LAW.replace('"R"', '"E"')
 FOLLOWED = '[axes.betaL]\nfollow = true\nto = 60\ncount = 3\nunit = "deg"\n' + LAW.replace('"R"', '"betaL"')
-ENDS = """title = "between two ends"
-outputs = ["beta", "alpha", "z", "contact"]
-stations = 21
-[units]
-length = "cm"
-force = "N"
-[base]
-E = 1.07e4
-nu = 0.25
-a = 0.25
-L = 5.0
-R = 0.75
-beta0 = 0.3
-betaL = 0.5
-[axes.FZ]
-values = [-4.0, -2.0]
-"""
+ENDS = small.text(
+    {**small.SHORT, "beta0": 0.3, "betaL": 0.5},
+    small.axis("FZ", [-4.0, -2.0]),
+    outputs=["beta", "alpha", "z", "contact"],
+    stations=21,
+)
 BASES = {
     "one axis": small.study(ONE_AXIS.format("[1e4, 2e4]"), HEAD),
     "two axes": small.study(AXES.format("[1e4, 2e4]") + LAW, HEAD),

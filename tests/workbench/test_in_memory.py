@@ -75,23 +75,12 @@ def test_arc_length_is_shared_unless_the_length_varies() -> None:
     assert varied["s"][:, -1].values.tolist() == [10.0, 20.0]
 
 
-START = """
-title = "by fields"
-stations = 5
-outputs = ["alpha", "gamma"]
-[units]
-length = "cm"
-force = "N"
-[base]
-E = 1e4
-nu = 0.25
-a = 0.25
-L = 5.0
-R = 0.75
-beta = 0.5
-dbeta = 0.2
-M3 = 1.0
-"""
+START = small.text(
+    {"E": 1e4, "nu": 0.25, "a": 0.25, "L": 5.0, "R": 0.75, "beta": 0.5, "dbeta": 0.2, "M3": 1.0},
+    small.axis("alpha", [0.1, 0.2]) + small.axis("gamma", [0.3, 0.4]),
+    stations=5,
+    outputs=["alpha", "gamma"],
+)
 
 
 def test_a_dimension_is_named_like_its_quantity_and_a_curve_keeps_its_name() -> None:
@@ -110,7 +99,7 @@ def test_a_dimension_is_named_like_its_quantity_and_a_curve_keeps_its_name() -> 
     assert ds["beta0"].attrs["long_name"].startswith("angle from the axis at the start")
     # The shape starts where it is told, but for the rounding of the map to an orbit.
     np.testing.assert_allclose(ds["beta"][:, 0], ds["beta0"], rtol=1e-12)
-    turned = in_memory.run(loads(START + "[axes.alpha]\nvalues = [0.1, 0.2]\n[axes.gamma]\nvalues = [0.3, 0.4]\n"))
+    turned = in_memory.run(loads(START))
     assert turned["alpha"].dims == ("alpha0", "gamma0", "u")
     np.testing.assert_allclose(turned["alpha"][:, 0, 0], [0.1, 0.2], rtol=1e-12)
 

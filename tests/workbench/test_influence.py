@@ -114,9 +114,9 @@ def test_a_followed_study_and_a_sweep_have_elasticities_of_one_case() -> None:
     followed = load("fig7_4_end_angle").at_stations(21)
     found = one_case.of_study(followed, {"betaL": -14.37992253 * np.pi / 180})
     assert "betaL" in local(found, observables=["height"])["field"]
-    ends = "nu = 0.25\na = 0.25\nL = 20.0\nR = 0.75\nbeta0 = 0.5\nbetaL = 0.8\nMZ = 1.3\nM3 = 6.1\n[axes.FZ]\n"
-    text = f'title = "ends"\n[units]\nlength = "cm"\nforce = "N"\n[base]\nE = 1.07e4\n{ends}values = [-9.0, -5.0]'
-    swept = local(one_case.of_study(loads(text, default_name="ends"), {"FZ": -5.0}), observables=["height"])
+    base = {**small.ROD, "beta0": 0.5, "betaL": 0.8, "MZ": 1.3, "M3": 6.1}
+    sweep = loads(small.text(base, small.axis("FZ", [-9.0, -5.0])), default_name="ends")
+    swept = local(one_case.of_study(sweep, {"FZ": -5.0}), observables=["height"])
     assert float(swept["at"].sel(field="FZ")) == -5
 
 

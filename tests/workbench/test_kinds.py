@@ -7,24 +7,13 @@ import pytest
 from typer.testing import CliRunner
 
 from solver import Case, Cylinder, Ends, InputError, Rod, follow, solve
+from tests.workbench import small
 from workbench import cli
 from workbench.store import file_kinds
 
-ENDS = """title = "ends"
-stations = 51
-[units]
-length = "cm"
-force = "N"
-[base]
-EI = 1.0
-GJ = 0.8
-a = 0.2
-L = 4.0
-R = 0.8
-beta0 = 0.2
-betaL = 0.3
-FZ = -3.0
-"""
+ENDS = small.text(
+    {"EI": 1.0, "GJ": 0.8, "a": 0.2, "L": 4.0, "R": 0.8, "beta0": 0.2, "betaL": 0.3, "FZ": -3.0}, stations=51
+)
 LOOPS = "loops --length-unit cm --force-unit N --EI 1 --GJ 0.8 --a 0.1 --L 20 --R 1 --folds 1,2"
 MADE = {  # file -> the command that stores it, and what it is called
     "list.h5": ("equilibria ends.toml --out list.h5", "a list of equilibria"),

@@ -8,36 +8,20 @@ import pytest
 import xarray as xr
 
 from studies.language.loader import loads
+from tests.workbench import small
 from workbench.figures import long_curve, study_figure, table, unrolled
 from workbench.figures.drawn_rods import DrawnRod
 from workbench.figures.sheet import sheet
 from workbench.store import in_memory
 
-PIPE = """
-title = "A pipe of 300 m in a hole"
-observables = ["wraps"]
-outputs = ["beta", "alpha", "z", "contact"]
-stations = 4001
-[units]
-length = "m"
-force = "kN"
-[base]
-E = 2.06e8
-nu = 0.3
-a = 0.06
-L = {L}
-R = 0.11
-side = "inside"
-beta0 = 0.0
-betaL = 0.0
-FZ = -2000
-"""
+PIPE = {"E": 2.06e8, "nu": 0.3, "a": 0.06, "R": 0.11, "side": "inside", "beta0": 0.0, "betaL": 0.0, "FZ": -2000}
+KEYS = {"units": "m kN", "observables": ["wraps"], "outputs": ["beta", "alpha", "z", "contact"], "stations": 4001}
 ROOM = (8.0, 4.0)
 
 
 @pytest.fixture(scope="module")
 def pipe() -> xr.Dataset:
-    return in_memory.run(loads(PIPE.format(L=300)))
+    return in_memory.run(loads(small.text({**PIPE, "L": 300}, **KEYS)))
 
 
 def helix(length: float, pitch: float, rho: float = 0.05) -> DrawnRod:

@@ -7,41 +7,16 @@ import pytest
 import xarray as xr
 
 from solver import Case, Cylinder, Ends, Rod, Start, fit, observe, solve
+from studies import Study
 from studies.language.loader import loads
 from studies.laws.verdicts import HOLDS
+from tests.workbench import small
 from workbench.store import in_memory, law_verdicts
 from workbench.store.study_store import Options, run_to_file
 
 ROD, WALL = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
 NAMES = ("FZ", "MZ", "M3", "M10", "M1L")
-PUSHED = """
-title = "Two clamped ends come closer"
-observables = ["wraps", "M10", "FZ"]
-outputs = []
-stations = 21
-[units]
-length = "cm"
-force = "N"
-[base]
-E = 1.07e4
-nu = 0.25
-a = 0.25
-L = 5.0
-R = 0.75
-beta0 = "20deg"
-betaL = "20deg"
-[axes.height]
-from = 4.6
-to = 4.4
-count = 3
-[[laws]]
-claim = "(1)"
-observable = "FZ"
-axis = "height"
-direction = "rises"
-says = "rises"
-source = "A test."
-"""
+BASE = {**small.SHORT, "beta0": "20deg", "betaL": "20deg"}
 
 
 @pytest.mark.parametrize(
@@ -95,8 +70,14 @@ def test_a_fit_finds_the_end_angle_that_asks_for_a_moment() -> None:
     assert float(found.solution.case.given.betaL) == pytest.approx(0.45, rel=1e-8)
 
 
+def pushed(axis: str, values: tuple[float, float, int], observable: str) -> Study:
+    tables = small.axis(axis, values) + small.law(observable, axis, "rises", says="rises")
+    names = ["wraps", "M10", "FZ"]
+    return loads(small.text(BASE, tables, observables=names, outputs=[], stations=21), "text", "pushed")
+
+
 def test_a_study_stores_reactions_and_judges_a_law_of_one(tmp_path: Path) -> None:
-    study = loads(PUSHED, "text", "pushed")
+    study = pushed("height", (4.6, 4.4, 3), "FZ")
     run_to_file(study, tmp_path / "pushed.h5", Options(workers=1))
     with xr.open_dataset(tmp_path / "pushed.h5") as ds:
         assert ds["M10"].attrs["units"] == "N cm" or ds["M10"].attrs["units"] == "cm N"
@@ -106,8 +87,6 @@ def test_a_study_stores_reactions_and_judges_a_law_of_one(tmp_path: Path) -> Non
 
 
 def test_a_load_that_is_an_axis_is_not_stored_twice() -> None:
-    text = PUSHED.replace("axes.height", "axes.FZ").replace('axis = "height"', 'axis = "FZ"')
-    text = text.replace('observable = "FZ"', 'observable = "M10"').replace("4.6", "-9.0").replace("4.4", "-7.0")
-    ds = in_memory.run(loads(text, "text", "pushed"))
+    ds = in_memory.run(pushed("FZ", (-9.0, -7.0, 3), "M10"))
     assert ds["FZ"].dims == ("FZ",)
     assert "M10" in ds.data_vars

@@ -5,6 +5,7 @@ import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -25,36 +26,10 @@ from workbench.store.file_summary import summary
 from workbench.store.progress import Meter
 from workbench.store.study_store import Options, run_to_file
 
-PLANE = """
-[base]
-L = 6.0
-[axes.E]
-from = 5e3
-to = 4e4
-count = 5
-spacing = "geometric"
-[axes.R]
-from = 0.5
-to = 1.5
-count = 4
-"""
-LINE = """
-[axes.E]
-from = 5e3
-to = 4e4
-count = 4
-spacing = "geometric"
-"""
+LINE = small.axis("E", (5e3, 4e4, 4), spacing="geometric")
+PLANE = "[base]\nL = 6.0\n" + LINE.replace("count = 4", "count = 5") + small.axis("R", (0.5, 1.5, 4))
 REFINE = '[refine]\nwatch = ["turns"]\npoints = 15\n'
-LAW = """
-[[laws]]
-claim = "(1)"
-observable = "turns"
-axis = "E"
-direction = "falls"
-at = { R = 0.75 }
-source = "x"
-"""
+LAW = small.law("turns", "E", "falls", at={"R": 0.75})
 HEAD = 'observables = ["turns", "wraps"]\noutputs = []'
 
 
@@ -320,34 +295,17 @@ def test_a_real_number_is_refined_where_it_changes_by_more_than_its_step() -> No
     assert boundary(ds, "wraps", step=0.01).sizes["pair"] == (np.abs(np.diff(wraps)) > 0.01).sum()
 
 
-FAILING = """
-title = "ends"
-observables = ["amplitude"]
-outputs = []
-[units]
-length = "cm"
-force = "N"
-[base]
-nu = 0.25
-a = 0.25
-L = 20.0
-R = 0.75
-dbeta = 0.5
-F1 = 5.0
-beta = "30deg"
-F3 = 10.0
-[axes.E]
-from = 9e3
-to = 2e4
-count = 5
-[refine]
-watch = ["outcome"]
-tolerance = 1e-3
-"""
+FAILING = {"nu": 0.25, "a": 0.25, "L": 20.0, "R": 0.75, "dbeta": 0.5, "F1": 5.0, "beta": "30deg", "F3": 10.0}
+
+
+def study_of(base: dict[str, Any], values: Any, refine: str) -> Study:
+    return loads(
+        small.text(base, f"{small.axis('E', values)}[refine]\n{refine}", observables=["amplitude"], outputs=[])
+    )
 
 
 def test_where_cases_begin_to_fail_is_located_and_failed_cells_are_told(monkeypatch, tmp_path) -> None:
-    work, whole = loads(FAILING), block.block_of
+    work, whole = study_of(FAILING, (9e3, 2e4, 5), 'watch = ["outcome"]\ntolerance = 1e-3\n'), block.block_of
 
     def failing(study_, part):
         found = whole(study_, part)
@@ -526,17 +484,10 @@ def test_a_grid_has_a_boundary_too() -> None:
 
 
 def test_an_ends_problem_is_refined_by_the_rule_of_its_equilibrium() -> None:
-    text = FAILING.partition("[axes.E]")[0].replace('beta = "30deg"\n', 'beta0 = "30deg"\nbetaL = "20deg"\n')
-    text = (
-        text.replace("dbeta = 0.5\nF1 = 5.0\n", "")
-        .replace("F3 = 10.0\n", "FZ = -10.0\n")
-        .replace("L = 20.0", "L = 6.0")
-    )
-    text += (
-        '[axes.E]\nvalues = [5e3, 1e4, 2e4]\n[refine]\nwatch = ["amplitude"]\nsteps = {amplitude = 0.1}\npoints = 9\n'
-    )
-    ds = in_memory.run(loads(text))
+    base = {"nu": 0.25, "a": 0.25, "L": 6.0, "R": 0.75, "beta0": "30deg", "betaL": "20deg", "FZ": -10.0}
+    work = study_of(base, [5e3, 1e4, 2e4], 'watch = ["amplitude"]\nsteps = {amplitude = 0.1}\npoints = 9\n')
+    ds = in_memory.run(work)
     assert "branch" not in ds
     for i in (0, ds.sizes["sample"] - 1):
-        alone = observe(solve(loads(text).case_of({"E": float(ds["E"][i])})), ["amplitude"])["amplitude"]
+        alone = observe(solve(work.case_of({"E": float(ds["E"][i])})), ["amplitude"])["amplitude"]
         np.testing.assert_allclose(float(ds["amplitude"][i]), float(alone), rtol=1e-7)

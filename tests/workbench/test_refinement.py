@@ -9,26 +9,17 @@ from benchmarks.detail import off
 from solver import Case, Cylinder, Rod, Solution, Start, solve
 from solver.problem.errors import InputError
 from studies.language.loader import loads
+from tests.workbench import small
 from workbench.geometry import centreline, stored_line
 from workbench.geometry.refinement import rings, stations_for
 from workbench.scene.body import Body, read
 from workbench.scene.scene_kinds import KINDS
 from workbench.store import in_memory
 
-TEXT = """title = "a rod"
-reading = "force-first/tension/paper"
-stations = {stations}
-outputs = ["beta", "alpha", "z", "gamma"]
-[units]
-length = "cm"
-force = "N"
-[base]
-L = {L}
-"""
-
 
 def body(stations: int = 201, L: float = 20.0, kind: str = "plain") -> Body:
-    ds = in_memory.run(loads(TEXT.format(stations=stations, L=L), default_name="rod"))
+    given = {"stations": stations, "outputs": ["beta", "alpha", "z", "gamma"]}
+    ds = in_memory.run(loads(small.text({"L": L}, reading="force-first/tension/paper", **given), default_name="rod"))
     return read(ds, {}, KINDS[kind])
 
 

@@ -10,6 +10,7 @@ import xarray as xr
 
 from solver import InputError
 from studies import loads
+from tests.workbench import small
 from workbench.export import stored_rod
 from workbench.figures import along, portrait, table
 from workbench.geometry import stored_line
@@ -20,30 +21,13 @@ from workbench.store import in_memory
 from workbench.web.turntable import stored
 from workbench.words import left_out
 
-STUDY = """
-title = "a pipe"
-stations = {stations}
-[units]
-length = "m"
-force = "kN"
-[base]
-EI = 1228.0
-GJ = 945.0
-a = 0.0635
-L = 60.0
-weight = 0.242
-R = 0.10795
-side = "inside"
-beta0 = 0.0
-betaL = 0.0
-FZ = -220.0
-[axes.inclination]
-values = ["60deg", "90deg"]
-"""
+PIPE = {"EI": 1228.0, "GJ": 945.0, "a": 0.0635, "L": 60.0, "weight": 0.242, "R": 0.10795}
+HELD = {**PIPE, "side": "inside", "beta0": 0.0, "betaL": 0.0, "FZ": -220.0}
+ANGLES = small.axis("inclination", ["60deg", "90deg"])
 
 
 def pipes(stations: int) -> xr.Dataset:
-    return in_memory.run(loads(STUDY.format(stations=stations)))
+    return in_memory.run(loads(small.text(HELD, ANGLES, "m kN", stations=stations)))
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +36,8 @@ def ds() -> xr.Dataset:
 
 
 def test_what_a_rod_with_weight_and_friction_is_given_is_stored() -> None:
-    rubbed = 'inclination = "90deg"\nfriction = 0.2\nsliding = "backward"\nalpha = 0.1\n[axes.FZ]\nvalues = [-100, -90]'
-    ds = in_memory.run(loads(STUDY.format(stations=3).partition("FZ")[0] + rubbed))
+    rubbed = HELD | {"inclination": "90deg", "friction": 0.2, "sliding": "backward", "alpha": 0.1}
+    ds = in_memory.run(loads(small.text(rubbed, small.axis("FZ", [-100, -90]), "m kN", stations=3)))
     assert (ds["inclination"], ds["friction"], ds["alpha0"]) == (np.pi / 2, 0.2, 0.1)
     assert ds.attrs["sliding"] == "backward"
     assert bool((ds["alpha"][:, 0] == 0.1).all())

@@ -44,33 +44,13 @@ mean = "30deg"
 std = 0.1
 """
 AXIS = "[axes.F1]\nvalues = [3.0, 5.0, 8.0]\n"
-LAW = """
-[[laws]]
-claim = "(5)"
-observable = "kappa_max"
-axis = "F1"
-direction = "rises"
-source = "x"
-at = { sample = 2 }
-"""
-ENDS = """
-title = "ends"
-observables = ["amplitude", "index"]
-outputs = []
-[units]
-length = "cm"
-force = "N"
-[base]
-nu = 0.25
-a = 0.25
-L = 10.0
-R = 0.75
-betaL = 0.8
-FZ = -8.0
-[zip]
-E = [1e4, 1.1e4, 1.3e4]
-beta0 = [0.3, 0.4, 0.5]
-"""
+LAW = small.law("kappa_max", "F1", "rises", at={"sample": 2})
+ENDS = small.text(
+    {"nu": 0.25, "a": 0.25, "L": 10.0, "R": 0.75, "betaL": 0.8, "FZ": -8.0},
+    "[zip]\nE = [1e4, 1.1e4, 1.3e4]\nbeta0 = [0.3, 0.4, 0.5]\n",
+    observables=["amplitude", "index"],
+    outputs=[],
+)
 
 
 def study(size: int = 40, seed: int = 3, more: str = "") -> Study:

@@ -30,31 +30,14 @@ from workbench.scene.views import View
 from workbench.store import in_memory, selection, writing
 from workbench.store.schema import SECTION
 
-HEAD = 'title = "a rod"\nstations = %d\n[units]\nlength = "cm"\nforce = "N"\n'
-BASE = """[base]
-E = 1.07e4
-nu = 0.25
-a = 0.25
-L = %s
-R = 0.75
-side = "%s"
-beta = 0.5
-dbeta = 0.1
-F3 = %s
-dgamma = 0.5
-"""
+START = {"beta": 0.5, "dbeta": 0.1, "dgamma": 0.5}
 
 draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 
 
-def dataset(
-    side: str = "outside", axes: str = "", stations: int = 201, L: float = 20.0, outputs: str = ""
-) -> xr.Dataset:
-    base = BASE % (L, side, 10.0 if side == "outside" else -10.0)
-    varied = {line.removeprefix("[axes.").removesuffix("]") for line in axes.splitlines()}
-    base = "\n".join(line for line in base.splitlines() if line.partition(" ")[0] not in varied)
-    text = f"{outputs}{HEAD % stations}{base}\n{axes}"
-    return in_memory.run(loads(text, default_name="rod"))
+def dataset(side: str = "outside", axes: str = "", stations: int = 201, L: float = 20.0, **keys: object) -> xr.Dataset:
+    base = {**small.ROD, "L": L, "side": side, **START, "F3": 10.0 if side == "outside" else -10.0}
+    return in_memory.run(loads(small.text(base, axes, stations=stations, **keys), default_name="rod"))
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +93,7 @@ def test_the_colour_of_lift_off_covers_what_is_not_attached(fig6) -> None:
 
 @pytest.mark.parametrize("side", ["outside", "inside"])
 def test_push_and_curvature_are_those_of_the_solution(side: str) -> None:
-    ds = dataset(side, outputs='outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n')
+    ds = dataset(side, outputs=["beta", "dbeta", "alpha", "z", "kappa", "contact"])
     sign = 1 if side == "outside" else -1
     s = ds["s"].values
     np.testing.assert_allclose(body(ds).value(s), sign * ds["contact"], rtol=1e-9, atol=1e-9)
@@ -118,7 +101,7 @@ def test_push_and_curvature_are_those_of_the_solution(side: str) -> None:
 
 
 def test_the_stripe_turns_with_the_material() -> None:
-    ds = dataset(outputs='outputs = ["beta", "alpha", "z", "gamma"]\n')
+    ds = dataset(outputs=["beta", "alpha", "z", "gamma"])
     rod = body(ds, "twist")
     rod = replace(rod, paint=colours.Paint("white", stripe="blue"))
     rings = rod.rings(1e-3, 0.0)
@@ -388,9 +371,8 @@ def helix() -> xr.Dataset:
     """A helix at 0.8 rad on a cylinder of rho = 1, whose pitch is 2 pi / tan(0.8)."""
     case = in_units_of_rho(helix_moment(0.8, 0.9, -0.4), 0.9, -0.4, 20.0, 0.8, 0.0)
     given = {**asdict(case)["rod"], **asdict(case)["cylinder"], **asdict(case)["given"]}
-    written = {k: f'"{v}"' if isinstance(v, str) else float(v) for k, v in given.items() if v is not None}
-    base = "\n".join(f"{name} = {value}" for name, value in written.items())
-    return in_memory.run(loads(f"{HEAD % 201}[base]\n{base}\n", default_name="helix"))
+    text = small.text({k: v if isinstance(v, str | None) else float(v) for k, v in given.items()}, stations=201)
+    return in_memory.run(loads(text, default_name="helix"))
 
 
 @draws

@@ -15,49 +15,21 @@ import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import Case, InputError, Rod, Start, solve
 from studies.language.loader import loads
 from studies.language.writer import dumps
-from tests.workbench import doc_pages
+from tests.workbench import doc_pages, small
 from workbench.geometry import stored_line
 from workbench.store import in_memory, law_verdicts, reading, value_checks, writing
 from workbench.store.case_input import field_values, from_values, with_fields
 
-HEAD = """
-title = "A section"
-observables = ["height", "twist_energy"]
-outputs = ["beta", "alpha", "z"]
-stations = 41
-[units]
-length = "m"
-force = "kN"
-"""
-START = """
-L = 8.0
-R = 0.108
-beta = 0.3
-dbeta = 0.1
-dgamma = 0.2
-F3 = 20.0
-"""
-TUBE = f"{HEAD}[base]\nE = 2.06e8\nnu = 0.3\na = 0.0635\n{START}[axes.inner_radius]\nvalues = [0.0, 0.04, 0.0543]\n"
-DIRECT = f"""{HEAD}
-[base]
-a = 0.0635
-GJ = 900.0
-{START}
-[axes.EI]
-from = 1000.0
-to = 1500.0
-count = 3
-[expressions]
-ratio = "EI/GJ"
-[[laws]]
-claim = "A/C"
-kind = "equals"
-observable = "ratio"
-axis = "EI"
-formula = "bending_stiffness/torsional_stiffness"
-relative = 1e-12
-source = "EI and GJ are A and C."
-"""
+START = {"a": 0.0635, "L": 8.0, "R": 0.108, "beta": 0.3, "dbeta": 0.1, "dgamma": 0.2, "F3": 20.0}
+KEYS = {"observables": ["height", "twist_energy"], "outputs": ["beta", "alpha", "z"], "stations": 41}
+TUBE = small.text({"E": 2.06e8, "nu": 0.3, **START}, small.axis("inner_radius", [0.0, 0.04, 0.0543]), "m kN", **KEYS)
+RATIO = {"kind": "equals", "formula": "bending_stiffness/torsional_stiffness", "relative": 1e-12}
+DIRECT = small.text(
+    {**START, "GJ": 900.0},
+    small.axis("EI", (1000.0, 1500.0, 3)) + '[expressions]\nratio = "EI/GJ"\n' + small.law("ratio", "EI", **RATIO),
+    "m kN",
+    **KEYS,
+)
 
 
 @pytest.mark.parametrize("text", (TUBE, DIRECT), ids=("tube", "given"))

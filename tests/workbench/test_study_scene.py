@@ -95,25 +95,9 @@ def test_a_study_is_drawn_as_its_file_is_and_finer_takes_more_stations(file, sol
     assert told[0] < told[1]
 
 
-WOUND = """title = "A wire wound in a tube"
-stations = 201
-outputs = ["beta", "alpha", "z"]
-[units]
-length = "cm"
-force = "N"
-[base]
-EI = 1.0
-GJ = 0.8
-a = 0.1
-L = 2000.0
-R = 1.0
-side = "inside"
-beta0 = 0.0
-betaL = 0.0
-FZ = -0.7
-MZ = 0.0
-M3 = 0.0
-"""
+WIRE = {"EI": 1.0, "GJ": 0.8, "a": 0.1, "L": 2000.0, "R": 1.0, "side": "inside"}
+ENDS = {"beta0": 0.0, "betaL": 0.0, "FZ": -0.7, "MZ": 0.0, "M3": 0.0}
+WOUND = small.text({**WIRE, **ENDS}, stations=201, outputs=["beta", "alpha", "z"])
 
 
 @draws

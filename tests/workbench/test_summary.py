@@ -14,8 +14,8 @@ from workbench import cli
 from workbench.store import file_summary, grid_io, in_memory, writing
 from workbench.words import labels
 
-AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
-LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
+AXES = small.axis("E", [1e4, 2e4]) + small.axis("R", [0.5, 0.75, 1.0])
+LAW = small.law("kappa_max", "R", "falls", claim="(2)")
 
 
 @pytest.fixture
@@ -51,21 +51,15 @@ def test_it_tells_axes_observables_outcomes_the_worst_case_and_laws(file) -> Non
     assert (told["tolerance"], told["method"], told["bytes"]) == (1e-8, ds.attrs["method"], path.stat().st_size)
 
 
-CLOSER = """
-title = "held"
-observables = ["wraps"]
-stations = 21
-units = {{ length = "cm", force = "N" }}
-base = {{ E = 1.07e4, nu = 0.25, a = 0.25, L = 5.0, R = 0.75, beta0 = "20deg", {end} }}
-axes.height.values = [{heights}]
-"""
+HELD = {**small.SHORT, "beta0": "20deg", "betaL": "20deg"}
 
 
 @pytest.mark.slow
 def test_the_reactions_of_held_ends_are_among_the_observables(tmp_path) -> None:
-    for end, names in (('betaL = "20deg"', ["wraps", "FZ", "held_index"]),
-                       ("M1L = 0.0", ["wraps", "betaL", "FZ", "held_index"])):  # fmt: skip
-        ds = in_memory.run(loads(CLOSER.format(end=end, heights="4.5, 4.4, 4.3")))
+    for end, names in (({}, ["wraps", "FZ", "held_index"]),
+                       ({"betaL": None, "M1L": 0.0}, ["wraps", "betaL", "FZ", "held_index"])):  # fmt: skip
+        heights = small.axis("height", [4.5, 4.4, 4.3])
+        ds = in_memory.run(loads(small.text(HELD | end, heights, observables=["wraps"], stations=21)))
         path = writing.write(ds, tmp_path / "held.h5", force=True)
         rows = {row["name"]: row for row in file_summary.summary(path)["observables"]}
         assert list(rows) == names
@@ -105,15 +99,11 @@ def test_a_single_case_is_told_too(tmp_path) -> None:
     assert (told["axes"], told["cases"], told["worst"][0]["at"]) == ([], 1, {})
 
 
-HELD = (
-    'title = "held"\nobservables = ["wraps", "FZ", "M1L"]\nstations = 11\n[units]\nlength = "cm"\nforce = "N"\n[base]\n'
-    "E = 1.07e4\nnu = 0.25\na = 0.25\nL = 5.0\nR = 0.75\nbeta0 = 0.1\nbetaL = 0.2\n[axes.height]\nvalues = [4.4, 4.5]\n"
-)
-
-
 @pytest.mark.slow
 def test_reactions_that_a_study_names_and_the_index_of_held_ends_are_listed(tmp_path, capsys) -> None:
-    ds = in_memory.run(loads(HELD, "held.toml"))
+    base = HELD | {"beta0": 0.1, "betaL": 0.2}
+    text = small.text(base, small.axis("height", [4.4, 4.5]), observables=["wraps", "FZ", "M1L"], stations=11)
+    ds = in_memory.run(loads(text, "held.toml"))
     path = writing.write(ds, tmp_path / "held.h5")
     rows = {row["name"]: row for row in file_summary.summary(path)["observables"]}
     assert [*rows] == ["wraps", "FZ", "M1L", "held_index"]  # MZ and M3 are stored too, but nobody named them

@@ -8,9 +8,11 @@ import xarray as xr
 
 import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import Case, Ends, InputError, solve
+from studies import Study
 from studies.language.loader import loads
 from studies.laws.verdicts import FAILS, UNDECIDED
 from tests.slow import slow_but
+from tests.workbench import small
 from workbench import cli
 from workbench.commands import study_scene
 from workbench.scene import scene_kinds
@@ -19,32 +21,20 @@ from workbench.store.block import solve_chunk
 from workbench.store.study_store import Options, run_to_file
 from workbench.words import branch_numbers
 
-TEXT = """
-title = "A pipe pushed down its hole"
-observables = ["amplitude", "height", "index"]
-outputs = ["beta"]
-stations = 51
-{more}
-[units]
-length = "m"
-force = "kN"
-[base]
-E = 2.06e8
-inner_radius = 0.0543
-nu = 0.3
-a = 0.0635
-R = 0.108
-side = "inside"
-beta0 = 0.0
-betaL = 0.0
-{base}
-"""
-FORCES = "[axes.FZ]\nfrom = -60.0\nto = -40.0\ncount = 21\n"
-GRID = "[axes.L]\nvalues = [19.0, 20.0, 21.0]\n[axes.FZ]\nfrom = -60.0\nto = -50.0\ncount = 5\n"
+PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "R": 0.108}
+HELD = {**PIPE, "side": "inside", "beta0": 0.0, "betaL": 0.0}
+FORCES = small.axis("FZ", (-60.0, -40.0, 21))
+GRID = small.axis("L", [19.0, 20.0, 21.0]) + small.axis("FZ", (-60.0, -50.0, 5))
 
 
-def study(axes: str = FORCES, base: str = "L = 20.0", more: str = ""):
-    return loads(TEXT.format(base=base, more=more) + axes, "text", "pipe")
+def pipe(axes: str, L: float = 20.0) -> str:
+    """A pipe pushed down its hole."""
+    names = ["amplitude", "height", "index"]
+    return small.text(HELD | {"L": L}, axes, "m kN", observables=names, outputs=["beta"], stations=51)
+
+
+def study(axes: str = FORCES, L: float = 20.0) -> Study:
+    return loads(pipe(axes, L), "text", "pipe")
 
 
 # the order
@@ -104,9 +94,9 @@ def test_each_case_is_an_equilibrium_of_its_own_loads(line) -> None:
         np.testing.assert_allclose(line["beta"].sel(FZ=FZ), usual.beta, atol=1e-8)  # both tolerances are 1e-8
 
 
-def taken_over(values: list[float], more: str = "", base: str = "L = 20.0") -> dict[float, tuple[float, float]]:
+def taken_over(values: list[float], more: str = "") -> dict[float, tuple[float, float]]:
     """beta'(0) and the height of each case of a study over FZ."""
-    ds = in_memory.run(study(f"[axes.FZ]\nvalues = {values}\n{more}", base))
+    ds = in_memory.run(study(f"[axes.FZ]\nvalues = {values}\n{more}"))
     return {float(FZ): (float(ds["beta"].sel(FZ=FZ)[1]), float(ds["height"].sel(FZ=FZ))) for FZ in ds["FZ"].values}
 
 
@@ -124,23 +114,6 @@ def test_the_equilibrium_at_a_load_does_not_depend_on_the_other_loads(more) -> N
             assert height == pytest.approx(float(usual.z[-1]), rel=1e-9)
 
 
-RANDOM = """
-title = "A random study"
-observables = ["height", "index"]
-outputs = ["beta"]
-stations = 11
-[units]
-length = "cm"
-force = "N"
-[base]
-nu = 0.25
-a = 0.1
-R = 1.1
-{base}
-[axes.{axis}]
-values = {values}
-{choose}
-"""
 RANGES = {"E": (2e3, 2e4), "L": (2.0, 9.0), "FZ": (-6.0, 2.0), "MZ": (-2.0, 2.0), "M3": (-2.0, 2.0),
           "betaL": (-1.0, 1.5), "height": (-0.4, 0.9)}  # fmt: skip
 
@@ -156,14 +129,15 @@ def random_study(seed: int) -> tuple[str, str, list[float]]:
     values = draw.uniform(*RANGES[axis], 8) * (numbers["L"] if held else 1)
     left_out = {axis, "FZ"} if held else {axis}
     side = "inside" if draw.random() < 0.5 else "outside"
-    base = [f"{name} = {value!r}" for name, value in numbers.items() if name not in left_out] + [f'side = "{side}"']
+    base = {"nu": 0.25, "a": 0.1, "R": 1.1} | {name: of for name, of in numbers.items() if name not in left_out}
+    given = {"observables": ["height", "index"], "outputs": ["beta"], "stations": 11}
     rule = draw.choice(["", "", '[equilibrium]\nchoose = "lowest"', "[equilibrium]\nindex = 1"]) if not held else ""
-    return RANDOM.replace("{base}", "\n".join(base)).replace("{choose}", rule), axis, values.tolist()
+    return small.text(base | {"side": side}, str(rule) + "\n", **given), axis, values.tolist()
 
 
 def cases_of(text: str, axis: str, values: list[float]) -> dict[float, tuple[str, bytes]]:
     """Solved or not, and beta, of each case of a study with these values of its axis."""
-    ds = in_memory.run(loads(text.replace("{axis}", axis).replace("{values}", repr(values)), "text", "random"))
+    ds = in_memory.run(loads(text + small.axis(axis, values), "text", "random"))
     row = ds["beta"].transpose(axis, "u").values
     return {float(value): (str(said).split(";")[0], row[i].tobytes())
             for i, (value, said) in enumerate(zip(ds[axis].values, ds["outcome"].values, strict=True))}  # fmt: skip
@@ -176,7 +150,7 @@ def test_a_case_is_the_same_whatever_the_range_the_order_and_the_number_of_value
         whole = cases_of(text, axis, values)
         part = cases_of(text, axis, sorted(values[:5], reverse=True)) | cases_of(text, axis, values[5:6])
         assert part == {value: whole[value] for value in part}, seed
-        one = loads(text.replace("{axis}", axis).replace("{values}", repr(values)), "text", "random")
+        one = loads(text + small.axis(axis, values), "text", "random")
         choose = sweep.rule_of(one.equilibrium)
         for value in values[:2]:
             usual = solve(one.case_of({axis: value}), stations=11, tol=one.tol, choose=choose)
@@ -190,41 +164,25 @@ def test_a_case_is_the_same_whatever_the_range_the_order_and_the_number_of_value
 
 @pytest.mark.slow
 def test_a_wire_pushed_into_a_tube_is_not_turned_back_because_the_axis_goes_far() -> None:
-    text = """
-title = "A wire in a tube"
-observables = ["height", "push_max"]
-[units]
-length = "mm"
-force = "N"
-[base]
-E = 6e4
-nu = 0.3
-a = 0.25
-L = 120.0
-R = 2.0
-side = "inside"
-beta0 = 0.0
-betaL = 0.0
-[axes.FZ]
-values = {values}
-"""
+    base = {"E": 6e4, "nu": 0.3, "a": 0.25, "L": 120.0, "R": 2.0, "side": "inside", "beta0": 0.0, "betaL": 0.0}
     for last in (-10.0, -200.0):
-        ds = in_memory.run(loads(text.format(values=[0.0, -5.0, 0.6 * last, 0.75 * last, last]), "text", "wire"))
+        forces = small.axis("FZ", [0.0, -5.0, 0.6 * last, 0.75 * last, last])
+        ds = in_memory.run(loads(small.text(base, forces, "mm N", observables=["height", "push_max"]), "text", "wire"))
         assert float(ds["height"].sel(FZ=-5.0)) == pytest.approx(117.7948, abs=1e-4)
         assert float(ds["push_max"].sel(FZ=-5.0)) == pytest.approx(0.182, abs=5e-4)
 
 
 def test_the_first_case_is_the_one_that_equilibrium_chooses() -> None:
-    index = in_memory.run(study(more="", axes=FORCES + "[equilibrium]\nindex = 2\n"))
+    index = in_memory.run(study(FORCES + "[equilibrium]\nindex = 2\n"))
     assert index["index"].sel(FZ=-50.0) == 2
     assert (index["branch"] == 0).all()
     assert "of those of index 2 the shape that swings least" in index.attrs["equilibria"]
-    low = in_memory.run(study(axes=FORCES.replace("21", "3") + '[equilibrium]\nchoose = "lowest"\n'))
+    low = in_memory.run(study(FORCES.replace("21", "3") + '[equilibrium]\nchoose = "lowest"\n'))
     assert "the shape of lowest energy" in low.attrs["equilibria"]
     named = float(solve(study().case_of({"FZ": -50.0}), choose=1, stations=3).dbeta[0])
     energy = 1e3
     text = FORCES.replace("21", "3") + f"[equilibrium]\ndbeta0 = {named!r}\nenergy = {energy!r}\n"
-    assert "the one next to beta'(0)" in in_memory.run(study(axes=text)).attrs["equilibria"]
+    assert "the one next to beta'(0)" in in_memory.run(study(text)).attrs["equilibria"]
 
 
 # the same bits
@@ -235,9 +193,9 @@ def bits(path: Path) -> dict[str, bytes]:
         return {name: ds[name].values.tobytes() for name in ds.variables if ds[name].dtype.kind in "if"}
 
 
-@pytest.mark.parametrize("axes, base", ((FORCES, "L = 20.0"), pytest.param(GRID, "", marks=pytest.mark.slow)))
-def test_workers_chunks_and_memory_give_the_same_bits(tmp_path, axes, base) -> None:
-    one = study(axes, base)
+@pytest.mark.parametrize("axes", (FORCES, pytest.param(GRID, marks=pytest.mark.slow)))
+def test_workers_chunks_and_memory_give_the_same_bits(tmp_path, axes) -> None:
+    one = study(axes)
     run_to_file(one, tmp_path / "one.h5", Options(workers=1))
     run_to_file(one, tmp_path / "two.h5", Options(workers=2, chunk=1))
     assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
@@ -249,9 +207,9 @@ def test_workers_chunks_and_memory_give_the_same_bits(tmp_path, axes, base) -> N
 
 @pytest.mark.slow
 def test_a_chunk_is_the_same_alone_as_among_others() -> None:
-    work = plan.plan(study(GRID, ""))
+    work = plan.plan(study(GRID))
     whole = solve_chunk(work.light, work.chunk(0, work.size), work.block)
-    again = plan.plan(study(GRID, ""))
+    again = plan.plan(study(GRID))
     last = solve_chunk(again.light, again.chunk(work.block, work.size), work.block) if work.block < work.size else whole
     assert len(last) > 0
     single = plan.plan(study())
@@ -311,7 +269,7 @@ def test_a_stored_sweep_is_solved_again_on_its_branch(tmp_path) -> None:
 
 def test_a_picture_of_a_study_shows_the_branch_that_the_study_is_on(tmp_path) -> None:
     path = tmp_path / "pipe.toml"
-    path.write_text(TEXT.format(base="L = 20.0", more="") + FORCES.replace("21", "5") + "[equilibrium]\nindex = 2\n")
+    path.write_text(pipe(FORCES.replace("21", "5") + "[equilibrium]\nindex = 2\n"))
     whole, rough = study_scene.two_stations(path)
     some = study_scene.needed_cases(whole, rough, scene_kinds.kind_of("plain"), {"FZ": -60.0}, [])
     ds = in_memory.run(some.at_stations(51))
@@ -320,7 +278,7 @@ def test_a_picture_of_a_study_shows_the_branch_that_the_study_is_on(tmp_path) ->
 
 def test_run_check_and_summary_say_how_many_branches_there_are(tmp_path, capsys) -> None:
     path = tmp_path / "pipe.toml"
-    path.write_text(TEXT.format(base="L = 20.0", more="") + FORCES.replace("21", "3"))
+    path.write_text(pipe(FORCES.replace("21", "3")))
     file = str(tmp_path / "x.h5")
     run = ("run", str(path), "--out", file)
     for words in (run, run, ("check", file), ("summary", file)):
@@ -357,39 +315,6 @@ def test_what_is_said_of_branches() -> None:
 
 def beyond_the_fold():
     """Table 1 held at its own far end, which is turned past the fold of its own branch at 35.34 degrees."""
-    text = """
-title = "Past a fold"
-observables = ["kappa_mean", "index", "turns"]
-outputs = ["beta"]
-[units]
-length = "cm"
-force = "N"
-[base]
-E = 1.07e4
-nu = 0.25
-a = 0.25
-L = 20.0
-R = 0.75
-stiffness = "paper"
-beta0 = "30deg"
-FZ = {FZ!r}
-MZ = {MZ!r}
-M3 = {M3!r}
-[axes.betaL]
-from = 28.0
-to = 42.0
-count = 15
-unit = "deg"
-[equilibrium]
-dbeta0 = {dbeta0!r}
-energy = {energy!r}
-[[laws]]
-claim = "(4)"
-observable = "kappa_mean"
-axis = "betaL"
-direction = "rises"
-source = "made up"
-"""
     from solver.end_angle_branch import to_fold
     from solver.observe.observables import observe
     from tests.cases import table_1
@@ -401,13 +326,16 @@ source = "made up"
     slope = float(np.interp(np.deg2rad(35.0), branch.values, branch.dbeta0))
     own = solve(middle, seed=slope)
     energy = float(observe(own, ["energy"])["energy"])
-    numbers = {"FZ": FZ, "MZ": MZ, "M3": M3, "dbeta0": float(own.dbeta[0]), "energy": energy}
-    return loads(text.format(**numbers), "text", "past"), branch
+    base = {**small.ROD, "stiffness": "paper", "beta0": "30deg", "FZ": FZ, "MZ": MZ, "M3": M3}
+    which = "[equilibrium]\n" + small.lines({"dbeta0": float(own.dbeta[0]), "energy": energy})
+    tables = small.axis("betaL", (28.0, 42.0, 15), unit="deg") + which + small.law("kappa_mean", "betaL", "rises")
+    text = small.text(base, tables, observables=["kappa_mean", "index", "turns"], outputs=["beta"])
+    return loads(text, "text", "past"), branch
 
 
 def test_a_branch_that_loses_its_stability_says_so() -> None:
     """The straight pipe of 20 m buckles at A (pi/L)^2 = 30.2 kN; its branch goes on, unstable."""
-    one = study("[axes.FZ]\nfollow = true\nfrom = -5.0\nto = -40.0\ncount = 11\n")
+    one = study(small.axis("FZ", (-5.0, -40.0, 11), follow=True))
     ds = in_memory.run(one)
     critical = float(one.case().rod.bending_stiffness) * (np.pi / 20.0) ** 2
     assert (ds["branch"] == 0).all()
@@ -419,7 +347,7 @@ def test_a_branch_that_loses_its_stability_says_so() -> None:
 
 
 def test_a_buckled_branch_ends_where_the_pipe_straightens() -> None:
-    one = study("[axes.FZ]\nfrom = -60.0\nto = -10.0\ncount = 11\n")
+    one = study(small.axis("FZ", (-60.0, -10.0, 11)))
     ds = in_memory.run(one)
     critical = float(one.case().rod.bending_stiffness) * (np.pi / 20.0) ** 2
     straight = -ds["FZ"].values < critical
@@ -430,7 +358,7 @@ def test_a_buckled_branch_ends_where_the_pipe_straightens() -> None:
 
 @pytest.mark.slow
 def test_the_long_pipe_lies_in_lubinskis_helix_at_every_load() -> None:
-    one = study("[axes.FZ]\nfrom = -300.0\nto = -50.0\ncount = 30\n", "L = 300.0")
+    one = study(small.axis("FZ", (-300.0, -50.0, 30)), 300.0)
     ds = in_memory.run(one)
     assert (ds["branch"] == 0).all()
     assert (ds["outcome"] == "solved").all()

@@ -28,25 +28,11 @@ from workbench.store import in_memory
 from workbench.web.turntable import turntable_page
 from workbench.web.turntable.stored import turntable_of_dataset
 
-INSIDE = """
-title = "A rod inside"
-outputs = ["beta", "dbeta", "alpha", "z"]
-[units]
-length = "cm"
-force = "N"
-[base]
-E = 1.07e4
-nu = 0.25
-a = 0.25
-L = 20.0
-R = 0.75
-side = "inside"
-beta = 0.5
-dbeta = 0.1
-dgamma = 0.5
-[axes.F3]
-values = [-20.0, -10.0]
-"""
+INSIDE = small.text(
+    {**small.ROD, "side": "inside", "beta": 0.5, "dbeta": 0.1, "dgamma": 0.5},
+    small.axis("F3", [-20.0, -10.0]),
+    outputs=["beta", "dbeta", "alpha", "z"],
+)
 
 
 @pytest.fixture(scope="module")
