@@ -90,6 +90,24 @@ def test_a_long_rod_with_weight_is_compressed_along_the_axis_no_more_than_its_be
     assert all(view.bodies[0].whole for view in rows[0])
 
 
+def test_of_long_pipes_one_view_shows_the_lower_part_compressed_and_lying() -> None:
+    steel = {"E": 2.06e8, "nu": 0.3, "inner_radius": 0.0543, "L": 600.0, "weight": 0.241, "inclination": "120deg"}
+    pipe = {name: value for name, value in HELD.items() if name not in ("EI", "GJ")} | steel | {"azimuth": 0.0}
+    ds = in_memory.run(loads(small.text(pipe, small.axis("FZ", [-210.0, -150.0]), "m kN", stations=201)))
+    cases = [{"FZ": 0}, {"FZ": 1}]
+    rows, camera_ = layout._cells(ds, scene_kinds.kind_of("grid"), ["FZ"], [cases], Settings())
+    assert camera_.page @ [0, 0, 1] == pytest.approx([1, 0], abs=1e-12)
+    for k, body in enumerate(view.bodies[0] for view in rows[0]):
+        assert 0 < body.span[0] < body.span[1] == 600.0  # s = L is the lower end
+        assert body.squeeze < 1
+        for low in np.linspace(300.0, 400.0, 11):  # the straight one too
+            drawn = replace(body, span=(low, 600.0)).rings(0.01, 1.0).s
+            assert drawn[[0, -1]] == pytest.approx([low, 600.0], abs=1e-9)
+        ghost = layout._thin(body, k, 2)
+        assert body.line.rho / 2 <= body.line.rho + ghost.lift < body.R - ghost.a + 1e-12
+    assert "only s = " in long_rod.notes_on(rows[0][0].bodies, "m")[1]
+
+
 def test_a_table_of_a_rod_with_weight_has_no_force_that_is_not_known(ds: xr.Dataset, tmp_path) -> None:
     stored_rod.export(ds, tmp_path / "rod.csv", stored_rod.Options(at={"inclination": np.pi / 2}))
     head, *rows = (tmp_path / "rod.csv").read_text(encoding="utf-8").splitlines()

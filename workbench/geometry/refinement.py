@@ -128,7 +128,11 @@ def _probes(line: Centreline, span: tuple[float, float], tolerance: float, turne
     wanted = max(int(np.ceil(count[-1])), PROBES) + 1
     if wanted > PROBES * MOST_TRIANGLES:
         _refuse(line, 2 * LEAST_SIDES * wanted // PROBES)
-    return np.interp(np.linspace(0, count[-1], wanted), count, fine) if count[-1] else np.linspace(low, high, wanted)
+    if not count[-1]:
+        return np.linspace(low, high, wanted)
+    found = np.interp(np.linspace(0, count[-1], wanted), count, fine)
+    found[0] = low  # where the rod begins straight, `count` is 0 at several points
+    return found
 
 
 def _errors(s: Array, place: Array, values: Array | None, at: Any, tolerance: float, colour_length: float) -> Array:

@@ -209,7 +209,10 @@ def of_case(
     return body, ""
 
 
-def beginning(body: Body) -> Body:
-    """The rod, or its beginning that is no taller than `TALLEST` diameters of the cylinder."""
-    tall = TALLEST * 2 * body.reach
-    return body if np.ptp(body.z) <= tall else replace(body, span=(body.span[0], body.span[0] + tall / body.squeeze))
+def part_in_view(body: Body, last: bool = False) -> Body:
+    """The rod, or its beginning or last part that is no taller than `TALLEST` diameters of the cylinder."""
+    low, high = body.span
+    length = TALLEST * 2 * body.reach / body.squeeze
+    if np.ptp(body.z) <= length * body.squeeze:
+        return body
+    return replace(body, span=(high - length, high) if last else (low, low + length))

@@ -87,9 +87,14 @@ def views_of(text: str | None) -> tuple[tuple[float, float], ...]:
     return ((azimuth, elevation),)
 
 
+def has_weight(ds: "xr.Dataset") -> bool:
+    """Whether rods of a dataset have weight."""
+    return "weight" in ds and bool(ds["weight"].values.any())
+
+
 def gravity(ds: "xr.Dataset", where: Mapping[str, int]) -> Array | None:
     """The direction of the weight of the rods of a case, (3,); None without weight or for several directions."""
-    if "weight" not in ds or not ds["weight"].values.any():
+    if not has_weight(ds):
         return None
     angles = np.unique(ds["inclination"].isel(where, missing_dims="ignore").values) if "inclination" in ds else [0.0]
     return np.array([np.sin(angles[0]), 0.0, -np.cos(angles[0])]) if len(angles) == 1 else None

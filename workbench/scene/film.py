@@ -25,7 +25,7 @@ from ..store import atomic, law_verdicts, schema, selection
 from ..words import labels, left_out
 from . import body as rods
 from . import camera as cameras
-from . import page, scene_kinds
+from . import long_rod, page, scene_kinds
 from .body import Body
 from .camera import Camera
 from .captions import Cell
@@ -114,16 +114,18 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     `InputError` where no case has a shape.
     """
     kind, cases = scene_kinds.kind_of(film.kind), cases_of(ds, film)
-    bodies = [rods.of_case(ds, where, kind)[0] for where in cases]
-    context = [body for body in bodies if body]
+    each = [rods.of_case(ds, where, kind)[0] for where in cases]
+    down = cameras.gravity(ds, {name: i for name, i in cases[0].items() if name != film.axis})
+    context = long_rod.in_view([body for body in each if body], cameras.has_weight(ds), down)
     if not context:
         raise InputError(f"no case along {film.axis} has a shape: there is nothing to show")
+    fitted = iter(context)
+    bodies = [next(fitted) if body else None for body in each]
     ends = ends_of(context)
     lying = bool(np.ptp(ends) > 1.3 * 2 * max(body.reach for body in context))
     (azimuth, elevation), *_ = cameras.views_of(None)
-    down = cameras.gravity(ds, {name: i for name, i in cases[0].items() if name != film.axis})
     azimuth, elevation = (azimuth, elevation) if down is None else (0.0, 0.0 if lying else elevation)
-    camera = cameras.upright(cameras.front_camera(context, elevation, lying or down is not None, down))
+    camera = long_rod.camera_of(context, cameras.front_camera(context, elevation, lying or down is not None, down))
     for k, (where, body) in enumerate(zip(cases, bodies, strict=True)):
         step(f"{film.axis} = {float(ds[film.axis][where[film.axis]]):.4g}")
         view = View([body] if body else [], Cell(), -np.radians(azimuth), ends, context)
@@ -166,6 +168,8 @@ def _frame(
             words = style.break_lines(
                 left_out.note_of_dataset(ds), across - (2.4 if weight is None else 3.5), style.SMALL
             )
+            drawn = ", ".join(long_rod.notes_on(context, str(ds.attrs["length_unit"])))
+            words = f"{drawn}\n{words}" if drawn else words
             ax.text(2.3, 0.24, words, size=style.SMALL, color=style.SOFT)
         if film.observable:
             box = ((0.62, FOOT + 0.3, across - 0.9, diagram[1] - 0.5) if lying else

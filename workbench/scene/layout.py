@@ -142,19 +142,17 @@ def _one(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str 
         held = {name: float(ds[name].values[i]) for name, i in where.items() if name != along}
         line = [rods.of_case(ds, each, kind, settings.span)[0] for each in selection.line(ds, along, held)]
         context = [each for each in line if each]
-    notes = _part_drawn([body], ds)
+    notes = []
     if where != asked:
         notes += [f"{captions.case_values(ds, asked, settings.digits)} is not solved; this is the nearest solved case"]
-    down, squeeze = cameras.gravity(ds, where), 1.0
-    if down is not None and long_rod.is_long(context):
-        squeeze = long_rod.squeeze_of(context)
-        body, *context = (replace(each, squeeze=squeeze) for each in (body, *context))
-        notes = [_compression_note(squeeze), *notes]
+    down = cameras.gravity(ds, where)
+    body, *context = long_rod.compress([body, *context], cameras.has_weight(ds))
+    notes = [*long_rod.notes_on([body], str(ds.attrs["length_unit"])), *notes]
     if long_rod.is_long(context):
         return _in_lines(ds, kind, body, context, case, settings, notes, down)
     rows, camera = _from_sides([body], context, settings, down)
     return composition.compose(Scene(ds, kind, rows, context, case, camera, settings, notes, glyph=len(rows[0]) == 1,
-                                     squeeze=squeeze))  # fmt: skip
+                                     squeeze=body.squeeze))  # fmt: skip
 
 
 def _nearest_solved(ds: xr.Dataset, where: Where, among: Sequence[Where] | None = None) -> Where:
@@ -181,7 +179,7 @@ def _from_sides(
     sides = cameras.views_of(settings.camera)
     if down is not None and settings.camera is None:
         sides = ((0.0, 0.0 if lying else sides[0][1]),)
-    camera = cameras.upright(cameras.front_camera(context, sides[0][1], lying or down is not None, down))
+    camera = long_rod.camera_of(context, cameras.front_camera(context, sides[0][1], lying or down is not None, down))
     cells = [Cell(_side(*side) if len(sides) > 1 else "") for side in sides]
     views = [View(bodies, cell, -np.radians(side[0]), ends, context) for side, cell in zip(sides, cells, strict=True)]
     toward = views[0].turn.T @ camera.toward
@@ -225,24 +223,31 @@ def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | N
         raise InputError(f"a scene of kind {kind.name} has one colour for each rod, so it takes no --color-range")
     line = selection.line(ds, axis, at)
     cases = selection.spread(line, kind.most)
-    bodies, words = [], []
-    for k, where in enumerate(cases):
-        body, _ = rods.of_case(ds, where, kind, settings.span)
-        if body:
-            body = body if settings.span else rods.beginning(body)
-            outward = (2 * k / max(len(cases) - 1, 1) - 1) * (1 - GHOST) * body.a  # no rod cuts another
-            thin = replace(body.line, a=GHOST * body.a)
-            bodies.append(replace(body, line=thin, lift=outward, paint=Paint(colours.SEVERAL[k])))
-            words.append(captions.values(ds, {axis: where[axis]})[0])
-    if not bodies:
+    drawn = [rods.of_case(ds, where, kind, settings.span)[0] for where in cases]
+    whole = {k: body for k, body in enumerate(drawn) if body}
+    if not whole:
         raise InputError(f"nothing to draw along {axis}: no case of it has a shape")
+    thin = [_thin(body, k, len(cases)) for k, body in whole.items()]
+    words = [captions.values(ds, {axis: cases[k][axis]})[0] for k in whole]
+    share = thin[0].a / next(iter(whole.values())).a
     held = {k: i for k, i in cases[0].items() if k != axis}
+    down = cameras.gravity(ds, held)
+    bodies = _in_view(thin, ds, down, settings)
     case = ", ".join([labels.axis_label(axis, ds[axis]), *captions.values(ds, held)])
     notes = [f"{len(cases)} of {len(line)} values"] if len(cases) < len(line) else []
-    notes += [f"drawn at {GHOST:g} of the thickness, one above the other", *_part_drawn(bodies, ds)]
-    rows, camera = _from_sides(bodies, bodies, settings)
+    notes += [f"drawn at {share:.2g} of the thickness, one above the other"]
+    notes += long_rod.notes_on(bodies, str(ds.attrs["length_unit"]))
+    rows, camera = _from_sides(bodies, bodies, settings, down)
     return composition.compose(Scene(ds, kind, rows, bodies, case, camera, settings, notes, ringed=False, names=words,
-                                     glyph=len(rows[0]) == 1))  # fmt: skip
+                                     glyph=len(rows[0]) == 1, squeeze=bodies[0].squeeze))  # fmt: skip
+
+
+def _thin(body: Body, k: int, count: int) -> Body:
+    """The k-th of so many rods on one cylinder: so thin that none cuts another, and none near the axis."""
+    a, inward = body.a, min((1 - GHOST) * body.a, body.line.rho / 2)
+    share = min(GHOST, (a + inward) / ((2 * count - 1) * a))
+    outward = k / max(count - 1, 1) * (inward + (1 - share) * a) - inward
+    return replace(body, line=replace(body.line, a=share * a), lift=outward, paint=Paint(colours.SEVERAL[k]))
 
 
 def _row(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Picture:
@@ -286,16 +291,14 @@ def _cells(
     azimuth, elevation = cameras.views_of(settings.camera)[0] if settings.camera else (0.0, LEVEL)
     held = {name: i for name, i in cases[0][0].items() if all(each[name] == i for row in cases for each in row)}
     down = None if settings.camera else cameras.gravity(ds, held)
-    camera = cameras.upright(cameras.front_camera([], 0.0 if down is not None else elevation, down is not None, down))
     each = [[rods.of_case(ds, where, kind, settings.span) for where in row] for row in cases]
-    drawn = [body for row in each for body, _ in row if body]
-    squeeze = long_rod.squeeze_of(drawn) if down is not None and long_rod.is_long(drawn) else 1.0
-    rows = []
+    drawn = _in_view([body for row in each for body, _ in row if body], ds, down, settings)
+    flat = cameras.front_camera([], 0.0 if down is not None else elevation, down is not None, down)
+    camera, fitted, rows = long_rod.camera_of(drawn, flat), iter(drawn), []
     for row, found in zip(cases, each, strict=True):
         views = []
         for where, (body, why) in zip(row, found, strict=True):
-            body = replace(body, squeeze=squeeze) if body else None
-            body = rods.beginning(body) if body and not settings.span else body
+            body = next(fitted) if body else None
             cell = replace(kind.cell(ds, names, where) if names else Cell(), why_empty=why)
             own = cameras.azimuth_of([body]) if body and down is None else 0.0
             turned = -np.radians(azimuth) - own
@@ -312,21 +315,13 @@ def _several(
     bodies = [body for row in rows for view in row for body in view.bodies]
     held = {name: i for name, i in first.items() if name not in names}
     case = ", ".join([*shown, *captions.values(ds, held)])
+    notes = [*long_rod.notes_on(bodies, str(ds.attrs["length_unit"])), *notes, *kind.notes]
     squeeze = bodies[0].squeeze if bodies else 1.0
-    notes = [*[_compression_note(squeeze)] * (squeeze < 1), *notes, *_part_drawn(bodies, ds), *kind.notes]
     return Scene(ds, kind, rows, bodies, case, camera, settings, notes, size, squeeze=squeeze)
 
 
-def _compression_note(squeeze: float) -> str:
-    """How much shorter heights are drawn, in words."""
-    return f"axis compressed 1 : {1 / squeeze:.3g}"
-
-
-def _part_drawn(bodies: Sequence[Body], ds: xr.Dataset) -> list[str]:
-    """Which part of the rods is drawn, where it is not all of them."""
-    parts = [body for body in bodies if not body.whole]
-    if not parts:
-        return []
-    unit, (low, high) = str(ds.attrs["length_unit"]), parts[0].span
-    low_text, high_text, L = (labels.number(value) for value in (low, high, parts[0].line.L))
-    return [f"only s = {low_text} to {high_text} {unit} of {L} {unit}"]
+def _in_view(bodies: Sequence[Body], ds: xr.Dataset, down: Array | None, settings: Settings) -> list[Body]:
+    """Rods as one view shows them; the part that is asked for whole."""
+    if settings.span:
+        return long_rod.compress(bodies, cameras.has_weight(ds))
+    return long_rod.in_view(bodies, cameras.has_weight(ds), down)

@@ -6,15 +6,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..geometry import lines
+from ..geometry.centreline import Array
 from ..geometry.lines import LABELLED
 from ..words import labels
-from .body import Body
+from .body import Body, part_in_view
+from .camera import Camera, upright
 from .captions import Cell
 
 PITCH = lines.PITCH
 SQUEEZED = 24.0  # diameters of the cylinder, to which a long rod with weight is compressed along the axis
 TIGHTEST = 0.5  # of its own radius: the curvature of a bend as it is drawn
 THINNEST = 4.0  # width of a cylinder in pixels; below, nothing of its rod is seen
+UPRIGHT = 1e-9  # of the weight, along the axis: less is none
 ROOM = 0.98  # of a line is for the rod that is cut to fit, as its bends at the cuts are not known before
 
 
@@ -69,6 +72,33 @@ def squeeze_of(bodies: Sequence[Body]) -> float:
     fits = min(SQUEEZED * 2 * body.reach / float(np.ptp(body.z)) for body in bodies)
     bends = max(float(np.sqrt(body.a * body.line.kappa(body.line.s).max() / TIGHTEST)) for body in bodies)
     return min(max(fits, bends), 1.0)
+
+
+def compress(bodies: Sequence[Body], has_weight: bool) -> list[Body]:
+    """The rods, all compressed along the axis where they have weight and one of them is long."""
+    factor = squeeze_of(bodies) if has_weight and is_long(bodies) else 1.0
+    return [replace(body, squeeze=factor) for body in bodies]
+
+
+def in_view(bodies: Sequence[Body], has_weight: bool, down: Array | None) -> list[Body]:
+    """The same, and of rods that are long even so the beginning, or where that is higher, the last part."""
+    last = down is not None and bool(down[2] > UPRIGHT)
+    return [part_in_view(body, last) for body in compress(bodies, has_weight)]
+
+
+def camera_of(bodies: Sequence[Body], camera: Camera) -> Camera:
+    """The camera turned so that the weight points down the page; rods that are compressed along the axis lie."""
+    return camera if bodies and bodies[0].squeeze < 1 else upright(camera)
+
+
+def notes_on(bodies: Sequence[Body], unit: str) -> list[str]:
+    """How much rods are compressed along the axis, and which part of them is drawn where it is not all."""
+    factor = bodies[0].squeeze if bodies else 1.0
+    notes = [f"axis compressed 1 : {1 / factor:.3g}"] * (factor < 1)
+    for body in [body for body in bodies if not body.whole][:1]:
+        low, high, L = (labels.number(value) for value in (*body.span, body.line.L))
+        notes.append(f"only s = {low} to {high} {unit} of {L} {unit}")
+    return notes
 
 
 def lines_for(bodies: Sequence[Body], room: tuple[int, int]) -> Lines:
