@@ -89,7 +89,8 @@ def strings(file: Path) -> Iterator[str]:
 
 def test_no_other_module_keeps_a_table_of_methods() -> None:
     files = [file for top in ("solver", "studies", "workbench") for file in (ROOT / top).rglob("*.py")]
-    lists = {str(file.relative_to(ROOT)): set(strings(file)) & set(METHODS) for file in files}
+    named = [file for file in files if sum(f'"{name}"' in file.read_text(encoding="utf-8") for name in METHODS) > 1]
+    lists = {str(file.relative_to(ROOT)): set(strings(file)) & set(METHODS) for file in named}
     tables = {name for name, found in lists.items() if len(found) > 1}
     assert tables == {"solver/methods/__init__.py", "solver/methods/automatic.py"}
 

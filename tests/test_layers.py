@@ -45,6 +45,7 @@ LISTS = {
     ],
 }  # fmt: skip
 
+FUNCTIONS = ast.FunctionDef | ast.AsyncFunctionDef
 STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics
 HEAVY = {
     "numpy", "scipy", "pandas", "xarray", "h5netcdf", "h5py", "pyvista", "vtk", "vtkmodules", "matplotlib", "OCP",
@@ -73,7 +74,7 @@ def imported(node: ast.AST, package: str, at_start_only: bool = False) -> Iterat
         assert isinstance(node, ast.If)
         for child in node.orelse:
             yield from imported(child, package, at_start_only)
-    elif not (at_start_only and isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)):
+    elif not isinstance(node, ast.expr) and not (at_start_only and isinstance(node, FUNCTIONS)):
         for child in ast.iter_child_nodes(node):
             yield from imported(child, package, at_start_only)
 

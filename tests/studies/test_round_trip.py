@@ -17,7 +17,7 @@ from studies.language.writer import axis_table, dumps
 from tests.studies import strategies
 
 HEAD = "title = 't'\nreading = 'force-first/tension/paper'\nunits = { length = 'cm', force = 'N' }\n"
-FEW, MANY = 100, 5000
+FEW, MANY = 60, 5000
 ALWAYS = settings().suppress_health_check  # the profile's, which a test's own would replace
 
 

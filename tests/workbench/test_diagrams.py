@@ -37,8 +37,9 @@ def numbers(some: list[dict[str, str]], column: str) -> np.ndarray:
 
 
 def test_the_points_of_a_curve_and_their_push_are_those_of_the_dataset(ds) -> None:
+    every = list(rows(unrolled.figure(ds)))
     for i, one in enumerate(ds["E"].values):
-        drawn = [row for row in rows(unrolled.figure(ds)) if row["series"].startswith(f"E = {one:.0f} ")]
+        drawn = [row for row in every if row["series"].startswith(f"E = {one:.0f} ")]
         step = (len(drawn) - 1) // 200
         across = ds["rho"].values * (ds["alpha"][i] - ds["alpha"][i, 0])
         places = "yx" if drawn[0]["x_label"].startswith("z") else "xy"

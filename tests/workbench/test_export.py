@@ -4,7 +4,6 @@ import csv
 import json
 import os
 import re
-import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -22,7 +21,7 @@ from solver import Case, Cylinder, Rod, Solution, Start, solve
 from solver.problem.errors import InputError
 from studies.language.loader import loads
 from tests.slow import slow_but
-from tests.workbench import small
+from tests.workbench import runs, small
 from workbench import cli
 from workbench.commands import export as export_command
 from workbench.commands import option_checks
@@ -43,8 +42,8 @@ STUDY = small.text(
     reading="force-first/tension/paper",
     stations=201,
 )
-LIMITED = (  # a command that may write no file of more than 1000 bytes (with -B, or it cuts compiled modules off)
-    "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); from workbench.cli import main; main()"
+LIMITED = (  # a command that may write no file of more than 1000 bytes, compiled modules neither
+    "import resource, sys\nsys.dont_write_bytecode = True\nresource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))\n"
 )
 ROOT = Path(__file__).parents[2]
 VOLUME = np.pi * 0.25**2 * 20
@@ -485,10 +484,7 @@ def test_the_command_tells_what_it_chose_and_status_1_where_turns_meet(folder, t
 )
 def test_a_disk_that_refuses_the_file_is_one_sentence_and_no_file_is_left(folder, tmp_path, kind) -> None:
     path = tmp_path / f"rod{kind}"
-    run = subprocess.run(
-        [sys.executable, "-B", "-c", LIMITED, "export", str(folder / "moduli.h5"), "--at", "E=20000", "-o", str(path)],
-        capture_output=True, text=True, check=False, cwd=ROOT,
-    )  # fmt: skip
+    run = runs.command(folder, "export", "moduli.h5", "--at", "E=20000", "-o", path, before=LIMITED)
     assert (run.returncode, run.stdout) == (2, "")
     why = "the disk did not take the whole file" if kind == ".obj" else "File too large"
     assert run.stderr == f"workbench: cannot write {path}: {why}\n"

@@ -2,20 +2,11 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from solver import Ends, solve
 from solver.end_angle_branch import to_fold
-from studies import READINGS, TABLE_1, load, names
-from studies.laws.verdicts import VERDICTS as VERDICTS_OF_LAWS
+from studies import TABLE_1, load, names
 from workbench.store import in_memory, law_verdicts
-from workbench.web.report import readings_table
-
-
-@pytest.fixture(scope="module")
-def readings() -> xr.Dataset:
-    return readings_table.run()
-
 
 VERDICTS = {  # of the laws of each figure under the default reading
     "fig6": [],
@@ -110,31 +101,3 @@ def test_beyond_the_fold_the_followed_equilibrium_is_gone() -> None:
     case = type(branch.ends)(branch.ends.rod, branch.ends.cylinder, beyond)
     found = solve(case, seed=branch.fold_dbeta0)
     assert not found.solved or abs(found.dbeta[0] - branch.fold_dbeta0) > 0.1  # none near: another, or none at all
-
-
-def test_the_readings_table_covers_every_reading_and_claim(readings) -> None:
-    assert readings["reading"].values.tolist() == list(READINGS)
-    assert readings["claim"].values.tolist() == ["(1)", "(2)", "(3)", "(4)", "(5)"]
-    assert set(np.unique(readings["claim_verdict"])) <= {*VERDICTS_OF_LAWS}
-
-
-def test_only_under_the_default_reading_no_claim_fails_or_is_left_undecided(readings) -> None:
-    good = (~readings["claim_verdict"].isin(["fails", "not decided"])).all("claim")
-    assert readings["reading"].values[good.values].tolist() == [load("fig6").reading]
-
-
-def test_a_claim_is_as_good_as_its_worst_law(readings) -> None:
-    laws = readings["law"].str.startswith("(4)")
-    for reading in READINGS:
-        row = readings.sel(reading=reading)
-        assert (row["claim_verdict"].sel(claim="(4)") == "fails") == (row["verdict"][laws] == "fails").any()
-
-
-def test_a_panel_that_cannot_be_run_under_a_reading_is_not_decided_there_and_says_why(readings) -> None:
-    import json
-
-    rows = json.loads(readings.attrs["rows"])["shear/compression/solid"]
-    (row, _) = [row for row in rows if row["claim"] == "(4)"]
-    assert row["verdict"] == "not decided"
-    assert "the rod itself already ends at beta(L) = " in row["reason"]
-    assert readings["unsolved"].sel(reading="shear/compression/solid", panel="fig7_4_end_angle") == 9

@@ -334,7 +334,7 @@ def changed_bits_are_noticed(count: int, seed: int, tmp_path: Path) -> None:
 
 
 def test_changed_bits_are_noticed(tmp_path: Path) -> None:
-    changed_bits_are_noticed(15, 1, tmp_path)
+    changed_bits_are_noticed(6, 1, tmp_path)
 
 
 @pytest.mark.slow

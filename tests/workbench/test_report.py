@@ -23,6 +23,7 @@ from PIL import Image, PngImagePlugin
 from solver.problem.errors import InputError
 from studies import READINGS, load, names
 from studies.laws import verdict_words
+from studies.laws.verdicts import VERDICTS
 from tests.workbench import browser, node, small
 from tests.workbench.pictures import shares_of_push
 from workbench.figures import style
@@ -237,6 +238,34 @@ def test_the_paper_is_quoted_and_its_fold_named(text, results) -> None:
     value = re.search(r"beta\(L\) = ([\d.]+) rad \(([\d.]+) deg\)", note)
     assert float(value[2]) == pytest.approx(np.degrees(float(value[1])), rel=1e-3)
     assert f"The equilibrium ceases to exist at β(L) = {value[2]}°, where β₀′ = " in page
+
+
+def test_the_readings_table_covers_every_reading_and_claim(readings) -> None:
+    assert readings["reading"].values.tolist() == list(READINGS)
+    assert readings["claim"].values.tolist() == ["(1)", "(2)", "(3)", "(4)", "(5)"]
+    assert set(np.unique(readings["claim_verdict"])) <= {*VERDICTS}
+
+
+def test_only_under_the_default_reading_no_claim_fails_or_is_left_undecided(readings) -> None:
+    good = (~readings["claim_verdict"].isin(["fails", "not decided"])).all("claim")
+    assert readings["reading"].values[good.values].tolist() == [load("fig6").reading]
+
+
+def test_a_claim_is_as_good_as_its_worst_law(readings) -> None:
+    laws = readings["law"].str.startswith("(4)")
+    for reading in READINGS:
+        row = readings.sel(reading=reading)
+        assert (row["claim_verdict"].sel(claim="(4)") == "fails") == (row["verdict"][laws] == "fails").any()
+
+
+def test_a_panel_that_cannot_be_run_under_a_reading_is_not_decided_there_and_says_why(readings) -> None:
+    import json
+
+    rows = json.loads(readings.attrs["rows"])["shear/compression/solid"]
+    (row, _) = [row for row in rows if row["claim"] == "(4)"]
+    assert row["verdict"] == "not decided"
+    assert "the rod itself already ends at beta(L) = " in row["reason"]
+    assert readings["unsolved"].sel(reading="shear/compression/solid", panel="fig7_4_end_angle") == 9
 
 
 def test_each_claim_stands_on_top_with_its_sentence_verdict_values_and_mechanism(text, results) -> None:
@@ -649,9 +678,8 @@ def test_in_the_dark_scheme_paper_stays_white(shown) -> None:
 def test_on_paper_a_panel_is_a_page_and_one_with_two_rows_of_rods_flows_over_two(text, results) -> None:
     style_ = text.partition("@media print")[2].partition("</style>")[0]
     assert re.search(r"\.panel:not\(\.tall\) \{ display: flex; flex-direction: column; height: 272mm;", style_)
-    (result,) = [result for result in results if result.study.name == "fig7_5_forces"]
-    rows = {**result.pictures, "scene F3": result.pictures["scene"]}
-    assert 'class="panel tall"' in report_document.html([replace(result, pictures=rows)])
+    rows = {**results[0].pictures, "scene F3": results[0].pictures["scene"]}
+    assert 'class="panel tall"' in report_document.html([replace(results[0], pictures=rows)])
     assert 'class="panel tall"' not in text
 
 

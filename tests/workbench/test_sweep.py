@@ -193,7 +193,7 @@ def bits(path: Path) -> dict[str, bytes]:
         return {name: ds[name].values.tobytes() for name in ds.variables if ds[name].dtype.kind in "if"}
 
 
-@pytest.mark.parametrize("axes", (FORCES, pytest.param(GRID, marks=pytest.mark.slow)))
+@pytest.mark.parametrize("axes", (FORCES.replace("21", "9"), pytest.param(GRID, marks=pytest.mark.slow)))
 def test_workers_chunks_and_memory_give_the_same_bits(tmp_path, axes) -> None:
     one = study(axes)
     run_to_file(one, tmp_path / "one.h5", Options(workers=1))
@@ -222,7 +222,7 @@ def test_a_chunk_is_the_same_alone_as_among_others() -> None:
 
 
 def test_an_interrupted_sweep_goes_on_to_the_same_bits(tmp_path, monkeypatch) -> None:
-    one, usual, count = study(), block.block_of, []
+    one, usual, count = study(FORCES.replace("21", "11")), block.block_of, []
 
     def interrupted(study_, part):
         count.append(part.start)
@@ -232,10 +232,10 @@ def test_an_interrupted_sweep_goes_on_to_the_same_bits(tmp_path, monkeypatch) ->
 
     run_to_file(one, tmp_path / "one.h5", Options(workers=1))
     monkeypatch.setattr(block, "block_of", interrupted)
-    with pytest.raises(KeyboardInterrupt, match="8 of 21 cases are kept"):
+    with pytest.raises(KeyboardInterrupt, match="8 of 11 cases are kept"):
         run_to_file(one, tmp_path / "two.h5", Options(workers=1, chunk=8))
     monkeypatch.setattr(block, "block_of", usual)
-    assert run_to_file(one, tmp_path / "two.h5", Options(workers=1)).solved == 13
+    assert run_to_file(one, tmp_path / "two.h5", Options(workers=1)).solved == 3
     assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
 
 
