@@ -9,7 +9,7 @@ import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis
-from .library import begin_of, fine, function, share_out, widest
+from .library import address, begin_of, fine, function, library, share_out, widest
 
 NODES = 24  # of each piece, at which densities are computed
 GROUPS = (  # numbers that are measured together, in the order of measures.c
@@ -62,6 +62,68 @@ def measure(
     dict
         Name -> values and errors, (B,) each.
     """
+    groups = groups_with(names)
+    rods, kept = _rods_of(pieces, given, goal, sum(1 << GROUPS.index(group) for group in groups))
+    size = pieces.problem.size
+    out = np.zeros((size, 2, len(NUMBERS)))
+    call = function("rod_measure", ctypes.c_int, *2 * [ctypes.c_void_p], *2 * [ctypes.c_int64], ctypes.c_int)
+
+    def part(a: int, b: int) -> None:
+        _check(call(ctypes.addressof(rods), begin_of(out), a, b, lanes or widest()), pieces)
+
+    share_out(part, size)
+    del kept
+    places_of = {name: NUMBERS.index(name) for group in groups for name in group}
+    return {name: (out[:, 0, k], out[:, 1, k]) for name, k in places_of.items()}
+
+
+DENSITIES = ("angle", "curvature", "bending", "potential", "outward", "tension", "across", "along")  # of densities.h
+_MOST_PLACES = 32  # of a rod
+
+
+def extremes(
+    pieces: Any, sign: Array, density: str, turned: bool, until: Array, same: float, goal: float
+) -> tuple[Array, Array]:
+    """Where a density, or with `turned` minus it, is largest along B rods.
+
+    Parameters
+    ----------
+    pieces, sign, goal
+        As of `measure`; of ``outward`` the sign is that of the push.
+    density : str
+        Of `DENSITIES`.
+    until : array, (B,)
+        The t up to which is looked.
+    same : float
+        Values that differ by less, relatively, are equally large.
+
+    Returns
+    -------
+    tuple of array, (B, 32)
+        The t of all places with the largest value, and the values there; NaN behind the last.
+    """
+    rods, kept = _rods_of(pieces, {"sign": sign, "error": 0 * sign}, goal, 0)
+    t, values = np.full((2, until.size, _MOST_PLACES), np.nan)
+    until = np.ascontiguousarray(until, dtype=float)
+
+    def part(a: int, b: int) -> None:
+        _check(library().rod_extremes(
+            ctypes.byref(rods), DENSITIES.index(density), int(turned), address(until), ctypes.c_double(same),
+            _MOST_PLACES, address(t), address(values), ctypes.c_int64(a), ctypes.c_int64(b), widest(),
+        ), pieces)  # fmt: skip
+
+    share_out(part, until.size)
+    del kept
+    return t, values
+
+
+def _check(status: int, pieces: Any) -> None:
+    if not fine(status):
+        raise ValueError(f"a series of {pieces.series.shape[2]} coefficients is too long to be measured")
+
+
+def _rods_of(pieces: Any, given: Mapping[str, Array], goal: float, groups: int) -> tuple[_Rods, dict[str, Any]]:
+    """The rods, and the arrays that must live as long."""
     size, order = pieces.problem.size, np.argsort(pieces.case, kind="stable")
     kept: dict[str, Any] = {name: getattr(pieces, name)[order] for name in _PIECES}
     kept["first"] = np.searchsorted(pieces.case[order], np.arange(size + 1))
@@ -73,21 +135,9 @@ def measure(
         name: np.ascontiguousarray(array, dtype=np.int64 if name in ("first", "row") else float)
         for name, array in kept.items()
     }
-    groups = groups_with(names)
-    asked = sum(1 << GROUPS.index(group) for group in groups)
-    counts = pieces.series.shape[2], pieces.series.shape[1], int(pieces.monotone), asked
+    counts = pieces.series.shape[2], pieces.series.shape[1], int(pieces.monotone), groups
     places = {name: begin_of(array) for name, array in kept.items()}
-    rods = _Rods(**dict(zip(_COUNTS, counts, strict=True)), goal=goal, n=NODES, **places)
-    out = np.zeros((size, 2, len(NUMBERS)))
-    call = function("rod_measure", ctypes.c_int, *2 * [ctypes.c_void_p], *2 * [ctypes.c_int64], ctypes.c_int)
-
-    def part(a: int, b: int) -> None:
-        if not fine(call(ctypes.addressof(rods), begin_of(out), a, b, lanes or widest())):
-            raise ValueError(f"a series of {pieces.series.shape[2]} coefficients is too long to be measured")
-
-    share_out(part, size)
-    places_of = {name: NUMBERS.index(name) for group in groups for name in group}
-    return {name: (out[:, 0, k], out[:, 1, k]) for name, k in places_of.items()}
+    return _Rods(**dict(zip(_COUNTS, counts, strict=True)), goal=goal, n=NODES, **places), kept
 
 
 _STEPS, _NUMBERS = ("first", "since", "width", "series"), ("period", "length", "a", "apart")

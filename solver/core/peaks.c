@@ -1,4 +1,4 @@
-/* Where the density is largest along a rod: the first place, and how far the others are that may be larger. */
+/* Where a density is largest along a rod: the first place, how far the others are that may be larger, and all places. */
 
 #include "stretches.h"
 
@@ -115,4 +115,53 @@ int rod_first_peak(workspace *w, double doubt, double span, double barely, doubl
         place = 0;
     *value = isfinite(place) ? place : NAN, *error = smaller(far, span) + 8 * EPS * span;
     return DONE;
+}
+
+static void turn_over(workspace *w)
+{
+    for (int64_t i = 0; i < w->count; i++)
+        for (int k = 0; k < AT; k++)
+            w->parts[i].of.values[k] *= -1, w->parts[i].series[k] *= -1;
+}
+
+/* The times (most,) up to `until` at which the density is largest, all that are equal to `same` of it, and the values. */
+static int places_of(workspace *w, double until, double same, int most, double *t, double *values)
+{
+    const double begin = begin_of(w);
+    double best = -INFINITY;
+    int64_t count = 0;
+    int found = 0;
+    for (int64_t i = 0; i < w->count; i++) {
+        if (rod_roomy((void **)&w->maxima, &w->maximum_room, count + MOST_ON_A_PART, sizeof(maximum)))
+            return NO_MEMORY;
+        count += maxima_on(w, &w->parts[i], begin, w->maxima + count);
+    }
+    for (int64_t i = 0; i < count; i++)
+        if (w->maxima[i].t <= until)
+            keep_larger(&best, w->maxima[i].value);
+    for (int64_t i = 0; i < count && found < most; i++)
+        if (w->maxima[i].t <= until && w->maxima[i].value >= best - same * fabs(best))
+            t[found] = w->maxima[i].t, values[found++] = w->maxima[i].value;
+    return DONE;
+}
+
+/* Where a density, or with turned minus it, is largest along the rods from `begin` to `end`, up to the times until (n,).
+
+   t, values: (n, most), from the left; what is left is not touched. same: relative; values that differ by less are equal.
+   The others, and what it returns: as of rod_measure. */
+int rod_extremes(const rods *all, int kind, int turned, const double *until, double same, int most, double *t,
+                 double *values, int64_t begin, int64_t end, int lanes)
+{
+    if (all->at.n != AT || all->coefficients < 1 || all->coefficients > LONGEST || kind < 0 || kind >= DENSITIES)
+        return NOT_POSSIBLE;
+    workspace *w = rod_workspace(all, lanes);
+    int failed = w ? DONE : NO_MEMORY;
+    for (int64_t b = begin; b < end && !failed; b++) {
+        failed = rod_angles(w, b) || rod_resolved(w, b, kind, EXTREMES, all->goal) ? NO_MEMORY : DONE;
+        if (turned)
+            turn_over(w);
+        failed = failed ? failed : places_of(w, until[b], same, most, t + most * b, values + most * b);
+    }
+    rod_workspace_free(w);
+    return failed;
 }

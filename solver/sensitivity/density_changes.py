@@ -6,10 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..mechanics.potential import Loads
+from ..mechanics.potential import Loads, steepest
 from ..numerics.arrays import Array, Integers
-from ..numerics.chebyshev import basis, derivative, polynomials
-from ..numerics.roots import bracket
+from ..numerics.chebyshev import basis
 from ..orbit.variations import Place, Variations
 from ..problem.reduced import Reduced, StartProblem
 from .densities import Angles, Density
@@ -95,11 +94,21 @@ class DensityChange:
     @cached_property
     def ends(self) -> list[Values]:
         """At the two ends, (b,) each."""
-        rows, found = np.arange(self.problem.size), []
-        for t, place in zip(self.times, self.places, strict=True):
-            beta = self.varied.beta(t[:, None])
-            found.append(first_of(self.at(rows, beta, place.take((slice(None), None)))))
-        return found
+        return [first_of(self.read(t[:, None])[0]) for t in self.times]
+
+    @cached_property
+    def shortest(self) -> Array:
+        """A time in which the density changes at least, (b,)."""
+        speed = np.zeros(self.problem.size)
+        np.maximum.at(speed, self.case, self.varied.nodes.v.max(axis=1))
+        return np.asarray(1 / np.sqrt(steepest(self.problem) + speed**2))
+
+    def read(self, t: Array) -> tuple[Values, Array]:
+        """At t (b, n), and how far the changes move it along the orbit, a of `orbit.variations`, (b, n, F)."""
+        place = self.varied.at(t)
+        gained = place.M[:, :, 0] - self.places[0].M[:, None, 0]
+        a = self.a0[:, None] + np.einsum("bnk,bfk->bnf", gained, self.e)
+        return self.at(np.arange(self.problem.size), self.varied.beta(t), place), np.asarray(a)
 
     def at(self, case: Array, beta: Array, place: Place) -> Values:
         """At beta and places (Q, m) of the problems `case` (Q,)."""
@@ -144,20 +153,3 @@ class DensityChange:
 
 def first_of(values: Values) -> Values:
     return Values(*(getattr(values, field.name)[:, 0] for field in fields(Values)))
-
-
-def zeros_between(values: Array) -> tuple[Integers, Integers, Array]:
-    """Where series given by values at the nodes (P, n) change their sign: panels, the node before, and places, (N,)."""
-    points, up = basis(values.shape[1]), values > 0
-    q, cell = np.nonzero(up[:, 1:] != up[:, :-1])
-    rises = up[q, cell + 1]
-    one, other = points.nodes[cell], points.nodes[cell + 1]
-    series = values[q] @ points.analyse
-    both = np.stack([series, series @ derivative(points.nodes.size)])
-
-    def value_and_rate(x: Array) -> tuple[Array, Array]:
-        found = np.einsum("kcn,nc->kc", both, polynomials(x, points.nodes.size))
-        return found[0], found[1]
-
-    low, high = np.where(rises, one, other), np.where(rises, other, one)
-    return q, cell, bracket(value_and_rate, low, high, steps=60)

@@ -1,45 +1,82 @@
-"""The derivatives of the extremes of a density along rods."""
+"""The derivatives of the extremes of a density along rods, and of the places where they are."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..numerics.arrays import Array, Booleans, Integers
-from ..orbit.pieces import LIBRATION
-from ..orbit.variations import Variations
+from ..core.measures import extremes as core_extremes
+from ..numerics.arrays import Array
+from ..numerics.chebyshev import basis, derivative, polynomials
+from ..observe.solution_pieces import of_orbit
 from . import densities
-from .density_changes import DensityChange, Values, first_of, zeros_between
+from .density_changes import DensityChange
 
 LARGEST, SMALLEST, LARGEST_SIZE = "largest", "smallest", "largest size"
+_TURNED = {LARGEST: (False,), SMALLEST: (True,), LARGEST_SIZE: (False, True)}
 _SAME = 1e-12  # relative: extremes that differ by less are equal
+_GOAL = 1e-14  # of the series of which the places are found, relative
 _APART = 1e-4  # relative: derivatives that differ by more are different
 STILL = 1e-9  # of the largest pace of a density: one that changes less is stationary
 _FAINT = 1e-9  # of the sum of the sizes of its terms: a derivative below this is rounding
+_NEAR = 1e-5  # of the length: the place is the one that is observed
+_WINDOW, _POINTS = 0.2, 14  # on which a derivative in t is read: of the shortest time of a change; places
+_STEP = 1e-4  # of the same: differences about a place
+_BACK = 1e-9  # of the sum of the sizes of its terms: values at places that are not the same differ by more
+_ZERO = 1e-12  # of the sum of the sizes of its terms: a value that only touches zero
 
 
 @dataclass(frozen=True, eq=False)
-class Candidates:
-    """Places of rods that an extreme may have: their ends, where a density is stationary, and where panels meet.
+class Places:
+    """All places of an extreme, up to K of a rod; NaN behind the last.
 
-    case, t, values: (N,), t of the first pass. size: (N,), the sum of the sizes of the terms of a value. slopes,
-    moved: (N, F), the derivatives of the values, and the sizes of the terms of these. panel, x: (N,), the panel and the
-    place on it in [-1, 1], of the panels `DensityChange.refine`; panel -1 at the two ends of the rod.
+    t, values, size: (b, K), size: the sum of the sizes of the terms of a value. slopes, faint: (b, K, F), the
+    derivatives of the values (of LARGEST_SIZE: of their sizes), and what of them is rounding.
     """
 
-    case: Integers
     t: Array
     values: Array
     size: Array
     slopes: Array
-    moved: Array
-    panel: Integers
-    x: Array
+    faint: Array
 
-    @property
-    def faint(self) -> Array:
-        """Derivatives below these are rounding, (N, F)."""
-        return _FAINT * self.moved
+
+def places_of(rods: DensityChange, which: str, until: Array | None = None) -> Places:
+    """The places of the extreme up to the times `until` (b,), or along the whole rods."""
+    orbit, panels = rods.varied.orbit, rods.varied.orbit.panels
+    series = panels.series.copy()
+    series[:, 0, 0] += rods.varied.base
+    pieces = of_orbit(replace(orbit, panels=replace(panels, series=series)), slice(0, rods.problem.size))
+    reach = np.fmin(rods.span if until is None else until, orbit.period)  # later periods have the same values
+    found = [
+        core_extremes(pieces, rods.sign, rods.density.__name__, turned, reach, _SAME, _GOAL)
+        for turned in _TURNED[which]
+    ]
+    t, values = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
+    turn = np.repeat([-1.0 if turned else 1.0 for turned in _TURNED[which]], found[0][0].shape[1])
+    best = np.nanmax(values, axis=1, keepdims=True)
+    t = np.where(values >= best - _SAME * np.maximum(np.abs(best), 1e-300), t, np.nan)
+    used = np.isfinite(t).any(axis=0)
+    t, values, turn = t[:, used], values[:, used], turn[used]
+    last = t >= rods.span[:, None] * (1 - _SAME)
+    t = np.where(last | (t <= 0), t, _stationary(rods, t))
+    at, a = rods.read(np.where(np.isnan(t), 0.0, t))
+    passed = np.abs(at.values - turn * values) <= _BACK * at.size  # the core takes the way back for one forward
+    end = (last | (t <= 0))[..., None]
+    shifted = np.where(end, at.pace[..., None] * (a + np.where(last[..., None], rods.later[:, None], 0.0)), 0.0)
+    slopes = np.einsum("bnk,bfk->bnf", at.moved, rods.e) + shifted
+    sizes = np.einsum("bnk,bfk->bnf", np.abs(at.moved), np.abs(rods.e)) + np.abs(shifted)
+    if which == LARGEST_SIZE:
+        slopes = slopes * turn[:, None]
+    return Places(np.where(passed, t, np.nan), at.values, at.size, slopes, _FAINT * sizes)
+
+
+def _stationary(rods: DensityChange, t: Array) -> Array:
+    """Places (b, K) next to which the density is stationary, by a step of Newton's from each."""
+    step = _STEP * rods.shortest[:, None]
+    low, high, middle = (rods.read(t + side * step)[0].pace for side in (-1, 1, 0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        off = 2 * step * middle / (high - low)
+    return np.where(np.abs(off) < step, t - off, t)
 
 
 def extreme(rods: DensityChange, which: str) -> Array:
@@ -47,78 +84,75 @@ def extreme(rods: DensityChange, which: str) -> Array:
 
     which: LARGEST, SMALLEST or LARGEST_SIZE.
     """
-    found = candidates(rods.refine())
-    if which == LARGEST_SIZE:
-        found = _either_sign(found)
-    turn = -1.0 if which == SMALLEST else 1.0
-    return slope_of_largest(replace(found, values=turn * found.values), rods.problem.size)[1]
+    return _slope_of(places_of(rods, which))
 
 
-def slope_of_largest(found: Candidates, size: int) -> tuple[Booleans, Array]:
-    """Which candidates have the largest value of their rod, (N,), and its derivative, (b, F); NaN where these have
-    unequal ones."""
-    case, values, slopes = found.case, found.values, found.slopes
-    best = np.full(size, -np.inf)
-    np.fmax.at(best, case, values)
-    top = values >= (best - _SAME * np.maximum(np.abs(best), 1e-300))[case]
-    chosen = np.zeros((best.size, slopes.shape[1]))
-    chosen[case[top][::-1]] = slopes[top][::-1]  # the first of each case
-    off = np.abs(slopes - chosen[case]) > _APART * (np.abs(slopes) + np.abs(chosen[case])) + found.faint
-    unequal = np.zeros_like(chosen, dtype=bool)
-    np.logical_or.at(unequal, case[top], off[top])
-    return top, np.where(unequal, np.nan, chosen)
+def _slope_of(places: Places) -> Array:
+    known, rows = np.isfinite(places.t), np.arange(places.t.shape[0])
+    chosen = places.slopes[rows, known.argmax(axis=1)]
+    size = np.abs(places.slopes) + np.abs(chosen[:, None])
+    off = np.abs(places.slopes - chosen[:, None]) > _APART * size + places.faint
+    return np.where((off & known[..., None]).any(axis=1), np.nan, chosen)
 
 
-def _either_sign(found: Candidates) -> Candidates:
-    """The candidates, and the same of minus the values."""
-    twice = {field.name: np.concatenate([getattr(found, field.name)] * 2) for field in fields(Candidates)}
-    sign = np.repeat([1.0, -1.0], found.case.size)
-    return replace(Candidates(**twice), values=sign * twice["values"], slopes=sign[:, None] * twice["slopes"])
+def first_peak(rods: DensityChange, seen: Array) -> Array:
+    """Of the first t of the largest value, (b, F).
+
+    Where the density f is stationary there, (df/dt)(t, q) = 0 gives dt/dq = -(d2f/dt dq)/(d2f/dt2). At the start of the
+    rod it is 0, at the far end the change of the length. NaN where several places reach the largest value unequally,
+    where the density is stationary at an end and the maximum moves off it, and where another place is observed.
+
+    seen: (b,), the t that is observed.
+    """
+    places = places_of(rods, LARGEST)
+    off = np.abs(places.t - seen[:, None])
+    rows, span = np.arange(seen.size), rods.span
+    near = np.nanargmin(off, axis=1)
+    t, slopes = places.t[rows, near], _slope_of(places)
+    first, last = t <= 0, t >= span * (1 - _SAME)
+    at, _ = rods.read(t[:, None])
+    most = np.abs(rods.nodes.pace).max(axis=1)
+    largest = np.zeros(seen.size)
+    np.maximum.at(largest, rods.case, most)
+    still = np.abs(at.pace[:, 0]) <= STILL * largest
+    inner, bend = _moved_peak(rods, t)
+    inner = np.where((np.abs(bend) <= STILL * largest)[:, None], np.nan, inner)
+    end = np.where(last[:, None], rods.later, 0.0)
+    size = np.abs(inner) + np.abs(end)
+    stays = ~still[:, None] | (np.abs(inner - end) <= 1e-6 * size + 1e-9 * np.abs(span[:, None]))
+    moved = np.where((first | last)[:, None], np.where(stays, end, np.nan), inner)
+    return np.where(np.isnan(slopes) | (off[rows, near] > _NEAR * span)[:, None], np.nan, moved)
 
 
-def candidates(found: DensityChange) -> Candidates:
-    """The candidates of b rods, whose panels are refined."""
-    pace = found.nodes.pace
-    q, _, x = zeros_between(pace)
-    most = np.zeros(found.problem.size)
-    np.maximum.at(most, found.case, np.abs(pace).max(axis=1))
-    edges = np.abs(pace[:, [0, -1]]) <= STILL * most[found.case, None]
-    edge, side = np.nonzero(edges)
-    q, x = np.concatenate([q, edge]), np.concatenate([x, 2.0 * side - 1])
-    t, passed = _passes(found.varied, q, x)
-    q, x, t = q[passed], x[passed], t[passed]
-    beta, place = found.varied.on_panels(q, x[:, None])
-    at = first_of(found.at(found.case[q], beta, place))
-    case = found.case[q]
-    rows, (begin, until) = np.arange(found.problem.size), found.times
-    none = np.full_like(rows, -1)
-    parts = [
-        Candidates(case, t, at.values, at.size, _along(at, found.e[case]), _along(at, found.e[case], np.abs), q, x)
-    ]
-    for one, when, along in zip(found.ends, (begin, until), (found.a0, found.a + found.later), strict=True):
-        shifted = along * one.pace[:, None]
-        moved = _along(one, found.e, np.abs) + np.abs(shifted)
-        slopes = _along(one, found.e) + shifted
-        parts.append(Candidates(rows, when, one.values, one.size, slopes, moved, none, 0.0 * when))
-    names = (field.name for field in fields(Candidates))
-    return Candidates(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+def _moved_peak(rods: DensityChange, t: Array) -> tuple[Array, Array]:
+    """-(d2f/dt dq)/(d2f/dt2) at t (b,), (b, F), and the divisor (b,): from series in t about that place."""
+    points = basis(_POINTS)
+    half = np.minimum(_WINDOW * rods.shortest, rods.span / 2)
+    middle = np.clip(t, half, rods.span - half)
+    at, a = rods.read(middle[:, None] + half[:, None] * points.nodes)
+    changed = np.einsum("bnk,bfk->bnf", at.moved, rods.e) + a * at.pace[..., None]
+    both = np.concatenate([at.pace[..., None], changed], axis=2)
+    rates = np.einsum("bnf,nk->bfk", both, points.analyse @ derivative(_POINTS))
+    found = np.einsum("bfk,kb->bf", rates, polynomials((t - middle) / half, _POINTS)) / half[:, None]
+    return -found[:, 1:] / found[:, :1], found[:, 0]
 
 
-def _along(at: Values, e: Array, size: Callable[[Array], Array] = np.asarray) -> Array:
-    """The change of values (N,) where nothing moves along the orbit, (N, F); size: applied to each factor."""
-    return np.asarray(np.einsum("nk,nfk->nf", size(at.moved), size(e)))
+def first_below(rods: DensityChange, seen: Array) -> Array:
+    """Of the first t with a negative value, or of the whole length where there is none, (b, F).
 
+    f(t, q) = 0 gives dt/dq = -(df/dq)/(df/dt). NaN where f only touches zero on the way, and a change of f there lets
+    that t jump.
 
-def _passes(varied: Variations, q: Array, x: Array) -> tuple[Array, Array]:
-    """When the rod first passes the places x of panels q, and whether it does, (N,) each."""
-    orbit, panels = varied.orbit, varied.orbit.panels
-    case, second = panels.arc[q] // 2, panels.arc[q] % 2 == 1
-    span, ahead, back = orbit.problem.span[case], orbit.ahead[case], orbit.back[case]
-    local = orbit.since[q] + panels.duration[q] * (1 + x) / 2
-    there = local + np.where(second, 2 * ahead, 0.0)
-    again = np.where(orbit.kind[case] == LIBRATION, 2 * ahead + np.where(second, 2 * back, 0.0) - local, np.inf)
-    first = np.minimum(there, again)
-    return first, (first <= span) | (orbit.period[case] <= span)
+    seen: (b,), the t that is observed.
+    """
+    at, a = rods.read(seen[:, None])
+    moved = -a[:, 0] - np.einsum("bk,bfk->bf", at.moved[:, 0], rods.e) / at.pace
+    whole, begun = seen >= rods.span, seen > 0
+    found = np.where(whole[:, None], rods.later, np.where(begun[:, None], moved, 0.0))
+    lowest = places_of(rods, SMALLEST, seen)
+    touches = np.isfinite(lowest.t) & (np.abs(lowest.values) <= _ZERO * lowest.size)
+    jumps = touches[..., None] & (np.abs(lowest.slopes) > lowest.faint)
+    return np.where(jumps.any(axis=1), np.nan, found)
 
 
 EXTREMES = {

@@ -11,8 +11,9 @@ import numpy as np
 
 from ..equilibrium.orbit_rates import SAME
 from ..numerics.arrays import EPS, Array, Integers
-from ..numerics.chebyshev import basis
-from .density_changes import DensityChange, first_of, zeros_between
+from ..numerics.chebyshev import basis, derivative, polynomials
+from ..numerics.roots import bracket
+from .density_changes import DensityChange, first_of
 
 _NEAR = 0.1  # rad: how near a critical point the difference of a density from that there is integrated
 _ROUNDING = 64 * EPS  # of a difference of two values of a density
@@ -132,3 +133,20 @@ def _cut_at_turns(rods: DensityChange) -> DensityChange:
     turned = first_of(rods.at(rods.case[q], *rods.varied.on_panels(q, x[:, None]))).values > 0
     dips = (up[q, cell] == up[q, cell + 1]) & (up[q, cell] != turned)
     return replace(rods, varied=rods.varied.cut(q[dips], x[dips])) if dips.any() else rods
+
+
+def zeros_between(values: Array) -> tuple[Integers, Integers, Array]:
+    """Where series given by values at the nodes (P, n) change their sign: panels, the node before, and places, (N,)."""
+    points, up = basis(values.shape[1]), values > 0
+    q, cell = np.nonzero(up[:, 1:] != up[:, :-1])
+    rises = up[q, cell + 1]
+    one, other = points.nodes[cell], points.nodes[cell + 1]
+    series = values[q] @ points.analyse
+    both = np.stack([series, series @ derivative(points.nodes.size)])
+
+    def value_and_rate(x: Array) -> tuple[Array, Array]:
+        found = np.einsum("kcn,nc->kc", both, polynomials(x, points.nodes.size))
+        return found[0], found[1]
+
+    low, high = np.where(rises, one, other), np.where(rises, other, one)
+    return q, cell, bracket(value_and_rate, low, high, steps=60)

@@ -21,7 +21,7 @@ from ..problem.field_rates import FieldRates
 from ..problem.reduced import flat
 from ..shape import Shape
 from .dual import Dual
-from .extremes import EXTREMES, MEASURED, PEAK
+from .extremes import EXTREMES, LIFTS, MEASURED, PEAK
 from .measured_helices import of_helices
 from .measured_orbits import of_orbits
 from .motions import MARKS, Motion, marks_of
@@ -64,8 +64,8 @@ class Moving(Reading):
         """Differentiate what is measured on the cases of a motion; unit: of `result.amounts`, rates: of these cases."""
         sign = flat(self.sol.case.outward, self.sol.case.shape)[motion.rows]
         given = motion, unit, rates.span, sign, self._wanted
-        peak = self.plain.value(PEAK)[motion.rows] if PEAK in self._wanted else np.zeros_like(sign)
-        found = of_helices(*given, self.sol.t[motion.rows]) if motion.varied is None else of_orbits(*given, peak)
+        seen = {name: self.plain.value(name)[motion.rows] for name in self._wanted & {PEAK, LIFTS}}
+        found = of_helices(*given, self.sol.t[motion.rows]) if motion.varied is None else of_orbits(*given, seen)
         turned, risen = _gains(motion, unit, rates.span)
         found |= {"alpha": turned[:, 2], "z": risen[:, 2]}
         found |= {"middle turned": turned[:, 1] - turned[:, 0], "middle risen": risen[:, 1] - risen[:, 0]}
