@@ -1,7 +1,7 @@
 """The mechanics and the numerics of an elastic rod on a cylinder. Needs numpy and scipy, nothing else."""
 
-from .branch import Branch
 from .equilibria import Equilibrium, equilibria
+from .equilibrium_branch import Branch
 from .follow import follow
 from .inverse import fit
 from .loops import Loop, loops

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from .branch import Branch
+from .equilibrium_branch import Branch
 from .follow import follow
 from .numerics.arclength import FOLD
 from .numerics.arrays import Array

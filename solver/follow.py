@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
+from .equilibrium_branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
 from .numerics.arclength import CLOSED, END, both_senses
 from .numerics.arrays import Array
 from .problem.angles import doubt, given_by_a_program, warn

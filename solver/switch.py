@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from .branch import Branch, SpecialPoint
 from .equilibria import equilibria
+from .equilibrium_branch import Branch, SpecialPoint
 from .follow import follow
 from .numerics.arclength import FOLD
 from .numerics.arrays import Array

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from .branch import Branch
 from .equilibria import equilibria
+from .equilibrium_branch import Branch
 from .folds.curve_crossings import join_pieces
 from .folds.fold_curves import FoldCurve, FoldCurves, curves_of, fold_curve
 from .folds.fold_search import Curve as FoundCurve

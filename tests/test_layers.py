@@ -35,7 +35,7 @@ LISTS = {
         "numerics", "problem", "mechanics", "core", "orbit", "closed", "levels", "equilibrium", "branches",
         "folds", "held", "choose", "shooting", "methods", "shape",
         "observe", "sensitivity", "solution", "solve", "equilibrium_list", "held_equilibria",
-        "equilibria", "branch", "follow", "switch", "varying_folds", "end_angle_branch", "region_map", "loops",
+        "equilibria", "equilibrium_branch", "follow", "switch", "varying_folds", "end_angle_branch", "region_map", "loops",
         "inverse", "benchmark",
     ],
     "studies": ["grammar", "laws", "language"],
@@ -116,7 +116,7 @@ def test_a_floor_imports_only_what_lies_below_it(floor: str) -> None:
 
 def test_the_solver_names_the_workbench_only_where_a_solution_is_shown() -> None:
     named = {module_of(file) for file in files_of("solver/**/*.py") if '"workbench' in file.read_text(encoding="utf-8")}
-    shows = {"solver.solution", "solver.problem.shown", "solver.branch"}  # load it by name: it may be missing
+    shows = {"solver.solution", "solver.problem.shown", "solver.equilibrium_branch"}  # load it by name
     assert named == shows | {"solver.problem.angles"}  # tells the workbench's own calls from those of a user
     code = "import sys, solver; print([name for name in sys.modules if name.partition('.')[0] == 'workbench'])"
     run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)

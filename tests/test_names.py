@@ -3,6 +3,7 @@
 import ast
 import re
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -37,3 +38,8 @@ def names_with_a_participle() -> set[str]:
 
 def test_no_function_is_named_by_a_participle() -> None:
     assert names_with_a_participle() == set()
+
+
+def test_no_two_modules_of_the_solver_share_a_name() -> None:
+    names = sorted(file.stem for file in (ROOT / "solver").rglob("*.py") if file.stem != "__init__")
+    assert [name for name, after in pairwise(names) if name == after] == []

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..core import branches as core
-from ..core.orbit_rates import split
+from ..core.varied_orbits import split
 from ..equilibrium.charts import Chart
 from ..equilibrium.held_index import held_index
 from ..equilibrium.orbit_rates import OrbitRates

@@ -7,7 +7,7 @@ from ..choose.selection import NEAREST, Choose
 from ..problem.case import Case
 
 if TYPE_CHECKING:
-    from .result import Fit
+    from .fit_result import Fit
 
 STARTS = 32
 
@@ -81,6 +81,6 @@ def fit(
     >>> print(f"F1 = {found.values['F1']:.4f}")
     F1 = 6.0274
     """
-    from .search import fit_from  # only a call needs SciPy's optimiser
+    from .fit_search import fit_from
 
     return fit_from(case, vary, targets, points, sigma, wrapped, starts, seed, choose, tol)

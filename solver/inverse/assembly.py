@@ -9,7 +9,7 @@ from scipy import special
 from ..numerics.arrays import Array
 from . import wording
 from .data import DISTANCE
-from .result import Fit, OtherMinimum
+from .fit_result import Fit, OtherMinimum
 from .uncertainty import LEVEL, Uncertainty, uncertainty
 
 if TYPE_CHECKING:

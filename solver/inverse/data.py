@@ -11,7 +11,7 @@ from ..observe.observables import OBSERVABLES, is_count
 from ..problem.case import Case
 from ..problem.errors import InputError, choices, no_such, show
 from ..problem.quantities import quantity
-from ..sensitivity.observables import check_observables
+from ..sensitivity.observable_rates import check_observables
 from .parameters import natural_unit
 
 COLUMNS = ("alpha", "z", "beta")  # what is measured at a point

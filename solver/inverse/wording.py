@@ -10,8 +10,8 @@ from ..problem.errors import choices
 from ..problem.quantities import quantity
 from ..problem.trajectory import SOLVED
 from .data import scale_of
+from .fit_result import NO_INTERVALS, OtherMinimum
 from .parameters import POSITIVE, Parameter, values_in_words
-from .result import NO_INTERVALS, OtherMinimum
 from .uncertainty import LEVEL, Uncertainty
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core import orbit_rates as core
+from ..core import varied_orbits as core
 from ..core.library import Cutting
 from ..mechanics.potential import TAU
 from ..numerics.arrays import Array, Integers

@@ -1,5 +1,5 @@
 """Derivatives of a solution and of its observables with respect to the fields of its case."""
 
-from .result import Sensitivity, sensitivity
+from .solution_derivatives import Sensitivity, sensitivity
 
 __all__ = ["Sensitivity", "sensitivity"]

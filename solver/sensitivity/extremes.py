@@ -115,7 +115,7 @@ def first_peak(rods: DensityChange, seen: Array) -> Array:
     largest = np.zeros(seen.size)
     np.maximum.at(largest, rods.case, most)
     still = np.abs(at.pace[:, 0]) <= STILL * largest
-    inner, bend = _moved_peak(rods, t)
+    inner, bend = _rate_of_peak(rods, t)
     inner = np.where((np.abs(bend) <= STILL * largest)[:, None], np.nan, inner)
     end = np.where(last[:, None], rods.later, 0.0)
     size = np.abs(inner) + np.abs(end)
@@ -124,7 +124,7 @@ def first_peak(rods: DensityChange, seen: Array) -> Array:
     return np.where(np.isnan(slopes) | (off[rows, near] > _NEAR * span)[:, None], np.nan, moved)
 
 
-def _moved_peak(rods: DensityChange, t: Array) -> tuple[Array, Array]:
+def _rate_of_peak(rods: DensityChange, t: Array) -> tuple[Array, Array]:
     """-(d2f/dt dq)/(d2f/dt2) at t (b,), (b, F), and the divisor (b,): from series in t about that place."""
     points = basis(_POINTS)
     half = np.minimum(_WINDOW * rods.shortest, rods.span / 2)

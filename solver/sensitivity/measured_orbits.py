@@ -29,8 +29,8 @@ def of_orbits(
 ) -> dict[str, Array]:
     """The derivatives of what is measured, and of half a period, (b, F) each.
 
-    unit: (b, 5, F), of `result.amounts`. later: (b, F), the change of the length in t. sign: (b,), of `Case.outward`.
-    seen: (b,) each, the t of the largest push and of lift-off that are observed.
+    unit: (b, 5, F), of `solution_derivatives.amounts`. later: (b, F), the change of the length in t. sign: (b,), of
+    `Case.outward`. seen: (b,) each, the t of the largest push and of lift-off that are observed.
     """
     varied, span = motion.varied, motion.problem.span
     assert varied is not None

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solver import Branch, Case, Cylinder, Ends, InputError, equilibria, follow, solve, switch
-from solver.branch import SpecialPoint
+from solver.equilibrium_branch import SpecialPoint
 from solver.problem.reduced import reduce
 from tests.cases import rod_of_unit_stiffness
 

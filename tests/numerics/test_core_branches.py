@@ -12,7 +12,7 @@ from solver.branches.branch_states import Place
 from solver.branches.family import Bounds, Family
 from solver.choose.each_equilibrium import path_of_seed
 from solver.core.branches import RECORD, Point, Steps, chart_of
-from solver.core.orbit_rates import orbit_rates
+from solver.core.varied_orbits import orbit_rates
 from solver.equilibrium.charts import Chart
 from solver.equilibrium.orbit_rates import HOW
 from solver.equilibrium.system import FREE, Given

@@ -13,9 +13,9 @@ from itertools import pairwise
 import numpy as np
 
 from solver import Branch, Case, InputError, equilibria, follow
-from solver.branch import HELIX, SpecialPoint
 from solver.equilibria import Equilibrium
 from solver.equilibrium.charts import same_equilibrium
+from solver.equilibrium_branch import HELIX, SpecialPoint
 from solver.follow import MOST
 from solver.levels.line_point import LinePoint, path_of
 from solver.problem.case_fields import with_field

@@ -10,7 +10,7 @@ from ..fitting.fit_input import is_angle
 from . import console
 
 if TYPE_CHECKING:
-    from solver.inverse.result import Fit
+    from solver.inverse.fit_result import Fit
 
     from ..store.case_input import CaseInput
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 from solver import solve
 from solver.inverse.data import DISTANCE
-from solver.inverse.result import Fit
+from solver.inverse.fit_result import Fit
 
 from ..store import schema
 from ..words import labels

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from solver import Ends, observe
-from solver.inverse.result import Fit
+from solver.inverse.fit_result import Fit
 
 from ..branches.ends_study import study_text
 from ..store import atomic, schema

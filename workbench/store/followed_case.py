@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from solver import Branch, Case, InputError, Solution, follow, solve
-from solver.branch import BORDER, HELIX
+from solver.equilibrium_branch import BORDER, HELIX
 from solver.numerics.arclength import FOLD
 from solver.problem.case_fields import value_of
 from studies.grammar.axes import is_angle, quantity_of

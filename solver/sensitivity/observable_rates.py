@@ -61,7 +61,10 @@ class Moving(Reading):
         self._slopes = {name: np.full(shape, np.nan) for name in (*self._wanted, *_OWN_SLOPES, "half_period")}
 
     def add(self, motion: Motion, unit: Array, rates: FieldRates) -> None:
-        """Differentiate what is measured on the cases of a motion; unit: of `result.amounts`, rates: of these cases."""
+        """Differentiate what is measured on the cases of a motion.
+
+        unit: of `solution_derivatives.amounts`. rates: of these cases.
+        """
         sign = flat(self.sol.case.outward, self.sol.case.shape)[motion.rows]
         given = motion, unit, rates.span, sign, self._wanted
         seen = {name: self.plain.value(name)[motion.rows] for name in self._wanted & {PEAK, LIFTS}}

@@ -12,9 +12,9 @@ from ..problem.case import Case
 from ..problem.errors import InputError, check_tolerance
 from .assembly import EQUAL, ZERO, result
 from .data import check_data
+from .fit_result import Fit
 from .model import Evaluation, Minimum, Model, NoValueError
 from .parameters import check_parameters
-from .result import Fit
 
 # Relative: a search ends where its step in x, or its gain of the sum of squares, is smaller. With 50 points this gain
 # leaves 6e-4 standard errors (measured); data that are met exactly end by the step.

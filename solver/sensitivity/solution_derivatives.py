@@ -19,7 +19,7 @@ from ..problem.reduced import EndsProblem, flat
 from ..problem.trajectory import SHAPELESS, SOLVED
 from ..shape import Shape
 from .motions import Motion, motions
-from .observables import Moving, check_observables, derivative_of, measure_of, why_missing
+from .observable_rates import Moving, check_observables, derivative_of, measure_of, why_missing
 from .varying_rates import STEP, varying_rates
 
 
