@@ -210,10 +210,10 @@ class _Solver:
 
 def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array, Trajectory]:
     """The problem of a point, and its shape at stations s/L = u."""
-    from .branches.continuation import state_of
     from .choose.each_equilibrium import equilibrium_trajectory
     from .choose.held_equilibrium import at_hinges, held_trajectory
-    from .equilibrium.system import Given
+    from .equilibrium.given_numbers import Given
+    from .equilibrium.system import state_of
     from .held.held_starts import Reached
     from .levels.path_orbits import orbit_of
 

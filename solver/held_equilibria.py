@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from .choose.held_equilibrium import held_trajectory
+from .equilibrium.given_numbers import Given, State
 from .equilibrium.held_index import dead_index_of
-from .equilibrium.system import Given, State
 from .equilibrium_list import Equilibrium, HeldEquilibria, HeldSearch, in_order
 from .held.held_search import HeldFound, held_search
 from .held.held_starts import Reached

@@ -16,6 +16,7 @@ import scipy  # its parts are imported when used
 
 from ..equilibrium.charts import CORNER
 from ..equilibrium.held_index import index_of
+from ..equilibrium.system import state_of
 from ..levels.line_point import Path
 from ..levels.path_orbits import orbit_of
 from ..numerics import arclength
@@ -23,7 +24,6 @@ from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK, adv
 from .branch_leaps import creeps, held_leap, is_near_helix, leap_from, leap_on
 from .branch_states import Place, State, begin_at, in_other_charts, rechart
 from .branch_steps import AT_END, IS_CLOSED, OrdinarySteps, ordinary_steps
-from .continuation import state_of
 from .family import Bounds, Family
 from .helix_branch import end_of_helix, helix_place, helix_places
 from .leaps import shape_of

@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..equilibrium.system import LEFT
-from ..equilibrium.system import State as HeldState
+from ..equilibrium.given_numbers import State as HeldState
+from ..equilibrium.system import LEFT, state_of
 from ..levels.line_point import Path
 from ..levels.path_orbits import orbit_of
 from ..levels.transit_times import height_scale
 from ..mechanics.potential import slope
 from ..numerics.arrays import Array
 from .branch_states import State, begin_at
-from .continuation import Stopped, carry, state_of
+from .continuation import Stopped, carry
 from .family import Bounds, Family
 from .leaps import Line, leap, shape_of
 

@@ -14,22 +14,8 @@ import numpy as np
 
 from ..core import levels as core
 from ..equilibrium.charts import charts, coordinate
-from ..equilibrium.orbit_rates import orbit_rates, start_rates
-from ..equilibrium.system import (
-    AT_REST,
-    FREE,
-    LEFT,
-    REACH,
-    Given,
-    State,
-    at_given_speeds,
-    corner_state,
-    correct,
-    least_square,
-    orientation,
-    predict,
-    problem_after,
-)
+from ..equilibrium.given_numbers import FREE, Given, State, orientation, predict, problem_after
+from ..equilibrium.system import LEFT, REACH, correct, state_of
 from ..levels.line_point import LinePoint, Path
 from ..levels.morse_index import jacobi_zeros
 from ..levels.path_orbits import orbit_of
@@ -48,7 +34,6 @@ _GOOD = 0.05  # size of the corrections of a good prediction, over that of the s
 _POOR, _CLOSE = 0.3, 1e-6  # the same of a poor one under dead loads; size of corrections that are never too large
 _FAR = 0.1  # share of the line over which a helix is passed
 _ROUNDING = 1e-15  # share of the line
-_CORNER = 1e-6  # rad: a rod that its start determines ends as near to its angle there
 _SAME = 1e-12  # largest change of a number that leaves a helix as it is
 FOLD = "a fold"
 STILL = "the start is a helix, and the change does not bend its ends; give a bent seed"
@@ -61,26 +46,6 @@ class Stopped:
     share: float
     reason: str
     state: State
-
-
-def state_of(problem: EndsProblem, path: Path, hinged: bool = False) -> State:
-    """The state of an equilibrium under dead loads; an end that its orbit does not reach by rounding is moved.
-
-    hinged: whether it is meant to have given end moments.
-    """
-    place = LinePoint(problem)
-    if hinged and not path.helix and path.pin == place.start and path.sign > 0:
-        v = path.leaving * float(np.exp(path.y / 2)) if path.y > AT_REST else 0.0
-        rates = start_rates(problem.with_start(np.array([v])))
-        if abs(float((rates.problem.betaL - problem.betaL)[0])) < _CORNER:
-            return corner_state(rates, v)
-    if not path.helix:
-        gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
-        ends = {"dbeta0": place.start, "dbetaL": place.end}
-        reached = {name: gap + place.fall(path.pin, angle) for name, angle in ends.items()}
-        rest = tuple(name for name, square in reached.items() if square < least_square(problem, ends[name], False))
-        problem = at_given_speeds(problem, place, path, Given(rest, np.zeros(len(rest)), 0.0, 0.0))
-    return State(problem, path, orbit_rates(problem, [path]))
 
 
 def carry(

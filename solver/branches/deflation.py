@@ -10,22 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..equilibrium.charts import CORNER, Chart, charts, coordinate
+from ..equilibrium.given_numbers import FREE, Given, State, answer, move, problem_after, rows_of, size_of, values_of
 from ..equilibrium.orbit_rates import NUMBERS
-from ..equilibrium.system import (
-    FREE,
-    Given,
-    State,
-    answer,
-    corner_state,
-    move,
-    problem_after,
-    problem_at,
-    rates_in,
-    rows_of,
-    settle,
-    size_of,
-    values_of,
-)
+from ..equilibrium.system import corner_state, problem_at, rates_in, settle
 from ..levels.line_point import LinePoint
 from ..numerics.arrays import Array
 from ..numerics.roots import solve

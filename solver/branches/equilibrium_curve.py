@@ -6,9 +6,10 @@ import numpy as np
 
 from ..core import branches as core
 from ..equilibrium.charts import CORNER, Chart, charts, coordinate, excess, path_at
+from ..equilibrium.given_numbers import FREE, Given, State, rows_of, values_of
 from ..equilibrium.held_index import held_index
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_numbers, start_rates
-from ..equilibrium.system import FREE, Given, State, corner_state, rates_in, rows_of, values_of
+from ..equilibrium.system import corner_state, rates_in
 from ..levels.line_point import LinePoint, Path
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array

@@ -8,8 +8,8 @@ import numpy as np
 
 from ..core import branches as core
 from ..core.branches import Numbers
+from ..equilibrium.given_numbers import FREE, Given, is_hinged
 from ..equilibrium.orbit_rates import HOW, NUMBERS, orbit_rates
-from ..equilibrium.system import FREE, Given, is_hinged
 from ..levels.line_point import LinePoint, Path
 from ..levels.transit_times import CUTTING, NODES
 from ..orbit.variations import POINTS

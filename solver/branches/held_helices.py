@@ -7,8 +7,9 @@ import numpy as np
 import scipy  # its parts are imported when used
 
 from ..equilibrium.charts import charts, coordinate
+from ..equilibrium.given_numbers import FREE, Given, State, answer, parts_of, problem_after
 from ..equilibrium.orbit_rates import NUMBERS, helix_change, orbit_rates
-from ..equilibrium.system import FREE, Given, State, answer, correct, parts_of, problem_after
+from ..equilibrium.system import correct
 from ..levels.line_point import LinePoint, Path
 from ..levels.transit_times import DOWN, UP
 from ..mechanics.potential import TAU, load_size, slope, slope_rate

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..equilibrium.system import State, settle
+from ..equilibrium.given_numbers import State
+from ..equilibrium.system import settle
 from ..levels.level_grid import level_grid_of
 from ..levels.level_search import level_paths_of, roots_on
 from ..levels.line_point import LinePoint, Path, path_of

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from ..equilibrium.charts import CORNER, charts, coordinate
+from ..equilibrium.given_numbers import FREE, Given, State, parts_of, values_of
 from ..equilibrium.held_index import dead_index_of, index_of
 from ..equilibrium.orbit_rates import helix_change
-from ..equilibrium.system import FREE, Given, State, correct, parts_of, values_of
+from ..equilibrium.system import correct
 from ..held.held_alternatives import alternatives_of, away
 from ..held.held_starts import Reached, from_seed, nearest_start
 from ..levels.line_point import LinePoint

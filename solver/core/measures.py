@@ -81,9 +81,7 @@ DENSITIES = ("angle", "curvature", "bending", "potential", "outward", "tension",
 _MOST_PLACES = 32  # of a rod
 
 
-def extremes(
-    pieces: Any, sign: Array, density: str, turned: bool, until: Array, same: float, goal: float
-) -> tuple[Array, Array]:
+def extremes(pieces: Any, sign: Array, density: str, turned: bool, until: Array, same: float, goal: float) -> Array:
     """Where a density, or with `turned` minus it, is largest along B rods.
 
     Parameters
@@ -99,22 +97,22 @@ def extremes(
 
     Returns
     -------
-    tuple of array, (B, 32)
-        The t of all places with the largest value, and the values there; NaN behind the last.
+    array, (B, 32)
+        The t of all places with the largest value; NaN behind the last.
     """
     rods, kept = _rods_of(pieces, {"sign": sign, "error": 0 * sign}, goal, 0)
-    t, values = np.full((2, until.size, _MOST_PLACES), np.nan)
+    t = np.full((until.size, _MOST_PLACES), np.nan)
     until = np.ascontiguousarray(until, dtype=float)
 
     def part(a: int, b: int) -> None:
         _check(library().rod_extremes(
             ctypes.byref(rods), DENSITIES.index(density), int(turned), address(until), ctypes.c_double(same),
-            _MOST_PLACES, address(t), address(values), ctypes.c_int64(a), ctypes.c_int64(b), widest(),
+            _MOST_PLACES, address(t), ctypes.c_int64(a), ctypes.c_int64(b), widest(),
         ), pieces)  # fmt: skip
 
     share_out(part, until.size)
     del kept
-    return t, values
+    return t
 
 
 def _check(status: int, pieces: Any) -> None:

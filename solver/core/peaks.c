@@ -124,8 +124,8 @@ static void turn_over(workspace *w)
             w->parts[i].of.values[k] *= -1, w->parts[i].series[k] *= -1;
 }
 
-/* The times (most,) up to `until` at which the density is largest, all that are equal to `same` of it, and the values. */
-static int places_of(workspace *w, double until, double same, int most, double *t, double *values)
+/* The times (most,) up to `until` at which the density is largest, all that are equal to `same` of it. */
+static int places_of(workspace *w, double until, double same, int most, double *t)
 {
     const double begin = begin_of(w);
     double best = -INFINITY;
@@ -141,16 +141,16 @@ static int places_of(workspace *w, double until, double same, int most, double *
             keep_larger(&best, w->maxima[i].value);
     for (int64_t i = 0; i < count && found < most; i++)
         if (w->maxima[i].t <= until && w->maxima[i].value >= best - same * fabs(best))
-            t[found] = w->maxima[i].t, values[found++] = w->maxima[i].value;
+            t[found++] = w->maxima[i].t;
     return DONE;
 }
 
 /* Where a density, or with turned minus it, is largest along the rods from `begin` to `end`, up to the times until (n,).
 
-   t, values: (n, most), from the left; what is left is not touched. same: relative; values that differ by less are equal.
+   t: (n, most), from the left; what is left is not touched. same: relative; values that differ by less are equal.
    The others, and what it returns: as of rod_measure. */
 int rod_extremes(const rods *all, int kind, int turned, const double *until, double same, int most, double *t,
-                 double *values, int64_t begin, int64_t end, int lanes)
+                 int64_t begin, int64_t end, int lanes)
 {
     if (all->at.n != AT || all->coefficients < 1 || all->coefficients > LONGEST || kind < 0 || kind >= DENSITIES)
         return NOT_POSSIBLE;
@@ -160,7 +160,7 @@ int rod_extremes(const rods *all, int kind, int turned, const double *until, dou
         failed = rod_angles(w, b) || rod_resolved(w, b, kind, EXTREMES, all->goal) ? NO_MEMORY : DONE;
         if (turned)
             turn_over(w);
-        failed = failed ? failed : places_of(w, until[b], same, most, t + most * b, values + most * b);
+        failed = failed ? failed : places_of(w, until[b], same, most, t + most * b);
     }
     rod_workspace_free(w);
     return failed;

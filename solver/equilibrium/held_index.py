@@ -16,8 +16,8 @@ import numpy as np
 from ..levels.morse_index import helix_half_waves
 from ..mechanics.potential import load_size, slope_rate
 from ..numerics.arrays import Array
+from .given_numbers import Given, State
 from .orbit_rates import NUMBERS, OrbitRates
-from .system import Given, State
 
 _DISPLACEMENTS = ("z", "alpha", "turn")  # in the order of `OrbitRates.compliance`
 _ANGLES = ("beta0", "betaL")

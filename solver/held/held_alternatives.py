@@ -10,11 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from ..branches.branch_following import trace
-from ..branches.continuation import state_of
 from ..branches.deflation import across_fold, deflate, fold_beside, is_known, numbers_of
 from ..branches.family import Bounds, Family
+from ..equilibrium.given_numbers import Given, State
 from ..equilibrium.held_index import index_of
-from ..equilibrium.system import Given, State
+from ..equilibrium.system import state_of
 from ..levels.path_orbits import orbit_of
 from ..numerics.arrays import Array
 

@@ -10,8 +10,9 @@ from itertools import product
 
 import numpy as np
 
+from ..equilibrium.given_numbers import Given, State
 from ..equilibrium.orbit_rates import orbit_rates, start_rates
-from ..equilibrium.system import Given, State, corner_state
+from ..equilibrium.system import corner_state
 from ..levels.line_point import LinePoint, Path
 from ..levels.transit_times import wrap
 from ..mechanics.potential import TAU

@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 
-from ..equilibrium.system import FREE, Given
+from ..equilibrium.given_numbers import FREE, Given
 from ..mechanics.potential import TAU
 from ..numerics.arrays import Array
 

@@ -12,8 +12,9 @@ import numpy as np
 from ..branches.continuation import Stopped, carry
 from ..branches.deflation import across_fold, deflate, is_known, numbers_of
 from ..branches.held_helices import helices_of
+from ..equilibrium.given_numbers import FREE, Given, State
 from ..equilibrium.orbit_rates import orbit_rates
-from ..equilibrium.system import FREE, Given, State, settle
+from ..equilibrium.system import settle
 from ..numerics.arrays import Array
 from .held_mirrors import half_period_later, image_of, mirrors_of
 from .held_ranges import Ranges, ranges_of, within_a_turn

@@ -11,12 +11,13 @@ from itertools import product
 
 import numpy as np
 
-from ..branches.continuation import FOLD, Stopped, carry, state_of
+from ..branches.continuation import FOLD, Stopped, carry
 from ..branches.deflation import is_known, numbers_of
 from ..branches.held_helices import helices_of
+from ..equilibrium.given_numbers import FREE, Given, State
 from ..equilibrium.held_index import held_index, index_of
 from ..equilibrium.orbit_rates import orbit_rates
-from ..equilibrium.system import FREE, Given, State
+from ..equilibrium.system import state_of
 from ..levels.level_search import search
 from ..levels.line_point import Path, path_of
 from ..levels.morse_index import jacobi_zeros

@@ -15,8 +15,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..equilibrium.given_numbers import FREE, Given, State
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
-from ..equilibrium.system import FREE, Given, State
 from ..levels.level_search import search
 from ..levels.line_point import path_of
 from ..mechanics.potential import potential

@@ -9,8 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..equilibrium.given_numbers import Given, State
 from ..equilibrium.orbit_rates import start_rates
-from ..equilibrium.system import Given, State, corner_state
+from ..equilibrium.system import corner_state
 from ..levels.line_point import LinePoint
 from ..mechanics.potential import TAU, potential, slope
 from ..numerics.arrays import Array

@@ -97,11 +97,19 @@ class DensityChange:
         return [first_of(self.read(t[:, None])[0]) for t in self.times]
 
     @cached_property
+    def most_pace(self) -> Array:
+        """The largest size of the pace, (b,)."""
+        return self._most(np.abs(self.nodes.pace))
+
+    def _most(self, values: Array) -> Array:
+        most = np.zeros(self.problem.size)
+        np.maximum.at(most, self.case, values.max(axis=1))
+        return most
+
+    @cached_property
     def shortest(self) -> Array:
         """A time in which the density changes at least, (b,)."""
-        speed = np.zeros(self.problem.size)
-        np.maximum.at(speed, self.case, self.varied.nodes.v.max(axis=1))
-        return np.asarray(1 / np.sqrt(steepest(self.problem) + speed**2))
+        return np.asarray(1 / np.sqrt(steepest(self.problem) + self._most(self.varied.nodes.v) ** 2))
 
     def read(self, t: Array) -> tuple[Values, Array]:
         """At t (b, n), and how far the changes move it along the orbit, a of `orbit.variations`, (b, n, F)."""

@@ -5,23 +5,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..core.measures import extremes as core_extremes
-from ..numerics.arrays import Array
+from ..numerics.arrays import EPS, Array
 from ..numerics.chebyshev import basis, derivative, polynomials
 from ..observe.solution_pieces import of_orbit
 from . import densities
 from .density_changes import DensityChange
 
 LARGEST, SMALLEST, LARGEST_SIZE = "largest", "smallest", "largest size"
-_TURNED = {LARGEST: (False,), SMALLEST: (True,), LARGEST_SIZE: (False, True)}
+_TURNS = {LARGEST: (1.0,), SMALLEST: (-1.0,), LARGEST_SIZE: (1.0, -1.0)}
 _SAME = 1e-12  # relative: extremes that differ by less are equal
 _GOAL = 1e-14  # of the series of which the places are found, relative
 _APART = 1e-4  # relative: derivatives that differ by more are different
-STILL = 1e-9  # of the largest pace of a density: one that changes less is stationary
+_STILL = 1e-9  # of the largest pace of a density: one that changes less is stationary
 _FAINT = 1e-9  # of the sum of the sizes of its terms: a derivative below this is rounding
+_ROUNDING = 64 * EPS  # the same of the density itself
 _NEAR = 1e-5  # of the length: the place is the one that is observed
 _WINDOW, _POINTS = 0.2, 14  # on which a derivative in t is read: of the shortest time of a change; places
 _STEP = 1e-4  # of the same: differences about a place
-_BACK = 1e-9  # of the sum of the sizes of its terms: values at places that are not the same differ by more
 _ZERO = 1e-12  # of the sum of the sizes of its terms: a value that only touches zero
 
 
@@ -42,32 +42,37 @@ class Places:
 
 def places_of(rods: DensityChange, which: str, until: Array | None = None) -> Places:
     """The places of the extreme up to the times `until` (b,), or along the whole rods."""
+    t = np.tile(_candidates(rods, until), len(_TURNS[which]))
+    turn = np.repeat(_TURNS[which], t.shape[1] // len(_TURNS[which]))
+    last = t >= rods.span[:, None] * (1 - _SAME)
+    end = last | (t <= 0)
+    t = np.where(end, t, _stationary(rods, t))
+    at, a = rods.read(np.where(np.isnan(t), 0.0, t))
+    values = np.where(np.isnan(t), -np.inf, turn * at.values)
+    best = values.max(axis=1, keepdims=True)
+    t = np.where(values >= best - _SAME * np.maximum(np.abs(best), 1e-300), t, np.nan)
+    shifted = at.pace[..., None] * (a + np.where(last[..., None], rods.later[:, None], 0.0))
+    shifted = np.where(end[..., None], shifted, 0.0)
+    slopes = np.einsum("bnk,bfk->bnf", at.moved, rods.e) + shifted
+    if which == LARGEST_SIZE:
+        slopes = slopes * turn[:, None]
+    sizes = np.einsum("bnk,bfk->bnf", np.abs(at.moved), np.abs(rods.e)) + np.abs(shifted)
+    rounding = _ROUNDING * at.size[..., None] * np.abs(rods.e).max(axis=2)[:, None]
+    return Places(t, at.values, at.size, slopes, _FAINT * sizes + rounding)
+
+
+def _candidates(rods: DensityChange, until: Array | None) -> Array:
+    """Times that an extreme may have, (b, K), NaN behind the last: where the density is largest and smallest, and the
+    ends. All of them where it is the same all along."""
     orbit, panels = rods.varied.orbit, rods.varied.orbit.panels
     series = panels.series.copy()
     series[:, 0, 0] += rods.varied.base
     pieces = of_orbit(replace(orbit, panels=replace(panels, series=series)), slice(0, rods.problem.size))
     reach = np.fmin(rods.span if until is None else until, orbit.period)  # later periods have the same values
-    found = [
-        core_extremes(pieces, rods.sign, rods.density.__name__, turned, reach, _SAME, _GOAL)
-        for turned in _TURNED[which]
-    ]
-    t, values = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
-    turn = np.repeat([-1.0 if turned else 1.0 for turned in _TURNED[which]], found[0][0].shape[1])
-    best = np.nanmax(values, axis=1, keepdims=True)
-    t = np.where(values >= best - _SAME * np.maximum(np.abs(best), 1e-300), t, np.nan)
-    used = np.isfinite(t).any(axis=0)
-    t, values, turn = t[:, used], values[:, used], turn[used]
-    last = t >= rods.span[:, None] * (1 - _SAME)
-    t = np.where(last | (t <= 0), t, _stationary(rods, t))
-    at, a = rods.read(np.where(np.isnan(t), 0.0, t))
-    passed = np.abs(at.values - turn * values) <= _BACK * at.size  # the core takes the way back for one forward
-    end = (last | (t <= 0))[..., None]
-    shifted = np.where(end, at.pace[..., None] * (a + np.where(last[..., None], rods.later[:, None], 0.0)), 0.0)
-    slopes = np.einsum("bnk,bfk->bnf", at.moved, rods.e) + shifted
-    sizes = np.einsum("bnk,bfk->bnf", np.abs(at.moved), np.abs(rods.e)) + np.abs(shifted)
-    if which == LARGEST_SIZE:
-        slopes = slopes * turn[:, None]
-    return Places(np.where(passed, t, np.nan), at.values, at.size, slopes, _FAINT * sizes)
+    given = pieces, rods.sign, rods.density.__name__
+    t = np.concatenate([core_extremes(*given, turned, reach, _SAME, _GOAL) for turned in (False, True)], axis=1)
+    ends = np.stack(rods.times, axis=1) if until is None else np.empty((rods.problem.size, 0))
+    return np.concatenate([t[:, np.isfinite(t).any(axis=0)], ends], axis=1)
 
 
 def _stationary(rods: DensityChange, t: Array) -> Array:
@@ -111,12 +116,9 @@ def first_peak(rods: DensityChange, seen: Array) -> Array:
     t, slopes = places.t[rows, near], _slope_of(places)
     first, last = t <= 0, t >= span * (1 - _SAME)
     at, _ = rods.read(t[:, None])
-    most = np.abs(rods.nodes.pace).max(axis=1)
-    largest = np.zeros(seen.size)
-    np.maximum.at(largest, rods.case, most)
-    still = np.abs(at.pace[:, 0]) <= STILL * largest
+    still = np.abs(at.pace[:, 0]) <= _STILL * rods.most_pace
     inner, bend = _rate_of_peak(rods, t)
-    inner = np.where((np.abs(bend) <= STILL * largest)[:, None], np.nan, inner)
+    inner = np.where((np.abs(bend) <= _STILL * rods.most_pace)[:, None], np.nan, inner)
     end = np.where(last[:, None], rods.later, 0.0)
     size = np.abs(inner) + np.abs(end)
     stays = ~still[:, None] | (np.abs(inner - end) <= 1e-6 * size + 1e-9 * np.abs(span[:, None]))

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ..equilibrium.given_numbers import parts_by_given
 from ..equilibrium.orbit_rates import helix_change, rates_of_helices, rates_of_variations
-from ..equilibrium.system import parts_by_given, settle
+from ..equilibrium.system import settle
 from ..levels.line_point import LinePoint, Path, path_of
 from ..levels.path_orbits import path_from_start, variations_of
 from ..numerics.arrays import Array, Integers

@@ -10,9 +10,9 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, equilibria, observe, solve
+from solver.equilibrium.given_numbers import Given, State
 from solver.equilibrium.held_index import index_of
 from solver.equilibrium.orbit_rates import orbit_rates
-from solver.equilibrium.system import Given, State
 from solver.levels.line_point import path_of
 from solver.levels.path_orbits import orbit_of
 from solver.mechanics.potential import slope_rate

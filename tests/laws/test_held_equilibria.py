@@ -8,8 +8,8 @@ import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, equilibria, solve
 from solver.branches.deflation import is_known
+from solver.equilibrium.given_numbers import Given, State
 from solver.equilibrium.orbit_rates import NUMBERS, orbit_rates
-from solver.equilibrium.system import Given, State
 from solver.equilibrium_list import HeldEquilibria
 from solver.held.held_mirrors import Mirror, image_of, mirrors_of
 from solver.held.held_search import held_search

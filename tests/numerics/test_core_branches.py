@@ -14,8 +14,8 @@ from solver.choose.each_equilibrium import path_of_seed
 from solver.core.branches import RECORD, Point, Steps, chart_of
 from solver.core.varied_orbits import orbit_rates
 from solver.equilibrium.charts import Chart
+from solver.equilibrium.given_numbers import FREE, Given
 from solver.equilibrium.orbit_rates import HOW
-from solver.equilibrium.system import FREE, Given
 from solver.levels.line_point import Path
 from solver.levels.transit_times import CUTTING, NODES
 from solver.orbit.variations import POINTS
