@@ -9,6 +9,7 @@ from ..numerics.arrays import Array
 
 STRAIGHT, SINUSOIDAL, HELICAL = "straight", "sinusoidal", "helical"
 BENT = 0.1  # rad of azimuth from one bend to the next: less is straight
+DYING = 0.7  # of the azimuth of the bend before: so bends die away in a straight rod below 0.97 of its buckling load
 TURN = 2 * np.pi  # of azimuth in one sense: as much is a helix
 
 
@@ -27,8 +28,8 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
     Between two changes of sign the azimuth goes one way. There the rod is helical if it goes once round or more,
     straight if it goes less than `BENT`, else sinusoidal; where a helix dies away into a straight piece or an end of
     the rod, what goes less than `BENT` is straight. Two helices that meet turn in different senses. Bends from an end
-    to a straight stretch are straight too where the first is the largest: there the rod turns from the azimuth of its
-    end to where it lies.
+    to a straight stretch are straight too where each is at most `DYING` of the one before: there the rod turns from the
+    azimuth of its end to where it lies.
     """
     cuts = [0, *(np.flatnonzero(np.sign(beta[1:]) * np.sign(beta[:-1]) < 0) + 1), s.size - 1]
     found: list[State] = []
@@ -47,23 +48,24 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
 
 
 def _without_end_turns(found: list[State]) -> list[State]:
-    """The stretches, whose first bends are straight if the very first is the largest and straight ones follow."""
+    """The stretches, whose first bends are straight if they die away and straight ones follow."""
     words = [one.word for one in found]
     bends = words.index(STRAIGHT) if STRAIGHT in words else 0
-    largest = max((one.turned for one in found[:bends]), default=0.0)
-    if set(words[:bends]) != {SINUSOIDAL} or found[0].turned < largest:
+    die = all(later.turned <= DYING * one.turned for one, later in pairwise(found[:bends]))
+    if set(words[:bends]) != {SINUSOIDAL} or not die:
         return found
     return [one._replace(word=STRAIGHT) for one in found[:bends]] + found[bends:]
 
 
 def _join(found: list[State]) -> list[State]:
-    """Neighbours of the same state as one, but for helices; a short straight piece between two bends joins them."""
+    """Neighbours of the same state as one, but for helices; a short straight piece next to bends joins them."""
     kept: list[State] = []
     longest = max((one.end - one.begin for one in found if one.word == SINUSOIDAL), default=0.0)
     for i, one in enumerate(found):
         word, around = one.word, [other.word for other in found[max(0, i - 1) : i + 2] if other is not one]
-        if word == STRAIGHT and len(around) == 2 and STRAIGHT not in around and one.end - one.begin < longest:
-            word = around[0]
+        if word == STRAIGHT and STRAIGHT not in around:
+            room = longest if len(around) == 2 else longest / 4 * (around == [SINUSOIDAL])
+            word = around[0] if one.end - one.begin < room else word
         if kept and kept[-1].word == word != HELICAL:
             kept[-1] = State(word, kept[-1].begin, float(one.end))
         else:

@@ -278,6 +278,7 @@ def test_a_pipe_of_5_km_buckles_into_a_stable_shape(load: float) -> None:
         ({}, {"azimuth": 0.4}, ["straight"]),
         ({}, {"FZ": -200e3}, ["sinusoidal"]),
         ({"inclination": "40deg"}, {"FZ": -130e3}, ["sinusoidal", "straight"]),
+        ({"inclination": "100deg"}, {"FZ": -190e3, "azimuth": None}, ["straight", "sinusoidal"]),  # it grows
     ),
 )
 def test_a_turn_at_an_end_is_no_sinusoid(wall: dict[str, Any], alpha: dict[str, float], words: list[str]) -> None:

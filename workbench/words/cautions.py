@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver.observe.cautions import (
+    ALL_ALONG,
     AT_ENDS,
+    IN_PART,
     JUDGED,
     MEETS,
     PULLED,
@@ -29,10 +31,13 @@ if TYPE_CHECKING:  # workers do not need it
     import xarray as xr
 
 __all__ = [
+    "ALL_ALONG",
+    "IN_PART",
     "JUDGED",
     "PULLED",
     "SLIGHT",
     "UNCHECKED",
+    "UNKNOWN",
     "WORDS",
     "holding",
     "keys",

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 SINUSOID, PRESSED = 2.0, 2.744687  # forces in sqrt(A w sin(theta)/rho), as of `studies/pipe_horizontal.toml`
 MOST = 6  # stretches that are listed
-NEWS = "leaves its branch", "buckles where friction", "stays straight"  # as `solver.shooting.answers` says it
+NEWS = "leaves its branch", "buckles where friction"  # as `solver.shooting.answers` says it
 WAYS = {
     "forward": "slides along itself towards s = L everywhere",
     "backward": "slides along itself towards s = 0 everywhere",
@@ -42,14 +42,21 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     length, force = units["length"], units["force"]
     if not sol.solved:
         return [*_buckling(sol, force), *_long_pipe(sol, force)]
-    barred = cautions.is_barred(str(cautions.of_cases(sol, unit=length)))
-    unreal = ", which no real rod could hold: see the caution" * barred
-    said = [f"state: {in_words(sol.states, length)}{unreal}; {_stability(sol)}"]
+    said = [f"state: {in_words(sol.states, length)}{_doubt(sol)}; {_stability(sol)}"]
     begun = str(sol.begun or "")
     news = next((begun[begun.index(words) :] for words in NEWS if words in begun), "")
     said += [f"on the way to these loads the rod {news}"] * bool(news)
     said += [*_friction(sol, force), *_buckling(sol, force), *_long_pipe(sol, force)]
     return [*said, pipe_numbers.lower_end(sol)]
+
+
+def _doubt(sol: "Solution") -> str:
+    """That a real rod does not have the shape, or has another one in places; "" where nothing or the ends alone do."""
+    text = str(cautions.of_cases(sol))
+    if not cautions.is_barred(text):
+        return ""
+    in_part = all(part.startswith((cautions.IN_PART, cautions.UNKNOWN)) for part in cautions.parts(text))
+    return f", which {'in places ' * in_part}no real rod could hold: see the caution"
 
 
 def _stability(sol: "Solution") -> str:
@@ -100,8 +107,9 @@ def _lift_offs(sol: "Solution", length: str) -> list[str]:
     share = 100 * sum(end - begin for begin, end in stretches) / float(sol.case.rod.L)
     each = [f"{begin:.4g} to {end:.4g} {length}" for begin, end in stretches[:MOST]]
     more = f", and on {len(stretches) - MOST} more stretches" if len(stretches) > MOST else ""
-    barred = cautions.is_barred(str(cautions.of_cases(sol, unit=length)))
-    so = "no real rod has this shape" if barred else "a real rod leaves the wall there"
+    text = str(cautions.of_cases(sol))
+    so = "a real rod takes another shape there" if cautions.IN_PART in text else "a real rod leaves the wall there"
+    so = "no real rod has this shape" if cautions.ALL_ALONG in text else so
     return [f"caution: the wall would have to pull on {share:.2g} % of the length, {', '.join(each)}{more}: {so}"]
 
 
