@@ -10,12 +10,7 @@ from solver.equilibrium.orbit_rates import orbit_numbers, orbit_rates
 from solver.levels.level_search import search
 from solver.levels.line_point import Path, path_of
 from solver.orbit.pieces import HELIX
-from solver.orbit.variations import (
-    Variations,
-    directions,
-    orbits_to_vary,
-    variations_on,
-)
+from solver.orbit.variations import Variations, directions, orbits_to_vary, variations_on
 from solver.problem.reduced import EndsProblem, StartProblem
 
 

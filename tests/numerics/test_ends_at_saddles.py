@@ -126,8 +126,7 @@ def test_a_rod_that_starts_a_billionth_from_a_saddle_is_found(L: float, count: i
 
 
 @pytest.mark.parametrize(
-    "L, beta0, betaL, count",
-    ((100.0, 1e-4, 0.1, 9), (100.0, 1e-5, 0.1, 7), (136.78, -0.0011812387, -0.7317418, 15)),
+    "L, beta0, betaL, count", ((100.0, 1e-4, 0.1, 9), (100.0, 1e-5, 0.1, 7), (136.78, -0.0011812387, -0.7317418, 15))
 )
 def test_next_to_a_saddle_none_is_lost_and_none_found_twice(L: float, beta0: float, betaL: float, count: int) -> None:
     """The signed count of these was once 2, 0 and 0, and is 1 by degree."""

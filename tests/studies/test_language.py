@@ -109,62 +109,32 @@ LAW = AXIS + "values = [1e4, 2e4]\n[[laws]]\nclaim = 'a'\nsource = 's'\n"  # [[l
 REFUSED = {
     "a title too long for the file": (f'title = "{"x" * 10_001}"', "the text has 10001 characters; the limit is 10000"),
     "a misspelt key": ("titel = 'x'\n" + HEAD, "line 1: no key 'titel', did you mean 'title'; choose from"),
-    "a misspelt key of an axis": (
-        AXIS + "form = 1\nto = 2\ncount = 3",
-        "line 7: no key 'form' in axes.E, did",
-    ),
+    "a misspelt key of an axis": (AXIS + "form = 1\nto = 2\ncount = 3", "line 7: no key 'form' in axes.E, did"),
     "an unknown field": (
         HEAD + "[base]\nyoung = 1",
         "line 7: no key 'young' in base, did you mean 'E'; choose from E, nu, a, L",
     ),
-    "a field the table does not print": (
-        HEAD + "[base]\nF2 = 1.0",
-        "line 7: Table 1 prints no 'F2'; choose from",
-    ),
-    "a unit that is none": (
-        HEAD.replace('"cm"', '"parsec"'),
-        "line 4: 'parsec' is not a unit of length; choose",
-    ),
+    "a field the table does not print": (HEAD + "[base]\nF2 = 1.0", "line 7: Table 1 prints no 'F2'; choose from"),
+    "a unit that is none": (HEAD.replace('"cm"', '"parsec"'), "line 4: 'parsec' is not a unit of length; choose"),
     "a force as the length": (HEAD.replace('"cm"', '"N"'), "line 4: 'N' is not a unit of length"),
-    "an axis in another unit": (
-        AXIS + "values = [1]\nunit = 'GPa'",
-        "line 8: E is in N/cm\\^2, got unit 'GPa'",
-    ),
+    "an axis in another unit": (AXIS + "values = [1]\nunit = 'GPa'", "line 8: E is in N/cm\\^2, got unit 'GPa'"),
     "an axis without values": (AXIS + "values = []", "line 7: the axis is empty: give at least one value"),
     "a count of nothing": (AXIS + "from = 1\nto = 2\ncount = 0", "line 9: the axis is empty: .* got 0"),
     "a value twice": (AXIS + "values = [1, 2, 1]", "line 7: the value 1.0 is given twice"),
-    "not a number": (
-        AXIS + "values = [1, nan]",
-        r"line 7: axes.E.values\[2\] must be a finite number, got nan",
-    ),
+    "not a number": (AXIS + "values = [1, nan]", r"line 7: axes.E.values\[2\] must be a finite number, got nan"),
     "a NaN in the base case": (HEAD + "[base]\nR = nan", "line 7: base.R must be a finite number, got nan"),
-    "text for a number": (
-        AXIS + "from = 'a'\nto = 2\ncount = 3",
-        "line 7: axes.E.from must be a valid number",
-    ),
+    "text for a number": (AXIS + "from = 'a'\nto = 2\ncount = 3", "line 7: axes.E.from must be a valid number"),
     "half a count": (AXIS + "from = 1\nto = 2\ncount = 2.5", "line 9: axes.E.count must be a valid integer"),
     "two ways at once": (AXIS + "values = [1]\ncount = 3", "line 8: values and count exclude each other"),
-    "half a range": (
-        AXIS + "from = 1\ncount = 3",
-        "line 6: the axis has no to: give values, or from, to and",
-    ),
-    "a geometric axis through 0": (
-        AXIS + "from = 0\nto = 2\ncount = 3\nspacing = 'geometric'",
-        "not 0, got 0",
-    ),
-    "an unknown spacing": (
-        AXIS + "from = 1\nto = 2\ncount = 3\nspacing = 'log'",
-        "'linear' or 'geometric', got 'log'",
-    ),
+    "half a range": (AXIS + "from = 1\ncount = 3", "line 6: the axis has no to: give values, or from, to and"),
+    "a geometric axis through 0": (AXIS + "from = 0\nto = 2\ncount = 3\nspacing = 'geometric'", "not 0, got 0"),
+    "an unknown spacing": (AXIS + "from = 1\nto = 2\ncount = 3\nspacing = 'log'", "'linear' or 'geometric', got 'log'"),
     "an axis that is no field": (
         HEAD + "[axes.young]\nvalues = [1]",
         "line 6: no axis 'young', did you mean 'E'; choose from E",
     ),
     "an axis of words": (HEAD + "[axes.side]\nvalues = [1]", "line 6: no axis 'side'; choose from"),
-    "an axis with a path in it": (
-        HEAD + '[axes."../E"]\nvalues = [1]',
-        "line 6: no axis '../E'; choose from",
-    ),
+    "an axis with a path in it": (HEAD + '[axes."../E"]\nvalues = [1]', "line 6: no axis '../E'; choose from"),
     "a grid without end": (
         AXIS + "from = 1\nto = 2\ncount = 1000000\n[axes.R]\nfrom = 1\nto = 2\ncount = 1000000",
         "line 6: the grid has 1000000000000 cases, more than the limit of 1000000000",
@@ -173,15 +143,9 @@ REFUSED = {
         AXIS + "from = 1\nto = 2\ncount = 10000001",
         "10000001 values, more than the limit of 10000000",
     ),
-    "a name with a path in it": (
-        "name = '../x'\n" + HEAD,
-        "line 1: name must be letters, digits, - and _ only",
-    ),
+    "a name with a path in it": ("name = '../x'\n" + HEAD, "line 1: name must be letters, digits, - and _ only"),
     "a name with a slash": ("name = 'a/b'\n" + HEAD, "line 1: name must be"),
-    "an unknown reading": (
-        HEAD.replace("tension", "torsion"),
-        "line 2: no reading 'force-first/torsion/paper'",
-    ),
+    "an unknown reading": (HEAD.replace("tension", "torsion"), "line 2: no reading 'force-first/torsion/paper'"),
     "an unknown observable": (
         'observables = ["turn"]\n' + HEAD,
         "line 1: no observable 'turn', did you mean 'turns'; choose from turns",
@@ -192,10 +156,7 @@ REFUSED = {
     "no title": (UNITS, "the study needs the key 'title'"),
     "no units": ('title = "t"', "the study needs the key 'units'"),
     "a table as a number": ("axes = 3\n" + HEAD, "line 1: axes must be a table, got 3"),
-    "a law without observable": (
-        LAW + "axis = 'E'\ndirection = 'falls'",
-        r"line 8: laws\[1\] needs the key 'obs",
-    ),
+    "a law without observable": (LAW + "axis = 'E'\ndirection = 'falls'", r"line 8: laws\[1\] needs the key 'obs"),
     "a law on no axis": (
         LAW + "axis = 'R'\nobservable = 'turns'\ndirection = 'falls'",
         "line 11: no axis 'R'; choose from E",
@@ -204,28 +165,19 @@ REFUSED = {
         LAW + "axis = 'E'\nobservable = 'turns'\ndirection = 'up'",
         "no direction 'up'; choose from rises",
     ),
-    "a law on no observable": (
-        LAW + "axis = 'E'\nobservable = 'x'\ndirection = 'falls'",
-        "line 12: no observable 'x'",
-    ),
+    "a law on no observable": (LAW + "axis = 'E'\nobservable = 'x'\ndirection = 'falls'", "line 12: no observable 'x'"),
     "a law at no other axis": (
         LAW + "axis = 'E'\nobservable = 'turns'\ndirection = 'falls'\nat = { E = 1.0 }",
         "line 14: no other axis 'E'; there is none",
     ),
     "E below zero": (HEAD + "[base]\nE = -1.0", "line 7: Rod.E must be positive and finite, got -1.0"),
-    "E below zero on its axis": (
-        AXIS + "values = [1, -2]",
-        "line 6: Rod.E must be positive and finite, got -2.0",
-    ),
+    "E below zero on its axis": (AXIS + "values = [1, -2]", "line 6: Rod.E must be positive and finite, got -2.0"),
     "a half case": (PLAIN + "[base]\nE = 1.0\nbeta = 1.0", "Rod needs nu, a, L; got E"),
     "F1 and dgamma": (
         PLAIN + ROD + "beta = 0.5\ndbeta = 0.1\nF1 = 1.0\ndgamma = 0.2",
         "exactly one of F1, dgamma and M3, got F1=1.0, dgamma=0.2, M3=None",
     ),
-    "a start's field among ends": (
-        PLAIN + ROD + "beta0 = 0.5\nF1 = 1.0",
-        "line 12: a study of Ends has no field 'F1'",
-    ),
+    "a start's field among ends": (PLAIN + ROD + "beta0 = 0.5\nF1 = 1.0", "line 12: a study of Ends has no field 'F1'"),
     "no room inside": (HEAD + "[base]\nR = 0.2\nside = 'inside'", "R must be larger than Rod.a = 0.25"),
     "following another axis": (
         AXIS + "follow = true\nto = 60\ncount = 9",

@@ -242,10 +242,7 @@ def test_a_dataset_that_is_no_studys_is_refused_when_asked_and_not_before() -> N
         ds.rod.along("shape")
 
 
-IMPORTS = {
-    "accessor first": "import workbench.accessor, xarray",
-    "xarray first": "import xarray, workbench.accessor",
-}
+IMPORTS = {"accessor first": "import workbench.accessor, xarray", "xarray first": "import xarray, workbench.accessor"}
 
 
 @pytest.mark.parametrize("order", slow_but(IMPORTS, "accessor first"))

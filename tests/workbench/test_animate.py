@@ -12,7 +12,7 @@ from PIL import Image
 from solver.problem.errors import InputError
 from studies.language.loader import loads
 from tests.workbench import small
-from workbench import cli
+from tests.workbench.command import exit_status
 from workbench.commands import animate, console, study_scene
 from workbench.scene import film, opengl, scene_kinds
 from workbench.store import in_memory, writing
@@ -103,9 +103,7 @@ def test_scene_makes_a_film_and_the_old_command_names_it(monkeypatch, capsys) ->
         ["scene", "a.h5", "--along", "E", "--out", "E.mp4"],
         ["animate", "a.h5", "--axis", "E", "-o", "E.mp4"],
     ):
-        with pytest.raises(SystemExit) as end:
-            cli.main(words)
-        assert end.value.code == 0
+        assert exit_status(*words) == 0
     assert asked[0] == asked[1]
     assert capsys.readouterr().err == "workbench: animate will go: use scene --out film.mp4\n"
 

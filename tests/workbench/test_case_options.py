@@ -12,6 +12,7 @@ from solver.problem.case import PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS
 from solver.problem.quantities import unit_of
 from solver.problem.rod import lacking
 from studies.grammar.axes import quantity_of
+from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.commands.case_options import ENDS_FIELDS, FIELDS, HELD, help_of
 
@@ -97,10 +98,7 @@ CABLE = ["solve", "--length-unit", "mm", "--E", "2e5", "--nu", "0.3", "--a", "2"
 
 
 def printed(capsys, *args: str) -> tuple[int, str]:
-    with pytest.raises(SystemExit) as end:
-        cli.main([*CABLE, *args])
-    streams = capsys.readouterr()
-    return end.value.code, streams.out + streams.err
+    return exit_status(*CABLE, *args), "".join(capsys.readouterr())
 
 
 @pytest.mark.parametrize(("tension", "words"), [("2000", "which is stable"), ("20", "unstable in 6 ways under dead")])
@@ -161,10 +159,8 @@ LYING = ["--FZ", "-2e5", "--side", "inside", "--weight", "242", "--inclination",
 )  # fmt: skip
 def test_a_rod_in_a_hole_is_told_what_the_model_leaves_out(args, status, sentence: str, capsys) -> None:
     """2 sqrt(EI w/rho) of a 5 in pipe in an 8.5 in hole is 163.5 kN (Dawson and Paslay)."""
-    with pytest.raises(SystemExit) as end:
-        cli.main(["solve", *PIPE, *args])
+    assert exit_status("solve", *PIPE, *args) == status
     streams = capsys.readouterr()
-    assert end.value.code == status
     assert all(part in streams.out + streams.err for part in sentence.split(" ... "))
 
 
@@ -174,8 +170,7 @@ STEEL = [*PIPE[4:], *"--E 2.06e11 --nu 0.3 --inner_radius 0.0543 --azimuth 0".sp
 def test_of_a_pipe_with_a_section_the_stress_is_stated_and_whether_steel_yields(capsys) -> None:
     """The axial stress is the load over the section; a strain of 0.25 % is 517 MPa, where grade E-75 yields."""
     for load, yields in ((-2e5, False), (-1.5e6, True)):
-        with pytest.raises(SystemExit):
-            cli.main(["solve", *STEEL, *LYING, "--FZ", str(load)])
+        exit_status("solve", *STEEL, *LYING, "--FZ", load)
         shown = capsys.readouterr().out
         axial, bending, both = (
             [float(number) for number in re.search(rf"^{name} +MPa +(.*)", shown, re.MULTILINE)[1].split()]

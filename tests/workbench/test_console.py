@@ -6,14 +6,13 @@ import shlex
 import pytest
 from rich.console import Console
 
+from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.commands import console, help_pages
 
 
 def told(capsys, *args: str) -> str:
-    with pytest.raises(SystemExit) as end:
-        cli.main(list(args))
-    assert end.value.code == 0
+    assert exit_status(*args) == 0
     return capsys.readouterr().out
 
 
@@ -59,8 +58,7 @@ def test_the_shell_completes_commands_and_options(capsys, monkeypatch) -> None:
         monkeypatch.setenv("_WORKBENCH_COMPLETE", "complete_bash")
         monkeypatch.setenv("COMP_WORDS", line)
         monkeypatch.setenv("COMP_CWORD", str(place))
-        with pytest.raises(SystemExit):
-            cli.main(line.split()[1:])
+        exit_status(*line.split()[1:])
         assert capsys.readouterr().out.split() == expected
 
 
@@ -106,9 +104,7 @@ def test_a_narrow_terminal_cuts_no_cell_and_drops_no_column(capsys, monkeypatch)
     ],
 )
 def test_an_unknown_name_is_answered_with_the_nearest(args: list[str], meant: str, capsys) -> None:
-    with pytest.raises(SystemExit) as end:
-        cli.main(args)
-    assert end.value.code == 2
+    assert exit_status(*args) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert f"did you mean {meant!r}; choose from " in line
 

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from solver.mechanics.potential import Loads, potential
 from solver.problem.errors import InputError
 from studies import load
+from tests.workbench.command import exit_status
 from tests.workbench.small import study
-from workbench import cli
 from workbench.figures import along, drawn_rods, portrait, push_colours, push_scale, table, unrolled
 from workbench.geometry.self_intersections import places
 from workbench.store import in_memory, selection, writing
@@ -208,10 +208,7 @@ def test_what_is_not_stored_is_solved_again(ds) -> None:
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (
-            ["--kind", "curves", "--show", "turns"],
-            "--show is no option of --kind curves; choose --kind from map, l",
-        ),
+        (["--kind", "curves", "--show", "turns"], "--show is no option of --kind curves; choose --kind from map, l"),
         (["--kind", "ridge", "--panel", "betta"], "no panel 'betta', did you mean 'beta'"),
         pytest.param(
             ["--kind", "ridge", "--x", "E", "--at", "E=10000"],
@@ -224,8 +221,6 @@ def test_what_is_not_stored_is_solved_again(ds) -> None:
 )
 def test_what_cannot_be_drawn_is_refused_in_one_sentence(ds, args, said, tmp_path, capsys) -> None:
     writing.write(ds, tmp_path / "one.h5")
-    with pytest.raises(SystemExit) as end:
-        cli.main(["plot", str(tmp_path / "one.h5"), *args])
-    assert end.value.code == 2
+    assert exit_status("plot", tmp_path / "one.h5", *args) == 2
     assert said in " ".join(capsys.readouterr().err.split())
     assert [file.name for file in tmp_path.iterdir()] == ["one.h5"]

@@ -3,21 +3,13 @@
 import re
 from pathlib import Path
 
-import pytest
-
-from workbench import cli
+from tests.workbench.command import exit_status
 from workbench.commands import docs
-
-
-def ran(*args: str) -> object:
-    with pytest.raises(SystemExit) as end:
-        cli.main(list(args))
-    return end.value.code
 
 
 def test_without_a_site_one_sentence_says_how_to_build_it(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.setattr(docs, "PLACES", (tmp_path,))
-    assert ran("docs") == 2
+    assert exit_status("docs") == 2
     told = capsys.readouterr()
     assert told.out == ""
     assert "python -m docs.build" in told.err
@@ -31,10 +23,10 @@ def test_the_first_site_that_is_there_is_opened_or_its_address_printed(tmp_path:
     monkeypatch.setattr(docs, "PLACES", (tmp_path / "missing", page.parent))
     opened: list[str] = []
     monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
-    assert ran("docs", "--print") == 0
+    assert exit_status("docs", "--print") == 0
     assert capsys.readouterr().out == f"{page.as_uri()}\n"
     assert opened == []
-    assert ran("docs") == 0
+    assert exit_status("docs") == 0
     assert opened == [page.as_uri()]
     assert capsys.readouterr().out == ""
 
@@ -50,7 +42,7 @@ def test_the_wheels_of_a_release_are_made_after_the_site_and_tried_with_it() -> 
 
 
 def test_bibtex_is_on_one_command_and_agrees_with_the_file_of_citations(capsys) -> None:
-    assert ran("docs", "--bibtex") == 0
+    assert exit_status("docs", "--bibtex") == 0
     printed, cited = capsys.readouterr().out, (Path(__file__).parents[2] / "CITATION.cff").read_text(encoding="utf-8")
     entries = dict(re.findall(r"^  (\w+) += \{+(.*?)\}+,?$", printed, re.MULTILINE))  # of each key the last
     assert printed.count("@") == 2

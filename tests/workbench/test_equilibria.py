@@ -14,7 +14,7 @@ from solver.observe.observables import observe
 from studies import load
 from studies.language.loader import loads
 from tests.cases import ends_in_units_of_rho
-from workbench import cli
+from tests.workbench.command import exit_status
 from workbench.branches import branch_dataset
 from workbench.branches.ends_study import ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
@@ -28,10 +28,7 @@ MANY = -0.3655, 0.7464, -0.7506
 
 
 def run(capsys, *words: object) -> tuple[int, str]:
-    with pytest.raises(SystemExit) as left:
-        cli.main(["equilibria", *map(str, words)])
-    said = capsys.readouterr()
-    return int(left.value.code or 0), said.out + said.err
+    return exit_status("equilibria", *words), "".join(capsys.readouterr())
 
 
 def default() -> Case:
@@ -150,10 +147,8 @@ def test_each_exported_case_solves_to_the_equilibrium_it_was_written_from(capsys
     for k in (1, 2, 40):
         ds = in_memory.run(load(files[k]))
         np.testing.assert_allclose(ds["beta"], found[k].solution.beta, atol=1e-12)
-    with pytest.raises(SystemExit) as left:
-        cli.main(["solve", str(files[3]), "--json"])
+    assert exit_status("solve", files[3], "--json") == 0
     told = json.loads(capsys.readouterr().out)
-    assert not left.value.code
     assert told["observables"]["energy"] == pytest.approx(found[3].energy, rel=1e-9)
     assert told["observables"]["turns"] == found[3].turns
 
@@ -331,8 +326,7 @@ def test_whose_equilibria_they_are_is_said(capsys) -> None:
         (["--betaL", "0.7", "--FZ", "-3"], "rod: Table 1, with betaL, FZ as given\n"),
         ([], "rod: Table 1 (betaL: the angle at which its own rod ends)\n"),
     ):
-        with pytest.raises(SystemExit, match="0"):
-            cli.main(["equilibria", *options])
+        assert exit_status("equilibria", *options) == 0
         assert said in capsys.readouterr().out
 
 

@@ -13,9 +13,9 @@ pytest.importorskip("workbench.web.live.server", reason="the extra explore is no
 from solver.problem.errors import InputError
 from studies import load
 from tests.workbench import small
+from tests.workbench.command import exit_status
 from tests.workbench.live import asked, served, unpacked
 from tests.workbench.node import needs_node, run
-from workbench import cli
 from workbench.commands import explore
 from workbench.store.case_input import read_case
 from workbench.web.live import own_case, page_model, page_shape
@@ -124,8 +124,7 @@ def test_the_server_offers_the_own_rod_first_and_draws_it(tmp_path) -> None:
 
 def test_the_page_is_saved_as_one_file_that_names_no_address_and_begins_with_the_own_rod(tmp_path, capsys) -> None:
     (tmp_path / "mine.toml").write_text(PIPE)
-    with pytest.raises(SystemExit, match="0"):
-        cli.main(["explore", str(tmp_path / "mine.toml"), "--L", "20", "--save", str(tmp_path / "rod.html")])
+    assert exit_status("explore", tmp_path / "mine.toml", "--L", "20", "--save", tmp_path / "rod.html") == 0
     text = (tmp_path / "rod.html").read_text(encoding="utf-8")
     assert "http://" not in text
     assert "https://" not in text
@@ -141,16 +140,14 @@ def test_the_page_is_saved_as_one_file_that_names_no_address_and_begins_with_the
 @pytest.mark.parametrize("name", ["rod.htm", "rod", "rod.html/x.html"])
 def test_a_page_that_cannot_be_saved_is_told_in_a_sentence(name, tmp_path, capsys) -> None:
     (tmp_path / "rod.html").write_text("mine")
-    with pytest.raises(SystemExit, match="2"):
-        cli.main(["explore", "--save", str(tmp_path / name)])
+    assert exit_status("explore", "--save", tmp_path / name) == 2
     assert "rod" in capsys.readouterr().err
     assert (tmp_path / "rod.html").read_text() == "mine"
 
 
 def test_a_page_of_a_rod_with_weight_needs_the_server(tmp_path, capsys) -> None:
     (tmp_path / "mine.toml").write_text(PIPE)
-    with pytest.raises(SystemExit, match="2"):
-        cli.main(["explore", str(tmp_path / "mine.toml"), "--weight", "0.2", "--save", str(tmp_path / "rod.html")])
+    assert exit_status("explore", tmp_path / "mine.toml", "--weight", "0.2", "--save", tmp_path / "rod.html") == 2
     assert "a page without a server shows rods without weight and friction" in capsys.readouterr().err
 
 
@@ -174,9 +171,7 @@ def test_what_is_no_rod_is_refused_before_anything_is_served(words, sentence, tm
     Path("PIPE.toml").write_text(PIPE)
     Path("GRID.toml").write_text(READ.replace("E = 5000.0\n", "") + small.axis("E", [5e3, 6e3]))
     given = [f"{word}.toml" if word in ("PIPE", "GRID") else word for word in words]
-    with pytest.raises(SystemExit) as end:
-        cli.main(["explore", *given])
-    assert end.value.code == 2
+    assert exit_status("explore", *given) == 2
     assert sentence in capsys.readouterr().err
 
 

@@ -21,8 +21,8 @@ pytest.importorskip("workbench.web.live.server", reason="the extra explore is no
 from solver import observe, solve
 from solver.problem.errors import InputError
 from tests.workbench import live_process
+from tests.workbench.command import exit_status
 from tests.workbench.live import asked, served, unpacked
-from workbench import cli
 from workbench.commands import explore
 from workbench.web.live import page_model, search_processes, server
 from workbench.web.live.presets import PRESETS
@@ -365,9 +365,7 @@ def test_the_command_says_where_the_page_is_and_ends_quietly_when_interrupted() 
     ],
 )
 def test_what_cannot_be_served_is_refused(args, sentence, capsys) -> None:
-    with pytest.raises(SystemExit) as end:
-        cli.main(["explore", *args])
-    assert end.value.code == 2
+    assert exit_status("explore", *args) == 2
     assert sentence in capsys.readouterr().err
 
 
@@ -375,6 +373,5 @@ def test_without_the_extra_one_sentence_says_what_to_install(monkeypatch, capsys
     monkeypatch.delitem(sys.modules, "workbench.web.live.server", raising=False)
     monkeypatch.setitem(sys.modules, "aiohttp", None)
     monkeypatch.delattr("workbench.web.live.server", raising=False)
-    with pytest.raises(SystemExit, match="2"):
-        cli.main(["explore"])
+    assert exit_status("explore") == 2
     assert "rod-workbench[explore]" in capsys.readouterr().err

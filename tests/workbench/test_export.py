@@ -22,7 +22,7 @@ from solver.problem.errors import InputError
 from studies.language.loader import loads
 from tests.slow import slow_but
 from tests.workbench import runs, small
-from workbench import cli
+from tests.workbench.command import exit_status
 from workbench.commands import export as export_command
 from workbench.commands import option_checks
 from workbench.commands import plot as plot_command
@@ -409,9 +409,7 @@ def test_a_row_in_the_table_is_all_that_a_new_format_needs(folder, tmp_path, mon
         return {"letters": 5}
 
     monkeypatch.setitem(formats.FORMATS, ".toy", Format((".toy",), write))
-    with pytest.raises(SystemExit) as end:
-        cli.main(["export", str(folder / "moduli.h5"), "--at", "E=2e4", "-o", str(tmp_path / "rod.toy")])
-    assert not end.value.code
+    assert exit_status("export", folder / "moduli.h5", "--at", "E=2e4", "-o", tmp_path / "rod.toy") == 0
     assert (tmp_path / "rod.toy").read_text() == "moduli E=20000: 20 cm"
     assert "letters 5" in capsys.readouterr().out
     with pytest.raises(InputError, match=r"cannot export to 'rod.none'.*\.toy"):
@@ -451,10 +449,9 @@ REFUSED = {
 def test_one_sentence_status_2_and_nothing_written_for(args, sentence, folder, monkeypatch, capsys) -> None:
     monkeypatch.chdir(folder)
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
-    with pytest.raises(SystemExit) as end:
-        cli.main(["export", *args])
+    assert exit_status("export", *args) == 2
     out, err = capsys.readouterr()
-    assert (end.value.code, out, len(err.splitlines())) == (2, "", 1), err
+    assert (out, len(err.splitlines())) == ("", 1), err
     assert sentence in err
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
@@ -462,9 +459,7 @@ def test_one_sentence_status_2_and_nothing_written_for(args, sentence, folder, m
 def test_the_command_tells_what_it_chose_and_status_1_where_turns_meet(folder, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(folder)
     for E, status in (("2e4", 0), ("1.07e4", 1)):
-        with pytest.raises(SystemExit) as end:
-            cli.main(["export", "moduli.h5", "--at", f"E={E}", "-o", str(tmp_path / f"{E}.glb")])
-        assert (end.value.code or 0) == status
+        assert exit_status("export", "moduli.h5", "--at", f"E={E}", "-o", tmp_path / f"{E}.glb") == status
     out, err = capsys.readouterr()
     assert "at E=20000" in out
     assert "passes through itself" in err

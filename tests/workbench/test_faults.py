@@ -215,10 +215,7 @@ def test_workers_that_cannot_start_are_told_in_one_sentence(tmp_path) -> None:
     before = "import os\nif __name__ != '__main__':\n    os._exit(3)\n"
     runs.study(tmp_path, GRID)
     done = runs.run(tmp_path, "many.toml", "--workers", 2, before=before)
-    assert (done.returncode, done.stderr) == (
-        2,
-        "workbench: a worker process cannot start: it ended with status 3\n",
-    )
+    assert (done.returncode, done.stderr) == (2, "workbench: a worker process cannot start: it ended with status 3\n")
     assert {path.name for path in tmp_path.iterdir()} == {"many.toml", "main.py"}
 
 
@@ -266,10 +263,7 @@ def test_ctrl_c_says_how_to_go_on_and_leaves_no_process(workers, whole, tmp_path
 LIMITED = SMALL + "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))\n"
 
 
-NO_ROOM = [
-    pytest.param(1_000, 0, id="for a shard", marks=pytest.mark.slow),
-    pytest.param(20_000, 5, id="for the file"),
-]
+NO_ROOM = [pytest.param(1_000, 0, id="for a shard", marks=pytest.mark.slow), pytest.param(20_000, 5, id="for the file")]
 
 
 @pytest.mark.parametrize("size, kept", NO_ROOM)

@@ -14,7 +14,7 @@ from studies.grammar.axes import Base, Units
 from studies.language.loader import loads
 from studies.language.model import Study
 from tests.workbench import small
-from workbench import cli
+from tests.workbench.command import exit_status
 from workbench.commands.case_options import FIELDS
 from workbench.store import in_memory
 
@@ -28,9 +28,7 @@ def told(capsys):
     """The exit status, stdout and stderr of a command."""
 
     def run(*args: object) -> tuple[int, str, str]:
-        with pytest.raises(SystemExit) as end:
-            cli.main([str(arg) for arg in args])
-        return end.value.code, *capsys.readouterr()
+        return exit_status(*args), *capsys.readouterr()
 
     return run
 

@@ -9,8 +9,8 @@ import pytest
 from solver import Case, Cylinder, Rod, Start, fit, observe, solve
 from studies import load
 from tests.workbench import small
+from tests.workbench.command import exit_status
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
-from workbench import cli
 from workbench.figures import fit_figure, style
 from workbench.fitting import fit_dataset
 
@@ -18,10 +18,7 @@ ENDS = small.text({**small.ROD, "beta0": 0.5, "betaL": 0.8, "FZ": -8.5, "MZ": 1.
 
 
 def run(capsys, *words: object) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as end:
-        cli.main(["fit", *map(str, words)])
-    said = capsys.readouterr()
-    return int(end.value.code or 0), said.out, said.err
+    return exit_status("fit", *words), *capsys.readouterr()
 
 
 def table1(M3=18.0, E=1.07e4) -> Case:
@@ -57,8 +54,7 @@ def test_a_target_is_reached_and_the_fitted_case_solves_to_it(tmp_path, capsys) 
     assert [row.split()[-1] for row in rows if "9 (bound)" in row] == ["no"]
     shape = "caution: The rod passes through itself and would lift off where the cylinder has to pull"
     assert shape in said
-    with pytest.raises(SystemExit):
-        cli.main(["solve", str(out)])
+    exit_status("solve", out)
     assert [line for line in said.splitlines() if "The rod" in line] == [
         line for line in capsys.readouterr().out.splitlines() if "The rod" in line
     ]
@@ -109,9 +105,7 @@ def test_an_ends_problem_keeps_the_equilibrium_in_the_fitted_study(tmp_path, cap
     wanted = 0.02 + float(observe(solve(load(str(file)).case()), ["wraps"])["wraps"])
     status, _, _ = run(capsys, file, "--target", f"wraps={wanted}", "--vary", "FZ", "--starts", 0, "--out", out)
     assert status == 0
-    with pytest.raises(SystemExit) as end:
-        cli.main(["solve", str(out), "--json"])
-    assert not end.value.code
+    assert exit_status("solve", out, "--json") == 0
     assert json.loads(capsys.readouterr().out)["observables"]["wraps"] == pytest.approx(wanted, abs=1e-7)
 
 
@@ -188,10 +182,7 @@ INVALID = {
         (*STUDY, "--bounds", "F1=1:9", "--target", "height=100"),
         "the search found no F1 from 1 to 9 that reaches height = 100; the nearest reached is height = ",
     ),
-    "observable": (
-        (*STUDY, "--target", "heigth=9"),
-        "no observable 'heigth', did you mean 'height'; choose",
-    ),
+    "observable": ((*STUDY, "--target", "heigth=9"), "no observable 'heigth', did you mean 'height'; choose"),
     "count": ((*STUDY, "--target", "turns=5"), "the target turns is a whole number"),
     "number": ((*STUDY, "--target", "height=high"), "--target height must be a finite number, got 'high'"),
     "form": ((*STUDY, "--target", "height"), "--target takes NAME=VALUE, got 'height'"),

@@ -10,7 +10,7 @@ import xarray as xr
 
 from solver import Case, Cylinder, Ends, Rod, region_map
 from studies import load
-from workbench import cli
+from tests.workbench.command import exit_status
 from workbench.branches.region_dataset import dataset_of
 from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
@@ -21,10 +21,7 @@ SHORT = ["--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", "--axis",
 
 
 def run(capsys, *words: object) -> tuple[int, str]:
-    with pytest.raises(SystemExit) as left:
-        cli.main(["folds", *map(str, words)])
-    said = capsys.readouterr()
-    return int(left.value.code or 0), said.out + said.err
+    return exit_status("folds", *words), "".join(capsys.readouterr())
 
 
 @cache

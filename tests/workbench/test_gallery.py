@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 from PIL import Image
 
+from tests.workbench.command import exit_status
 from tests.workbench.pictures import pixels, share_of_ink, shares_of_push
-from workbench import cli
 from workbench.scene import film, opengl
 from workbench.web.live import still
 
@@ -17,12 +17,6 @@ ROOT = Path(__file__).resolve().parents[2]
 WIDE_HIGH = (860, 600)  # pixels of the animated picture
 LARGEST = 2_000_000  # bytes of an animated picture in a README
 draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
-
-
-def run(*words: str) -> int:
-    with pytest.raises(SystemExit) as ended:
-        cli.main(["gallery", *words])
-    return int(ended.value.code or 0)
 
 
 def hero() -> xr.Dataset:
@@ -53,7 +47,7 @@ def test_the_readme_opens_with_both_pictures_which_exist_and_are_told_in_words()
 
 def test_without_a_browser_the_page_is_left_out_in_one_sentence(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
-    assert run("--only", "hero_page", "--out", str(tmp_path / "shown")) == 0
+    assert exit_status("gallery", "--only", "hero_page", "--out", str(tmp_path / "shown")) == 0
     told = capsys.readouterr().err
     assert " ".join(told.split()).count("hero_page.png is left out: no browser was found on PATH") == 1
     assert list((tmp_path / "shown").iterdir()) == []
@@ -71,12 +65,12 @@ def test_a_browser_that_fails_leaves_no_file_and_is_named(tmp_path, monkeypatch)
 
 
 def test_an_unknown_picture_is_answered_with_those_that_there_are(tmp_path, capsys) -> None:
-    assert run("--only", "hero", "--out", str(tmp_path / "shown")) == 2
+    assert exit_status("gallery", "--only", "hero", "--out", str(tmp_path / "shown")) == 2
     told = " ".join(capsys.readouterr().err.split())
     assert "no picture 'hero'" in told
     assert "choose from rod, ghosts" in told
     assert "hero_sweep, hero_page" in told
-    assert run("--only", "contact", "--out", str(tmp_path / "shown")) == 2
+    assert exit_status("gallery", "--only", "contact", "--out", str(tmp_path / "shown")) == 2
     assert "contact is one of four views of the picture rod: take --only rod" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []  # no folder is made for a request that is refused
 
@@ -115,7 +109,7 @@ def test_the_frames_have_one_camera_one_scale_and_a_value_that_changes() -> None
 @pytest.mark.slow
 def test_the_gallery_makes_both_pictures_of_the_readme(tmp_path) -> None:
     out = tmp_path / "shown"
-    assert run("--only", "hero_sweep", "--only", "hero_page", "--out", str(out)) == 0
+    assert exit_status("gallery", "--only", "hero_sweep", "--only", "hero_page", "--out", str(out)) == 0
     is_animated_as_promised(out / "hero_sweep.webp")
     if still.browser() is None:
         pytest.skip("there is no Chromium here: apt-get install chromium")

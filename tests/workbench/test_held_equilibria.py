@@ -10,7 +10,7 @@ import xarray as xr
 
 from solver import Case, Cylinder, Ends, Rod, solve
 from tests.workbench import small
-from workbench import cli
+from tests.workbench.command import exit_status
 
 ROD = "--length-unit cm --force-unit N --E 1.07e4 --nu 0.25 --a 0.25 --L 5 --R 0.75 --beta0 0 --betaL 0 --height 4"
 QUICK = "--within FZ=-90:-30 --values 3 --tries 0"
@@ -18,9 +18,7 @@ STUDY = small.text({**small.SHORT, "beta0": 0.0, "betaL": 0.0, "height": 4.0})
 
 
 def run(line: str, status: int = 0) -> None:
-    with pytest.raises(SystemExit) as end:
-        cli.main(["equilibria", *line.split()])
-    assert end.value.code == status, line
+    assert exit_status("equilibria", *line.split()) == status, line
 
 
 def test_the_table_names_the_held_ends_the_reactions_both_indices_and_the_search(capsys) -> None:
@@ -78,8 +76,7 @@ def test_what_cannot_be_searched_is_refused_in_one_sentence(
 
 def test_solve_prints_the_energy_of_the_list_beside_the_observable(capsys) -> None:
     """14.56 and 124.95 N cm: they differ by the work of the reaction, FZ (z(L) - z(0))."""
-    with pytest.raises(SystemExit):
-        cli.main(["solve", *ROD.replace("beta0 0 --betaL 0", "beta0 20deg --betaL 20deg").split(), "--json"])
+    exit_status("solve", *ROD.replace("beta0 0 --betaL 0", "beta0 20deg --betaL 20deg").split(), "--json")
     told = json.loads(capsys.readouterr().out)
     energy, held = (told["observables"][name] for name in ("energy", "held_energy"))
     assert held == pytest.approx(told["observables"]["bending_energy"], rel=1e-9)  # M3 = MZ = 0 do no work

@@ -2,7 +2,6 @@
 
 import csv
 import json
-import shlex
 import sys
 from pathlib import Path
 from typing import Any
@@ -17,8 +16,8 @@ from studies import load
 from studies.language.loader import loads
 from studies.language.samples import METHODS
 from tests.workbench import small
+from tests.workbench.command import run
 from tests.workbench.pictures import pixels, share_of_ink
-from workbench import cli
 from workbench.figures import bars, canvas
 from workbench.influence import analyse, local, one_case, sobol
 from workbench.influence.derivatives import REAL, sentences
@@ -48,12 +47,6 @@ def samples(method: str, blocks: int, fields: int = 3, seed: int = 1) -> Any:
     """A design in the unit cube, (samples, fields)."""
     size = blocks * (2 * fields + 2 if method.endswith("order") else fields + 2)
     return METHODS[method][0](size, fields, seed)
-
-
-def run(line: str, status: int = 0) -> None:
-    with pytest.raises(SystemExit) as end:
-        cli.main(shlex.split(line))
-    assert (end.value.code or 0) == status, line
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,6 @@
 """The command loops: its table, its files and its refusals."""
 
 import json
-import shlex
 from math import pi
 from pathlib import Path
 
@@ -9,17 +8,11 @@ import numpy as np
 import pytest
 
 from solver import Cylinder, InputError, Rod, loops
-from workbench import cli
+from tests.workbench.command import run
 from workbench.geometry import self_contact, stored_line
 from workbench.store import writing
 
 ROOT = Path(__file__).parents[2]
-
-
-def run(line: str, status: int = 0) -> None:
-    with pytest.raises(SystemExit) as end:
-        cli.main(shlex.split(line))
-    assert end.value.code == status, line
 
 
 def test_the_command_prints_lists_and_stores_the_loops(tmp_path, monkeypatch, capsys) -> None:

@@ -13,19 +13,10 @@ from matplotlib.text import Text
 from solver.problem.errors import InputError
 from studies import load
 from studies.laws.verdicts import HOLDS, VERDICTS, judge
+from tests.workbench.command import exit_status
 from tests.workbench.pictures import pixels, share_of_ink
 from tests.workbench.small import grid, study
-from workbench import cli
-from workbench.figures import (
-    canvas,
-    kinds,
-    map_cells,
-    map_figure,
-    regions,
-    scales,
-    study_figure,
-    style,
-)
+from workbench.figures import canvas, kinds, map_cells, map_figure, regions, scales, study_figure, style
 from workbench.figures import thumbnails as thumbs
 from workbench.figures.sheet import Sheet
 from workbench.store import in_memory, law_verdicts, writing
@@ -265,9 +256,7 @@ def test_the_key_of_a_caution_is_found_in_the_text_of_each_case() -> None:
     np.testing.assert_array_equal(cautions.holding(texts, "overlaps"), [[False, True], [False, False]])
 
 
-def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_where_the_law_is_decided(
-    regimes,
-) -> None:
+def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_where_the_law_is_decided(regimes) -> None:
     fig = map_figure.figure(regimes, show=["turns"])
     (ax,) = maps(fig)
     (strip,) = ax.child_axes
@@ -465,9 +454,7 @@ def test_the_command_draws_the_kind_that_it_is_asked_for(tmp_path, monkeypatch, 
         "turned": map_figure.figure(ds, "R", "E", ["wraps", "turns"]),
     }
     for name, more in words.items():
-        with pytest.raises(SystemExit) as end:
-            cli.main(["plot", "small.h5", "--dpi", "50", "--out", f"{name}.png", *more])
-        assert end.value.code == 0
+        assert exit_status("plot", "small.h5", "--dpi", "50", "--out", f"{name}.png", *more) == 0
         canvas.save(expected[name], tmp_path / "expected.png", 50)
         np.testing.assert_array_equal(pixels(tmp_path / f"{name}.png"), pixels(tmp_path / "expected.png"))
 

@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline
 from solver import Rod
 from studies.language.loader import loads
 from tests.workbench import small
-from workbench import cli
+from tests.workbench.command import exit_status
 from workbench.figures import laws
 from workbench.store import in_memory
 
@@ -32,10 +32,8 @@ def ran(tmp_path, monkeypatch, capsys) -> Run:
 
     def run(*args: object) -> tuple[int, str, str]:
         capsys.readouterr()
-        with pytest.raises(SystemExit) as end:
-            cli.main([str(arg) for arg in args])
-        out, err = (" ".join(text.split()) for text in capsys.readouterr())
-        return int(end.value.code or 0), out, err
+        status = exit_status(*args)
+        return status, *(" ".join(text.split()) for text in capsys.readouterr())
 
     return run
 

@@ -15,6 +15,7 @@ from solver import InputError
 from studies import Study, load
 from studies.laws.verdicts import FAILS, HOLDS, UNDECIDED
 from tests.workbench import small
+from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.figures import study_figure
 from workbench.figures.laws import panel
@@ -239,9 +240,7 @@ def test_an_invalid_formula_ends_the_command_with_one_sentence(case: str, tmp_pa
     path.write_text(f"{small.HEAD}[expressions]\n{said}\n", encoding="utf-8")
     out = tmp_path / "bad.h5"
     found = CliRunner().invoke(cli.app, ["run", str(path), "--out", str(out)])
-    with pytest.raises(SystemExit) as end:
-        cli.main(["run", str(path), "--out", str(out)])
-    assert end.value.code == 2
+    assert exit_status("run", path, "--out", out) == 2
     assert message in str(found.exception or found.output)
     assert not out.exists()
     shutil.rmtree(tmp_path)

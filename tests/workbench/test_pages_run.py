@@ -1,7 +1,6 @@
 """The pages of the documentation run as they stand: studies, tables, commands and Python, in the order of the page."""
 
 import re
-import shlex
 from dataclasses import dataclass, field
 from pathlib import Path
 from textwrap import dedent
@@ -11,8 +10,8 @@ import pytest
 from rich.console import Console
 
 from tests.workbench import doc_pages
+from tests.workbench.command import run
 from tests.workbench.pictures import pixels
-from workbench import cli
 from workbench.commands import console
 
 PAPER = " --style paper --no-title"  # as the page on diagrams says that the pictures of the pages are drawn
@@ -104,12 +103,6 @@ PAGES = [
 
 def parameter(page: Page):
     return pytest.param(page, id=f"{page.name} {page.part}".strip(), marks=() if page.quick else pytest.mark.slow)
-
-
-def run(line: str, status: int = 0) -> None:
-    with pytest.raises(SystemExit) as end:
-        cli.main(shlex.split(line.removeprefix("workbench ")))
-    assert (end.value.code or 0) == status, line
 
 
 def words(text: str) -> str:

@@ -129,11 +129,7 @@ def test_a_pull_is_apart_from_every_push(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", ["push", "curves", "map"])
 def test_a_ramp_only_darkens_or_only_lightens_to_every_eye(name: str, kind: str) -> None:
-    ramps = {
-        "push": BLUES,
-        "curves": style.ramp_colours(9),
-        "map": list(style.map_colours(12)(np.linspace(0, 1, 12))),
-    }
+    ramps = {"push": BLUES, "curves": style.ramp_colours(9), "map": list(style.map_colours(12)(np.linspace(0, 1, 12)))}
     steps = np.diff([lab(colour[:3], kind)[0] for colour in ramps[name]])
     assert (steps > 1).all() or (steps < -1).all()
 

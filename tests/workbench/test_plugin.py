@@ -124,10 +124,7 @@ def test_a_scenario_in_another_frame_has_the_same_equilibrium() -> None:
             ),
             "must be along the axis",
         ),
-        (
-            lambda one, rod, wall: replace(one, rods=(replace(rod, end_motion=None),)),
-            "slides along the axis",
-        ),
+        (lambda one, rod, wall: replace(one, rods=(replace(rod, end_motion=None),)), "slides along the axis"),
     ],
 )
 def test_the_exact_solver_refuses_what_it_does_not_solve_and_says_why(change, reason) -> None:

@@ -17,8 +17,8 @@ from solver import InputError
 from studies import load
 from studies.language.loader import loads
 from tests.workbench import small
+from tests.workbench.command import exit_status, run
 from tests.workbench.page_faults import faults
-from workbench import cli
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands import plot
@@ -134,10 +134,7 @@ def test_one_panel_is_drawn_alone_and_an_unknown_one_is_refused(two) -> None:
 def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(two, tmp_path, capsys) -> None:
     writing.write(two, tmp_path / "small.h5")
     for kind in ("lines", "map"):
-        with pytest.raises(SystemExit) as end:
-            cli.main(["plot", str(tmp_path / "small.h5"), "--kind", kind, "--out", str(tmp_path / f"{kind}.png"),
-                      "--data", str(tmp_path / f"{kind}.csv"), "--dpi", "50"])  # fmt: skip
-        assert end.value.code == 0
+        run(f"plot {tmp_path}/small.h5 --kind {kind} --out {tmp_path}/{kind}.png --data {tmp_path}/{kind}.csv --dpi 50")
     lines, cells = (
         list(csv.DictReader((tmp_path / f"{kind}.csv").read_text("utf-8").splitlines())) for kind in ("lines", "map")
     )
@@ -158,9 +155,7 @@ def test_bad_sheets_are_refused_in_one_sentence(tmp_path, two, capsys) -> None:
         (["--style", "papr"], "no style 'papr', did you mean 'paper'; choose from screen, paper"),
         (["--data", str(tmp_path / "x.txt")], "cannot write 'x.txt': choose a name that ends in .csv"),
     ):
-        with pytest.raises(SystemExit) as end:
-            cli.main(["plot", str(tmp_path / "small.h5"), *args])
-        assert end.value.code == 2
+        assert exit_status("plot", tmp_path / "small.h5", *args) == 2
         assert said in capsys.readouterr().err
     assert sorted(file.name for file in tmp_path.iterdir()) == ["small.h5"]
 
@@ -186,10 +181,8 @@ def shown(fig: Figure) -> list[str]:
 def test_without_a_title_the_notes_go_to_the_terminal_and_the_table(two, tmp_path, capsys) -> None:
     writing.write(two, tmp_path / "small.h5")
     for kind in ("lines", "map"):
-        with pytest.raises(SystemExit) as end:
-            cli.main(["plot", str(tmp_path / "small.h5"), "--kind", kind, "--out", str(tmp_path / f"{kind}.pdf"),
-                      "--data", str(tmp_path / f"{kind}.csv"), "--no-title"])  # fmt: skip
-        assert end.value.code == 0
+        outputs = f"--out {tmp_path}/{kind}.pdf --data {tmp_path}/{kind}.csv"
+        run(f"plot {tmp_path}/small.h5 --kind {kind} {outputs} --no-title")
         told = capsys.readouterr().out
         assert "; true" in told
         notes = [row["series"] for row in csv.DictReader((tmp_path / f"{kind}.csv").read_text("utf-8").splitlines())
@@ -273,14 +266,10 @@ def test_the_tornado_and_its_options_are_for_print_too(tmp_path, capsys) -> None
         "the width must be from 60 to 500 mm, got 9": ["--plot", str(picture), "--width", "9"],
     }
     for said, more in refused.items():
-        with pytest.raises(SystemExit) as end:
-            cli.main([*line, *more])
-        assert end.value.code == 2
+        assert exit_status(*line, *more) == 2
         assert said in capsys.readouterr().err
     assert not picture.exists()
-    with pytest.raises(SystemExit) as end:
-        cli.main([*line, "--plot", str(picture), "--style", "paper", "--width", "89", "--no-title"])
-    assert end.value.code == 0
+    assert exit_status(*line, "--plot", picture, "--style", "paper", "--width", "89", "--no-title") == 0
     assert "The change of each observable if a field rises by 1 %" in capsys.readouterr().out
     box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ", picture.read_bytes())
     assert box is not None

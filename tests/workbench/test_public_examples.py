@@ -8,10 +8,7 @@ import pytest
 from docs.website import api_pages
 
 PATHS = ["solver.Solution", *(path for package in ("studies", "workbench") for path in api_pages.PUBLIC[package])]
-METHODS = {
-    "solver.Solution": ("sensitivity", "to_dataset"),
-    "workbench.accessor.RodAccessor": ("sel", "at", "plot"),
-}
+METHODS = {"solver.Solution": ("sensitivity", "to_dataset"), "workbench.accessor.RodAccessor": ("sel", "at", "plot")}
 
 
 def examples(path: str) -> list[doctest.DocTest]:

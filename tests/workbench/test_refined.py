@@ -1,7 +1,6 @@
 """Refined studies: cases are added where a watched number changes, stored, resumed, drawn, and compared with a grid."""
 
 import re
-import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,8 +16,8 @@ from solver import InputError, observe, solve
 from studies import Study
 from studies.language.loader import loads
 from tests.workbench import runs, small
+from tests.workbench.command import run
 from tests.workbench.pictures import pixels, share_of_ink
-from workbench import cli
 from workbench.figures import canvas, kinds, map_figure, study_figure, thumbnails
 from workbench.store import block, file_merge, in_memory, law_verdicts, reading, refined, writing
 from workbench.store.boundary import boundary, boundary_of_law
@@ -55,12 +54,6 @@ def stored(small_blocks, tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def line(small_blocks) -> xr.Dataset:
     return in_memory.run(study(LINE, '[refine]\nwatch = ["turns"]\ntolerance = 1e-6\n', HEAD.replace("[]", '["beta"]')))
-
-
-def command(words: str, status: int = 0) -> None:
-    with pytest.raises(SystemExit) as end:
-        cli.main(shlex.split(words))
-    assert (end.value.code or 0) == status
 
 
 # against the uniform grid
@@ -122,7 +115,7 @@ def test_the_map_shows_at_every_place_the_number_of_the_uniform_grid(stored: Pat
 
 def test_the_summary_lists_each_place_along_one_axis(line: xr.Dataset, tmp_path, capsys) -> None:
     writing.write(line, tmp_path / "line.h5")
-    command(f"summary {tmp_path / 'line.h5'}")
+    run(f"summary {tmp_path / 'line.h5'}")
     said = capsys.readouterr().out
     found = boundary(line, "turns")
     for pair in (found.isel(pair=k) for k in range(found.sizes["pair"])):
@@ -358,7 +351,7 @@ def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_p
         assert ds.sizes["sample"] == 5 * 13 + 3 * 5 * lattice.depth
         with pytest.raises(InputError, match=r"no law '\(7\)'"):
             boundary_of_law(ds, "(7)")
-    command(f"summary {path}")
+    run(f"summary {path}")
     assert "law (1)" in capsys.readouterr().out
 
 
@@ -414,15 +407,15 @@ def test_shapes_are_drawn_over_the_refined_map(tmp_path) -> None:
 def test_the_commands_tell_what_ended_the_refinement_and_where_the_boundary_is(stored: Path, tmp_path, capsys) -> None:
     path = tmp_path / "small.toml"
     path.write_text(study(PLANE + LAW).text)
-    command(f"run {path} --out {tmp_path / 'small.h5'} --json", 1)
+    run(f"run {path} --out {tmp_path / 'small.h5'} --json", 1)
     assert '"refinement": "refinement ended as the tolerance is reached' in capsys.readouterr().out
     for words, status in ((f"summary {stored}", 0), (f"check {stored}", 1)):
-        command(words, status)
+        run(words, status)
         assert "refinement ended as the tolerance is reached" in capsys.readouterr().out
     found = summary(stored)["boundaries"]
     assert [(row["name"], row["axis"]) for row in found] == [("turns", "E"), ("turns", "R")]
     assert sum(row["pairs"] for row in found) == boundary(writing.read(stored), "turns").sizes["pair"]
-    command("list")
+    run("list")
     assert "refined" in capsys.readouterr().out
 
 

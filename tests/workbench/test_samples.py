@@ -1,6 +1,5 @@
 """Studies of samples: stored along one dimension, run, resumed, grown and merged like a grid, and drawn as scatter."""
 
-import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,8 +15,8 @@ from solver import InputError, observe, solve
 from studies import Study
 from studies.language.loader import loads
 from tests.workbench import runs, small
+from tests.workbench.command import run
 from tests.workbench.pictures import pixels, share_of_ink
-from workbench import cli
 from workbench.commands import study_scene
 from workbench.figures import canvas, scatter, study_figure
 from workbench.scene import captions, scene_kinds
@@ -76,12 +75,6 @@ def stored(small_blocks, tmp_path_factory) -> Path:
 def crossed(small_blocks) -> xr.Dataset:
     """Five samples at each of three forces."""
     return in_memory.run(study(5, more=AXIS + LAW))
-
-
-def command(words: str, status: int = 0) -> None:
-    with pytest.raises(SystemExit) as end:
-        cli.main(shlex.split(words))
-    assert (end.value.code or 0) == status
 
 
 def test_the_file_opens_bare_with_the_sampled_fields_along_one_dimension(stored: Path) -> None:
@@ -264,7 +257,7 @@ def test_files_with_other_sampled_fields_or_the_same_samples_are_not_merged(stor
 
 
 def test_the_summary_names_the_fields_and_cautions_of_a_size_that_is_no_power_of_two(stored: Path, capsys) -> None:
-    command(f"summary {stored}")
+    run(f"summary {stored}")
     said = capsys.readouterr().out
     drawn = "40 samples of E, R, beta: scrambled Sobol' sequence, seed 3"
     for part in ("\nsample       40 ", "  E   ", "  beta0", drawn):
@@ -289,28 +282,28 @@ def test_run_solves_the_cases_of_a_table(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     Path("cases.csv").write_text("E,beta\n1e4,30deg\n2e4,0.5\n")
     Path("one.toml").write_text(small.study("", HEAD).text)
-    command("run one.toml --cases cases.csv")
+    run("run one.toml --cases cases.csv")
     assert "2 samples of E, beta, from " in capsys.readouterr().out
     with xr.open_dataset("one.h5") as ds:
         assert ds["E"].values.tolist() == [1e4, 2e4]
-    command("run one.toml --cases cases.csv")
+    run("run one.toml --cases cases.csv")
     assert "already complete" in capsys.readouterr().out
     Path("cases.csv").write_text("E,beta\n1e4,30deg\n2e4,0.5\n3e4,\n")
     before = Path("one.h5").read_bytes()
-    command("run one.toml --cases cases.csv", 2)
+    run("run one.toml --cases cases.csv", 2)
     assert capsys.readouterr().err == (
         "workbench: one.toml: cases.csv, line 4 (row 3): beta is empty; give each row a number\n"
     )
     assert Path("one.h5").read_bytes() == before
     Path("cases.csv").write_text("E,beta\n1e4,30deg\n2e4,0.5\n3e4,0.6\n")
-    command("run one.toml --cases cases.csv --json")
+    run("run one.toml --cases cases.csv --json")
     assert '"solved_now": 1' in capsys.readouterr().out
 
 
 def test_a_stored_study_reads_no_table_again(tmp_path) -> None:
     (tmp_path / "cases.csv").write_text("E\n1e4\n2e4\n")
     (tmp_path / "s.toml").write_text(small.study("", HEAD).text + "[table]\nfile = 'cases.csv'\n")
-    command(f"run {tmp_path / 's.toml'} --out {tmp_path / 's.h5'}")
+    run(f"run {tmp_path / 's.toml'} --out {tmp_path / 's.h5'}")
     (tmp_path / "cases.csv").unlink()
     with xr.open_dataset(tmp_path / "s.h5") as ds:
         assert ds.rod.study.coordinates()["E"].tolist() == [1e4, 2e4]
@@ -319,7 +312,7 @@ def test_a_stored_study_reads_no_table_again(tmp_path) -> None:
 
 def test_one_command_line_solves_no_samples(tmp_path, capsys) -> None:
     (tmp_path / "s.toml").write_text(study().text)
-    command(f"solve {tmp_path / 's.toml'}", 2)
+    run(f"solve {tmp_path / 's.toml'}", 2)
     assert "s.toml has samples of E, R, beta: use workbench run to solve it" in capsys.readouterr().err
 
 
@@ -327,14 +320,14 @@ def test_one_command_line_solves_no_samples(tmp_path, capsys) -> None:
 
 
 def test_a_sample_is_chosen_by_its_number(stored: Path, tmp_path, capsys) -> None:
-    command(f"export {stored} --at sample=17 --out {tmp_path / 'rod.csv'}")
+    run(f"export {stored} --at sample=17 --out {tmp_path / 'rod.csv'}")
     assert "at sample=17" in capsys.readouterr().out
     for at, sentence in (
         ("E=1e4", "--at E=1e4: E is no axis: the samples are of E, R, beta; give the number of one, sample=0"),
         ("sample=40", "its 40 values go from 0 to 39, the nearest are 38, 39"),
         ("sample=1.5", "sample = 1.5 is not on the axis"),
     ):
-        command(f"export {stored} --at {at} --out {tmp_path / 'no.csv'}", 2)
+        run(f"export {stored} --at {at} --out {tmp_path / 'no.csv'}", 2)
         assert sentence in capsys.readouterr().err
     assert not (tmp_path / "no.csv").exists()
 

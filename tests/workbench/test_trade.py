@@ -13,7 +13,7 @@ from solver import InputError
 from solver.benchmark import available_ladders, ladders, measure
 from solver.observe.observables import OBSERVABLES
 from tests.workbench import forked, small
-from workbench import cli
+from tests.workbench.command import exit_status
 from workbench.commands import trade
 from workbench.compare.trade_cases import CASES, reference
 from workbench.compare.trade_runs import advice
@@ -167,9 +167,7 @@ def test_each_panel_of_a_trade_has_the_numbers_of_its_cost_and_many_cases_are_si
     ],
 )
 def test_one_sentence_for_a_name_that_is_none(args, sentence, tmp_path, capsys) -> None:
-    with pytest.raises(SystemExit) as end:
-        cli.main(["trade", "--out", str(tmp_path), *args])
-    assert end.value.code == 2
+    assert exit_status("trade", "--out", tmp_path, *args) == 2
     assert sentence in capsys.readouterr().err
     assert not (tmp_path / "trade.h5").exists()
 

@@ -21,8 +21,8 @@ from solver.problem.errors import InputError
 from studies import load
 from studies.language.loader import loads
 from tests.workbench import browser, node, small
+from tests.workbench.command import exit_status
 from workbench import notebook
-from workbench.cli import main
 from workbench.geometry import stored_line
 from workbench.store import in_memory
 from workbench.web.turntable import turntable_page
@@ -38,13 +38,6 @@ INSIDE = small.text(
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
     return in_memory.run(load("fig7_1_modulus"))
-
-
-def run(*words: str) -> int:
-    """The exit status of a command."""
-    with pytest.raises(SystemExit) as ended:
-        main([*words])
-    return int(ended.value.code or 0)
 
 
 def data_of(text: str) -> dict[str, Any]:
@@ -166,13 +159,13 @@ def test_a_rod_inside_is_told_so() -> None:
 
 def test_the_command_writes_one_file_without_opengl(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
-    assert run("scene", "fig7_1_modulus", "-o", "x.html") == 0
+    assert exit_status("scene", "fig7_1_modulus", "-o", "x.html") == 0
     assert "opens in a browser without a network" in capsys.readouterr().out
     before = Path("x.html").read_text(encoding="utf-8")
     assert len(data_of(before)["cases"]) == 9
-    assert run("scene", "fig6", "-o", "x.html") == 2
+    assert exit_status("scene", "fig6", "-o", "x.html") == 2
     assert Path("x.html").read_text(encoding="utf-8") == before
-    assert run("scene", "fig6", "-o", "y.html", "--kind", "twist") == 2
+    assert exit_status("scene", "fig6", "-o", "y.html", "--kind", "twist") == 2
     assert "an .html file shows the kind contact" in capsys.readouterr().err
     assert not Path("y.html").exists()
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.workbench import forked, small
-from workbench import cli
+from tests.workbench.command import exit_status
 from workbench.scene import opengl
 from workbench.store import in_memory, writing
 
@@ -38,12 +38,6 @@ def bare(stored, tmp_path, monkeypatch) -> Path:
     opengl.probe.cache_clear()
 
 
-def status(*args: str) -> int:
-    with pytest.raises(SystemExit) as ended:
-        cli.main(list(args))
-    return int(ended.value.code or 0)
-
-
 @pytest.mark.slow
 def test_all_but_the_scenes_is_done(bare, capsys) -> None:
     kinds = ("stl", "glb", "vtp", "csv")
@@ -56,7 +50,7 @@ def test_all_but_the_scenes_is_done(bare, capsys) -> None:
         "plot mine.h5 --out mine.svg",
         *exports,
     ):
-        assert status(*words.split()) == 0, words
+        assert exit_status(*words.split()) == 0, words
         assert SAID not in capsys.readouterr().err  # nothing was missing
     assert all((bare / name).stat().st_size > 500 for name in ("mine.png", "mine.svg", *(f"rod.{k}" for k in kinds)))
 
@@ -68,7 +62,7 @@ def test_all_but_the_scenes_is_done(bare, capsys) -> None:
 def test_what_cannot_be_drawn_is_said_once_with_what_to_install(words: str, bare, capsys) -> None:
     before = {path for path in bare.iterdir() if path.is_file()}
     capsys.readouterr()
-    assert status(*words.split()) == 1
+    assert exit_status(*words.split()) == 1
     told = capsys.readouterr()
     assert (told.out + told.err).count(SAID) == 1
     assert (told.out + told.err).count(opengl.PIP) == 1

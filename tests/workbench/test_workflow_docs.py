@@ -14,8 +14,8 @@ import xarray as xr
 
 from solver import Case, Cylinder, Rod, Start, solve
 from tests.workbench import doc_pages, runs
+from tests.workbench.command import run
 from tests.workbench.pictures import pixels, share_of_ink
-from workbench import cli
 from workbench.scene import opengl
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "how-to"
@@ -23,12 +23,6 @@ HOW_TO = Path(__file__).parents[2] / "docs" / "how-to"
 
 def blocks(page: str, language: str, part: str = "") -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", doc_pages.read(HOW_TO / page, part), re.DOTALL)
-
-
-def run(line: str) -> None:
-    with pytest.raises(SystemExit) as end:
-        cli.main(shlex.split(line.removeprefix("workbench ")))
-    assert not end.value.code, line
 
 
 def python(folder: Path, text: str) -> str:

@@ -68,22 +68,13 @@ def test_h5py_reads_numbers_units_and_texts(ds, tmp_path) -> None:
         assert file["outcome"].asstr()[0, 0] == "solved"
         assert file["E"].attrs["units"] == "N/cm^2"
         assert file.attrs["study"].startswith('title = "two moduli')
-        assert (file["beta"].compression, file["beta"].compression_opts, file["beta"].shuffle) == (
-            "gzip",
-            1,
-            True,
-        )
+        assert (file["beta"].compression, file["beta"].compression_opts, file["beta"].shuffle) == ("gzip", 1, True)
         assert file["beta"].dims[0].keys() == ["E"] or "E" in file["beta"].dims[0]
 
 
 def test_missing_truncated_and_foreign_files_are_refused_in_one_sentence(ds, tmp_path) -> None:
     whole = writing.write(ds, tmp_path / "small.h5").read_bytes()
-    files = {
-        "text.h5": b"title = 1",
-        "empty.h5": b"",
-        "cut.h5": whole[: len(whole) // 2],
-        "short.h5": whole[:600],
-    }
+    files = {"text.h5": b"title = 1", "empty.h5": b"", "cut.h5": whole[: len(whole) // 2], "short.h5": whole[:600]}
     for name, content in files.items():
         (tmp_path / name).write_bytes(content)
     xr.Dataset({"x": ("u", [1.0, 2.0])}).to_netcdf(tmp_path / "foreign.h5", engine="h5netcdf")
