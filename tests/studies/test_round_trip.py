@@ -14,10 +14,12 @@ from solver import InputError
 from studies import Study
 from studies.language.loader import load, loads
 from studies.language.writer import axis_table, dumps
+from tests.slow import slow_but
 from tests.studies import strategies
 
 HEAD = "title = 't'\nreading = 'force-first/tension/paper'\nunits = { length = 'cm', force = 'N' }\n"
-FEW, MANY = 60, 5000
+FEW = 60
+COUNTS = slow_but((FEW, 5000), FEW)
 ALWAYS = settings().suppress_health_check  # the profile's, which a test's own would replace
 
 
@@ -32,17 +34,9 @@ def goes_through_toml_and_back(said: dict[str, Any]) -> None:
         np.testing.assert_array_equal(again.coordinates()[name], values)
 
 
-@settings(max_examples=FEW)
-@given(strategies.studies())
-def test_a_study_goes_through_toml_and_back(said: dict[str, Any]) -> None:
-    goes_through_toml_and_back(said)
-
-
-@pytest.mark.slow
-@settings(max_examples=MANY)
-@given(strategies.studies())
-def test_many_studies_go_through_toml_and_back(said: dict[str, Any]) -> None:
-    goes_through_toml_and_back(said)
+@pytest.mark.parametrize("examples", COUNTS)
+def test_a_study_goes_through_toml_and_back(examples: int) -> None:
+    settings(max_examples=examples)(given(strategies.studies())(goes_through_toml_and_back))()
 
 
 def a_study_or_a_sentence(read: Callable[[], Study]) -> None:
@@ -65,17 +59,12 @@ def without_none(value: Any) -> Any:
     return [without_none(one) for one in value if one is not None] if isinstance(value, list) else value
 
 
-@settings(max_examples=2 * FEW)
-@given(strategies.mutated())
-def test_a_study_that_says_something_wrong_is_refused_in_one_sentence(said: dict[str, Any]) -> None:
-    a_study_or_a_sentence(lambda: loads(tomli_w.dumps(without_none(said))))
+@pytest.mark.parametrize("examples", COUNTS)
+def test_a_study_that_says_something_wrong_is_refused_in_one_sentence(examples: int) -> None:
+    def check(said: dict[str, Any]) -> None:
+        a_study_or_a_sentence(lambda: loads(tomli_w.dumps(without_none(said))))
 
-
-@pytest.mark.slow
-@settings(max_examples=MANY)
-@given(strategies.mutated())
-def test_many_studies_that_say_something_wrong_are_refused_in_one_sentence(said: dict[str, Any]) -> None:
-    a_study_or_a_sentence(lambda: loads(tomli_w.dumps(without_none(said))))
+    settings(max_examples=examples)(given(strategies.mutated())(check))()
 
 
 HOSTILE = {

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.colors import rgb_to_hsv, to_rgb
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.text import Text
@@ -386,22 +386,6 @@ def test_no_word_of_a_map_is_cut_off_and_no_two_ticks_meet(kind: str, regimes, t
         shown = [label for label in ax.get_xticklabels() if label.get_text()]
         edges = sorted((label.get_window_extent().x0, label.get_window_extent().x1) for label in shown)
         assert all(left[1] < right[0] for left, right in pairwise(edges))
-
-
-def luminance(colour) -> float:
-    """Relative luminance of WCAG."""
-    parts = np.asarray(colour)[:3]
-    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
-    return float(linear @ [0.2126, 0.7152, 0.0722])
-
-
-def test_ink_stands_out_from_every_colour_of_a_map_and_the_colours_differ_in_grey() -> None:
-    colours = style.map_colours(12)(np.arange(12))
-    light = [luminance(colour) for colour in colours]
-    assert all((one + 0.05) / (luminance(to_rgb(style.INK)) + 0.05) > 3 for one in light)  # WCAG: graphics
-    assert (np.diff(light) > 0).all()  # so that no kind of colour blindness confuses low and high
-    assert luminance(to_rgb(style.UNSOLVED)) < 0.5 * min(light)
-    assert rgb_to_hsv(to_rgb(style.UNKNOWN))[1] == 0
 
 
 def test_a_study_over_two_axes_is_a_map_and_over_one_it_is_lines(regimes) -> None:

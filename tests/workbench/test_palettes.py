@@ -6,7 +6,7 @@ compared in CIELAB, where a distance of 2 is just seen side by side.
 """
 
 import re
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 
 import numpy as np
@@ -72,6 +72,7 @@ def test_the_measures_agree_with_published_values() -> None:
 
 TEXTS = [style.INK, style.SOFT, *style.VERDICT_COLOURS.values()]
 BLUES = [np.array(rgb) / 255 for share, rgb in push_colours.DIVERGING if share >= 0]
+PULLS = [push_scale.PULL, *(np.array(rgb) / 255 for share, rgb in push_colours.DIVERGING if share < 0)]
 LINES = {
     "push and pull": [style.PUSHED, style.LIFTED, push_scale.PULL],
     "marks": [style.CROSSED, style.SOFT, style.INK],
@@ -122,8 +123,8 @@ def test_colours_that_mean_different_things_are_apart_to_every_eye(palette, kind
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_pull_is_apart_from_every_push(kind: str) -> None:
-    for blue in BLUES:
-        assert np.linalg.norm(lab(push_scale.PULL, kind) - lab(blue, kind)) >= 2 * APART
+    for pull, blue in product(PULLS, BLUES):
+        assert np.linalg.norm(lab(pull, kind) - lab(blue, kind)) >= 2 * APART
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -147,8 +148,7 @@ def test_two_methods_of_one_diagram_are_apart_to_every_eye(problem: str, kind: s
 
 
 PAPERS = {
-    "web/report/report.css": {"ink": TEXT, "soft": TEXT, "line": TEXT, "edge": LINE},
-    "web/turntable/page.css": {"ink": TEXT, "soft": TEXT, "line": TEXT, "edge": LINE},
+    "web/turntable/scheme.css": {"ink": TEXT, "soft": TEXT, "line": TEXT, "bad": TEXT, "edge": LINE},  # of the report too
     "web/live/page/page.css": {
         "ink": TEXT, "soft": TEXT, "line": TEXT, "border": LINE, "level": LINE, "bad": TEXT, "mark": LINE,
     },
@@ -159,10 +159,15 @@ PAPERS = {
 @pytest.mark.parametrize("path", PAPERS)
 def test_text_and_lines_of_page_and_report_stand_out_in_both_schemes(path: str, scheme: int) -> None:
     found = of_css(path)[scheme]
+    assert "paper" in found
     for name, least in PAPERS[path].items():
         for paper in ("paper", "raised", "paper-soft"):
             if paper in found:
                 assert contrast(found[name], found[paper]) >= least, (name, paper)
+
+
+def test_what_is_not_solved_is_darker_than_every_colour_of_a_map() -> None:
+    assert min(contrast(style.UNSOLVED, colour[:3]) for colour in style.map_colours(12)(np.arange(12))) > 1.5
 
 
 def test_a_rod_stands_out_from_the_cylinder_of_a_scene() -> None:

@@ -138,7 +138,7 @@ def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(two, tmp_path, cap
     lines, cells = (
         list(csv.DictReader((tmp_path / f"{kind}.csv").read_text("utf-8").splitlines())) for kind in ("lines", "map")
     )
-    law = [row for row in lines if row["y_label"] == "max κ [1/cm]" and row["kind"] == "dot"]
+    law = [row for row in lines if row["y_label"].endswith("max κ [1/cm]") and row["kind"] == "dot"]
     at = law_verdicts.verdicts(two)[0]["at"] or {"E": float(two["E"][0])}
     np.testing.assert_allclose([float(row["y"]) for row in law], two["kappa_max"].sel(at).values)
     curve = [row for row in lines if row["series"] == "R = 0.5 cm"]
@@ -192,7 +192,6 @@ def test_without_a_title_the_notes_go_to_the_terminal_and_the_table(two, tmp_pat
     for fig, titled in ((study_figure.figure(two, sheet=sheet(titled=False)), False), (study_figure.figure(two), True)):
         words = shown(fig)
         assert any(text.startswith("Unrolled view") for text in words) == titled
-        assert ("true" in words) == titled
         assert any(text.startswith("(2): ") for text in words)  # the panels are still told apart
 
 

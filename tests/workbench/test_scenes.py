@@ -190,39 +190,6 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
     assert set(counted) == shown
 
 
-def _lab(rgb) -> np.ndarray:
-    """CIE L*a*b* of sRGB colours, (..., 3)."""
-    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    xyz = linear @ np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]).T
-    f = np.cbrt(xyz / [0.9505, 1.0, 1.089])
-    return np.stack([116 * f[..., 1] - 16, 500 * (f[..., 0] - f[..., 1]), 200 * (f[..., 1] - f[..., 2])], axis=-1)
-
-
-# Machado, Oliveira and Fernandes 2009, severity 1, applied to linear RGB
-BLIND = {
-    "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
-    "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
-    "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
-}
-
-
-@pytest.mark.parametrize("eyes", ["all", *BLIND])
-def test_lift_off_is_told_from_every_push_whatever_the_eyes(eyes: str) -> None:
-    def seen(rgb):
-        if eyes == "all":
-            return _lab(rgb)
-        linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-        mixed = np.clip(linear @ np.array(BLIND[eyes]).T, 0, 1)
-        return _lab(np.where(mixed <= 0.0031308, 12.92 * mixed, 1.055 * mixed ** (1 / 2.4) - 0.055))
-
-    pull, push = np.split(seen(colours.PUSH_RAMP(np.linspace(0, 1, 128))[:, :3]), 2)
-    apart = np.linalg.norm(pull[:, None] - push[None], axis=-1)
-    # some 2.3 is a just noticeable difference between neighbouring patches; ten times that is another colour
-    assert apart.min() > 23
-    assert (np.diff(push[:, 0]) < 0).all()  # more push is darker
-    assert (np.diff(pull[:, 0]) > 0).all()  # and so is more pull
-
-
 def test_a_row_runs_along_its_axis_with_the_others_at_table_1() -> None:
     ds = in_memory.run(load("fig7_5_forces"))
     cases = selection.line(ds, "F1")
