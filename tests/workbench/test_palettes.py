@@ -148,7 +148,7 @@ def test_two_methods_of_one_diagram_are_apart_to_every_eye(problem: str, kind: s
 
 
 PAPERS = {
-    "web/turntable/scheme.css": {"ink": TEXT, "soft": TEXT, "line": TEXT, "bad": TEXT, "edge": LINE},  # of the report too
+    "web/turntable/scheme.css": {"ink": TEXT, "soft": TEXT, "line": TEXT, "bad": TEXT, "edge": LINE},
     "web/live/page/page.css": {
         "ink": TEXT, "soft": TEXT, "line": TEXT, "border": LINE, "level": LINE, "bad": TEXT, "mark": LINE,
     },
