@@ -1,17 +1,23 @@
 """One checker over every figure of every study, at the widths of a journal: no word cut off, none over another."""
 
+from collections.abc import Callable
+
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
+from solver import equilibria
 from studies import load, names
 from tests.slow import slow_but
 from tests.workbench import small
-from tests.workbench.page_faults import faults, picture
+from tests.workbench.page_faults import faults, picture, words
 from tests.workbench.pictures import share_of_ink
-from workbench.figures import kinds, story
+from workbench.branches.ends_study import ends_problem
+from workbench.branches.equilibria_dataset import dataset_of
+from workbench.figures import equilibria_figure, kinds, robustness, story, work_precision
 from workbench.figures.sheet import sheet
-from workbench.store import in_memory
-from workbench.web.report import readings_table
+from workbench.store import in_memory, writing
+from workbench.web.report import measured_runs, readings_table
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +51,29 @@ def test_every_kind_of_picture_can_be_read_at_every_width(two, kind: str, page: 
     fig = kinds.figure(two, kind, SHEETS[page])
     assert fig.get_figwidth() == pytest.approx(SHEETS[page].width)
     assert faults(fig) == []
+
+
+def every_equilibrium() -> Figure:
+    case = ends_problem(load("fig6"))
+    return equilibria_figure.figure(dataset_of(load("fig6"), case, equilibria(case)))
+
+
+def shipped(name: str) -> xr.Dataset:
+    return writing.read(measured_runs.SHIPPED / f"{name}.h5", study=False)
+
+
+OTHERS: dict[str, Callable[[], Figure]] = {
+    "equilibria": every_equilibrium,
+    "trade": lambda: work_precision.figure(shipped("trade"), "seconds"),
+    "extremes": lambda: robustness.figure(shipped("extremes")),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", OTHERS)
+def test_the_letters_of_a_figure_can_be_read_in_two_columns(name: str) -> None:
+    fig = OTHERS[name]()
+    assert min(text.get_fontsize() for text in words(fig)) * min(183 / 25.4 / fig.get_figwidth(), 1.0) >= 5.99
 
 
 @pytest.mark.slow

@@ -2,7 +2,6 @@
 
 import copy
 import json
-from struct import unpack
 
 import numpy as np
 import pytest
@@ -182,17 +181,3 @@ def test_loads_and_every_observable_are_rows() -> None:
 def test_the_warnings_are_those_of_the_shape() -> None:
     assert "The rod passes through itself." in page_model.numbers(shape())["warnings"]
     assert page_model.numbers(shape("cable"))["warnings"] == []
-
-
-def test_what_is_packed_is_unpacked_whole() -> None:
-    packed = pytest.importorskip(
-        "workbench.web.live.server", reason="pip install '.[explore]'", exc_type=ImportError
-    ).packed
-    arrays = {"a": np.arange(5, dtype=np.uint8), "b": np.linspace(0, 1, 7)}
-    data = packed({"x": float("nan"), "y": "β"}, arrays)
-    (length,) = unpack("<I", data[:4])
-    head = json.loads(data[4 : 4 + length])
-    assert (head["x"], head["y"]) == (None, "β")
-    for name, kind, count, at in head["arrays"]:
-        assert (4 + length + at) % 8 == 0  # as a browser's typed arrays need it
-        np.testing.assert_array_equal(np.frombuffer(data, kind, count, 4 + length + at), arrays[name])

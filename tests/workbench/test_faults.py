@@ -223,10 +223,6 @@ def test_a_worker_of_other_code_or_without_the_method_is_refused() -> None:
         recipe.check_worker(study.model_copy(update={"method": "swirl"}), recipe.code_version())
 
 
-def test_the_cores_that_may_be_used_are_counted() -> None:
-    assert 1 <= local_pool.cores() <= (os.cpu_count() or 1)
-
-
 # Ctrl-C
 
 

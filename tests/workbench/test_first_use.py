@@ -13,10 +13,8 @@ from solver.problem.errors import near
 from studies.grammar.axes import Base, Units
 from studies.language.loader import loads
 from studies.language.model import Study
-from tests.workbench import small
 from tests.workbench.command import exit_status
 from workbench.commands.case_options import FIELDS
-from workbench.store import in_memory
 
 ROOT = Path(__file__).parents[2]
 HEAD = 'title = "One rod"\nunits = { length = "cm", force = "N" }\n[base]\nE = 1e4\nnu = 0.25\na = 0.25\nL = 20.0\n'
@@ -81,23 +79,6 @@ def test_a_number_with_a_unit_is_refused_with_the_place_of_units(told) -> None:
         loads(HEAD + ENDS.replace("0.75", '"63.5 mm"'))
     status, _, said = told("solve", "--R", "5mm")
     assert (status, "'5mm' is not a number; write the number without a unit" in said) == (2, True)
-
-
-def test_the_arguments_of_plot_are_checked_before_its_file(told, tmp_path) -> None:
-    from workbench.store import writing
-
-    stored = tmp_path / "small.h5"
-    writing.write(in_memory.run(small.study()), stored)
-    (tmp_path / "small.png").write_bytes(b"kept")
-    for options, answer in (
-        (("--kind", "foo"), "no kind of picture 'foo'"),
-        (("--kind", "lines", "--at", "E=1"), "--at is no option of --kind lines"),
-        (("--at", "Q=3"), "no axis 'Q'"),
-        ((), "small.png exists"),
-    ):
-        status, _, said = told("plot", stored, *options)
-        assert (status, answer in said) == (2, True), said
-    assert (tmp_path / "small.png").read_bytes() == b"kept"
 
 
 def test_a_notice_on_degrees_is_one_line_and_said_once(told, tmp_path) -> None:

@@ -509,14 +509,6 @@ def test_a_run_into_a_pipe_is_refused_and_waits_for_nobody(tmp_path: Path) -> No
     assert done.stderr == "workbench: many.h5 exists and is not a study's dataset; give --force to replace it\n"
 
 
-def test_a_study_given_for_a_dataset_is_told_how_to_become_one(tmp_path: Path) -> None:
-    path = runs.study(tmp_path, runs.grid(2, 2))
-    with pytest.raises(
-        InputError, match=r"is a study, not a dataset; make the dataset with: workbench run .*many\.toml"
-    ):
-        writing.read(path)
-
-
 AS_NOBODY = """
 import contextlib, os, sys
 from workbench import cli
@@ -536,16 +528,6 @@ def test_a_file_that_may_not_be_read_is_refused_as_such(whole: bytes, tmp_path: 
     run = forked.run(tmp_path / "main.py", tmp_path / "mine.h5", tmp_path / "secret.h5")
     assert run.returncode == 2, run.stderr
     assert run.stderr == f"workbench: cannot read {tmp_path / 'secret.h5'}: permission denied\n"
-
-
-def test_a_file_of_a_newer_format_is_refused_with_both_numbers(whole: bytes, tmp_path: Path) -> None:
-    path = tmp_path / "new.h5"
-    path.write_bytes(whole)
-    with h5py.File(path, "a") as file:
-        assert file.attrs["format"] == schema.FORMAT
-        file.attrs["format"] = 7
-    with pytest.raises(InputError, match=f"is of format 7, but this version reads format {schema.FORMAT}"):
-        writing.read(path)
 
 
 @pytest.mark.parametrize("older", [1, None])

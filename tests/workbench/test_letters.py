@@ -3,72 +3,26 @@
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from solver import equilibria as all_equilibria
 from solver.benchmark import ladders
-from studies import load
 from studies.language.loader import loads
 from tests.workbench import small
-from workbench.branches.ends_study import ends_problem
-from workbench.branches.equilibria_dataset import dataset_of
 from workbench.figures import (
-    along,
     canvas,
-    equilibria_figure,
     laws,
-    map_figure,
-    portrait,
     regions,
-    robustness,
     scales,
     study_figure,
-    unrolled,
-    work_precision,
 )
 from workbench.figures.sheet import sheet
-from workbench.store import in_memory, law_verdicts, writing
-from workbench.web.report import measured_runs
+from workbench.store import in_memory, law_verdicts
 from workbench.words import labels
-
-LEAST = 6.0  # points, of letters in print
-TWO_COLUMNS = 183 / 25.4  # inches of a page
-
-
-def smallest(fig: Figure, width: float) -> float:
-    """Points of the smallest letters where the figure is printed in so many inches."""
-    fig.draw_without_rendering()
-    sizes = [text.get_fontsize() for text in fig.findobj(Text) if text.get_text().strip() and text.get_visible()]
-    return min(sizes) * min(width / fig.get_figwidth(), 1.0)
-
-
-def shipped(name: str) -> xr.Dataset:
-    return writing.read(measured_runs.SHIPPED / f"{name}.h5", study=False)
 
 
 @pytest.fixture(scope="module")
 def two() -> xr.Dataset:
     return in_memory.run(small.grid())
-
-
-@pytest.mark.slow
-def test_the_extremes_can_be_read_in_two_columns() -> None:
-    fig = robustness.figure(shipped("extremes"))
-    assert fig.get_figwidth() == pytest.approx(TWO_COLUMNS, abs=0.05)
-    assert smallest(fig, TWO_COLUMNS) >= LEAST
-
-
-@pytest.mark.slow
-def test_the_letters_of_every_figure_can_be_read_in_two_columns(two) -> None:
-    case = ends_problem(load("fig6"))
-    figures = [
-        equilibria_figure.figure(dataset_of(load("fig6"), case, all_equilibria(case))),
-        work_precision.figure(shipped("trade"), "seconds"),
-        *(draw.figure(two) for draw in (study_figure, map_figure, unrolled, along, portrait)),
-    ]
-    for fig in figures:
-        assert smallest(fig, TWO_COLUMNS) >= LEAST - 0.01
 
 
 @pytest.mark.parametrize(

@@ -92,17 +92,6 @@ def test_the_file_opens_bare_with_the_sampled_fields_along_one_dimension(stored:
             np.testing.assert_array_equal(ds["beta0" if name == "beta" else name], values)
 
 
-def test_each_sample_is_the_case_of_its_fields(stored: Path) -> None:
-    """Against `solve` of one case alone."""
-    with xr.open_dataset(stored) as ds:
-        for i in (0, 17, 39):
-            one = ds.sel(sample=i)
-            values = {"E": float(one["E"]), "R": float(one["R"]), "beta": float(one["beta0"])}
-            sol = solve(study().case_of(values), stations=21)
-            np.testing.assert_allclose(one["beta"], sol.beta, atol=1e-7)
-            assert int(one["turns"]) == int(observe(sol, ["turns"])["turns"])
-
-
 def test_samples_and_axes_make_every_combination(crossed: xr.Dataset) -> None:
     assert crossed["turns"].dims == ("sample", "F1")
     one = crossed.isel(sample=4, F1=2)

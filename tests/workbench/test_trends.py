@@ -55,18 +55,6 @@ def said(ax) -> str:
     return " ".join([ax.get_title(loc="left"), *(text.get_text() for text in ax.texts)]).replace("\n", " ")
 
 
-@pytest.mark.parametrize("suffix", [".pdf", pytest.param(".svg", marks=pytest.mark.slow)])
-def test_a_figure_is_also_a_drawing(suffix: str, tmp_path) -> None:
-    path = tmp_path / f"figure{suffix}"
-    canvas.save(study_figure.figure(in_memory.run(grid())), path)
-    assert path.read_bytes()[:5] in (b"%PDF-", b"<?xml")
-
-
-def test_another_ending_is_refused(tmp_path) -> None:
-    with pytest.raises(InputError, match=r"figure\.txt.*\.png, \.pdf, \.svg"):
-        canvas.save(study_figure.figure(in_memory.run(grid())), tmp_path / "figure.txt")
-
-
 def test_a_panel_shows_the_stored_numbers(angles) -> None:
     ax, _ = panels(angles)[0]
     drawn = np.vstack([points.get_offsets() for points in ax.collections if len(points.get_offsets()) == 9])
