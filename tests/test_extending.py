@@ -43,7 +43,7 @@ class Toy(StartMethod):
 
 def test_a_method_is_one_row_and_is_then_solved_with_listed_compared_and_drawn(monkeypatch) -> None:
     monkeypatch.setitem(METHODS, "toy", Toy)
-    by_name, by_value = solve(CASE, 1e-3, "toy", fineness=2), solve(CASE, 1e-3, Toy(fineness=2))
+    by_name, by_value = solve(CASE, 0.1, "toy", fineness=2), solve(CASE, 0.1, Toy(fineness=2))
     assert by_name.solved
     assert by_name.method == by_value.method == "toy"
     np.testing.assert_array_equal(by_name.beta, by_value.beta)
@@ -52,7 +52,7 @@ def test_a_method_is_one_row_and_is_then_solved_with_listed_compared_and_drawn(m
     with pytest.raises(InputError, match="no knob 'steps' in method 'toy'; its knobs: fineness"):
         solve(CASE, method="toy", steps=4)
     assert available_ladders()["toy"].values == ladders_of(["toy"])["toy"].values == (1, 2)
-    ds = in_memory.run(small.study(), 1e-3, "toy")
+    ds = in_memory.run(small.study("[base]\nL = 3.0\n"), 0.1, "toy")
     assert ds.attrs["method"] == "toy"
     assert work_precision.look_of("toy").colour == "#123456"
 

@@ -94,14 +94,6 @@ def test_a_selection_is_rebuilt_by_itself(full) -> None:
     np.testing.assert_allclose(end.rod.gamma, sol.gamma[1, 1, -1], rtol=1e-6)
 
 
-def test_the_case_of_a_dataset_is_the_case_that_was_solved(full) -> None:
-    ds, sol = full
-    for part in ("rod", "cylinder", "given"):
-        ours, theirs = getattr(ds.rod.case, part), getattr(sol.case, part)
-        for key, value in vars(theirs).items():
-            np.testing.assert_array_equal(getattr(ours, key), value)
-
-
 def test_a_reading_that_replaced_the_studys_own_is_kept() -> None:
     study = small.study(AXES).under("compression")
     ds = in_memory.run(study)

@@ -14,6 +14,7 @@ from solver.observe.observables import observe
 from studies import load
 from studies.language.loader import loads
 from tests.cases import ends_in_units_of_rho
+from tests.workbench import small
 from tests.workbench.command import exit_status
 from workbench.branches import branch_dataset
 from workbench.branches.ends_study import ends_problem, write_cases
@@ -153,12 +154,6 @@ def test_each_exported_case_solves_to_the_equilibrium_it_was_written_from(capsys
     assert told["observables"]["turns"] == found[3].turns
 
 
-def test_export_writes_one_file_each(capsys, tmp_path) -> None:
-    status, text = run(capsys, "--L", "6", "--export", tmp_path / "cases")
-    assert status == 0
-    assert len(list((tmp_path / "cases").glob("equilibrium_*.toml"))) == int(text.split(" cases in")[0].split()[-1])
-
-
 def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
     study, case = load(DEFAULT), default()
     found = equilibria(case)
@@ -289,10 +284,7 @@ def test_what_cannot_be_asked_is_refused_in_one_sentence(capsys, words, said) ->
 
 def test_a_study_that_names_an_equilibrium_must_be_one_case_by_its_ends(tmp_path) -> None:
     path = tmp_path / "case.toml"
-    path.write_text(
-        'title = "x"\nreading = "force-first"\n[units]\nlength = "cm"\nforce = "N"\n'
-        "[equilibrium]\ndbeta0 = 1.0\nenergy = 2.0\n"
-    )
+    path.write_text(f"{small.HEAD}[equilibrium]\ndbeta0 = 1.0\nenergy = 2.0\n")
     with pytest.raises(InputError, match=r"line 6.*a solution of an ends problem"):
         load(path)
 
@@ -330,10 +322,8 @@ def test_whose_equilibria_they_are_is_said(capsys) -> None:
         assert said in capsys.readouterr().out
 
 
-CASE = (
-    'title = "x"\n[units]\nlength = "cm"\nforce = "N"\n'
-    "[base]\nE = 1e4\nnu = 0.25\na = 0.25\nL = 10.0\nR = 0.75\nbeta0 = 0.5\nbetaL = 0.8\nFZ = -8.0\n[equilibrium]\n"
-)
+BASE = {"E": 1e4, "nu": 0.25, "a": 0.25, "L": 10.0, "R": 0.75, "beta0": 0.5, "betaL": 0.8, "FZ": -8.0}
+CASE = small.text(BASE, "[equilibrium]\n")
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,11 @@ def test_a_diagram_for_print_is_vectors_with_its_letters_inside(ds, tmp_path, na
             assert said.count(b"<path") > 20
 
 
+def test_a_diagram_has_the_ending_of_a_picture() -> None:
+    with pytest.raises(InputError, match=r"figure\.txt.*\.png, \.pdf, \.svg"):
+        canvas.check_name("figure.txt")
+
+
 @pytest.mark.slow
 def test_the_dots_an_inch_of_a_plot_change_its_pixels_and_not_its_inches(ds, tmp_path) -> None:
     file = writing.write(ds, tmp_path / "one.h5")
