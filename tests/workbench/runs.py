@@ -3,13 +3,17 @@
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
+import pytest
 
 from tests.workbench import forked
+from workbench.store.progress import Meter
 
 ROOT = Path(__file__).parents[2]
 HEAD = """
@@ -73,6 +77,30 @@ def _main(folder: Path, before: str) -> Path:
     if before or not main.exists():
         main.write_text(MAIN.format(before=before))
     return main
+
+
+def small_blocks(cases: int) -> Any:
+    """A fixture: so many cases a block, fewer than by default; many blocks in no time."""
+
+    @pytest.fixture(autouse=True, scope="module")
+    def small_blocks() -> Iterator[None]:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("workbench.store.plan.BLOCK", cases)
+            yield
+
+    return small_blocks
+
+
+def stop_after(cases: int) -> Any:
+    """The progress of a run that is interrupted once so many cases are solved."""
+
+    class Stopping(Meter):
+        def add(self, more: int, unsolved: int) -> None:
+            super().add(more, unsolved)
+            if self.done >= cases:
+                raise KeyboardInterrupt
+
+    return contextmanager(lambda total, done: (yield Stopping(total, done)))
 
 
 def contents(path: Path) -> dict[str, Any]:

@@ -12,8 +12,8 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import follow, solve
 from studies import Study
 from studies.language.loader import loads
-from tests.workbench import small
-from workbench.store import block, in_memory
+from tests.workbench import runs, small
+from workbench.store import in_memory
 from workbench.store.study_store import Options, run_to_file
 
 SNAP = {"E": 325.95, "nu": 0.25, "a": 0.25, "R": 0.75, "L": 5.0, "beta0": 0.5, "betaL": 0.5}
@@ -157,20 +157,11 @@ def bits(path: Path) -> dict[str, Any]:
 
 
 @pytest.mark.slow  # `test_sweep` has the quick one: a followed axis goes the same way
-def test_an_interrupted_run_goes_on_to_the_same_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    one, usual, count = study(), block.block_of, []
-
-    def interrupted(study_: Study, part: Any) -> Any:
-        count.append(part.start)
-        if len(count) == 2:
-            raise KeyboardInterrupt
-        return usual(study_, part)
-
+def test_an_interrupted_run_goes_on_to_the_same_bits(tmp_path: Path) -> None:
+    one = study()
     run_to_file(one, tmp_path / "one.h5", Options(workers=1))
-    monkeypatch.setattr(block, "block_of", interrupted)
     with pytest.raises(KeyboardInterrupt, match="8 of 11 cases are kept"):
-        run_to_file(one, tmp_path / "two.h5", Options(workers=1, chunk=8))
-    monkeypatch.setattr(block, "block_of", usual)
+        run_to_file(one, tmp_path / "two.h5", Options(workers=1, chunk=8), progress=runs.stop_after(1))
     assert run_to_file(one, tmp_path / "two.h5", Options(workers=1)).solved == 3
     assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
     with xr.open_dataset(tmp_path / "one.h5") as ds:

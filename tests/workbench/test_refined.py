@@ -1,8 +1,6 @@
 """Refined studies: cases are added where a watched number changes, stored, resumed, drawn, and compared with a grid."""
 
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError, observe, solve
 from studies import Study
 from studies.language.loader import loads
+from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.command import run
 from tests.workbench.pictures import pixels, share_of_ink
@@ -22,7 +21,6 @@ from workbench.figures import canvas, kinds, map_figure, study_figure, thumbnail
 from workbench.store import block, file_merge, in_memory, law_verdicts, reading, refined, writing
 from workbench.store.boundary import boundary, boundary_of_law
 from workbench.store.file_summary import summary
-from workbench.store.progress import Meter
 from workbench.store.study_store import Options, run_to_file
 
 LINE = small.axis("E", (5e3, 4e4, 4), spacing="geometric")
@@ -36,12 +34,7 @@ def study(axes: str = PLANE, refine: str = REFINE, head: str = HEAD) -> Study:
     return small.study(axes + refine, head)
 
 
-@pytest.fixture(autouse=True, scope="module")
-def small_blocks() -> Iterator[None]:
-    """Fewer cases a block than by default: many blocks in no time."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("workbench.store.plan.BLOCK", 16)
-        yield
+small_blocks = runs.small_blocks(16)
 
 
 @pytest.fixture(scope="module")
@@ -176,24 +169,11 @@ def test_every_bit_is_the_same_whatever_the_chunks_and_the_workers(stored: Path,
     assert runs.contents(tmp_path / "small.h5") == runs.contents(stored)
 
 
-@pytest.mark.parametrize("after", (pytest.param(1, marks=pytest.mark.slow), 3, pytest.param(8, marks=pytest.mark.slow)))
+@pytest.mark.parametrize("after", slow_but((1, 40, 120), 40))
 def test_a_run_that_is_interrupted_in_any_round_continues_to_the_same_file(stored: Path, tmp_path, after) -> None:
-    class Stopping(Meter):
-        left = after
-
-        def add(self, cases: int, unsolved: int) -> None:
-            super().add(cases, unsolved)
-            Stopping.left -= 1
-            if not Stopping.left:
-                raise KeyboardInterrupt
-
-    @contextmanager
-    def progress(total: int, done: int) -> Iterator[Meter]:
-        yield Stopping(total, done)
-
     path, work = tmp_path / "small.h5", study(PLANE + LAW)
     with pytest.raises(KeyboardInterrupt, match="cases are kept in"):
-        run_to_file(work, path, Options(workers=1, chunk=16), progress=progress)
+        run_to_file(work, path, Options(workers=1, chunk=16), progress=runs.stop_after(after))
     assert not path.exists()
     done = run_to_file(work, path, Options(workers=1))
     assert 0 < done.solved < reading.open_study(stored).sizes["sample"]
@@ -203,19 +183,9 @@ def test_a_run_that_is_interrupted_in_any_round_continues_to_the_same_file(store
 
 
 def test_a_damaged_shard_of_an_early_round_is_solved_again(stored: Path, tmp_path) -> None:
-    class Stopping(Meter):
-        def add(self, cases: int, unsolved: int) -> None:
-            super().add(cases, unsolved)
-            if self.done > 60:
-                raise KeyboardInterrupt
-
-    @contextmanager
-    def progress(total: int, done: int) -> Iterator[Meter]:
-        yield Stopping(total, done)
-
     path, work = tmp_path / "small.h5", study(PLANE + LAW)
     with pytest.raises(KeyboardInterrupt):
-        run_to_file(work, path, Options(workers=1, chunk=16), progress=progress)
+        run_to_file(work, path, Options(workers=1, chunk=16), progress=runs.stop_after(61))
     shard = sorted(path.with_name("small.h5.parts").glob("*.shard"))[1]
     content = bytearray(shard.read_bytes())
     content[200] ^= 1

@@ -1,7 +1,5 @@
 """Studies of samples: stored along one dimension, run, resumed, grown and merged like a grid, and drawn as scatter."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
@@ -22,7 +20,6 @@ from workbench.figures import canvas, scatter, study_figure
 from workbench.scene import captions, scene_kinds
 from workbench.store import file_merge, in_memory, reading, selection, stored_case, writing
 from workbench.store.file_summary import summary
-from workbench.store.progress import Meter
 from workbench.store.study_store import Options, run_to_file
 
 HEAD = 'observables = ["turns", "wraps", "kappa_max"]\noutputs = ["beta", "alpha", "z"]'
@@ -56,12 +53,7 @@ def study(size: int = 40, seed: int = 3, more: str = "") -> Study:
     return small.study(SAMPLE.format(size, seed) + more, HEAD)
 
 
-@pytest.fixture(autouse=True, scope="module")
-def small_blocks() -> Iterator[None]:
-    """Fewer cases a block than by default: many blocks in no time."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("workbench.store.plan.BLOCK", 16)
-        yield
+small_blocks = runs.small_blocks(16)
 
 
 @pytest.fixture(scope="module")
@@ -115,17 +107,9 @@ def test_a_study_in_memory_has_the_numbers_of_the_stored_one(stored: Path) -> No
 
 
 def test_an_interrupted_run_continues(stored: Path, tmp_path) -> None:
-    class Stopping(Meter):
-        def add(self, cases: int, unsolved: int) -> None:
-            raise KeyboardInterrupt
-
-    @contextmanager
-    def progress(total: int, done: int) -> Iterator[Meter]:
-        yield Stopping(total, done)
-
     path = tmp_path / "small.h5"
     with pytest.raises(KeyboardInterrupt, match="16 of 40 cases are kept"):
-        run_to_file(study(), path, Options(workers=1, chunk=16), progress=progress)
+        run_to_file(study(), path, Options(workers=1, chunk=16), progress=runs.stop_after(1))
     assert run_to_file(study(), path, Options(workers=1)).solved == 24
     assert runs.contents(path) == runs.contents(stored)
     assert run_to_file(study(), path).finished_before

@@ -2,7 +2,6 @@
 
 import json
 from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -26,12 +25,7 @@ from workbench.words import outcomes
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
 
 
-@pytest.fixture(autouse=True, scope="module")
-def small_blocks() -> Iterator[None]:
-    """Fewer cases a block than by default: many blocks in no time."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("workbench.store.plan.BLOCK", 64)
-        yield
+small_blocks = runs.small_blocks(64)
 
 
 @pytest.fixture(scope="module")

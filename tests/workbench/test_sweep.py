@@ -12,11 +12,11 @@ from studies import Study
 from studies.language.loader import loads
 from studies.laws.verdicts import FAILS, UNDECIDED
 from tests.slow import slow_but
-from tests.workbench import small
+from tests.workbench import runs, small
 from tests.workbench.command import exit_status
 from workbench.commands import study_scene
 from workbench.scene import scene_kinds
-from workbench.store import block, file_merge, in_memory, law_verdicts, plan, sweep, sweep_order
+from workbench.store import file_merge, in_memory, law_verdicts, plan, sweep, sweep_order
 from workbench.store.block import solve_chunk
 from workbench.store.study_store import Options, run_to_file
 from workbench.words import branch_numbers
@@ -221,20 +221,11 @@ def test_a_chunk_is_the_same_alone_as_among_others() -> None:
         )
 
 
-def test_an_interrupted_sweep_goes_on_to_the_same_bits(tmp_path, monkeypatch) -> None:
-    one, usual, count = study(FORCES.replace("21", "11")), block.block_of, []
-
-    def interrupted(study_, part):
-        count.append(part.start)
-        if len(count) == 2:
-            raise KeyboardInterrupt
-        return usual(study_, part)
-
+def test_an_interrupted_sweep_goes_on_to_the_same_bits(tmp_path) -> None:
+    one = study(FORCES.replace("21", "11"))
     run_to_file(one, tmp_path / "one.h5", Options(workers=1))
-    monkeypatch.setattr(block, "block_of", interrupted)
     with pytest.raises(KeyboardInterrupt, match="8 of 11 cases are kept"):
-        run_to_file(one, tmp_path / "two.h5", Options(workers=1, chunk=8))
-    monkeypatch.setattr(block, "block_of", usual)
+        run_to_file(one, tmp_path / "two.h5", Options(workers=1, chunk=8), progress=runs.stop_after(1))
     assert run_to_file(one, tmp_path / "two.h5", Options(workers=1)).solved == 3
     assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
 
