@@ -4,7 +4,7 @@ import json
 import os
 import re
 import shutil
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
 from random import Random
@@ -52,6 +52,10 @@ def opened(whole: bytes) -> Iterator[xr.Dataset]:
     """The good file, opened once; a test alters a copy."""
     with xr.open_dataset(BytesIO(whole), engine="h5netcdf") as ds:
         yield ds
+
+
+def slow(*row: Any) -> Any:
+    return pytest.param(*row, marks=pytest.mark.slow)
 
 
 # All of them open files by the same door.
@@ -255,7 +259,8 @@ REASONS = {name: why for name, (_, why) in HOSTILE.items() if why} | {
 }
 
 
-def hostile_files_are_refused(commands: tuple[str, ...], names: Collection[str], whole: bytes, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("commands", "names"), [(SOME, HOSTILE.keys() & REASONS.keys()), slow(ALL, HOSTILE.keys())])
+def test_hostile_files_are_refused(commands, names, whole: bytes, tmp_path: Path) -> None:
     folder = tmp_path / "hostile"
     folder.mkdir()
     for name in names:
@@ -276,18 +281,8 @@ def hostile_files_are_refused(commands: tuple[str, ...], names: Collection[str],
     assert list((tmp_path / "out").iterdir()) == []
 
 
-def test_hostile_files_are_refused(whole: bytes, tmp_path: Path) -> None:
-    hostile_files_are_refused(SOME, HOSTILE.keys() & REASONS.keys(), whole, tmp_path)
-
-
-@pytest.mark.slow
-def test_hostile_files_are_refused_by_every_command(whole: bytes, tmp_path: Path) -> None:
-    hostile_files_are_refused(ALL, HOSTILE, whole, tmp_path)
-
-
-def damaged_files_end_in_a_sentence(
-    commands: tuple[str, ...], cuts: int, flips: int, whole: bytes, tmp_path: Path
-) -> None:
+@pytest.mark.parametrize(("commands", "cuts", "flips"), [(SOME, 2, 4), slow(ALL, 50, 200)])
+def test_damaged_files_end_in_a_sentence(commands, cuts: int, flips: int, whole: bytes, tmp_path: Path) -> None:
     """Files cut short at many lengths, and files with some bytes changed, a few or a stretch of them."""
     folder, random = tmp_path / "damaged", Random(1)
     folder.mkdir()
@@ -303,11 +298,8 @@ def damaged_files_end_in_a_sentence(
     assert all(row["status"] == 2 for row in rows if row["file"].startswith("cut"))
 
 
-def test_damaged_files_end_in_a_sentence(whole: bytes, tmp_path: Path) -> None:
-    damaged_files_end_in_a_sentence(SOME, 2, 4, whole, tmp_path)
-
-
-def changed_bits_are_noticed(count: int, seed: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("count", "seed"), [(6, 1), slow(1000, 2)])
+def test_changed_bits_are_noticed(count: int, seed: int, tmp_path: Path) -> None:
     """A file with one bit changed is refused, or all of it that is read is as it was."""
     path, random = stored(tmp_path / "good.h5"), Random(seed)
     whole, good = path.read_bytes(), writing.read(path)
@@ -320,20 +312,6 @@ def changed_bits_are_noticed(count: int, seed: int, tmp_path: Path) -> None:
         except InputError:
             continue
         xr.testing.assert_identical(found, good)
-
-
-def test_changed_bits_are_noticed(tmp_path: Path) -> None:
-    changed_bits_are_noticed(6, 1, tmp_path)
-
-
-@pytest.mark.slow
-def test_a_thousand_changed_bits_are_noticed(tmp_path: Path) -> None:
-    changed_bits_are_noticed(1000, 2, tmp_path)
-
-
-@pytest.mark.slow
-def test_many_damaged_files_end_in_a_sentence_for_every_command(whole: bytes, tmp_path: Path) -> None:
-    damaged_files_end_in_a_sentence(ALL, 50, 200, whole, tmp_path)
 
 
 @pytest.mark.slow
@@ -377,12 +355,11 @@ def altered_files_end_in_a_sentence(base: str, stride: int, tmp_path: Path, *com
     assert [json.loads(line) for line in run.stdout.splitlines()] == []
 
 
-def test_a_study_that_is_altered_in_one_place_is_read_or_refused_in_a_sentence(tmp_path: Path) -> None:
-    altered_files_end_in_a_sentence("one axis", 997, tmp_path, "check", "export csv")
-
-
-def test_a_study_of_samples_that_is_altered_is_read_or_refused_in_a_sentence(tmp_path: Path) -> None:
-    altered_files_end_in_a_sentence("samples", 997, tmp_path, "check", "summary")
+@pytest.mark.parametrize(
+    ("base", "commands"), [("one axis", ("check", "export csv")), ("samples", ("check", "summary"))]
+)
+def test_a_study_that_is_altered_in_one_place_is_read_or_refused_in_a_sentence(base, commands, tmp_path: Path) -> None:
+    altered_files_end_in_a_sentence(base, 997, tmp_path, *commands)
 
 
 def test_arrays_along_the_rod_without_their_arc_lengths_are_refused(tmp_path: Path) -> None:

@@ -33,6 +33,9 @@ from workbench.store.schema import SECTION
 START = {"beta": 0.5, "dbeta": 0.1, "dgamma": 0.5}
 
 draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
+if opengl.probe()[0]:  # without the libraries of OpenGL these cannot be imported
+    from workbench.scene import composition, layout, rendering
+    from workbench.scene.rendering import Placed, render
 
 
 def dataset(side: str = "outside", axes: str = "", stations: int = 201, L: float = 20.0, **keys: object) -> xr.Dataset:
@@ -248,8 +251,6 @@ def test_a_row_in_the_table_is_all_that_a_new_kind_needs(fig6, tmp_path, monkeyp
 
 @draws
 def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> None:
-    from workbench.scene import layout
-
     taken = layout.render(fig6, tmp_path / "fig6.png")
     assert taken.error <= 0.5 * (1 + 1e-9)
     picture = pixels(tmp_path / "fig6.png")
@@ -285,8 +286,6 @@ def before_it(bodies: list[rods.Body], width: int, height: int, lying: bool = Fa
 
 @draws
 def test_a_row_has_one_scale_and_one_camera() -> None:
-    from workbench.scene.rendering import Placed, render
-
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n")
     found = [body(ds, E=i) for i in (0, 1, 0, 1)]
     camera = before_it(found, 160, 300)
@@ -301,8 +300,6 @@ def test_a_row_has_one_scale_and_one_camera() -> None:
 
 @draws
 def test_each_pixel_is_the_mean_of_its_parts() -> None:
-    from workbench.scene import rendering
-
     rod = body(dataset())
     camera = before_it([rod], 400, 160, lying=True)
 
@@ -320,8 +317,6 @@ def test_each_pixel_is_the_mean_of_its_parts() -> None:
 
 @draws
 def test_the_cylinder_is_as_wide_as_the_scale_bar_says() -> None:
-    from workbench.scene.rendering import Placed, render
-
     rod = body(dataset())
     camera = before_it([rod], 300, 600)
     camera = replace(camera, per_unit=0.9 * camera.per_unit)
@@ -344,8 +339,6 @@ def helix() -> xr.Dataset:
 
 @draws
 def test_a_hidden_stretch_is_an_outline_and_has_no_colour_of_the_bar(helix) -> None:
-    from workbench.scene.rendering import Placed, render
-
     rod = body(helix, "plain")
     rod = replace(rod, paint=colours.Paint("#ff0000"))
     camera = before_it([rod], 600, 120, lying=True)
@@ -392,8 +385,6 @@ def test_the_shadow_of_contact_is_that_of_a_bar_on_a_plane() -> None:
 
 @draws
 def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
-    from workbench.scene import layout
-
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4, 3e4]\n")
     ds = small.with_outcomes(ds, ["solved", "no solution", "solved"])
     ds["alpha"][1] = np.nan
@@ -407,16 +398,12 @@ def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
 
 @draws
 def test_inside_the_rod_is_seen_through_the_near_wall(tmp_path) -> None:
-    from workbench.scene import layout
-
     layout.render(dataset("inside"), tmp_path / "inside.png", kind="curvature")
     assert share_of_hue(pixels(tmp_path / "inside.png"), "#21918c", 0.2) > 0.01
 
 
 @draws
 def test_only_pictures_can_be_asked_for(fig6, tmp_path) -> None:
-    from workbench.scene import layout
-
     with pytest.raises(InputError, match=r"scene\.txt.*\.png"):
         layout.render(fig6, tmp_path / "scene.txt")
 
@@ -424,8 +411,6 @@ def test_only_pictures_can_be_asked_for(fig6, tmp_path) -> None:
 @draws
 @pytest.mark.slow
 def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
-    from workbench.scene import composition, layout
-
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     layout.render(dataset(stations=20_001, L=2000.0), tmp_path / "long.png")
     long = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n", stations=2001, L=2000.0)
@@ -437,8 +422,6 @@ def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
 
 @draws
 def test_what_no_real_rod_could_do_is_said_of_one_rod_or_counted() -> None:
-    from workbench.scene import composition
-
     rods = [SimpleNamespace(line=object(), caution=text) for text in ("too tight, overlaps, pulled", "overlaps", "")]
     assert composition.impossible(rods[:1]) == [
         "the rod passes through itself",
@@ -454,8 +437,6 @@ def test_what_no_real_rod_could_do_is_said_of_one_rod_or_counted() -> None:
 @pytest.mark.slow
 @draws
 def test_a_table_of_two_axes_says_how_many_values_it_shows(tmp_path) -> None:
-    from workbench.scene import composition, layout
-
     axes = "[axes.E]\nfrom = 1e4\nto = 4e4\ncount = 11\n[axes.R]\nfrom = 0.5\nto = 1.5\ncount = 7\n"
     taken = layout.compose(dataset(axes=axes), None, "grid", ["E", "R"], settings=composition.Settings(2.0, 60))
     assert list(taken.page.words.notes)[:2] == ["9 of 11 values of E", "5 of 7 values of R"]
@@ -466,8 +447,6 @@ def test_a_table_of_two_axes_says_how_many_values_it_shows(tmp_path) -> None:
 
 @draws
 def test_each_cylinder_is_as_long_as_its_rod_and_all_words_stay_on_the_page() -> None:
-    from workbench.scene import composition, layout
-
     ds = dataset(axes="[axes.L]\nvalues = [5.0, 10.0, 20.0]\n".replace("[axes.L]", "[axes.E]"))
     taken = layout.compose(ds, None, "grid", ["E"], settings=composition.Settings(2.0, 60))
     drawn = page.figure(taken.page)
@@ -566,8 +545,6 @@ def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_t
 
 @draws
 def test_self_intersections_are_ringed_and_said_once(fig6) -> None:
-    from workbench.scene import composition, layout
-
     taken = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 50)).page
     box = taken.arrangement.rows[0][0]
     assert len(taken.rings) >= 4
@@ -578,8 +555,6 @@ def test_self_intersections_are_ringed_and_said_once(fig6) -> None:
 
 @draws
 def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6) -> None:
-    from workbench.scene import composition, layout
-
     ds = dataset(axes="[axes.F3]\nvalues = [1.0, 10.0, 40.0]\n")
     taken = layout.compose(ds, None, "grid", ["F3"], settings=composition.Settings(2.0, 50)).page
     (row,) = taken.arrangement.rows
@@ -598,8 +573,6 @@ def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6
 @draws
 @pytest.mark.parametrize("camera, outlined", [("front", False), ("180,0", True)])
 def test_the_legend_says_what_outlines_are_where_there_are_some(fig6, camera, outlined) -> None:
-    from workbench.scene import composition, layout
-
     taken = layout.compose(fig6, settings=composition.Settings(2.0, 50, camera=camera)).page
     assert ((page.OUTLINE, "a stretch behind the cylinder") in taken.words.legend) == outlined
 
@@ -609,7 +582,6 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
     from solver import equilibria
     from workbench.branches.ends_study import ends_problem
     from workbench.branches.equilibria_dataset import dataset_of
-    from workbench.scene import composition, layout
 
     study = load("fig7_4_end_angle")
     case = ends_problem(study)
@@ -627,8 +599,6 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
 @pytest.mark.parametrize("camera", ["front", "70,0", None, "-35,20"])
 def test_the_picture_has_the_scale_of_its_bar_along_the_axis(camera, helix) -> None:
     """The ends of the cylinder, which stand still whatever the side, are as far apart as the scale says."""
-    from workbench.scene import composition, layout
-
     taken = layout.compose(helix, kind="plain", settings=composition.Settings(dpi=100, camera=camera)).page
     rod = body(helix, "plain")
     low, high = View([rod], Cell()).cylinder
@@ -654,8 +624,6 @@ def test_a_push_has_the_same_colours_in_neighbouring_pictures_pale_at_0_and_no_b
 
 @draws
 def test_in_place_of_an_unsolved_case_the_nearest_solved_one_is_drawn_and_this_is_said() -> None:
-    from workbench.scene import layout
-
     ds = dataset(axes="[axes.E]\nfrom = 1e4\nto = 3e4\ncount = 11\n")
     words = ["solved"] * 11
     words[5] = "no solution"
@@ -669,8 +637,6 @@ def test_in_place_of_an_unsolved_case_the_nearest_solved_one_is_drawn_and_this_i
 
 @draws
 def test_each_rod_of_a_row_faces_the_viewer() -> None:
-    from workbench.scene import layout
-
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4, 4e4]\n")
     rows, camera = layout._cells(ds, kind_of("grid"), ["E"], [[{"E": i} for i in range(3)]], layout.Settings())
     for view in rows[0]:
@@ -682,8 +648,6 @@ def test_each_rod_of_a_row_faces_the_viewer() -> None:
 @draws
 def test_a_picture_of_a_row_knows_the_places_of_its_rods(tmp_path) -> None:
     import json
-
-    from workbench.scene import layout
 
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4, 4e4]\n")
     layout.render_row(ds, tmp_path / "row.png", "E")
