@@ -111,7 +111,7 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(labels.power_of_ten)
         axis.set_minor_formatter(NullFormatter())
-    words = SHOWN.get(case) or f"{case}: {here['about'].item()}"
+    words = SHOWN.get(case) or (f"{case}: {here['about'].item()}" if "about" in here else case)  # none in older files
     ax.set_title(style.wrap(labels.powers_of_ten(words), ax, style.small()), loc="left", size=style.small(), pad=3)
     return ax
 
