@@ -190,9 +190,10 @@ def test_a_full_disk_is_one_sentence_where_hdf5_would_end_the_process(ds, tmp_pa
     path = writing.write(ds, tmp_path / "small.h5")
     limited = (
         "import resource, sys\nfrom workbench.store import writing\nds = writing.read(sys.argv[1])\n"
-        f"hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]\nresource.setrlimit(resource.RLIMIT_FSIZE, ({room}, hard))\n"
+        "size = resource.RLIMIT_FSIZE\nhard = resource.getrlimit(size)[1]\n"
+        f"resource.setrlimit(size, ({room}, hard))\n"
         "try:\n    writing.write(ds, sys.argv[2])\nexcept ValueError as error:\n    said = error\n"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (hard, hard))\nprint(said)"
+        "resource.setrlimit(size, (hard, hard))\nprint(said)"
     )
     new = tmp_path / "new.h5"
     script = tmp_path / "limited.py"
