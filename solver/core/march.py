@@ -107,21 +107,6 @@ def _rows(out: Array | None, n: int) -> list[tuple[int | None, int]]:
     return [(begin + k * size, n) for k in range(4)]
 
 
-def read(which: Integers, orbits: Array, steps: Steps, t: Array) -> Array:
-    """beta, beta_t, alpha, z (4, N, n) of the orbits `which` (N,) at t (N, n), as `march` reads; NaN where lost."""
-    out, n = np.empty((4, *t.shape)), t.shape[1]
-    call = function("rod_read", None, _INT, *6 * [_AT], _INT, *6 * [_AT], ctypes.c_int)
-    stored = [begin_of(v) for v in (orbits, steps.first, steps.since, steps.width, steps.series)]
-    begins = [begin_of(t), *(begin_of(row) for row in out)]
-
-    def part(a: int, b: int) -> None:
-        times, *rows = (begin + 8 * a * n for begin in begins)
-        call(b - a, begin_of(which) + 8 * a, *stored, n, times, *rows, None, widest())
-
-    share_out(part, which.size)
-    return out
-
-
 def problems_of(problem: Any) -> Array:
     """The numbers of B start problems as `march` takes them, (B, 6)."""
     numbers = np.empty((problem.size, 6))

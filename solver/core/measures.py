@@ -10,6 +10,7 @@ import numpy as np
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis
 from .library import address, begin_of, fine, function, library, share_out, widest
+from .orbits import reading
 
 NODES = 24  # of each piece, at which densities are computed
 GROUPS = (  # numbers that are measured together, in the order of measures.c
@@ -149,38 +150,43 @@ class Limits(NamedTuple):
     together: int
 
 
-class _MarchedRods(ctypes.Structure):
+class _ComparedRods(ctypes.Structure):
     """`rods` in strand_pairs.c."""
 
     _fields_ = [
-        *((name, ctypes.c_void_p) for name in ("orbits", *_STEPS, *_NUMBERS, "periods")),
+        *((name, ctypes.c_void_p) for name in ("orbits", "panels", *_STEPS, *_NUMBERS, "periods")),
         *((name, ctypes.c_int64) for name in (*Limits._fields, "lanes")),
     ]
 
 
 def meets(orbit: Any, numbers: Mapping[str, Array], periods: Integers, limits: Limits) -> Array:
-    """Whether B marched rods meet themselves, (B,): 1, 0, or NaN where `limits` leaves that open.
+    """Whether B rods meet themselves, (B,): 1, 0, or NaN where `limits` leaves that open.
 
     Parameters
     ----------
-    orbit : MarchedOrbit
+    orbit : MarchedOrbit or Orbit
         B orbits, none of them lost.
     numbers : mapping
-        period, length, a, apart as of `observe.strand_pairs.Strands`, (B,) each.
+        period, length, a, and the smallest distance along the rod of points that meet (apart), (B,) each.
     periods : array, (B,)
         Periods that are compared with the first.
     limits : Limits
     """
-    steps = orbit.steps
-    kept = {name: getattr(steps, name) for name in _STEPS} | {"orbits": orbit.found, "periods": periods}
+    kept: dict[str, Any] = {"periods": periods}
+    panels, arrays = reading(orbit) if hasattr(orbit, "panels") else (None, None)
+    if panels is None:
+        kept |= {name: getattr(orbit.steps, name) for name in _STEPS} | {"orbits": orbit.found}
     kept |= {name: np.asarray(numbers[name], dtype=float) for name in _NUMBERS}
     kept = {name: np.ascontiguousarray(array) for name, array in kept.items()}
     places = {name: begin_of(array) for name, array in kept.items()}
-    rods, found = _MarchedRods(**places, **limits._asdict(), lanes=widest()), np.empty(periods.size)
+    if panels is not None:
+        places["panels"] = ctypes.addressof(panels)
+    rods, found = _ComparedRods(**places, **limits._asdict(), lanes=widest()), np.empty(periods.size)
     call = function("rod_meets", ctypes.c_int, *2 * [ctypes.c_void_p], *2 * [ctypes.c_int64])
 
     def part(a: int, b: int) -> None:
         fine(call(ctypes.addressof(rods), begin_of(found), a, b))
 
     share_out(part, periods.size)
+    del arrays
     return found

@@ -281,6 +281,7 @@ double rod_across(int n, const double *v, const double *H, const double *rate, d
 
 /* orbits.c */
 int64_t rod_place(const read_orbits *, int64_t b, double t, phase *, double *x);
+void rod_orbit_at(const read_orbits *, int64_t b, double t, double *out);
 double rod_unfolded(double value, const phase *, double there, double after, int librates);
 
 /* transit_times.c */

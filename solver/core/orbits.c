@@ -210,7 +210,8 @@ int64_t rod_place(const read_orbits *o, int64_t b, double t, phase *where, doubl
     return panel;
 }
 
-static void value_on(const read_orbits *o, int64_t b, double t, double *out)
+/* beta, beta_t, alpha, z and the swirl of orbit b at t. */
+void rod_orbit_at(const read_orbits *o, int64_t b, double t, double *out)
 {
     const int kind = (int)o->kind[b], n = (int)o->coefficients;
     const double *gain = o->gain + 6 * b;
@@ -235,7 +236,7 @@ static void value_on(const read_orbits *o, int64_t b, double t, double *out)
 }
 
 /* k series of the panels (P, k, n + 1) where n orbits are at t (n, stations), none of them a helix, into out
-   (n, stations, k); where that is, (n, stations) each: `pieces.Phase`. */
+   (n, stations, k), NaN for an orbit without panels; where that is, (n, stations) each: `pieces.Phase`. There are panels. */
 void rod_series_read(const read_orbits *o, int64_t n, int64_t stations, int64_t k, const double *series,
                      const double *t, double *out, int64_t *arc, double *local, double *periods, uint8_t *second,
                      uint8_t *mirrored)
@@ -243,9 +244,9 @@ void rod_series_read(const read_orbits *o, int64_t n, int64_t stations, int64_t 
     const int size = (int)o->coefficients;
     for (int64_t b = 0; b < n; b++)
         for (int64_t i = b * stations; i < (b + 1) * stations; i++) {
-            phase where;
-            double x, polynomial[NODES + 1];
-            const int64_t panel = rod_place(o, b, t[i], &where, &x);
+            phase where = {0};
+            double x = NAN, polynomial[NODES + 1];
+            const int64_t panel = o->count[2 * b] + o->count[2 * b + 1] ? rod_place(o, b, t[i], &where, &x) : 0;
             polynomial[0] = 1, polynomial[1] = x;
             for (int m = 2; m < size; m++)
                 polynomial[m] = 2 * x * polynomial[m - 1] - polynomial[m - 2];
@@ -267,7 +268,7 @@ void rod_orbits_read(const read_orbits *o, int64_t n, int64_t stations, const do
     double values[FUNCTIONS];
     for (int64_t b = 0; b < n; b++)
         for (int64_t i = b * stations; i < (b + 1) * stations; i++) {
-            value_on(o, b, t[i], values);
+            rod_orbit_at(o, b, t[i], values);
             for (int f = 0; f < FUNCTIONS; f++)
                 out[f * n * stations + i] = values[f];
         }

@@ -1,4 +1,8 @@
-/* Whether rods meet themselves: solver/observe/strand_pairs.py, where the search is explained. One rod at a time. */
+/* Whether rods meet themselves: pairs of stretches of a rod that come near each other, by halving. One rod at a time.
+
+   beta is periodic, so the curve repeats but for a screw: a turn and a rise, each period the same. Where two points meet, so
+   do the two that lie whole periods before them, the first of them in the first period. So the first period is compared
+   with itself and with each later one that comes near it; stretches of both are halved where they might meet. */
 
 #include "orbit_parts.h"
 
@@ -10,9 +14,10 @@ void rod_read(int64_t n, const int64_t *which, const void *orbits, const int64_t
               const double *width, const double *series, int64_t stations, const double *t, double *beta, double *rate,
               double *alpha, double *z, double *swirl, int most);
 
-/* Rods and their marched orbits; period, length, a, apart, periods: (n,), lengths in units of rho. */
+/* Rods and their marched orbits, or where these are NULL their panels; period, length, a, apart, periods: (n,), lengths in units of rho. */
 typedef struct {
     const void *orbits;
+    const read_orbits *panels;
     const int64_t *first;
     const double *since, *width, *series, *period, *length, *a, *apart;
     const int64_t *periods;
@@ -55,8 +60,14 @@ static void read_at(const search_of_rod *s, int64_t n, const double *t, double *
                     double *z)
 {
     const rods *all = s->all;
-    rod_read(1, &s->rod, all->orbits, all->first, all->since, all->width, all->series, n, t, beta, rate, alpha, z, NULL,
-             (int)all->lanes);
+    for (int64_t i = 0; i < n && !all->orbits; i++) {
+        double values[5];
+        rod_orbit_at(all->panels, s->rod, t[i], values);
+        alpha[i] = values[2], z[i] = values[3];
+    }
+    if (all->orbits)
+        rod_read(1, &s->rod, all->orbits, all->first, all->since, all->width, all->series, n, t, beta, rate, alpha, z,
+                 NULL, (int)all->lanes);
 }
 
 /* Whether period k comes near the first, of which it is the screw. */
@@ -203,7 +214,7 @@ static int one_rod(search_of_rod *s, int64_t *near, double *found)
     return failed;
 }
 
-/* Whether the rods from begin to end meet themselves: `strand_pairs.meets`, into found (n,). */
+/* Whether the rods from begin to end meet themselves: `observe.self_contact`, into found (n,). */
 int rod_meets(const rods *all, double *found, int64_t begin, int64_t end)
 {
     search_of_rod *s = calloc(1, sizeof(search_of_rod));

@@ -72,7 +72,7 @@ def loops(read: Reading) -> Any:
 def overlapping(read: Reading, **limits: int) -> Any:
     """Self-intersection: 1 where the rod would intersect itself, else 0, (B,); NaN where that was not decided.
 
-    limits: options of `strand_pairs.meets`.
+    limits: options of `self_contact.overlaps`.
     """
     bounds = (read.each(v) for v in (kappa_max(read)[0], read.value("low"), read.value("high")))
     return np.reshape(overlaps(read.sol, *bounds, **limits), -1)

@@ -4,7 +4,7 @@ Points pi a apart or less along the rod are close because they are neighbours: a
 (radius a) keeps its ends two radii apart from there on. By Schur's theorem points less than
 2/kappa (pi - asin(kappa a)) apart along the rod, kappa being the largest curvature, cannot meet, so only points farther
 apart are compared. Bounds on beta decide many rods; for the others stretches of the curve are halved where they might
-meet (`strand_pairs`). All lengths are in units of rho.
+meet (core/strand_pairs.c). All lengths are in units of rho.
 """
 
 from typing import Any
@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 import scipy
 
+from ..core.measures import Limits, meets
 from ..numerics.arrays import Array
+from ..orbit.marched_orbit import MarchedOrbit
 from ..problem.reduced import flat
 from ..shape import Shape
-from .strand_pairs import apart as apart_along
-from .strand_pairs import meets
 
+PAIRS, TOGETHER = 300_000, 8  # largest number of pairs of stretches compared for a rod; periods compared together
+_PERIODS = 10_000_000  # largest number of periods compared with the first
 # of the radius: distance of stations, and of points between them; and the largest number of points
 _COARSE, _DENSE, _MOST = 0.5, 0.125, 200_000
 _BLOCK = 128  # rods compared together
@@ -40,7 +42,7 @@ def overlaps(sol: Shape, kappa_max: Any, low: Any, high: Any, **limits: int) -> 
     low, high : array (*cases)
         Smallest and largest beta [rad].
     **limits
-        Options of `strand_pairs.meets`.
+        most_pairs, together: in place of `PAIRS` and `TOGETHER`; the second does not change the result.
 
     Returns
     -------
@@ -55,7 +57,7 @@ def overlaps(sol: Shape, kappa_max: Any, low: Any, high: Any, **limits: int) -> 
     found = np.full(case.size, np.nan)
     known = np.reshape(sol.solved, -1) & np.isfinite(tightest)
     thick = a * tightest >= 1
-    apart = apart_along(a, tightest)
+    apart = _apart(a, tightest)
     with np.errstate(invalid="ignore", divide="ignore"):
         range_ = flat(low, case.shape), flat(high, case.shape)
         free = (sol.problem.span <= apart) | _climbs(*range_, a, apart)
@@ -66,9 +68,36 @@ def overlaps(sol: Shape, kappa_max: Any, low: Any, high: Any, **limits: int) -> 
         if orbit is None:
             found[rows] = [_at_stations(sol, int(i), a[i]) for i in rows]
         else:
-            found[rows] = meets(orbit.pick(rows), sol.problem.span[rows], a[rows], tightest[rows], **limits)
+            found[rows] = compare_strands(orbit.pick(rows), sol.problem.span[rows], a[rows], tightest[rows], **limits)
     whole = found if np.isnan(found).any() else found.astype(np.int64)
     return whole.reshape(case.shape)[()]
+
+
+def _apart(a: Array, tightest: Array) -> Any:
+    """The smallest distance along the rod of two points that meet, (B,)."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(tightest > 0, 2 / tightest * (np.pi - np.arcsin(np.minimum(a * tightest, 1))), np.inf)
+
+
+def compare_strands(
+    orbit: Any, length: Array, a: Array, tightest: Array, most_pairs: int = PAIRS, together: int = TOGETHER
+) -> Array:
+    """Whether each rod meets itself, (B,): 1 or 0, NaN where more than `most_pairs` pairs would have to be compared.
+
+    Never 0 for a rod of which a shorter one gives 1: the points compared do not depend on the length.
+
+    length, a, tightest: (B,), of the rod, its radius and its largest curvature, in units of rho.
+    """
+    if isinstance(orbit, MarchedOrbit) and orbit.lost.any():
+        found = np.empty(length.size)
+        for part, of in ((~orbit.lost, orbit.pick(np.flatnonzero(~orbit.lost))), (orbit.lost, orbit.rest)):
+            found[part] = compare_strands(of, length[part], a[part], tightest[part], most_pairs, together)
+        return found
+    with np.errstate(divide="ignore"):  # a helix repeats after any length
+        period = np.where(np.isfinite(orbit.period), orbit.period, 1 / tightest)
+    numbers = {"period": period, "length": length, "a": a, "apart": _apart(a, tightest)}
+    periods = np.minimum(length // period, _PERIODS).astype(np.int64)
+    return meets(orbit, numbers, periods, Limits(_PERIODS, most_pairs, together))
 
 
 def _climbs(low: Array, high: Array, a: Array, apart: Array) -> Any:

@@ -105,14 +105,6 @@ class MarchedOrbit:
             rest = self.rest.pick((np.cumsum(self.lost) - 1)[rows[lost]])
         return MarchedOrbit(self.problem.take(rows), self.tol, self.found[rows], lost, rest)
 
-    def along(self, case: Integers, t: Array) -> tuple[Array, Array]:
-        """alpha and z at single points of the rods: at t (N,) of the problems `case` (N,), (N,) each."""
-        out = core.read(case, self.found, self.steps, np.ascontiguousarray(t[:, None]))
-        lost = self.lost[case]
-        if self.rest is not None and lost.any():
-            out[2:, lost, 0] = self.rest.along((np.cumsum(self.lost) - 1)[case[lost]], t[lost])
-        return out[2, :, 0], out[3, :, 0]
-
     @cached_property
     def steps(self) -> core.Steps:
         """The series of all steps, marched again: an answer that is only read at its stations does not store them."""

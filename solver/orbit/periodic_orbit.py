@@ -16,10 +16,9 @@ import numpy as np
 from ..core import orbits as core
 from ..core.library import Cutting
 from ..numerics.arrays import Array, Integers
-from ..numerics.chebyshev import polynomials
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import PLAIN
-from .pieces import HELIX, LIBRATION, Arcs, Panels, Phase, Pieces, phase_at, running, unfold
+from .pieces import HELIX, LIBRATION, Arcs, Panels, Phase, Pieces, phase_at, running
 
 TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
@@ -108,15 +107,6 @@ class Orbit:
         some, first = self.problem.take(rows), np.cumsum(count) - count
         return Orbit(some, arcs, panels, since, first, count, self.duration[both], self.gain[both], *known)
 
-    def along(self, case: Integers, t: Array) -> tuple[Array, Array]:
-        """alpha and z at single points of the rods: at t (N,) of the problems `case` (N,), (N,) each."""
-        phase = phase_at(t[:, None], self.kind[case], self.ahead[case], self.back[case], self.period[case])
-        phase = replace(phase, arc=2 * case[:, None] + phase.second)
-        values, beta0 = self.read(self.panels.series[:, 2:4], phase), self.problem.beta0
-        alpha = self._repeat(values[..., 0], phase, 0, np.sin(beta0), case)
-        z = self._repeat(values[..., 1], phase, 1, np.cos(beta0), case)
-        return alpha[:, 0], z[:, 0]
-
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
         swirl: Array = core.read(self, t)[4]
@@ -133,43 +123,8 @@ class Orbit:
 
     def read_at(self, series: Array, t: Array) -> tuple[Array, Phase]:
         """Series of the panels (P, k, n + 1) at t (B, n), (B, n, k), and the phases; no orbit is a helix."""
-        whole = series.shape[2] == self.panels.series.shape[2] and bool((self.count[::2] + self.count[1::2] > 0).all())
-        if whole and bool(np.isfinite(t).all()):
-            values, where = core.read_series(self, series, t)
-            return values, Phase(t=t, folded=(self.kind == LIBRATION)[:, None], **where)
-        phase = self.locate(t)
-        return self.read(series, phase), phase
-
-    def read(self, series: Array, phase: Phase) -> Array:
-        """Series of the panels (P, k, n + 1) at the phases, (B, n, k)."""
-        arc, local = phase.arc.reshape(-1), phase.local.reshape(-1)
-        out = np.empty((arc.size, series.shape[1]))
-        if not self.panels.arc.size:
-            out[:] = 0
-            return out.reshape(*phase.arc.shape, -1)
-        since, duration = self.since, self.panels.duration
-        for k in range(0, arc.size, _BLOCK):
-            p, x = arc[k : k + _BLOCK], local[k : k + _BLOCK]
-            panel, last = self.first[p], self.first[p] + np.maximum(self.count[p] - 1, 0)
-            for _ in range(int(self.count[p].max(initial=0)).bit_length()):  # bisection
-                middle = (panel + last + 1) // 2
-                begun = x >= since[np.minimum(middle, since.size - 1)]
-                panel, last = np.where(begun, middle, panel), np.where(begun, last, middle - 1)
-            panel = np.minimum(panel, since.size - 1)
-            with np.errstate(over="ignore"):  # a panel may be shorter than a float can be
-                x = np.clip(2 * (x - since[panel]) / np.maximum(duration[panel], 5e-324) - 1, -1, 1)
-            out[k : k + _BLOCK] = np.einsum(
-                "pcn,np->pc", series[panel], polynomials(x, series.shape[2]), optimize=False
-            )
-        return out.reshape(*phase.arc.shape, -1)
-
-    def _repeat(self, value: Array, phase: Phase, column: int, straight: Array, case: Any = slice(None)) -> Array:
-        """An integral of the problems `case` from its value within an arc; column: of `gain`; straight: (B,), its rate
-        on a helix."""
-        kind = self.arcs.kind[case, None]
-        gain = self.gain[:, column].reshape(-1, 2)[case]
-        grown = unfold(value, phase, gain, kind == LIBRATION)
-        return np.where(kind == HELIX, straight[case, None] * phase.t, grown)
+        values, where = core.read_series(self, series, t)
+        return values, Phase(t=t, folded=(self.kind == LIBRATION)[:, None], **where)
 
 
 def solve_orbit(

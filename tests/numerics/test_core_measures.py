@@ -11,9 +11,9 @@ import pytest
 
 from solver import solve
 from solver.core import measures
-from solver.observe import strand_pairs
 from solver.observe.observables import observe
 from solver.observe.rod_pieces import Pieces
+from solver.observe.self_contact import compare_strands
 from solver.observe.solution_pieces import pieces_of
 from solver.problem.reduced import StartProblem
 from tests.extreme_cases import KINDS, draw
@@ -108,29 +108,18 @@ def test_a_series_too_long_for_the_core_is_refused() -> None:
         measures.measure(longer, given(3), measures.NUMBERS, GOAL)
 
 
-def searched_by_both(sol: Any, limits: dict[str, int]) -> tuple[Any, Any]:
-    """Whether rods meet themselves, by NumPy and by the core."""
-    orbit, rods = sol.trajectory.orbit, np.flatnonzero(np.reshape(sol.solved, -1) & ~sol.trajectory.orbit.lost)
-    rho = np.broadcast_to(sol.case.rho, sol.case.shape).reshape(-1)[rods]
-    a = np.broadcast_to(sol.case.rod.a, sol.case.shape).reshape(-1)[rods] / rho
-    tightest = np.reshape(observe(sol, ["kappa_max"])["kappa_max"], -1)[rods] * rho
-    some = orbit.pick(rods), sol.problem.span[rods], a, tightest
-    return strand_pairs.meets_of(strand_pairs.strands(*some), **limits), strand_pairs.meets(*some, **limits)
-
-
 LIMITS = ({"most_pairs": 3000}, {"most_pairs": 300}, {"most_pairs": 3000, "together": 3})
 
 
 @pytest.mark.parametrize("kind", ["random", "loads", "forces", "helix", "tension"])
-def test_self_contact_is_that_of_numpy_and_is_given_up_at_the_same_pairs(kind: str) -> None:
+def test_self_contact_of_marched_orbits_is_that_of_panels_and_is_given_up_at_the_same_pairs(kind: str) -> None:
     sol = solve(CASES[kind](), tol=1e-8, method="swing", stations=2)
+    orbit, rods = sol.trajectory.orbit, np.flatnonzero(np.reshape(sol.solved, -1) & ~sol.trajectory.orbit.lost)
+    rho = np.broadcast_to(sol.case.rho, sol.case.shape).reshape(-1)[rods]
+    a = np.broadcast_to(sol.case.rod.a, sol.case.shape).reshape(-1)[rods] / rho
+    tightest = np.reshape(observe(sol, ["kappa_max"])["kappa_max"], -1)[rods] * rho
+    marched, given = orbit.pick(rods), (sol.problem.span[rods], a, tightest)
     for limits in LIMITS:
-        theirs, mine = searched_by_both(sol, limits)
-        np.testing.assert_array_equal(mine, theirs)
-    assert kind != "random" or 5 < theirs.sum() < 55
-
-
-def test_self_contact_of_a_thousand_random_rods_is_that_of_numpy() -> None:
-    sol = solve(random_rods(1000, 0, 200.0), tol=1e-8, method="swing", stations=2)
-    for limits in LIMITS:
-        np.testing.assert_array_equal(*searched_by_both(sol, limits))
+        met = compare_strands(marched, *given, **limits)
+        np.testing.assert_array_equal(compare_strands(marched.exact, *given, **limits), met)
+    assert kind != "random" or 5 < met.sum() < 55

@@ -130,9 +130,9 @@ def test_steps_of_rods_that_go_to_the_quadrature_overwrite_no_others() -> None:
     ended = march.march(march.problems_of(orbit.problem), orbit.tol, np.empty((case.size, 0)))["count"][:, 0] > 0
     assert (orbit.lost & ended).any()
     assert not orbit.lost.all()
-    t = orbit.problem.span * 0.37
-    alpha, z = orbit.along(np.arange(case.size), t)
-    np.testing.assert_array_equal([alpha, z], [row[:, 0] for row in orbit.at(t[:, None])[2:]])
+    first = orbit.steps.first[~orbit.lost]
+    np.testing.assert_array_equal(orbit.steps.series[first, 0, 0], orbit.problem.beta0[~orbit.lost])
+    np.testing.assert_array_equal(orbit.steps.since[first], 0)
 
 
 def test_numbers_beyond_a_float_are_refused_and_leave_their_neighbours_alone() -> None:
