@@ -4,10 +4,13 @@
 is not defined (UndefinedBehaviorSanitizer).
 """
 
+import ctypes
+
 import numpy as np
 import pytest
 
 from solver.core import march
+from solver.core.library import begin_of, function
 from solver.methods import SwingTaylor
 from solver.problem.reduced import StartProblem
 
@@ -18,6 +21,16 @@ def odd(rng: np.random.Generator, *shape: int) -> np.ndarray:
     """A quarter of odd numbers, a third of ordinary ones, and others over fifty decades."""
     size = rng.choice([-1.0, 1.0], shape) * np.exp(rng.uniform(-0.5, 0.5, shape) * rng.choice([6, 120], shape))
     return np.where(rng.random(shape) < 0.25, rng.choice(ODD, shape), size)
+
+
+def read(orbits: np.ndarray, steps: march.Steps, t: np.ndarray) -> np.ndarray:
+    """beta, beta_t, alpha, z (4, N, n) at t (N, n) of the stored steps, as the search of self-contact reads them."""
+    which, out = np.arange(len(t)), np.empty((4, *t.shape))
+    whole, at = ctypes.c_int64, ctypes.c_void_p
+    call = function("rod_read", None, whole, *6 * [at], whole, *6 * [at], ctypes.c_int)
+    stored = (which, orbits, steps.first, steps.since, steps.width, steps.series)
+    call(len(t), *map(begin_of, stored), t.shape[1], begin_of(t), *map(begin_of, out), None, 1)
+    return out
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -36,7 +49,7 @@ def test_odd_numbers_end_in_an_answer_or_in_a_lost_orbit(seed: int) -> None:
             orbits = march.march(problems, tol, t, out, swirl, lanes=lanes)
             steps = march.room_for(orbits)
             march.march(problems, tol, t, steps=steps, lanes=lanes)
-            again = march.read(np.arange(size), orbits, steps, t)
+            again = read(orbits, steps, t)
             found = orbits["status"][:, 0] != march.LOST
             np.testing.assert_array_equal(again[:, found], out[:, found])
             assert (orbits["error"][found] >= 0).all()
