@@ -143,8 +143,8 @@ def plot(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Plot:
         return Plot(kinds.figure(ds, "lines"))
     where, given = selection.case(ds, at), [selection.axis_of(ds, name) for name in at]
     part = ds.isel({name: where[name] for name in given})
-    values = [f"{labels.symbol(part[name])} = {labels.value(float(part[name]), part[name], 6)}" for name in given]
-    titled = part.assign_attrs(title=f"{ds.attrs['title']}, {', '.join(values)}")
+    values = labels.equations(ds, {name: where[name] for name in given}, 6)
+    titled = part.assign_attrs(title=f"{ds.attrs['title']}, {values}")
     return Plot(kinds.figure(titled, "lines", verdicts=[]))  # the laws are of all cases
 
 

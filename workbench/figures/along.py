@@ -28,7 +28,7 @@ from ..words import labels
 from ..words.cautions import SLIGHT
 from . import canvas, drawn_rods, legend, push_scale, regions, style
 from .drawn_rods import DrawnRods
-from .scales import Ticks, angle_locator
+from .scales import angle_locator
 from .sheet import SCREEN, Sheet
 
 PANELS = ("beta", "kappa", "push")
@@ -196,7 +196,6 @@ def _panel(ax: Axes, rods: DrawnRods, curves: Curves, ends: tuple[float, float],
 def _over_s(ax: Axes, rods: DrawnRods) -> None:
     ax.set_xlim(0, max(float(rod["s"][-1]) for rod in rods.solved))
     ax.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
-    ax.xaxis.set_major_formatter(Ticks())
     ax.set_xlabel(f"s [{labels.unit(str(rods.source.attrs['length_unit']))}]")
 
 
@@ -219,7 +218,6 @@ def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> Axes:
     ax.set_ylabel(f"{title} [{unit.strip()}]" if unit.strip() else title)
     words = {"beta": "angle from the axis to the tangent", "push": "push of the cylinder per length"}
     ax.set_title(style.wrap(f"{words.get(name, title)}{coarse}", ax), loc="left")
-    ax.yaxis.set_major_formatter(Ticks())
     if unit == "°":
         ax.yaxis.set_major_locator(angle_locator(float(np.ptp(ax.get_ylim())), 1.6))
     _over_s(ax, rods)

@@ -16,7 +16,6 @@ from solver.problem.quantities import quantity
 
 from ..words import labels
 from . import canvas, legend, style
-from .scales import Ticks
 from .sheet import SCREEN, Sheet
 
 COLUMN = 3.4  # inches: the width of a column of a journal
@@ -94,7 +93,6 @@ def _look(ax: Axes, ticks: Sequence[str]) -> None:
     ax.set_ylim(len(ticks) - 0.4, -0.6)
     ax.tick_params(axis="y", length=0, labelcolor=style.INK, labelsize=style.small())
     ax.axvline(0, color=style.SOFT, linewidth=0.8, zorder=4)
-    ax.xaxis.set_major_formatter(Ticks())
     ax.spines["left"].set_visible(False)
 
 

@@ -12,12 +12,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
+from matplotlib.ticker import ScalarFormatter
 
 from solver.problem.errors import InputError
 
 from ..store import atomic
 from ..words import labels
 from . import style
+from .scales import Ticks
 from .sheet import MILLIMETRES, SCREEN, Sheet
 from .style import DPI, RC, SOFT
 
@@ -51,8 +53,16 @@ def figure(
             _letter_panels(fig)
         if ds is not None and sheet.titled:
             _set_title(fig, " · ".join(text for text in (labels.reading(ds), said) if text), str(ds.attrs["title"]))
+        _write_numbers(fig)
         _lower_indices(fig)
     return fig
+
+
+def _write_numbers(fig: Figure) -> None:
+    """Give every linear axis without words of its own its numbers in full."""
+    for axis in (axis for ax in fig.axes for axis in (ax.xaxis, ax.yaxis)):
+        if type(axis.get_major_formatter()) is ScalarFormatter:
+            axis.set_major_formatter(Ticks())
 
 
 def _lower_indices(fig: Figure) -> None:

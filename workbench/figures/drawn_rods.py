@@ -77,9 +77,7 @@ class DrawnRods:
 
     def at(self) -> str:
         """The values at which the other axes are held: ``R = 0.75 cm, F₃ = 10 N``; else nothing."""
-        ds = self.source
-        values = {name: labels.value(float(ds[name][i]), ds[name]) for name, i in self.held.items()}
-        return ", ".join(f"{labels.axis_symbol(name)} = {value}" for name, value in values.items())
+        return labels.equations(self.source, self.held)
 
     def said(self) -> list[str]:
         """A sentence on the values at which the other axes are held, where there are any."""

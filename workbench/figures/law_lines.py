@@ -127,7 +127,7 @@ def _numbers(verdicts: NDArray[np.str_]) -> NDArray[np.float64]:
 def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
     """``(1): the number of bends falls with E; true in part: true at R = 0.75 cm``, on the line that decides."""
     row = law.row
-    at = ", ".join(f"{labels.axis_symbol(name)} = {labels.value(v, ds[name])}" for name, v in row["at"].items())
+    at = ", ".join(labels.equation(ds[name], value) for name, value in row["at"].items())
     at = at.replace(" ", "\N{NO-BREAK SPACE}")
     does = f"{row['does']} {'with' if row['direction'] else 'along'} {labels.axis_symbol(row['axis'])}"
     noun = labels.noun_of(row["observable"])

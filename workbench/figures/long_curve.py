@@ -20,7 +20,6 @@ from ..geometry import lines
 from ..words import cautions, labels
 from . import push_scale, style
 from .drawn_rods import DrawnRod
-from .scales import Ticks
 
 THINNEST = 0.07  # inches of a line; below, nothing of its curve is seen
 TALLEST = 0.5, 2.8  # height of all lines as a share of the width, and inches at least
@@ -121,7 +120,6 @@ def draw(
     ax.set_ylabel(f"line from s [{unit}]")
     ax.set_xlabel(f"z from the start of a line [{unit}]")
     ax.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]))
-    ax.xaxis.set_major_formatter(Ticks())
     return last, said(found, s, unit, "overlaps" in cautions.keys(rod.caution))
 
 

@@ -154,8 +154,8 @@ class _Maps:
         name, column = self.choice.shown[0], self.columns[0]
         map_panel.draw(ax, column, name, self.colours[name], self.of_shapes, pale=0.3)
         self._label(ax)
-        held = "".join(f", {self._value(axis, i)}" for axis, i in self.places[0].items()) if self.choice.along else ""
-        ax.set_title(f"unrolled views over the {labels.long_name(self.ds[name])}{held}", loc="left")
+        held = [labels.equations(self.ds, self.places[0])] if self.choice.along else []
+        ax.set_title(", ".join([f"unrolled views over the {labels.long_name(self.ds[name])}", *held]), loc="left")
         self.more += thumbnails.draw(ax, column, shapes, self.of_shapes)
 
     def notes(self) -> list[str]:
@@ -171,7 +171,7 @@ class _Maps:
         if choice.left_out:
             found.append(f"Not drawn: {', '.join(choice.left_out)}; choose with --show.")
         if choice.along and choice.held:
-            found.append(f"All maps: {', '.join(self._value(name, i) for name, i in choice.held.items())}.")
+            found.append(f"All maps: {labels.equations(self.ds, choice.held)}.")
         return found
 
     def _draw(self, fig: Figure, grid: list[Any], name: str, lowest: bool = True) -> None:
@@ -195,7 +195,8 @@ class _Maps:
         """The observable and the value of the third axis; what is said of each law is kept."""
         laws = self._laws_of(name)
         above = sum(law.row["axis"] == self.choice.y for law in laws) * (law_lines.THICK + law_lines.GAP) * 72
-        value = self._value(self.choice.along, where[self.choice.along]) if self.choice.along else ""
+        along = self.choice.along
+        value = labels.equations(self.ds, {along: where[along]}) if along else ""
         for law in laws:
             said, lines = law_lines.sentence(law, self.ds, self.choice), law_lines.counts(law, where)
             text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
@@ -226,10 +227,6 @@ class _Maps:
             ax.set_ylabel(style.shorter(words, 0.7 * self.inches[1]))
         else:
             ax.tick_params(labelleft=False)
-
-    def _value(self, axis: str, i: int) -> str:
-        """``F₁ = 5 N``."""
-        return f"{labels.axis_symbol(axis)} = {labels.value(float(self.ds[axis][i]), self.ds[axis])}"
 
 
 def _in_rows(all_of: Sequence[Any], across: int) -> list[list[Any]]:

@@ -20,7 +20,6 @@ from ..store import selection
 from ..words import labels
 from . import regions, style
 from .map_cells import STRAIGHT, Cells
-from .scales import Ticks
 
 Values = NDArray[np.float64]
 DECADES = 1e3  # ratio of the values from which their colours are logarithmic
@@ -80,8 +79,6 @@ class Colours:
             bar.locator = MaxNLocator(6)
         if isinstance(self.norm, LogNorm):
             bar.formatter = labels.power_of_ten  # type: ignore[assignment]
-        else:
-            bar.formatter = Ticks()
         bar.ax.tick_params(length=2)
         bar.update_ticks()
         bar.minorticks_off()

@@ -22,7 +22,7 @@ from ..store import schema
 from ..words import labels
 from . import canvas, drawn_rods, legend, style
 from .drawn_rods import DrawnRod
-from .scales import Ticks, angle_locator
+from .scales import angle_locator
 from .sheet import SCREEN, Sheet
 
 PANELS = {"portrait": "phase portrait", "potential": "potential"}
@@ -244,8 +244,6 @@ def _frame(ax: Axes, name: str, one: Orbit, alone: bool, j: int, leftmost: bool,
     span = float(np.degrees(np.ptp(one.window)))
     ax.xaxis.set_major_locator(angle_locator(span, wide - 0.5))
     ax.yaxis.set_major_locator(MaxNLocator(nbins=5))
-    for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_formatter(Ticks())
     ax.yaxis.label.set_visible(leftmost)
 
 

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from ..words import labels
 from ..words.cautions import SLIGHT
 from . import push_colours, style
-from .scales import Ticks
 from .table import CASING
 
 PULL = style.LIFTED
@@ -74,7 +73,6 @@ def bar(
     )
     found = fig.colorbar(drawn, **where)
     found.set_label(said + "; below 0: lifts off" * pulled, size=style.small())
-    (found.ax.xaxis if below else found.ax.yaxis).set_major_formatter(Ticks())
     found.outline.set_visible(False)
 
 

@@ -17,7 +17,7 @@ from studies.laws.verdicts import FAILS
 from ..store import schema, selection
 from ..words import labels
 from . import style
-from .scales import Ticks, set_scale
+from .scales import set_scale
 
 ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel; of all
 NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches of a panel at least; of ticks and label
@@ -48,8 +48,7 @@ def height(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) -> 
 
 def said(ds: xr.Dataset) -> str:
     """How many samples there are, where the axes are held, and what r is."""
-    held = {axis: i for axis, i in selection.case(ds).items() if axis != SAMPLE}
-    at = ", ".join(f"{labels.axis_symbol(k)} = {labels.value(float(ds[k][i]), ds[k])}" for k, i in held.items())
+    at = labels.equations(ds, {axis: i for axis, i in selection.case(ds).items() if axis != SAMPLE})
     count = f"{ds.sizes[SAMPLE]} sample{'s' * (ds.sizes[SAMPLE] != 1)}"
     dense = "; the darker, the more samples" if ds.sizes[SAMPLE] > MANY else ""
     return f"{count}{f', at {at}' if at else ''}; r: rank correlation{dense}."
@@ -112,7 +111,6 @@ def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None
     if (found := rank_correlation(x[solved], y[solved])) is not None:
         ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=style.small(), color=style.SOFT, pad=2)
     ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=selection.is_count(ds, name)))
-    ax.yaxis.set_major_formatter(Ticks())
     ax.margins(y=0.12)
 
 

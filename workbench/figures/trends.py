@@ -14,7 +14,7 @@ from studies.laws.verdicts import FAILS, NOISE
 from ..store import selection
 from ..words import labels
 from . import style
-from .scales import WIDE, Ticks, is_geometric, set_scale
+from .scales import WIDE, is_geometric, set_scale
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
 
@@ -49,7 +49,6 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     ax.set_xlabel(style.wrap(style.shorter(words, style.inches(ax)[0]), ax))
     ax.set_ylabel(style.shorter([labels.label(ds[observable], long) for long in (True, False)], style.inches(ax)[1]))
     ax.margins(y=0.1)
-    ax.yaxis.set_major_formatter(Ticks())
     drawn = lines.values[np.isfinite(lines.values)]
     if selection.is_count(ds, observable):
         ax.yaxis.set_major_locator(MaxNLocator(int(np.clip(style.inches(ax)[1] / 0.3, 2, 9)), integer=True))
@@ -64,8 +63,8 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
 
 def axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = True) -> str:
     """The axis with its unit, and the values at which the other axes are held."""
-    held = [f"{labels.axis_symbol(k)} = {labels.value(float(ds[k][i]), ds[k])}" for k, i in where.items() if k != axis]
-    return labels.axis_label(axis, ds[axis], long) + (f", at {', '.join(held)}" if held else "")
+    held = labels.equations(ds, {name: i for name, i in where.items() if name != axis})
+    return labels.axis_label(axis, ds[axis], long) + (f", at {held}" if held else "")
 
 
 def _branches(ds: xr.Dataset, order: Sequence[dict[str, int]]) -> Any:

@@ -73,5 +73,5 @@ def values(ds: xr.Dataset, where: Mapping[str, int], digits: int = 4) -> list[st
         names = [] if axis == "equilibrium" else [axis]
         if axis == SAMPLE:
             names += map(dimension, fields_of_samples(ds))
-        each += [f"{labels.axis_symbol(n)} = {labels.value(ds[n].values[i].item(), ds[n], digits)}" for n in names]
+        each += [labels.equations(ds, {name: i}, digits) for name in names]
     return each

@@ -20,7 +20,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from solver.problem.errors import InputError, choices, no_such
 
 from ..figures import canvas, style
-from ..figures.scales import WIDE, Ticks
+from ..figures.scales import WIDE
 from ..store import atomic, law_verdicts, schema, selection
 from ..words import labels, left_out
 from . import body as rods
@@ -183,7 +183,7 @@ def _frame(
 def _draw_value(ax: Axes, array: xr.DataArray, i: int, size: tuple[float, float]) -> None:
     """The i-th value in words, and where it stands among the values of the axis, by ratios over a wide range."""
     y, (left, right) = size[1] - MARGIN, (MARGIN, size[0] - MARGIN)
-    said = f"{labels.axis_symbol(str(array.name))} = {labels.value(float(array[i]), array, 3)}"
+    said = labels.equation(array, float(array[i]), 3)
     name = labels.long_name(array)
     ax.text(left, y, said, size=style.LARGE, va="top", weight="bold")
     ax.text(right, y - 0.02, name[:1].upper() + name[1:], color=style.SOFT, va="top", ha="right")
@@ -206,7 +206,6 @@ def _draw_curve(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, 
         ax.set_xscale("log")
         ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         ax.xaxis.set_minor_formatter(NullFormatter())
-    ax.xaxis.set_major_formatter(Ticks())
     shape = "steps-mid" if schema.is_count(array) else "default"
     ax.plot(along[: k + 1], values[: k + 1], color=style.INK, linewidth=1.4, drawstyle=shape)
     ax.plot(along[k], values[k], "o", color=style.INK, markersize=5)

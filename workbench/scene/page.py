@@ -340,7 +340,6 @@ def draw_bar(fig: Figure, bar: Bar, corner: tuple[float, float], size: tuple[flo
               aspect="auto", extent=(bar.low, bar.high, 0, 1))  # fmt: skip
     ax.set(yticks=[])
     ax.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
-    ax.xaxis.set_major_formatter(lambda value, _: labels.minus_signs(labels.number(value)))
     ax.tick_params(axis="x", length=2, labelsize=style.SMALL, labelcolor=style.INK, pad=1)
     ax.set_title(bar.label, size=style.SMALL, loc="left", pad=2)
     for spine in ax.spines.values():

@@ -66,6 +66,16 @@ def axis_symbol(axis: str) -> str:
     return quantity_of(axis).symbol
 
 
+def equation(array: xr.DataArray, number_: float, digits: int = 4) -> str:
+    """A value of an axis with its letter: ``E = 10910 N/cm²``."""
+    return f"{axis_symbol(str(array.name))} = {value(number_, array, digits)}"
+
+
+def equations(ds: xr.Dataset, where: Mapping[str, int], digits: int = 4) -> str:
+    """The values at indices along axes: ``R = 0.75 cm, F₃ = 10 N``; nothing where there are none."""
+    return ", ".join(equation(ds[axis], float(ds[axis].values[i]), digits) for axis, i in where.items())
+
+
 def axis_label(name: str, array: xr.DataArray, long: bool = True) -> str:
     """``Young's modulus  E [N/cm²]``, or with `long=False` ``E [N/cm²]``; angles in degrees."""
     symbol_ = axis_symbol(name)

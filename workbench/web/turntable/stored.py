@@ -191,7 +191,7 @@ def _sample(ds: xr.Dataset, where: Mapping[str, int]) -> str:
     fields = schema.fields_of_samples(ds) if SAMPLE in ds.dims else []
     names = [name for name in map(schema.dimension, fields) if name in ds]
     values = [(name, float(ds[name].isel({k: i for k, i in where.items() if k in ds[name].dims}))) for name in names]
-    texts = [f"{labels.symbol(ds[name])} = {labels.value(value, ds[name])}" for name, value in values]
+    texts = [labels.equation(ds[name], value) for name, value in values]
     return f"{', '.join(texts)}." if texts else ""
 
 

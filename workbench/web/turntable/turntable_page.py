@@ -93,7 +93,4 @@ def _held(ds: xr.Dataset, at: Mapping[str, Any]) -> str:
     """The values at which axes are fixed, as text."""
     where = selection.case(ds, at)
     names = [selection.axis_of(ds, name) for name in at]
-    texts = [
-        f"{labels.symbol(ds[name])} = {labels.value(float(ds[name].values[where[name]]), ds[name])}" for name in names
-    ]
-    return ", ".join(texts)
+    return labels.equations(ds, {name: where[name] for name in names})
