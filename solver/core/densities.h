@@ -1,5 +1,5 @@
 /* The densities whose integrals and extremes are the observables, in units of A and rho, at the nodes of one piece of a
-   rod. Their derivatives: solver/sensitivity/densities.py. */
+   rod, and their derivatives. */
 
 #ifndef ROD_DENSITIES_H
 #define ROD_DENSITIES_H
@@ -26,6 +26,12 @@ typedef struct {
 typedef struct {
     double values[AT], size[AT], spread[AT];
 } density;
+
+/* The derivatives of the values with respect to beta, |beta_t|, lam, mu and phi. Where no one reads them, the compiler
+   leaves them out. */
+typedef struct {
+    double beta[AT], speed[AT], lam[AT], mu[AT], phi[AT];
+} density_slopes;
 
 INLINE void steepness_of(rod_loads *restrict l)
 {
@@ -82,19 +88,27 @@ INLINE void angles_at(int n, const double *restrict series, const double *restri
     directions_of(a);
 }
 
-INLINE void angle(const node_angles *restrict a, density *restrict out)
+INLINE void angle(const node_angles *restrict a, density *restrict out, density_slopes *restrict by)
 {
-    for (int i = 0; i < AT; i++)
+    for (int i = 0; i < AT; i++) {
         out->values[i] = a->beta[i], out->size[i] = fabs(a->beta[i]), out->spread[i] = 1;
+        by->beta[i] = 1;
+    }
 }
 
-INLINE void direction(const double *restrict values, const double *restrict other, density *restrict out)
+/* sin or cos of beta; other: its derivative. */
+INLINE void direction(const double *restrict values, const double *restrict other, double sign, density *restrict out,
+                      density_slopes *restrict by)
 {
-    for (int i = 0; i < AT; i++)
+    for (int i = 0; i < AT; i++) {
         out->values[i] = values[i], out->size[i] = fabs(values[i]), out->spread[i] = fabs(other[i]);
+        by->beta[i] = sign * other[i];
+    }
 }
 
-INLINE void curvature(const node_angles *restrict a, const rod_loads *l, density *restrict out)
+/* No derivative where the rod is straight. */
+INLINE void curvature(const node_angles *restrict a, const rod_loads *l, density *restrict out,
+                      density_slopes *restrict by)
 {
     double most = 0, least = INFINITY;
     for (int i = 0; i < AT; i++) {
@@ -110,20 +124,24 @@ INLINE void curvature(const node_angles *restrict a, const rod_loads *l, density
         const double share = kappa > 0 ? v / kappa : 1.0;
         out->size[i] = v + s * s;
         out->spread[i] = share * l->steepness[i] + 2 * fabs(s * a->c[i]);
+        by->beta[i] = 2 * s * a->c[i] * (s * s / kappa), by->speed[i] = v / kappa;
     }
 }
 
-INLINE void bending(const node_angles *restrict a, const rod_loads *l, density *restrict out)
+INLINE void bending(const node_angles *restrict a, const rod_loads *l, density *restrict out,
+                    density_slopes *restrict by)
 {
     for (int i = 0; i < AT; i++) {
         const double v = a->speed[i], s = a->s[i], s2 = s * s;
+        const double moved = 2 * s2 * (s * a->c[i]);
         out->values[i] = out->size[i] = (v * v + s2 * s2) / 2;
-        out->spread[i] = fabs(v) * l->steepness[i] + 2 * s2 * fabs(s * a->c[i]);
+        out->spread[i] = fabs(v) * l->steepness[i] + fabs(moved);
+        by->beta[i] = moved, by->speed[i] = v;
     }
 }
 
 /* With weight, the work of FZ at the far end less that of the weight along the axis is that of the local FZ. */
-INLINE void energy(const node_angles *restrict a, const rod_loads *l, density *restrict out)
+INLINE void energy(const node_angles *restrict a, const rod_loads *l, density *restrict out, density_slopes *restrict by)
 {
     const double lam = l->far_lam, mu = l->far_mu;
     for (int i = 0; i < AT; i++) {
@@ -133,11 +151,12 @@ INLINE void energy(const node_angles *restrict a, const rod_loads *l, density *r
         out->values[i] = bent + twisted - pulled - turned - weight;
         out->size[i] = bent + fabs(twisted) + fabs(pulled) + fabs(turned) + fabs(weight);
         out->spread[i] = fabs(v) * l->steepness[i] + fabs(moved);
+        by->beta[i] = moved, by->speed[i] = v, by->lam[i] = -s, by->mu[i] = s * c, by->phi[i] = -c;
     }
 }
 
-/* The push: the contact force, positive where the cylinder pushes. */
-INLINE void outward(const node_angles *restrict a, const rod_loads *l, density *restrict out)
+/* The push: the contact force, positive where the cylinder pushes; eq. (34), corrected. */
+INLINE void outward(const node_angles *restrict a, const rod_loads *l, density *restrict out, density_slopes *restrict by)
 {
     for (int i = 0; i < AT; i++) {
         const double lam = l->lam[i], mu = l->mu[i], phi = l->phi[i], weight = l->weight[i];
@@ -149,34 +168,42 @@ INLINE void outward(const node_angles *restrict a, const rod_loads *l, density *
         const double size = fabs(s) * (fabs(lam) + fabs(mu * c) + fabs(s3)) + 3 * v2 * fabs(cos2) + fabs(weight);
         const double rate = -lam * s + 4 * mu * s * c - phi * c - 2 * s * s * (3 * c * c - s * s);
         const double moved = c * across + s * (mu * s - 3 * s * s * c) + rate * lever + 3 * H * cos2;
+        const double by_beta = moved + 12 * v2 * s * c, by_speed = -6 * (v * cos2), share = l->sign / l->divisor[i];
         out->values[i] = (s * across + H * lever - 3 * v2 * cos2 - weight) / l->divisor[i] * l->sign;
         out->size[i] = size + (fabs(even) + fabs(twist) + fabs(rest)) * (3 * fabs(s * c) + fabs(mu));
-        out->spread[i] = fabs(moved + 12 * v2 * s * c) + 6 * fabs(v * cos2) * l->steepness[i];
+        out->spread[i] = fabs(by_beta) + fabs(by_speed) * l->steepness[i];
+        by->beta[i] = share * by_beta, by->speed[i] = share * by_speed;
+        by->lam[i] = share * (s + c * lever), by->mu[i] = share * (-s * c - cos2 * lever - H);
+        by->phi[i] = share * (-s * lever);
     }
 }
 
-INLINE void tension(const node_angles *restrict a, const rod_loads *l, density *restrict out)
+/* The internal force along the tangent. */
+INLINE void tension(const node_angles *restrict a, const rod_loads *l, density *restrict out, density_slopes *restrict by)
 {
     for (int i = 0; i < AT; i++) {
         const double lam = l->lam[i], mu = l->mu[i], phi = l->phi[i];
         const double s = a->s[i], c = a->c[i], s3 = s * s * s, across = lam - mu * c - s3;
+        const double moved = -phi * s + c * across + s * (mu * s - 3 * s * s * c);
         out->values[i] = phi * c + across * s;
         out->size[i] = fabs(phi * c) + fabs(s) * (fabs(lam) + fabs(mu * c) + fabs(s3));
-        out->spread[i] = fabs(-phi * s + c * across + s * (mu * s - 3 * s * s * c));
+        out->spread[i] = fabs(moved);
+        by->beta[i] = moved, by->lam[i] = s, by->mu[i] = -s * c, by->phi[i] = c;
     }
 }
 
-INLINE void density_of(int kind, const node_angles *a, const rod_loads *l, density *out)
+/* by: zero before, for a density does not write what is zero. */
+INLINE void density_of(int kind, const node_angles *a, const rod_loads *l, density *out, density_slopes *by)
 {
     switch (kind) {
-    case ANGLE: angle(a, out); break;
-    case CURVATURE: curvature(a, l, out); break;
-    case BENDING: bending(a, l, out); break;
-    case POTENTIAL: energy(a, l, out); break;
-    case OUTWARD: outward(a, l, out); break;
-    case TENSION: tension(a, l, out); break;
-    case ACROSS: direction(a->s, a->c, out); break;
-    default: direction(a->c, a->s, out);
+    case ANGLE: angle(a, out, by); break;
+    case CURVATURE: curvature(a, l, out, by); break;
+    case BENDING: bending(a, l, out, by); break;
+    case POTENTIAL: energy(a, l, out, by); break;
+    case OUTWARD: outward(a, l, out, by); break;
+    case TENSION: tension(a, l, out, by); break;
+    case ACROSS: direction(a->s, a->c, 1, out, by); break;
+    default: direction(a->c, a->s, -1, out, by);
     }
 }
 

@@ -230,22 +230,29 @@ int rod_measure(const rods *all, numbers *out, int64_t begin, int64_t end, int l
     return failed;
 }
 
-/* The push, the curvature and the tension at n points of a rod, out (3, n), from beta and beta_t. loads: lam, mu, phi and
-   the sign of the push. */
-void rod_forces(int64_t n, const double *loads, const double *beta, const double *rate, double *out)
+/* A density and its derivatives at points of rods under loads that are the same along them.
+
+   loads: (rods, 4), lam, mu, phi and the sign of the push. beta, rate: (rods, n), beta and beta_t, whose sign does not
+   matter. out: (7, rods, n), the values, the sums of the sizes of their terms, and the derivatives with respect to beta,
+   |beta_t|, lam, mu and phi. */
+void rod_densities(int kind, int64_t rods, int64_t n, const double *loads, const double *beta, const double *rate,
+                   double *out)
 {
-    static const int kinds[3] = {OUTWARD, CURVATURE, TENSION};
-    rod_loads l;
-    steady_loads(loads[0], loads[1], loads[2], loads[3], &l);
-    for (int64_t done = 0; done < n; done += AT) {
-        const size_t bytes = sizeof(double) * (size_t)(n - done < AT ? n - done : AT);
-        node_angles angles = {0};
-        density found;
-        memcpy(angles.beta, beta + done, bytes), memcpy(angles.speed, rate + done, bytes);
-        directions_of(&angles);
-        for (int k = 0; k < 3; k++) {
-            density_of(kinds[k], &angles, &l, &found);
-            memcpy(out + k * n + done, found.values, bytes);
+    for (int64_t b = 0; b < rods; b++) {
+        rod_loads l;
+        steady_loads(loads[4 * b], loads[4 * b + 1], loads[4 * b + 2], loads[4 * b + 3], &l);
+        for (int64_t k = 0; k < n; k += AT) {
+            const int64_t at = b * n + k, many = n - k < AT ? n - k : AT;
+            node_angles angles = {0};
+            density found;
+            density_slopes by = {0};
+            for (int64_t i = 0; i < many; i++)
+                angles.beta[i] = beta[at + i], angles.speed[i] = fabs(rate[at + i]);
+            directions_of(&angles);
+            density_of(kind, &angles, &l, &found, &by);
+            const double *rows[7] = {found.values, found.size, by.beta, by.speed, by.lam, by.mu, by.phi};
+            for (int row = 0; row < 7; row++)
+                memcpy(out + row * rods * n + at, rows[row], sizeof(double) * (size_t)many);
         }
     }
 }

@@ -79,6 +79,41 @@ def measure(
 
 
 DENSITIES = ("angle", "curvature", "bending", "potential", "outward", "tension", "across", "along")  # of densities.h
+
+
+class Density(NamedTuple):
+    """A density at points (Q, m), in units of A and rho, and its derivatives by beta, |beta_t|, lam, mu and phi.
+
+    size: the sum of the sizes of the terms of a value, whose rounding is that many eps.
+    """
+
+    values: Array
+    size: Array
+    beta: Array
+    speed: Array
+    lam: Array
+    mu: Array
+    phi: Array
+
+
+def densities(kind: str, loads: Array, beta: Array, rate: Array) -> Density:
+    """One of the `DENSITIES` and its derivatives; of the curvature there are none where a rod is straight.
+
+    Parameters
+    ----------
+    kind : str
+    loads : array, (Q, 4)
+        lam, mu, phi and the sign of the push.
+    beta, rate : array, (Q, m)
+        beta, and beta_t, whose sign does not matter.
+    """
+    given = [np.ascontiguousarray(array, dtype=float) for array in (loads, beta, rate)]
+    out = np.empty((len(Density._fields), *beta.shape))
+    call = function("rod_densities", None, ctypes.c_int, *2 * [ctypes.c_int64], *4 * [ctypes.c_void_p])
+    call(DENSITIES.index(kind), *beta.shape, *(begin_of(array) for array in (*given, out)))
+    return Density(*out)
+
+
 _MOST_PLACES = 32  # of a rod
 
 

@@ -21,6 +21,7 @@ const RodCore = (() => {
   const ORBIT = 256 + 16; // bytes: `orbit` in rod.c
   const LEG = 13 * 8, AHEAD = 2 * 8, BACK = AHEAD + LEG, STATUS = BACK + LEG, SOUND = STATUS + 4 * 8;
   const STATES = 8, PARAMETERS = 7; // of varying_loads.c, with the states beta, rate, alpha, lam - mu, phi, mu, t - z
+  const CURVATURE = 1, OUTWARD = 4, TENSION = 5, ROWS = 7; // kinds of densities in densities.h; rows of one
   const BY_ANGLE = 2, ORDER = 20; // columns of derivatives; order of their series
   const NEWTON = {columns: BY_ANGLE, deep: 13}; // for Newton's method
   const LEFT_OUT = 1e-17, ROUGH = 1e-12; // of the scales, by a step of a march; by one for Newton's method
@@ -171,12 +172,14 @@ const RodCore = (() => {
 
     /* Push, curvature and tension, [1/rho], at as many points as beta and rate; sign: 1 outside the cylinder, -1 inside. */
     function forces({lam, mu, phi}, sign, beta, rate) {
-      const n = beta.length, loads = reserve(4 + 5 * n), rows = [4, 4 + n, 4 + 2 * n].map(k => loads / 8 + k);
+      const n = beta.length, loads = reserve(4 + (2 + ROWS) * n), [angle, speed, out] = [0, 1, 2].map(k => loads / 8 + 4 + k * n);
       const numbers = new Float64Array(own.memory.buffer);
-      numbers.set([lam, mu, phi, sign], loads / 8), numbers.set(beta, rows[0]), numbers.set(rate, rows[1]);
-      own.rod_forces(BigInt(n), loads, ...rows.map(row => 8 * row));
-      const [push, curvature, tension] = [0, 1, 2].map(k => numbers.slice(rows[2] + k * n, rows[2] + (k + 1) * n));
-      return {push, curvature, tension};
+      numbers.set([lam, mu, phi, sign], loads / 8), numbers.set(beta, angle), numbers.set(rate, speed);
+      const values = kind => {
+        own.rod_densities(kind, 1n, BigInt(n), loads, 8 * angle, 8 * speed, 8 * out);
+        return numbers.slice(out, out + n);
+      };
+      return {push: values(OUTWARD), curvature: values(CURVATURE), tension: values(TENSION)};
     }
 
     return {solve, between, through, forces};

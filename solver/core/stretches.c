@@ -37,7 +37,8 @@ INLINE void angles_on(const rods *all, const rule *by, const stretch *p, node_an
 
 INLINE void expanded(const rods *all, int kind, const node_angles *angles, const rod_loads *loads, stretch *p)
 {
-    density_of(kind, angles, loads, &p->of);
+    density_slopes unread;
+    density_of(kind, angles, loads, &p->of, &unread);
     product(AT, AT, p->of.values, all->at.analyse, p->series);
     p->tail = larger(larger(fabs(p->series[AT - 3]), fabs(p->series[AT - 2])), fabs(p->series[AT - 1]));
 }

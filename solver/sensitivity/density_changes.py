@@ -1,21 +1,18 @@
 """A density along varied orbits, and how it answers the directions of a motion, in units of A and rho."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
 
-from ..mechanics.potential import Loads, steepest
+from ..core.measures import densities
+from ..mechanics.potential import steepest
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis
 from ..orbit.variations import Place, Variations
-from ..problem.reduced import Reduced, StartProblem
-from .densities import Angles, Density
+from ..problem.reduced import StartProblem
 
 _GOAL, _ROUNDS = 1e-11, 3  # of the series of a density, relative; how often a panel may be halved
-
-DensityOf = Callable[[Angles, Loads], Density]
 
 _GAUSS = np.polynomial.legendre.leggauss(5)
 
@@ -35,33 +32,19 @@ class Values:
     moved: Array
 
 
-def density_at(density: DensityOf, sign: Array, problem: Reduced, case: Array, beta: Array, place: Place) -> Values:
-    """A density times sign (B,) of the problems `case` (Q,), at beta and places (Q, m)."""
-    angles, loads = Angles(beta, np.abs(place.v), np.sin(beta), np.cos(beta)), Loads.columns(problem, case)
-    rates = density(angles, loads)
-    by_rate = rates.speed * np.where(place.v < 0, -1.0, 1.0)
-    across = rates.beta * (place.c * place.H / place.D) + by_rate * (place.v / place.D)
-    moved = place.gamma * across[..., None] + place.shift * rates.beta[..., None]
-    for q, rate in ((1, rates.lam), (2, rates.mu), (3, rates.phi)):
-        moved[..., q] += rate
-    turn = sign[case, None]
-    pace = rates.beta * place.v - by_rate * place.H
-    return Values(turn * rates.values, rates.size, turn * pace, turn[..., None] * moved)
-
-
 @dataclass(frozen=True, eq=False)
 class DensityChange:
-    """One density times sign (b,) along the rods of b problems, and its change in F directions.
+    """One density of the core along the rods of b problems, and its change in F directions.
 
     varied: the variations of their orbits. span: (b,), the length in t. places: of the two ends, (b,) each. a0: (b, F),
-    e: (b, F, 4), as in `orbit.variations`. later: (b, F), the change of the length in t.
+    e: (b, F, 4), as in `orbit.variations`. later: (b, F), the change of the length in t. sign: (b,), of the push.
     """
 
     problem: StartProblem
     varied: Variations
     span: Array
     places: tuple[Place, Place]
-    density: DensityOf
+    density: str
     sign: Array
     a0: Array
     e: Array
@@ -118,9 +101,20 @@ class DensityChange:
         a = self.a0[:, None] + np.einsum("bnk,bfk->bnf", gained, self.e)
         return self.at(np.arange(self.problem.size), self.varied.beta(t), place), np.asarray(a)
 
+    @cached_property
+    def loads(self) -> Array:
+        """lam, mu, phi and the sign of the push, (b, 4)."""
+        return np.stack([self.problem.lam, self.problem.mu, self.problem.phi, self.sign], axis=1)
+
     def at(self, case: Array, beta: Array, place: Place) -> Values:
         """At beta and places (Q, m) of the problems `case` (Q,)."""
-        return density_at(self.density, self.sign, self.problem, case, beta, place)
+        rates = densities(self.density, self.loads[case], beta, place.v)
+        by_rate = rates.speed * np.where(place.v < 0, -1.0, 1.0)
+        across = rates.beta * (place.c * place.H / place.D) + by_rate * (place.v / place.D)
+        moved = place.gamma * across[..., None] + place.shift * rates.beta[..., None]
+        for q, rate in ((1, rates.lam), (2, rates.mu), (3, rates.phi)):
+            moved[..., q] += rate
+        return Values(rates.values, rates.size, rates.beta * place.v - by_rate * place.H, moved)
 
     @cached_property
     def a(self) -> Array:
@@ -130,18 +124,16 @@ class DensityChange:
 
     def difference(self, case: Array, base: Array, x: Array, speed: Array) -> Array:
         """The density at base + x (Q, m) less that at rest at base, to relative accuracy in x: Gauss' rule."""
-        total, loads = np.zeros_like(x), Loads.columns(self.problem, case)
+        total = np.zeros_like(x)
         for node, weight in zip(*_GAUSS, strict=True):
             share = (1 + node) / 2
-            beta = base + share * x
-            rates = self.density(Angles(beta, share * speed, np.sin(beta), np.cos(beta)), loads)
+            rates = densities(self.density, self.loads[case], base + share * x, share * speed)
             total += weight / 2 * (rates.beta * x + rates.speed * speed)
-        return self.sign[case, None] * total
+        return total
 
     def at_angles(self, case: Array, beta: Array, speed: Array) -> Array:
-        angles = Angles(beta, speed, np.sin(beta), np.cos(beta))
-        found = self.density(angles, Loads.columns(self.problem, case))
-        return np.asarray(self.sign[case, None] * found.values)
+        """The values at beta and |beta_t| (Q, m) of the problems `case` (Q,)."""
+        return densities(self.density, self.loads[case], beta, speed).values
 
     def refine(self) -> "DensityChange":
         """The same on panels that are halved until the series of the values and their changes end."""

@@ -8,7 +8,6 @@ from ..core.measures import extremes as core_extremes
 from ..numerics.arrays import EPS, Array
 from ..numerics.chebyshev import basis, derivative, polynomials
 from ..observe.solution_pieces import of_orbit
-from . import densities
 from .density_changes import DensityChange
 
 LARGEST, SMALLEST, LARGEST_SIZE = "largest", "smallest", "largest size"
@@ -69,7 +68,7 @@ def _candidates(rods: DensityChange, until: Array | None) -> Array:
     series[:, 0, 0] += rods.varied.base
     pieces = of_orbit(replace(orbit, panels=replace(panels, series=series)), slice(0, rods.problem.size))
     reach = np.fmin(rods.span if until is None else until, orbit.period)  # later periods have the same values
-    given = pieces, rods.sign, rods.density.__name__
+    given = pieces, rods.sign, rods.density
     t = np.concatenate([core_extremes(*given, turned, reach, _SAME, _GOAL) for turned in (False, True)], axis=1)
     ends = np.stack(rods.times, axis=1) if until is None else np.empty((rods.problem.size, 0))
     return np.concatenate([t[:, np.isfinite(t).any(axis=0)], ends], axis=1)
@@ -158,14 +157,14 @@ def first_below(rods: DensityChange, seen: Array) -> Array:
 
 
 EXTREMES = {
-    "low": (densities.angle, SMALLEST),
-    "high": (densities.angle, LARGEST),
-    "tightest": (densities.curvature, LARGEST),
-    "least": (densities.outward, SMALLEST),
-    "most": (densities.outward, LARGEST),
-    "tension": (densities.tension, LARGEST_SIZE),
+    "low": ("angle", SMALLEST),
+    "high": ("angle", LARGEST),
+    "tightest": ("curvature", LARGEST),
+    "least": ("outward", SMALLEST),
+    "most": ("outward", LARGEST),
+    "tension": ("tension", LARGEST_SIZE),
 }
-INTEGRALS = {"curvature": densities.curvature, "bending": densities.bending, "potential": densities.potential}
+INTEGRALS = {"curvature": "curvature", "bending": "bending", "potential": "potential"}
 PUSHES = ("pushed", "pulled", "share")
 MIDDLE_PUSH, LIFTS, PEAK = "middle push", "lifts", "peak"
 MIDDLE_GAINS = ("middle turned", "middle risen")

@@ -2,16 +2,14 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from ..mechanics.potential import Loads
+from ..core.measures import densities
 from ..numerics.arrays import Array
 from ..observe.measurement import BARELY
 from ..orbit.variation_nodes import slopes_by_loads
 from ..problem.reduced import StartProblem
-from . import densities
 from .extremes import EXTREMES, INTEGRALS, LARGEST, LARGEST_SIZE, LIFTS, MIDDLE_PUSH, PEAK, PUSHES
 from .motions import MARKS, Motion, marks_of
 
@@ -31,7 +29,7 @@ def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: s
         elif name in INTEGRALS:
             found[name] = rods.integral(INTEGRALS[name])[:, 2]
     if PEAK in wanted:  # it stays at the start of a rod that remains a helix
-        found[PEAK] = 0 * rods.extreme(densities.outward, LARGEST)
+        found[PEAK] = 0 * rods.extreme("outward", LARGEST)
     if wanted & {*PUSHES, MIDDLE_PUSH, LIFTS}:
         found |= {name: value for name, value in rods.pushes().items() if name in wanted}
     return found
@@ -73,21 +71,19 @@ class _Helices:
         t = np.concatenate([self.stations, marks_of(self.problem)], axis=1)
         return np.asarray(self.motion.change(t, self.unit).beta.swapaxes(1, 2))
 
-    def rates(self, density: Any) -> _Rates:
+    def rates(self, density: str) -> _Rates:
         problem, beta = self.problem, self.problem.beta0[:, None]
-        angles, loads = densities.Angles(beta, 0 * beta, np.sin(beta), np.cos(beta)), Loads.columns(problem)
-        found, turn = density(angles, loads), self.sign if density is densities.outward else 1 + 0 * self.sign
-        by_load = [np.broadcast_to(rate, beta.shape)[:, 0] for rate in (found.lam, found.mu, found.phi)]
-        own = np.einsum("kb,bkg->bg", np.stack(by_load), self.unit[:, 2:])
-        column = turn[:, None]
-        return _Rates(turn * found.values[:, 0], found.size[:, 0], column * found.beta, column * own)
+        loads = np.stack([problem.lam, problem.mu, problem.phi, self.sign], axis=1)
+        values, size, by_beta, _, *by_load = densities(density, loads, beta, 0 * beta)
+        own = np.einsum("kb,bkg->bg", np.stack(by_load)[..., 0], self.unit[:, 2:])
+        return _Rates(values[:, 0], size[:, 0], by_beta, own)
 
     def changes(self, rates: _Rates) -> tuple[Array, Array]:
         """The changes of a density along the rods, (b, F, n), and the sizes of their terms, (b, F)."""
         moved = rates.by_beta[..., None] * self.along
         return moved + rates.own[..., None], np.abs(moved).max(axis=2) + np.abs(rates.own)
 
-    def extreme(self, density: Any, which: str) -> Array:
+    def extreme(self, density: str, which: str) -> Array:
         rates = self.rates(density)
         change, size = self.changes(rates)
         steady = np.ptp(change, axis=2) <= _STEADY * size
@@ -97,7 +93,7 @@ class _Helices:
         sized = np.where(none, 0.0, np.sign(rates.values))[:, None] * change[..., 0]
         return np.where(steady & ~(none[:, None] & (size > 0)), sized, np.nan)
 
-    def integral(self, density: Any) -> Array:
+    def integral(self, density: str) -> Array:
         """Up to the marks, (b, 3, F)."""
         rates = self.rates(density)
         shares = MARKS[:, None]
@@ -106,12 +102,12 @@ class _Helices:
 
     def pushes(self) -> dict[str, Array]:
         """Of what is measured of the push; none where it is zero, and a change would make it push or pull."""
-        rates = self.rates(densities.outward)
+        rates = self.rates("outward")
         none = np.abs(rates.values) <= BARELY * rates.size
         pushes, pulls = ((turn * rates.values > 0)[:, None] & ~none[:, None] for turn in (1, -1))
         change, size = self.changes(rates)
         unsure = none[:, None] & (np.abs(change).max(axis=2) > _STEADY * size)
-        whole = self.integral(densities.outward)
+        whole = self.integral("outward")
         found = {
             "pushed": np.where(pushes, whole[:, 2], 0.0),
             "pulled": np.where(pulls, -whole[:, 2], 0.0),

@@ -1,13 +1,11 @@
 """The derivatives of what is measured along rods that are no helices."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
 from ..observe.measurement import MIDDLE
-from . import densities
 from .density_changes import DensityChange
 from .extremes import (
     EXTREMES,
@@ -37,9 +35,8 @@ def of_orbits(
     a0, e, places = unit[:, 0], unit[:, 1:].swapaxes(1, 2), (varied.start, motion.end)
     found = {"half_period": -np.einsum("bk,bgk->bg", varied.gain[:, :, :4].sum(axis=1), e)}
 
-    def measure(density: Any) -> DensityChange:
-        turn = sign if density is densities.outward else np.ones_like(span)
-        return DensityChange(motion.problem, varied, span, places, density, turn, a0, e, later)
+    def measure(density: str) -> DensityChange:
+        return DensityChange(motion.problem, varied, span, places, density, sign, a0, e, later)
 
     for name in wanted:
         if name in EXTREMES:
@@ -47,7 +44,7 @@ def of_orbits(
             found[name] = extreme(measure(density), which)
         elif name in INTEGRALS:
             found[name] = integral(measure(INTEGRALS[name]))
-    push = measure(densities.outward)
+    push = measure("outward")
     if wanted & set(PUSHES):
         made = dict(zip(PUSHES, parts(push), strict=True))
         found |= {name: value for name, value in made.items() if name in wanted}

@@ -123,3 +123,22 @@ def test_self_contact_of_marched_orbits_is_that_of_panels_and_is_given_up_at_the
         met = compare_strands(marched, *given, **limits)
         np.testing.assert_array_equal(compare_strands(marched.exact, *given, **limits), met)
     assert kind != "random" or 5 < met.sum() < 55
+
+
+@pytest.mark.parametrize("kind", measures.DENSITIES)
+@pytest.mark.parametrize("sign", (1.0, -1.0))
+def test_a_density_changes_as_its_derivatives_say(kind: str, sign: float) -> None:
+    """By differences of fourth order, at more points than the core computes together."""
+    rng, step = np.random.default_rng(8), 1e-3
+    loads, beta, rate = rng.normal(size=(3, 3)), rng.uniform(-3, 3, (3, 50)), rng.uniform(0.2, 1.5, (3, 50))
+
+    def values(number: int, change: float) -> Any:
+        moved = [beta, rate, *(load[:, None] for load in loads.T)]
+        moved[number] = moved[number] + change
+        at = np.concatenate([*moved[2:], np.full((3, 1), sign)], axis=1)
+        return measures.densities(kind, at, moved[0], -moved[1]).values
+
+    found = measures.densities(kind, np.column_stack([loads, np.full(3, sign)]), beta, rate)
+    for number, slope in enumerate(found[2:]):
+        near, far = (values(number, k * step) - values(number, -k * step) for k in (1, 2))
+        assert slope == pytest.approx((8 * near - far) / (12 * step), rel=1e-8, abs=1e-9)
