@@ -15,14 +15,19 @@ from .problem.errors import InputError
 from .solution import Solution
 from .solve import between_ends, solve
 
+_BEFORE = (
+    1e-10  # of the way to the fold: at the fold itself no condition number is finite, and half the digits are lost
+)
+
 
 @dataclass(frozen=True, eq=False)
 class EndAngleBranch:
     """Equilibria over one field, the other fields of the ends problem held.
 
-    field: its name, for example betaL. values: (count,), from the start problem's own on. dbeta0: (count,), beta'(0)
-    [rad/length]. fold: the value at which the equilibrium ceases to exist; fold_dbeta0: beta'(0) there; None where the
-    limit comes before the fold. ends: the ends problems, one case for each value.
+    field: its name, for example betaL. values: (count,), from the start problem's own to the limit, or next to the
+    fold. dbeta0: (count,), beta'(0) [rad/length]. fold: the value at which the equilibrium ceases to exist;
+    fold_dbeta0: beta'(0) there; None where the limit comes before the fold. ends: the ends problems, one case for each
+    value.
     """
 
     field: str
@@ -90,16 +95,19 @@ def to_fold(case: Case, limit: float, count: int = 9, field: str = "betaL") -> E
             )
     last: dict[str, Any] = {field: limit}
     fold = _fold(follow(solution, **last), limit)
-    wanted = np.linspace(own, limit if fold is None else fold, count)
-    every: dict[str, Any] = {field: [*wanted[1:-1].tolist(), limit]}
+    wanted = np.linspace(own, limit if fold is None else fold - _BEFORE * (fold - own), count)
+    every: dict[str, Any] = {field: [*wanted[1:].tolist(), limit]}
     branch = follow(solution, **every)
-    top = len(branch) - 1 if fold is None else next(one.position for one in branch.special if one.kind == FOLD)
-    places = [
-        next(i for i, point in enumerate(branch.points) if point.value == value) for value in wanted[:-1].tolist()
-    ]
-    slopes = np.array([float(branch.points[i].solution.dbeta[0]) for i in [*places, top]])
-    at_fold = None if fold is None else float(slopes[-1])
+    places = [next(i for i, point in enumerate(branch.points) if point.value == value) for value in wanted.tolist()]
+    slopes = np.array([float(branch.points[i].solution.dbeta[0]) for i in places])
+    at_fold = None if fold is None else _slope_at(branch, FOLD)
     return EndAngleBranch(field, wanted, slopes, fold, at_fold, with_field(ends, field, wanted))
+
+
+def _slope_at(branch: Branch, kind: str) -> float:
+    """beta'(0) at the first special point of a kind."""
+    position = next(one.position for one in branch.special if one.kind == kind)
+    return float(branch.points[position].solution.dbeta[0])
 
 
 def _fold(branch: Branch, limit: float) -> float | None:

@@ -210,7 +210,7 @@ def _pass(state: State, there: State | str, bounds: Bounds) -> tuple[State | str
             found = _locate(state, low, high, partial(_above, value))
             if found is None:
                 return f"the equilibrium at {value:.10g} could not be located", []
-            places.append(found[1].record())
+            places.append(replace(found[1].record(), p=value))  # located to a rounding that is wider than that of halts
         places.append(other.record(kind))
     return there, places
 

@@ -21,12 +21,13 @@ _ROUNDING = 64 * EPS  # the same of the density itself
 _NEAR = 1e-5  # of the length: the place is the one that is observed
 _WINDOW, _POINTS = 0.2, 14  # on which a derivative in t is read: of the shortest time of a change; places
 _STEP = 1e-4  # of the same: differences about a place
+_MERGED = 1e-6  # of the same: places nearer than this are one
 _ZERO = 1e-12  # of the sum of the sizes of its terms: a value that only touches zero
 
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """All places of an extreme, up to K of a rod; NaN behind the last.
+    """All places of an extreme, up to K of a rod; NaN where there is none.
 
     t, values, size: (b, K), size: the sum of the sizes of the terms of a value. slopes, faint: (b, K, F), the
     derivatives of the values (of LARGEST_SIZE: of their sizes), and what of them is rounding.
@@ -45,7 +46,8 @@ def places_of(rods: DensityChange, which: str, until: Array | None = None) -> Pl
     turn = np.repeat(_TURNS[which], t.shape[1] // len(_TURNS[which]))
     last = t >= rods.span[:, None] * (1 - _SAME)
     end = last | (t <= 0)
-    t = np.where(end, t, _stationary(rods, t))
+    t = np.where(end, t, np.clip(_stationary(rods, t), 0.0, rods.span[:, None]))
+    t = np.where(_repeated(t, turn, _MERGED * rods.shortest), np.nan, t)
     at, a = rods.read(np.where(np.isnan(t), 0.0, t))
     values = np.where(np.isnan(t), -np.inf, turn * at.values)
     best = values.max(axis=1, keepdims=True)
@@ -61,8 +63,8 @@ def places_of(rods: DensityChange, which: str, until: Array | None = None) -> Pl
 
 
 def _candidates(rods: DensityChange, until: Array | None) -> Array:
-    """Times that an extreme may have, (b, K), NaN behind the last: where the density is largest and smallest, and the
-    ends. All of them where it is the same all along."""
+    """Times that an extreme may have, (b, K), NaN where there is none: the ends, then where the density is largest and
+    smallest; all of them where it is the same all along."""
     orbit, panels = rods.varied.orbit, rods.varied.orbit.panels
     series = panels.series.copy()
     series[:, 0, 0] += rods.varied.base
@@ -71,7 +73,13 @@ def _candidates(rods: DensityChange, until: Array | None) -> Array:
     given = pieces, rods.sign, rods.density
     t = np.concatenate([core_extremes(*given, turned, reach, _SAME, _GOAL) for turned in (False, True)], axis=1)
     ends = np.stack(rods.times, axis=1) if until is None else np.empty((rods.problem.size, 0))
-    return np.concatenate([t[:, np.isfinite(t).any(axis=0)], ends], axis=1)
+    return np.concatenate([ends, t[:, np.isfinite(t).any(axis=0)]], axis=1)
+
+
+def _repeated(t: Array, turn: Array, near: Array) -> Array:
+    """Which of the places (b, K) are nearer than `near` (b,) to an earlier one of the same turn (K,), an end first."""
+    earlier = np.tri(t.shape[1], k=-1, dtype=bool) & (turn[:, None] == turn)
+    return ((np.abs(t[:, :, None] - t[:, None, :]) < near[:, None, None]) & earlier).any(axis=2)
 
 
 def _stationary(rods: DensityChange, t: Array) -> Array:

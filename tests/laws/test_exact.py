@@ -54,9 +54,9 @@ def test_orbit_follows_every_closed_form(name: str, tol: float) -> None:
 def test_dop853_follows_every_closed_form(name: str) -> None:
     named = EXACT[name]
     sol = solve(named.case, tol=1e-13, method="dop853", stations=101)
-    atol = 5e-12 * max(1.0, sol.condition)  # what is left at its tightest tolerance, grown
-    for got, exact in zip((sol.beta, sol.alpha, sol.z), named.exact(sol.s), strict=True):
-        np.testing.assert_allclose(got, exact, rtol=0, atol=atol)
+    assert sol.error < 1e-10 * max(1.0, sol.condition)  # what is left at its tightest tolerance, grown
+    for got, exact, unit in zip((sol.beta, sol.alpha, sol.z), named.exact(sol.s), (1, named.L, named.L), strict=True):
+        np.testing.assert_allclose(got, exact, rtol=0, atol=sol.error * max(1, unit))
 
 
 @pytest.mark.parametrize("name", ("elliptic k=0.25 L=20", pytest.param("elliptic k=0.9 L=60", marks=pytest.mark.slow)))
