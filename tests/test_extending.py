@@ -2,7 +2,7 @@
 
 import ast
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from solver.benchmark import available_ladders
 from solver.methods import METHODS, StartMethod, Verlet, available
 from solver.methods.automatic import AUTOMATIC
 from solver.methods.base import Ladder, knob
+from solver.numerics.dual import where
 from solver.observe.observables import OBSERVABLES, Observable
 from solver.problem.quantities import QUANTITIES, Quantity
 from studies.language.loader import loads
@@ -108,6 +109,26 @@ def test_an_observable_is_two_rows_and_is_then_observed_studied_stored_and_label
     assert ds["stations"].values.tolist() == [21, 21, 21]
     assert (ds["stations"].attrs["units"], ds["stations"].attrs["long_name"]) == ("1", "number of stations")
     assert law_verdicts.verdicts(ds)[0]["verdict"] == HOLDS
+
+
+def test_an_observable_that_is_two_rows_has_its_derivatives_too(monkeypatch) -> None:
+    """A formula with cases and a size, against differences of fourth order."""
+
+    def steepness(read):
+        turned, risen = read.gain
+        return where(risen < 1e3, abs(turned / risen) / read.rho, np.nan), 0.0
+
+    monkeypatch.setitem(OBSERVABLES, "steepness", Observable(steepness))
+    row = Quantity("steepness", "k", (-1, 0), "turning by height", estimated=True)
+    monkeypatch.setitem(QUANTITIES, "steepness", row)
+
+    def values(E: float) -> float:
+        case = replace(CASE, rod=replace(CASE.rod, E=E))
+        return float(observe(solve(case, tol=1e-13), ["steepness"])["steepness"])
+
+    found, E, step = solve(CASE).sensitivity("E", ["steepness"]), float(CASE.rod.E), 10.0
+    near, far = (values(E + k * step) - values(E - k * step) for k in (1, 2))
+    assert found.observables["steepness"] == pytest.approx([(8 * near - far) / (12 * step)], rel=1e-7)
 
 
 def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monkeypatch) -> None:

@@ -179,6 +179,27 @@ class Reading:
                 found.append(np.full(t.size, np.nan) if orbit is None else orbit.at(t[:, None])[1][:, 0])
         return found[0], found[1]
 
+    @cached_property
+    def end_angles(self) -> tuple[Any, Any]:
+        """beta at the start and at the far end, (B,), where the method knows the orbit."""
+        orbit = self.sol.trajectory.orbit
+        return orbit.problem.beta0, orbit.at(orbit.problem.span[:, None])[0][:, 0]
+
+    @property
+    def half_period(self) -> Any:
+        """Half a period of beta in t, or a whole turn of it, (B,), where the method knows the orbit."""
+        orbit = self.sol.trajectory.orbit
+        return orbit.ahead + orbit.back
+
+    @property
+    def plain(self) -> "Reading":
+        """The same without derivatives: itself."""
+        return self
+
+    def at_jump(self, value: float) -> Any:
+        """A value of cases in which a change of any field may make an observable jump: it has no derivative."""
+        return value
+
     @property
     def steepness(self) -> Array:
         """The largest change of beta_t by a unit of beta, about, (B,)."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..levels.morse_index import index_at_stations, jacobi_zeros
 from ..numerics.arrays import EPS, Array
+from ..numerics.dual import where
 from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION, ROTATION
 from ..problem.errors import known_name, no_such
@@ -109,12 +110,12 @@ def bend_number(read: Reading) -> Pair:
         unknown = np.full(read.sol.problem.size, np.nan)
         return unknown, unknown
     with np.errstate(divide="ignore", invalid="ignore"):
-        librates, half_period = (orbit.kind == LIBRATION) & _librates(read), orbit.ahead + orbit.back
-        count = np.where(librates, orbit.problem.span / half_period, 0.0)
+        librates, plain = (orbit.kind == LIBRATION) & _librates(read.plain), read.plain
+        count = where(librates, read.length / read.half_period, where(orbit.kind == ROTATION, 0.0, read.at_jump(0.0)))
         # the error of the half period: that of beta over the largest |beta_t|, at least the range over half a period
-        late = np.where(librates, 2 * read.error / (read.value("high") - read.value("low")), 0.0)
+        late = np.where(librates, 2 * read.error / (plain.value("high") - plain.value("low")), 0.0)
         if isinstance(orbit, MarchedOrbit):
-            late = late + SPREAD * orbit.late * np.where(librates, count / half_period, 0.0)
+            late = late + SPREAD * orbit.late * where(librates, count / read.half_period, 0.0)
     return count, late + 8 * EPS * count
 
 
@@ -124,8 +125,8 @@ def amplitude(read: Reading) -> Pair:
     error = read.error_of("high") + read.error_of("low")
     if orbit is None:
         return range_, error
-    turned = np.abs(orbit.at(orbit.problem.span[:, None])[0][:, 0] - orbit.problem.beta0)
-    return np.where(orbit.kind == ROTATION, turned, range_), error
+    first, last = read.end_angles
+    return where(orbit.kind == ROTATION, abs(last - first), range_), error
 
 
 def kappa_mean(read: Reading) -> Pair:
@@ -277,11 +278,11 @@ def pitch(read: Reading) -> Pair:
     NaN where alpha changes by no more than its error.
     """
     (turned, doubt), (risen, error) = read.middle("turned"), read.middle("risen")
-    size = np.abs(turned)
+    size = abs(turned)
     with np.errstate(divide="ignore", invalid="ignore"):
-        a_turn = np.where(size > doubt, 2 * np.pi * read.rho / size, np.nan)
+        a_turn = where(size > doubt, 2 * np.pi * read.rho / size, np.nan)
     value = a_turn * risen
-    return value, a_turn * error + np.abs(value) * doubt / np.where(size > doubt, size - doubt, np.nan)
+    return value, a_turn * error + abs(value) * doubt / where(size > doubt, size - doubt, np.nan)
 
 
 def F3_size_max(read: Reading) -> Pair:
@@ -341,40 +342,49 @@ class Observable:
 
     compute: the values (B,), with their errors if `Quantity.estimated`. measured: what `Reading` measures for it; what
     is measured over the middle third alone has "middle" before it. undefined: where it has no value although the case
-    is solved, in words; "" if nowhere. needs: the field of the rod without which it does not exist. holds: whether it
+    is solved, in words; "" if nowhere. not_smooth: where it has a value, and may have no derivative; "" for the reasons
+    that go with what is measured. needs: the field of the rod without which it does not exist. holds: whether it
     is a load or a moment that holds an end, which is computed only where it is asked for by name.
     """
 
     compute: Callable[[Reading], Any]
     measured: tuple[str, ...] = ()
     undefined: str = ""
+    not_smooth: str = ""
     needs: str = ""
     holds: bool = False
 
 
+SEVERAL = "several places of the rod reach the extreme, and a change moves them apart"
+NO_FORCE = f"{SEVERAL}; or there is no force along the tangent"
+STRAIGHT = "the rod is straight, or has no such period, where the value is not smooth"
+NO_TURN = "the rod does not turn about the axis in its middle third"
+TOUCHES = "the push touches zero without a change of sign, where a change makes lift-off jump"
+PLACES = "several places of the rod have the largest push, or the place may leave an end of the rod"
+
 # The row in `problem.quantities` says whether the error is estimated; if not, the values are loads or whole numbers.
 OBSERVABLES: dict[str, Observable] = {
     "turns": Observable(turns, ("low", "high")),
-    "bend_number": Observable(bend_number, ("low", "high")),
+    "bend_number": Observable(bend_number, ("low", "high"), not_smooth=STRAIGHT),
     "loops": Observable(loops),
     "amplitude": Observable(amplitude, ("low", "high")),
     "kappa_mean": Observable(kappa_mean, ("curvature",)),
     "kappa_max": Observable(kappa_max, ("tightest",)),
     "wraps": Observable(wraps),
     "height": Observable(height),
-    "pitch": Observable(
-        pitch, ("middle turned", "middle risen"), undefined="the rod does not turn about the axis in its middle third"
-    ),
+    "pitch": Observable(pitch, ("middle turned", "middle risen"), undefined=NO_TURN, not_smooth=NO_TURN),
     "contact_size_mean": Observable(contact_size_mean, ("pushed", "pulled")),
     "push_mean": Observable(push_mean, ("pushed",)),
     "pull_mean": Observable(pull_mean, ("pulled",)),
     "push_min": Observable(push_min, ("least",)),
     "push_max": Observable(push_max, ("most",)),
-    "push_max_at": Observable(push_max_at, ("peak",)),
+    "push_max_at": Observable(push_max_at, ("peak",), not_smooth=PLACES),
     "push_middle": Observable(push_middle, ("middle push",)),
     "attached": Observable(attached, ("share",)),
-    "lift_off_at": Observable(lift_off_at, ("lifts",)),
-    "F3_size_max": Observable(F3_size_max, ("tension",)),
+    "lift_off_at": Observable(lift_off_at, ("lifts",), not_smooth=TOUCHES),
+    "F3_size_max": Observable(
+        F3_size_max, ("tension",), not_smooth=f"{SEVERAL}; or there is no force along the tangent"
+    ),
     "bending_moment_max": Observable(bending_moment_max, ("tightest",)),
     "bending_stress_max": Observable(bending_stress_max, ("tightest",), needs="E"),
     "overlaps": Observable(overlapping, ("tightest", "low", "high")),

@@ -5,7 +5,7 @@ written once. What it is made of, the integrals and extremes that `observe.measu
 differentiated by `measured_orbits` and `measured_helices`. The derivative of a whole number is 0 where it exists.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
@@ -13,26 +13,19 @@ import numpy as np
 
 from ..equilibrium.orbit_rates import ends_of
 from ..numerics.arrays import Array
+from ..numerics.dual import Dual
 from ..observe.measurement import Reading
-from ..observe.observables import OBSERVABLES, check_names, is_count
-from ..orbit.pieces import ROTATION
+from ..observe.observables import OBSERVABLES, SEVERAL, STRAIGHT, check_names, is_count
 from ..problem.errors import InputError, choices
 from ..problem.field_rates import FieldRates
 from ..problem.reduced import flat
 from ..shape import Shape
-from .dual import Dual
 from .extremes import EXTREMES, LIFTS, MEASURED, PEAK
 from .measured_helices import of_helices
 from .measured_orbits import of_orbits
 from .motions import MARKS, Motion, marks_of
 
-SEVERAL = "no derivative: several places of the rod reach the extreme, and a change moves them apart"
-NO_ORBIT = "no derivative: the method knows no orbit, so it has no period"
-STRAIGHT = "no derivative: the rod is straight, or has no such period, where the value is not smooth"
-NO_TURN = "no derivative: the rod does not turn about the axis in its middle third"
-TOUCHES = "no derivative: the push touches zero without a change of sign, where a change makes lift-off jump"
-PLACES = "no derivative: several places of the rod have the largest push, or the place may leave an end of the rod"
-SIZE = f"{SEVERAL}; or there is no force along the tangent"
+NO_ORBIT = "the method knows no orbit, so it has no period"
 
 
 def check_observables(names: Any) -> tuple[str, ...]:
@@ -45,7 +38,7 @@ def check_observables(names: Any) -> tuple[str, ...]:
     return wanted
 
 
-_OWN_SLOPES = ("alpha", "z", "middle turned", "middle risen", "dbeta0", "dbetaL")
+_OWN_SLOPES = ("alpha", "z", "middle turned", "middle risen", "beta0", "betaL", "dbeta0", "dbetaL")
 
 
 class Moving(Reading):
@@ -53,7 +46,7 @@ class Moving(Reading):
 
     def __init__(self, sol: Shape, rates: FieldRates, measured: Iterable[str]) -> None:
         super().__init__(sol)
-        self.plain = Reading(sol)
+        self._plain = Reading(sol)
         self._rates = rates
         self._wanted = set(measured)
         self.plain.measure(self._wanted)
@@ -76,6 +69,18 @@ class Moving(Reading):
         for name, value in found.items():
             self._slopes[name][motion.rows] = value
 
+    @property
+    def plain(self) -> Reading:
+        return self._plain
+
+    @property
+    def unknown(self) -> Array:
+        """Derivatives that do not exist, (B, F)."""
+        return np.full((self.sol.problem.size, len(self._rates.fields)), np.nan)
+
+    def at_jump(self, value: float) -> Any:
+        return Dual(np.full(self.sol.problem.size, value), self.unknown)
+
     def get(self, name: str) -> Any:
         return Dual(self.plain.value(name), self._slopes[name]), 0.0
 
@@ -83,7 +88,8 @@ class Moving(Reading):
         return self.get(name)[0] * factor, 0.0
 
     def middle(self, name: str) -> Any:
-        return Dual(self.plain.middle(name)[0], self._slopes[f"middle {name}"]), 0.0
+        value, error = self.plain.middle(name)
+        return Dual(value, self._slopes[f"middle {name}"]), error
 
     @cached_property
     def rho(self) -> Any:
@@ -128,11 +134,14 @@ class Moving(Reading):
         pairs = zip(self.plain.end_rates, ("dbeta0", "dbetaL"), strict=True)
         return tuple(Dual(value, self._slopes[name]) for value, name in pairs)
 
+    @cached_property
+    def end_angles(self) -> Any:
+        pairs = zip(self.plain.end_angles, ("beta0", "betaL"), strict=True)
+        return tuple(Dual(value, self._slopes[name]) for value, name in pairs)
+
     @property
-    def half_period(self) -> Dual:
-        """Half a period of beta in t."""
-        orbit = self.sol.trajectory.orbit
-        return Dual(orbit.ahead + orbit.back, self._slopes["half_period"])
+    def half_period(self) -> Any:
+        return Dual(self.plain.half_period, self._slopes["half_period"])
 
 
 def _gains(motion: Motion, unit: Array, later: Array) -> tuple[Array, Array]:
@@ -145,44 +154,19 @@ def _gains(motion: Motion, unit: Array, later: Array) -> tuple[Array, Array]:
 
 
 def _end_rates(motion: Motion, unit: Array, later: Array) -> dict[str, Array]:
-    """The derivatives of beta_t at the two ends, (b, F) each."""
-    rate = motion.change(ends_of(motion.problem), unit).rate
-    bend = 0.0 if motion.varied is None else motion.end.H[:, None]  # -beta_tt at the far end
-    return {"dbeta0": rate[:, 0], "dbetaL": rate[:, 1] - bend * later}
-
-
-def _amplitude(read: Moving) -> Any:
-    return read.value("high") - read.value("low")
-
-
-def _bend_number(read: Moving) -> Any:
-    orbit = read.sol.trajectory.orbit
-    if orbit is None:
-        return np.full((read.sol.problem.size, len(read._rates.fields)), np.nan)
-    found = read.length / read.half_period
-    count = OBSERVABLES["bend_number"].compute(read.plain)[0]
-    bends = np.where((count > 0)[:, None], found.slope, np.nan)  # where beta does not change it is 0, with a jump
-    return Dual(count, np.where((orbit.kind == ROTATION)[:, None], 0.0, bends))
-
-
-def _pitch(read: Moving) -> Any:
-    (turned, _), (risen, _) = read.middle("turned"), read.middle("risen")
-    value = OBSERVABLES["pitch"].compute(read.plain)[0]
-    found = 2 * np.pi * read.rho * risen / (turned * np.sign(turned.value))
-    return Dual(value, np.where(np.isfinite(value)[:, None], found.slope, np.nan))
-
-
-# Observables whose formula distinguishes cases.
-_OWN: dict[str, Callable[[Moving], Any]] = {"amplitude": _amplitude, "bend_number": _bend_number, "pitch": _pitch}
-_WHY = {"pitch": NO_TURN, "lift_off_at": TOUCHES, "push_max_at": PLACES, "F3_size_max": SIZE}
+    """The derivatives of beta and of beta_t at the two ends, (b, F) each."""
+    change, moves = motion.change(ends_of(motion.problem), unit), motion.varied is not None
+    pace, bend = (motion.end.v[:, None], motion.end.H[:, None]) if moves else (0.0, 0.0)
+    ends = {"beta0": change.beta[:, 0], "betaL": change.beta[:, 1] + pace * later}
+    return ends | {"dbeta0": change.rate[:, 0], "dbetaL": change.rate[:, 1] - bend * later}
 
 
 def derivative_of(name: str, read: Moving) -> Array:
     """The derivatives of an observable, (B, F)."""
     if is_count(name):
         return np.zeros((read.sol.problem.size, len(read._rates.fields)))
-    found = _OWN[name](read) if name in _OWN else OBSERVABLES[name].compute(read)[0]
-    return np.asarray(found.slope if isinstance(found, Dual) else found)
+    found = OBSERVABLES[name].compute(read)[0]
+    return found.slope if isinstance(found, Dual) else read.unknown
 
 
 def measure_of(name: str) -> tuple[str, ...]:
@@ -192,10 +176,10 @@ def measure_of(name: str) -> tuple[str, ...]:
 
 def why_missing(name: str, sol: Shape) -> str:
     """Why a derivative of an observable of a solved case does not exist."""
-    if name == "bend_number":
-        return NO_ORBIT if sol.trajectory.orbit is None else STRAIGHT
-    if sol.case.varies and OBSERVABLES[name].undefined:
-        return f"no derivative where {OBSERVABLES[name].undefined}"
-    if name in _WHY:
-        return _WHY[name]
-    return SEVERAL if set(measure_of(name)) & set(EXTREMES) else STRAIGHT
+    row = OBSERVABLES[name]
+    if sol.case.varies and row.undefined:
+        return f"no derivative where {row.undefined}"
+    if name == "bend_number" and sol.trajectory.orbit is None:
+        return f"no derivative: {NO_ORBIT}"
+    several = SEVERAL if set(measure_of(name)) & set(EXTREMES) else STRAIGHT
+    return f"no derivative: {row.not_smooth or several}"
