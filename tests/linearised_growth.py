@@ -4,7 +4,6 @@ import numpy as np
 
 from solver.mechanics.potential import slope, slope_higher_rates, slope_rate
 from solver.numerics.arrays import Array, Booleans
-from solver.orbit.growth import slope_weight
 from solver.problem.reduced import StartProblem
 
 
@@ -26,6 +25,16 @@ def beside_helix(problem: StartProblem) -> tuple[Booleans, Array]:
         change = np.abs(second) * strays + third * strays**2 / 2
         steady = change * span * np.fmin(span, 1 / np.sqrt(np.abs(rate))) < 0.1
         return np.asarray(steady), np.maximum(1, np.maximum(even, odd * slope_weight(problem)))
+
+
+def slope_weight(problem: StartProblem) -> Array:
+    """w = max(1, |beta_t(0)|, sqrt|H'(beta(0))|), (B,): the factor of a change of beta_t(0).
+
+    With it a change of beta_t counts as the change of angle that it becomes a quarter of a period later, so the
+    condition number does not depend on where in its period an orbit starts.
+    """
+    natural = np.sqrt(np.abs(slope_rate(problem, problem.beta0)))
+    return np.maximum(np.maximum(1, np.abs(problem.dbeta0)), natural)
 
 
 def _largest_solutions(rate: Array, span: Array) -> tuple[Array, Array]:

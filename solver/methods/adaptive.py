@@ -12,10 +12,10 @@ from typing import ClassVar
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..orbit.growth import growth
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import NOT_FINITE, Trajectory, verdicts
 from .base import StartMethod, knob
+from .swing import condition_numbers
 
 _TIGHTEST = 3e-14  # scipy refuses rtol below 100 eps
 _LOOSEST = 1e-2  # the run it is compared with has thirty times that, and must differ
@@ -41,42 +41,40 @@ class Adaptive(StartMethod):
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
         n = t.shape[1]
         states = np.full((problem.size, 5, n), np.nan)
-        error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
+        error, condition = np.full(problem.size, np.inf), condition_numbers(problem, t)
         calls, why = np.zeros(problem.size, dtype=np.int64), np.full(problem.size, "", dtype=object)
         for i in range(problem.size):
             one = problem.take(slice(i, i + 1))
-            states[i], error[i], condition[i], calls[i], why[i] = _one(self.integrator, one, t[i], tol, self.rtol)
+            answer = _one(self.integrator, one, t[i], tol, self.rtol, float(condition[i]))
+            states[i], error[i], calls[i], why[i] = answer
         beta, dbeta, alpha, z, swirl = np.moveaxis(states, 1, 0)
         verdict = verdicts(beta, error, condition, tol).failed(why)
         return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, calls)
 
 
 def _one(
-    integrator: str, problem: StartProblem, t: Array, tol: float, rtol: float | None
-) -> tuple[Array, float, float, int, str]:
-    """States (5, n), error, condition, calls, and why there is no answer or an empty text."""
+    integrator: str, problem: StartProblem, t: Array, tol: float, rtol: float | None, condition: float
+) -> tuple[Array, float, int, str]:
+    """States (5, n), error, calls, and why there is no answer or an empty text."""
     wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
-    coarse, _, calls, why = _integrate(integrator, problem, t, 30 * wanted)
+    coarse, calls, why = _integrate(integrator, problem, t, 30 * wanted)
     if why:  # a tighter run would take longer still
-        return coarse, math.inf, math.inf, calls, why
+        return coarse, math.inf, calls, why
     weight = np.array([1, 0, 1, 1, 0]) / np.array([1, 1, max(1.0, t[-1]), max(1.0, t[-1]), 1])
     while True:
-        fine, (steps, at_steps), more, why = _integrate(integrator, problem, t, wanted)
+        fine, more, why = _integrate(integrator, problem, t, wanted)
         calls += more
         error = float(np.max(np.abs(fine - coarse) * weight[:, None], initial=0.0))
         if why or not math.isfinite(error):
-            return fine, math.inf, math.inf, calls, why
-        condition = float(growth(problem, steps[None], *at_steps[:2, None])[0])
+            return fine, math.inf, calls, why
         error += 1e-15 * (1 + calls**0.5) * condition
         if rtol is not None or error <= tol or wanted <= _TIGHTEST:
-            return fine, error, condition, calls, ""
+            return fine, error, calls, ""
         coarse, wanted = fine, max(_TIGHTEST, wanted / 30)
 
 
-def _integrate(
-    integrator: str, problem: StartProblem, t: Array, rtol: float
-) -> tuple[Array, tuple[Array, Array], int, str]:
-    """States at t (5, n); times with states there, eight in each step; calls; why there are none, or an empty text."""
+def _integrate(integrator: str, problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int, str]:
+    """States at t (5, n); calls; why there are none, or an empty text."""
     lam, mu, phi = float(problem.lam[0]), float(problem.mu[0]), float(problem.phi[0])
 
     calls = 0
@@ -96,15 +94,10 @@ def _integrate(
 
     nothing = np.full((5, t.size), np.nan)
     try:
-        answer = scipy.integrate.solve_ivp(
-            rates, (0.0, t[-1]), start, integrator, t_eval=t, rtol=rtol, atol=rtol, dense_output=True
-        )
+        answer = scipy.integrate.solve_ivp(rates, (0.0, t[-1]), start, integrator, t_eval=t, rtol=rtol, atol=rtol)
     except (_TooLong, ValueError) as stopped:  # math.sin refuses an infinite angle by a ValueError
-        return nothing, (t, nothing), calls, _SPENT if isinstance(stopped, _TooLong) else _LOST
+        return nothing, calls, _SPENT if isinstance(stopped, _TooLong) else _LOST
     if answer.status != 0:
         said = answer.message.rstrip(".").lower()
-        return nothing, (t, nothing), answer.nfev, f"failed: {integrator} of scipy gave up: {said}"
-    # eight points in each step are enough for the condition number's digit or two
-    knots = answer.sol.ts
-    points = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(8) / 8).ravel(), knots[-1])
-    return answer.y, (points, answer.sol(points)), answer.nfev, ""
+        return nothing, answer.nfev, f"failed: {integrator} of scipy gave up: {said}"
+    return answer.y, answer.nfev, ""

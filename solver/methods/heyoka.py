@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..orbit.growth import growth, refine
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, verdicts
 from .base import MOST_COMPILED, Ladder, StartMethod, knob, tens
+from .swing import condition_numbers
 
 _TIGHTEST, _LOOSEST = 2.3e-16, 1e-2
 _MOST_STEPS = 200_000  # of one integration
@@ -35,13 +35,12 @@ class Heyoka(StartMethod):
     rtol: float | None = knob(float)
 
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
-        t, k = refine(problem, t, 16)
         states = np.full((problem.size, 5, t.shape[1]), np.nan)
         error, calls = np.full(problem.size, np.inf), np.zeros(problem.size, dtype=np.int64)
         for i in range(problem.size):
             states[i], error[i], calls[i] = _one(problem.take(slice(i, i + 1)), t[i], tol, self.rtol)
-        condition = growth(problem, t, states[:, 0], states[:, 1])
-        beta, dbeta, alpha, z, swirl = np.moveaxis(states[:, :, ::k], 1, 0)
+        condition = condition_numbers(problem, t)
+        beta, dbeta, alpha, z, swirl = np.moveaxis(states, 1, 0)
         error = error + 2e-16 * (1 + np.sqrt(calls)) * condition
         verdict = verdicts(beta, error, condition, tol)
         return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, calls)

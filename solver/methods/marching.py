@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..orbit.growth import growth, refine
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, verdicts
+from .swing import condition_numbers
 
 # problems, stations, steps between two stations -> beta, beta_t, alpha, z, swirl, (5, B, n)
 March = Callable[[StartProblem, Array, int], Array]
@@ -38,13 +38,10 @@ def march(
     base = t if not t[:, 0].any() else np.concatenate([np.zeros((problem.size, 1)), t], axis=1)
     intervals, power = base.shape[1] - 1, 2.0 ** (scheme.order + 2 * extrapolate)
     answer, off = np.empty((2, 5, *base.shape))  # of all problems, each as of its last march
-    condition, work, left = np.ones(problem.size), np.zeros(problem.size, dtype=np.int64), np.arange(problem.size)
+    work, left = np.zeros(problem.size, dtype=np.int64), np.arange(problem.size)
     n, marches, answers = steps or 1, list[Array](), list[Array]()
     while left.size:
-        some = problem.take(left)
-        grid, k = refine(some, base[left], n)
-        dense = scheme.march(some, grid, n // k)
-        marches.append(dense[:, :, ::k])
+        marches.append(scheme.march(problem.take(left), base[left], n))
         work[left] += scheme.calls * intervals * n
         if not extrapolate:
             answers.append(marches[-1])
@@ -56,9 +53,9 @@ def march(
             pending = _error(base, off)[left] > tol
             if steps is not None or 2 * n * intervals > scheme.most:
                 pending[:] = False
-            condition[left[~pending]] = growth(some.take(~pending), grid[~pending], *dense[:2, ~pending])
             marches, answers, left = [marches[-1][:, pending]], [answers[-1][:, pending]], left[pending]
         n *= 2
+    condition = condition_numbers(problem, t)
     skipped = base.shape[1] - t.shape[1]
     return _trajectory(tol, answer[:, :, skipped:], _error(base, off), condition, work)
 

@@ -5,13 +5,14 @@ orbit goes; there `swing` hands the rod to `orbit`. Its error is measured: the c
 of its steps is carried along with them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from ..numerics.arrays import Array
 from ..orbit.marched_orbit import MarchedOrbit, march_orbit
+from ..problem.errors import DEFAULT_TOLERANCE
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, Verdicts, all_solved, verdicts
 from .base import TOLERANCES, Ladder, StartMethod
@@ -44,6 +45,13 @@ class SwingTaylor(StartMethod):
         (beta, dbeta, alpha, z), found = whole, orbit.found
         told = *verdict, found["error"], found["condition"], found["evaluations"], orbit
         return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *told)
+
+
+def condition_numbers(problem: StartProblem, t: Array) -> Array:
+    """The condition numbers of B start problems up to their last stations, t (B, n), for methods that know no orbit."""
+    reach = t[:, -1]
+    found = SwingTaylor().run(replace(problem, span=reach), t[:, -1:], DEFAULT_TOLERANCE).condition
+    return np.where(reach == 0, 1.0, found)
 
 
 def _mend(orbit: MarchedOrbit, whole: Array, t: Array, tol: float) -> tuple[MarchedOrbit, Verdicts]:
