@@ -6,6 +6,11 @@ from typing import Any
 import pytest
 
 
+def slow(*row: Any) -> Any:
+    """A row that runs with -m slow only."""
+    return pytest.param(*row, marks=pytest.mark.slow)
+
+
 def slow_but(rows: Iterable[Any], *quick: Any) -> list[Any]:
     """The rows as parameters of a test: all but the quick ones run with -m slow only."""
     known = list(rows)

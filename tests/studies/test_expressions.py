@@ -110,47 +110,6 @@ def test_an_expression_without_a_value_is_remarked_and_its_neighbours_have_their
     assert remarks.tolist() == ["share has no value: division by zero: 'E - 10000.0 * N / cm ** 2' is 0", ""] * 2
 
 
-@pytest.mark.parametrize(
-    "said, message",
-    [
-        ('lift = "attachd < 0.9"', "12: no name 'attachd' in a formula, did you mean 'attached'; choose from cm, N"),
-        ('x = "height + F3"', r"line 12: 'height' is in cm and 'F3' is in N, but \+ needs equal units"),
-        ('x = "2**L"', "'L' is in cm, but the exponent of .* needs a plain number"),
-        ('x = "1 +"', "'1 [+]' is not a formula: invalid syntax"),
-        ('x = "y"\ny = "1"', "line 12: 'y' is not above this expression, which can use"),
-        ('x = "x"', "'x' is not above this expression"),
-        ('turns = "1"', "the name 'turns' is taken; choose another for the expression"),
-        ('cm = "1"', "the name 'cm' is taken"),
-        ('pi = "1"', "the name 'pi' is taken"),
-        ('a_error = "1"', "the name 'a_error' is taken"),
-        ('"a b" = "1"', "the name of an expression must be at most 40 letters, digits and _ .*, got 'a b'"),
-        ('lambda = "1"', "the name of an expression must be"),
-        ("x = 3", r"expressions\.x must be a valid string, got 3"),
-        (f'x = "{"1+" * 300}1"', "the formula has 601 characters; the limit is 500"),
-        ('x = "M1"', "no name 'M1' in a formula"),
-        ('x = "open(1)"', "no function 'open' in a formula; choose from sqrt"),
-        ('x = { formula = "E", unit = "mm" }', "'E' is in N/cm.2, which has no value in mm"),
-        ('x = { formula = "E", unit = "Mpa" }', "unit 'Mpa': no unit 'Mpa', did you mean 'MPa'; choose from nm"),
-        ('x = { formula = "E" }', "an expression is a text, or . formula"),
-        ('stress_MPa = "bending_stress_max/1000"', "stress_MPa names MPa, but is in N/cm.2: give . formula"),
-    ],
-)  # fmt: skip
-def test_an_invalid_expression_is_refused_with_its_line_and_the_choices(said: str, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        study(said)
-
-
-def test_the_formula_of_a_law_has_no_unit() -> None:
-    law = f"{LAW}observable = 'height'\nkind = 'bounded'\nmost = 'L in mm'\n"
-    with pytest.raises(InputError, match="'L in mm' has a unit, as only an expression may have"):
-        loads(f"{HEAD}{AXES}{law}")
-
-
-def test_too_many_expressions_are_refused() -> None:
-    with pytest.raises(InputError, match="101 expressions, more than the limit of 100"):
-        study("\n".join(f'x{i} = "1"' for i in range(101)))
-
-
 def test_an_observable_of_the_study_and_of_a_law_may_be_an_expression() -> None:
     law = f"{LAW}observable = 'lift'\ndirection = 'falls'\n"
     one = study(

@@ -51,11 +51,7 @@ def test_no_text_does_more_than_raise_the_one_error(text: str) -> None:
     assert isinstance(formula.tree, allowed)
 
 
-def test_a_formula_that_is_too_long_or_too_deep_is_refused() -> None:
-    with pytest.raises(InputError, match=f"the formula has {MOST_TEXT + 1} characters; the limit is {MOST_TEXT}"):
-        parse("1" * (MOST_TEXT + 1))
-    with pytest.raises(InputError, match="has more than 60 levels"):
-        parse("-" * 100 + "1")
+def test_a_formula_too_deep_for_python_is_refused() -> None:
     with pytest.raises(InputError, match=r"is not a formula|more than 60 levels"):
         parse("(" * 240 + "1" + ")" * 240)
 
@@ -79,13 +75,6 @@ def test_a_refusal_says_what_to_write(text: str, said: str) -> None:
         parse(text)
 
 
-def test_an_unknown_name_is_refused_with_the_nearest_and_the_choices() -> None:
-    with pytest.raises(
-        InputError, match=r"no name 'heigth' in a formula, did you mean 'height'; choose from height, L"
-    ):
-        unit("2*heigth")
-
-
 @pytest.mark.parametrize(
     "text, expected",
     [
@@ -97,24 +86,6 @@ def test_an_unknown_name_is_refused_with_the_nearest_and_the_choices() -> None:
 )  # fmt: skip
 def test_the_unit_of_a_formula_follows_from_its_names(text: str, expected: object) -> None:
     assert unit(text) == expected
-
-
-@pytest.mark.parametrize(
-    "text, said",
-    [
-        ("height + FZ", r"'height' is in cm and 'FZ' is in N, but \+ needs equal units"),
-        ("height < 3", "'height' is in cm and '3' is a plain number, but < needs equal units"),
-        ("sin(height)", "'height' is in cm, but sin needs a plain number"),
-        ("2**height", r"'height' is in cm, but the exponent of \*\* needs a plain number"),
-        ("L**turns", "'L' is in cm: its exponent must be a number, got 'turns'"),
-        ("L**pi", "'L' is in cm: its exponent must be a fraction of at most 12, got 3.14159"),
-        ("min(L, A)", r"'L' is in cm and 'A' is in N cm\^2, but min needs equal units"),
-        ("not L", "'L' is in cm, but not needs a plain number"),
-    ],
-)
-def test_units_that_do_not_match_are_refused_with_both(text: str, said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        unit(text)
 
 
 def test_the_values_are_those_of_numpy_on_arrays() -> None:

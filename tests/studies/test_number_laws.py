@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.stats import linregress, t
 
-from solver import InputError
 from studies.language.loader import loads
 from studies.laws.law import Law
 from studies.laws.number_verdicts import fit_power, passes
@@ -171,32 +170,6 @@ def test_the_values_of_a_formula_follow_the_order_of_the_axis() -> None:
 def test_a_law_that_could_not_be_tested_has_the_keys_of_one_that_was() -> None:
     one = law("equals", formula="E", relative=0.01)
     assert set(refusal(one, "why")) == set(row(one, X, E=X))
-
-
-@pytest.mark.parametrize(
-    "said, message",
-    [
-        ("kind = 'equal'\nformula = 'L'", "no kind of law 'equal', did you mean 'equals'; choose from monotone"),
-        ("", "a law of the kind 'monotone' needs the key 'direction'"),
-        ("kind = 'equals'\nrelative = 0.1", "a law of the kind 'equals' needs the key 'formula'"),
-        ("kind = 'equals'\nformula = 'L'", "needs exactly one of the keys relative, absolute"),
-        ("kind = 'equals'\nformula = 'L'\nrelative = 0.1\nabsolute = 1.0", "needs exactly one of the keys relative"),
-        ("kind = 'equals'\nformula = 'L'\nrelative = 0", "relative must be greater than 0, got 0"),
-        ("kind = 'equals'\nformula = 'LL'\nrelative = 0.1", "no name 'LL' in a formula, did you mean 'L'; choose from"),
-        ("kind = 'equals'\nformula = 'E'\nrelative = 0.1", r"'E' is in N/cm\^2, but height is in cm"),
-        ("kind = 'equals'\nformula = '1'\nrelative = 0.1", "'1' is a plain number, but height is in cm"),
-        ("kind = 'equals'\nformula = 'L^2'\nrelative = 0.1", r"a power is written with \*\*, not \^"),
-        ("kind = 'bounded'", "a law of the kind 'bounded' needs at least one of the keys least, most"),
-        ("kind = 'bounded'\nmost = 1\ndirection = 'falls'", "'bounded' has no key 'direction'; its keys are least"),
-        ("direction = 'falls'\nwithin = 1.0", "'monotone' has no key 'within'; its keys are direction, says"),
-        ("kind = 'scales'\nexponent = 2.0", "a law of the kind 'scales' needs the key 'within'"),
-        ("kind = 'boundary'\npasses = 1\nx = 'L'\nwithin = 1.0", r"'L' is in cm, but E is in N/cm\^2"),
-    ],
-)  # fmt: skip
-def test_an_invalid_law_is_refused_with_the_keys_of_its_kind(said: str, message: str) -> None:
-    text = f"{HEAD}{AXES}[[laws]]\nclaim = 'a'\nobservable = 'height'\naxis = 'E'\nsource = 's'\n{said}\n"
-    with pytest.raises(InputError, match=message):
-        loads(text)
 
 
 def test_the_number_0_fits_every_unit_as_a_bound() -> None:

@@ -15,74 +15,11 @@ HEAD = 'title = "r"\nreading = "force-first/tension/paper"\n'
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
 E = '[axes.E]\nfrom = 5e3\nto = 4e4\ncount = 5\nspacing = "geometric"\n'
 R = "[axes.R]\nfrom = 0.5\nto = 1.5\ncount = 4\n"
-F1 = "[axes.F1]\nvalues = [1.0, 2.0]\n"
 TABLE = '[refine]\nwatch = ["turns"]\ntolerance = 0.01\n'
 
 
 def study(axes: str = E + R, table: str = TABLE, head: str = ""):
     return loads(HEAD + head + UNITS + axes + table)
-
-
-@pytest.mark.parametrize(
-    ("axes", "table", "sentence"),
-    [
-        (E + R, TABLE.replace("0.01", "0.0"), "line 17: tolerance is a share of the axis from 1e-09 to below 1, got 0"),
-        (E + R, TABLE.replace("0.01", "1.5"), "tolerance is a share of the axis from 1e-09 to below 1, got 1.5"),
-        (E + R, TABLE.replace("tolerance = 0.01", "points = 1"), "points must be from 2 to 1000000000, got 1"),
-        (E + R, f"{TABLE}points = 9\n", "refine needs one of the two keys tolerance and points"),
-        (E + R, '[refine]\nwatch = ["turns"]\n', "refine needs one of the two keys tolerance and points"),
-        (E + R, f"{TABLE}budget = 19\n",
-         "budget must be at least the 20 cases of the coarse grid (5 x 4), got 19"),
-        (E + R, TABLE.replace("turns", "truns"), "line 16: no observable 'truns', did you mean 'turns'"),
-        (E + R, TABLE.replace('["turns"]', "[]"), "watch is empty: name at least one observable, or 'outcome'"),
-        (E + R, TABLE.replace('"turns"', '"turns", "turns"'), "'turns' is watched twice"),
-        (E + R, TABLE.replace("turns", "wraps"),
-         "wraps is a real number: [refine.steps] needs the change of wraps that counts"),
-        (E + R, f"{TABLE}[refine.steps]\nwraps = 0.1\n", "'wraps' is not watched; watch names turns"),
-        (E + R, f"{TABLE}[refine.steps]\nturns = 0.0\n", "the step of turns must be positive, got 0"),
-        (E + R, f"{TABLE.replace('turns', 'outcome')}[refine.steps]\noutcome = 1.0\n",
-         "the outcome is solved or not, and has no step"),
-        (E + R + F1, TABLE, "refine works along one axis or in the plane of two axes, and the study has 3: E, R, F1"),
-        ("", TABLE, "refine works along one axis or in the plane of two axes, and the study has none"),
-        ("[axes.E]\nvalues = [1e4]\n", TABLE, "refine needs at least two values of each axis, and E has one"),
-        (E, TABLE + "[zip]\nR = [0.5, 0.6]\n", "refine and zip exclude each other"),
-        (E + R, f"{TABLE}tolerence = 3\n", "no key 'tolerence' in refine, did you mean 'tolerance'"),
-        ("[axes.E]\nvalues = [1e4, 1.0000000001e4]\n", TABLE.replace("0.01", "1e-8"),
-         "the values of E would differ by less than their last digits"),
-        ("[axes.E]\nfrom = -1e4\nto = 1e4\ncount = 3\n", TABLE, "Rod.E must be positive"),
-    ],
-)  # fmt: skip
-def test_bad_input_is_refused_with_the_value_and_the_choices(axes: str, table: str, sentence: str) -> None:
-    with pytest.raises(InputError) as refused:
-        study(axes, table)
-    assert sentence in str(refused.value)
-
-
-LAW = """
-[[laws]]
-claim = "{}"
-observable = "{}"
-axis = "E"
-kind = "bounded"
-most = {}
-source = "s"
-"""
-
-
-@pytest.mark.parametrize(
-    ("axes", "laws", "sentence"),
-    [
-        (E + R, ["(9)"], "no law '(9)'"),
-        (E, ["(1)"], "the verdict of (1) changes from line to line in the plane of two axes, and the study has one"),
-        (E + R, ["(2)"], "the law (2) has a formula; watch a law of numbers alone"),
-        (E + R, ["(1)", "(1)"], "'(1)' is watched twice"),
-    ],
-)
-def test_a_law_that_cannot_be_watched_is_refused(axes: str, laws: list[str], sentence: str) -> None:
-    told = LAW.format("(1)", "kappa_max", 2.0) + LAW.format("(2)", "kappa_max", '"1/a"')
-    with pytest.raises(InputError) as refused:
-        study(axes, TABLE + f"laws = {laws}\n" + told)
-    assert sentence in str(refused.value)
 
 
 def test_a_followed_axis_and_the_equilibrium_of_one_case_are_refused() -> None:

@@ -150,58 +150,6 @@ def test_the_kind_of_problem_follows_from_sampled_fields_too() -> None:
     assert not study.sweeps  # no sample continues from another
 
 
-REFUSED = {
-    "a sample of zero": (SOBOL.replace("64", "0"), "line 8: the sample is empty: size must be at least 1, got 0"),
-    "too many": (SOBOL.replace("64", "100000000"), "100000000 samples, more than the limit of 10000000"),
-    "no size": (SOBOL.replace("size = 64", ""), "sample needs the key 'size'"),
-    "method": ("[sample]\nmethod = 'sobl'\nsize = 4\n[sample.E]\nfrom = 1.0\nto = 2.0",
-               "no method of sampling 'sobl', did you mean 'sobol'; choose from sobol, latin-hypercube, random,"),
-    "distribution": (SOBOL.replace("log-uniform", "log-unifrom"),
-                     "no distribution 'log-unifrom', did you mean 'log-uniform'; choose from uniform, log-uniform,"),
-    "misspelled key": (SOBOL.replace("seed", "sead"), "no key 'sead' in sample, did you mean 'seed'; choose from"),
-    "misspelled key of a field": (SOBOL.replace("mean", "maen"), "no key 'maen' in sample.beta, did you mean 'mean'"),
-    "unknown field": (SOBOL.replace("sample.E", "sample.EI"),
-                      "no field 'EI', did you mean 'E'; choose from E, nu, R, a, L, alpha"),
-    "a word": (SOBOL.replace("sample.E", "sample.side"), "no field 'side'; choose from E, nu"),
-    "no field": ("[sample]\nsize = 4", "sample has no field: give at least one a table, such as [sample.E]"),
-    "negative E": (SOBOL.replace('"log-uniform"\nfrom = 5e3', '"uniform"\nfrom = -5e3'),
-                   "Rod.E must be positive and finite, got -5000.0; the distribution reaches it: E uniform from -5000"),
-    "normal E": (SOBOL.replace('"log-uniform"\nfrom = 5e3\nto = 4e4', '"normal"\nmean = 1e4\nstd = 2e3'),
-                 "Rod.E must be positive and finite, got -2000.0; the distribution reaches it: E normal with mean "
-                 "10000 and std 2000 is cut at 6 std from the mean, or at from and to"),
-    "reversed": (SOBOL.replace("1.5", "0.4"), "from must be less than to, got from = 0.5 and to = 0.4"),
-    "log of 0": (SOBOL.replace("from = 5e3", "from = 0.0"),
-                 "a log-uniform distribution needs from and to of one sign and not 0, got 0 and 40000"),
-    "no std": (SOBOL.replace("std = 0.1", ""), "a normal distribution needs mean and std: no std given"),
-    "std of 0": (SOBOL.replace("std = 0.1", "std = 0.0"), "std must be positive, got 0"),
-    "mean of a range": (SOBOL.replace("to = 1.5", "to = 1.5\nmean = 1.0"),
-                        "a uniform distribution has no mean; it needs from, to"),
-    "nothing left": (SOBOL.replace("std = 0.1", "std = 0.1\nfrom = 9.0"),
-                     "from = 9 leaves no value of it: all lie more than 6 standard deviations from its mean"),
-    "unit": (SOBOL.replace("to = 1.5", 'to = 1.5\nunit = "deg"'), "R is in cm, got unit 'deg'"),
-    "in base too": (SOBOL + "[base]\nE = 1e4", "E is given in base and in sample: remove one of them"),
-    "an axis too": (SOBOL + "[axes.R]\nvalues = [1.0]", "R is given in axes and in sample: remove one of them"),
-    "two sources": (SOBOL + "[zip]\nL = [20.0]", "sample and zip exclude each other: each gives the samples"),
-    "followed": ("[axes.betaL]\nfollow = true\nto = 1.0\ncount = 3\n" + SOBOL,
-                 "a followed axis excludes sample: it is solved for one base case"),
-    "unequal lists": ("[zip]\nE = [1e4, 2e4]\nR = [1.0]", "must be equally long, got 2 in E and 1 in R"),
-    "empty list": ("[zip]\nE = []", "zip is empty: give at least one field a list of at least one value"),
-    "no list": ("[zip]\nE = 3.0", "zip.E must be a valid list, got 3.0"),
-    "no angle": ("[zip]\nbeta = ['x']", "'x' is not an angle"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("what", REFUSED)
-def test_what_is_wrong_is_refused_in_one_sentence(what: str) -> None:
-    text, sentence = REFUSED[what]
-    with pytest.raises(InputError) as refusal:
-        loads(HEAD + text, "s.toml")
-    said = str(refusal.value)
-    assert sentence in said
-    assert said.startswith("s.toml, line ")
-    assert "\n" not in said
-
-
 LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "{}"\ndirection = "falls"\nsource = "x"\n'
 
 
@@ -245,50 +193,6 @@ def test_a_table_gives_a_case_for_each_row(tmp_path) -> None:
 def test_only_the_columns_that_are_asked_for_are_read(tmp_path) -> None:
     values = tabled(tmp_path, 'E,note,R\n1e4,"soft, thin",1\n', 'columns = ["R", "E"]')
     assert {name: row.tolist() for name, row in values.items()} == {"R": [1.0], "E": [1e4]}
-
-
-BAD_TABLES = {
-    "empty cell": ("E,R\n1e4,1\n2e4,\n", "cases.csv, line 3 (row 2): R is empty; give each row a number"),
-    "empty cell after a blank line": ("E,R\n\n1e4,1\n2e4, \n", "cases.csv, line 4 (row 2): R is empty"),
-    "short row": ("E,R\n1e4\n", "cases.csv, line 2 (row 1): expected 2 cells, as the line of names has, got 1"),
-    "no number": ("E,R\n1e4,one\n", "cases.csv, line 2 (row 1): R must be a finite number, got 'one'"),
-    "not finite": ("E,R\n1e4,inf\n", "cases.csv, line 2 (row 1): R must be a finite number, got 'inf'"),
-    "no angle": ("beta\n30dog\n", "cases.csv, line 2 (row 1): beta must be a finite number, got '30dog'"),
-    "more columns": ("E,note\n1e4,a\n", "cases.csv: the column 'note' is no field of a case; choose from E, nu, a"),
-    "semicolons": ("E;R\n1e4;1\n", "cases.csv: columns are separated by commas, not semicolons, got 'E;R'"),
-    "another problem's field": ("E,FZ\n1e4,1\n", "no column 'FZ'; choose from E, nu, R"),
-    "twice": ("E,E\n1,2\n", "cases.csv has the column 'E' twice"),
-    "no name": ("E,\n1,2\n", "cases.csv has a column without a name; its columns are E, "),
-    "no rows": ("E,R\n", "cases.csv has no rows: give a line for each case below the line of names"),
-    "nothing": ("", "cases.csv is empty: give a line of names, and below it a line for each case"),
-    "open quote": ('E\n"1', "cases.csv is not a table in CSV: unexpected end of data"),
-    "negative": ("E\n1e4\n-1\n", "Rod.E must be positive and finite, got -1.0"),
-}
-
-
-@pytest.mark.parametrize("what", BAD_TABLES)
-def test_a_bad_table_is_refused_with_its_line_and_row(what: str, tmp_path) -> None:
-    table, sentence = BAD_TABLES[what]
-    with pytest.raises(InputError) as refusal:
-        tabled(tmp_path, table)
-    assert sentence in str(refusal.value)
-    assert str(refusal.value).startswith("s.toml, line 7: ")
-
-
-def test_a_missing_column_a_missing_file_and_another_kind_of_file_are_refused(tmp_path) -> None:
-    with pytest.raises(InputError, match=r"cases\.csv has no column 'R'; its columns are E"):
-        tabled(tmp_path, "E\n1e4\n", 'columns = ["E", "R"]')
-    with pytest.raises(InputError, match=r"no column of cases\.csv is to be read; its columns are E"):
-        tabled(tmp_path, "E\n1e4\n", "columns = []")
-    with pytest.raises(InputError, match=r"a file that ends in \.csv, \.parquet, got 'cases\.xlsx'"):
-        tabled(tmp_path, "E\n1e4\n", name="cases.xlsx")
-    (tmp_path / "s.toml").write_text(HEAD + "[table]\nfile = 'cases.csv'\n")
-    (tmp_path / "cases.csv").write_bytes(b"E\n\xff\xfe\n")
-    with pytest.raises(InputError, match=r"cases\.csv is not a text file in UTF-8"):
-        load(tmp_path / "s.toml")
-    (tmp_path / "cases.csv").unlink()
-    with pytest.raises(InputError, match=r"cannot read the table .*cases\.csv: No such file or directory"):
-        load(tmp_path / "s.toml")
 
 
 def test_a_table_may_be_parquet(tmp_path) -> None:

@@ -11,6 +11,7 @@ from PIL import Image
 
 from solver.problem.errors import InputError
 from studies.language.loader import loads
+from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from workbench.commands import animate, console, study_scene
@@ -125,17 +126,11 @@ def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
     [
         ({"axis": None}, "has several axes: choose one with --axis from E, R"),
         ({"axis": "L"}, "no axis 'L'"),
-        pytest.param({"at": ["E=1e4"]}, "--at E: the film runs along E", marks=pytest.mark.slow),
-        pytest.param(
-            {"kind": "ghosts"}, "a frame shows one case, so --kind is one of plain, contact", marks=pytest.mark.slow
-        ),
-        pytest.param({"show": "outcome"}, "no observable 'outcome'", marks=pytest.mark.slow),
-        pytest.param(
-            {"out": [Path("film.avi")]},
-            r"cannot write 'film.avi': choose a name that ends in \.mp4",
-            marks=pytest.mark.slow,
-        ),
-        pytest.param({"fps": 0.0}, "--fps must be between 0.1 and 60, got 0", marks=pytest.mark.slow),
+        slow({"at": ["E=1e4"]}, "--at E: the film runs along E"),
+        slow({"kind": "ghosts"}, "a frame shows one case, so --kind is one of plain, contact"),
+        slow({"show": "outcome"}, "no observable 'outcome'"),
+        slow({"out": [Path("film.avi")]}, r"cannot write 'film.avi': choose a name that ends in \.mp4"),
+        slow({"fps": 0.0}, "--fps must be between 0.1 and 60, got 0"),
     ],
 )
 def test_what_cannot_be_a_film_is_refused_in_a_sentence(asked, sentence, tmp_path, monkeypatch) -> None:

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from solver.mechanics.potential import Loads, potential
 from solver.problem.errors import InputError
 from studies import load
+from tests.slow import slow
 from tests.workbench.command import exit_status
 from tests.workbench.small import study
 from workbench.figures import along, drawn_rods, portrait, push_colours, push_scale, table, unrolled
@@ -210,13 +211,12 @@ def test_what_is_not_stored_is_solved_again(ds) -> None:
     [
         (["--kind", "curves", "--show", "turns"], "--show is no option of --kind curves; choose --kind from map, l"),
         (["--kind", "ridge", "--panel", "betta"], "no panel 'betta', did you mean 'beta'"),
-        pytest.param(
+        slow(
             ["--kind", "ridge", "--x", "E", "--at", "E=10000"],
             "the rods stand along E, so it takes no value, got E = 10000",
-            marks=pytest.mark.slow,
         ),
-        pytest.param(["--kind", "portrait", "--x", "R"], "no axis 'R'; choose from E", marks=pytest.mark.slow),
-        pytest.param(["--kind", "rigde"], "no kind of picture 'rigde', did you mean 'ridge'", marks=pytest.mark.slow),
+        slow(["--kind", "portrait", "--x", "R"], "no axis 'R'; choose from E"),
+        slow(["--kind", "rigde"], "no kind of picture 'rigde', did you mean 'ridge'"),
     ],
 )
 def test_what_cannot_be_drawn_is_refused_in_one_sentence(ds, args, said, tmp_path, capsys) -> None:

@@ -93,13 +93,6 @@ def test_it_marks_the_one_that_solve_takes(capsys, tmp_path) -> None:
     assert table.count(" *") == 1
 
 
-def test_options_change_the_case(capsys) -> None:
-    words = ("--betaL", "0.7", "--FZ", "-3", "--M3", "5", "--L", "8", "--R", "1", "--stiffness", "solid", "--json")
-    case = json.loads(run(capsys, *words)[1])["case"]
-    assert (case["betaL"], case["FZ"], case["M3"], case["L"], case["R"]) == (0.7, -3.0, 5.0, 8.0, 1.0)
-    assert case["stiffness"] == "solid"
-
-
 def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(capsys, tmp_path) -> None:
     case = default()
     rod, given = case.rod, case.given
@@ -122,17 +115,6 @@ def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(
     assert writing.read(tmp_path / "mm.h5", study=False).attrs["length_unit"] == "mm"
     first = sorted((tmp_path / "cases").glob("*.toml"))[0]
     assert load(str(first)).unit_system == {"length": "mm", "force": "N"}
-
-
-def test_units_go_with_a_whole_rod_of_ones_own(capsys) -> None:
-    status, said = run(capsys, "--length-unit", "mm", "--a", "2.5", "--R", "7.5")
-    assert (status, said) == (2, "workbench: an ends problem also needs E, nu, L, beta0 (or M10) and betaL (or M1L)\n")
-    whole = ("--E", 107, "--nu", 0.25, "--a", 2.5, "--R", 7.5, "--L", 200, "--beta0", "30deg", "--betaL", "45deg")
-    status, said = run(capsys, "--force-unit", "stone", *whole)
-    assert status == 2
-    assert "'stone' is not a unit of force; choose from pN, nN, uN" in said
-    status, said = run(capsys, "fig6", "--length-unit", "mm")
-    assert (status, said) == (2, "workbench: fig6 states its own units: change them in the file\n")
 
 
 def test_each_exported_case_solves_to_the_equilibrium_it_was_written_from(capsys, tmp_path) -> None:
@@ -253,35 +235,6 @@ def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
         np.testing.assert_allclose(values, np.deg2rad([-30, 0, 30, 60]), atol=1e-15)  # rounding
 
 
-@pytest.mark.parametrize(
-    "words, said",
-    (
-        (
-            ("--axis", "mass=1:2:3"),
-            "no axis 'mass'; choose from E, nu, a, L, inner_radius, EI, GJ, weight, R, inclination, friction, beta0, "
-            "betaL, FZ, MZ, M3, height, azimuth, rotation, M10, M1L",
-        ),
-        (("--axis", "betaL=1:2"), "NAME=FROM:TO:COUNT"),
-        (("--axis", "betaL=1:x:3"), "with numbers"),
-        (("--axis", "betaL=1:1:3"), "two different finite ends"),
-        (("--axis", "betaL=1:2:1"), "count from 2"),
-        (("--axis", "L=-1:2:3"), "Rod.L must be positive"),
-        (("--axis", "height=-30:3:3"), "Ends.height must be from -L to L, and L is 20, got -30.0"),
-        (("--axis", "azimuth=0deg:4000deg:3"), "Ends.azimuth must be from -L/rho to L/rho"),
-        (("--axis", "betaL=0:1:3", "--export", "x"), "--export"),
-        (("--plot", "x.txt"), "choose a name that ends in"),
-        (("--L", "-1"), "Rod.L must be positive and finite, got -1.0"),
-        (("fig7_1_modulus",), "has the axes E"),
-        (("nothing",), "no study 'nothing'"),
-    ),
-)
-def test_what_cannot_be_asked_is_refused_in_one_sentence(capsys, words, said) -> None:
-    status, text = run(capsys, *words)
-    assert status == 2
-    assert said in text
-    assert text.count("\n") == 1
-
-
 def test_a_study_that_names_an_equilibrium_must_be_one_case_by_its_ends(tmp_path) -> None:
     path = tmp_path / "case.toml"
     path.write_text(f"{small.HEAD}[equilibrium]\ndbeta0 = 1.0\nenergy = 2.0\n")
@@ -312,16 +265,6 @@ def test_ends_given_as_ends_are_taken_as_they_are(tmp_path) -> None:
     assert field_values(again) == field_values(case)
 
 
-def test_whose_equilibria_they_are_is_said(capsys) -> None:
-    for options, said in (
-        (["--L", "5"], "rod: Table 1 (betaL: the angle at which its own rod ends), with L as given\n"),
-        (["--betaL", "0.7", "--FZ", "-3"], "rod: Table 1, with betaL, FZ as given\n"),
-        ([], "rod: Table 1 (betaL: the angle at which its own rod ends)\n"),
-    ):
-        assert exit_status("equilibria", *options) == 0
-        assert said in capsys.readouterr().out
-
-
 BASE = {"E": 1e4, "nu": 0.25, "a": 0.25, "L": 10.0, "R": 0.75, "beta0": 0.5, "betaL": 0.8, "FZ": -8.0}
 CASE = small.text(BASE, "[equilibrium]\n")
 
@@ -348,19 +291,6 @@ def test_a_study_may_name_its_equilibrium_by_a_rule_or_an_index() -> None:
         assert sol.solved
         np.testing.assert_array_equal(sol.beta, solve(study.case(), choose=rule).beta)
         assert sol.selection.choose == rule
-
-
-@pytest.mark.parametrize(
-    "options, said",
-    [
-        ("--show wraps", "--show wraps names what --axis shows; give --axis too"),
-        ("--axis FZ=-1:1:2 --show colour", "no quantity to show 'colour'"),
-    ],
-)
-def test_what_a_diagram_cannot_show_is_refused(capsys, options: str, said: str) -> None:
-    status, text = run(capsys, *options.split())
-    assert status == 2
-    assert said in text
 
 
 @pytest.mark.parametrize("name", ["height", "azimuth", "rotation", "M10", "M1L"])

@@ -16,7 +16,6 @@ from tests.workbench import small
 from tests.workbench.command import exit_status
 from tests.workbench.live import asked, served, unpacked
 from tests.workbench.node import needs_node, run
-from workbench.commands import explore
 from workbench.store.case_input import read_case
 from workbench.web.live import own_case, page_model, page_shape
 from workbench.web.live.presets import PRESETS, Preset
@@ -135,44 +134,6 @@ def test_the_page_is_saved_as_one_file_that_names_no_address_and_begins_with_the
     assert data["presets"][0]["state"]["base"]["L"] == 20.0
     assert abs(data["presets"][0]["shape"]["beta"][0]) < 1e-12  # between two ends the page follows from a solved shape
     assert "opens in a browser without a server" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("name", ["rod.htm", "rod", "rod.html/x.html"])
-def test_a_page_that_cannot_be_saved_is_told_in_a_sentence(name, tmp_path, capsys) -> None:
-    (tmp_path / "rod.html").write_text("mine")
-    assert exit_status("explore", "--save", tmp_path / name) == 2
-    assert "rod" in capsys.readouterr().err
-    assert (tmp_path / "rod.html").read_text() == "mine"
-
-
-def test_a_page_of_a_rod_with_weight_needs_the_server(tmp_path, capsys) -> None:
-    (tmp_path / "mine.toml").write_text(PIPE)
-    assert exit_status("explore", tmp_path / "mine.toml", "--weight", "0.2", "--save", tmp_path / "rod.html") == 2
-    assert "a page without a server shows rods without weight and friction" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    "words, sentence",
-    [
-        (["nothing.toml"], "cannot read the study nothing.toml"),
-        (["fig7_1_modulus"], "a case is read from a .toml file"),
-        (["GRID"], "has the axes E: use workbench run to solve it"),
-        (["PIPE", "--length-unit", "mm"], "PIPE.toml states its own units: change them in the file"),
-        (["--length-unit", "mm"], "also needs E, nu, a, L, R"),
-        (["--length-unit", "furlong"], "also needs E, nu, a, L, R"),
-        (["PIPE", "--beta", "0.1"], "this case is an ends problem, which has no beta"),
-        (["PIPE", "--weight", "-0.2"], "Rod.weight must be at least 0"),
-        (["PIPE", "--height", "0.2"], "the live page shows ends under dead loads, got height"),
-    ],
-)
-def test_what_is_no_rod_is_refused_before_anything_is_served(words, sentence, tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(explore, "open_socket", lambda *_: pytest.fail("it listens"))
-    Path("PIPE.toml").write_text(PIPE)
-    Path("GRID.toml").write_text(READ.replace("E = 5000.0\n", "") + small.axis("E", [5e3, 6e3]))
-    given = [f"{word}.toml" if word in ("PIPE", "GRID") else word for word in words]
-    assert exit_status("explore", *given) == 2
-    assert sentence in capsys.readouterr().err
 
 
 def test_a_unit_that_nobody_knows_is_refused() -> None:

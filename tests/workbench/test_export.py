@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from solver import Case, Cylinder, Rod, Solution, Start, solve
 from solver.problem.errors import InputError
 from studies.language.loader import loads
-from tests.slow import slow_but
+from tests.slow import slow, slow_but
 from tests.workbench import runs, small
 from tests.workbench.command import exit_status
 from workbench.commands import export as export_command
@@ -428,53 +428,16 @@ def folder(ds, tmp_path_factory) -> Path:
     return folder
 
 
-REFUSED = {
-    "no kind": (["moduli.h5", "-o", "rod.iges"], "choose a name that ends in .step, .stp, .stl, .obj"),
-    "a file that is there": (["moduli.h5", "-o", "there.csv"], "there.csv exists; give --force to replace it"),
-    "an axis that is not there": (["moduli.h5", "--at", "R=1", "-o", "x.csv"], "no axis 'R'; choose from E"),
-    "a value that is none": (["moduli.h5", "--at", "E=x", "-o", "x.csv"], "E must be a finite number, got 'x'"),
-    "a value between": (["moduli.h5", "--at", "E=1.9e4", "-o", "x.csv"], "its values are 5000, 10700, 20000"),
-    "a value off the axis": (["moduli.h5", "--at", "E=1", "-o", "x.csv"], "its values are 5000, 10700, 20000"),
-    "no pair": (["moduli.h5", "--at", "E", "-o", "x.csv"], "--at takes NAME=VALUE, got 'E'"),
-    "a case without a shape": (["gap.h5", "--at", "E=10700", "-o", "x.csv"], "no shape: the march went astray"),
-    "a tolerance of nothing": (["moduli.h5", "-o", "x.stl", "--tolerance", "0"], "--tolerance must be positive"),
-    "a tolerance out of reach": (["moduli.h5", "-o", "x.stl", "--tolerance", "1e-8"], "201 stations fix the rod"),
-    "triangles without end": (["moduli.h5", "-o", "x.stl", "--tolerance", "1e-6"], "give a larger --tolerance"),
-    "a curve where there is a mesh": (["moduli.h5", "-o", "x.stl", "--centreline"], "--centreline is for .step"),
-    "a folder that is a file": (["moduli.h5", "-o", "there.csv/x.csv"], "folder not found: there.csv"),
-}
-
-
-@pytest.mark.parametrize("args, sentence", REFUSED.values(), ids=REFUSED)
-def test_one_sentence_status_2_and_nothing_written_for(args, sentence, folder, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(folder)
-    before = {path.name: path.read_bytes() for path in folder.iterdir()}
-    assert exit_status("export", *args) == 2
-    out, err = capsys.readouterr()
-    assert (out, len(err.splitlines())) == ("", 1), err
-    assert sentence in err
-    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
-
-
-def test_the_command_tells_what_it_chose_and_status_1_where_turns_meet(folder, tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(folder)
-    for E, status in (("2e4", 0), ("1.07e4", 1)):
-        assert exit_status("export", "moduli.h5", "--at", f"E={E}", "-o", tmp_path / f"{E}.glb") == status
-    out, err = capsys.readouterr()
-    assert "at E=20000" in out
-    assert "passes through itself" in err
-
-
 @pytest.mark.skipif(os.name == "nt", reason="no limit of the size of files there")
 @pytest.mark.parametrize(
     "kind",
     [
-        pytest.param(".stl", marks=pytest.mark.slow),
+        slow(".stl"),
         ".obj",
-        pytest.param(".glb", marks=pytest.mark.slow),
-        pytest.param(".usda", marks=pytest.mark.slow),
-        pytest.param(".vtp", marks=pytest.mark.slow),
-        pytest.param(".csv", marks=pytest.mark.slow),
+        slow(".glb"),
+        slow(".usda"),
+        slow(".vtp"),
+        slow(".csv"),
     ],
 )
 def test_a_disk_that_refuses_the_file_is_one_sentence_and_no_file_is_left(folder, tmp_path, kind) -> None:

@@ -14,6 +14,7 @@ import xarray as xr
 
 from solver import InputError
 from studies import load
+from tests.slow import slow
 from tests.workbench import runs
 from workbench.commands import console
 from workbench.store import local_pool, recipe, shards
@@ -226,7 +227,7 @@ def test_a_worker_of_other_code_or_without_the_method_is_refused() -> None:
 # Ctrl-C
 
 
-@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("workers", [slow(1), slow(2)])
 def test_ctrl_c_says_how_to_go_on_and_leaves_no_process(workers, whole, tmp_path) -> None:
     runs.study(tmp_path, GRID)
     before = TELLING.replace("part.start == 32", "part.start == 80") + (

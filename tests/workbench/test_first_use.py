@@ -13,6 +13,7 @@ from solver.problem.errors import near
 from studies.grammar.axes import Base, Units
 from studies.language.loader import loads
 from studies.language.model import Study
+from tests.slow import slow
 from tests.workbench.command import exit_status
 from workbench.commands.case_options import FIELDS
 
@@ -96,7 +97,7 @@ def test_a_notice_on_degrees_is_one_line_and_said_once(told, tmp_path) -> None:
     assert told("solve", "--table1", "--beta", "45 deg")[2] == ""
 
 
-@pytest.mark.parametrize("missing", ["xarray", pytest.param("matplotlib", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("missing", ["xarray", slow("matplotlib")])
 def test_an_installation_of_the_solver_alone_says_what_a_picture_needs(missing) -> None:
     """A process in which the package cannot be imported, as after pip install --no-deps."""
     code = (
@@ -109,30 +110,6 @@ def test_an_installation_of_the_solver_alone_says_what_a_picture_needs(missing) 
     run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert f"a solution need the package {missing}, which is not installed" in run.stdout
     assert "pip install rod-workbench, without --no-deps" in run.stdout
-
-
-BAR = ("--E", "1e4", "--nu", ".25", "--a", ".25", "--L", "5", "--R", "50", "--beta0", ".5", "--betaL", ".5")
-
-
-@pytest.mark.parametrize(
-    ("words", "line"),
-    [
-        (("solve", *BAR), "units: lengths in cm, forces in N, angles in rad; --length-unit and --force-unit would"),
-        (
-            ("solve", *BAR, "--length-unit", "mm"),
-            "units: lengths in mm, forces in N, angles in rad; --force-unit would",
-        ),
-        (
-            ("solve", "--length-unit", "m", "--force-unit", "kN", *BAR),
-            "units: lengths in m, forces in kN, angles in rad\n",
-        ),
-        (("equilibria", "--force-unit", "kN", *BAR), "units: lengths in cm, forces in kN, angles in rad\n"),
-        (("loops", "--folds", "2"), "units: lengths in cm, forces in N, angles in rad\n"),
-    ],
-)
-def test_a_command_says_in_which_units_it_took_its_numbers(told, words, line) -> None:
-    status, said, _ = told(*words)
-    assert (status, line in said) == (0, True), said
 
 
 def test_the_help_of_each_number_names_its_unit(told) -> None:

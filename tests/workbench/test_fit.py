@@ -38,32 +38,6 @@ def points(tmp_path) -> Path:
     return file
 
 
-def test_a_target_is_reached_and_the_fitted_case_solves_to_it(tmp_path, capsys) -> None:
-    out = tmp_path / "fitted.toml"
-    status, said, _ = run(
-        capsys, "fig7_1_modulus", "--at", "E=10905", "--target", "height=9", "--vary", "F1", "--bounds", "F1=1:9",
-        "--out", out,
-    )  # fmt: skip
-    assert status == 0
-    assert "at E = 10905.1" in said
-    assert "no intervals: no sigma is given, and there are no more data than fitted values" in said
-    assert "caution: 1 other value reaches the target: the values are not unique" in said
-    rows = said[said.index("other minima") :].splitlines()
-    assert rows[1].split("  ")[-1].strip() == "reaches the target"
-    assert [row.split()[-1] for row in rows if "3.08124" in row] == ["yes"]
-    assert [row.split()[-1] for row in rows if "9 (bound)" in row] == ["no"]
-    shape = "caution: The rod passes through itself and would lift off where the cylinder has to pull"
-    assert shape in said
-    exit_status("solve", out)
-    assert [line for line in said.splitlines() if "The rod" in line] == [
-        line for line in capsys.readouterr().out.splitlines() if "The rod" in line
-    ]
-    study = load(str(out))
-    modulus = study.case().rod.E
-    assert modulus == pytest.approx(10905.077)
-    assert observe(solve(study.case()), ["height"])["height"] == pytest.approx(9)
-
-
 @pytest.mark.slow
 def test_points_give_intervals_shares_and_a_picture(points, tmp_path, capsys) -> None:
     picture, table = tmp_path / "fit.png", tmp_path / "fit.csv"
@@ -87,16 +61,6 @@ def test_points_give_intervals_shares_and_a_picture(points, tmp_path, capsys) ->
     assert found["values"]["E"] == pytest.approx(float(value), rel=1e-12)
     assert sum(share["E"] for share in found["shares"].values()) == pytest.approx(1)
     assert len(found["data"]) == 60
-
-
-def test_angles_are_printed_in_degrees_and_read_in_any_form(capsys) -> None:
-    given = ["--table1", "--vary", "beta", "--target", "height=8", "--bounds", "beta=10deg:25deg"]
-    status, said, _ = run(capsys, *given)
-    assert status == 0
-    assert "deg" in next(line for line in said.splitlines() if line.startswith("beta0"))
-    found = json.loads(run(capsys, *given, "--json")[1])
-    assert np.radians(10) < found["values"]["beta0"] < np.radians(25)
-    assert f"{np.degrees(found['values']['beta0']):.6g}" in said
 
 
 def test_an_ends_problem_keeps_the_equilibrium_in_the_fitted_study(tmp_path, capsys) -> None:
@@ -170,80 +134,3 @@ def test_fields_that_are_undetermined_have_no_shares_in_the_picture() -> None:
     assert figure.get_figheight() < 7.4
     title = fit_dataset.dataset_of(found, {"length": "cm", "force": "N"}, None).attrs["title"]
     assert title == "Fit: E undetermined, F₃ undetermined, M₃ undetermined"
-
-
-STUDY = ("fig7_1_modulus", "--vary", "F1")
-INVALID = {
-    "unbounded": (
-        ("fig7_1_modulus", "--vary", "E", "--starts", 0, "--target", "height=100"),
-        "the search found no E (start: 1.091e+04) that reaches height = 100; the nearest reached is height = ",
-    ),
-    "unreached": (
-        (*STUDY, "--bounds", "F1=1:9", "--target", "height=100"),
-        "the search found no F1 from 1 to 9 that reaches height = 100; the nearest reached is height = ",
-    ),
-    "observable": ((*STUDY, "--target", "heigth=9"), "no observable 'heigth', did you mean 'height'; choose"),
-    "count": ((*STUDY, "--target", "turns=5"), "the target turns is a whole number"),
-    "number": ((*STUDY, "--target", "height=high"), "--target height must be a finite number, got 'high'"),
-    "form": ((*STUDY, "--target", "height"), "--target takes NAME=VALUE, got 'height'"),
-    "twice": ((*STUDY, "--target", "height=9", "--target", "height=8"), "--target height=8: height is given twice"),
-    "field": (("fig7_1_modulus", "--vary", "Q", "--target", "height=9"), "no field 'Q' in this case; choose from E, "),
-    "nothing": (("fig7_1_modulus", "--target", "height=9"), "fit needs --vary NAMES"),
-    "no data": (STUDY, "fit needs data: give targets"),
-    "negative": (
-        ("fig7_1_modulus", "--vary", "E", "--bounds", "E=-5:9", "--target", "height=9"),
-        "the bounds of E must be positive, got -5 to 9",
-    ),
-    "stray": ((*STUDY, "--bounds", "E=1:9", "--target", "height=9"), "--bounds E is of no field of --vary"),
-    "range": ((*STUDY, "--bounds", "F1=1", "--target", "height=9"), "--bounds takes NAME=LOW:HIGH, got F1='1'"),
-    "place": ((*STUDY, "--at", "E=1", "--target", "height=9"), "--at E=1: E = 1 is not on the axis"),
-    "no study": (("--at", "E=1", "--vary", "F1", "--target", "height=9"), "no study is given"),
-    "followed": (("fig7_4_end_angle", "--vary", "F1", "--target", "height=9"), "fit takes a study of single cases"),
-    "rule": ((*STUDY, "--choose", "lowest", "--target", "height=9"), "--choose selects among the equilibria"),
-    "suffix": ((*STUDY, "--target", "height=9", "--out", "a.h5"), "choose a name that ends in .toml, .csv"),
-    "missing": ((*STUDY, "--points", "none.csv"), "cannot read the table none.csv"),
-}
-
-
-@pytest.mark.parametrize("name", INVALID)
-def test_invalid_input_is_one_sentence_and_status_2(name, tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    words, sentence = INVALID[name]
-    status, said, told = run(capsys, *words, *(() if name == "suffix" else ("--out", "out.toml")))
-    assert status == 2
-    assert said == ""
-    assert sentence in told
-    assert told.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
-
-
-POINTS = {
-    "": "points.csv is empty: give a line of names, and below it a line for each point",
-    "s,alpha,z\n": "points.csv has no rows: give a line for each point below the line of names",
-    "s;alpha;z\n1;0.1;1\n": "points.csv: columns are separated by commas, not semicolons, got 's;alpha;z'",
-    "s,alpha,z\n1,0.1,1\n2,x,1\n": "points.csv, line 3 (row 2): alpha must be a finite number, got 'x'",
-    "s,alpha,z\n1,0.1,1\n2,0.2,\n": "points.csv, line 3 (row 2): z is empty; give each row a number",
-    "s,alpha,z\n1,0.1\n": "points.csv, line 2 (row 1): expected 3 cells, as the line of names has, got 2",
-    "s,alfa,z\n1,0.1,1\n": "the column 'alfa' is no column of measured points, did you mean 'alpha'; choose from s, ",
-    "alpha,sigma_z\n1,0.1\n": "points.csv has the column sigma_z and no column z",
-    "z\n1\n": "points need alpha and z, or s and one of alpha, z, beta, got z",
-    "s,z\n1,0\n30,1\n": "a point has s = 30, beyond the end of the rod at L = 20",
-}
-
-
-@pytest.mark.parametrize("text", POINTS)
-def test_a_table_of_points_that_is_none_is_refused(text, tmp_path, capsys) -> None:
-    file = tmp_path / "points.csv"
-    file.write_text(text)
-    status, _, told = run(capsys, *STUDY, "--points", file)
-    assert status == 2
-    assert POINTS[text] in told
-
-
-def test_an_existing_file_is_kept(tmp_path, capsys) -> None:
-    out = tmp_path / "fitted.toml"
-    out.write_text("mine")
-    status, _, told = run(capsys, *STUDY, "--target", "height=9", "--out", out)
-    assert status == 2
-    assert "exists; give --force to replace it" in told
-    assert out.read_text() == "mine"

@@ -10,6 +10,7 @@ import xarray as xr
 
 from solver import Case, Cylinder, Ends, Rod, region_map
 from studies import load
+from tests.slow import slow
 from tests.workbench.command import exit_status
 from workbench.branches.region_dataset import dataset_of
 from workbench.figures import region_map as region_figure
@@ -77,9 +78,7 @@ def test_the_picture_shows_curves_of_stable_folds_cusps_and_numbers() -> None:
     assert words[1:] == ["fold of a stable and an unstable equilibrium", "cusp"]
 
 
-@pytest.mark.parametrize(
-    ("given", "inside"), [pytest.param((-30.0, 2.0), True, marks=pytest.mark.slow), ((0.0, 3.0), False)]
-)
+@pytest.mark.parametrize(("given", "inside"), [slow((-30.0, 2.0), True), ((0.0, 3.0), False)])
 def test_the_given_case_is_marked_and_named_where_it_lies(given, inside) -> None:
     assert made().attrs["given"] == [0.0, 3.0]
     ax = region_figure.figure(made().assign_attrs(given=given, reading="a"), sheet()).axes[0]
@@ -87,27 +86,3 @@ def test_the_given_case_is_marked_and_named_where_it_lies(given, inside) -> None
     assert marks == [list(given)] * inside
     named = [text.get_text() for legend in ax.get_figure().legends for text in legend.get_texts()]
     assert ("the rod of Table 1" in named) == inside
-
-
-REFUSED = {
-    "no axis": ((), "folds takes --axis NAME=FROM:TO twice, with two different fields, got none"),
-    "one axis": (("--axis", "FZ=0:1"), "got FZ=0:1"),
-    "one axis twice": (("--axis", "FZ=0:1", "--axis", "FZ=2:3"), "with two different fields, got FZ=0:1, FZ=2:3"),
-    "a word": (("--axis", "side=0:1", "--axis", "FZ=2:3"), "axis"),
-    "three numbers": (("--axis", "FZ=0:1:2", "--axis", "MZ=2:3"), "--axis takes NAME=FROM:TO, got 'FZ=0:1:2'"),
-    "no numbers": (("--axis", "FZ=a:b", "--axis", "MZ=2:3"), "with numbers, got 'FZ=a:b'"),
-    "a range upside down": (("--axis", "FZ=1:0", "--axis", "MZ=2:3"), "the first lower, got (1.0, 0.0)"),
-    "too many points": (("--axis", "FZ=0:1", "--axis", "MZ=2:3", "--check", "1000000"), "at most 100000 points"),
-    "a film": (("--axis", "FZ=0:1", "--axis", "MZ=2:3", "--plot", "a.gif"), "choose a name that ends in .png"),
-}
-
-
-@pytest.mark.parametrize("why", REFUSED)
-def test_what_cannot_be_mapped_is_refused_with_one_sentence(why: str, capsys, tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    words, sentence = REFUSED[why]
-    status, text = run(capsys, *words)
-    assert status == 2
-    assert sentence in text
-    assert text.count("\n") == 1
-    assert not list(tmp_path.iterdir())

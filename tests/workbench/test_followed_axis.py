@@ -12,6 +12,7 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import follow, solve
 from studies import Study
 from studies.language.loader import loads
+from tests.slow import slow
 from tests.workbench import runs, small
 from workbench.store import in_memory
 from workbench.store.study_store import Options, run_to_file
@@ -81,7 +82,7 @@ def test_a_rising_axis_begins_at_its_low_end_on_another_branch() -> None:
         ("R", (0.75, 0.7), {"FZ": -0.3}),
         ("alpha", (0.0, 1.0), {"FZ": -0.3}),
         ("height", (4.2, 4.0), {}),
-        pytest.param("M1L", (0.1, 0.2), {"betaL": None, "height": 4.2}, marks=pytest.mark.slow),
+        slow("M1L", (0.1, 0.2), {"betaL": None, "height": 4.2}),
     ],
 )
 def test_any_numeric_axis_is_followed(axis: str, values: tuple[float, float], more: dict[str, Any]) -> None:

@@ -21,20 +21,6 @@ def run(line: str, status: int = 0) -> None:
     assert exit_status("equilibria", *line.split()) == status, line
 
 
-def test_the_table_names_the_held_ends_the_reactions_both_indices_and_the_search(capsys) -> None:
-    run(f"{ROD} {QUICK}")
-    said = capsys.readouterr().out
-    assert said.split("\n")[0].split() == [
-        "FZ", "(N)", "dbeta0", "(rad/cm)", "held", "energy", "(N", "cm)", "bending", "energy", "(N", "cm)", "bends",
-        "index", "dead", "index", "overshoot", "(deg)", "attached",
-    ]  # fmt: skip
-    assert "1  -36.1824" in said
-    assert "*" not in said  # solve begins from the nearest dead-load equilibrium, and selects from no list
-    assert "4 equilibria, 2 stable under held ends: height" in said
-    assert "not proved complete: searched over FZ from -90 to -30;" in said
-    assert "began from the equilibria of 3 problems under dead loads that have at most 8 whole periods of beta" in said
-
-
 def test_a_study_file_json_and_the_stored_file_hold_the_same(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     Path("held.toml").write_text(STUDY, encoding="utf-8")
@@ -51,27 +37,6 @@ def test_a_study_file_json_and_the_stored_file_hold_the_same(tmp_path, monkeypat
         assert "minus the work of the given loads alone" in ds["energy"].attrs["long_name"]
         assert ds.attrs["stability"] == "under held ends (height)"
         assert ds.attrs["remark"] == told["remark"]
-
-
-@pytest.mark.parametrize(("line", "said"), (
-    (f"{ROD} --axis FZ=-3:2:5", "begin from equilibria under dead loads and between two angles, got height"),
-    (f"{ROD} --within MZ=0:1", "MZ"),
-    (f"{ROD} --within FZ=0", "--within takes NAME=LOW:HIGH, such as FZ=-50:10, got 'FZ=0'"),
-    (f"{ROD} --export cases", "--export writes cases under dead loads, got height; --out stores this list"),
-    (f"{ROD} --values 1", "values must be a whole number from 2 to 1000, got 1"),
-    ("--within FZ=0:1", "--within belongs to the search of held ends, so it excludes dead loads and --axis"),
-    ("--tries 0", "--tries belongs to the search of held ends"),
-    (f"{ROD} --FZ 3", "Ends takes FZ or height, got both"),
-))  # fmt: skip
-def test_what_cannot_be_searched_is_refused_in_one_sentence(
-    line: str, said: str, tmp_path, monkeypatch, capsys
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    run(line, 2)
-    error = capsys.readouterr().err
-    assert said in error
-    assert "Traceback" not in error
-    assert not list(tmp_path.iterdir())
 
 
 def test_solve_prints_the_energy_of_the_list_beside_the_observable(capsys) -> None:

@@ -19,7 +19,7 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
 from studies import load
 from studies.language.loader import loads
-from tests.slow import slow_but
+from tests.slow import slow, slow_but
 from tests.workbench import forked, runs, small
 from tests.workbench.command import exit_status
 from workbench.figures import canvas, study_figure
@@ -52,10 +52,6 @@ def opened(whole: bytes) -> Iterator[xr.Dataset]:
     """The good file, opened once; a test alters a copy."""
     with xr.open_dataset(BytesIO(whole), engine="h5netcdf") as ds:
         yield ds
-
-
-def slow(*row: Any) -> Any:
-    return pytest.param(*row, marks=pytest.mark.slow)
 
 
 # All of them open files by the same door.
@@ -419,7 +415,7 @@ def test_numbers_that_cannot_be_are_refused_on_reading_and_named(whole: bytes, t
         writing.read(path)
 
 
-@pytest.mark.parametrize("name", ["outcome", pytest.param("caution", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["outcome", slow("caution")])
 def test_numbers_in_place_of_words_are_refused(whole: bytes, tmp_path: Path, name: str) -> None:
     with xr.open_dataset(BytesIO(whole), engine="h5netcdf") as ds:
         ds.assign({name: xr.zeros_like(ds["error"])}).to_netcdf(tmp_path / "numbers.h5", engine="h5netcdf")

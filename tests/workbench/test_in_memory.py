@@ -9,10 +9,11 @@ from solver import InputError, solve
 from solver.methods import METHODS, Verlet, available
 from solver.problem.trajectory import Trajectory
 from studies.language.loader import loads
+from tests.slow import slow
 from tests.workbench import small
 from workbench.store import dataset, in_memory, law_verdicts
 
-SLOW_EULER = pytest.param("euler", marks=pytest.mark.slow)  # three seconds
+SLOW_EULER = slow("euler")  # three seconds
 
 
 def test_every_number_has_a_unit_and_everything_a_long_name() -> None:

@@ -113,26 +113,6 @@ def test_a_followed_study_and_a_sweep_have_elasticities_of_one_case() -> None:
     assert float(swept["at"].sel(field="FZ")) == -5
 
 
-def test_the_command_prints_a_table_and_writes_csv_json_and_a_diagram(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    line = "sensitivity fig7_1_modulus --show kappa_max,turns,lift_off_at --fields E,R,beta"
-    run(f"{line} --plot t.png --out t.csv --dpi 100")
-    shown = capsys.readouterr().out
-    for part in ("kappa_max", "beta0 (1 deg)", "Left out: turns, a whole number", "t.csv\nt.png"):
-        assert part in shown
-    rows = list(csv.DictReader(Path("t.csv").read_text(encoding="utf-8").splitlines()))
-    assert [(row["observable"], row["field"]) for row in rows][:4] == [
-        ("kappa_max", "E"), ("kappa_max", "R"), ("kappa_max", "beta0"), ("lift_off_at", "E"),
-    ]  # fmt: skip
-    assert rows[0]["derivative_unit"] == "1/cm per N/cm^2"
-    assert 0.02 < share_of_ink(pixels(Path("t.png"))) < 0.5
-    run(f"{line} --json")
-    found = json.loads(capsys.readouterr().out)
-    assert found["rows"][0]["effect"] == pytest.approx(float(rows[0]["effect"]))
-    run(f"{line} --plot t.png", 2)  # it exists
-    run(f"{line} --plot t.txt", 2)
-
-
 def test_a_tornado_has_its_longest_bar_on_top_and_its_signs_apart() -> None:
     table = local(solve(TABLE), observables=["height"]).assign_attrs(title="one", reading="")
     (ax,) = bars.tornado(table).axes
@@ -142,27 +122,6 @@ def test_a_tornado_has_its_longest_bar_on_top_and_its_signs_apart() -> None:
     assert {bar.get_facecolor() for bar in ax.patches if bar.get_width() < 0}.isdisjoint(
         bar.get_facecolor() for bar in ax.patches if bar.get_width() > 0
     )
-
-
-@pytest.mark.parametrize(("line", "parts"), [
-    ("fig7_1_modulus --fields E,F9", ["no field 'F9'", "choose from E, nu"]),
-    ("fig7_1_modulus --fields M3", ["no field 'M3'", "F1"]),
-    ("fig7_1_modulus --fields stiffness", ["no field 'stiffness'"]),
-    ("fig7_1_modulus --show turns", ["turns is a whole number", "choose from bend_number"]),
-    ("fig7_1_modulus --show heigth", ["no observable 'heigth'"]),
-    ("fig7_1_modulus --at E=7", ["E = 7 is not on the axis"]),
-    ("fig7_1_modulus --at E", ["--at takes NAME=VALUE"]),
-    ("fig7_1_modulus --global", ["--global needs a stored study"]),
-    ("fig7_1_modulus --confidence 0.9", ["--confidence is an option of --global"]),
-    ("nothing", ["no study 'nothing'"]),
-    ("nothing.h5", ["nothing.h5"]),
-])  # fmt: skip
-def test_invalid_input_is_one_sentence(line: str, parts: list[str], capsys) -> None:
-    run(f"sensitivity {line}", 2)
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    for part in parts:
-        assert part in said
 
 
 def test_a_case_without_a_solution_has_no_elasticities() -> None:

@@ -35,32 +35,6 @@ def test_the_command_prints_lists_and_stores_the_loops(tmp_path, monkeypatch, ca
     assert found["complete"]
 
 
-def test_loops_that_turn_back_are_listed_if_asked(capsys) -> None:
-    run("loops --a 0.05 --R 0.95 --L 12 --folds 1 --all --json")
-    found = json.loads(capsys.readouterr().out)["loops"]
-    assert [one["about"] > 0 for one in found] == [True, False]
-    assert [one["self_intersection"] for one in found] == ["no", "yes"]
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("--L 6", "needs a rod longer than the ring, L > 2 pi rho wraps = 6.28318530718, got L = 6"),
-        ("--folds 0", "--folds takes whole numbers from 1 to 50 with commas between, got '0'"),
-        ("--wraps 0", "wraps must be a whole number from 1 to 1000000, got 0"),
-        ("rod.h5", "a case is read from a .toml file, got 'rod.h5'"),
-        ("--length-unit parsec --E 1 --nu 0.3 --a 0.1 --L 20 --R 1", "unit of length"),
-        ("--length-unit mm --E 1", "Rod needs nu, a, L"),
-        ("--plot loops.txt", "loops.txt"),
-    ],
-)
-def test_what_cannot_be_is_refused_in_a_sentence(words: str, said: str, capsys, tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    run(f"loops {words}", 2)
-    assert said in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
-
-
 def test_a_dataset_of_loops_has_the_units_given_and_of_none_there_is_none() -> None:
     found = loops(Rod(E=1e4, nu=0.3, a=0.05, L=9.0), Cylinder(R=0.95), folds=1)
     ds = found.to_dataset(length="nm", force="pN")
@@ -68,15 +42,6 @@ def test_a_dataset_of_loops_has_the_units_given_and_of_none_there_is_none() -> N
     del found[:]
     with pytest.raises(InputError, match="no loop was found"):
         found.to_dataset()
-
-
-def test_a_loop_is_exported_as_a_case_that_closes(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    run("loops --a 0.05 --R 0.95 --L 9 --folds 2 --export cases")
-    run("solve cases/loop_1.toml --json")
-    found = json.loads(capsys.readouterr().out.partition("{")[2].join(["{", ""]))
-    assert found["observables"]["wraps"] == pytest.approx(1, abs=1e-10)
-    assert found["observables"]["height"] == pytest.approx(0, abs=1e-10)
 
 
 def test_the_ends_of_a_closed_rod_are_no_place_where_it_passes_through_itself() -> None:

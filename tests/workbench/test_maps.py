@@ -10,6 +10,7 @@ from matplotlib.patches import PathPatch
 from solver.problem.errors import InputError
 from studies import load
 from studies.laws.verdicts import HOLDS, VERDICTS, judge
+from tests.slow import slow
 from tests.workbench.command import exit_status
 from tests.workbench.page_faults import faults
 from tests.workbench.pictures import pixels
@@ -347,7 +348,7 @@ def test_a_rod_that_is_not_solved_has_no_shape(regimes) -> None:
     assert "not solved" in [text.get_text() for text in panel.texts]
 
 
-OF_THREE = pytest.param("three", marks=pytest.mark.slow)
+OF_THREE = slow("three")
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ import xarray as xr
 import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
 from studies.language.loader import loads
-from tests.slow import slow_but
+from tests.slow import slow, slow_but
 from tests.workbench import small
 from workbench.store import concatenation, dataset, file_merge, in_memory, law_verdicts, study_store, writing
 
@@ -77,9 +77,7 @@ def assert_same_kinds(merged: xr.Dataset, whole: xr.Dataset) -> None:
         assert merged[name].dtype.kind == variable.dtype.kind, name
 
 
-@pytest.mark.parametrize(
-    "split", [name if "overlap" in name else pytest.param(name, marks=pytest.mark.slow) for name in SPLITS]
-)
+@pytest.mark.parametrize("split", [name if "overlap" in name else slow(name) for name in SPLITS])
 def test_what_is_joined_is_what_one_run_of_all_values_stores(split: str, tmp_path) -> None:
     parts, union = SPLITS[split]
     files = stored(tmp_path, *(one_by_one(axis("E", values) + RADII + LAW) for values in parts))

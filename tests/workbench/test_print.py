@@ -16,6 +16,7 @@ from PIL import Image
 from solver import InputError
 from studies import load
 from studies.language.loader import loads
+from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.command import exit_status, run
 from tests.workbench.page_faults import faults
@@ -44,7 +45,7 @@ def equilibria(path: Path) -> None:
     canvas.save(equilibria_figure.figure(dataset_of(study, case, every(case)[:2])), path)
 
 
-@pytest.mark.parametrize("name", ["plot", pytest.param("equilibria", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["plot", slow("equilibria")])
 def test_a_diagram_for_print_is_vectors_with_its_letters_inside(ds, tmp_path, name: str) -> None:
     for kind in ("pdf", "svg"):
         path = tmp_path / f"one.{kind}"
@@ -151,18 +152,6 @@ def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(two, tmp_path, cap
     turns = {(float(row["x"]), float(row["value"])) for row in cells if row["panel"].endswith("number of bends")}
     assert {value for _, value in turns} == set(two["turns"].values.ravel().tolist())
     assert capsys.readouterr().out.splitlines()[-1] == str(tmp_path / "map.csv")
-
-
-def test_bad_sheets_are_refused_in_one_sentence(tmp_path, two, capsys) -> None:
-    writing.write(two, tmp_path / "small.h5")
-    for args, said in (
-        (["--width", "10"], "the width must be from 60 to 500 mm, got 10"),
-        (["--style", "papr"], "no style 'papr', did you mean 'paper'; choose from screen, paper"),
-        (["--data", str(tmp_path / "x.txt")], "cannot write 'x.txt': choose a name that ends in .csv"),
-    ):
-        assert exit_status("plot", tmp_path / "small.h5", *args) == 2
-        assert said in capsys.readouterr().err
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["small.h5"]
 
 
 def test_a_full_disk_is_a_sentence_and_an_existing_picture_stays(tmp_path) -> None:

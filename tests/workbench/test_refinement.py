@@ -9,6 +9,7 @@ from benchmarks.detail import off
 from solver import Case, Cylinder, Rod, Solution, Start, solve
 from solver.problem.errors import InputError
 from studies.language.loader import loads
+from tests.slow import slow
 from tests.workbench import small
 from workbench.geometry import centreline, stored_line
 from workbench.geometry.refinement import rings, stations_for
@@ -64,7 +65,7 @@ def test_between_stations_that_are_too_few_the_surface_is_said_to_be_off() -> No
     assert rod.line.error > missed / 2  # the warning is of the miss's own size
 
 
-@pytest.mark.parametrize("turn", [30.0, pytest.param(-30.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("turn", [30.0, slow(-30.0)])
 def test_a_stripe_is_followed_as_it_turns_either_way(turn: float) -> None:
     rod = body(kind="twist")
     plain = rings(rod.line, rod.span, 0.05)

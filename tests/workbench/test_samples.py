@@ -250,29 +250,6 @@ def test_a_power_of_two_and_other_methods_need_no_caution() -> None:
     assert "sampling_caution" not in in_memory.run(small.study(text, HEAD)).attrs
 
 
-@pytest.mark.slow
-def test_run_solves_the_cases_of_a_table(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("cases.csv").write_text("E,beta\n1e4,30deg\n2e4,0.5\n")
-    Path("one.toml").write_text(small.study("", HEAD).text)
-    run("run one.toml --cases cases.csv")
-    assert "2 samples of E, beta, from " in capsys.readouterr().out
-    with xr.open_dataset("one.h5") as ds:
-        assert ds["E"].values.tolist() == [1e4, 2e4]
-    run("run one.toml --cases cases.csv")
-    assert "already complete" in capsys.readouterr().out
-    Path("cases.csv").write_text("E,beta\n1e4,30deg\n2e4,0.5\n3e4,\n")
-    before = Path("one.h5").read_bytes()
-    run("run one.toml --cases cases.csv", 2)
-    assert capsys.readouterr().err == (
-        "workbench: one.toml: cases.csv, line 4 (row 3): beta is empty; give each row a number\n"
-    )
-    assert Path("one.h5").read_bytes() == before
-    Path("cases.csv").write_text("E,beta\n1e4,30deg\n2e4,0.5\n3e4,0.6\n")
-    run("run one.toml --cases cases.csv --json")
-    assert '"solved_now": 1' in capsys.readouterr().out
-
-
 def test_a_stored_study_reads_no_table_again(tmp_path) -> None:
     (tmp_path / "cases.csv").write_text("E\n1e4\n2e4\n")
     (tmp_path / "s.toml").write_text(small.study("", HEAD).text + "[table]\nfile = 'cases.csv'\n")
@@ -283,26 +260,7 @@ def test_a_stored_study_reads_no_table_again(tmp_path) -> None:
         assert ds.rod.kappa.shape == (2, 21)
 
 
-def test_one_command_line_solves_no_samples(tmp_path, capsys) -> None:
-    (tmp_path / "s.toml").write_text(study().text)
-    run(f"solve {tmp_path / 's.toml'}", 2)
-    assert "s.toml has samples of E, R, beta: use workbench run to solve it" in capsys.readouterr().err
-
-
 # which case
-
-
-def test_a_sample_is_chosen_by_its_number(stored: Path, tmp_path, capsys) -> None:
-    run(f"export {stored} --at sample=17 --out {tmp_path / 'rod.csv'}")
-    assert "at sample=17" in capsys.readouterr().out
-    for at, sentence in (
-        ("E=1e4", "--at E=1e4: E is no axis: the samples are of E, R, beta; give the number of one, sample=0"),
-        ("sample=40", "its 40 values go from 0 to 39, the nearest are 38, 39"),
-        ("sample=1.5", "sample = 1.5 is not on the axis"),
-    ):
-        run(f"export {stored} --at {at} --out {tmp_path / 'no.csv'}", 2)
-        assert sentence in capsys.readouterr().err
-    assert not (tmp_path / "no.csv").exists()
 
 
 def test_the_number_of_a_sample_is_written_in_full() -> None:

@@ -15,6 +15,7 @@ from solver.problem.errors import InputError
 from studies import load
 from studies.language.loader import loads
 from tests.cases import helix_moment, in_units_of_rho
+from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench.commands import option_checks, scene
@@ -463,25 +464,11 @@ def test_each_cylinder_is_as_long_as_its_rod_and_all_words_stay_on_the_page() ->
         ({"camera": "top"}, "no camera 'top'; choose from oblique, sides, front, side, AZIMUTH,ELEVATION"),
         ({"camera": "10,80"}, "an elevation between -60 and 60 degrees, got 10,80"),
         ({"color_range": "5"}, "--color-range takes two numbers LOW,HIGH, got '5'"),
-        pytest.param(
-            {"color_range": "9,1"}, "takes a lower and a higher finite number, got 9,1", marks=pytest.mark.slow
-        ),
-        pytest.param(
-            {"color_range": "0,nan"}, "takes a lower and a higher finite number, got 0,nan", marks=pytest.mark.slow
-        ),
-        pytest.param(
-            {"size": "wide"},
-            "--size takes WIDTHxHEIGHT in pixels, for example 1600x1200, got 'wide'",
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(
-            {"size": "5x900"}, "between 200 and 12000 pixels on each side .* got 5x900", marks=pytest.mark.slow
-        ),
-        pytest.param(
-            {"transparent": True},
-            r"only a \.png can have a transparent background \(--transparent\), not out\.jpg",
-            marks=pytest.mark.slow,
-        ),
+        slow({"color_range": "9,1"}, "takes a lower and a higher finite number, got 9,1"),
+        slow({"color_range": "0,nan"}, "takes a lower and a higher finite number, got 0,nan"),
+        slow({"size": "wide"}, "--size takes WIDTHxHEIGHT in pixels, for example 1600x1200, got 'wide'"),
+        slow({"size": "5x900"}, "between 200 and 12000 pixels on each side .* got 5x900"),
+        slow({"transparent": True}, r"only a \.png can have a transparent background \(--transparent\), not out\.jpg"),
     ],
 )
 def test_a_look_that_cannot_be_drawn_is_refused_in_a_sentence(look, sentence, fig6, tmp_path) -> None:
@@ -500,15 +487,8 @@ def test_a_look_that_cannot_be_drawn_is_refused_in_a_sentence(look, sentence, fi
             {"color_range": "3,100"},
             "colours of a push are pale at 0, so --color-range is 0,HIGH or -HIGH,HIGH, got 3,100",
         ),
-        pytest.param(
-            "plain",
-            {"color_range": "0,1"},
-            "a scene of kind plain has no colour bar, so it takes no --color-range",
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(
-            "contact", {"size": "300x200"}, "--size 300x200 leaves no room for the views", marks=pytest.mark.slow
-        ),
+        slow("plain", {"color_range": "0,1"}, "a scene of kind plain has no colour bar, so it takes no --color-range"),
+        slow("contact", {"size": "300x200"}, "--size 300x200 leaves no room for the views"),
     ],
 )
 def test_a_look_that_does_not_fit_the_kind_or_the_page_is_refused(kind, look, sentence, fig6, tmp_path) -> None:

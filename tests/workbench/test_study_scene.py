@@ -8,6 +8,7 @@ import pytest
 
 from solver.problem.errors import InputError
 from studies.language.loader import loads
+from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.pictures import pixels
 from workbench.commands import scene, study_scene
@@ -101,7 +102,7 @@ WOUND = small.text({**WIRE, **ENDS}, stations=201, outputs=["beta", "alpha", "z"
 
 
 @draws
-@pytest.mark.parametrize("suffix", [".png", pytest.param(".html", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("suffix", [".png", slow(".html")])
 def test_a_file_with_too_few_stations_is_solved_again_and_without_a_study_refused(suffix, tmp_path, capsys) -> None:
     ds = in_memory.run(loads(WOUND, default_name="wound"))
     stored, out = tmp_path / "wound.h5", tmp_path / f"wound{suffix}"

@@ -16,7 +16,7 @@ from solver import InputError, solve
 from studies import load
 from studies.language.loader import loads
 from studies.language.study_data import OUTPUTS
-from tests.slow import slow_but
+from tests.slow import slow, slow_but
 from tests.workbench import runs
 from workbench.store import assembly, block, grid_io, in_memory, recipe, schema, shards, study_store
 from workbench.store.study_store import Options, run_to_file
@@ -133,7 +133,7 @@ def test_a_finished_study_is_answered_at_once(whole, monkeypatch) -> None:
     assert whole.read_bytes() == before
 
 
-@pytest.mark.parametrize("follow", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("follow", [False, slow(True)])
 def test_other_results_of_the_same_study_are_replaced_with_a_line_that_says_what_differs(tmp_path, follow) -> None:
     ends = "beta0 = 0.1, betaL = 0.2, MZ = 0.0" if follow else "beta = 0.1, dbeta = 0.0, F3 = 2.0, M3 = 0.0"
     text = (

@@ -123,35 +123,6 @@ def test_the_command_prints_it_for_people_and_for_programs(file) -> None:
     assert json.loads(run.stdout) == json.loads(json.dumps(file_summary.summary(path)))
 
 
-def test_what_people_are_shown_has_every_part(file) -> None:
-    path, _ = file
-    shown = CliRunner().invoke(cli.app, ["summary", str(path)]).stdout
-    worst = "largest error: 0.5 at E = 20000, R = 1"
-    counts = ("6 cases, 1 unsolved", "1 x failed: on purpose", worst, "kappa_max falls along R")
-    for part in (*counts, "1 law: 1 not decided", "kappa_max", "N/cm^2", "tolerance 1e-08", "format 2", "numpy"):
-        assert part in shown, part
-
-
-def test_a_check_says_which_case_has_lost_digits_how_many_remain_and_why(tmp_path) -> None:
-    ds = in_memory.run(small.study(AXES + LAW, 'observables = ["wraps"]\noutputs = ["beta", "z"]'))
-    lost = "solved; fewer digits than the tolerance 1.0e-08 asks for: error {}, as a small change of the case grows {}"
-    ds = small.with_outcomes(
-        ds, ["solved", lost.format(2e-8, 50), "solved", "solved", "solved", lost.format(1.7e-7, 120)]
-    )
-    for name, values in (("error", (2e-8, 1.7e-7)), ("condition", (50.0, 120.0))):
-        ds[name][0, 1], ds[name][1, 2] = values
-    ds["solved"][0, 2], ds["outcome"][0, 2], ds["error"][0, 2] = False, "failed: on purpose", 1e289
-    path = writing.write(ds, tmp_path / "small.h5")
-    said = " ".join(CliRunner().invoke(cli.app, ["check", str(path)]).output.split())
-    assert (
-        "2 cases are solved to fewer digits than the tolerance asks for: the least accurate, at E = 20000 N/cm², "
-        "R = 1 cm, has about 6 digits (estimated error 1.7e-07), because a small change of its data grows 120 times "
-        "along the rod"
-    ) in said
-    assert " x solved" not in said
-    assert "(2) kappa_max falls along R" in said
-
-
 def test_a_count_is_called_the_number_of_bends_in_a_sentence() -> None:
     row = {"observable": "turns", "axis": "E", "at": {}}
     assert labels.law_text(row, "turns stays at 8") == "the number of bends stays at 8"

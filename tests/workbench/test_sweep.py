@@ -11,7 +11,7 @@ from solver import Case, Ends, InputError, solve
 from studies import Study
 from studies.language.loader import loads
 from studies.laws.verdicts import FAILS, UNDECIDED
-from tests.slow import slow_but
+from tests.slow import slow, slow_but
 from tests.workbench import runs, small
 from tests.workbench.command import exit_status
 from workbench.commands import study_scene
@@ -143,7 +143,7 @@ def cases_of(text: str, axis: str, values: list[float]) -> dict[float, tuple[str
             for i, (value, said) in enumerate(zip(ds[axis].values, ds["outcome"].values, strict=True))}  # fmt: skip
 
 
-@pytest.mark.parametrize("seeds", [(0, 5), pytest.param(range(200), marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seeds", [(0, 5), slow(range(200))])
 def test_a_case_is_the_same_whatever_the_range_the_order_and_the_number_of_values(seeds) -> None:
     for seed in seeds:
         text, axis, values = random_study(seed)
@@ -193,7 +193,7 @@ def bits(path: Path) -> dict[str, bytes]:
         return {name: ds[name].values.tobytes() for name in ds.variables if ds[name].dtype.kind in "if"}
 
 
-@pytest.mark.parametrize("axes", (FORCES.replace("21", "9"), pytest.param(GRID, marks=pytest.mark.slow)))
+@pytest.mark.parametrize("axes", (FORCES.replace("21", "9"), slow(GRID)))
 def test_workers_chunks_and_memory_give_the_same_bits(tmp_path, axes) -> None:
     one = study(axes)
     run_to_file(one, tmp_path / "one.h5", Options(workers=1))

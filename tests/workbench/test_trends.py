@@ -11,6 +11,7 @@ from matplotlib.text import Text
 from solver.problem.errors import InputError
 from studies import load
 from studies.laws.verdict_words import PLAIN
+from tests.slow import slow
 from tests.workbench.page_faults import faults
 from tests.workbench.small import grid, study
 from workbench.figures import along, canvas, drawn_rods, legend, study_figure, style, unrolled
@@ -195,10 +196,10 @@ def of_user(kind: str) -> xr.Dataset:
     "kind",
     [
         "one value",
-        pytest.param("large numbers", marks=pytest.mark.slow),
-        pytest.param("wide verdict", marks=pytest.mark.slow),
-        pytest.param("thin beside a law", marks=pytest.mark.slow),
-        pytest.param("flat", marks=pytest.mark.slow),
+        slow("large numbers"),
+        slow("wide verdict"),
+        slow("thin beside a law"),
+        slow("flat"),
     ],
 )
 def test_whatever_a_study_asks_for_no_word_is_cut_off_and_no_two_meet(kind: str) -> None:

@@ -14,6 +14,7 @@ import pytest
 import xarray as xr
 
 from solver import InputError
+from tests.slow import slow
 from tests.workbench import forked, runs, small
 from workbench.store import atomic, in_memory, netcdf, writing
 from workbench.store.study_store import run_to_file
@@ -103,10 +104,10 @@ def test_a_file_that_is_damaged_inside_is_refused(ds, tmp_path) -> None:
     [
         "attrs title",
         "attrs study",
-        pytest.param("E units", marks=pytest.mark.slow),
-        pytest.param("outcome", marks=pytest.mark.slow),
-        pytest.param("caution", marks=pytest.mark.slow),
-        pytest.param("L", marks=pytest.mark.slow),
+        slow("E units"),
+        slow("outcome"),
+        slow("caution"),
+        slow("L"),
     ],
 )
 def test_a_changed_letter_of_what_is_not_packed_is_named(where, ds, tmp_path) -> None:
@@ -185,7 +186,7 @@ def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monk
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no limit of the size of files there")
-@pytest.mark.parametrize("room", [pytest.param(0, marks=pytest.mark.slow), 5000])
+@pytest.mark.parametrize("room", [slow(0), 5000])
 def test_a_full_disk_is_one_sentence_where_hdf5_would_end_the_process(ds, tmp_path, room) -> None:
     path = writing.write(ds, tmp_path / "small.h5")
     limited = (

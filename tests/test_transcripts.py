@@ -1,0 +1,25 @@
+"""Each stored session prints what it printed; `transcripts.py` says how one is stored anew."""
+
+import pytest
+
+from tests import transcripts
+
+SESSIONS = sorted(transcripts.FOLDER.glob("*.txt"))
+
+
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * path.stem.endswith("_slow")) for path in SESSIONS],
+)
+def test_a_session_prints_what_it_printed(path, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    session = path.read_text(encoding="utf-8")
+    assert transcripts.replayed(session).splitlines() == session.splitlines()
+
+
+@pytest.mark.parametrize(
+    ("new", "same"),
+    [("a  1.00001 3 2e-09", True), ("a 1.001 3 1e-09", False), ("a 1.0 4 1e-09", False), ("b 1.0 3 1e-09", False)],
+)
+def test_lines_are_the_same_but_for_last_digits(new, same) -> None:
+    assert transcripts.is_same("a 1.0 3 1e-09", new) == same
