@@ -148,7 +148,8 @@ def differences(row: Row, now: Row | None = None) -> list[str]:
 def _differences(then: Any, now: Any, relative: float, where: str) -> Any:
     if isinstance(then, dict) and isinstance(now, dict) and then.keys() == now.keys():
         for name in then:
-            yield from _differences(then[name], now[name], relative, f"{where}.{name}")
+            if not _within(then.get(f"{name}_error"), then[name], now[name]):
+                yield from _differences(then[name], now[name], relative, f"{where}.{name}")
     elif isinstance(then, list) and isinstance(now, list) and len(then) == len(now):
         scale = max((abs(x) for x in then if isinstance(x, float) and np.isfinite(x)), default=0.0)
         for i, (x, y) in enumerate(zip(then, now, strict=True)):
@@ -162,3 +163,8 @@ def _differences(then: Any, now: Any, relative: float, where: str) -> Any:
             yield f"{where}: {then} -> {now}"
     elif then != now:
         yield f"{where}: {then} -> {now}"
+
+
+def _within(error: Any, then: Any, now: Any) -> bool:
+    """Whether two numbers differ by no more than the error of one, stored to two digits, as on another processor."""
+    return all(isinstance(x, float | int) for x in (error, then, now)) and abs(now - then) <= 1.05 * error

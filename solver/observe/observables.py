@@ -6,15 +6,17 @@ length.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..levels.morse_index import index_at_stations, jacobi_zeros
+from ..mechanics.potential import load_size
 from ..numerics.arrays import EPS, Array
 from ..numerics.dual import where
 from ..orbit.marched_orbit import MarchedOrbit
+from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..orbit.pieces import LIBRATION, ROTATION
 from ..problem.errors import known_name, no_such
 from ..problem.quantities import quantity
@@ -25,6 +27,9 @@ from ..shooting.loaded_rod import MU, PHI, Q
 from .measurement import SPREAD, Pair, Reading
 from .self_contact import overlaps
 from .solution_pieces import is_resolved
+
+_LONG = 12.0  # over the root of the size of H: half a period that is longer is next to a separatrix
+_NUDGE = 4 * EPS  # of the size of a number of the case: what the reduction of a case rounds off
 
 
 def turns(read: Reading) -> Any:
@@ -116,7 +121,28 @@ def bend_number(read: Reading) -> Pair:
         late = np.where(librates, 2 * read.error / (plain.value("high") - plain.value("low")), 0.0)
         if isinstance(orbit, MarchedOrbit):
             late = late + SPREAD * orbit.late * where(librates, count / read.half_period, 0.0)
+        if plain is read:
+            late = late + _by_rounding(orbit, count, librates | (orbit.kind == ROTATION))
     return count, late + 8 * EPS * count
+
+
+def _by_rounding(orbit: Any, count: Array, moves: Array) -> Array:
+    """What rounding of the start and the loads adds to the number of half periods `count`, (B,): next to a separatrix
+    half a period has few digits, also where the rod is much shorter and its shape has all of them. moves: (B,)."""
+    change, problem = np.zeros(count.shape), orbit.problem
+    if getattr(orbit, "path", None) is not None:  # the level of a path is known by the logarithm of its gap
+        return change
+    rate = np.sqrt(1 + load_size(problem))
+    near = np.flatnonzero(moves & ((orbit.ahead + orbit.back) * rate > _LONG))
+    if not near.size:
+        return change
+    own = problem.take(near)
+    for name, size in (("dbeta0", rate), ("lam", rate**2), ("phi", rate**2)):
+        for nudge in (-_NUDGE * size[near], _NUDGE * size[near]):
+            other = solve_orbit(replace(own, **{name: getattr(own, name) + nudge}), TIGHT)
+            counted = np.where(other.kind == LIBRATION, own.span / (other.ahead + other.back), 0.0)
+            change[near] = np.fmax(change[near], np.abs(counted - count[near]))
+    return change
 
 
 def amplitude(read: Reading) -> Pair:
