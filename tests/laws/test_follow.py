@@ -250,32 +250,6 @@ def test_a_branch_is_a_dataset() -> None:
         branch.to_dataset(mass="kg")
 
 
-@pytest.mark.parametrize(
-    "field, said",
-    [
-        ({}, "follow takes one field with its values, got none"),
-        ({"FZ": 1.0, "MZ": 2.0}, "got FZ, MZ"),
-        ({"FY": 1.0}, "no field 'FY', did you mean 'FZ'; choose from E, nu, a, L, R, beta0"),
-        ({"FZ": np.nan}, "FZ must be one or several finite numbers"),
-        ({"FZ": "much"}, "FZ must be a number or an array of numbers"),
-        ({"L": -1.0}, "Rod.L must be positive"),
-        ({"nu": 0.25}, "the solution has nu = 0.25 already"),
-        ({"FZ": 1.0, "points": 0}, "points must be a whole number of at least 1, got 0"),
-    ],
-)
-def test_what_cannot_be_followed_is_refused(field: dict[str, object], said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        follow(table_1(), **field)
-
-
-def test_only_one_solved_solution_is_followed() -> None:
-    with pytest.raises(InputError, match="takes a Solution, got Equilibrium; give its solution"):
-        follow(every()[0], FZ=1.0)
-    grid = replace(table_1_ends(), given=replace(table_1_ends().given, FZ=[8.0, 9.0]))
-    with pytest.raises(InputError, match=r"one solution at a time, got a grid of shape \(2,\)"):
-        follow(solve(grid, stations=5), FZ=1.0)
-
-
 def test_a_rod_that_leaves_its_helix_is_followed_next_to_it() -> None:
     pulled = Case(rod_of_unit_stiffness(10.0, 0.01), Cylinder(1 - 0.01), Ends(0.0, 0.0, FZ=1.0))
     branch = follow(solve(pulled), betaL=0.3)

@@ -9,7 +9,7 @@ from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Solution, equilibria, observe, solve
+from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, observe, solve
 from solver.equilibrium.given_numbers import Given, State
 from solver.equilibrium.held_index import index_of
 from solver.equilibrium.orbit_rates import orbit_rates
@@ -303,46 +303,10 @@ def moved(case: Case, field: str, step: float) -> Case:
     raise AssertionError(field)
 
 
-@pytest.mark.parametrize(("given", "said"), (
-    ({"beta0": 0.5, "betaL": 0.5, "FZ": 1.0, "height": 2.0}, "FZ or height, got both: FZ=1.0, height=2.0"),
-    ({"beta0": 0.5, "M10": 0.0, "betaL": 0.5}, "beta0 or M10, got both"),
-    ({"beta0": 0.5}, "betaL or M1L, got neither; M1L=0 is a hinge"),
-    ({"beta0": 0.5, "betaL": 0.5, "M3": 0.0, "rotation": 1.0}, "M3 or rotation, got both"),
-))  # fmt: skip
-def test_both_or_neither_of_a_pair_is_refused(given: dict[str, float], said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        Ends(**given)
-
-
-@pytest.mark.parametrize(("given", "said"), (
-    ({"height": 5.1}, "Ends.height must be from -L to L, and L is 5, got 5.1"),
-    ({"height": [1.0, -6.0]}, "got -6.0"),
-    ({"azimuth": -7.0}, "Ends.azimuth must be from -L/rho to L/rho, and L/rho is 5, got -7.0"),
-))  # fmt: skip
-def test_what_no_rod_reaches_is_refused_with_the_bound(given: dict[str, Any], said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        Case(SHORT, DRUM, Ends(beta0=0.5, betaL=0.5, **given))
-
-
-@pytest.mark.parametrize(("options", "said"), (
-    ({"method": "difference"}, "method 'difference' needs dead loads and end angles, got height; choose shooting"),
-    ({"choose": "lowest"}, "choose = 'lowest' selects among the equilibria under dead loads, got height"),
-    ({"seed": 0.5}, "seed of a case with height must be a Solution, got 0.5"),
-))  # fmt: skip
-def test_options_of_dead_loads_are_refused(options: dict[str, Any], said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        solve(Case(SHORT, DRUM, Ends(beta0=0.5, betaL=0.5, height=4.0)), **options)
-
-
 def test_the_ends_show_what_is_given() -> None:
     assert repr(Ends(0.5, M1L=0.0, height=4.0)) == (
         "Ends(beta0=0.5, MZ=0.0, M3=0.0, alpha=0.0, gamma=0.0, height=4.0, M1L=0.0)"
     )
-
-
-def test_loads_that_are_not_yet_known_are_refused_by_name() -> None:
-    with pytest.raises(InputError, match="FZ, M3 of held ends are known only of a solution"):
-        Case(SHORT, DRUM, Ends(beta0=0.5, betaL=0.5, height=4.0, rotation=1.0)).loads  # noqa: B018
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, InputError, Rod, equilibria, solve
+from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.branches.deflation import is_known
 from solver.equilibrium.given_numbers import Given, State
 from solver.equilibrium.orbit_rates import NUMBERS, orbit_rates
@@ -190,25 +190,6 @@ def test_only_images_with_the_given_numbers_are_taken() -> None:
         (a, b, c) for a in (False, True) for b in (False, True) for c in (False, True) if a or b or c
     }
     assert images(M10=0.0, M1L=0.0, height=1.0, MZ=1.0) == {(False, False, True)}
-
-
-@pytest.mark.parametrize(("options", "said"), (
-    ({"within": {"MZ": (0, 1)}}, "MZ"),
-    ({"within": {"FZ": (1, 0)}}, "two finite rising numbers"),
-    ({"within": {"FZ": 3}}, "must be two numbers, the lowest and the highest, got 3"),
-    ({"tries": -1}, "tries must be a whole number from 0 to 10000, got -1"),
-    ({"values": 1}, "values must be a whole number from 2 to 1000, got 1"),
-))  # fmt: skip
-def test_what_no_search_can_take_is_refused(options: dict[str, Any], said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        equilibria(clamped(height=4.0), **options)
-
-
-def test_a_grid_and_a_range_without_held_ends_are_refused() -> None:
-    with pytest.raises(InputError, match="one case at a time, got a grid of shape"):
-        equilibria(clamped(height=[4.0, 3.0]))
-    with pytest.raises(InputError, match="within takes reactions of held ends, and the case holds none; got FZ"):
-        equilibria(clamped(FZ=-3.0), within={"FZ": (0, 1)})
 
 
 ROW = {"alpha": 2, "z": 3}  # of what an orbit returns

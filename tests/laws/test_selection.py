@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, solve
+from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.choose.selection import select
 from solver.equilibria import Equilibrium, meant
 from tests.cases import ends_in_units_of_rho
@@ -127,19 +127,6 @@ def test_every_method_between_two_ends_takes_the_same() -> None:
         other = solve(case, method=method)
         np.testing.assert_allclose(other.beta, usual.beta, atol=1e-6)
         assert other.selection == usual.selection
-
-
-def test_what_cannot_be_chosen_is_refused() -> None:
-    case = ends_in_units_of_rho(*PROBLEMS["no loads"])
-    for wrong in ("nearby", -1, True, 1.5, None):
-        with pytest.raises(InputError, match=r"choose must be 'nearest', 'lowest' or a Morse index"):
-            solve(case, choose=wrong)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="exclude each other"):
-        solve(case, seed=0.5, choose="lowest")
-    rod = Case(case.rod, case.cylinder, Start(0.5, 0.1, M3=0.0))
-    with pytest.raises(InputError, match="a start problem has only one"):
-        solve(rod, choose="lowest")
-    assert solve(rod).selection is None
 
 
 def test_a_grid_says_of_each_case_how_it_was_taken() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, curve_fit
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start, fit, observe, solve
+from solver import Case, Cylinder, Ends, Rod, Start, fit, observe, solve
 from solver.inverse.data import check_data
 from solver.inverse.model import Model
 from solver.inverse.parameters import check_parameters
@@ -329,47 +329,6 @@ def test_a_field_that_ends_at_its_bound_has_no_interval() -> None:
     assert np.isnan(found.intervals["E"]).all()
     assert np.isfinite(found.intervals["M3"]).all()
     assert any(remark.startswith("E ends at its bound, 10000") for remark in found.remarks)
-
-
-GOOD = {"s": [1.0, 2.0], "alpha": [0.1, 0.2], "z": [1.0, 2.0]}
-INVALID = {
-    "count": (dict(targets={"turns": 5}), "the target turns is a whole number"),
-    "observable": (dict(targets={"heigth": 5}), "no observable 'heigth', did you mean 'height'; choose from turns"),
-    "field": (dict(vary=["Q"]), "no field 'Q' in this case; choose from E, nu"),
-    "twist": (dict(vary=["F1"]), "no field 'F1' in this case; choose from"),
-    "twice": (dict(vary=["beta", "beta0"]), "the field 'beta0' is varied twice"),
-    "none": (dict(vary=[]), "fields must be one or several"),
-    "negative": (dict(vary={"E": (-1.0, 2.0)}), "the bounds of E must be positive, got -1 to 2"),
-    "order": (dict(vary={"M3": (2.0, 1.0)}), "the bounds of M3 must rise, got 2 to 1"),
-    "words": (dict(vary={"M3": "ab"}), "the bounds of M3 must be two numbers"),
-    "limit": (dict(vary={"nu": (0.0, 0.7)}), r"the bounds of nu must lie in -1 to 0.5, got 0 to 0.7"),
-    "target": (dict(targets={"height": np.nan}), "the target height must be a finite number, got nan"),
-    "no data": (dict(targets={}), "fit needs data: give targets"),
-    "sigma": (dict(sigma={"z": 1.0}), "no datum 'z'; choose from height"),
-    "some": (dict(points=GOOD, sigma={"z": 1.0}), "sigma is given of z and not of height, alpha"),
-    "sign": (dict(points=GOOD, sigma={"alpha": -1.0}), "sigma of alpha must be a positive number"),
-    "zero": (dict(sigma={"height": 0.0}), "sigma of height must be a positive number, got 0.0"),
-    "column": (dict(points={"x": [1.0]}), "no column of points 'x'; choose from s, alpha, z, beta"),
-    "lengths": (dict(points={**GOOD, "z": [1.0]}), "the columns of the points must have one length"),
-    "alone": (dict(points={"z": [1.0]}), "points need alpha and z, or s and one of alpha, z, beta, got z"),
-    "beyond": (dict(points={**GOOD, "s": [1.0, 21.0]}), "a point has s = 21, beyond the end of the rod at L = 20"),
-    "before": (dict(points={**GOOD, "s": [-1.0, 1.0]}), "arc lengths of points must not be negative, got s = -1"),
-    "text": (dict(points={**GOOD, "z": ["a", "b"]}), "the column z of the points must hold numbers"),
-    "finite": (dict(points={**GOOD, "z": [1.0, np.inf]}), "the column z of the points must be a list of finite"),
-    "starts": (dict(starts=-1), "starts must be from 0 to 100000, got -1"),
-}
-
-
-@pytest.mark.parametrize("name", INVALID)
-def test_invalid_input_is_refused_with_a_sentence(name) -> None:
-    given, sentence = INVALID[name]
-    with pytest.raises(InputError, match=sentence):
-        fit(rod(), **({"vary": ["M3"], "targets": {"height": 8.0}} | given))
-
-
-def test_a_grid_is_refused() -> None:
-    with pytest.raises(InputError, match=r"fit takes a single case, got a grid of shape \(2,\)"):
-        fit(rod(E=[1e4, 2e4]), "M3", {"height": 8.0})
 
 
 # what was wrong once

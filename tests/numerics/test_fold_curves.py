@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fold_curves, region_map
+from solver import Case, Cylinder, Ends, Rod, equilibria, fold_curves, region_map
 from solver.folds.fold_curves import FoldCurve, FoldCurves
 from solver.folds.fold_system import correct
 from solver.folds.parameter_plane import parameter_plane
@@ -284,48 +284,10 @@ def test_the_numbers_of_the_atlas_are_those_of_all_equilibria_at_200_random_poin
     assert atlas().check(200) == []
 
 
-REFUSED = {
-    "a start problem": (Case(ROD, CASE.cylinder, Start(beta=0.5, dbeta=0.1, M3=0.0)), {}, "need a Case with Ends"),
-    "one field": (CASE, {"FZ": (0, 1)}, "need two fields with their ranges, got FZ"),
-    "a given end moment": (
-        Case(ROD, CASE.cylinder, Ends(beta0=0.5, M1L=0.0)),
-        {"FZ": (-1, 0), "MZ": (0, 1)},
-        "got M1L",
-    ),
-    "a held height": (
-        Case(ROD, CASE.cylinder, Ends(0.5, 0.8, height=2.0)),
-        {"E": (1e4, 2e4), "MZ": (0, 1)},
-        "got height",
-    ),
-    "an unknown field": (CASE, {"FZ": (0, 1), "height": (0, 1)}, "no field 'height' in this case; choose from"),
-    "a field of no effect": (CASE, {"FZ": (0, 1), "nu": (0, 0.4)}, "no equilibrium depends on nu"),
-    "a range upside down": (CASE, {"FZ": (1, 0), "MZ": (0, 1)}, "two finite numbers, the first lower, got (1, 0)"),
-    "a range that is none": (CASE, {"FZ": 3.0, "MZ": (0, 1)}, "must be two numbers (from, to), got 3.0"),
-    "an endless range": (CASE, {"FZ": (0, np.inf), "MZ": (0, 1)}, "two finite numbers"),
-    "lengths below zero": (CASE, {"FZ": (0, 1), "L": (-1, 5)}, "Rod.L must be positive"),
-    "a lattice of one": (CASE, {"FZ": (0, 1), "MZ": (0, 1), "lattice": 1}, "from 2 to 101, got 1"),
-}
-
-
-@pytest.mark.parametrize("why", REFUSED)
-def test_what_has_no_map_is_refused_with_one_sentence(why: str) -> None:
-    case, ranges, sentence = REFUSED[why]
-    with pytest.raises(InputError) as refused:
-        fold_curves(case, **ranges)
-    assert sentence in str(refused.value)
-    assert "\n" not in str(refused.value)
-
-
 def test_a_range_may_end_where_the_values_become_invalid() -> None:
     tube = Case(Rod(1.07e4, 0.25, 0.25, 3.0, inner_radius=0.1), CASE.cylinder, Ends(0.5, 0.8, FZ=-50))
     plane = parameter_plane(tube, {"inner_radius": (0.0, 0.2), "L": (1.5, 3.5)})
     assert plane.values(np.array([-1e-5, 0.5])).tolist() == [0.0, 2.5]
-
-
-def test_a_grid_of_cases_is_refused() -> None:
-    grid = Case(ROD, CASE.cylinder, Ends(0.5, 0.8, FZ=[1.0, 2.0]))
-    with pytest.raises(InputError, match="one case, got a grid of shape"):
-        fold_curves(grid, FZ=(0, 1), MZ=(0, 1))
 
 
 @pytest.mark.slow

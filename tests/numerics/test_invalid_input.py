@@ -75,9 +75,6 @@ def test_a_field_too_large_for_floats_is_named_with_its_value() -> None:
         assert "searched over" not in found.remark
 
 
-PLAIN = Rod(**ROD)
-
-
 def ends(**more: Any) -> Case:
     return Case(Rod(**ROD), Cylinder(0.75), Ends(**{"beta0": 0.5, "betaL": 0.6, **more}))
 

@@ -11,13 +11,12 @@ from scipy.optimize import brentq
 
 from benchmarks.make_observable_references import FIELDS, NAMES
 from solver import Case, Cylinder, Ends, Rod, Start, observe, solve
-from solver.observe.observables import OBSERVABLES, is_count
+from solver.observe.observables import OBSERVABLES
 from solver.problem.case_fields import fields_of
 from tests.cases import EXACT, START, ends_in_units_of_rho, helix_moment, in_units_of_rho
 from tests.numerics.test_sensitivity import differences, moved
 
 FILE = json.loads((Path(__file__).parents[1] / "observable_references.json").read_text(encoding="utf-8"))
-REAL = [name for name in OBSERVABLES if not is_count(name)]
 
 
 def read(sol: Any) -> Any:

@@ -13,12 +13,10 @@ from matplotlib.figure import Figure
 from solver.mechanics.potential import Loads, potential
 from solver.problem.errors import InputError
 from studies import load
-from tests.slow import slow
-from tests.workbench.command import exit_status
 from tests.workbench.small import study
 from workbench.figures import along, drawn_rods, portrait, push_colours, push_scale, table, unrolled
 from workbench.geometry.self_intersections import places
-from workbench.store import in_memory, selection, writing
+from workbench.store import in_memory, selection
 
 OUTPUTS = 'outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n'
 AXIS = "[axes.E]\nvalues = [5e3, 1e4, 2e4, 4e4]\n"
@@ -204,23 +202,3 @@ def test_what_is_not_stored_is_solved_again(ds) -> None:
     for name in ("beta", "kappa"):
         for one, other in zip(drawn_rods.choose(bare, (name,)).rods, drawn_rods.choose(ds, (name,)).rods, strict=True):
             np.testing.assert_allclose(one[name][::5], np.interp(one["s"][::5], other["s"], other[name]), atol=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("args", "said"),
-    [
-        (["--kind", "curves", "--show", "turns"], "--show is no option of --kind curves; choose --kind from map, l"),
-        (["--kind", "ridge", "--panel", "betta"], "no panel 'betta', did you mean 'beta'"),
-        slow(
-            ["--kind", "ridge", "--x", "E", "--at", "E=10000"],
-            "the rods stand along E, so it takes no value, got E = 10000",
-        ),
-        slow(["--kind", "portrait", "--x", "R"], "no axis 'R'; choose from E"),
-        slow(["--kind", "rigde"], "no kind of picture 'rigde', did you mean 'ridge'"),
-    ],
-)
-def test_what_cannot_be_drawn_is_refused_in_one_sentence(ds, args, said, tmp_path, capsys) -> None:
-    writing.write(ds, tmp_path / "one.h5")
-    assert exit_status("plot", tmp_path / "one.h5", *args) == 2
-    assert said in " ".join(capsys.readouterr().err.split())
-    assert [file.name for file in tmp_path.iterdir()] == ["one.h5"]

@@ -68,33 +68,6 @@ def test_the_state_is_a_study_and_its_text_gives_the_same_rod() -> None:
     np.testing.assert_array_equal(sol.beta, page_shape.shape(study).sol.beta)
 
 
-@pytest.mark.parametrize(
-    "changes, field, sentence",
-    [
-        ({"E": -1.0}, "E", "Rod.E must be positive and finite, got -1.0"),
-        ({"E": None}, "E", "E must be a number, got nothing"),
-        ({"R": "wide"}, "R", "R must be a number, got 'wide'"),
-        ({"R": 0.2, "side": "inside"}, "R", "larger than Rod.a = 0.25 for a rod inside"),
-        ({"nu": 0.7}, "nu", "Rod.nu must be in"),
-        ({"dbeta": 0}, "F1", "F1 cannot determine the twist at dbeta = 0"),
-        ({"young": 1.0}, "", "no key 'young' in base"),
-        ({"L": float("nan")}, "L", "L must be"),
-    ],
-)
-def test_what_cannot_be_is_refused_with_the_field_and_without_a_line_of_a_file(changes, field, sentence) -> None:
-    with pytest.raises(InputError) as refused:
-        shape(**changes)
-    assert sentence in str(refused.value)
-    assert "line" not in str(refused.value).partition(":")[0]
-    assert page_model.field_of(str(refused.value)) == field
-
-
-@pytest.mark.parametrize("odd", [None, 3, [], {"path": "/etc/passwd"}, {"base": 3}, {"units": {}}, {"base": {"E": {}}}])
-def test_a_state_of_another_kind_is_refused(odd) -> None:
-    with pytest.raises(InputError):
-        page_model.study_of(odd)
-
-
 def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_part() -> None:
     many = shape(L=200.0)
     assert (np.abs(np.diff(many.sol.beta)) < page_shape.CHORD * 1.01).all()

@@ -348,19 +348,6 @@ def test_the_command_says_where_the_page_is_and_ends_quietly_when_interrupted() 
     assert (process.returncode, said) == (0, "")
 
 
-@pytest.mark.parametrize(
-    "args, sentence",
-    [
-        (["--host", "0.0.0.0"], "give the name of this machine with --name"),
-        (["--host", "no.such.host.invalid"], "cannot listen on no.such.host.invalid"),
-        (["--port", "70000"], "less than or equal to 65535"),
-    ],
-)
-def test_what_cannot_be_served_is_refused(args, sentence, capsys) -> None:
-    assert exit_status("explore", *args) == 2
-    assert sentence in capsys.readouterr().err
-
-
 def test_without_the_extra_one_sentence_says_what_to_install(monkeypatch, capsys) -> None:
     monkeypatch.delitem(sys.modules, "workbench.web.live.server", raising=False)
     monkeypatch.setitem(sys.modules, "aiohttp", None)

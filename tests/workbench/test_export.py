@@ -45,7 +45,6 @@ STUDY = small.text(
 LIMITED = (  # a command that may write no file of more than 1000 bytes, compiled modules neither
     "import resource, sys\nsys.dont_write_bytecode = True\nresource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))\n"
 )
-ROOT = Path(__file__).parents[2]
 VOLUME = np.pi * 0.25**2 * 20
 SOUND = {"E": 2e4}
 

@@ -17,7 +17,6 @@ from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
 from workbench.store import writing
 
-ROOT = Path(__file__).parents[2]
 SHORT = ["--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", "--axis", "FZ=-15:-5", "--axis", "L=1.5:3"]
 
 

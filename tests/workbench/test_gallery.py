@@ -64,17 +64,6 @@ def test_a_browser_that_fails_leaves_no_file_and_is_named(tmp_path, monkeypatch)
     assert list(out.iterdir()) == []
 
 
-def test_an_unknown_picture_is_answered_with_those_that_there_are(tmp_path, capsys) -> None:
-    assert exit_status("gallery", "--only", "hero", "--out", str(tmp_path / "shown")) == 2
-    told = " ".join(capsys.readouterr().err.split())
-    assert "no picture 'hero'" in told
-    assert "choose from rod, ghosts" in told
-    assert "hero_sweep, hero_page" in told
-    assert exit_status("gallery", "--only", "contact", "--out", str(tmp_path / "shown")) == 2
-    assert "contact is one of four views of the picture rod: take --only rod" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []  # no folder is made for a request that is refused
-
-
 def test_the_rod_of_the_readme_is_one_that_can_be_and_slows_down_where_its_loop_begins_again() -> None:
     from workbench.commands import gallery
 

@@ -25,7 +25,6 @@ from workbench.store import checksums, in_memory, schema, stored_run, writing
 from workbench.store.study_store import run_to_file
 from workbench.words import escaping
 
-ROOT = Path(__file__).parents[2]
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = small.law("kappa_max", "R", "falls", claim="(2)")
 HEAD = 'observables = ["turns", "attached"]\noutputs = ["beta", "alpha", "z", "contact"]'

@@ -12,8 +12,6 @@ from tests.workbench.command import run
 from workbench.geometry import self_contact, stored_line
 from workbench.store import writing
 
-ROOT = Path(__file__).parents[2]
-
 
 def test_the_command_prints_lists_and_stores_the_loops(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)

@@ -10,7 +10,6 @@ from matplotlib.patches import PathPatch
 from solver.problem.errors import InputError
 from studies import load
 from studies.laws.verdicts import HOLDS, VERDICTS, judge
-from tests.slow import slow
 from tests.workbench.command import exit_status
 from tests.workbench.page_faults import faults
 from tests.workbench.pictures import pixels
@@ -346,9 +345,6 @@ def test_a_rod_that_is_not_solved_has_no_shape(regimes) -> None:
     panel = maps(fig)[-1]
     assert len(panel.child_axes) == 1
     assert "not solved" in [text.get_text() for text in panel.texts]
-
-
-OF_THREE = slow("three")
 
 
 @pytest.mark.slow

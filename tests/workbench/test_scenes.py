@@ -458,26 +458,6 @@ def test_each_cylinder_is_as_long_as_its_rod_and_all_words_stay_on_the_page() ->
     assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i] if min(a.width, b.width) > 12)
 
 
-@pytest.mark.parametrize(
-    "look, sentence",
-    [
-        ({"camera": "top"}, "no camera 'top'; choose from oblique, sides, front, side, AZIMUTH,ELEVATION"),
-        ({"camera": "10,80"}, "an elevation between -60 and 60 degrees, got 10,80"),
-        ({"color_range": "5"}, "--color-range takes two numbers LOW,HIGH, got '5'"),
-        slow({"color_range": "9,1"}, "takes a lower and a higher finite number, got 9,1"),
-        slow({"color_range": "0,nan"}, "takes a lower and a higher finite number, got 0,nan"),
-        slow({"size": "wide"}, "--size takes WIDTHxHEIGHT in pixels, for example 1600x1200, got 'wide'"),
-        slow({"size": "5x900"}, "between 200 and 12000 pixels on each side .* got 5x900"),
-        slow({"transparent": True}, r"only a \.png can have a transparent background \(--transparent\), not out\.jpg"),
-    ],
-)
-def test_a_look_that_cannot_be_drawn_is_refused_in_a_sentence(look, sentence, fig6, tmp_path) -> None:
-    file = writing.write(fig6, tmp_path / "fig6.h5")
-    with pytest.raises(InputError, match=sentence):
-        scene.scene_file(file, [], tmp_path / "out.jpg", look=scene.Look(**look))
-    assert not (tmp_path / "out.jpg").exists()
-
-
 @draws
 @pytest.mark.parametrize(
     "kind, look, sentence",
