@@ -151,14 +151,14 @@ def path_to(rod: LoadedRod, seed: Any, i: int) -> Path:
 def failure(path: Path, size: float, friction: float) -> str:
     """Why a rod has no shape, and with which load or friction it has one. size: of forces."""
     said = f"failed: {path.why}"
+    less = f"with friction {path.share * friction:.3g}" if path.share else ""
     if path.limit is None:
-        return said
+        return f"{said}; this rod has an answer {less}" if less else said
     load = round_up(path.limit * size)
     straight = f"with a {'tension' if load > 0 else 'compression'} of {abs(load):.4g} at s = L (FZ = {load:.4g})"
     if path.share is None:
         return f"{said}; it does not {straight}"
-    less = f"with friction {path.share * friction:.3g}, and, " if path.share else ""
-    return f"{said}; this rod has an answer {less}straight, {straight}"
+    return f"{said}; this rod has an answer {less and f'{less}, and, '}straight, {straight}"
 
 
 def round_up(load: float) -> float:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from ..problem.case import ALONG_ITSELF
 from .buckling import AHEAD, buckle, buckling_share, lying_rod, straight_index, straight_shape
 from .descent import LOOSE, descend, index_at, index_of_any, is_near
 from .loaded_rod import SHORT, LoadedRod
-from .local_waves import PASSED, lock_up_share, sinusoid, wound_shape
+from .local_waves import PASSED, QUIET, leans_and_buckles, lock_up_share, sinusoid, wound_shape
 from .newton import Shape, correct, is_same
 
 MOST_FORCES, LEAST_BENT = 20, 1e-3  # that are tried for a held height; how much they shorten the rod, of the wanted
@@ -21,8 +22,8 @@ LOCKED = (
     "force pass"
 )
 RESTLESS = (
-    "the straight rod buckles under its compression with friction, and no sinusoid or helix at rest was found: "
-    "friction may drive waves along the rod or wind up its helix"
+    "the {} rod buckles under its compression with friction, and no sinusoid or helix at rest was found: friction may "
+    "drive waves along the rod or wind up its helix"
 )
 FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.1, 1e-4, 0.25
 HALVINGS = 8  # of a load
@@ -108,14 +109,22 @@ def branch_with_friction(rod: LoadedRod) -> Path:
     alone = rod.straight and not straight_index(plain)
     if (bent := sinusoid(rod)) is not None:
         return Path(bent, rubbed=alone)
+    if rod.turning and (bent := sinusoid(rod.with_torque(0.0))) is not None:
+        found = grow(rod.with_torque, bent, 0.0, 1.0)
+        if found.shape is not None:
+            return found
     found = Path(None) if alone else grow_friction(rod, branch_from_straight(plain))
     if found.shape is not None and not (rod.straight and is_same(found.shape, straight_shape(rod, found.shape.t))):
         return found
-    if not rod.straight:
+    if not (rod.straight or leans_and_buckles(rod)):
         return found
-    hints = [HINGES] * bool({"beta0", "betaL"} & rod.held) + [AS_A_WHOLE] * bool(rod.numbers[4] == ALONG_ITSELF)
-    why = f"{RESTLESS}; {' or '.join(hints)} may have an answer" if hints else RESTLESS
-    return Path(None, why=why, limit=least_tension(rod, straight_index), share=found.share or 0.0)
+    hints = [HINGES] * bool({"beta0", "betaL"} & rod.held and not rod.turning) + [AS_A_WHOLE] * bool(
+        rod.numbers[4] == ALONG_ITSELF
+    )
+    why = RESTLESS.format("leaning" if rod.turning else "straight")
+    why = f"{why}; {' or '.join(hints)} may have an answer" if hints else why
+    is_at_fault = partial(leans_and_buckles, beyond=QUIET) if rod.turning else straight_index
+    return Path(None, why=why, limit=least_tension(rod, is_at_fault), share=found.share or 0.0)
 
 
 def grow_friction(rod: LoadedRod, plain: Path) -> Path:
@@ -189,7 +198,7 @@ def grow(
         below = stable_shape_ahead(rod_at, shape, x, last)
         if below is None:
             why = f"the branch ends at {x / last:.6g} of the way to {target}"
-            return Path(None, index, None, tuple(jumped), why=why, share=x / last)
+            return Path(None, index, None, tuple(jumped), why=why, share=x / last if target == FRICTION else None)
         jumped.append(x)
         (x, shape), index, before, step = below, 0, None, AHEAD * last
     final = correct(Shape(rod_at(last), shape.t, shape.y))
@@ -206,7 +215,7 @@ def stable_shape_ahead(
 
     With its x; None where the rod reaches none.
     """
-    for share in SHARES_AHEAD[:1] if shape.rod.rubbed else SHARES_AHEAD:
+    for share in () if rod_at(last).rubbed else SHARES_AHEAD:  # that of a rod with friction was tried before
         ahead = last if share == 1 else x + share * (last - x)
         found = sinusoid(rod_at(ahead))
         if found is not None and index_of_any(found) == 0:

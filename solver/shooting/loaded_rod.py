@@ -117,6 +117,13 @@ class LoadedRod:
         numbers[3] *= part
         return replace(self, numbers=numbers)
 
+    def with_torque(self, part: float) -> "LoadedRod":
+        """The rod with a share of its twisting moment, of what is given and of what friction adds as it turns."""
+        numbers, far = self.numbers.copy(), self.far.copy()
+        numbers[5] *= part
+        far[3] *= part
+        return replace(self, numbers=numbers, far=far)
+
     def with_weight(self, part: float) -> "LoadedRod":
         """The rod with a share of its weight."""
         numbers = self.numbers.copy()

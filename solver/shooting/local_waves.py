@@ -3,6 +3,8 @@
 F and x as of `slender_sinusoid`. A helix has the wave number k = (F/2)^(1/2) and the energy (k^4 - F k^2)/2 + 1.
 Friction f per push P pulls the phase of a wave:  d/dx (de/dk) = -f c,  with c = <P alpha'^2 + <P> alpha'^2>/(2k) of a
 rod that slides along itself and <<P> alpha'^2 - P alpha'^2>/(2k) of one that moves along the axis.
+A rod that turns in place leans: the wall drives it up by f P, against the weight. A sinusoid alpha = m + d leans by
+sin(m) <cos(d)> + f <P> = 0; its P falls by f sin(m) d as well, so that d feels the weight cos(m) - f sin(m).
 """
 
 from itertools import pairwise
@@ -11,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans
-from ..problem.case import ALONG_ITSELF, IN_PLACE
+from ..problem.case import ALONG_ITSELF
 from .descent import index_of_any
 from .loaded_rod import ALPHA, BETA, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import Shape, correct
@@ -22,6 +24,7 @@ EQUAL, LIFTED, LAST = 0.901122, 1.541672, 3.2613  # F - 2: from which a helix ha
 FRONTS = EQUAL + np.array([0.0, 0.05, -0.05, -0.1])  # F - 2: where a helix may become a sinusoid
 SOFT = 0.03  # of F: how softly the amplitude comes to 0
 FINE, LEAST = 12, 0.1  # places for a node; of the square of the amplitude
+LEANT, QUIET = 0.1, -0.06  # of F - 2: the last change of that in which a rod leans; below, a turn at an end dies away
 ROUNDS, SETTLED = 100, 1e-9  # of the compression under friction, and its last change
 MANY = 1000  # nodes of a rod with friction, of which one front is tried: each that fails takes seconds
 STEPS, NODES = 30, 50  # of Newton's method from it, and one more for so many nodes
@@ -49,8 +52,44 @@ class Waves(NamedTuple):
 
 def has_waves(rod: LoadedRod) -> bool:
     """Whether this is a rod that may lie in waves: inside, with weight across, on the low side at its start."""
-    inside = rod.numbers[6] < 0 < rod.across and "height" not in rod.held and rod.numbers[4] != IN_PLACE
+    inside = rod.numbers[6] < 0 < rod.across and "height" not in rod.held
     return bool(inside and not np.any(rod.near))
+
+
+class Lean(NamedTuple):
+    """How a rod leans on the wall, at places (n,): m, the weight that a wave about it feels, and F - 2 in that weight.
+
+    NaN where friction turns the rod all the way round.
+    """
+
+    angle: Array
+    weight: Array
+    over: Array
+
+
+def lean(rod: LoadedRod, over: Array) -> Lean:
+    """How a rod leans at F - 2; on the low side, but for one that turns in place."""
+    angle, weight, local = np.zeros_like(over), np.ones_like(over), over
+    if not rod.turning:
+        return Lean(angle, weight, local)
+    f, before = rod.numbers[3], local
+    with np.errstate(invalid="ignore"):
+        for _ in range(ROUNDS):
+            waves = waves_at(rod, local, np.inf)
+            level = 1 - waves.size**2 / 4  # <cos(d)>
+            push = np.cos(angle) * level + weight * (waves.push - level)
+            angle = -np.arcsin(f * push / level)
+            weight = np.cos(angle) - f * np.sin(angle)
+            before, local = local, (2 + over) / np.sqrt(weight) - 2
+        settled = (np.abs(local - before) < LEANT) & (weight > 0)
+    return Lean(*(np.where(settled, values, np.nan) for values in (angle, weight, local)))
+
+
+def leans_and_buckles(rod: LoadedRod, beyond: float = 0.0) -> bool:
+    """Whether a long rod that turns in place buckles about its lean, or cannot lean. beyond: F - 2 from which."""
+    if not (rod.turning and has_waves(rod)):
+        return False
+    return not lean(rod, compression(rod, rod.nodes())).over.max() <= beyond
 
 
 def waves_at(rod: LoadedRod, over: Array, front: float) -> Waves:
@@ -58,7 +97,7 @@ def waves_at(rod: LoadedRod, over: Array, front: float) -> Waves:
     soft = positive_part(over)
     k, size, third, stiff, push, itself, axis = np.polynomial.polynomial.polyval(np.minimum(soft, OVER[-1]), curves())
     along_itself = rod.numbers[4] == ALONG_ITSELF
-    pull = itself * soft if along_itself else axis * soft**2
+    pull = itself * soft if along_itself else axis * soft**2 * (not rod.turning)
     wound = over > front
     F = np.maximum(2 + over, 1.0)
     helix = np.sqrt(F / 2)
@@ -69,7 +108,7 @@ def waves_at(rod: LoadedRod, over: Array, front: float) -> Waves:
 
 def compression(rod: LoadedRod, t: Array, front: float = np.inf) -> Array:
     """F - 2 at t (n,), with what friction adds; `largest` where the rod locks."""
-    rubbed, unit = rod.numbers[3] * rod.across, np.sqrt(rod.across)
+    rubbed, unit = 0.0 if rod.turning else rod.numbers[3] * rod.across, np.sqrt(rod.across)
     given, passed = rod.tension_known - rod.along * (rod.span - t), t
     over = before = -(given - rubbed * (rod.span - t)) / unit - 2
     for _ in range(ROUNDS if rubbed else 0):
@@ -122,12 +161,13 @@ def wave_shape(rod: LoadedRod, nodes: Array, over: Array, front: float = np.inf,
 
     over: `compression` at `places` of the nodes. more: further half waves of a sinusoid all along.
     """
-    t, ell, waves = places(rod, nodes), rod.across**-0.25, waves_at(rod, over, front)
-    x = t / ell
+    t, ell, leans = places(rod, nodes), rod.across**-0.25, lean(rod, over)
+    x, whole, over = t / ell, over, leans.over
+    waves = waves_at(rod, over, front)
     flux = integral(rod.numbers[3] * rod.across * ell**3 * waves.pull, x)
     ends = positive_part(over[[0, -1]]) ** 1.5  # as much as each end can bear
     change = (flux - flux[-1] * ends[0] / ends.sum()) / waves.stiffness
-    phase = integral(waves.k + change, x)
+    phase = integral(waves.k * leans.weight**0.25 + change, x)
     turned, way, edge = np.zeros(t.size), 1.0, None
     if waves.wound.any():
         turned, way, edge = helix(rod, waves, x, phase, over)
@@ -143,8 +183,9 @@ def wave_shape(rod: LoadedRod, nodes: Array, over: Array, front: float = np.inf,
     for name, place, end in (("beta0", x, over[0]), ("betaL", x[-1] - x, over[-1])):
         size *= np.tanh(place * np.sqrt(positive_part(end) / 8)) if name in rod.held else 1.0
     sinusoid = size * np.sin(phase) + waves.third * size**3 * np.sin(3 * phase)
-    alpha = turned + np.where(waves.wound, 0.0, way * sinusoid)
-    return shape_of(rod, nodes, t, alpha if edge is None else smooth_at(x, alpha, edge), over)
+    leant = leans.angle * np.tanh(x) ** 2 * (np.tanh(x[-1] - x) ** 2 if "azimuth" in rod.held else 1.0)
+    alpha = leant + turned + np.where(waves.wound, 0.0, way * sinusoid)
+    return shape_of(rod, nodes, t, alpha if edge is None else smooth_at(x, alpha, edge), whole)
 
 
 def smooth_at(x: Array, alpha: Array, edge: int) -> Array:
@@ -222,7 +263,7 @@ def sinusoid(rod: LoadedRod) -> Shape | None:
     if not has_waves(rod):
         return None
     t, over = wave_nodes(rod)
-    if not 0 < over.max() < LAST:
+    if not 0 < lean(rod, over).over.max() < LAST:
         return None
     found = (correct(wave_shape(rod, t, over, more=more), most=STEPS + t.size // NODES) for more in (0, 1, -1))
     return next((shape for shape in found if shape is not None), None)
@@ -233,7 +274,7 @@ def wound_shape(rod: LoadedRod) -> Shape | None:
 
     With friction, which leaves no index, any such equilibrium.
     """
-    if not has_waves(rod) or compression(rod, places(rod, rod.nodes())).max() <= LIFTED:
+    if rod.turning or not has_waves(rod) or compression(rod, places(rod, rod.nodes())).max() <= LIFTED:
         return None
     fronts = FRONTS[:1] if rod.rubbed and rod.nodes().size > MANY else FRONTS
     for front in fronts:

@@ -209,6 +209,37 @@ def test_a_pipe_buckles_where_the_compression_with_friction_passes_the_load_of_d
     assert (straight_index(rods_of(case)[1][0]) == 0) == (words == "the straight rod")
 
 
+TURNING = (  # L, compression, friction, torque at s = L
+    (300.0, 250e3, 0.25, 0.0),
+    (300.0, 200e3, 0.4, 5e3),
+    pytest.param((1000.0, 200e3, 0.25, 0.0), marks=pytest.mark.slow),  # friction's own torque draws its waves out
+)
+
+
+def turning_pipe(L: float, load: float, friction: float, torque: float = 0.0) -> Case:
+    hole = Cylinder(**HOLE, inclination="90deg", friction=friction, sliding="rotating")
+    return Case(Rod(L=L, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, azimuth=0.0, FZ=-load, M3=torque))
+
+
+@pytest.mark.parametrize("pipe", TURNING)
+def test_a_pipe_that_turns_in_place_leans_by_its_friction_and_buckles_about_its_lean(pipe: Any) -> None:
+    L, _, friction, torque = pipe
+    sol, light = solve(turning_pipe(*pipe), stations=int(10 * L)), solve(turning_pipe(L, 1e5, friction, torque))
+    assert light.alpha[light.alpha.size // 2] == pytest.approx(-np.arctan(friction), abs=1e-4)
+    assert sol.solved
+    assert in_words(sol.states) == "sinusoidal all along"
+    assert max(unbalanced(sol)) < 1e-6
+    assert sol.alpha[sol.s > L / 2].mean() < -friction
+
+
+def test_a_turning_pipe_without_an_answer_names_a_load_with_which_it_leans_and_is_straight() -> None:
+    case = turning_pipe(300.0, 300e3, 0.25)
+    found = re.search(r"failed: the leaning rod buckles .+ straight, .+ = ([^)]+)\)", str(solve(case).outcome))
+    assert found
+    assert float(found[1]) == pytest.approx(-0.97 * BUCKLES * (1 + 0.25**2) ** 0.25, rel=0.01)
+    assert "straight all" in in_words(solve(with_field(case, "FZ", float(found[1]))).states)
+
+
 def test_a_pipe_whose_waves_are_not_found_is_not_called_straight() -> None:
     """In a viscous fluid its waves run for ever: its end holds their phase no more."""
     outcome = solve(lying_and_sliding(400.0, 158e3, "forward")).outcome
