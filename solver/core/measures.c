@@ -9,9 +9,9 @@ enum { LOW, HIGH, CURVED, TIGHTEST, BENT, POTENTIAL_ENERGY, PUSHED, PULLED, SHAR
 #define BARELY (64 * EPS)   /* of the size of its terms: a push below this is rounding */
 #define SURELY 1e4          /* times that: a push beyond this is none by the series of either */
 
-typedef struct {
+struct numbers {
     double value[NUMBERS], error[NUMBERS];
-} numbers;
+};
 
 /* The error of the integral by truncation and rounding. */
 static double left_out(const workspace *w)
@@ -57,7 +57,6 @@ typedef struct {
 
 static parted parted_on(const workspace *w, const stretch *p, double whole, double largest_doubt)
 {
-    const points *at = &w->all->at;
     double left[AT], c[AT], integral_[AT + 1];
     const double clear = fabs(p->series[0]) - range_of(p->series), size = highest(p->of.size);
     if (clear > SURELY * BARELY * size)
@@ -65,7 +64,7 @@ static parted parted_on(const workspace *w, const stretch *p, double whole, doub
     for (int k = 0; k < AT; k++)
         left[k] = p->of.values[k] - BARELY * p->of.size[k];
     sign_changes found;
-    w->use.through(left, at->analyse, c);
+    w->use.through(left, w->by.analyse, c);
     rod_changes(w, left, c, &found);
     const int first = left[0] > 0;
     parted out = {first ? whole : 0, first, 0};
@@ -122,7 +121,7 @@ static double first_below(const workspace *w, double error, double barely, doubl
             left[k] = p->of.values[k] - (doubted != 0 ? doubted * doubt : barely * (BARELY * p->of.size[k]));
         }
         sign_changes found;
-        w->use.through(left, w->all->at.analyse, c);
+        w->use.through(left, w->by.analyse, c);
         rod_changes(w, left, c, &found);
         double share = left[0] < 0 ? 0 : INFINITY;
         for (int k = 0; k < found.count; k++)
@@ -216,11 +215,11 @@ static int measured(workspace *w, int64_t b, numbers *out)
 
 /* Measures rods from `begin` to `end` into out: (n, 2, NUMBERS), values and errors of the groups asked for.
 
-   lanes: what rod_lanes says, or fewer; changes no bit. Returns DONE, NO_MEMORY or NOT_POSSIBLE: other nodes than AT, or
-   series longer than LONGEST. */
+   lanes: what rod_lanes says, or fewer; changes no bit. Returns DONE, NO_MEMORY or NOT_POSSIBLE: series
+   longer than LONGEST. */
 int rod_measure(const rods *all, numbers *out, int64_t begin, int64_t end, int lanes)
 {
-    if (all->at.n != AT || all->coefficients < 1 || all->coefficients > LONGEST)
+    if (all->coefficients < 1 || all->coefficients > LONGEST)
         return NOT_POSSIBLE;
     workspace *w = rod_workspace(all, lanes);
     int failed = w ? DONE : NO_MEMORY;

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
-from ..numerics.chebyshev import basis
 from .library import address, begin_of, fine, function, library, share_out, widest
 from .orbits import reading
 
@@ -20,7 +19,6 @@ GROUPS = (  # numbers that are measured together, in the order of measures.c
 NUMBERS = tuple(name for group in GROUPS for name in group)
 _COUNTS = ("coefficients", "kinds", "monotone", "groups")
 _PIECES, _RODS = ("low", "high", "time", "count", "begin"), ("lam", "mu", "phi", "span", "beta0", "sign", "error")
-_MAPS = ("nodes", "analyse", "values", "differentiate")
 
 
 class _Rods(ctypes.Structure):
@@ -30,8 +28,6 @@ class _Rods(ctypes.Structure):
         *((name, ctypes.c_int64) for name in _COUNTS),
         ("goal", ctypes.c_double),
         *((name, ctypes.c_void_p) for name in ("series", "first", "row", *_PIECES, *_RODS)),
-        ("n", ctypes.c_int64),
-        *((name, ctypes.c_void_p) for name in _MAPS),
     ]
 
 
@@ -76,6 +72,17 @@ def measure(
     del kept
     places_of = {name: NUMBERS.index(name) for group in groups for name in group}
     return {name: (out[:, 0, k], out[:, 1, k]) for name, k in places_of.items()}
+
+
+def station_series(loads: Array, t: Array, beta: Array, rate: Array) -> Array:
+    """Chebyshev series of beta and beta_t between neighbouring stations (B, n), (B (n - 1), 2, 6): quintic polynomials
+    through the values there and their rates, which the equation gives. loads: (B, 3), lam, mu and phi."""
+    given = [np.ascontiguousarray(array, dtype=float) for array in (loads, t, beta, rate)]
+    B, n = t.shape
+    out = np.empty((B * max(n - 1, 0), 2, 6))
+    call = function("rod_station_series", None, *2 * [ctypes.c_int64], *5 * [ctypes.c_void_p])
+    call(B, n, *(begin_of(array) for array in (*given, out)))
+    return out
 
 
 DENSITIES = ("angle", "curvature", "bending", "potential", "outward", "tension", "across", "along")  # of densities.h
@@ -164,14 +171,13 @@ def _rods_of(pieces: Any, given: Mapping[str, Array], goal: float, groups: int) 
     kept["row"], kept["series"] = pieces.row[order], pieces.series
     kept |= {name: getattr(pieces.problem, name) for name in _RODS[:5]}
     kept |= given
-    kept |= {name: getattr(basis(NODES), name) for name in _MAPS}
     kept = {
         name: np.ascontiguousarray(array, dtype=np.int64 if name in ("first", "row") else float)
         for name, array in kept.items()
     }
     counts = pieces.series.shape[2], pieces.series.shape[1], int(pieces.monotone), groups
     places = {name: begin_of(array) for name, array in kept.items()}
-    return _Rods(**dict(zip(_COUNTS, counts, strict=True)), goal=goal, n=NODES, **places), kept
+    return _Rods(**dict(zip(_COUNTS, counts, strict=True)), goal=goal, **places), kept
 
 
 _STEPS, _NUMBERS = ("first", "since", "width", "series"), ("period", "length", "a", "apart")

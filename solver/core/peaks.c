@@ -32,10 +32,10 @@ static double least_of(const workspace *w)
 /* Adds the local maxima of a part; returns their number. */
 static int maxima_on(const workspace *w, const stretch *p, double begin, maximum *out)
 {
-    const double *nodes = w->all->at.nodes;
+    const double *nodes = w->by.nodes;
     double rate[AT], x[MOST_ON_A_PART];
     int count = 0;
-    w->use.through(p->series, w->all->at.differentiate, rate);
+    w->use.through(p->series, w->by.differentiate, rate);
     for (int k = 0; k + 1 < AT; k++)
         if (rate[k] > 0 && rate[k + 1] <= 0)
             x[count++] = rod_turning_place(p->series, -1, nodes[k], nodes[k + 1]);
@@ -152,7 +152,7 @@ static int places_of(workspace *w, double until, double same, int most, double *
 int rod_extremes(const rods *all, int kind, int turned, const double *until, double same, int most, double *t,
                  int64_t begin, int64_t end, int lanes)
 {
-    if (all->at.n != AT || all->coefficients < 1 || all->coefficients > LONGEST || kind < 0 || kind >= DENSITIES)
+    if (all->coefficients < 1 || all->coefficients > LONGEST || kind < 0 || kind >= DENSITIES)
         return NOT_POSSIBLE;
     workspace *w = rod_workspace(all, lanes);
     int failed = w ? DONE : NO_MEMORY;

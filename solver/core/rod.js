@@ -14,7 +14,8 @@
    `between` gives the rod between two end angles that Newton's method reaches from another shape, given at times t; or
    null; a third argument: how many nodes it has, beside the usual number. It has error (of beta), nodes t with their beta,
    rate, alpha and z, and at(times): these at other times. `through(problem, nodes)` is such a function for nodes that are
-   known, and `forces(problem, sign, beta, rate)` gives push, curvature and tension. */
+   known, `forces(problem, sign, beta, rate)` gives push, curvature and tension, and `measure(problem, sign, error, rod)`
+   the integrals and extremes along a rod, all in units of A and rho. */
 "use strict";
 const RodCore = (() => {
   const ENDS = ["lost", "turns", "goes round"];
@@ -22,6 +23,9 @@ const RodCore = (() => {
   const LEG = 13 * 8, AHEAD = 2 * 8, BACK = AHEAD + LEG, STATUS = BACK + LEG, SOUND = STATUS + 4 * 8;
   const STATES = 8, PARAMETERS = 7; // of varying_loads.c, with the states beta, rate, alpha, lam - mu, phi, mu, t - z
   const CURVATURE = 1, OUTWARD = 4, TENSION = 5, ROWS = 7; // kinds of densities in densities.h; rows of one
+  const MEASURED = ["low", "high", "curvature", "tightest", "bending", "potential", "pushed", "pulled", "share", "least",
+                    "most", "push", "lifts", "tension", "turned", "risen", "peak"]; // NUMBERS of core/measures.py
+  const SERIES = 1e-11; // error that a series of a density may have, relative
   const BY_ANGLE = 2, ORDER = 20; // columns of derivatives; order of their series
   const NEWTON = {columns: BY_ANGLE, deep: 13}; // for Newton's method
   const LEFT_OUT = 1e-17, ROUGH = 1e-12; // of the scales, by a step of a march; by one for Newton's method
@@ -182,7 +186,21 @@ const RodCore = (() => {
       return {push: values(OUTWARD), curvature: values(CURVATURE), tension: values(TENSION)};
     }
 
-    return {solve, between, through, forces};
+    /* What is measured along a rod that is known at times that rise, {t, beta, rate}: the numbers of `MEASURED`. error: of
+       beta. */
+    function measure({lam, mu, phi}, sign, error, {t, beta, rate}) {
+      const n = t.length, sizes = [5, n, n, n, 18 * n, 2 * MEASURED.length];
+      let place = reserve(sizes.reduce((sum, size) => sum + size, 0));
+      const [given, times, angle, speed, room, out] = sizes.map(size => (place += 8 * size) - 8 * size);
+      const numbers = new Float64Array(own.memory.buffer);
+      numbers.set([lam, mu, phi, sign, error], given / 8);
+      numbers.set(t, times / 8), numbers.set(beta, angle / 8), numbers.set(rate, speed / 8);
+      if (own.rod_measure_stations(BigInt(n), given, times, angle, speed, SERIES, room, out)) throw new Error("no memory");
+      const values = new Float64Array(own.memory.buffer, out, MEASURED.length); // the call may have moved the memory
+      return Object.fromEntries(MEASURED.map((name, k) => [name, values[k]]));
+    }
+
+    return {solve, between, through, forces, measure};
   }
 
   /* The sizes of the states, by which the errors of steps are judged; the sixth is 1 over the length on which the shape

@@ -26,7 +26,7 @@ INLINE void angles_on(const rods *all, const rule *by, const stretch *p, node_an
     double x[AT], inner[LONGEST * AT];
     if (p->low != -1 || p->high != 1) {
         for (int i = 0; i < AT; i++)
-            x[i] = smaller(larger(p->low + (p->high - p->low) * (1 + all->at.nodes[i]) / 2, -1), 1);
+            x[i] = smaller(larger(p->low + (p->high - p->low) * (1 + by->nodes[i]) / 2, -1), 1);
         polynomials_at(n, x, inner);
         polynomials = inner;
     }
@@ -35,11 +35,11 @@ INLINE void angles_on(const rods *all, const rule *by, const stretch *p, node_an
         loads_at(n, series + 2 * n, polynomials, loads);
 }
 
-INLINE void expanded(const rods *all, int kind, const node_angles *angles, const rod_loads *loads, stretch *p)
+INLINE void expanded(const rule *by, int kind, const node_angles *angles, const rod_loads *loads, stretch *p)
 {
     density_slopes unread;
     density_of(kind, angles, loads, &p->of, &unread);
-    product(AT, AT, p->of.values, all->at.analyse, p->series);
+    product(AT, AT, p->of.values, by->analyse, p->series);
     p->tail = larger(larger(fabs(p->series[AT - 3]), fabs(p->series[AT - 2])), fabs(p->series[AT - 1]));
 }
 
@@ -50,10 +50,10 @@ INLINE void expanded(const rods *all, int kind, const node_angles *angles, const
     {                                                                                                                  \
         angles_on(all, by, p, out, loads);                                                                             \
     }                                                                                                                  \
-    static TARGET void expanded_##SUFFIX(const rods *all, int kind, const node_angles *a, const rod_loads *l,          \
+    static TARGET void expanded_##SUFFIX(const rule *by, int kind, const node_angles *a, const rod_loads *l,           \
                                          stretch *p)                                                                   \
     {                                                                                                                  \
-        expanded(all, kind, a, l, p);                                                                                  \
+        expanded(by, kind, a, l, p);                                                                                   \
     }                                                                                                                  \
     static TARGET void through_##SUFFIX(const double *values, const double *linear, double *out)                       \
     {                                                                                                                  \
@@ -77,13 +77,32 @@ static kernels kernels_for(int lanes)
 }
 
 
+/* T_k at a node is the cosine of k times its angle, a multiple of pi/(AT - 1). */
+static void nodes_and_maps(rule *by)
+{
+    enum { LAST = AT - 1 };
+    double cosine[2 * LAST], sine[2 * LAST];
+    for (int k = 0; k < 2 * LAST; k++)
+        cosine[k] = cos(PI * k / LAST), sine[k] = sin(PI * k / LAST);
+    for (int i = 0; i < AT; i++) {
+        const int angle = LAST - i, end = i == 0 || i == LAST;
+        by->nodes[i] = -cosine[i];
+        for (int k = 0; k < AT; k++) {
+            const int at = k * angle % (2 * LAST), halved = k == 0 || k == LAST;
+            by->analyse[AT * i + k] = cosine[at] * 2 / LAST / (end ? 2 : 1) / (halved ? 2 : 1);
+            by->differentiate[AT * k + i] = end ? (i || k % 2 ? 1.0 : -1.0) * k * k : k * sine[at] / sine[angle];
+        }
+    }
+}
+
 static void prepare(rule *by, const rods *all)
 {
+    nodes_and_maps(by);
     for (int k = 0; k < AT; k++)
         by->mean[k] = k % 2 ? 0 : 1 / (1 - (double)k * k);
     for (int i = 0; i < AT; i++)
-        by->weight[i] = total_of(all->at.analyse + AT * i, by->mean);
-    polynomials_at((int)(all->coefficients > 2 ? all->coefficients : 2), all->at.nodes, by->polynomials);
+        by->weight[i] = total_of(by->analyse + AT * i, by->mean);
+    polynomials_at((int)(all->coefficients > 2 ? all->coefficients : 2), by->nodes, by->polynomials);
 }
 
 /* Room for the rods `all`, or NULL. */
@@ -179,7 +198,7 @@ static int refined(workspace *w, const wanted *goal, const stretch *piece)
                 halved(&one.part, second, &half->part);
                 half->before = one.part.tail, half->stuck = stuck, half->round = one.round + 1;
                 w->use.angles(w->all, &w->by, &half->part, &angles, varying);
-                w->use.expanded(w->all, goal->kind, &angles, &loads, &half->part);
+                w->use.expanded(&w->by, goal->kind, &angles, &loads, &half->part);
             }
             continue;
         }
@@ -207,7 +226,7 @@ int rod_resolved(workspace *w, int64_t b, int kind, int precision, double allowe
         stretch *p = &w->parts[i];
         p->row = all->row[j], p->low = all->low[j], p->high = all->high[j];
         p->time = all->time[j], p->count = all->count[j], p->begin = all->begin[j];
-        w->use.expanded(all, kind, &w->angles[i], all->kinds > 2 ? &w->loads[i] : &w->steady, p);
+        w->use.expanded(&w->by, kind, &w->angles[i], all->kinds > 2 ? &w->loads[i] : &w->steady, p);
         double absolute[AT];
         for (int k = 0; k < AT; k++)
             absolute[k] = fabs(p->of.values[k]);
@@ -271,7 +290,7 @@ double rod_turning_place(const double *c, double sign, double low, double high)
 /* The largest value, times sign. */
 double rod_largest(const workspace *w, double sign)
 {
-    const double *nodes = w->all->at.nodes;
+    const double *nodes = w->by.nodes;
     double best = -INFINITY;
     for (int64_t i = 0; i < w->count; i++) {
         double values[AT];
@@ -284,7 +303,7 @@ double rod_largest(const workspace *w, double sign)
         double rate[AT];
         if (sign * p->series[0] + range_of(p->series) <= best)
             continue;
-        w->use.through(p->series, w->all->at.differentiate, rate);
+        w->use.through(p->series, w->by.differentiate, rate);
         for (int k = 0; k + 1 < AT; k++) {
             const double r0 = sign * rate[k], r1 = sign * rate[k + 1], width = nodes[k + 1] - nodes[k];
             if (!(r0 > 0 && r1 < 0))
@@ -306,18 +325,18 @@ static void add_change(sign_changes *found, const double *c, double low, double 
 /* Where values with these coefficients change sign, twice in a cell included. */
 void rod_changes(const workspace *w, const double *values, const double *c, sign_changes *found)
 {
-    const points *at = &w->all->at;
+    const double *nodes = w->by.nodes;
     double rate[AT];
     found->count = 0;
     for (int k = 0; k + 1 < AT; k++) {
-        const double a = at->nodes[k], b = at->nodes[k + 1];
+        const double a = nodes[k], b = nodes[k + 1];
         const int up = values[k + 1] > 0;
         if (up != (values[k] > 0))
             add_change(found, c, up ? a : b, up ? b : a, up);
     }
-    w->use.through(c, at->differentiate, rate);
+    w->use.through(c, w->by.differentiate, rate);
     for (int k = 0; k + 1 < AT; k++) {
-        const double a = at->nodes[k], b = at->nodes[k + 1], sign = values[k] > 0 ? 1 : -1;
+        const double a = nodes[k], b = nodes[k + 1], sign = values[k] > 0 ? 1 : -1;
         const double v0 = sign * values[k], v1 = sign * values[k + 1], r0 = sign * rate[k], r1 = sign * rate[k + 1];
         if ((values[k] > 0) != (values[k + 1] > 0) || !(r0 < 0 && r1 > 0))
             continue;

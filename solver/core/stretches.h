@@ -16,7 +16,6 @@ typedef struct {
     const double *series;
     const int64_t *first, *row;
     const double *low, *high, *time, *count, *begin, *lam, *mu, *phi, *span, *beta0, *sign, *error;
-    points at;
 } rods;
 
 /* A piece, or a part of one, with a density on it. tail: what its series leaves out. */
@@ -33,14 +32,16 @@ typedef struct {
     int stuck, round;
 } candidate;
 
+/* The nodes of a piece and the maps on them, as those of `numerics.chebyshev.Basis`; the means of the polynomials, the
+   weights of an integral over values at the nodes, and the polynomials at the nodes. */
 typedef struct {
-    double mean[AT], weight[AT], polynomials[LONGEST * AT];
+    double nodes[AT], analyse[AT * AT], differentiate[AT * AT], mean[AT], weight[AT], polynomials[LONGEST * AT];
 } rule;
 
 /* The functions in which most time is spent, for the lanes of the processor; all give the same bits. */
 typedef struct {
     void (*angles)(const rods *, const rule *, const stretch *, node_angles *, rod_loads *);
-    void (*expanded)(const rods *, int kind, const node_angles *, const rod_loads *, stretch *);
+    void (*expanded)(const rule *, int kind, const node_angles *, const rod_loads *, stretch *);
     void (*through)(const double *values, const double *linear, double *out);
 } kernels;
 
@@ -117,6 +118,10 @@ void rod_series_and_rate(const void *series, double x, double *value, double *ra
 double rod_series_value(const double *series, double x);
 void rod_derivative(const double *series, double *out);
 double rod_turning_place(const double *series, double sign, double low, double high);
+
+/* measures.c */
+typedef struct numbers numbers;
+int rod_measure(const rods *, numbers *out, int64_t begin, int64_t end, int lanes);
 
 /* peaks.c */
 int rod_first_peak(workspace *, double doubt, double span, double barely, double *value, double *error);

@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev as C
-from numpy.polynomial.polynomial import polyder
 
-from ..core.measures import NODES
-from ..mechanics.potential import Loads, slope, slope_rate
+from ..core.measures import NODES, station_series
+from ..mechanics.potential import Loads, slope_rate
 from ..numerics.arrays import Array, Booleans
 from ..numerics.chebyshev import basis, series_at, through
 from ..orbit.marched_orbit import MarchedOrbit
@@ -27,9 +26,6 @@ from .rod_pieces import Pieces, join_pieces
 _CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
 _RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend
 _WILDEST = 100.0  # rad between two stations: they show no shape, and the bends of such a polynomial take seconds
-# derivatives of the powers of x at the ends of [0, 1]; the inverse has whole numbers and halves
-_AT_ENDS = [polyder(np.eye(6), k).T @ x ** np.arange(6.0 - k) for k in range(3) for x in (0.0, 1.0)]
-_HERMITE = np.round(np.linalg.inv(_AT_ENDS).T, 1)  # y(0), y(1), y'(0), y'(1), y''(0), y''(1) to powers of x, rising
 
 
 def blocks(sol: Shape) -> Iterator[slice]:
@@ -184,14 +180,8 @@ def of_stations(sol: Shape, some: slice, step: int = 1, until: float = 1.0) -> P
     t, beta, rate = (v[some][:, kept] for v in (sol.t, sol.trajectory.beta, sol.trajectory.dbeta))
     B, case = t.shape[0], np.repeat(np.arange(t.shape[0]), max(t.shape[1] - 1, 0))
     time = np.diff(t, axis=1).reshape(-1)
-    at = Loads.columns(problem)
+    series = station_series(np.stack([problem.lam, problem.mu, problem.phi], axis=1), t, beta, rate)
     with np.errstate(over="ignore", invalid="ignore"):
-        second = -slope(at, beta)
-        third = -slope_rate(at, beta) * rate
-        series = np.empty((time.size, 2, 6))
-        for k, values in enumerate(((beta, rate, second), (rate, second, third))):
-            data = [(v[:, end].reshape(-1)) * time**power for power, v in enumerate(values) for end in _ENDS]
-            series[:, k] = np.stack(data, axis=1) @ _HERMITE @ _from_powers(6)
         wild = np.abs(series[:, 0, 1:]).sum(axis=1) > _WILDEST
     series[np.isin(case, case[wild])] = np.nan
     row, one = np.arange(time.size), np.ones(time.size)
@@ -221,9 +211,6 @@ def off_between(sol: Shape, some: slice) -> Array:
     found = series_at(fewer.series[fewer.row, 0], np.clip(x, -1, 1))
     np.fmax.at(off, fewer.case, np.abs(found - beta[left_out]))
     return off
-
-
-_ENDS = (slice(None, -1), slice(1, None))
 
 
 def is_resolved(sol: Shape) -> Booleans:

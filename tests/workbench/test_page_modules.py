@@ -22,6 +22,7 @@ from workbench.scene import shading
 from workbench.web.live import page_model, page_shape
 from workbench.web.live.presets import PRESETS
 from workbench.words import labels
+from workbench.words.escaping import finite
 
 pytestmark = needs_node
 STATES = {preset.name: preset.state for preset in PRESETS}
@@ -90,23 +91,24 @@ def test_shape_and_push_along_the_rod_are_those_of_the_solver() -> None:
 def test_a_rod_with_weight_has_the_fields_and_the_push_of_the_server() -> None:
     heavy = state("pipe", weight=0.242, inclination=1.4, azimuth=0.0, friction=0.2, sliding="forward")
     del heavy["base"]["MZ"]
-    found = page_model.stations(page_shape.shape(page_model.study_of(heavy)))
+    rod = page_shape.shape(page_model.study_of(heavy))
+    found, facts = page_model.stations(rod), page_model.facts(rod)
     script = """
     const rows = Object.entries(given.arrays).map(([name, row]) => [name, Float64Array.from(row)]),
       arrays = Object.fromEntries(rows);
-    const shape = rod_shape.interpolated(core, rod_case.caseOf(given.state, {}), arrays, { error: 0 });
+    const shape = rod_shape.interpolated(core, rod_case.caseOf(given.state, {}), arrays, given.facts);
     const found = numbers.observables(shape);
     answer([rod_case.fieldNames(given.state), shape.s, shape.push, found, controls.spanOf("friction")]);
     """
     fields, s, push, numbers, span = run(
-        script, {"state": heavy, "arrays": {name: row.tolist() for name, row in found.items()}},
+        script, {"state": heavy, "arrays": {name: row.tolist() for name, row in found.items()}, "facts": finite(facts)},
         (*MODULES, "numbers", "controls"),
     )  # fmt: skip
     assert fields[-8:] == ["weight", "inclination", "friction", "beta0", "betaL", "FZ", "azimuth", "M3"]
     assert span == [0, 1]
     assert np.allclose(push, np.interp(s, found["s"], found["push"]), atol=1e-12)
-    assert numbers["push_max"] == pytest.approx(found["push"].max(), rel=1e-6)
-    assert "energy" not in numbers
+    assert numbers["push_max"] == pytest.approx(found["push"].max(), rel=1e-4)  # stations beside the peak
+    assert numbers["energy"] is None  # of a rod that slides with friction
 
 
 OBSERVED = ("turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "push_mean", "pull_mean",
@@ -124,8 +126,8 @@ def test_the_observables_are_those_of_the_solver() -> None:
             size = abs(float(wanted[name]))
             if name.startswith("pu"):
                 size = max(abs(float(wanted["push_min"])), abs(float(wanted["push_max"])))
-            half = 5e-5  # of a unit in the fourth digit, which is the last that the page shows
-            assert found[name] == pytest.approx(float(wanted[name]), abs=half * max(size, 1e-9)), name
+            # the rods of the page are solved to 1e-8, and known at stations
+            assert found[name] == pytest.approx(float(wanted[name]), abs=1e-6 * max(size, 1e-9)), name
 
 
 def test_the_ribbon_is_as_tall_as_the_push_is_strong_and_arrows_point_as_the_cylinder_pushes() -> None:

@@ -5,6 +5,7 @@ it is a file that works offline.
 """
 
 import base64
+import gzip
 import hashlib
 import json
 import re
@@ -47,8 +48,9 @@ def text(presets: Sequence[Preset], served: bool, style: str = "") -> str:
 
 
 def core_text() -> str:
-    """The compiled core for browsers, in base64."""
-    return base64.b64encode((build.HERE / build.WASM).read_bytes()).decode("ascii")
+    """The compiled core for browsers, compressed and in base64, as `page/packed_core.mjs` reads it."""
+    packed = gzip.compress((build.HERE / build.WASM).read_bytes(), mtime=0)
+    return base64.b64encode(packed).decode("ascii")
 
 
 def core_script() -> str:

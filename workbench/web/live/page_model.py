@@ -35,6 +35,7 @@ from .page_shape import STATIONS, TOL, Shape, refuse_many
 
 SMALL = 240  # points of a small picture
 KEYS = ("title", "units", "reading", "base", "equilibrium")
+SLOW = ("overlaps", "index")  # observables that are told later, with all others
 COUNTS = ("turns", "bend_number")
 
 
@@ -94,7 +95,7 @@ def stations(one: Shape) -> dict[str, Any]:
 
 
 def facts(one: Shape) -> dict[str, Any]:
-    """Outcome, error, condition number, loads and notes of a solved rod, as plain data."""
+    """Outcome, error, condition number and notes of a solved rod, as plain data; observables where its loads vary."""
     sol, study = one.sol, one.study
     units = study.unit_system
     notes = []
@@ -107,7 +108,14 @@ def facts(one: Shape) -> dict[str, Any]:
         "outcome": str(sol.outcome), "error": float(sol.error), "condition": float(sol.condition),
         "method": sol.method, "stations": sol.s.size, "notes": notes,
         "which": _which(sol) if sol.problem.kind == "ends" and not sol.case.varies else None,
+        "numbers": _observed(sol) if sol.case.varies else None,
     }  # fmt: skip
+
+
+def _observed(sol: Solution) -> dict[str, float]:
+    """What the page observes itself of other rods, of one whose loads vary."""
+    names = [name for name in observables_of(sol.case.rod) if name not in SLOW]
+    return {name: float(value) for name, value in observe(sol, names).items()}
 
 
 def _which(sol: Solution) -> dict[str, float]:

@@ -1,59 +1,47 @@
-// Observables of a shape: integrals, extremes and counts along the whole rod.
+// Observables of a shape, in its units, of what the core measures along the rod.
 
 import { crossings } from "./self_contact.mjs";
-import { range } from "./range.mjs";
 
+const STEP = 2; // every second station is enough for polynomials of order five
 const ROUNDING = 1e-9; // rad: beta of a helix changes by no more
 
-/* Observables by name, in the units of the state. */
+/* Observables by name, in the units of the state. Those of a rod whose loads vary are the server's. */
 export function observables(shape) {
-  const { one, beta, push, kappa, tension, s, z, alpha } = shape,
+  const { one, beta, s, z, alpha, even } = shape,
     { A, C, rho, L } = one,
     last = s.length - 1;
-  const [low, high] = range(beta),
-    [least, most] = range(push),
-    noise = Math.max(ROUNDING, 10 * shape.error),
-    steady = high - low < noise;
-  const middle = middles(shape),
-    whole = (f) =>
-      integral(
-        s,
-        (i) => f(shape, i),
-        (i) => f(middle, i),
-      );
-  const bending = (A / 2) * whole((row, i) => row.kappa[i] ** 2),
+  if (one.varies) return shape.numbers;
+  const thin = (row, scale) => row.filter((_, i) => i % STEP === 0 || i === row.length - 1).map((v) => v * scale),
+    rod = { t: thin(even.s, 1 / rho), beta: thin(even.beta, 1), rate: thin(even.dbeta, rho) },
+    read = shape.core.measure(shape.problem, one.sign, shape.error || 0, rod);
+  const noise = Math.max(ROUNDING, 10 * shape.error),
+    steady = read.high - read.low < noise,
+    unit = A / (rho * rho * L),
+    force = A / rho ** 3,
     twist = (one.M3 ** 2 * L) / (2 * C);
-  const work = whole(
-    ({ beta: b }, i) =>
-      one.FZ * Math.cos(b[i]) + (one.MZ * Math.sin(b[i])) / rho - (one.M3 * Math.sin(2 * b[i])) / (2 * rho),
-  );
-  const pushed = part(s, push, middle.push, 1),
-    pulled = part(s, push, middle.push, -1),
-    kappaMost = range(kappa)[1];
-  const periods = shape.halfPeriod === undefined ? NaN : shape.halfPeriod && !steady ? L / shape.halfPeriod : 0;
-  const loads = one.varies ? {} : { FZ: one.FZ, MZ: one.MZ, M3: one.M3 }, // those that vary are the server's
-    energies = one.varies
-      ? {}
-      : { energy: bending - work - twist, bending_energy: bending, twist_energy: twist };
   return {
-    ...loads,
+    FZ: one.FZ,
+    MZ: one.MZ,
+    M3: one.M3,
     turns: bends(beta, noise),
-    bend_number: periods,
-    amplitude: high - low,
+    bend_number: shape.halfPeriod === undefined ? NaN : shape.halfPeriod && !steady ? L / shape.halfPeriod : 0,
+    amplitude: read.high - read.low,
     wraps: (alpha[last] - alpha[0]) / (2 * Math.PI),
     height: z[last] - z[0],
-    kappa_mean: whole((row, i) => row.kappa[i]) / L,
-    kappa_max: kappaMost,
-    push_mean: pushed.area / L,
-    pull_mean: pulled.area / L,
-    push_min: least,
-    push_max: most,
-    attached: pushed.length / L,
-    lift_off_at: liftOff(s, push, Math.max(most, -least), L),
-    F3_size_max: Math.max(...range(tension).map(Math.abs)),
-    bending_moment_max: A * kappaMost,
-    ...(one.E === undefined ? {} : { bending_stress_max: one.E * one.a * kappaMost }),
-    ...energies,
+    kappa_mean: read.curvature / L,
+    kappa_max: read.tightest / rho,
+    push_mean: read.pushed * unit,
+    pull_mean: read.pulled * unit,
+    push_min: read.least * force,
+    push_max: read.most * force,
+    attached: (read.share * rho) / L,
+    lift_off_at: read.lifts * rho,
+    F3_size_max: (read.tension * A) / rho ** 2,
+    bending_moment_max: (read.tightest * A) / rho,
+    ...(one.E === undefined ? {} : { bending_stress_max: (one.E * one.a * read.tightest) / rho }),
+    energy: (read.potential * A) / rho - twist,
+    bending_energy: (read.bending * A) / rho,
+    twist_energy: twist,
   };
 }
 
@@ -65,35 +53,6 @@ export function warnings(shape, found, crossed = crossings(shape)) {
   if (crossed.length) told.push("The rod passes through itself.");
   if (found.push_min < -1e-6 * size) told.push("The rod would lift off where the cylinder has to pull.");
   return told;
-}
-
-/* The shape half way between its stations. */
-const middles = ({ s, at }) => at(Float64Array.from({ length: s.length - 1 }, (_, i) => (s[i] + s[i + 1]) / 2));
-
-/* An integral over s by Simpson's rule on each interval, from values at the stations and half way between them. */
-function integral(s, value, middle) {
-  let sum = 0;
-  for (let i = 1; i < s.length; i++) sum += ((s[i] - s[i - 1]) / 6) * (value(i - 1) + 4 * middle(i - 1) + value(i));
-  return sum;
-}
-
-/* Integral and length of the stretches where sign times the push is positive; the zeros are among the stations. */
-function part(s, push, middle, sign) {
-  let area = 0,
-    length = 0;
-  for (let i = 1; i < s.length; i++) {
-    if (!(sign * middle[i - 1] > 0)) continue;
-    const h = s[i] - s[i - 1];
-    area += (sign * h * (push[i - 1] + 4 * middle[i - 1] + push[i])) / 6;
-    length += h;
-  }
-  return { area, length };
-}
-
-/* The first s where the cylinder would have to pull; L where it nowhere has to. */
-function liftOff(s, push, size, L) {
-  for (let i = 0; i < s.length; i++) if (push[i] < -1e-9 * size) return i === 0 ? 0 : s[i - 1];
-  return L;
 }
 
 /* How often beta turns back by more than `least` between the ends of the rod. */

@@ -6,6 +6,7 @@ import { element, makeTheme, set } from "./details.mjs";
 import { makeEquilibria } from "./equilibria.mjs";
 import { copyText, saveFile, savePicture, showStudy } from "./files.mjs";
 import { observables } from "./numbers.mjs";
+import { coreOf } from "./packed_core.mjs";
 import { Refused, SLIDING, caseOf, heldState, isEnds } from "./rod_case.mjs";
 import { makePrint } from "./print.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
@@ -122,9 +123,10 @@ async function askShape(one, how, since) {
     const { head, arrays } = unpacked(await (await post("/shape", { state: me.state, near })).arrayBuffer());
     if (isOld()) return;
     if (head.which) me.state.equilibrium = head.which;
-    const { outcome, error, condition, method, notes, ticket } = head;
+    const { outcome, error, condition, method, notes, ticket, numbers } = head,
+      facts = { error: error ?? NaN, condition: condition ?? NaN, sound: true, shown: 1, numbers };
     took(
-      interpolated(core, one, arrays, { error: error ?? NaN, condition: condition ?? NaN, sound: true, shown: 1 }),
+      interpolated(core, one, arrays, facts),
       { outcome, method, notes, ticket },
       how,
       since,
@@ -247,7 +249,7 @@ function prepare() {
 }
 
 async function start() {
-  core = await RodCore.load(Uint8Array.from(atob(data.core), (c) => c.charCodeAt(0)));
+  core = await coreOf(data.core);
   prepare();
   if (!follow()) begin(data.presets[0].name);
 }

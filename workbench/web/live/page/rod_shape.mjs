@@ -25,7 +25,7 @@ export function marched(core, one, dbeta0 = one.dbeta) {
   const at = along(core, one, problem, orbit);
   const s = evenly(one.L * shown, n),
     halfPeriod = tried.end === "turns" ? tried.halfPeriod * one.rho : tried.end === "marched" ? undefined : 0;
-  return made(one, at, s, {
+  return made(core, one, at, s, {
     error: tried.error,
     condition: tried.condition,
     sound: tried.sound,
@@ -52,7 +52,7 @@ export function interpolated(core, one, stations, facts) {
     ? (where) => ({ s: where, ...lines(where) })
     : along(core, one, problem, core.through(problem, timed(one, stations)));
   const { n } = stationsFor(length / one.rho, { beta, alpha });
-  return made(one, at, evenly(length, Math.max(n, s.length)), { ...facts, problem });
+  return made(core, one, at, evenly(length, Math.max(n, s.length)), { ...facts, problem });
 }
 
 /* Dimensionless rows of a shape. */
@@ -96,7 +96,7 @@ function joined(core, one, rod) {
     { n } = stationsFor(one.L / one.rho, rod),
     problem = reduced(one, rod.rate[0] / one.rho);
   const facts = { error, condition: NaN, sound: error < 1e-6, shown: 1, problem };
-  return made(one, along(core, one, problem, rod.at), evenly(one.L, n), facts);
+  return made(core, one, along(core, one, problem, rod.at), evenly(one.L, n), facts);
 }
 
 /* Whether a rod is far from another, at the same shares of the length. */
@@ -158,13 +158,13 @@ function along(core, one, problem, orbit) {
 }
 
 /* The arrays over s, with the extremes of beta, push and curvature and the zeros of the push as further stations. */
-function made(one, at, s, facts) {
+function made(core, one, at, s, facts) {
   const even = at(s);
   const peaks = ["beta", "push", "kappa"].flatMap((name) =>
     sharpened(peaksOf(s, even[name]), name, s[1] / 10, at),
   );
   const more = at(Float64Array.from([...peaks, ...zerosOf(even, at)]).sort());
-  return { one, at, even, ...(more.s.length ? merged(even, more) : even), ...facts };
+  return { core, one, at, even, ...(more.s.length ? merged(even, more) : even), ...facts };
 }
 
 /* Extremes again, by the parabola through values a little before and after each. */

@@ -1,5 +1,6 @@
 // Every turntable of a page begins once it comes near the screen.
 
+import { coreOf } from "./packed_core.mjs";
 import { numbersOf } from "./stored_shapes.mjs";
 import { turntable } from "./turntable.mjs";
 
@@ -9,7 +10,7 @@ for (const one of Object.values(data.figures)) if (one.arrays) one.arrays = numb
 
 async function begin(figure) {
   const one = data.figures[figure.id];
-  const core = await RodCore.load(Uint8Array.from(atob(data.core), (c) => c.charCodeAt(0)));
+  const core = await coreOf(data.core);
   turntable(figure, { ...one, ...data.words }, data.colours, core, () => calm.matches);
 }
 

@@ -1,0 +1,72 @@
+/* Rods that are known at stations: the pieces between them, and what is measured on these. */
+
+#include "stretches.h"
+
+enum { QUINTIC = 6 };
+
+/* The quintic polynomial on [0, 1] with these values and derivatives at the ends, as coefficients of Chebyshev polynomials
+   of 2 x - 1. */
+static void quintic(double y0, double y1, double d0, double d1, double b0, double b1, double *out)
+{
+    const double rise = y1 - y0;
+    const double powers[QUINTIC] = {y0,
+                                    d0,
+                                    b0 / 2,
+                                    10 * rise - 6 * d0 - 4 * d1 - 1.5 * b0 + 0.5 * b1,
+                                    -15 * rise + 8 * d0 + 7 * d1 + 1.5 * b0 - b1,
+                                    6 * rise - 3 * (d0 + d1) - 0.5 * (b0 - b1)};
+    double series[QUINTIC + 1] = {0};
+    for (int power = QUINTIC - 1; power >= 0; power--) { /* times x, plus the next power's coefficient */
+        double next[QUINTIC + 1] = {powers[power]};
+        for (int k = 0; k < QUINTIC - 1 - power; k++) {
+            next[k] += series[k] / 2, next[k + 1] += series[k] / (k ? 4 : 2);
+            if (k)
+                next[k - 1] += series[k] / 4;
+        }
+        memcpy(series, next, sizeof(series));
+    }
+    memcpy(out, series, sizeof(double) * QUINTIC);
+}
+
+/* The series of beta and beta_t between neighbouring stations, (rods, n - 1, 2, QUINTIC), through their values and rates
+   at the stations (rods, n). loads: (rods, 3), lam, mu and phi. */
+void rod_station_series(int64_t rods, int64_t n, const double *loads, const double *t, const double *beta,
+                        const double *rate, double *out)
+{
+    for (int64_t b = 0; b < rods; b++, loads += 3)
+        for (int64_t i = 0; i + 1 < n; i++, out += 2 * QUINTIC) {
+            const double *angle = beta + b * n + i, *v = rate + b * n + i, h = t[b * n + i + 1] - t[b * n + i];
+            double bend[2], turn[2];
+            for (int end = 0; end < 2; end++) {
+                bend[end] = -slope(loads[0], loads[1], loads[2], angle[end]);
+                turn[end] = -slope_rate(loads[0], loads[1], loads[2], angle[end]) * v[end];
+            }
+            quintic(angle[0], angle[1], h * v[0], h * v[1], h * h * bend[0], h * h * bend[1], out);
+            quintic(v[0], v[1], h * bend[0], h * bend[1], h * h * turn[0], h * h * turn[1], out + QUINTIC);
+        }
+}
+
+/* All numbers of one rod that is known at n stations, as `rod_measure` gives them; for browsers, which have no Python to
+   make pieces.
+
+   given: lam, mu, phi, the sign of the push and the error of beta. room: (18 n,), for what is made. out: (2, NUMBERS). */
+int rod_measure_stations(int64_t n, const double *given, const double *t, const double *beta, const double *rate,
+                         double goal, double *room, void *out)
+{
+    double *series = room, *ends = room + 12 * n, *time = ends + 2 * n, *begin = time + n, *row = begin + n;
+    const double loads[3] = {given[0], given[1], given[2]}, span = t[n - 1] - t[0];
+    int64_t first[2] = {0, 0}, *rows = (int64_t *)row;
+    double *count = row + n;
+    rod_station_series(1, n, loads, t, beta, rate, series);
+    for (int64_t i = 0; i + 1 < n; i++) {
+        const int64_t k = first[1];
+        ends[k] = -1, ends[n + k] = 1, time[k] = t[i + 1] - t[i], begin[k] = t[i], rows[k] = i, count[k] = 1;
+        first[1] += time[k] > 0; /* two stations may be one */
+    }
+    const rods one = {
+        .coefficients = QUINTIC, .kinds = 2, .groups = -1, .goal = goal, .series = series, .first = first, .row = rows,
+        .low = ends, .high = ends + n, .time = time, .count = count, .begin = begin, .lam = given, .mu = given + 1,
+        .phi = given + 2, .span = &span, .beta0 = beta, .sign = given + 3, .error = given + 4,
+    };
+    return rod_measure(&one, out, 0, 1, 1);
+}
