@@ -13,7 +13,7 @@ from .region_map import fold_curves, region_map
 from .solution import Solution
 from .solve import solve
 from .switch import switch
-from .varying_folds import trace_fold
+from .traced_folds import trace_fold
 
 __version__ = "0.2.0"
 __all__ = [

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .equilibrium_branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
-from .numerics.arclength import CLOSED, END, both_senses
+from .numerics.arclength import CLOSED, END
 from .numerics.arrays import Array
 from .problem.angles import doubt, given_by_a_program, warn
 from .problem.case import ANGLES, PAIRS, Case, Ends
@@ -244,26 +244,20 @@ def solutions_of(branch: Branch, stations: int) -> Solution:
 
 def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bounds", solved: _Solver) -> Branch:
     """The branch, followed with the field falling and rising where there is room."""
-    from .branches.branch_following import Stop, own_place, trace
+    from .branches.branch_following import both_ways
     from .branches.family import family_of
 
-    own = value_of(case, name)
-    family = family_of(case, name, begun, bounds)
-    middle = own_place(family, path, own)
-    if isinstance(middle, str):
-        raise InputError(f"the equilibrium cannot be followed: {middle}")
-    sides = both_senses(
-        own, bounds.low, bounds.high, lambda rises: trace(family, path, own, rises, bounds), Stop(END, own),
-        lambda stop: stop.reason == CLOSED,
-    )  # fmt: skip
-    (before, begin), (after, end) = sides
-    points, special = _points([*before[::-1], middle, *after], case, name, solved)
+    followed = both_ways(family_of(case, name, begun, bounds), path, value_of(case, name), bounds)
+    if isinstance(followed, str):
+        raise InputError(f"the equilibrium cannot be followed: {followed}")
+    places, start, begin, end = followed
+    points, special = _points(places, case, name, solved)
     ends = _end(name, begin), _end(name, end)
     if ends[0].kind == HELIX:
         special = (SpecialPoint(HELIX, points[0].value, -1, points[0].index, 0), *special)
     if ends[1].kind == HELIX:
         special = (*special, SpecialPoint(HELIX, points[-1].value, points[-1].index, -1, len(points) - 1))
-    return Branch(name, points, special, *ends, len(before))
+    return Branch(name, points, special, *ends, start)
 
 
 def _end(name: str, stop: "Stop") -> BranchEnd:

@@ -13,12 +13,13 @@ from .folds.parameter_plane import parameter_plane
 from .numerics.arrays import Array, Booleans, Integers
 from .problem.case import Case
 from .problem.errors import InputError
-from .varying_folds import search_varying
+from .problem.held_ends import held_of
+from .traced_folds import search_held, search_varying
 
 PIXELS = 240  # of the raster along each field
 MOST_POINTS = 100_000
 MOST = 101  # points of the lattice along a field
-NINE, THREE = 9, 3  # by default, without and with weight
+NINE, THREE = 9, 3  # by default, under dead loads, and with held ends or weight
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +93,7 @@ class RegionMap:
 
 
 def fold_curves(case: Case, *, lattice: int | None = None, **ranges: Any) -> FoldCurves:
-    """Fold and pitchfork curves that cross a rectangle of two fields: all under dead loads, with weight those found.
+    """Fold and pitchfork curves that cross a rectangle of two fields: all under dead loads, else those that are found.
 
     Under dead loads, on a lattice of points all equilibria are counted by their Morse index. Between two neighbours
     whose numbers differ a point of a curve is found, and the curve is traced from it both ways, until the curves
@@ -100,16 +101,16 @@ def fold_curves(case: Case, *, lattice: int | None = None, **ranges: Any) -> Fol
     that cross the same lines next to each other and undo each other's change, unless one of thirty further points lies
     between; a finer lattice finds them.
 
-    Of a rod with weight the equilibria that `equilibria` finds at the middle are followed along the lines of the
-    lattice, with those that branches meet or that split off, and every fold and pitchfork on the way is traced. What
-    does not hang together with them is not found, and the remark is never empty.
+    Of a rod with held ends or weight the equilibria that `equilibria` finds at the middle are followed along the lines
+    of the lattice, with those that branches meet, and every fold on the way is traced; with weight also pitchforks, and
+    what splits off there. What does not hang together with them is not found, and the remark is never empty.
 
     Parameters
     ----------
     case : Case
         A single ends problem.
     lattice : int, optional
-        Points of the lattice along each field, 2 to 101. Default: 9, of a rod with weight 3.
+        Points of the lattice along each field, 2 to 101. Default: 9, of a rod with held ends or weight 3.
     **ranges
         Two numeric fields of rod, cylinder or ends with their ranges, such as ``FZ=(-10, 10)`` and ``betaL=("-90deg",
         "90deg")``.
@@ -134,16 +135,16 @@ def fold_curves(case: Case, *, lattice: int | None = None, **ranges: Any) -> Fol
     ('fold', 0, [[-55.891532, 2.293935]])
     """
     plane = parameter_plane(case, ranges)
-    lattice = (THREE if plane.varies else NINE) if lattice is None else lattice
+    lattice = (THREE if plane.varies or held_of(case) else NINE) if lattice is None else lattice
     if not 2 <= lattice <= MOST or lattice != int(lattice):
         raise InputError(f"lattice must be a whole number from 2 to {MOST}, got {lattice!r}")
-    if plane.varies:
-        return search_varying(plane, int(lattice))
+    if plane.varies or held_of(case):
+        return (search_varying if plane.varies else search_held)(plane, int(lattice))
     return curves_of(search_curves(plane, int(lattice)))
 
 
 def region_map(case: Case, *, lattice: int | None = None, stations: int = 101, **ranges: Any) -> RegionMap:
-    """The number of equilibria, and of stable ones, over two fields; with weight of those that are found.
+    """The number of equilibria, and of stable ones, over two fields; with held ends or weight of those that are found.
 
     Parameters
     ----------

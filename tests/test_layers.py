@@ -35,7 +35,7 @@ LISTS = {
         "numerics", "problem", "mechanics", "core", "orbit", "closed", "levels", "equilibrium", "branches",
         "folds", "held", "choose", "shooting", "methods", "shape",
         "observe", "sensitivity", "solution", "solve", "equilibrium_list", "held_equilibria",
-        "equilibria", "equilibrium_branch", "follow", "switch", "varying_folds", "end_angle_branch", "region_map",
+        "equilibria", "equilibrium_branch", "follow", "switch", "traced_folds", "end_angle_branch", "region_map",
         "loops", "inverse", "benchmark",
     ],
     "studies": ["grammar", "laws", "language"],

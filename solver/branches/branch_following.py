@@ -62,6 +62,20 @@ def trace(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> 
     return places, replace(stop, helix=end_of_helix(family, stop.p, shape_of(orbit)[0]))
 
 
+def both_ways(family: Family, path: Path, p: float, bounds: Bounds) -> tuple[list[Place], int, Stop, Stop] | str:
+    """The equilibria of the branch of the one at p, the place of that one among them, and why there are no more at
+    either end; or why it cannot be followed."""
+    middle = own_place(family, path, p)
+    if isinstance(middle, str):
+        return middle
+    sides = arclength.both_senses(
+        p, bounds.low, bounds.high, lambda rises: trace(family, path, p, rises, bounds), Stop(END, p),
+        lambda stop: stop.reason == CLOSED,
+    )  # fmt: skip
+    (before, begin), (after, end) = sides
+    return [*before[::-1], middle, *after], len(before), begin, end
+
+
 def _places(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
     """The same without the reason that a helix ceases to exist."""
     if not family.is_dead and path.helix:

@@ -75,10 +75,10 @@ def begin_at(family: Family, path: Path, p: float, rises: bool) -> State | str:
     curve, w = found
     along = np.zeros(w.size)
     along[1] = 1.0 if rises else -1.0
-    return _correct_state(curve, w, along)
+    return correct_state(curve, w, along)
 
 
-def _correct_state(curve: EquilibriumCurve, w: Array, along: Array) -> State | str:
+def correct_state(curve: EquilibriumCurve, w: Array, along: Array) -> State | str:
     """The point of the curve next to w, travelled along a direction; p is held, or x at a fold."""
     jacobian = curve.jacobian(w)
     if jacobian is None:
@@ -105,12 +105,12 @@ def rechart(state: State, step: float, keep: bool = False) -> State:
     if at is None:
         return state
     every = charts(*at, state.curve.family.hinged)
-    if not keep and not _alike(every[0], state.curve.chart):
+    if not keep and not alike(every[0], state.curve.chart):
         changed = _change(state, every[0])
         if changed is not None:
             return changed
     for chart in every:
-        if _alike(chart, state.curve.chart):
+        if alike(chart, state.curve.chart):
             return _rescale(state, chart)
     return state
 
@@ -119,13 +119,13 @@ def in_other_charts(state: State) -> Iterator[State]:
     """The same in every other coordinate."""
     at = state.curve.at(state.node.w)
     for chart in charts(*at, state.curve.family.hinged) if at is not None else ():
-        if not _alike(chart, state.curve.chart):
+        if not alike(chart, state.curve.chart):
             changed = _change(state, chart)
             if changed is not None:
                 yield changed
 
 
-def _alike(one: Chart, other: Chart) -> bool:
+def alike(one: Chart, other: Chart) -> bool:
     """Whether two charts have one coordinate."""
     same = one.kind == other.kind and one.logarithmic == other.logarithmic and one.at.sign == other.at.sign
     return same and (one.kind != "saddle" or abs(np.sin((one.at.pin - other.at.pin) / 2)) < _SAME_SADDLE)
@@ -157,7 +157,7 @@ def _change(state: State, chart: Chart) -> State | None:
                 if not along.any():
                     continue
                 along /= np.linalg.norm(along)
-                found = _correct_state(curve, w, along)
+                found = correct_state(curve, w, along)
                 if not isinstance(found, str) and found.node.tangent @ along < _PARALLEL:
                     continue
                 if not isinstance(found, str) and found.rises * state.rises > 0:

@@ -16,7 +16,7 @@ from ..orbit.variations import POINTS
 from ..problem.case import PAIRS, Case
 from ..problem.case_fields import numbers_over, unchecked_with_field, value_of, with_field
 from ..problem.errors import InputError
-from ..problem.held_ends import held_numbers_over, held_of, reduce_held
+from ..problem.held_ends import given_numbers, held_numbers_over, held_of, reduce_held
 from ..problem.reduced import EndsProblem, reduce
 
 _KEPT = 6  # problems kept, as one is needed several times in a step
@@ -130,26 +130,46 @@ def family_of(case: Case, name: str, begun: EndsProblem, bounds: Bounds) -> Fami
 
     begun: one equilibrium, as a problem under dead loads.
     """
-    is_held, own, reach = bool(held_of(case)), value_of(case, name), bounds.high - bounds.low
+    own, reach = value_of(case, name), bounds.high - bounds.low
 
     def given(value: float) -> Given | None:
         found = _case(case, name, bounds, value) if abs(value - own) <= 2 * reach else None
-        if found is None or is_held:
-            return None if found is None else Given.of(reduce_held(found))
-        problem = reduce(found)
-        return Given.dead(problem) if isinstance(problem, EndsProblem) else None
+        return None if found is None else given_of(found)
 
-    def beyond(value: float) -> Sequence[float] | None:
-        found = given(value)
-        if found is None or is_held:
-            return None if found is None else [*found.values.tolist(), found.span, found.ratio]
-        return [float(number[0]) for number in vars(problem_of(found, {})).values()]
-
-    inside = (held_numbers_over if is_held else numbers_over)(case, name)
+    inside = (held_numbers_over if held_of(case) else numbers_over)(case, name)
     here = given(own)
     assert here is not None
-    numbers = partial(_numbers, inside, beyond, bounds)
+    numbers = partial(_numbers, inside, partial(numbers_at, given), bounds)
     return Family(given, begun, scale_of(given, own, reach), here.names, numbers)
+
+
+def given_of(case: Case) -> Given | None:
+    """The given numbers of one case with Ends; None for a start problem."""
+    if held_of(case):
+        return Given.of(reduce_held(case))
+    problem = reduce(case)
+    return Given.dead(problem) if isinstance(problem, EndsProblem) else None
+
+
+def given_over(case: Case, *names: str) -> Callable[..., Given]:
+    """The same over some fields, for valid values, many times as fast."""
+    numbers, order = held_numbers_over(case, *names), given_numbers(case)
+    names_of = order if held_of(case) else FREE
+    picked = [order.index(name) for name in names_of]
+
+    def given(*values: float) -> Given:
+        *fixed, span, ratio = numbers(*values)
+        return Given(names_of, np.array([float(fixed[k]) for k in picked]), float(span), float(ratio))
+
+    return given
+
+
+def numbers_at(given: Callable[[float], Given | None], value: float) -> Sequence[float] | None:
+    """What `Family.numbers` gives at a value, of the given numbers there."""
+    found = given(value)
+    if found is None or found.names != FREE:
+        return None if found is None else [*found.values.tolist(), found.span, found.ratio]
+    return [float(number[0]) for number in vars(problem_of(found, {})).values()]
 
 
 def _case(case: Case, name: str, bounds: Bounds, value: float) -> Case | None:

@@ -1,19 +1,21 @@
 """The plane of two fields of an ends problem: its points, and the dimensionless problems there."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.angles import angle
 from ..problem.case import ANGLES, Case, Ends
-from ..problem.case_fields import FIELD, check_fields
+from ..problem.case_fields import FIELD, check_fields, unchecked_with_field
 from ..problem.errors import InputError, choices, show
 from ..problem.field_rates import ACTING, field_rates
 from ..problem.held_ends import held_of
 from ..problem.reduced import EndsProblem, reduce
 
+Numbers = TypeVar("Numbers")  # a dataclass
 MARGIN = 1e-3  # of a range: how far beyond it equilibria may be computed
 
 
@@ -46,6 +48,13 @@ class ParameterPlane:
         first, second = np.moveaxis(self.values(shares), -1, 0)
         return with_two(self.case, dict(zip(self.names, (first, second), strict=True)))
 
+    def unchecked_case_at(self, shares: Array) -> Case:
+        """The case at one point (2,) of the rectangle, whose values are known to be valid; several times as fast."""
+        case = self.case
+        for name, value in zip(self.names, self.values(shares), strict=True):
+            case = unchecked_with_field(case, name, float(value))
+        return case
+
     @property
     def varies(self) -> bool:
         """Whether loads vary along the rod somewhere in the plane."""
@@ -56,6 +65,19 @@ class ParameterPlane:
         problem = reduce(self.case_at(np.atleast_2d(shares)))
         assert isinstance(problem, EndsProblem)
         return problem
+
+
+def reflect(at: Callable[[Array], Numbers], z: Array, names: tuple[str, ...]) -> Numbers:
+    """What a function gives at shares z, (2,), beyond the border too, where no case may have such values.
+
+    names: of its numbers, which go on there as they are at the border; differences reach there.
+    """
+    border = np.clip(z, 0.0, 1.0)
+    if (z == border).all():
+        return at(z)
+    here, inside = at(border), at(2 * border - z)
+    beyond: Any = {name: 2 * getattr(here, name) - getattr(inside, name) for name in names}
+    return replace(here, **beyond)  # type: ignore[type-var]
 
 
 def with_two(case: Case, values: dict[str, Any]) -> Case:
@@ -75,7 +97,7 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
     Raises
     ------
     InputError
-        For a start problem, held ends without weight, a grid of cases, not two fields, an unknown field, one on which
+        For a start problem, a grid of cases, not two fields, an unknown field, one on which
         no equilibrium depends, and a range that is not two finite numbers, the first lower, or that holds invalid
         values.
     """
@@ -100,15 +122,15 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
                 "follow an equilibrium to a fold, and trace_fold in Python traces its curve"
             )
         return plane
-    if held := held_of(case):
-        raise InputError(
-            f"fold curves take dead loads and end angles, under which all equilibria are known; got {choices(held)}"
-        )
     try:
         rates = field_rates(plane.case_at(corners), plane.names)
     except InputError as refusal:
         raise InputError(f"no fold curves over {first} and {second}: {refusal}") from None
     moved = np.stack([np.asarray(getattr(rates, name)) for name in ACTING])
+    if held_of(case):
+        assert rates.given is not None
+        turned = rates.ratio * ("rotation" in held_of(case))
+        moved = np.concatenate([np.moveaxis(rates.given, 1, 0), np.stack([rates.span, turned])])
     for k, name in enumerate((first, second)):
         if not moved[:, :, k].any():
             raise InputError(f"no equilibrium depends on {name}; choose another field")

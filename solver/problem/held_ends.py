@@ -88,18 +88,20 @@ def held_problem(case: Case) -> HeldProblem:
     return HeldProblem(given, np.stack(columns, axis=1), span, ratio)
 
 
-def held_numbers_over(case: Case, name: str) -> Callable[[float], tuple[float, ...]]:
-    """The five given numbers, L/rho and A/C of one held problem over one field: those of `reduce_held`."""
+def held_numbers_over(case: Case, *names: str) -> Callable[..., tuple[float, ...]]:
+    """The five given numbers, L/rho and A/C of one held problem over some fields: those of `reduce_held`."""
     given = given_fields(case)
-    alters_rod = not hasattr(case.given, name)
+    alters_rod = any(not hasattr(case.given, name) for name in names)
 
-    def numbers(value: float) -> tuple[float, ...]:
-        one = unchecked_with_field(case, name, value) if alters_rod else case
+    def numbers(*values: float) -> tuple[float, ...]:
+        new, one = dict(zip(names, values, strict=True)), case
+        for name, value in new.items() if alters_rod else ():
+            one = unchecked_with_field(one, name, value)
         A, rho = one.rod.bending_stiffness, one.rho
         factor = _factors(A, rho)
-        own = (value if key == name else getattr(case.given, key) for key in given)
-        values = (number * factor.get(key, 1.0) for key, number in zip(given, own, strict=True))
-        return (*values, one.rod.L / rho, one.rod.stiffness_ratio)
+        own = (new[key] if key in new else getattr(case.given, key) for key in given)
+        fixed = (number * factor.get(key, 1.0) for key, number in zip(given, own, strict=True))
+        return (*fixed, one.rod.L / rho, one.rod.stiffness_ratio)
 
     return numbers
 

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..folds.fold_line import BORDER, CLOSE, STEP, STOPPED
 from ..numerics import arclength
 from ..numerics.arclength import LEFT, Lengths, Node, Stride, advance, border_distances, node_at, trace
 from ..numerics.arrays import Array
 from .curve import Curve
 from .descent import index_at, weakest_modes
-from .fold_line import BORDER, CLOSE, STEP, STOPPED
 from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod, Q
 from .newton import Shape, correct, linear_at
 

@@ -47,6 +47,10 @@ LYING = (
     "folds --length-unit m --EI 1 --GJ 1 --a 0.05 --L 6 --weight 1 --R 0.15 --side inside --inclination 90deg --M10 0 "
     "--M1L 0 --azimuth 0 --axis FZ=-6.2:-5 --axis weight=0.7:0.9 --plot lying.png"
 )
+HELD = (
+    "folds --length-unit cm --force-unit N --E 10700 --nu 0.25 --a 0.25 --L 4 --R 0.75 --beta0 0.5 --betaL 0.8 "
+    "--height 2.5 --azimuth 0.5 --axis height=3.2:3.6 --axis azimuth=0:1 --plot held.png"
+)
 SOFT = "how-to/analyse-stored-studies"
 PAGES = [
     Page(
@@ -63,8 +67,8 @@ PAGES = [
     ),
     Page("how-to/find-equilibria", left=UNKNOWN, python="left", made=("all.png", "b.png")),
     Page(
-        "how-to/find-equilibria", "Map the folds", status={LYING: 1},
-        made=("folds_atlas.png", "buckling.png", "lying.png"),
+        "how-to/find-equilibria", "Map the folds", status={LYING: 1, HELD: 1},
+        made=("folds_atlas.png", "buckling.png", "held.png", "lying.png"),
     ),
     Page(
         "how-to/find-equilibria", "Follow a branch", files=("snap.toml",), made=("dead.png", "held.png"),

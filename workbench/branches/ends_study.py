@@ -44,7 +44,7 @@ def refuse_held(case: Case) -> None:
     """Raise `InputError` for a case with held ends."""
     if held := held_of(case):
         raise InputError(
-            f"branches and folds begin from equilibria under dead loads and between two angles, got {choices(held)}: "
+            f"branches begin from equilibria under dead loads and between two angles, got {choices(held)}: "
             "workbench equilibria without --axis lists those of held ends"
         )
 

@@ -8,6 +8,7 @@ import xarray as xr
 
 from solver import Case
 from solver.problem.case_fields import value_of
+from solver.problem.held_ends import held_of
 from solver.region_map import Region, RegionMap
 from studies import Study
 
@@ -48,7 +49,7 @@ def dataset_of(study: Study, found: RegionMap, checked: Checked | None = None) -
     stations = data["stable_alpha"].sizes["u"]
     coords["u"] = xr.Variable(("u",), np.linspace(0, 1, stations), schema.labels("u", units))
     symbols = " and ".join(label["symbol"] for label in labels)
-    number = "The number of equilibria" + " found" * (folds.case.rod.weight is not None)
+    number = "The number of equilibria" + " found" * (folds.case.rod.weight is not None or bool(held_of(folds.case)))
     ds = xr.Dataset(data, coords, attributes(study, folds.case, f"{number} over {symbols}"))
     ds.attrs |= {"study_name": "folds", "fields": json.dumps([x, y]), "remark": found.remark}
     ds.attrs["low"], ds.attrs["high"] = folds.low.tolist(), folds.high.tolist()

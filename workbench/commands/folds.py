@@ -36,7 +36,8 @@ def folds(
         int | None,
         option(
             "COUNT",
-            "Points along each field between which curves are searched for, 2 to 101; default: 9, with weight 3.",
+            "Points along each field between which curves are searched for, 2 to 101; default: 9, with held ends or "
+            "weight 3.",
         ),
     ] = None,
     points: Annotated[
@@ -54,23 +55,20 @@ def folds(
     """Map where equilibria appear and disappear over two fields.
 
     Fold curves divide the rectangle of the two fields into regions; in each the number of equilibria and of stable ones
-    is constant. With weight, curves and equilibria are those that a search finds. Exit status 1 if curves may be
-    missing, or a check fails.
+    is constant. With held ends or weight, curves and equilibria are those that a search finds. Exit status 1 if curves
+    may be missing, or a check fails.
 
     The options of a case are those of the command equilibria.
     """
     from solver import InputError
     from solver.region_map import region_map
 
-    from ..branches.ends_study import refuse_held
     from ..branches.region_dataset import dataset_of
     from ..figures.sheet import sheet
     from .present import Result, files, present
 
     study, case = study_and_case(file, given, held=True)
-    if case.rod.weight is None:
-        refuse_held(case)
-    read = [read_range("--axis", text, ENDS_NUMBERS) for text in axis or []]
+    read = [read_range("--axis", text, (*ENDS_NUMBERS, *HELD)) for text in axis or []]
     ranges: dict[str, Any] = {name: (low, high) for name, low, high, _ in read}
     if len(axis or []) != 2 or len(ranges) != 2:
         said = ", ".join(axis or []) or "none"

@@ -1,0 +1,141 @@
+"""Shapes of a rod whose loads vary along it, over a plane of two numbers z: their branches, and their curves."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from ..folds.curve_points import Line, curve_points, fold_through
+from ..folds.fold_search import Curve as FoundCurve
+from ..folds.lattice_branches import MOST_POINTS, Meeting, Stage, place_on
+from ..numerics.arclength import CLOSED, END, FOLD, PITCHFORK
+from ..numerics.arrays import Array
+from ..problem.errors import InputError
+from .curve import Curve, Point
+from .descent import index_of_any, weakest_modes
+from .following import both_ways
+from .further_shapes import angles_of
+from .loaded_rod import SPEED, LoadedRod
+from .newton import Shape, is_same
+from .pitchfork_line import CROSSING, PitchforkPoint, pitchfork_at, pitchfork_line
+
+NARROW = 0.01  # of a step: how closely a branch point is enclosed, before its curve is solved for
+SPLIT = 0.05  # of the angles, in their scales: how far from a branch those that cross it are entered
+MOST = 500  # points of a curve of pitchforks in each sense
+RodAt = Callable[[Array], LoadedRod]
+
+
+@dataclass(frozen=True, eq=False)
+class ShapeOnLine:
+    """A shape on a line of z, a `folds.fold_line.LineEquilibrium`; point: on the curve over n."""
+
+    rod_at: RodAt
+    point: Point
+
+    @property
+    def offset(self) -> float:
+        return self.point.x
+
+    @property
+    def rate(self) -> float:
+        return float(self.point.tangent[-1])
+
+    @property
+    def index(self) -> int:
+        return index_of_any(self.point.shape)
+
+    def beside(self, begin: Array, across: Array, a: float) -> "ShapeOnLine | None":
+        """As of `LineEquilibrium`."""
+        shape, tangent = self.point.shape, self.point.tangent
+        curve = Curve(lambda n: self.rod_at(begin + n * across), 1.0, shape.rod.scale)
+        change = a * tangent[:-1].reshape(shape.y.shape) * shape.rod.scale
+        try:
+            found = curve.correct(Shape(shape.rod, shape.t, shape.y + change), 0.0, tangent)
+        except InputError:  # no case has such values
+            return None
+        return None if found is None else replace(self, point=found)
+
+    def as_folds(self, z: Array, across: Array) -> "Iterator[ShapeOnLine]":
+        """As of `LineEquilibrium`; the nodes are its only coordinates."""
+        yield replace(self, point=Point(self.point.shape, 0.0, np.append(self.point.tangent[:-1], 0.0)))
+
+
+@dataclass(frozen=True, eq=False)
+class ShapesOnPlane:
+    """Shapes over a plane, a `folds.lattice_branches.PlaneSystem`.
+
+    rod_at: the rod at z. scale: (8,), of all states.
+    """
+
+    rod_at: RodAt
+    scale: Array
+
+    def signature(self, shape: Shape) -> Array:
+        return angles_of(shape)
+
+    def are_same(self, one: Shape, other: Shape) -> bool:
+        return is_same(one, other)
+
+    def line(self, z: Array, axis: int) -> Curve:
+        """The equilibria along number `axis` of z through a point."""
+        return Curve(lambda x: self.rod_at(place_on(z, axis, x)), 1.0, self.scale)
+
+    def branch(self, z: Array, axis: int, shape: Shape, wanted: Array) -> tuple[list[Stage[Shape]], bool] | None:
+        found = both_ways(self.line(z, axis), shape, float(z[axis]), 0.0, 1.0, wanted, MOST_POINTS, NARROW)
+        if found is None:
+            return None
+        stages, _, *why = found
+        whole = all(one in (END, CLOSED) for one in why)
+        return [Stage(one.x, one.point.shape, one.index, one.kind) for one in stages], whole
+
+    def splits(self, z: Array, axis: int, stage: Stage[Shape]) -> list[tuple[float, Shape]]:
+        shape, x, curve = stage.equilibrium, stage.x, self.line(z, axis)
+        mode = weakest_modes(shape)[0]
+        across = curve.direction(mode, 0.0)
+        found = (curve.correct(replace(shape, y=shape.y + sign * SPLIT * mode), x, across) for sign in (1, -1))
+        return [(one.x, one.shape) for one in found if one is not None and 0 < one.x < 1]
+
+    def curves(self, meeting: Meeting[Shape], is_known: Callable[[Array, Shape], bool]) -> list[FoundCurve] | None:
+        shape = meeting.stages[1].equilibrium
+        if meeting.stages[1].kind == FOLD:
+            return [self.fold_curve(meeting.z, meeting.axis, [stage.equilibrium for stage in meeting.stages])]
+        first = pitchfork_at(self.rod_at, meeting.z, meeting.axis, shape)
+        if first is None:
+            return None
+        # where the sides differ, branches exchange their indices, and no number changes
+        return [] if np.isnan(first.more).any() else pitchforks_of(first, is_known)
+
+    def fold_curve(self, z: Array, axis: int, shapes: list[Shape]) -> FoundCurve:
+        """The curve of the fold at z of a branch along number `axis`, from the shapes before, at and after it."""
+        curve = Curve(lambda n: shapes[1].rod, 1.0, shapes[1].rod.scale)
+        tangent = curve.direction(shapes[2].y - shapes[0].y, 0.0)
+        fold = ShapeOnLine(self.rod_at, Point(shapes[1], 0.0, tangent))
+        return fold_through(
+            z, axis, fold, lambda one: slope_of(one.point.shape), lambda one: angles_of(one.point.shape)
+        )
+
+
+def slope_of(shape: Shape) -> float:
+    """beta_t(0) of a shape."""
+    return float(shape.y[0, SPEED])
+
+
+def pitchforks_of(first: PitchforkPoint, known: Callable[[Array, Shape], bool]) -> list[FoundCurve]:
+    """The curve of a pitchfork in parts of equal index: it changes where another such curve crosses.
+
+    known: whether a point lies on a known curve; where the shape becomes that of a known curve this one ends.
+    """
+    (back, begin), (ahead, end) = (pitchfork_line(first, sense, MOST, known) for sense in (-1.0, 1.0))
+    points = [*back[::-1], first, *ahead]
+    places = np.array([point.z for point in points])
+    marks = curve_points(places, [np.array([-p.more[1], p.more[0]]) for p in points], [p.more for p in points], [])
+    cuts = [0, *(i + 1 for i, (one, other) in enumerate(pairwise(points)) if one.lower != other.lower), len(points) - 1]
+    signed = np.column_stack([places, np.array([angles_of(point.shape) for point in points])])
+    found = []
+    for a, b in pairwise(dict.fromkeys(cuts)):
+        part = slice(a, b + 1)
+        line = Line(PITCHFORK, marks[part], [], [slope_of(point.shape) for point in points[part]], signed[part])
+        ends = begin if a == 0 else CROSSING, end if b == len(points) - 1 else CROSSING
+        found.append(FoundCurve([line], ends, points[a].lower))
+    return found
