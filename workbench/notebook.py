@@ -113,11 +113,13 @@ class StudyRun:
     """
 
     def __init__(self, study: "Study") -> None:
+        from studies.laws import verdict_words
+
         from .store import in_memory, law_verdicts
 
         self.ds = in_memory.run(study)
         self._rows = law_verdicts.verdicts(self.ds)
-        self.verdicts = [(law_verdicts.law_in_words(row), str(row["verdict"])) for row in self._rows]
+        self.verdicts = [(verdict_words.law_in_words(row), str(row["verdict"])) for row in self._rows]
 
     def plot(self, **at: Any) -> Plot:
         """The figure of the study, or of its case at these values of axes. Raises `InputError`."""
@@ -128,11 +130,10 @@ class StudyRun:
         return scene(self.ds, at)
 
     def _repr_html_(self) -> str:
-        from .store import law_verdicts
+        from studies.laws import verdict_words
 
-        title = f"{self.ds.attrs['title']}: {law_verdicts.count_of(int(self.ds['solved'].size), 'case')}"
-        return of_laws(title, [(stated, law_verdicts.said(row)) for (stated, _), row in zip(self.verdicts, self._rows,
-                                                                                           strict=True)])  # fmt: skip
+        title = f"{self.ds.attrs['title']}: {verdict_words.count_of(int(self.ds['solved'].size), 'case')}"
+        return of_laws(title, [(verdict_words.law_in_words(row), verdict_words.sentence(row)) for row in self._rows])
 
 
 def plot(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Plot:

@@ -1,4 +1,4 @@
-"""Verdicts in words that a reader understands at once, and why a law is true in part, not decided or false."""
+"""Laws and their verdicts in words that a reader understands at once, and why a law is true in part, or not decided."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -105,3 +105,67 @@ def _part(every: Sequence[str], verdict: str, at: Mapping[str, float]) -> str:
 def _wrong(row: Mapping[str, Any]) -> str:
     """The number of steps the wrong way: ``2 of 8 steps``."""
     return f"{len(row['exceptions'])} of {row['steps']} steps"
+
+
+def count_of(count: int, word: str) -> str:
+    """``1 case``, ``9 cases``."""
+    return f"{count} {word}{'s' * (count != 1)}"
+
+
+def tally(rows: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    """How many laws have each verdict, those of no law included."""
+    found = [row["verdict"] for row in rows]
+    return {verdict: found.count(verdict) for verdict in VERDICTS}
+
+
+def tally_of(rows: Sequence[Mapping[str, Any]], noun: str = "law") -> str:
+    """The tally in words: ``7 laws: 3 true, 4 true in part``."""
+    return f"{count_of(len(rows), noun)}: {count(tally(rows))}"
+
+
+def law_in_words(row: Mapping[str, Any]) -> str:
+    """The law in words: ``turns falls along E``."""
+    return f"{row['observable']} {row['does']} along {row['axis']}"
+
+
+def measure(row: Mapping[str, Any]) -> str:
+    """What was measured: ``exponent 2 ± 0.001``; of a direction the values at the two ends of the axis, ``8 → 5``, or
+    their ranges over the lines of a grid."""
+    if row["found"]:
+        return str(row["found"])
+    return f"{_span(row['first'])} → {_span(row['last'])}"
+
+
+def sentence(row: Mapping[str, Any]) -> str:
+    """The verdict and why: ``true in part: 6 of 9 rows agree (judged at R = 0.75)``."""
+    notes = detail(row)
+    return f"{plain(row)}: {notes}" if notes else plain(row)
+
+
+def plain(row: Mapping[str, Any]) -> str:
+    """The verdict in words that a reader understands at once: ``true in part``."""
+    return PLAIN[row["verdict"]]
+
+
+def detail(row: Mapping[str, Any]) -> str:
+    """What qualifies a verdict: the reason, the line that decides, lines of a grid, exceptions; or nothing."""
+    notes = [row["reason"]] if row["reason"] else []
+    if ON_PART not in row["qualifications"]:  # whose reason says the next two
+        if row["at"]:
+            notes.append(f"at {', '.join(f'{name} = {value:.4g}' for name, value in row['at'].items())}")
+        if row["lines"] > 1:
+            notes.append(f"of {row['lines']} rows {count(row['line_verdicts'])}")
+    if row["verdict"] == QUALIFIED:
+        return "; ".join(notes)
+    if row["exceptions"]:
+        notes.append(f"{len(row['exceptions'])} of {row['steps']} {row['counted']}")
+    if row["tau"] is not None and row["verdict"] != HOLDS:
+        notes.append(f"tau {row['tau']:.2f}")
+    return "; ".join(notes)
+
+
+def _span(ends: list[float] | None) -> str:
+    if ends is None:
+        return "?"
+    low, high = ends
+    return f"{low:.4g}" if low == high else f"{low:.4g}..{high:.4g}"

@@ -45,11 +45,6 @@ def run(args: list[str]) -> dict[str, Any]:
 def main(folder: Path, good: Path, out: Path, *names: str) -> None:
     from workbench.commands import summary  # noqa: F401  (imported once, before the processes)
     from workbench.scene import opengl
-    from workbench.store import (  # noqa: F401
-        file_merge,
-        law_verdicts,
-        writing,
-    )
 
     opengl.probe = lambda: (False, "not drawn")  # a file that is let in is read by scene, and not drawn
     for path in sorted(folder.iterdir()):

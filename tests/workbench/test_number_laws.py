@@ -13,13 +13,14 @@ from typer.testing import CliRunner
 
 from solver import InputError
 from studies import Study, load
+from studies.laws import verdict_words
 from studies.laws.verdicts import FAILS, HOLDS, UNDECIDED
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.figures import study_figure
 from workbench.figures.laws import panel
-from workbench.store import in_memory, law_numbers, law_verdicts, writing
+from workbench.store import in_memory, law_verdicts, writing
 from workbench.web.report import law_cards
 
 SAID = """
@@ -91,9 +92,9 @@ def test_a_case_where_an_expression_divides_by_zero_says_so_and_its_neighbours_a
 def test_each_kind_of_law_is_judged_from_what_is_stored(ds: xr.Dataset) -> None:
     rows = {row["claim"]: row for row in law_verdicts.verdicts(ds)}
     assert {claim: row["verdict"] for claim, row in rows.items()} == dict.fromkeys(HEADS, HOLDS)
-    assert law_verdicts.law_in_words(rows["equals"]) == "kappa_max equals kappa_mean/share within 1e-07 % along R"
-    assert law_verdicts.measure(rows["scales"]).startswith("exponent 2 ± ")
-    assert law_verdicts.measure(rows["boundary"]) == "passes between 0.75 and 1"
+    assert verdict_words.law_in_words(rows["equals"]) == "kappa_max equals kappa_mean/share within 1e-07 % along R"
+    assert verdict_words.measure(rows["scales"]).startswith("exponent 2 ± ")
+    assert verdict_words.measure(rows["boundary"]) == "passes between 0.75 and 1"
 
 
 def test_the_file_opens_bare_and_check_and_summary_say_the_same(ds: xr.Dataset, tmp_path: Path) -> None:
@@ -142,7 +143,7 @@ def test_a_formula_may_use_a_field_of_the_base_and_a_stiffness(tmp_path: Path) -
     assert row["verdict"] == HOLDS
     with pytest.raises(InputError, match="the dataset stores no number 'F3' of each case; available: "):
         law_verdicts.verdicts(ds.drop_vars("F3"))
-    assert law_numbers.known(ds, ["cm", "torsional_stiffness"])["cm"].shape == (4, 2)
+    assert law_verdicts.numbers_of(ds, ["cm", "torsional_stiffness"])["cm"].shape == (4, 2)
 
 
 def test_a_panel_shows_the_formula_the_bounds_the_fit_and_the_boundary(ds: xr.Dataset) -> None:
@@ -173,7 +174,7 @@ def test_a_panel_marks_the_cases_outside(ds: xr.Dataset) -> None:
     marks = [line for line in panels(bad)["a"].get_lines() if line.get_label() == "a case outside"]
     here = [step for step in row["exceptions"]]
     assert len(marks) == len(here)
-    assert f"{len(here)} of {row['steps']} cases outside" in law_verdicts.said(row)
+    assert f"{len(here)} of {row['steps']} cases outside" in verdict_words.sentence(row)
 
 
 def test_a_law_on_an_expression_without_a_value_is_not_decided(tmp_path: Path) -> None:

@@ -216,7 +216,7 @@ def test_the_page_on_the_claims_has_the_verdict_of_each_reading(readings) -> Non
 def test_the_page_on_the_claims_has_the_measured_numbers_of_each_law(results) -> None:
     own = [result for result in results if result.verdicts]
     laws = [row for result in own for row in result.verdicts]
-    words = (law_verdicts.law_in_words, law_verdicts.measure, law_verdicts.said)
+    words = (verdict_words.law_in_words, verdict_words.measure, verdict_words.sentence)
     assert [row for row in TOLD[1:] if len(row) == 4][2:] == [[row["claim"], *(f(row) for f in words)] for row in laws]
     worst = {c: law_cards.worst([row["verdict"] for row in laws if row["claim"] == c]) for c in ("(3)", "(4)")}
     both = "(3), (4)", ", ".join(f"{claim} {verdict_words.PLAIN[verdict]}" for claim, verdict in worst.items())
@@ -277,8 +277,8 @@ def test_each_claim_stands_on_top_with_its_sentence_verdict_values_and_mechanism
     for result in results:
         for row in result.verdicts:
             assert row["source"] in top
-            assert f", {law_verdicts.measure(row)}" in top
-            assert labels.law_text(row, law_verdicts.detail(row))[1:] in top
+            assert f", {verdict_words.measure(row)}" in top
+            assert labels.law_text(row, verdict_words.detail(row))[1:] in top
             if row["lines"] > 1:
                 assert f"{row['lines_hold']} of {row['lines']} rows agree, " in top
     assert top.count("Why: ") == top.count("Judged by: ") == 5

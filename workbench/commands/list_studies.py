@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 def list_studies(json: Json = False) -> int:
     """List the shipped studies with their axes and laws."""
-    from ..store import law_verdicts
+    from studies.laws import verdict_words
 
     rows = _list()
     if json:
@@ -21,7 +21,7 @@ def list_studies(json: Json = False) -> int:
     for row in rows:
         sampled = [f"{row['samples']} samples of {', '.join(row['sampled'])}"] if row["sampled"] else []
         axes = "\n".join([*sampled, *map(_range, row["axes"]), *(["refined"] if row["refined"] else [])])
-        laws = "\n".join(f"{law['claim']}: {law_verdicts.law_in_words(law)}" for law in row["laws"])
+        laws = "\n".join(f"{law['claim']}: {verdict_words.law_in_words(law)}" for law in row["laws"])
         table.append([row["study"], row["title"], axes or "-", laws or "-"])
     console.print_table(["study", "title", "axes", "laws"], table)
     return 0

@@ -19,19 +19,20 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
 
     alternatives: with the other observables of each law in the rows below it.
     """
-    from ..store import law_verdicts
+    from studies.laws import verdict_words
 
-    console.say(law_verdicts.tally_of(list(verdicts)))
+    console.say(verdict_words.tally_of(list(verdicts)))
     rows, reasons = [], []
     for row in verdicts:
-        rows.append([law_verdicts.plain(row), row["claim"], law_verdicts.law_in_words(row), law_verdicts.measure(row)])
-        if detail := law_verdicts.detail(row):
+        law, measured = verdict_words.law_in_words(row), verdict_words.measure(row)
+        rows.append([verdict_words.plain(row), row["claim"], law, measured])
+        if detail := verdict_words.detail(row):
             reasons.append(f"{row['claim']}, {row['observable']}: {detail}")
         for also in row["also"] if alternatives else ():
             role = "alternative" if also["alternative"] else "for information"
-            rows.append([f"  {law_verdicts.plain(also)}", "", f"  {role}: {also['observable']}",
-                         law_verdicts.measure(also)])  # fmt: skip
-            if detail := law_verdicts.detail(also):
+            rows.append([f"  {verdict_words.plain(also)}", "", f"  {role}: {also['observable']}",
+                         verdict_words.measure(also)])  # fmt: skip
+            if detail := verdict_words.detail(also):
                 reasons.append(f"{row['claim']}, {also['observable']}: {detail}")
     console.print_table(["verdict", "claim", "law", "measured"], rows, title=title)
     for reason in reasons:
@@ -84,7 +85,8 @@ def warn_of_incomplete(outcomes: Mapping[str, int], file: Path) -> None:
 
 def _fewer_digits(count: int, file: Path) -> str:
     """What cases have lost whose error is above the tolerance, how many digits remain, and which case is the worst."""
-    from ..store import law_verdicts
+    from studies.laws import verdict_words
+
     from ..store.file_summary import least_accurate
     from ..words import labels
 
@@ -92,10 +94,10 @@ def _fewer_digits(count: int, file: Path) -> str:
     digits = max(floor(-log10(worst["error"])), 0)
     at = f"at {worst['at']}" if worst["at"] else ""
     which = f"the least accurate, {at}, has" if count > 1 else f"{at} it has".strip()
-    are, told = "are" if count > 1 else "is", law_verdicts.count_of(digits, "digit")
+    are, told = "are" if count > 1 else "is", verdict_words.count_of(digits, "digit")
     grows = labels.number(worst["condition"], 2)
     return (
-        f"{law_verdicts.count_of(count, 'case')} {are} solved to fewer digits than the tolerance asks for: {which} "
+        f"{verdict_words.count_of(count, 'case')} {are} solved to fewer digits than the tolerance asks for: {which} "
         f"about {told} (estimated error {worst['error']:.1e}), because a small change of its data grows {grows} times "
         "along the rod"
     )
@@ -106,6 +108,8 @@ def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None)
 
     Returns the exit status of the command check: 0, or 1 if a case is unsolved or a law does not hold.
     """
+    from studies.laws import verdict_words
+
     from ..store import law_verdicts
     from ..words import cautions
 
@@ -117,14 +121,14 @@ def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None)
         run = {} if ran is None else {"solved_now": ran.solved, "seconds": ran.seconds}
         named = {name: found[name] for name in ("study", "reading", "file")}
         named |= {name: found[name] for name in TOLD if found.get(name)}
-        laws = {"verdicts": law_verdicts.tally(found["laws"]), "laws": found["laws"]}
+        laws = {"verdicts": verdict_words.tally(found["laws"]), "laws": found["laws"]}
         console.print_json({**named, **counts, **run, **laws, "status": status})
         warn_of_incomplete(outcomes, Path(found["file"]))
         return status
     console.say(f"{found['title']}, {found['reading']}" if found["reading"] else found["title"])
     if found["laws"]:
         print_verdicts(found["laws"], alternatives=True)
-    console.say(f"{found['file']}: {law_verdicts.count_of(cases, 'case')}, {unsolved} unsolved")
+    console.say(f"{found['file']}: {verdict_words.count_of(cases, 'case')}, {unsolved} unsolved")
     print_outcomes(outcomes, Path(found["file"]))
     print_sampling(found)
     for name in ("equilibria", "branches"):

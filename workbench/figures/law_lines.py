@@ -18,6 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from studies.laws import verdict_words
 from studies.laws.verdict_words import PLAIN, count
 from studies.laws.verdicts import HOLDS, VERDICTS
 
@@ -143,7 +144,7 @@ def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
 def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The refinement of a study in words, and the verdict of each of its laws."""
     told = [
-        f"law {row['claim']}: {labels.law_text(row, law_verdicts.law_in_words(row))}; {PLAIN[row['verdict']]}"
+        f"law {row['claim']}: {labels.law_text(row, verdict_words.law_in_words(row))}; {PLAIN[row['verdict']]}"
         for row in rows
     ]
     watched = refined.describe(ds).watch

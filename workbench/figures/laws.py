@@ -9,11 +9,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from studies.laws import verdict_words
 from studies.laws.law import Law
 from studies.laws.law_kinds import MONOTONE
 from studies.laws.verdict_words import PLAIN
 
-from ..store import law_numbers, law_verdicts, selection
+from ..store import law_verdicts, selection
 from ..words import labels
 from . import legend, style
 from .trends import trend
@@ -45,7 +46,7 @@ def _measure(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
     """What was measured, its numbers with their units, and the reason of the verdict."""
     numbers, axis = row["numbers"], ds[row["axis"]]
     said = WITH_NUMBERS[row["kind"]].measured(ds, row, numbers, axis) if numbers else row["found"]
-    return labels.law_text(row, "; ".join(text for text in (said, law_verdicts.detail(row)) if text))
+    return labels.law_text(row, "; ".join(text for text in (said, verdict_words.detail(row)) if text))
 
 
 def _off(ds: xr.Dataset, row: Mapping[str, Any], numbers: Mapping[str, float], axis: xr.DataArray) -> str:
@@ -95,7 +96,7 @@ def draw_curve(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
     along = labels.in_label_unit(ds[law.axis], ds[law.axis].values[[place[law.axis] for place in places]])
     numbers = {
         key: values if key == "x" else labels.in_label_unit(ds[law.observable], values)
-        for key, values in law_numbers.of_line(ds, law, places).items()
+        for key, values in law_verdicts.numbers_of_line(ds, law, places).items()
     }
     WITH_NUMBERS[law.kind].draw(ax, ds, along, numbers, law, row)
 

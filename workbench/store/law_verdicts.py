@@ -1,17 +1,19 @@
-"""The verdicts on the laws of a stored dataset; nothing is solved."""
+"""The verdicts on the laws of a stored dataset, and the numbers that their formulas use; nothing is solved."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from solver.problem.errors import InputError, choices
 from studies.grammar.dimensions import SAMPLE
+from studies.language.expressions import unit_names
 from studies.language.readings import DROPPED
-from studies.laws import verdict_words
 from studies.laws.law import Law
-from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, by_line, decide, refusal
+from studies.laws.verdicts import FAILS, HOLDS, TREND, UNDECIDED, by_line, decide, refusal, targets
 
-from . import law_numbers, refined, schema
+from . import refined, schema
+from .schema import dimension
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,7 +54,7 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
         observed = {name: ds[name].values for name in law.observables if name in ds}
         steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
         counts = [name for name in observed if schema.is_count(ds[name])]
-        row = decide(law, observed, axes, steps, counts, law_numbers.of_law(ds, law))
+        row = decide(law, observed, axes, steps, counts, numbers_of_law(ds, law))
         rows.append(_row_of_untested(law, row) if _is_inert(ds, law) else row)
     return rows
 
@@ -82,7 +84,7 @@ def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
         return xr.DataArray(found, {dim: ds[dim] for dim in others}, others)
     observed = ds[law.observable].transpose(*axes)
     counts = [law.observable] if schema.is_count(observed) else []
-    known = law_numbers.of_law(ds, law)
+    known = numbers_of_law(ds, law)
     found = by_line(law, observed.values, axes, crossings(ds, law.axis), counts, known)
     return xr.DataArray(found, {dim: ds[dim] for dim in others}, others)
 
@@ -114,11 +116,6 @@ def unsolved(ds: "xr.Dataset") -> int:
     return int((~ds["solved"].values).sum())
 
 
-def count_of(count: int, word: str) -> str:
-    """``1 case``, ``9 cases``."""
-    return f"{count} {word}{'s' * (count != 1)}"
-
-
 def status(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> int:
     """The exit status: 0 where every case was solved and every law holds, at least as a trend; else 1."""
     return int(unsolved > 0 or any(row["verdict"] not in (HOLDS, TREND) for row in rows))
@@ -134,60 +131,45 @@ def all_well(ds: "xr.Dataset") -> bool:
     return status(unsolved(ds), verdicts(ds)) == 0
 
 
-def tally(rows: Sequence[Mapping[str, Any]]) -> dict[str, int]:
-    """How many laws have each verdict, those of no law included."""
-    found = [row["verdict"] for row in rows]
-    return {verdict: found.count(verdict) for verdict in VERDICTS}
+def numbers_of(ds: "xr.Dataset", names: Iterable[str]) -> "dict[str, NDArray[np.float64]]":
+    """The numbers of these names over the grid of the dataset. Raises `InputError` for a name that is missing."""
+    return {name: _over_cases(ds, name, _number_of(ds, name)) for name in names}
 
 
-def tally_of(rows: Sequence[Mapping[str, Any]], noun: str = "law") -> str:
-    """The tally in words: ``7 laws: 3 true, 4 true in part``."""
-    return f"{count_of(len(rows), noun)}: {verdict_words.count(tally(rows))}"
+def numbers_of_law(ds: "xr.Dataset", law: Law) -> "dict[str, NDArray[np.float64]]":
+    """The numbers that the formulas of a law use. Raises `InputError` for a name that is missing."""
+    return numbers_of(ds, dict.fromkeys(name for formula in law.formulas.values() for name in formula.names))
 
 
-def law_in_words(row: Mapping[str, Any]) -> str:
-    """The law in words: ``turns falls along E``."""
-    return f"{row['observable']} {row['does']} along {row['axis']}"
+def numbers_of_line(ds: "xr.Dataset", law: Law, places: "list[dict[str, int]]") -> "dict[str, NDArray[np.float64]]":
+    """The numbers with which a law compares its observable, by key, at the places of one line of the grid."""
+    outcome = ds["outcome"]
+    found = targets(law, outcome.shape, numbers_of_law(ds, law))
+    index = tuple(np.array([place[str(dim)] for place in places]) for dim in outcome.dims)
+    return {key: values[index] for key, (values, _) in found.items()}
 
 
-def measure(row: Mapping[str, Any]) -> str:
-    """What was measured: ``exponent 2 ± 0.001``; of a direction the values at the two ends of the axis, ``8 → 5``, or
-    their ranges over the lines of a grid."""
-    if row["found"]:
-        return str(row["found"])
-    return f"{_span(row['first'])} → {_span(row['last'])}"
+def _number_of(ds: "xr.Dataset", name: str) -> Any:
+    """A number by its name in a formula: of a field, a stored variable, a stiffness or a unit."""
+    if name in unit_names({key: str(ds.attrs[f"{key}_unit"]) for key in ("length", "force")}):
+        return 1.0
+    if name == "torsional_stiffness":
+        return schema.torsional_stiffness(str(ds.attrs["stiffness"]), ds)
+    if name == "bending_stiffness":
+        return schema.bending_stiffness(str(ds.attrs["stiffness"]), ds)
+    try:
+        key = dimension(name)
+    except InputError:
+        key = name  # an expression
+    if key not in ds.variables or not set(ds[key].dims) <= set(ds["outcome"].dims) or ds[key].dtype.kind not in "iufb":
+        stored = [str(variable) for variable in ds.variables if set(ds[variable].dims) <= set(ds["outcome"].dims)]
+        raise InputError(f"the dataset stores no number {name!r} of each case; available: {choices(stored)}")
+    return ds[key]
 
 
-def said(row: Mapping[str, Any]) -> str:
-    """The verdict and why: ``true in part: 6 of 9 rows agree (judged at R = 0.75)``."""
-    notes = detail(row)
-    return f"{plain(row)}: {notes}" if notes else plain(row)
-
-
-def plain(row: Mapping[str, Any]) -> str:
-    """The verdict in words that a reader understands at once: ``true in part``."""
-    return verdict_words.PLAIN[row["verdict"]]
-
-
-def detail(row: Mapping[str, Any]) -> str:
-    """What qualifies a verdict: the reason, the line that decides, lines of a grid, exceptions; or nothing."""
-    notes = [row["reason"]] if row["reason"] else []
-    if verdict_words.ON_PART not in row["qualifications"]:  # whose reason says the next two
-        if row["at"]:
-            notes.append(f"at {', '.join(f'{name} = {value:.4g}' for name, value in row['at'].items())}")
-        if row["lines"] > 1:
-            notes.append(f"of {row['lines']} rows {verdict_words.count(row['line_verdicts'])}")
-    if row["verdict"] == QUALIFIED:
-        return "; ".join(notes)
-    if row["exceptions"]:
-        notes.append(f"{len(row['exceptions'])} of {row['steps']} {row['counted']}")
-    if row["tau"] is not None and row["verdict"] != HOLDS:
-        notes.append(f"tau {row['tau']:.2f}")
-    return "; ".join(notes)
-
-
-def _span(ends: list[float] | None) -> str:
-    if ends is None:
-        return "?"
-    low, high = ends
-    return f"{low:.4g}" if low == high else f"{low:.4g}..{high:.4g}"
+def _over_cases(ds: "xr.Dataset", name: str, values: Any) -> "NDArray[np.float64]":
+    outcome = ds["outcome"]
+    if isinstance(values, float):
+        return np.full(outcome.shape, values)
+    over = values.broadcast_like(outcome).transpose(*outcome.dims)
+    return np.asarray(over.values, dtype=float)

@@ -13,7 +13,6 @@ from studies.laws import verdict_words
 from studies.laws.law_kinds import MONOTONE
 from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
-from ...store import law_verdicts
 from ...words import labels
 
 CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
@@ -50,16 +49,16 @@ def _verdict(row: Mapping[str, Any], array: xr.DataArray) -> dict[str, str]:
         "class": CLASSES[row["verdict"]],
         "plain": verdict_words.PLAIN[row["verdict"]].capitalize(),
         "measured": _measure(row, array),
-        "detail": labels.law_text(row, law_verdicts.detail(row)),
+        "detail": labels.law_text(row, verdict_words.detail(row)),
     }
 
 
 def _measure(row: Mapping[str, Any], array: xr.DataArray) -> str:
     """What was measured; the values of an angle at the two ends of the axis in degrees."""
     if not labels.is_angle(array) or row["found"]:
-        return labels.typeset(law_verdicts.measure(row))
+        return labels.typeset(verdict_words.measure(row))
     ends = {key: np.degrees(row[key]).tolist() for key in ("first", "last") if row[key]}
-    return labels.typeset(law_verdicts.measure({**row, **ends}).replace(" →", "° →") + "°")
+    return labels.typeset(verdict_words.measure({**row, **ends}).replace(" →", "° →") + "°")
 
 
 def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
@@ -94,7 +93,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
             laws = [row for row in found[reading] if row["claim"] == claim]
             verdict = worst([row["verdict"] for row in laws])
             measured = [
-                f"{labels.symbol_of(row['observable'])} {labels.minus_signs(law_verdicts.measure(row))}"
+                f"{labels.symbol_of(row['observable'])} {labels.minus_signs(verdict_words.measure(row))}"
                 for row in laws
                 if row["first"]
             ]
@@ -106,7 +105,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
                     "measured": measured,
                     "reason": sentence(_short(verdict, laws)),
                     "why": labels.typeset(
-                        in_degrees("; ".join(f"{row['observable']}: {law_verdicts.said(row)}" for row in laws))
+                        in_degrees("; ".join(f"{row['observable']}: {verdict_words.sentence(row)}" for row in laws))
                     ),
                 }
             )

@@ -16,6 +16,7 @@ from matplotlib import image
 from PIL import Image
 
 from solver.problem.errors import InputError
+from studies.laws import verdict_words
 
 from ...figures import style
 from ...store import atomic, law_verdicts
@@ -90,7 +91,7 @@ def html(
     return template.render(
         reading=str(results[0].ds.attrs["reading"]),
         claims=claims,
-        tally=law_verdicts.tally_of(claims, "claim"),
+        tally=verdict_words.tally_of(claims, "claim"),
         sections=sections,
         laws=laws,
         notes=list(dict.fromkeys(law["fixed_note"] for law in laws if law["fixed_note"])),
