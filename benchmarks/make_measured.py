@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from workbench.store import writing
+from workbench.store import reading, writing
 from workbench.web.report.measured_runs import SHIPPED
 
 KEPT = {
@@ -39,6 +39,6 @@ if __name__ == "__main__":
     for name in KEPT:
         print(
             writing.write(
-                cut(writing.read(Path(sys.argv[1]) / f"{name}.h5", study=False), name), SHIPPED / f"{name}.h5"
+                cut(reading.read(Path(sys.argv[1]) / f"{name}.h5", study=False), name), SHIPPED / f"{name}.h5"
             )
         )

@@ -21,7 +21,7 @@ from solver.observe.observables import observe
 from studies import Study
 from studies.language.loader import load, loads
 from workbench.figures import canvas, map_figure
-from workbench.store import writing
+from workbench.store import reading
 from workbench.store.study_store import Options, run_to_file
 
 
@@ -63,7 +63,7 @@ def main() -> None:
             run_to_file(both, file, Options(workers=1, restart=True))
 
         def drawn() -> None:
-            canvas.save(map_figure.figure(writing.read(file)), BytesIO())
+            canvas.save(map_figure.figure(reading.read(file)), BytesIO())
 
         rows = {
             "solve and observe the number of bends": bare(turns),

@@ -14,7 +14,7 @@ from time import perf_counter, process_time
 
 from studies import load
 from workbench.scene import opengl
-from workbench.store import in_memory, writing
+from workbench.store import in_memory, reading, writing
 
 KINDS = ("plain", "contact", "curvature", "twist")
 TIMES = 3
@@ -33,20 +33,20 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         file, picture = Path(folder) / "fig6.h5", Path(folder) / "fig6.png"
         writing.write(in_memory.run(load("fig6")), file)
-        layout.render(writing.read(file), picture, settings=settings)
+        layout.render(reading.read(file), picture, settings=settings)
         for kind in KINDS:
             found = []
             for _ in range(TIMES):
                 start, busy = perf_counter(), process_time()
-                ds = writing.read(file)
+                ds = reading.read(file)
                 read = perf_counter()
                 taken = layout.compose(ds, kind=kind, settings=settings)
                 composed = perf_counter()
                 page.save(taken.page, picture)
                 end = perf_counter()
                 found.append((end - read, read - start, composed - read, end - composed, process_time() - busy))
-            drawn, reading, composing, saving, busy = (min(times) for times in zip(*found, strict=True))
-            print(f"| {kind} | {reading:.3f} | {composing:.3f} | {saving:.3f} | {drawn:.3f} | {busy:.3f} |")
+            drawn, opening, composing, saving, busy = (min(times) for times in zip(*found, strict=True))
+            print(f"| {kind} | {opening:.3f} | {composing:.3f} | {saving:.3f} | {drawn:.3f} | {busy:.3f} |")
 
 
 if __name__ == "__main__":

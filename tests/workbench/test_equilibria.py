@@ -21,7 +21,7 @@ from workbench.branches.ends_study import ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands.equilibria import DEFAULT, parse_axis
 from workbench.figures import bifurcation, canvas, equilibria_figure
-from workbench.store import in_memory, writing
+from workbench.store import in_memory, reading, writing
 from workbench.store.block import solve_one
 from workbench.store.case_input import field_values
 
@@ -112,7 +112,7 @@ def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(
     assert status == 0
     assert "dbeta0 (rad/mm)" in table
     assert "rod: the options\nunits: lengths in mm, forces in N, angles in rad" in table
-    assert writing.read(tmp_path / "mm.h5", study=False).attrs["length_unit"] == "mm"
+    assert reading.read(tmp_path / "mm.h5", study=False).attrs["length_unit"] == "mm"
     first = sorted((tmp_path / "cases").glob("*.toml"))[0]
     assert load(str(first)).unit_system == {"length": "mm", "force": "N"}
 
@@ -140,7 +140,7 @@ def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
     study, case = load(DEFAULT), default()
     found = equilibria(case)
     path = writing.write(dataset_of(study, case, found), tmp_path / "all.h5")
-    ds = writing.read(path, study=False)
+    ds = reading.read(path, study=False)
     assert ds["beta"].dims == ("equilibrium", "u")
     np.testing.assert_array_equal(ds["index"], [one.index for one in found])
     assert ds["energy"].attrs["units"] == "N cm"
@@ -222,7 +222,7 @@ def test_over_a_load_too_and_for_programs(capsys, tmp_path) -> None:
     assert status == 0
     assert told["axis"] == "FZ"
     assert told["branches"]
-    ds = writing.read(tmp_path / "FZ.h5", study=False)
+    ds = reading.read(tmp_path / "FZ.h5", study=False)
     assert ds["dbeta0"].dims == ("FZ", "member")
     assert "FZ" not in ds.data_vars
     assert (tmp_path / "FZ.png").exists()

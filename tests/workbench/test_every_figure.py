@@ -16,7 +16,7 @@ from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.figures import equilibria_figure, kinds, robustness, story, work_precision
 from workbench.figures.sheet import sheet
-from workbench.store import in_memory, writing
+from workbench.store import in_memory, reading
 from workbench.web.report import measured_runs, readings_table
 
 
@@ -59,7 +59,7 @@ def every_equilibrium() -> Figure:
 
 
 def shipped(name: str) -> xr.Dataset:
-    return writing.read(measured_runs.SHIPPED / f"{name}.h5", study=False)
+    return reading.read(measured_runs.SHIPPED / f"{name}.h5", study=False)
 
 
 OTHERS: dict[str, Callable[[], Figure]] = {

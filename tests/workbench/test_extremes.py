@@ -10,7 +10,7 @@ from solver.methods import available
 from workbench.compare.extreme_cases import extremes, references
 from workbench.compare.extreme_runs import INACCURATE, REFUSED, VERDICTS, attempts_at, dataset_of
 from workbench.figures import canvas, robustness
-from workbench.store import writing
+from workbench.store import reading, writing
 from workbench.web.report import measured_runs
 
 
@@ -39,7 +39,7 @@ def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
     named = [one for one in extremes() if one.name in ("L/ρ = 1e-6", "R = 1e9 a")]
     ds = dataset_of({one.name: attempts_at(one, references()[one.name]) for one in named})
     writing.write(ds, tmp_path / "extremes.h5")
-    again = writing.read(tmp_path / "extremes.h5", study=False)
+    again = reading.read(tmp_path / "extremes.h5", study=False)
     assert list(again["method"].values) == list(available())
     assert set(again["verdict"].values.flat) <= set(VERDICTS)
     assert not (again["verdict"].sel({"extreme": "L/ρ = 1e-6"}) == INACCURATE).any()
@@ -58,7 +58,7 @@ def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
 
 
 def test_a_solved_cell_whose_bound_is_wide_has_a_colour_of_its_own() -> None:
-    ds = writing.read(measured_runs.SHIPPED / "extremes.h5", study=False)
+    ds = reading.read(measured_runs.SHIPPED / "extremes.h5", study=False)
     fig = robustness.figure(ds)
     colours = {patch.get_xy(): to_hex(patch.get_facecolor()) for patch in fig.axes[0].patches}
     wide = robustness.vague(ds)

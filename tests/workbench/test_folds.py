@@ -15,7 +15,7 @@ from tests.workbench.command import exit_status
 from workbench.branches.region_dataset import dataset_of
 from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
-from workbench.store import writing
+from workbench.store import reading
 
 SHORT = ["--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", "--axis", "FZ=-15:-5", "--axis", "L=1.5:3"]
 
@@ -39,7 +39,7 @@ def test_it_prints_curves_and_regions_as_data_and_stores_them(capsys, tmp_path, 
     assert status == 0
     assert told["fields"] == ["FZ", "L"]
     assert told["check"] == {"points": 3, "failed": []}
-    stored = writing.read("map.h5", study=False)
+    stored = reading.read("map.h5", study=False)
     assert stored.sizes["region"] == len(told["regions"])
     assert stored.sizes["curve"] == len(told["curves"])
     assert stored["count"].values.tolist() == [one["equilibria"] for one in told["regions"]]

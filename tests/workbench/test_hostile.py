@@ -98,13 +98,13 @@ def test_damaged_files_end_in_a_sentence(commands, cuts: int, flips: int, whole:
 def test_changed_bits_are_noticed(count: int, seed: int, tmp_path: Path) -> None:
     """A file with one bit changed is refused, or all of it that is read is as it was."""
     path, random = stored(tmp_path / "good.h5"), Random(seed)
-    whole, good = path.read_bytes(), writing.read(path)
+    whole, good = path.read_bytes(), reading.read(path)
     for _ in range(count):
         content = bytearray(whole)
         content[random.randrange(len(whole))] ^= 1 << random.randrange(8)
         path.write_bytes(content)
         try:
-            found = writing.read(path)
+            found = reading.read(path)
         except InputError:
             continue
         xr.testing.assert_identical(found, good)
@@ -178,7 +178,7 @@ def test_a_dollar_in_a_units_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path
             file[name].attrs["units"] = file[name].attrs["long_name"] = text
         file.attrs["title"] = text
     out = tmp_path / "out.png"
-    canvas.save(study_figure.figure(writing.read(path)), out, 50)
+    canvas.save(study_figure.figure(reading.read(path)), out, 50)
     assert out.exists()
 
 
@@ -242,7 +242,7 @@ def test_a_run_makes_a_file_of_an_older_format_again(tmp_path: Path) -> None:
     with h5py.File(path, "a") as file:
         file.attrs["format"] = 1
     assert run_to_file(study, path).solved == 3
-    assert writing.read(path).attrs["format"] == schema.FORMAT
+    assert reading.read(path).attrs["format"] == schema.FORMAT
 
 
 ATTRIBUTES = ("study", "reading", "tolerance", "method", "stiffness", "length_unit", "side")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.store import writing
+from workbench.store import reading
 
 ROOT = Path(__file__).parents[2]
 
@@ -34,7 +34,7 @@ def test_trade_keeps_the_cases_it_finished(tmp_path: Path) -> None:
     assert status == 130, said
     assert "workbench: interrupted; 1 of " in said, said
     assert not (tmp_path / "trade.h5").exists()
-    ds = writing.read(tmp_path / "trade_interrupted.h5", study=False)
+    ds = reading.read(tmp_path / "trade_interrupted.h5", study=False)
     assert ds.sizes["case"] == 1
     assert (tmp_path / "trade_interrupted_seconds.png").stat().st_size > 10_000
 
@@ -47,6 +47,6 @@ def test_extremes_keep_what_is_finished_and_leave_no_process(tmp_path: Path) -> 
     count = int(said.partition("workbench: interrupted; ")[2].partition(" of ")[0])
     assert count >= 2
     assert not (tmp_path / "extremes.h5").exists()
-    ds = writing.read(tmp_path / "extremes_interrupted.h5", study=False)
+    ds = reading.read(tmp_path / "extremes_interrupted.h5", study=False)
     assert ds.sizes["extreme"] == count
     assert (tmp_path / "extremes_interrupted.png").stat().st_size > 10_000

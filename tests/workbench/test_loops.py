@@ -10,7 +10,7 @@ import pytest
 from solver import Cylinder, InputError, Rod, loops
 from tests.workbench.command import run
 from workbench.geometry import self_contact, stored_line
-from workbench.store import writing
+from workbench.store import reading
 
 
 def test_the_command_prints_lists_and_stores_the_loops(tmp_path, monkeypatch, capsys) -> None:
@@ -20,7 +20,7 @@ def test_the_command_prints_lists_and_stores_the_loops(tmp_path, monkeypatch, ca
     told = capsys.readouterr().out
     assert "2 loops, 1 stable as closed rods on the surface, the section free to turn" in told
     assert "number 1, 2: the push is negative somewhere" in told
-    ds = writing.read(Path("loops.h5"), study=False)
+    ds = reading.read(Path("loops.h5"), study=False)
     assert ds["folds"].values.tolist() == [1, 2]
     assert ds["index"].values.tolist() == [0, 2]
     np.testing.assert_allclose(ds["z"][:, -1], 0, atol=1e-10)

@@ -15,7 +15,7 @@ from solver import InputError
 from studies.language.loader import loads
 from tests.slow import slow, slow_but
 from tests.workbench import small
-from workbench.store import concatenation, dataset, file_merge, in_memory, law_verdicts, study_store, writing
+from workbench.store import concatenation, dataset, file_merge, in_memory, law_verdicts, reading, study_store, writing
 
 RADII = "[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "E"\ndirection = "falls"\nsource = "s"\n'
@@ -104,7 +104,7 @@ def test_the_text_of_the_study_has_all_values_and_makes_the_same_case(tmp_path) 
     degrees = "[axes.beta]\nvalues = [{}]\nunit = 'deg'\n"
     files = stored(tmp_path, *(one_by_one(degrees.format(v)) for v in ("15, 30", "20")))
     file_merge.merge(files, tmp_path / "all.h5")
-    ds = writing.read(tmp_path / "all.h5")
+    ds = reading.read(tmp_path / "all.h5")
     again = loads(ds.attrs["study"])
     np.testing.assert_array_equal(again.coordinates()["beta"], ds["beta0"])
     np.testing.assert_allclose(ds["beta0"], np.deg2rad([15, 20, 30]), rtol=1e-15)  # rounding
@@ -116,7 +116,7 @@ def test_values_that_are_evenly_spaced_are_told_so(tmp_path) -> None:
     halves = "[axes.E]\nfrom = {}\nto = {}\ncount = 4\n"
     files = stored(tmp_path, *(one_by_one(halves.format(a, b)) for a, b in ((1e4, 1.75e4), (2e4, 2.75e4))))
     file_merge.merge(files, tmp_path / "all.h5")
-    text = writing.read(tmp_path / "all.h5").attrs["study"]
+    text = reading.read(tmp_path / "all.h5").attrs["study"]
     assert "from = 10000.0\nto = 27500.0\ncount = 8" in text
 
 
@@ -139,7 +139,7 @@ def test_unsolved_cases_of_one_file_make_whole_numbers_of_the_other_real(tmp_pat
     bad["turns"] = bad["turns"].astype(float) * np.nan
     done = file_merge.merge(stored(tmp_path, good, bad), tmp_path / "all.h5")
     assert (done["unsolved"], status(done)) == (1, 1)
-    assert np.isnan(writing.read(tmp_path / "all.h5")["turns"].values).tolist() == [False, True]
+    assert np.isnan(reading.read(tmp_path / "all.h5")["turns"].values).tolist() == [False, True]
 
 
 E1, E2 = axis("E", [1e4, 2e4]), axis("E", [3e4])
@@ -207,7 +207,7 @@ def test_one_file_a_followed_study_and_a_place_that_is_taken_are_refused(tmp_pat
 def test_a_file_may_be_joined_into_itself(tmp_path) -> None:
     files = stored(tmp_path, one_by_one(E1), one_by_one(E2))
     file_merge.merge(files, files[0])
-    assert writing.read(files[0])["E"].values.tolist() == [1e4, 2e4, 3e4]
+    assert reading.read(files[0])["E"].values.tolist() == [1e4, 2e4, 3e4]
 
 
 @pytest.mark.slow

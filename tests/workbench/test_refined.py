@@ -346,7 +346,7 @@ def test_the_coarse_grid_of_a_refined_study_is_the_study_without_refinement(stor
 
 
 def test_the_default_picture_is_a_map_in_the_plane_and_lines_along_an_axis(stored: Path, line, tmp_path) -> None:
-    ds = writing.read(stored)
+    ds = reading.read(stored)
     assert (kinds.kind_of(ds), kinds.kind_of(line)) == ("map", "lines")
     fig = map_figure.figure(ds, show=["turns", "level"])
     mesh = next(one for one in fig.axes[0].collections if hasattr(one, "get_coordinates"))
@@ -384,7 +384,7 @@ def test_the_commands_tell_what_ended_the_refinement_and_where_the_boundary_is(s
         assert "refinement ended as the tolerance is reached" in capsys.readouterr().out
     found = summary(stored)["boundaries"]
     assert [(row["name"], row["axis"]) for row in found] == [("turns", "E"), ("turns", "R")]
-    assert sum(row["pairs"] for row in found) == boundary(writing.read(stored), "turns").sizes["pair"]
+    assert sum(row["pairs"] for row in found) == boundary(reading.read(stored), "turns").sizes["pair"]
     run("list")
     assert "refined" in capsys.readouterr().out
 

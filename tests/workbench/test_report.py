@@ -28,7 +28,7 @@ from tests.workbench.pictures import shares_of_push
 from tests.workbench.test_palettes import contrast
 from workbench.figures import canvas, style
 from workbench.scene import opengl
-from workbench.store import in_memory, law_verdicts, writing
+from workbench.store import in_memory, law_verdicts, reading, writing
 from workbench.store.in_memory import StudyResult
 from workbench.web.report import law_cards, measured_runs, readings_table, report_document, sisters, sources, turning
 from workbench.web.report.errata import ERRATA, mark_up
@@ -257,8 +257,8 @@ def test_only_under_the_default_reading_no_claim_fails_or_is_left_undecided(read
 
 def test_a_claim_is_as_good_as_its_worst_law(readings) -> None:
     laws = readings["law"].str.startswith("(4)")
-    for reading in READINGS:
-        row = readings.sel(reading=reading)
+    for name in READINGS:
+        row = readings.sel(reading=name)
         assert (row["claim_verdict"].sel(claim="(4)") == "fails") == (row["verdict"][laws] == "fails").any()
 
 
@@ -372,7 +372,7 @@ def test_the_formulas_of_the_errata_have_their_indices_and_powers(text) -> None:
 
 def test_the_extremes_say_what_wrong_means_and_where_that_proves_little(measured) -> None:
     shows = measured[0].shows
-    ds = writing.read(measured_runs.SHIPPED / "extremes.h5", study=False)
+    ds = reading.read(measured_runs.SHIPPED / "extremes.h5", study=False)
     bound = 10 * 1e-6 * np.fmax(1, ds["condition"].values)
     wide = (ds["verdict"].values == "solved") & (bound > 0.1)
     assert "Wrong is an error above the bound 10 tol max(1, condition), tol = 10⁻⁶" in shows
@@ -527,7 +527,7 @@ def test_a_run_beside_the_report_is_drawn_and_a_broken_one_gives_way(tmp_path, m
     for one in measured:
         assert "a run that comes with the workbench" in one.source
         assert re.search(r"Measured 20\d\d-\d\d-\d\d [\d:]+ UTC on \S+", one.source)
-    ds = writing.read(measured_runs.SHIPPED / "trade.h5", study=False)
+    ds = reading.read(measured_runs.SHIPPED / "trade.h5", study=False)
     writing.write(ds.isel(case=[0, 1]).assign_attrs(machine="a test"), tmp_path / "trade.h5")
     (tmp_path / "extremes.h5").write_bytes(b"no dataset")
     extremes, trade = measured_runs.both(tmp_path)

@@ -149,7 +149,7 @@ def test_one_sample_is_a_study_too(tmp_path) -> None:
     run_to_file(study(1), tmp_path / "one.h5")
     found = summary(tmp_path / "one.h5")
     assert (found["cases"], found["unsolved"]) == (1, 0)
-    assert study_figure.figure(writing.read(tmp_path / "one.h5")).axes
+    assert study_figure.figure(reading.read(tmp_path / "one.h5")).axes
 
 
 def test_samples_of_an_ends_problem_are_each_solved_by_the_rule() -> None:
@@ -336,7 +336,7 @@ def drawn(ds: xr.Dataset) -> list:
 
 @pytest.mark.slow
 def test_the_figure_has_a_panel_for_each_observable_and_sampled_field(stored: Path, tmp_path) -> None:
-    ds = writing.read(stored)
+    ds = reading.read(stored)
     panels = drawn(ds)
     assert len(panels) == 3 * 3
     assert [ax.get_ylabel() for ax in panels if ax.get_ylabel()] == [
@@ -359,7 +359,7 @@ def test_the_figure_has_a_panel_for_each_observable_and_sampled_field(stored: Pa
 
 
 def test_unsolved_samples_are_crosses_and_no_points(stored: Path) -> None:
-    ds = writing.read(stored)
+    ds = reading.read(stored)
     ds["wraps"][7] = np.nan
     panel = drawn(ds)[3]
     assert len(panel.collections[0].get_offsets()) == 39
@@ -369,7 +369,7 @@ def test_unsolved_samples_are_crosses_and_no_points(stored: Path) -> None:
 
 def test_many_samples_are_drawn_as_a_density_of_them_all(monkeypatch, stored: Path) -> None:
     monkeypatch.setattr(scatter, "MANY", 30)
-    for panel in drawn(writing.read(stored)):
+    for panel in drawn(reading.read(stored)):
         (mesh,) = panel.collections
         assert mesh.get_array().sum() == 40
 
@@ -395,5 +395,5 @@ def test_samples_over_an_axis_without_curves_have_a_figure() -> None:
 
 
 def test_a_column_of_other_dimensions_is_no_row(stored: Path) -> None:
-    ds = writing.read(stored)
+    ds = reading.read(stored)
     assert selection.observables(ds.assign(turns=ds["turns"][0])) == ["wraps", "kappa_max"]

@@ -18,7 +18,7 @@ from workbench.commands import trade
 from workbench.compare.trade_cases import CASES, reference
 from workbench.compare.trade_runs import advice
 from workbench.figures import canvas, work_precision
-from workbench.store import in_memory, writing
+from workbench.store import in_memory, reading
 from workbench.store.fidelity import FIDELITIES, fidelity
 from workbench.store.schema import CURVES
 
@@ -45,7 +45,7 @@ def ran(tmp_path_factory) -> tuple[Path, dict]:
 
 @pytest.fixture(scope="module")
 def ds(ran) -> xr.Dataset:
-    return writing.read(ran[0] / "trade.h5", study=False)
+    return reading.read(ran[0] / "trade.h5", study=False)
 
 
 def test_the_dataset_is_labelled(ds) -> None:

@@ -92,9 +92,9 @@ def test_a_process_that_keeps_memory_does_not_fetch_it_anew_for_every_array() ->
     code = """
 import resource
 import numpy as np
-from workbench.store import memory
+from workbench.store import worker_processes
 if {keep}:
-    memory.keep()
+    worker_processes.keep_memory()
 def faults():
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt
 np.ones(2**20)

@@ -16,7 +16,7 @@ import xarray as xr
 from solver import InputError
 from tests.slow import slow
 from tests.workbench import forked, runs, small
-from workbench.store import atomic, in_memory, netcdf, writing
+from workbench.store import atomic, in_memory, netcdf, reading, writing
 from workbench.store.study_store import run_to_file
 
 
@@ -27,7 +27,7 @@ def ds() -> xr.Dataset:
 
 def test_what_is_stored_is_what_is_read(ds, tmp_path) -> None:
     path = writing.write(ds, tmp_path / "small.h5")
-    xr.testing.assert_identical(writing.read(path), ds)
+    xr.testing.assert_identical(reading.read(path), ds)
 
 
 def test_a_file_is_written_and_opened_as_xarray_alone_does(ds, tmp_path) -> None:
@@ -52,7 +52,7 @@ def test_of_many_opened_files_those_closed_meanwhile_are_opened_again(ds, tmp_pa
 
 def test_a_single_case_goes_through_too(tmp_path) -> None:
     single = in_memory.run(small.study())
-    xr.testing.assert_identical(writing.read(writing.write(single, tmp_path / "one.h5")), single)
+    xr.testing.assert_identical(reading.read(writing.write(single, tmp_path / "one.h5")), single)
 
 
 def test_a_bare_open_dataset_reads_it_without_a_warning(ds, tmp_path) -> None:
@@ -83,7 +83,7 @@ def test_missing_truncated_and_foreign_files_are_refused_in_one_sentence(ds, tmp
         file["x"] = [1.0, 2.0]
     for name in [*files, "foreign.h5", "plain.h5", "absent.h5", "."]:
         with pytest.raises(InputError) as refusal:
-            writing.read(tmp_path / name)
+            reading.read(tmp_path / name)
         assert "\n" not in str(refusal.value)
         assert str(tmp_path) in str(refusal.value)
 
@@ -96,7 +96,7 @@ def test_a_file_that_is_damaged_inside_is_refused(ds, tmp_path) -> None:
     content[chunk.byte_offset : chunk.byte_offset + chunk.size] = bytes(chunk.size)
     path.write_bytes(content)
     with pytest.raises(InputError, match="cannot be read as HDF5"):
-        writing.read(path)
+        reading.read(path)
 
 
 @pytest.mark.parametrize(
@@ -125,13 +125,13 @@ def test_a_changed_letter_of_what_is_not_packed_is_named(where, ds, tmp_path) ->
             texts.flat[-1] = texts.flat[-1] + b"?"
             file[name][...] = texts
     with pytest.raises(InputError, match=rf"small.h5: .*{key or name}.* has changed since it was stored"):
-        writing.read(path)
+        reading.read(path)
 
 
 def test_a_selection_that_another_program_has_stored_is_read(ds, tmp_path) -> None:
     with xr.open_dataset(writing.write(ds, tmp_path / "small.h5")) as opened:
         opened.isel(E=[1]).assign_attrs(history="mine").to_netcdf(tmp_path / "part.h5", engine="h5netcdf")
-    xr.testing.assert_identical(writing.read(tmp_path / "part.h5").drop_attrs(), ds.isel(E=[1]).drop_attrs())
+    xr.testing.assert_identical(reading.read(tmp_path / "part.h5").drop_attrs(), ds.isel(E=[1]).drop_attrs())
 
 
 @pytest.mark.parametrize("target", ["absent.h5", "out.h5"], ids=["dangling", "circular"])
@@ -151,7 +151,7 @@ def test_a_link_that_leads_nowhere_is_refused_and_stays(target, ds, tmp_path) ->
 def test_a_result_replaces_one_of_the_same_study_and_nothing_else(ds, tmp_path) -> None:
     path = writing.write(ds, tmp_path / "small.h5")
     writing.write(ds.assign_attrs(title="again"), path)
-    assert writing.read(path).attrs["title"] == "again"
+    assert reading.read(path).attrs["title"] == "again"
     with pytest.raises(InputError, match="holds the study 'small', not 'other'; give --force"):
         writing.write(ds.assign_attrs(study_name="other"), path)
     (tmp_path / "notes.txt").write_text("mine")
@@ -159,7 +159,7 @@ def test_a_result_replaces_one_of_the_same_study_and_nothing_else(ds, tmp_path) 
         writing.write(ds, tmp_path / "notes.txt")
     assert (tmp_path / "notes.txt").read_text() == "mine"
     writing.write(ds, tmp_path / "notes.txt", force=True)
-    xr.testing.assert_identical(writing.read(tmp_path / "notes.txt"), ds)
+    xr.testing.assert_identical(reading.read(tmp_path / "notes.txt"), ds)
 
 
 def test_whoever_reads_the_old_file_while_it_is_replaced_reads_it_whole(ds, tmp_path) -> None:
@@ -168,7 +168,7 @@ def test_whoever_reads_the_old_file_while_it_is_replaced_reads_it_whole(ds, tmp_
         before = path.read_bytes()
         writing.write(ds.assign_attrs(title="new"), path)
         assert reading.read() == before
-    assert writing.read(path).attrs["title"] == "new"
+    assert reading.read(path).attrs["title"] == "new"
 
 
 def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monkeypatch) -> None:
@@ -190,7 +190,7 @@ def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monk
 def test_a_full_disk_is_one_sentence_where_hdf5_would_end_the_process(ds, tmp_path, room) -> None:
     path = writing.write(ds, tmp_path / "small.h5")
     limited = (
-        "import resource, sys\nfrom workbench.store import writing\nds = writing.read(sys.argv[1])\n"
+        "import resource, sys\nfrom workbench.store import reading\nds = reading.read(sys.argv[1])\n"
         "size = resource.RLIMIT_FSIZE\nhard = resource.getrlimit(size)[1]\n"
         f"resource.setrlimit(size, ({room}, hard))\n"
         "try:\n    writing.write(ds, sys.argv[2])\nexcept ValueError as error:\n    said = error\n"
@@ -226,8 +226,8 @@ def test_windows_flushes_files_that_are_open_for_writing_and_no_folder(
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from workbench.store import writing
-ds = writing.read(sys.argv[1])
+from workbench.store import reading, writing
+ds = reading.read(sys.argv[1])
 os.fsync = lambda handle: os.kill(os.getpid(), signal.SIGKILL)  # written, not renamed
 writing.write(ds, sys.argv[1])
 """
@@ -241,7 +241,7 @@ def test_a_killed_run_leaves_the_good_file_whole(ds, tmp_path) -> None:
     run = forked.run(tmp_path / "main.py", path)
     assert run.returncode == -signal.SIGKILL, run.stderr
     assert path.read_bytes() == before
-    xr.testing.assert_identical(writing.read(path), ds)
+    xr.testing.assert_identical(reading.read(path), ds)
 
 
 def test_a_folder_that_cannot_be_written_is_refused(ds, tmp_path) -> None:

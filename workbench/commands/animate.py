@@ -22,11 +22,11 @@ def animate_file(
 
     from ..scene import film, opengl
     from ..scene.scene_kinds import kind_of
-    from ..store import schema, writing
+    from ..store import reading, schema
     from ..words import outcomes
     from . import option_checks, study_scene
 
-    ds = writing.read(file)
+    ds = reading.read(file)
     outcomes.check_any_solved(ds)
     axes = schema.axes_of(ds)
     if not axes:

@@ -16,11 +16,11 @@ def export_file(
     from ..export import stored_rod
     from ..export.base import Options
     from ..export.formats import format_of
-    from ..store import writing
+    from ..store import reading
     from . import option_checks
 
     format_of(out)  # before a large file is read
-    ds = writing.read(file)
+    ds = reading.read(file)
     done = stored_rod.export(ds, out, Options(option_checks.axis_values(ds, at), tolerance, line, overlap), force)
     status = 1 if done.warnings else 0
     for warning in done.warnings:

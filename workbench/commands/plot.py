@@ -78,7 +78,7 @@ def plot(
 
     from ..figures import canvas, kinds, legend, table
     from ..figures.sheet import sheet
-    from ..store import atomic, writing
+    from ..store import atomic, reading
     from ..words import outcomes
     from . import option_checks
 
@@ -89,11 +89,11 @@ def plot(
         path = option_checks.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
         if named := [name for name, value in {**given, "kind": kind, "panel": panel}.items() if value]:
             raise InputError(f"{file} is {other.what}, which plot draws without --{named[0]}")
-        ds = writing.read(file, study=False)
+        ds = reading.read(file, study=False)
         canvas.save(kinds.figure(ds, sheet=sheet(style, width, not no_title)), path, dpi)
         console.say(str(path))
         return 0
-    ds = writing.read(file)
+    ds = reading.read(file)
     outcomes.check_any_solved(ds)
     page = sheet(style, width, not no_title, panel)
     kind, given = _kind(ds, kind, given)
@@ -130,11 +130,11 @@ def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) 
     """Draw the figure of the datasets that reproduce wrote into a folder."""
     from ..figures import canvas, story
     from ..figures.sheet import sheet
-    from ..store import writing
+    from ..store import reading
     from . import option_checks
 
     path = option_checks.check(out, canvas.DIAGRAMS, force)
-    datasets = {name: writing.read(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
+    datasets = {name: reading.read(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
     canvas.save(story.figure(datasets, sheet("paper", width or 183, titled=False)), path, dpi)
     console.say(str(path))
     return 0

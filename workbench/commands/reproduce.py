@@ -68,7 +68,7 @@ def _results(
     """Solve, store and draw each study; the results, and a sentence for each study that its reading does not admit."""
     from solver.problem.errors import InputError
 
-    from ..store import in_memory, study_store, writing
+    from ..store import in_memory, reading, study_store
 
     results, refusals = [], []
     for study in studies:
@@ -79,7 +79,7 @@ def _results(
             refusals.append(f"{study.title}: {error}")
             step("")
             continue
-        result = in_memory.result(study, writing.read(files[study.name]), files[study.name])
+        result = in_memory.result(study, reading.read(files[study.name]), files[study.name])
         step(f"drawing {study.name}")
         results.append(replace(result, pictures=_draw(result, out, able)))
     return results, refusals

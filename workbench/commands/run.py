@@ -45,7 +45,7 @@ def run(
     """
     from studies import load
 
-    from ..store import memory
+    from ..store import worker_processes
     from ..store.fidelity import fidelity
     from ..store.study_store import Options, run_to_file
 
@@ -58,7 +58,7 @@ def run(
     changes = {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}
     chosen = chosen.model_copy(update=changes)
     _check_free(path, chosen.name, force)
-    memory.keep()
+    worker_processes.keep_memory()
     options = Options(workers, scheduler, chunk, restart)
     say = (lambda text: None) if json else _say
     ran = run_to_file(chosen, path, options, say, partial(console.progress_bar, as_json=json))

@@ -91,7 +91,7 @@ def _local(
     from studies import load
 
     from ..influence import derivatives, one_case
-    from ..store import in_memory, schema, stored_case, writing
+    from ..store import in_memory, reading, schema, stored_case
     from . import option_checks
     from .study_scene import is_study
 
@@ -106,7 +106,7 @@ def _local(
         where = option_checks.axis_values(ds, at)
         found = one_case.of_dataset(ds, where) if follows else one_case.of_study(study, where)
     else:
-        ds = writing.read(file)
+        ds = reading.read(file)
         found = one_case.of_dataset(ds, option_checks.axis_values(ds, at))
         study = stored_case.study_of(ds)
     table = derivatives.local(found, fields, real, study.unit_system)
@@ -122,13 +122,13 @@ def _indices(
     from solver.problem.errors import InputError
 
     from ..influence import indices
-    from ..store import writing
+    from ..store import reading
     from . import option_checks
     from .study_scene import is_study
 
     if is_study(file):
         raise InputError(f"--global needs a stored study: workbench run {file} stores one")
-    ds = writing.read(file)
+    ds = reading.read(file)
     share = indices.CONFIDENCE if confidence is None else confidence
     table = indices.sobol(ds, show, option_checks.axis_values(ds, at), share)
     return table, indices.sentences(table)

@@ -20,7 +20,7 @@ from studies.language.study_data import MAX_STATIONS, OUTPUTS
 
 from ..figures.scales import WIDE
 from ..scene.scene_kinds import Kind
-from ..store import file_kinds, in_memory, reading, schema, selection, writing
+from ..store import file_kinds, in_memory, reading, schema, selection
 from ..store.plan import plan
 from ..store.stored_case import solve_at, study_of
 
@@ -42,7 +42,7 @@ def read_dataset(file: Path) -> xr.Dataset:
         kind = file_kinds.kind_of(ds)
     if kind is not file_kinds.STUDY and not kind.scene:
         raise InputError(f"{file} is {kind.what}, which {file_kinds.readers(kind)}; scene draws studies and equilibria")
-    return writing.read(file, study=kind is file_kinds.STUDY)
+    return reading.read(file, study=kind is file_kinds.STUDY)
 
 
 def is_study(file: Path) -> bool:

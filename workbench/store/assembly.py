@@ -1,22 +1,19 @@
 """Assemble the shards into the output file, window by window, so that memory stays small."""
 
-import json
-from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from ..words import branch_numbers, cautions
-from . import atomic, checksums, concatenation, dataset, law_verdicts, netcdf, refined, schema, shards, writing
+from ..words import branch_numbers
+from . import atomic, concatenation, dataset, netcdf, refined, schema, shards, writing
 from .plan import Plan, bytes_a_case, bytes_of_file, first_of
 from .schema import Columns
 from .shards import Shards
 from .stored_run import StoredRun, places
-from .tally import Tally, statistics_of
+from .tally import Tally
 
 
 def assemble(plan: Plan, parts: Shards, output: Path, there: StoredRun | None, tally: Tally) -> dict[str, Any]:
@@ -26,50 +23,35 @@ def assemble(plan: Plan, parts: Shards, output: Path, there: StoredRun | None, t
     `shards.Damaged` for a damaged shard and `OSError` where the disk is full; the existing file then stays as it was.
     """
     aside = parts.folder / f".{output.name}"
+    rows = dataset.store(plan.study, plan.dimensions)
+    variables = [writing.CaseVariable(row.name, row.dims, schema.labels_in(plan.study, row.row)) for row in rows]
     try:
         frame = dataset.frame(plan.study, plan.dimensions, first_of(plan))
-        frame = frame.assign_attrs(caution=cautions.tell(tally["caution"]))
         if plan.refinement is not None:
             frame = frame.assign_attrs(refined.attributes(plan.study, plan.refinement))
         with ExitStack() as stack:
             sources: list[concatenation.Source] = [ShardSource(parts, plan)]
             if there is not None:
                 held = stack.enter_context(netcdf.open_file(output))
-                names = [row.name for row in dataset.store(plan.study, plan.dimensions)]
+                names = [row.name for row in rows]
                 source = concatenation.FileSource(str(output), held, names, plan.shape, places(there, plan))
                 sources = [source, *sources] if plan.todo else [source]
-            file = stack.enter_context(writing.append_to(frame, aside, bytes_of_file(plan)))
-            _write_cases(file, plan, sources, tally)
-        statistics = _statistics(aside, tally)
-        with h5py.File(aside, "a") as file:
-            file.attrs["recipe"] = json.dumps(plan.recipe)
-            file.attrs["statistics"] = json.dumps(statistics)
-            checksums.store(file)
+            gathered = concatenation.gather(sources, plan.shape, bytes_a_case(plan.study))
+            windows = ((start, _final(columns, tally)) for start, columns in gathered)
+            statistics = writing.store_cases(
+                frame, aside, bytes_of_file(plan), variables, plan.shape, windows, plan.recipe, tally
+            )
         atomic.move(aside, output)
         return statistics
     finally:
         aside.unlink(missing_ok=True)
 
 
-def _statistics(path: Path, tally: Tally) -> dict[str, Any]:
-    """The statistics of the file, from which `run` reports without reading its cases again."""
-    with netcdf.open_file(path) as ds:
-        verdicts, first = law_verdicts.verdicts(ds), str(ds.attrs.get("equilibria", ""))
-        sampling = {name: str(ds.attrs[name]) for name in schema.SAMPLING if name in ds.attrs}
-    branches = branch_numbers.sentence(tally["branch"]) if tally["branch"] else ""
-    return {**statistics_of(tally, verdicts), "equilibria": first, "branches": branches, **sampling}
-
-
-def _write_cases(file: Any, plan: Plan, sources: Sequence[concatenation.Source], tally: Tally) -> None:
-    """Every variable over the axes. Whole numbers stay whole where all cases are solved."""
-    rows = dataset.store(plan.study, plan.dimensions)
-    variables = [writing.CaseVariable(row.name, row.dims, schema.labels_in(plan.study, row.row)) for row in rows]
-    windows = concatenation.gather(sources, plan.shape, bytes_a_case(plan.study))
-    writing.write_cases(file, variables, plan.shape, ((start, _final(columns, tally)) for start, columns in windows))
-
-
 def _final(columns: Columns, tally: Tally) -> Columns:
-    """The columns as they are stored: branches numbered from 0, and numbers that some case has not as floats."""
+    """The columns as they are stored: branches numbered from 0, and numbers that some case has not as floats.
+
+    Whole numbers stay whole where all cases are solved.
+    """
     final = dict(columns)
     if "branch" in final:
         final["branch"] = branch_numbers.number(final["branch"], tally["branch"])

@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 from solver.problem.errors import InputError
 from studies import Study
 
-from . import memory
+from . import worker_processes
 from .block import Chunk, solve_chunk
 from .local_pool import DEATHS, KILLED, Results
 from .plan import Plan
@@ -73,7 +73,7 @@ def _check_workers(client: Any, study: Study) -> None:
 def _solve(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
     """Solve a chunk in a worker, which may have joined later than the others."""
     check_worker(study, code)
-    memory.keep()
+    worker_processes.keep_memory()
     try:
         return solve_chunk(study, chunk, block)
     except InputError:

@@ -8,7 +8,6 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import xarray as xr
 
@@ -22,11 +21,7 @@ from studies.language.writer import axis_table, dumps, dumps_paired, dumps_table
 from ..words import cautions
 from . import (
     atomic,
-    checksums,
     concatenation,
-    file_summary,
-    law_verdicts,
-    netcdf,
     reading,
     schema,
     stored_case,
@@ -68,12 +63,14 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         variables = [_case_variable(name, opened) for name in cases]
         size = sum(_bytes_a_case(opened[0][name], len(axes)) for name in cases)
         most = int(1.02 * (frame.nbytes + prod(shape) * size)) + SPARE
+        recipe = _recipe(opened, schema.field_of(studies[0], union.axis), union)
+        windows = concatenation.gather(sources, shape, size, union, axes.index(union.axis))
         with atomic.refusing(out), atomic.replacement(out) as aside:
-            with writing.append_to(frame.assign_attrs(attrs), aside, most) as file:
-                windows = concatenation.gather(sources, shape, size, union, axes.index(union.axis))
-                writing.write_cases(file, variables, shape, windows)
-            result = _judge(aside, _recipe(opened, schema.field_of(studies[0], union.axis), union))
-    return {"file": str(out), "axis": union.axis, "values": int(union.values.size), **result}
+            frame = frame.assign_attrs(attrs)
+            statistics = writing.store_cases(frame, aside, most, variables, shape, windows, recipe)
+    unsolved, laws, caution = statistics["unsolved"], statistics["laws"], cautions.tell(statistics["cautions"])
+    counts = {"cases": prod(shape), "unsolved": unsolved, "laws": laws, "caution": caution}
+    return {"file": str(out), "axis": union.axis, "values": int(union.values.size), **counts}
 
 
 def _source(
@@ -215,24 +212,6 @@ def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
     """The versions of all files; where they differ, each of them."""
     packages = dict.fromkeys(package for row in versions for package in row)
     return {name: ", ".join(dict.fromkeys(row[name] for row in versions if name in row)) for name in packages}
-
-
-def _judge(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Judge the laws of the merged file, and store the recipe and the statistics in it as a run does."""
-    with netcdf.open_file(path) as ds:
-        outcomes, verdicts = file_summary.text_counts(ds["outcome"], ds["solved"]), law_verdicts.verdicts(ds)
-        texts, unsolved = file_summary.text_counts(ds["caution"]), file_summary.unsolved(ds)
-    caution = cautions.tell(texts)
-    with h5py.File(path, "a") as file:
-        file.attrs["caution"] = caution
-        if recipe is not None:
-            file.attrs["recipe"] = json.dumps(recipe)
-            file.attrs["statistics"] = json.dumps(
-                {"unsolved": unsolved, "outcomes": outcomes, "cautions": texts, "laws": verdicts}
-            )
-        checksums.store(file)
-    counts = {"cases": sum(outcomes.values()), "unsolved": unsolved}
-    return {**counts, "laws": verdicts, "caution": caution}
 
 
 def _recipe(files: Sequence[xr.Dataset], field: str, union: concatenation.Union) -> dict[str, Any] | None:

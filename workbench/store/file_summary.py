@@ -16,7 +16,7 @@ from studies.grammar.dimensions import SAMPLE
 from studies.laws import verdict_words
 
 from ..words import branch_numbers, cautions, labels
-from . import file_checks, file_kinds, law_verdicts, reading, refined, schema, selection, writing
+from . import file_checks, file_kinds, law_verdicts, reading, refined, schema, selection
 from .boundary import boundary, boundary_of_law
 from .grid_io import blocks
 from .stored_case import study_of
@@ -198,7 +198,7 @@ SENTENCES = ("stability", "begin", "end", "remark", "searched")  # attributes th
 
 def contents(path: Path) -> dict[str, Any]:
     """What the file holds, as plain data. Raises `InputError`."""
-    ds = writing.read(path, study=False)
+    ds = reading.read(path, study=False)
     numbers = [str(name) for name, one in ds.variables.items() if one.dtype.kind in "iuf" and "u" not in one.dims]
     solved = ds["solved"].values.astype(bool) if "solved" in ds else np.ones(0, dtype=bool)
     named = ds["outcome"].values.astype(str) if "outcome" in ds else np.zeros(0, dtype=str)

@@ -1,6 +1,7 @@
 """Stored datasets opened lazily, after their file (`file_checks`), layout and values (`value_checks`) are validated."""
 
 import json
+import os
 import warnings
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from studies.grammar.dimensions import SAMPLE
 from studies.laws.law import Law
 
 from ..words import escaping
-from . import checksums, file_kinds, netcdf, refined, value_checks
+from . import checksums, file_checks, file_kinds, netcdf, refined, value_checks
 from .file_checks import open_valid, refusing, show
 from .schema import CURVES, FORMAT, INNER, dimension, fields_of_samples
 
@@ -201,3 +202,29 @@ def versions(ds: xr.Dataset, path: str | Path = "the dataset") -> dict[str, str]
     ):
         raise InputError(f"{path}: the attribute versions is not a table in JSON")
     return {str(name): str(number) for name, number in found.items()}
+
+
+def read(path: str | Path, study: bool = True) -> xr.Dataset:
+    """A study's dataset (or, where `study` is False, any that the workbench wrote), all in memory.
+
+    Raises `InputError` where the file is missing, damaged, foreign or too large, or holds invalid values.
+    """
+    with open_study(path) if study else raw(path) as ds:
+        if ds.nbytes > _memory():
+            held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {_memory() / 1e9:.3g} GB"
+            raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
+        with file_checks.refusing(path):
+            ds.load()
+        if not study:
+            value_checks.texts(ds, path)
+            value_checks.fields(ds, path)
+            check_sums(path)
+        if "solved" in ds:
+            value_checks.each(ds, path)
+            value_checks.curves(ds, path)
+        return ds
+
+
+def _memory() -> int:
+    """The memory of this machine [bytes]."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")

@@ -16,10 +16,9 @@ from .block import unsolved
 from .plan import Plan, plan, room
 from .progress import Meter, Progress, unshown
 from .rounds import Rounds
-from .schema import TEXTS
 from .shards import Damaged, Shards, decode, encode
 from .stored_run import StoredRun, grow, is_finished, look, replace
-from .tally import Tally, count, statistics_of, tally_of
+from .tally import Tally, count, statistics, tally_of
 
 WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker
 
@@ -51,7 +50,7 @@ DEFAULT = Options()
 
 @dataclass(frozen=True)
 class Ran:
-    """What a run did. statistics: of the file (`tally.statistics_of`). solved: cases that this run solved itself."""
+    """What a run did. statistics: of the file (`tally.statistics`). solved: cases that this run solved itself."""
 
     statistics: dict[str, Any]
     solved: int
@@ -139,19 +138,15 @@ def run_to_file(
 
 def _follow(work: Plan, output: Path) -> Ran:
     """A study that follows one equilibrium cannot be cut into chunks, and is solved in memory."""
-    from . import law_verdicts, writing
-    from .following import run_followed
+    from . import writing
+    from .in_memory import run_followed
 
     writing.check_parent(output)
     began = time.monotonic()
     ds = run_followed(work.study, work.study.tol, work.study.method)
-    tally = tally_of(None)
-    count({name: ds[name].values for name in ("solved", *TEXTS)}, tally)
-    statistics = statistics_of(tally, law_verdicts.verdicts(ds))
-    writing.write(
-        ds.assign_attrs(recipe=json.dumps(work.recipe), statistics=json.dumps(statistics)), output, force=True
-    )
-    return Ran(statistics, ds["outcome"].size, time.monotonic() - began)
+    found = statistics(ds)
+    writing.write(ds.assign_attrs(recipe=json.dumps(work.recipe), statistics=json.dumps(found)), output, force=True)
+    return Ran(found, ds["outcome"].size, time.monotonic() - began)
 
 
 def _store(output: Path, options: Options) -> StoredRun | None:

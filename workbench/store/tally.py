@@ -1,16 +1,23 @@
-"""The tally of a run: how many cases are unsolved, and how often each outcome, caution and branch occurs."""
+"""The tally of a study: how many cases are unsolved, and how often each outcome, caution and branch occurs."""
 
 from collections import Counter
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..words import outcomes
-from .schema import TEXTS, Columns
+from ..words import branch_numbers, outcomes
+from . import law_verdicts
+from .grid_io import blocks
+from .schema import SAMPLING, TEXTS, Columns
 from .stored_run import StoredRun
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 Tally = Mapping[str, Counter[Any]]
+
+BLOCK = 100_000  # cases that are read at a time
 
 
 def tally_of(there: StoredRun | None) -> Tally:
@@ -24,8 +31,8 @@ def tally_of(there: StoredRun | None) -> Tally:
 
 def count(columns: Columns, tally: Tally) -> int:
     """Add the columns to the tally, and return how many of their cases are not solved."""
-    for branch in columns.get("branch", ()):
-        tally["branch"][int(branch)] += 1
+    if "branch" in columns:
+        tally["branch"].update(branch_numbers.counts(columns["branch"]))
     for name in TEXTS:
         texts, counts = np.unique(columns[name].astype(str), return_counts=True)
         for text, cases in zip(texts.tolist(), counts.tolist(), strict=True):
@@ -38,7 +45,21 @@ def count(columns: Columns, tally: Tally) -> int:
     return unsolved
 
 
-def statistics_of(tally: Mapping[str, Mapping[Any, int]], laws: list[dict[str, Any]]) -> dict[str, Any]:
-    """The statistics of a file: how many cases are unsolved, have each outcome, each caution, and the verdicts."""
-    texts = {f"{name}s": dict(sorted(tally[name].items())) for name in ("outcome", "caution")}
-    return {"unsolved": tally["solved"][False], **texts, "laws": laws}
+def statistics(ds: "xr.Dataset", tally: Tally | None = None) -> dict[str, Any]:
+    """What is said of a stored study without reading its cases again: the tally, the verdicts, sentences.
+
+    tally: of all cases of the dataset; default: counted here, block by block.
+    """
+    if tally is None:
+        tally = tally_of(None)
+        names = [name for name in ("solved", *TEXTS, "branch") if name in ds]
+        for where in blocks(ds["solved"].shape, BLOCK):
+            count({name: ds[name][where].values for name in names}, tally)
+    return {
+        "unsolved": tally["solved"][False],
+        **{f"{name}s": dict(sorted(tally[name].items())) for name in TEXTS},
+        "laws": law_verdicts.verdicts(ds),
+        "equilibria": str(ds.attrs.get("equilibria", "")),
+        "branches": branch_numbers.sentence(tally["branch"]) if tally["branch"] else "",
+        **{name: str(ds.attrs[name]) for name in SAMPLING if name in ds.attrs},
+    }

@@ -1,5 +1,6 @@
-"""Datasets written to HDF5 (netCDF4-compatible) by an atomic replacement, and read whole into memory."""
+"""Datasets written to HDF5 (netCDF4-compatible) by an atomic replacement."""
 
+import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -14,7 +15,10 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from . import atomic, checksums, file_checks, grid_io, netcdf, reading, schema, value_checks
+from ..words import cautions
+from . import atomic, checksums, file_checks, grid_io, netcdf, schema
+from . import tally as tallies
+from .tally import Tally
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
@@ -80,6 +84,28 @@ def write_cases(
             grid_io.write(created[variable.name], shape, start, values)
 
 
+def store_cases(
+    frame: xr.Dataset, path: Path, size: int, variables: Sequence[CaseVariable], shape: tuple[int, ...],
+    windows: Iterable[tuple[int, schema.Columns]], recipe: Mapping[str, Any] | None, tally: Tally | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Write a study to a new file, and judge it; its statistics.
+
+    frame, size: as of `append_to`. variables, shape, windows: as of `write_cases`. recipe: stored beside the
+    statistics, from which a later run knows what the file holds; None: neither is stored. tally: of all cases, where it
+    is known. Raises `OSError`.
+    """
+    with append_to(frame, path, size) as file:
+        write_cases(file, variables, shape, windows)
+    with netcdf.open_file(path) as ds:
+        statistics = tallies.statistics(ds, tally)
+    with h5py.File(path, "a") as file:
+        file.attrs["caution"] = cautions.tell(statistics["cautions"])
+        if recipe is not None:
+            file.attrs["recipe"], file.attrs["statistics"] = json.dumps(recipe), json.dumps(statistics)
+        checksums.store(file)
+    return statistics
+
+
 def _create(file: netcdf.File, one: CaseVariable, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Any:
     kind: dict[str, Any] = {"dtype": {"U": h5py.string_dtype(), "b": np.dtype(np.int8)}.get(dtype.kind, dtype)}
     if dtype.kind == "f":
@@ -92,32 +118,6 @@ def _create(file: netcdf.File, one: CaseVariable, shape: tuple[int, ...], dtype:
     if dtype.kind == "b":  # which netCDF has not: as xarray stores it
         variable.attrs["dtype"] = "bool"
     return variable
-
-
-def read(path: str | Path, study: bool = True) -> xr.Dataset:
-    """A study's dataset (or, where `study` is False, any that the workbench wrote), all in memory.
-
-    Raises `InputError` where the file is missing, damaged, foreign or too large, or holds invalid values.
-    """
-    with reading.open_study(path) if study else reading.raw(path) as ds:
-        if ds.nbytes > _memory():
-            held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {_memory() / 1e9:.3g} GB"
-            raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
-        with file_checks.refusing(path):
-            ds.load()
-        if not study:
-            value_checks.texts(ds, path)
-            value_checks.fields(ds, path)
-            reading.check_sums(path)
-        if "solved" in ds:
-            value_checks.each(ds, path)
-            value_checks.curves(ds, path)
-        return ds
-
-
-def _memory() -> int:
-    """The memory of this machine [bytes]."""
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
 
 
 def check_free(path: str | Path, study_name: str) -> None:

@@ -14,7 +14,7 @@ from solver.methods import METHODS, available
 from solver.problem.errors import InputError
 
 from ...figures import canvas, robustness, work_precision
-from ...store import writing
+from ...store import reading
 from ...words import labels
 
 SHIPPED = Path(__file__).parents[2] / "compare" / "measured"  # made with benchmarks/make_measured.py
@@ -40,10 +40,10 @@ def one(folder: Path, name: str, draw: Callable[[xr.Dataset], Figure], shows: Ca
     beside, why = Path(folder) / f"{name}.h5", ""
     try:
         if beside.is_file():
-            return _make(writing.read(beside, study=False), name, draw, shows, f"{name}.h5 beside this report")
+            return _make(reading.read(beside, study=False), name, draw, shows, f"{name}.h5 beside this report")
     except (InputError, KeyError, ValueError) as error:  # a readable file may still lack variables
         why = f" ({beside.name} beside this report cannot be drawn: {error})"
-    shipped = writing.read(SHIPPED / f"{name}.h5", study=False)
+    shipped = reading.read(SHIPPED / f"{name}.h5", study=False)
     return _make(shipped, name, draw, shows, f"a run that comes with the workbench{why}")
 
 
