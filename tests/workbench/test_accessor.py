@@ -16,7 +16,7 @@ from studies.language.study_data import OUTPUTS
 from tests.slow import slow_but
 from tests.workbench import small
 from workbench.commands import option_checks
-from workbench.store import block, in_memory, schema, selection, writing
+from workbench.store import case_solutions, in_memory, schema, selection, writing
 
 ENDS = small.text(
     {**small.SHORT, "beta0": 0.5, "FZ": -8.0},
@@ -66,7 +66,7 @@ def test_what_suffices_is_not_solved_and_what_does_not_is_solved_once(full, monk
 
     ds, _ = full
     calls = []
-    monkeypatch.setattr(stored_case, "solve_one", lambda *args: calls.append(args) or block.solve_one(*args))
+    monkeypatch.setattr(stored_case, "solve_one", lambda *args: calls.append(args) or case_solutions.solve_one(*args))
     kept = ds[["alpha", "beta", "z", "outcome"]]
     for name in ("position", "tangent", "normal", "FY", "F2", "F3", "M2"):
         kept.rod.along(name)

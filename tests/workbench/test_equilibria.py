@@ -22,8 +22,8 @@ from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands.equilibria import DEFAULT, parse_axis
 from workbench.figures import bifurcation, canvas, equilibria_figure
 from workbench.store import in_memory, reading, writing
-from workbench.store.block import solve_one
 from workbench.store.case_input import field_values
+from workbench.store.case_solutions import solve_one
 
 MANY = -0.3655, 0.7464, -0.7506
 

@@ -11,7 +11,7 @@ from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError
 from studies.language.loader import loads
 from studies.language.writer import dumps
-from workbench.store import block
+from workbench.store import case_solutions
 from workbench.web.live import page_model, page_shape
 from workbench.web.live.presets import PRESETS
 
@@ -64,7 +64,7 @@ def test_a_tight_cable_presses_with_its_tension_over_the_radius() -> None:
 def test_the_state_is_a_study_and_its_text_gives_the_same_rod() -> None:
     study = page_model.study_of(state(E=2e4, F3=12.0))
     again = loads(dumps(study))
-    sol = block.solve_one(again.case(), again.equilibrium, 1e-8, "auto", 201)
+    sol = case_solutions.solve_one(again.case(), again.equilibrium, 1e-8, "auto", 201)
     np.testing.assert_array_equal(sol.beta, page_shape.shape(study).sol.beta)
 
 

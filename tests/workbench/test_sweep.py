@@ -16,7 +16,7 @@ from tests.workbench import runs, small
 from tests.workbench.command import exit_status
 from workbench.commands import study_scene
 from workbench.scene import scene_kinds
-from workbench.store import file_merge, in_memory, law_verdicts, plan, sweep, sweep_order
+from workbench.store import case_solutions, file_merge, in_memory, law_verdicts, plan, sweep
 from workbench.store.block import solve_chunk
 from workbench.store.study_store import Options, run_to_file
 from workbench.words import branch_numbers
@@ -42,7 +42,7 @@ def study(axes: str = FORCES, L: float = 20.0) -> Study:
 
 @pytest.mark.parametrize("shape", ((1,), (2,), (30,), (3, 5), (4, 1), (1, 6), (2, 3, 4)))
 def test_every_case_continues_from_a_neighbour_and_all_from_the_middle(shape) -> None:
-    grid = sweep_order.Grid(shape)
+    grid = sweep.Grid(shape)
     first = grid.place(grid.first)
     assert grid.parent(first) is None
     for place in range(int(np.prod(shape))):
@@ -58,7 +58,7 @@ def test_every_case_continues_from_a_neighbour_and_all_from_the_middle(shape) ->
 
 @pytest.mark.parametrize("shape", ((30,), (3, 5), (7, 40), (2, 300)))
 def test_blocks_cut_the_grid_into_stretches_of_lines(shape) -> None:
-    grid, size = sweep_order.Grid(shape), sweep_order.block_size(shape, 1000)
+    grid, size = sweep.Grid(shape), sweep.block_size(shape, 1000)
     covered = []
     for start in range(0, int(np.prod(shape)), size):
         stop = min(start + size, int(np.prod(shape)))
@@ -151,7 +151,7 @@ def test_a_case_is_the_same_whatever_the_range_the_order_and_the_number_of_value
         part = cases_of(text, axis, sorted(values[:5], reverse=True)) | cases_of(text, axis, values[5:6])
         assert part == {value: whole[value] for value in part}, seed
         one = loads(text + small.axis(axis, values), "text", "random")
-        choose = sweep.rule_of(one.equilibrium)
+        choose = case_solutions.rule_of(one.equilibrium)
         for value in values[:2]:
             usual = solve(one.case_of({axis: value}), stations=11, tol=one.tol, choose=choose)
             said, beta = whole[value]

@@ -211,7 +211,7 @@ def _list(study: "Study", case: "Case", found: "Equilibria", choose: str | None,
     from ..branches.ends_study import row
     from ..branches.equilibria_dataset import dataset_of
     from ..store.case_input import field_values, with_unit
-    from ..store.sweep import rule_of
+    from ..store.case_solutions import rule_of
     from ..words.left_out import SENTENCE
     from .present import Result
 

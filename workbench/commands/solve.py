@@ -51,8 +51,8 @@ def solve(
     """
     from solver import Ends, InputError
 
-    from ..store.block import solve_one
     from ..store.case_input import read_case
+    from ..store.case_solutions import solve_one
     from ..store.fidelity import fidelity
     from ..words import cautions, left_out, pipe_numbers, pipe_state
 

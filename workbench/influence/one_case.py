@@ -9,8 +9,8 @@ import xarray as xr
 from solver import Solution
 from studies import Study
 
-from ..store import in_memory, schema, selection, stored_case, sweep_solutions
-from ..store.block import solve_one
+from ..store import in_memory, schema, selection, stored_case
+from ..store.case_solutions import between, solve_one
 from ..store.plan import plan
 
 
@@ -43,4 +43,4 @@ def of_study(study: Study, at: Mapping[str, selection.Value] | None = None) -> S
     if not study.sweeps:
         return solve_one(case, study.equilibrium, study.tol, study.method, study.stations)
     work = plan(study)
-    return sweep_solutions.between(work.study, case, partial(work.spine.nearest, values), study.stations)
+    return between(work.study, case, partial(work.spine.nearest, values), study.stations)

@@ -12,19 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solver import Case, Solution, equilibria, solve
-from solver.choose.selection import INCOMPLETE, NEAREST
-from solver.equilibria import nearest
+from solver import Solution
+from solver.choose.selection import INCOMPLETE
 from studies import Study
-from studies.grammar.axes import Which
 from studies.language import expressions
 
 from ..words import cautions
 from ..words.branch_numbers import NONE
+from .case_solutions import State, show, solve_one
 from .schema import LOADS, Columns, inner_shape
 from .shards import encode
-from .sweep import State, grid_of, walk_states
-from .sweep_solutions import show
+from .sweep import grid_of, walk_states
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,15 +79,6 @@ def _columns_of(study: Study, state: State) -> Columns:
     if state.remark:
         found["outcome"] = np.array([f"{found['outcome'][0]}; {state.remark}"])
     return {**found, "branch": np.array([state.branch])}
-
-
-def solve_one(case: Case, which: Which | None, tol: float, method: str, stations: int) -> Solution:
-    """The solution of a case, or of several; where a study says which equilibrium, that one. Raises `InputError`."""
-    if which is None or which.dbeta0 is None or which.energy is None:
-        rule = NEAREST if which is None or which.rule is None else which.rule
-        return solve(case, tol=tol, method=method, stations=stations, choose=rule)
-    found = nearest(equilibria(case, tol, stations), which.dbeta0, which.energy).solution
-    return found if method in ("auto", found.method) else solve(case, tol, method, stations, seed=found)
 
 
 def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None) -> Columns:

@@ -18,8 +18,9 @@ from studies.grammar.dimensions import SAMPLE, Dimension, Dimensions
 from studies.language.paired import SOURCES
 from studies.language.refinement import Refinement
 
-from . import shards, sweep, sweep_order
+from . import shards, sweep
 from .block import Chunk
+from .case_solutions import State, tell
 from .recipe import recipe_of
 from .schema import LOADS, inner_shape
 
@@ -66,7 +67,7 @@ class Plan:
     def block(self) -> int:
         """Cases in a block; depends on the study alone."""
         if self.study.sweeps:
-            return sweep_order.block_size(self.shape, BLOCK_VALUES // self.study.stations)
+            return sweep.block_size(self.shape, BLOCK_VALUES // self.study.stations)
         most = BLOCK if self.batched else BLOCK_ALONE
         return max(1, min(most, BLOCK_VALUES // self.study.stations))
 
@@ -106,7 +107,7 @@ class Plan:
         states = self._states(start, stop, values) if self.study.sweeps else {}
         return Chunk(start, stop, values, 0, self.shape, states)
 
-    def _states(self, start: int, stop: int, values: Coordinates) -> dict[int, sweep.State]:
+    def _states(self, start: int, stop: int, values: Coordinates) -> dict[int, State]:
         whole: sweep.Spine | None = self.study.whole
         if whole is None:
             return self.spine.hand_over(start, stop)
@@ -159,7 +160,7 @@ def first_of(plan: Plan) -> str:
     spine = plan.study.whole or plan.spine
     first, cell = spine.first().solution, spine.grid.first
     row = zip(spine.coordinates.items(), cell, strict=True)
-    at = ", ".join(sweep.tell(name, float(values[i])) for (name, values), i in row)
+    at = ", ".join(tell(name, float(values[i])) for (name, values), i in row)
     which = plan.study.equilibrium
     name = MIDDLE if plan.study.followed is None else FOLLOWED
     if first.begun:

@@ -1,6 +1,7 @@
 """The study and the case of a stored dataset, and its cases solved again, or at other values."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -12,16 +13,19 @@ from solver import Case, Solution, solve
 from solver.end_angle_branch import own_ends
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.errors import InputError, no_such
+from solver.problem.reduced import EndsProblem, flat
+from solver.problem.trajectory import Trajectory
 from studies import Study
 from studies.grammar.axes import FIELDS, WORDS, quantity_of
 from studies.grammar.dimensions import SAMPLE, Dimension
 from studies.language.loader import loads
 
-from . import reading, sweep_solutions
-from .block import solve_one
+from . import reading
+from .case_solutions import between, solve_one
 from .schema import axes_left, dimension, field_of, fields_of_samples, own_dimension
 from .selection import SAME, real
 
+_HELD = ("begun", "held_index")  # of a trajectory between held ends
 MOST_SOLVED = 10_000  # cases that are solved again: seconds
 
 
@@ -107,8 +111,32 @@ def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -
         near = partial(work.spine.nearest, {name: float(row[i]) for name, row in rows.items()})
         at = stations if isinstance(stations, int) else np.broadcast_to(stations, (*case.shape, np.shape(stations)[-1]))
         mine = at if isinstance(at, int) else at.reshape(case.size, -1)[i]
-        found.append(sweep_solutions.between(work.study, sweep_solutions.single(case, i), near, mine))
-    return found[0] if not case.shape else sweep_solutions.together(case, found)
+        found.append(between(work.study, _single(case, i), near, mine))
+    return found[0] if not case.shape else _together(case, found)
+
+
+def _together(case: Case, found: list[Solution]) -> Solution:
+    """Solutions of single cases as the one solution of their grid."""
+    names = ("beta", "dbeta", "alpha", "z", "solved", "outcome", "error", "condition", "evaluations")
+    columns: dict[str, Any] = {name: np.concatenate([getattr(one.trajectory, name) for one in found]) for name in names}
+    swirl = np.concatenate([one.trajectory.swirl() for one in found])
+    t = np.concatenate([one.t for one in found])
+    if found[0].held:
+        columns |= {name: np.concatenate([getattr(one.trajectory, name) for one in found]) for name in _HELD}
+    rows = [vars(one.problem) for one in found]
+    problem = EndsProblem(**{name: np.concatenate([row[name] for row in rows]) for name in rows[0]})
+    answer = Trajectory(**columns, swirl=partial(np.asarray, swirl))
+    return Solution(case, problem, answer, t, found[0].method, found[0].tol)
+
+
+def _single(case: Case, i: int) -> Case:
+    """Case i of a grid, counted along its axes, the last fastest."""
+    parts: list[Any] = []
+    part: Any
+    for part in (case.rod, case.cylinder, case.given):
+        values = {name: value for name, value in vars(part).items() if isinstance(value, np.ndarray)}
+        parts.append(replace(part, **{name: float(flat(value, case.shape)[i]) for name, value in values.items()}))
+    return Case(*parts)
 
 
 def _stations(ds: xr.Dataset, study: Study, case: Case) -> Any:

@@ -1,53 +1,78 @@
-"""A sweep over ends problems: each case is solved by the study's rule, and labelled with the branch that it lies on.
+"""A sweep over ends problems: the order of its cases, and the cases from which its blocks begin.
 
-The equilibrium of a case depends on its own numbers only. A case is on the branch of its neighbour, in the order of
-`sweep_order`, if the equilibrium of the neighbour continues to its own; else it begins a branch of another number. Only
-along a followed axis the equilibrium itself continues from the case before.
+The first case is the middle of the grid, along a followed axis the first value. From it the cases continue along the
+first axis, from each of these along the second, and so on: a tree in which each case is one step from the one it
+continues from. The order depends on the grid alone.
 
 The process of the run solves the cases from which blocks begin (`Spine`), without arrays along the rod. A worker begins
 at the cases that came with its block, so the bits do not depend on which worker it is.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solver import Case, Solution, equilibria, solve
-from solver.choose.selection import INCOMPLETE, NEAREST, Choose
-from solver.equilibria import nearest
-from solver.observe.observables import observe
 from studies import Study
-from studies.grammar.axes import Which, is_angle
 
-from ..words.branch_numbers import NONE
-from .followed_case import follow_to
-from .sweep_order import Grid
+from .case_solutions import State, select, state_of, step
 
-LOST = "unstable here, stable where its branch begins"
-SAME = 1e-6  # of the numbers at both ends, in units of rho: below it two solutions are one
+LINE = 256  # cases of a line that is solved in one block where there are several lines
+BLOCK_OF_ONE, BLOCK_OF_LONG = 8, 32  # cases a block: of a single line, and of lines longer than that
 MOST_KEPT = 2000  # cases of a single line that the run itself solves
 
 
-@dataclass(frozen=True, eq=False)
-class State:
-    """The equilibrium of one case, with stations at its two ends only.
+@dataclass(frozen=True)
+class Grid:
+    """The order of a sweep. shape: of the grid; places are counted along the axes, the last fastest. follows: whether
+    the last axis is followed, from its first value on."""
 
-    branch: 0 for that of the first case, else 1 + the flat index of the case where it begins; `NONE` where the case is
-    not solved. stable: whether the branch is stable where it begins. remark: an addition to the outcome: where the
-    branch begins, or that it is not stable here.
-    """
-
-    solution: Solution
-    branch: int
-    stable: bool
-    remark: str = ""
+    shape: tuple[int, ...]
+    follows: bool = False
 
     @property
-    def solved(self) -> bool:
-        return self.branch != NONE
+    def first(self) -> tuple[int, ...]:
+        """The cell that the others continue from: the middle, or the begin of a followed axis."""
+        middle = tuple((n - 1) // 2 for n in self.shape)
+        return (*middle[:-1], 0) if self.follows else middle
+
+    def cell(self, place: int) -> tuple[int, ...]:
+        return tuple(int(i) for i in np.unravel_index(place, self.shape))
+
+    def place(self, cell: tuple[int, ...]) -> int:
+        return int(np.ravel_multi_index(cell, self.shape))
+
+    def parent(self, place: int) -> tuple[int, int] | None:
+        """The place that a case continues from, and the axis between the two; None for the first case."""
+        cell, first = list(self.cell(place)), self.first
+        for k in range(len(cell) - 1, -1, -1):
+            if cell[k] != first[k]:
+                cell[k] += 1 if cell[k] < first[k] else -1
+                return self.place(tuple(cell)), k
+        return None
+
+    def pieces(self, start: int, stop: int) -> Iterable[tuple[int, int, int]]:
+        """Of the cases `start` to `stop` each stretch on one line of the last axis: begin, end, and the case in it that
+        the others of the stretch continue from."""
+        n, middle = self.shape[-1], self.first[-1]
+        a = start
+        while a < stop:
+            line = a // n * n
+            b = min(line + n, stop)
+            yield a, b, min(max(line + middle, a), b - 1)
+            a = b
+
+
+def block_size(shape: tuple[int, ...], most: int) -> int:
+    """Cases a block, at most `most`: whole lines where they are short and several."""
+    n = shape[-1]
+    if len(shape) == 1 or math.prod(shape) == n:
+        return max(1, min(BLOCK_OF_ONE, most))
+    if n > min(LINE, most):
+        return max(1, min(BLOCK_OF_LONG, most))
+    return n * max(1, min(BLOCK_OF_LONG, most) // n)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,70 +149,6 @@ class Spine:
 def grid_of(study: Study, shape: tuple[int, ...]) -> Grid:
     """The order of the cases of a study."""
     return Grid(shape, study.followed is not None)
-
-
-def rule_of(which: Which | None) -> Choose:
-    """The rule by which a study takes the equilibrium of a case."""
-    return NEAREST if which is None or which.rule is None else which.rule
-
-
-def select(study: Study, case: Case) -> Solution:
-    """The equilibrium of a case that the study's rule takes, at two stations."""
-    which = study.equilibrium
-    if which is not None and which.dbeta0 is not None and which.energy is not None:
-        every = equilibria(case, study.tol, 2)
-        if len(every):
-            return nearest(every, which.dbeta0, which.energy).solution
-    return solve(case, tol=study.tol, stations=2, choose=rule_of(which))
-
-
-def step(study: Study, case: Case, before: State, place: int, name: str, neighbour: float) -> State:
-    """The state of a case next to another one. Along a followed axis it continues from that one.
-
-    name: the axis between the two. neighbour: its value there.
-    """
-    at = tell(name, neighbour)
-    if name == study.followed:
-        return state_of(follow_to(before.solution, case, name, at), before.branch, before.stable)
-    taken = select(study, case)
-    if not before.solved:
-        return state_of(taken, 1 + place, remark=f"taken anew, as none was found at {at}")
-    if not taken.solved or continues(before.solution, taken):
-        return state_of(taken, before.branch, before.stable)
-    return state_of(taken, 1 + place, remark=f"another branch than at {at}")
-
-
-def continues(before: Solution, sol: Solution) -> bool:
-    """Whether the branch of a solution leads to another one, of a case that differs in its numbers."""
-    reached = solve(sol.case, tol=sol.tol, stations=2, seed=before)
-    if not reached.solved:
-        return False
-    rho, ends = float(sol.case.rho), []
-    for one in (reached, sol):
-        ends.append(np.concatenate([one.beta, one.dbeta * rho, one.alpha - one.alpha[0], (one.z - one.z[0]) / rho]))
-    return bool(np.abs(ends[0] - ends[1]).max() <= SAME * (1 + np.abs(ends[1]).max()))
-
-
-def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str = "") -> State:
-    """A state that can be sent to another process. stable: of its branch where that begins; None: it begins here."""
-    light = replace(sol, trajectory=replace(sol.trajectory, swirl=_not_kept))
-    if not sol.solved:
-        return State(light, NONE, False)
-    here = float(sol.held_index if sol.held else observe(light, ["index"])["index"]) == 0
-    if stable and not here:
-        remark = LOST
-    if sol.selection is not None and not sol.selection.complete:
-        remark = f"{remark}; {INCOMPLETE}" if remark else INCOMPLETE
-    return State(light, branch, here if stable is None else stable, remark)
-
-
-def _not_kept() -> NDArray[np.float64]:
-    raise NotImplementedError("the state of a sweep keeps no shape")
-
-
-def tell(name: str, value: float) -> str:
-    """``FZ = -150``; angles in degrees."""
-    return f"{name} = {np.rad2deg(value):.6g} deg" if is_angle(name) else f"{name} = {value:.6g}"
 
 
 def walk_states(

@@ -1,0 +1,224 @@
+"""The solution of one case: by the rule of its study, or on the branch of the case before it.
+
+In a sweep over ends problems the equilibrium of a case depends on its own numbers only. It is on the branch of its
+neighbour if the equilibrium of the neighbour continues to its own; else it begins a branch of another number. Only
+along a followed axis the equilibrium itself continues from the case before; where the branch does not reach a case, it
+has none.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver import Branch, Case, InputError, Solution, equilibria, follow, solve
+from solver.choose.selection import INCOMPLETE, NEAREST, Choose
+from solver.equilibria import nearest
+from solver.equilibrium_branch import BORDER, HELIX
+from solver.numerics.arclength import FOLD
+from solver.observe.observables import observe
+from solver.problem.case_fields import value_of
+from studies import Study
+from studies.grammar.axes import Which, is_angle, quantity_of
+
+from ..words.branch_numbers import NONE
+
+LOST = "unstable here, stable where its branch begins"
+BEYOND = "failed: the followed branch"
+SAME = 1e-6  # of the numbers at both ends, in units of rho: below it two solutions are one
+_STRAIGHT = 1e-6  # rad
+_DENSE = 2001  # stations of the seed of a method that knows the rod at stations only
+
+
+def rule_of(which: Which | None) -> Choose:
+    """The rule by which a study takes the equilibrium of a case."""
+    return NEAREST if which is None or which.rule is None else which.rule
+
+
+def solve_one(case: Case, which: Which | None, tol: float, method: str, stations: Any) -> Solution:
+    """The solution of a case, or of several; where a study names an equilibrium, that one. Raises `InputError`."""
+    if which is not None and which.dbeta0 is not None and which.energy is not None:
+        every = equilibria(case, tol, stations)
+        if len(every):
+            found = nearest(every, which.dbeta0, which.energy).solution
+            return found if method in ("auto", found.method) else solve(case, tol, method, stations, seed=found)
+    return solve(case, tol=tol, method=method, stations=stations, choose=rule_of(which))
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """The equilibrium of one case, with stations at its two ends only.
+
+    branch: 0 for that of the first case, else 1 + the flat index of the case where it begins; `NONE` where the case is
+    not solved. stable: whether the branch is stable where it begins. remark: an addition to the outcome: where the
+    branch begins, or that it is not stable here.
+    """
+
+    solution: Solution
+    branch: int
+    stable: bool
+    remark: str = ""
+
+    @property
+    def solved(self) -> bool:
+        return self.branch != NONE
+
+
+def select(study: Study, case: Case) -> Solution:
+    """The equilibrium of a case that the study's rule takes, at two stations."""
+    return solve_one(case, study.equilibrium, study.tol, "auto", 2)
+
+
+def step(study: Study, case: Case, before: State, place: int, name: str, neighbour: float) -> State:
+    """The state of a case next to another one. Along a followed axis it continues from that one.
+
+    name: the axis between the two. neighbour: its value there.
+    """
+    at = tell(name, neighbour)
+    if name == study.followed:
+        return state_of(follow_to(before.solution, case, name, at), before.branch, before.stable)
+    taken = select(study, case)
+    if not before.solved:
+        return state_of(taken, 1 + place, remark=f"taken anew, as none was found at {at}")
+    if not taken.solved or continues(before.solution, taken):
+        return state_of(taken, before.branch, before.stable)
+    return state_of(taken, 1 + place, remark=f"another branch than at {at}")
+
+
+def continues(before: Solution, sol: Solution) -> bool:
+    """Whether the branch of a solution leads to another one, of a case that differs in its numbers."""
+    reached = solve(sol.case, tol=sol.tol, stations=2, seed=before)
+    if not reached.solved:
+        return False
+    rho, ends = float(sol.case.rho), []
+    for one in (reached, sol):
+        ends.append(np.concatenate([one.beta, one.dbeta * rho, one.alpha - one.alpha[0], (one.z - one.z[0]) / rho]))
+    return bool(np.abs(ends[0] - ends[1]).max() <= SAME * (1 + np.abs(ends[1]).max()))
+
+
+def follow_to(before: Solution, case: Case, field: str, neighbour: str) -> Solution:
+    """The solution of a case on the branch of another one, which differs in one field; or unsolved, with the reason.
+
+    field: its name in a study. neighbour: its value in the other case, in words.
+    """
+    if not before.solved:
+        said = str(before.outcome)
+        first = f"failed: no equilibrium at {neighbour}, from which the axis is followed"
+        return _nothing(before, case, said if said.startswith(BEYOND) else first)
+    name = quantity_of(field).name
+    value = value_of(case, name)
+    wanted: dict[str, Any] = {name: value}
+    try:
+        branch = follow(before, **wanted)
+    except InputError as error:
+        return _nothing(before, case, f"{BEYOND} stops at {neighbour}: {error}")
+    if (why := _end(branch, value)) is not None:
+        return _nothing(before, case, why)
+    found = solve(case, tol=before.tol, stations=2, seed=branch.points[-1].solution)
+    return found if found.solved else _nothing(before, case, f"{BEYOND} stops before this case: {found.outcome}")
+
+
+def _end(branch: Branch, value: float) -> str | None:
+    """Where and why a branch does not reach a value without turning back; None where it does."""
+    for one in branch.special:
+        if one.kind == FOLD:
+            return f"{BEYOND} ends in a fold at {tell(branch.field, one.value, 10)}"
+    if branch.values[-1] == value:
+        return None
+    far = branch.values[int(np.abs(branch.values - branch.values[0]).argmax())]
+    if branch.end.kind == BORDER:  # back at its own value, without a fold
+        where = f"a pitchfork at {tell(branch.field, float(far), 10)}"
+        turn = next((one for one in branch.special if one.value == far), None)
+        beta = np.full(2, np.nan) if turn is None else branch.points[turn.position].solution.beta
+        if np.ptp(beta) > _STRAIGHT or not abs(np.sin(beta[0])) < _STRAIGHT:
+            return f"{BEYOND} turns back in {where}"
+        return f"{BEYOND} ends where the rod becomes straight, in {where}"
+    if branch.end.kind == HELIX:
+        return f"{BEYOND} ends at {tell(branch.field, branch.end.value, 10)}: {branch.end.reason}"
+    return f"{BEYOND} stops at {tell(branch.field, branch.end.value, 10)}: {branch.end.reason}"
+
+
+def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str = "") -> State:
+    """A state that can be sent to another process. stable: of its branch where that begins; None: it begins here."""
+    light = replace(sol, trajectory=replace(sol.trajectory, swirl=_not_kept))
+    if not sol.solved:
+        return State(light, NONE, False)
+    here = float(sol.held_index if sol.held else observe(light, ["index"])["index"]) == 0
+    if stable and not here:
+        remark = LOST
+    if sol.selection is not None and not sol.selection.complete:
+        remark = f"{remark}; {INCOMPLETE}" if remark else INCOMPLETE
+    return State(light, branch, here if stable is None else stable, remark)
+
+
+def _not_kept() -> NDArray[np.float64]:
+    raise NotImplementedError("the state of a sweep keeps no shape")
+
+
+def tell(name: str, value: float, digits: int = 6) -> str:
+    """``FZ = -150``; angles in degrees."""
+    return f"{name} = {np.rad2deg(value):.{digits}g} deg" if is_angle(name) else f"{name} = {value:.{digits}g}"
+
+
+def show(study: Study, state: State, stations: Any = None) -> Solution:
+    """The solution of a state by the study's method, at the study's stations or at others: a number, or values of s."""
+    from solver.methods.automatic import AUTOMATIC
+
+    stations = study.stations if stations is None else stations
+    method = study.method if study.method != "auto" else AUTOMATIC["ends"]
+    if not state.solved:
+        return _without_shape(state.solution, _times(state.solution, stations))
+    if method == state.solution.method and state.solution.trajectory.orbit is not None:
+        return read(state.solution, stations)
+    return solve(state.solution.case, study.tol, method, stations, seed=read(state.solution, _DENSE))
+
+
+def between(study: Study, case: Case, near: Callable[[], State], stations: Any) -> Solution:
+    """A case between those of a sweep, at so many stations: by the study's rule, or on the branch that it follows.
+
+    near: makes the state of the nearest case of the sweep.
+    """
+    if study.followed is None:
+        return show(study, state_of(select(study, case), 0), stations)
+    state = near()
+    if state.solved:
+        state = state_of(solve(case, tol=study.tol, stations=2, seed=state.solution), state.branch, state.stable)
+    return show(study, state, stations)
+
+
+def read(sol: Solution, stations: Any) -> Solution:
+    """The same equilibrium at so many stations, or at these values of s, from its orbit."""
+    t, orbit = _times(sol, stations), sol.trajectory.orbit
+    return _with_shape(sol, t, orbit.at(t), partial(orbit.swirl, t))
+
+
+def _nothing(before: Solution, case: Case, outcome: str) -> Solution:
+    """A case without a solution, in the form of that of the case before it."""
+    held = None if before.trajectory.held_index is None else np.array([np.nan])
+    judged = {"solved": np.array([False]), "outcome": np.array([outcome], dtype=object), "held_index": held}
+    judged |= {name: np.array([np.inf]) for name in ("error", "condition")}
+    return _without_shape(replace(before, case=case), before.t, **judged)
+
+
+def _without_shape(sol: Solution, t: NDArray[np.float64], **judged: Any) -> Solution:
+    """A case that is not solved, with NaN at the stations t, (1, n)."""
+    nothing = np.full(t.shape, np.nan)
+    return _with_shape(sol, t, [nothing] * 4, partial(np.asarray, nothing), orbit=None, **judged)
+
+
+def _with_shape(sol: Solution, t: NDArray[np.float64], shape: Any, swirl: Callable[[], Any], **others: Any) -> Solution:
+    """A solution with other arrays: beta, dbeta, alpha and z at the stations t, (1, n). others: of its trajectory."""
+    arrays = dict(zip(("beta", "dbeta", "alpha", "z"), shape, strict=True))
+    others |= {"selection": None, "alternatives": None}  # a state has said what they tell
+    return replace(sol, trajectory=replace(sol.trajectory, **arrays, swirl=swirl, **others), t=t)
+
+
+def _times(sol: Solution, stations: Any) -> NDArray[np.float64]:
+    """Stations, a number or values of s, in units of rho, (1, n)."""
+    span = sol.problem.span[:, None]
+    if isinstance(stations, int):
+        return np.asarray(span * np.linspace(0, 1, stations))
+    return np.minimum(np.reshape(np.asarray(stations, dtype=float) / float(sol.case.rho), (1, -1)), span)
