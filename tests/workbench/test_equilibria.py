@@ -19,7 +19,8 @@ from tests.workbench.command import exit_status
 from workbench.branches import branch_dataset
 from workbench.branches.ends_study import ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.commands.equilibria import DEFAULT, parse_axis
+from workbench.commands.equilibria import DEFAULT
+from workbench.commands.option_checks import parse_axis
 from workbench.figures import bifurcation, canvas, equilibria_figure
 from workbench.store import in_memory, reading, writing
 from workbench.store.case_input import field_values

@@ -6,10 +6,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import xarray as xr
 
 pytest.importorskip("workbench.web.live.server", reason="the extra explore is not installed", exc_type=ImportError)
 
+from solver import equilibria
 from solver.problem.errors import InputError
 from studies import load
 from tests.workbench import small
@@ -98,6 +101,37 @@ def test_the_same_rod_in_other_units_has_the_same_sliders() -> None:
     assert set(spans["m"]) == {"dbeta", "M3", "F2", "F3"}
     for name, power in {"dbeta": -1, "M3": 1, "F2": 0, "F3": 0}.items():
         assert spans["mm"][name] == pytest.approx(spans["m"][name] * 1e3**power, rel=1e-12)
+
+
+def test_of_a_study_with_axes_one_case_is_shown_and_named(tmp_path) -> None:
+    """Of Fig. 7 (1) that nearest to Table 1; the study and its stored file give the same rod."""
+    stored = writing.write(in_memory.run(load("fig7_1_modulus")), tmp_path / "modulus.h5")
+    shown = [own_case.preset(file, {}, {}) for file in (Path("fig7_1_modulus"), stored)]
+    assert [one.state for one in shown if one] == [shown[0].state] * 2
+    assert "From fig7_1_modulus, the case at E = 10905.1, one of 9." in shown[0].source
+    assert "From modulus.h5, the case at E = 10905.1, one of 9." in shown[1].source
+    drawn = page_model.study_of(shown[0].state).case()
+    assert float(drawn.rod.E) == pytest.approx(10905.1, abs=0.1)
+
+
+def test_of_a_list_of_equilibria_the_lowest_is_shown_and_named(tmp_path) -> None:
+    study = load("fig7_4_end_angle")
+    case = with_fields(ends_problem(study), {"L": 8.0})
+    found = equilibria(case)
+    stored = writing.write(equilibria_dataset.dataset_of(study, case, found), tmp_path / "all.h5")
+    own = own_case.preset(stored, {}, {})
+    assert own is not None
+    assert f"the equilibrium of the lowest energy, one of {len(found)}" in own.source
+    drawn = page_shape.shape(page_model.study_of(own.state))
+    assert float(drawn.sol.case.rod.L) == 8.0
+    assert float(drawn.sol.dbeta[0]) == pytest.approx(found[0].dbeta0, rel=1e-6)
+
+
+def test_a_file_that_holds_no_rods_is_refused_with_what_reads_it(tmp_path) -> None:
+    made = xr.Dataset({"seconds": (("ladder", "rung"), np.ones((1, 1)))}).assign_attrs(study_name="trade")
+    stored = writing.write(made, tmp_path / "trade.h5")
+    with pytest.raises(InputError, match="is a trade of methods, which summary and plot read; explore opens studies"):
+        own_case.preset(stored, {}, {})
 
 
 def test_nothing_given_begins_with_table_1() -> None:

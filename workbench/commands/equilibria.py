@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .case_options import ENDS_FIELDS, HELD, Given, takes_case
+from .option_checks import parse_axis, parse_choose, ranges
 from .options import Choose, Json, NoTitle, Style, Width, argument, flag, option
-from .ranges import ENDS_NUMBERS, read_range
-from .solve import parse_choose
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
 
 DEFAULT = "fig7_4_end_angle"
 OPTIONS_STUDY = "equilibria"  # the name of a study made of options
-MAX_COUNT = 401  # values of an axis
 HEADS = {"turns": "bends", "stray": "overshoot"}  # of columns that are not named as in files
 COLUMNS = ("dbeta0", "energy", "bending_energy", "turns", "index", "stray", "attached")
 
@@ -156,7 +154,7 @@ def _search(
         raise InputError(
             f"--{next(iter(said))} belongs to the search of held ends, so it excludes dead loads and --axis"
         )
-    return said | ({"within": parse_within(within)} if within else {})
+    return said | ({"within": ranges("--within", within, "FZ=-50:10")} if within else {})
 
 
 def study_and_case(file: Path | None, given: Given, held: bool = False) -> "tuple[Study, Case]":
@@ -288,24 +286,6 @@ def _energy_in_words(rows: Sequence[dict[str, Any]], held: Sequence[str], unit: 
     part = f"twist energy{number if same else ''}"
     loads = "the given loads and end moments" if held else "FZ, MZ and M3"
     return f"{'held ' if held else ''}energy = bending energy + {part} - work of {loads}"
-
-
-def parse_within(said: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """``FZ=-50:10`` as a reaction with its range, angles in rad. Raises `InputError`."""
-    read = [read_range("--within", text, form="LOW:HIGH", example="FZ=-50:10") for text in said]
-    return {name: (low, high) for name, low, high, _ in read}
-
-
-def parse_axis(text: str) -> "tuple[str, np.ndarray]":
-    """``betaL=-90deg:60deg:41`` as a field and its values, rising, angles in rad. Raises `InputError`."""
-    import numpy as np
-
-    from solver import InputError
-
-    name, first, last, count = read_range("--axis", text, (*ENDS_NUMBERS, *HELD), "FROM:TO:COUNT")
-    if not 2 <= count <= MAX_COUNT or first == last or not np.isfinite([first, last]).all():
-        raise InputError(f"--axis needs two different finite ends and a count from 2 to {MAX_COUNT}, got {text!r}")
-    return name, np.linspace(min(first, last), max(first, last), count)
 
 
 def _over_axis(

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from . import console
 from .case_options import Given, takes_case
-from .options import CaseFile, option
+from .options import argument, option
 
 MISSING = "the server of the live page needs aiohttp ({why}): pip install 'rod-workbench[explore]'"
 THIS_MACHINE = ("127.0.0.1", "localhost", "::1")
@@ -18,7 +18,9 @@ EVERYWHERE = ("0.0.0.0", "::", "")
 
 @takes_case()
 def explore(
-    file: CaseFile = None,
+    file: Annotated[
+        Path | None, argument("FILE|STUDY", "Study, by name or TOML file, or stored file; options replace its fields.")
+    ] = None,
     host: Annotated[str, option("ADDRESS", "Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, option("PORT", "Port to listen on; 0 takes a free one.", min=0, max=65535)] = 8765,
     name: Annotated[
@@ -32,8 +34,9 @@ def explore(
 ) -> int:
     """Serve the live page: sliders for a rod, in the browser.
 
-    The page shows the shape, forces and equilibria of a rod while its sliders move. It begins with Table 1, or with
-    the rod of a file or of options, as for the command solve. Only this machine can open the page unless --host says
+    The page shows the shape, forces and equilibria of a rod while its sliders move. It begins with Table 1, with the
+    rod of options, as for the command solve, or with any study or stored file: of several cases it shows one, and says
+    which. Only this machine can open the page unless --host says
     otherwise. Ctrl-C ends the command.
     """
     from solver.problem.errors import InputError
@@ -43,6 +46,8 @@ def explore(
 
     if save is not None:
         own = own_case.preset(file, given.values, given.units)
+        if own is not None:
+            console.say(own.source)
         return _save(save, PRESETS if own is None else (own, *PRESETS))
 
     try:
@@ -59,6 +64,8 @@ def explore(
     presets = PRESETS if own is None else (own, *PRESETS)
     app = server.application(host_names(host, port, names), presets, console.warn)
     console.say(f"the live page is at http://{_bracket(host)}:{port}/ (Ctrl-C ends it)")
+    if own is not None:
+        console.say(own.source)
     sys.stdout.flush()
     if host not in THIS_MACHINE:
         console.warn(f"everyone who can reach {host} can use the page; it has no password")

@@ -88,22 +88,22 @@ def fit(
     from solver import fit as fitted
 
     from ..figures import canvas
-    from ..fitting import fit_dataset, fit_input, fit_output
+    from ..fitting import fit_dataset, fit_files
     from . import option_checks
 
     sheet = option_checks.page(plot, style, width, no_title)
     for path, suffixes in ((out, OUT), (plot, canvas.DIAGRAMS)):
         if path is not None:
             option_checks.check(path, suffixes, force)
-    targets = fit_input.numbers("--target", target or [])
-    read, sigmas = fit_input.read_points(points) if points is not None else (None, {})
-    asked, taken = _case(file, at or [], given, table1, reading)
+    targets = option_checks.numbers("--target", target or [])
+    read, sigmas = fit_files.read_points(points) if points is not None else (None, {})
+    asked = _case(file, at or [], given, table1, reading)
     found = fitted(
         asked.case,
-        _vary(vary or [], fit_input.bounds(bounds or [])),
+        _vary(vary, option_checks.ranges("--bounds", bounds or [])),
         targets,
         read,
-        sigma={**sigmas, **fit_input.numbers("--sigma", sigma or [])},
+        sigma={**sigmas, **option_checks.numbers("--sigma", sigma or [])},
         wrapped=wrapped,
         starts=starts,
         seed=seed,
@@ -114,48 +114,51 @@ def fit(
     if json:
         from .fit_report import as_data
 
-        console.print_json(as_data(found, asked, taken))
+        console.print_json(as_data(found, asked))
     else:
         from .fit_report import say
 
-        say(found, asked, taken)
+        say(found, asked)
     if found.solution is not None:
         if out is not None:
-            fit_output.write(found, asked, out)
+            fit_files.write(found, asked, out)
         if plot is not None:
             _draw(fit_dataset.dataset_of(found, asked.units, read, wrapped), plot, sheet, dpi)
     return 0 if found.solved else 1
 
 
-def _case(
-    file: Path | None, at: list[str], given: Given, table1: bool, reading: str | None
-) -> "tuple[CaseInput, dict[str, float]]":
-    """The case, and where on the axes of a study it was taken."""
+def _case(file: Path | None, at: list[str], given: Given, table1: bool, reading: str | None) -> "CaseInput":
+    """The case, of a study at a place of its axes."""
     from solver import InputError
     from studies import load
 
-    from ..fitting import fit_input
     from ..store.case_input import read_case
-    from . import option_checks
+    from ..store.one_case import case_at, outline
+    from .option_checks import axis_values
 
     if file is None:
         if at:
             raise InputError(f"--at {at[0]} names an axis of a study, and no study is given")
-        return read_case(None, given.values, given.units, table1, reading), {}
+        return read_case(None, given.values, given.units, table1, reading)
     if table1:
         raise InputError(f"{file.name} and --table1 exclude each other: each describes a whole rod")
     if given.units:
         raise InputError(f"{file.name} states its own units: change them in the file")
     study = load(str(file)).under(reading)
-    ds = fit_input.places(study)
-    return fit_input.case_at(study, ds, option_checks.axis_values(ds, at), given.values)
+    if study.follow is not None:
+        raise InputError(
+            f"{study.name} follows one equilibrium along {study.followed}: fit takes a study of single cases"
+        )
+    return case_at(study, axis_values(outline(study), at), given.values)
 
 
-def _vary(texts: list[str], bounds: dict[str, tuple[float, float]]) -> "dict[str, tuple[float, float] | None]":
+def _vary(texts: list[str] | None, bounds: dict[str, tuple[float, float]]) -> "dict[str, tuple[float, float] | None]":
     """Field -> bounds or None. Raises `InputError` where no field is named, or one is bounded that is not varied."""
     from solver import InputError
 
-    names = [name.strip() for text in texts for name in text.split(",") if name.strip()]
+    from .option_checks import names as read_names
+
+    names = read_names(texts)
     if not names:
         raise InputError("fit needs --vary NAMES, the fields that are fitted, such as --vary E,M3")
     if twice := [name for name in names if names.count(name) > 1]:
@@ -168,14 +171,14 @@ def _vary(texts: list[str], bounds: dict[str, tuple[float, float]]) -> "dict[str
 
 def _rule(asked: "CaseInput", choose: str | None) -> Any:
     """Which equilibrium of an ends problem the search begins with."""
-    from solver import Ends, InputError
+    from solver import InputError
     from solver.choose.selection import NEAREST
 
-    from .solve import parse_choose
+    from .option_checks import parse_choose
 
-    if choose is not None and not isinstance(asked.case.given, Ends):
-        raise InputError("--choose selects among the equilibria of an ends problem; a start problem has one solution")
-    which = parse_choose(choose) if choose is not None else asked.study.equilibrium if asked.study else None
+    which = asked.study.equilibrium if asked.study else None
+    if choose is not None:
+        which = parse_choose(choose, asked.case.given)
     if which is None:
         return NEAREST
     if which.rule is None:

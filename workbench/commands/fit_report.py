@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from studies.grammar.axes import is_angle
+
 from ..fitting.fit_dataset import UNDETERMINED
-from ..fitting.fit_input import is_angle
 from . import console
 
 if TYPE_CHECKING:
@@ -17,9 +18,9 @@ if TYPE_CHECKING:
 UNITLESS = ("1", "")
 
 
-def say(found: "Fit", asked: "CaseInput", taken: dict[str, float]) -> None:
+def say(found: "Fit", asked: "CaseInput") -> None:
     """Print a fit for people; angles in degrees."""
-    where = ", ".join(f"{name} = {_text(name, value)}" for name, value in taken.items())
+    where = ", ".join(f"{name} = {_text(name, value)}" for name, value in asked.place.items())
     console.say(f"rod: {asked.source}{f', at {where}' if where else ''}")
     console.say_units(asked.units, asked.assumed)
     if asked.assumed:
@@ -38,13 +39,14 @@ def say(found: "Fit", asked: "CaseInput", taken: dict[str, float]) -> None:
     console.say(f"{found.outcome} ({found.solves} solutions, {found.derivatives} with derivatives{count})")
 
 
-def as_data(found: "Fit", asked: "CaseInput", taken: dict[str, float]) -> dict[str, Any]:
+def as_data(found: "Fit", asked: "CaseInput") -> dict[str, Any]:
     """A fit as plain data for --json; angles in rad."""
     from ..store.case_input import field_values
 
     groups = list(dict.fromkeys(found.groups))
     return {
-        "source": asked.source, "at": taken, "assumed": asked.assumed, "units": asked.units, "outcome": found.outcome,
+        "source": asked.source, "at": asked.place, "assumed": asked.assumed, "units": asked.units,
+        "outcome": found.outcome,
         "values": found.values, "intervals": {name: list(ends) for name, ends in found.intervals.items()},
         "rule": found.rule, "covariance": found.covariance.tolist(), "correlation": found.correlation.tolist(),
         "condition": found.condition, "directions": found.directions,

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from . import console
 from .case_options import ENDS_FIELDS, HELD, Given, takes_case
 from .equilibria import study_and_case
+from .option_checks import ENDS_NUMBERS, read_range
 from .options import ForceOutput, Json, argument, flag, number_option, option
-from .ranges import ENDS_NUMBERS, read_range
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -155,9 +155,10 @@ def _kind(ds: "xr.Dataset", kind: str | None, options: dict[str, Any]) -> tuple[
 def _figure(ds: "xr.Dataset", kind: str, given: dict[str, Any], page: "Sheet") -> "Figure":
     """The figure of that kind."""
     from ..figures import kinds, thumbnails
+    from . import option_checks
 
     if "show" in given:
-        given["show"] = [name.strip() for text in given["show"] for name in text.split(",")]
+        given["show"] = option_checks.names(given["show"])
     if "shapes" in given:
         given["shapes"] = thumbnails.read(given["shapes"])
     if kind == "map" and page.panel:

@@ -52,6 +52,7 @@ def scene_file(
     from ..scene import opengl, scene_kinds
     from ..scene.settings import check, check_name
     from ..store import schema, selection
+    from ..store.one_case import is_study
     from . import option_checks, scene_page, study_scene
 
     if out is not None and scene_page.is_page(out):
@@ -61,7 +62,7 @@ def scene_file(
     asked = (look or Look()).settings(pixel_error, dpi)
     check(asked)
     study = None
-    if study_scene.is_study(file):
+    if is_study(file):
         study, ds = study_scene.two_stations(file)
         file = Path(f"{study.name}.h5")
     else:

@@ -28,6 +28,7 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
 
     from ..scene.scene_kinds import kind_of
     from ..store import atomic, in_memory
+    from ..store.one_case import is_study
     from ..web.turntable import turntable_page
     from . import option_checks, study_scene
 
@@ -38,7 +39,7 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
         )
     path = option_checks.check(out, (SUFFIX,), force)
     solve: study_scene.Solve | None
-    if study_scene.is_study(file):
+    if is_study(file):
         study, ds = study_scene.two_stations(file)
         where = option_checks.axis_values(ds, at)
         needed = study_scene.needed_cases(study, ds, kind_of(KIND), where, _free(ds, where))

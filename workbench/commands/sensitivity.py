@@ -1,6 +1,5 @@
 """The command sensitivity: what the observables of a case, or of a sampled study, depend on."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -62,9 +61,9 @@ def sensitivity(
     if confidence is not None and not whole:
         raise InputError("--confidence is an option of --global: derivatives are exact and have no interval")
     if whole:
-        table, said = _indices(study, at or [], _names(show), confidence)
+        table, said = _indices(study, at or [], option_checks.names(show), confidence)
     else:
-        table, said = _local(study, at or [], _names(fields), _names(show))
+        table, said = _local(study, at or [], option_checks.names(fields) or None, option_checks.names(show) or None)
     _print(table, said, json)
     if out is not None:
         tables.write(table, out)
@@ -79,10 +78,6 @@ def sensitivity(
     return 0
 
 
-def _names(texts: Sequence[str] | None) -> list[str] | None:
-    return [name.strip() for text in texts for name in text.split(",")] if texts else None
-
-
 def _local(
     file: Path, at: list[str], fields: list[str] | None, show: list[str] | None
 ) -> "tuple[xr.Dataset, list[str]]":
@@ -90,16 +85,15 @@ def _local(
     from solver.observe.observables import is_count
     from studies import load
 
-    from ..influence import derivatives, one_case
-    from ..store import in_memory, reading, schema, stored_case
+    from ..influence import derivatives
+    from ..store import in_memory, one_case, reading, schema, stored_case
     from . import option_checks
-    from .study_scene import is_study
 
     real = None if show is None else [name for name in show if not is_count(name)]
     left_out = derivatives.counts_left_out(show or [])
     if show and not real:
         real = show  # refused with the choices
-    if is_study(file):
+    if one_case.is_study(file):
         study = load(file)
         follows = study.follow is not None
         ds = in_memory.run(study) if follows else one_case.outline(study)
@@ -115,18 +109,15 @@ def _local(
     return table, [*derivatives.sentences(table), *([left_out] if left_out else [])]
 
 
-def _indices(
-    file: Path, at: list[str], show: list[str] | None, confidence: float | None
-) -> "tuple[xr.Dataset, list[str]]":
+def _indices(file: Path, at: list[str], show: list[str], confidence: float | None) -> "tuple[xr.Dataset, list[str]]":
     """The indices of a stored study, and the sentences on them."""
     from solver.problem.errors import InputError
 
     from ..influence import indices
-    from ..store import reading
+    from ..store import one_case, reading
     from . import option_checks
-    from .study_scene import is_study
 
-    if is_study(file):
+    if one_case.is_study(file):
         raise InputError(f"--global needs a stored study: workbench run {file} stores one")
     ds = reading.read(file)
     share = indices.CONFIDENCE if confidence is None else confidence

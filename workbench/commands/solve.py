@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 from . import console
 from .case_options import Given, takes_case
 from .case_report import print_case
+from .option_checks import parse_choose
 from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Tol, flag
 
 if TYPE_CHECKING:
     from solver import Solution
-    from studies.grammar.axes import Which
 
     from ..store.fidelity import Fidelity as Level
 
@@ -49,7 +49,6 @@ def solve(
 
     Angles: a number in rad, or a form like 30deg or pi/6. Exit status 1 if the case is unsolved.
     """
-    from solver import Ends, InputError
 
     from ..store.case_input import read_case
     from ..store.case_solutions import solve_one
@@ -65,11 +64,7 @@ def solve(
         method = asked.study.method if method is None else method
     tol = chosen.tol if tol is None else tol
     if choose is not None:
-        which = parse_choose(choose)
-        if not isinstance(asked.case.given, Ends):
-            raise InputError(
-                "--choose selects among the equilibria of an ends problem; a start problem has one solution"
-            )
+        which = parse_choose(choose, asked.case.given)
     sol = solve_one(asked.case, which, tol, "auto" if method is None else method, chosen.stations or stations)
     whole = every or json or not asked.case.varies
     rows = pipe_numbers.profile(sol, asked.units)
@@ -101,19 +96,6 @@ def _which(sol: "Solution", wound: bool) -> str:
     index = int(observe(sol, ["index"])["index"])
     ways = f"unstable in {index} way{'s' * (index != 1)} under dead loads: it needs more tension, or a guide"
     return f"shown: the helix of this tension and lay, {ways if index else 'which is stable'}"
-
-
-def parse_choose(text: str) -> "Which":
-    """``nearest``, ``lowest`` or a Morse index as the [equilibrium] table of a study. Raises `InputError`."""
-    from solver import InputError
-    from solver.choose.selection import check
-    from studies.grammar.axes import Which
-
-    try:
-        rule = check(int(text) if text.isdecimal() else text)
-    except InputError:
-        raise InputError(f"--choose must be nearest, lowest or a Morse index (0, 1, 2, ...), got {text!r}") from None
-    return Which(index=rule) if isinstance(rule, int) else Which.model_validate({"choose": rule})
 
 
 def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -> dict[str, Any]:

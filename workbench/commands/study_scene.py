@@ -45,11 +45,6 @@ def read_dataset(file: Path) -> xr.Dataset:
     return reading.read(file, study=kind is file_kinds.STUDY)
 
 
-def is_study(file: Path) -> bool:
-    """Whether the path means a study, by its name or its TOML file, and not a stored dataset."""
-    return file.suffix == ".toml" or not (file.exists() or file.is_symlink() or file.suffix)
-
-
 def two_stations(file: Path) -> tuple[Study, xr.Dataset]:
     """The study, and its dataset at two stations a case, from which the cases that are drawn are chosen.
 

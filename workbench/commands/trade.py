@@ -32,8 +32,9 @@ def trade(
     from ..compare import trade_runs as comparison
     from ..compare.trade_cases import choose
     from ..store import writing
+    from .option_checks import names
 
-    named, ladders = choose(_names(cases)), comparison.ladders_of(_names(methods))
+    named, ladders = choose(names(cases)), comparison.ladders_of(names(methods))
     writing.check_folder(out)
     writing.check_free(out / "trade.h5", "trade")
     rows: list[Row] = []
@@ -97,8 +98,3 @@ def _advice(row: Mapping[str, Any]) -> str:
     if row["method"] is None:
         return f"{wanted} no method reaches it."
     return f"{wanted} {row['method']} ({row['reached']} of {row['cases']} cases, median {1e3 * row['seconds']:.2g} ms)."
-
-
-def _names(texts: Sequence[str] | None) -> list[str]:
-    """The names in the values of a repeated option, each with one or more names separated by commas."""
-    return [name.strip() for text in texts or () for name in text.split(",") if name.strip()]

@@ -37,6 +37,8 @@ class CaseInput:
         The study of the file; None for a case of Table 1 or of fields alone.
     which
         Which equilibrium is meant: that of the study, or the helix of a rod that is wound.
+    place
+        Field -> value, where on the axes of the study the case was taken.
     """
 
     case: Case
@@ -45,6 +47,7 @@ class CaseInput:
     assumed: dict[str, Any] = field(default_factory=dict)
     study: Study | None = None
     which: Which | None = None
+    place: dict[str, float] = field(default_factory=dict)
 
 
 def read_case(

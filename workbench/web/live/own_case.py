@@ -8,6 +8,7 @@ from studies.grammar.axes import quantity_of
 from studies.language.readings import TABLE_1
 
 from ...store.case_input import CaseInput, field_values, read_case
+from ...store.one_case import open_case
 from .page_shape import check_shown
 from .presets import Preset
 
@@ -17,16 +18,21 @@ WITH_WEIGHT = {"inclination": 0.0, "friction": 0.0, "sliding": "forward"}  # hav
 
 
 def preset(file: Path | None, options: dict[str, Any], units: dict[str, str]) -> Preset | None:
-    """The preset of a file or options, read as `workbench solve` reads them; None where none is given.
+    """The preset of a study, a stored file or options; None where none is given.
 
-    file: a TOML study without axes. options: fields of the case, name -> value, which change it or, without a file, say
-    all of it. units: of length and force, for a rod of options alone. Raises `InputError`.
+    file: any study by its file or name, or any stored file that holds rods; of several cases one is taken, and `source`
+    says which. options: fields of the case, name -> value, which change it or, without a file, say all of it. units: of
+    length and force, for a rod of options alone. Raises `InputError`.
     """
     if file is None and not options and not units:
         return None
-    rod = read_case(file, options, units)
+    if file is None or units:  # which a file excludes
+        rod = read_case(file, options, units)
+    else:
+        rod = open_case(file, options)
     check_shown(rod.case)
-    title = rod.study.title if rod.study is not None else "A rod of the command line's options"
+    named = "A rod of the command line's options" if file is None else file.name
+    title = named if rod.study is None else rod.study.title
     assumed = ", ".join(f"{name} = {value}" for name, value in rod.assumed.items())
     source = f"From {rod.source}.{f' Assumed: {assumed}.' if assumed else ''} {_units(rod)}."
     return Preset(NAME, title, source, _state(rod, title, not options), _spans(rod.case))
@@ -41,7 +47,8 @@ def _state(rod: CaseInput, title: str, as_printed: bool) -> dict[str, Any]:
     state: dict[str, Any] = {"title": title, "units": rod.units}
     study = rod.study
     if study is not None and study.reading is not None and as_printed:
-        return state | {"reading": study.reading, "base": {**TABLE_1, "side": "outside", **study.base.given}}
+        printed = {**TABLE_1, "side": "outside", **study.base.given, **rod.place}
+        return state | {"reading": study.reading, "base": printed}
     if rod.which is not None:
         state["equilibrium"] = rod.which.model_dump(exclude_none=True)
     return state | {"base": _fields(rod.case)}

@@ -1,17 +1,37 @@
-"""The files that a fit writes: the fitted case as a study, the fitted values as a table."""
+"""The files of a fit: measured points that it reads, the fitted case as a study, the fitted values as a table."""
 
 import csv
 import io
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from solver import Ends, observe
+from solver.inverse.data import COLUMNS
 from solver.inverse.fit_result import Fit
+from solver.problem.errors import InputError
+from studies.language import tables
 
 from ..branches.ends_study import study_text
 from ..store import atomic, schema
 from ..store.case_input import CaseInput, field_values
+
+POINT_COLUMNS = ("s", *COLUMNS, *(f"sigma_{name}" for name in COLUMNS))
+
+
+def read_points(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The columns of measured points in a CSV or Parquet file, and their standard deviations, angles in rad.
+
+    Raises `InputError` with the line and the column.
+    """
+    found = tables.read(path, known=POINT_COLUMNS, of="column of measured points", row="point")
+    points = {name: values for name, values in found.items() if not name.startswith("sigma_")}
+    sigma = {name.removeprefix("sigma_"): values for name, values in found.items() if name.startswith("sigma_")}
+    for name in sigma:
+        if name not in points:
+            raise InputError(f"{path.name} has the column sigma_{name} and no column {name}")
+    return points, sigma
 
 
 def study(found: Fit, asked: CaseInput) -> str:
