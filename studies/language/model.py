@@ -18,7 +18,7 @@ from solver.problem.shown import make
 from ..grammar import axes as parts
 from ..grammar.axes import CYLINDER, ROD, Axis, Misplaced
 from ..grammar.dimensions import SAMPLE, Dimension, Dimensions
-from . import expressions, followed_axis, paired, refine
+from . import expressions, paired, refine
 from .readings import TABLE_1, TABLE_UNITS, Reading, parse
 from .samples import Distribution
 from .study_data import OUTPUTS, StudyData
@@ -108,7 +108,7 @@ class Study(StudyData):
     @model_validator(mode="after")
     def _axes_fit(self) -> "Study":
         numeric = [name for name in self.fields if name not in parts.WORDS]
-        followed_axis.check(self)
+        paired.check_followed(self)
         for name, axis in self.axes.items():
             if name in self.base.given and axis is not self.follow:
                 raise Misplaced(f"{name} is given in base and as an axis: remove one of them", "axes", name)

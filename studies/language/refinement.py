@@ -12,8 +12,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from .lattice import Lattice, Places, Values
-from .watched_lines import Lines
+from .lattice import Lattice, Lines, Places, Values
 
 TOLERANCE, BUDGET = "tolerance", "budget"  # what ends a refinement
 

@@ -10,9 +10,8 @@ from solver.problem.errors import InputError, choices, no_such
 
 from ..grammar.axes import Line, Misplaced, in_rad, is_angle
 from ..grammar.formulas import Formula, parse
-from .law_kinds import FORMULAS, KINDS, MONOTONE, Kind
+from .law_kinds import FORMULAS, KINDS, MONOTONE, Kind, NumberLine
 from .line_verdicts import DIRECTIONS, HOLDS, QUALIFIED, TREND, Verdict, as_good, judge
-from .number_verdicts import NumberLine
 
 
 def _known(direction: str) -> str:

@@ -1,6 +1,6 @@
 """Verdicts on laws: does an observable do along an axis what a sentence claims?
 
-`line_verdicts.judge` judges the direction on each line of the grid, `number_verdicts` compares the line with numbers;
+`line_verdicts.judge` judges the direction on each line of the grid, `law_kinds` compares the line with numbers;
 `decide` makes the verdict on the law: that of the worst line, or of the line nearest to its `at`. A law that does not
 fail is *qualified* if the numbers support only part of the sentence:
 
@@ -18,10 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from solver.problem.errors import InputError, choices, no_such
 
-from ..grammar.formula_units import evaluate
+from ..grammar.formulas import evaluate
 from . import verdict_words
 from .law import Law
-from .law_kinds import MONOTONE, STEPS
+from .law_kinds import MONOTONE, STEPS, NumberLine
 from .line_verdicts import (
     DIRECTIONS,
     FAILS,
@@ -36,7 +36,6 @@ from .line_verdicts import (
     judge,
     worst,
 )
-from .number_verdicts import NumberLine
 from .verdict_words import ON_OBSERVABLE
 
 __all__ = [

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from solver import InputError
-from studies.grammar.formula_units import PLAIN, dimension, evaluate
-from studies.grammar.formulas import FUNCTIONS, MOST_TEXT, parse
+from studies.grammar.formulas import FUNCTIONS, MOST_TEXT, evaluate, parse
+from studies.grammar.units import PLAIN, dimension
 
 UNITS = {"length": "cm", "force": "N"}
 LENGTH, FORCE = (Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))

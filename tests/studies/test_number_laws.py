@@ -9,7 +9,7 @@ from scipy.stats import linregress, t
 
 from studies.language.loader import loads
 from studies.laws.law import Law
-from studies.laws.number_verdicts import fit_power, passes
+from studies.laws.law_kinds import fit_power, passes
 from studies.laws.verdicts import FAILS, HOLDS, UNDECIDED, decide, refusal
 
 X = np.array([1.0, 2.0, 3.0, 4.0])

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from solver import InputError
-from studies.language.lattice import Lattice
+from studies.language.lattice import Lattice, Lines
 from studies.language.loader import loads
 from studies.language.refine import lattice, refinement
 from studies.language.refinement import BUDGET, TOLERANCE, Refinement, refinement_of
-from studies.language.watched_lines import Lines
 from studies.language.writer import dumps
 
 HEAD = 'title = "r"\nreading = "force-first/tension/paper"\n'

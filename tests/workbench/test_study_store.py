@@ -18,7 +18,7 @@ from studies.language.loader import loads
 from studies.language.study_data import OUTPUTS
 from tests.slow import slow, slow_but
 from tests.workbench import runs
-from workbench.store import assembly, block, grid_io, in_memory, recipe, schema, shards, study_store
+from workbench.store import assembly, block, case_solutions, grid_io, in_memory, recipe, schema, shards, study_store
 from workbench.store.study_store import Options, run_to_file
 from workbench.words import outcomes
 
@@ -116,7 +116,7 @@ class Watched:
 def test_nothing_is_computed_along_the_rod_but_the_outputs(outputs, computed, monkeypatch) -> None:
     study = load("fig7_1_modulus").model_copy(update={"outputs": outputs, "observables": [], "laws": []})
     read: set[str] = set()
-    monkeypatch.setattr(block, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
+    monkeypatch.setattr(case_solutions, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
     ds = in_memory.run(study)
     assert read & set(OUTPUTS) == computed
     assert {schema.CURVES[str(name)] for name in ds.data_vars if name in schema.CURVES} == computed

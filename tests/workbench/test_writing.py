@@ -164,10 +164,10 @@ def test_a_result_replaces_one_of_the_same_study_and_nothing_else(ds, tmp_path) 
 
 def test_whoever_reads_the_old_file_while_it_is_replaced_reads_it_whole(ds, tmp_path) -> None:
     path = writing.write(ds, tmp_path / "small.h5")
-    with path.open("rb") as reading:
+    with path.open("rb") as old:
         before = path.read_bytes()
         writing.write(ds.assign_attrs(title="new"), path)
-        assert reading.read() == before
+        assert old.read() == before
     assert reading.read(path).attrs["title"] == "new"
 
 
@@ -190,7 +190,7 @@ def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monk
 def test_a_full_disk_is_one_sentence_where_hdf5_would_end_the_process(ds, tmp_path, room) -> None:
     path = writing.write(ds, tmp_path / "small.h5")
     limited = (
-        "import resource, sys\nfrom workbench.store import reading\nds = reading.read(sys.argv[1])\n"
+        "import resource, sys\nfrom workbench.store import reading, writing\nds = reading.read(sys.argv[1])\n"
         "size = resource.RLIMIT_FSIZE\nhard = resource.getrlimit(size)[1]\n"
         f"resource.setrlimit(size, ({room}, hard))\n"
         "try:\n    writing.write(ds, sys.argv[2])\nexcept ValueError as error:\n    said = error\n"

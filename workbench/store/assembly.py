@@ -1,19 +1,24 @@
-"""Assemble the shards into the output file, window by window, so that memory stays small."""
+"""Cases of several sources assembled into one file, window by window, so that memory stays small, and judged."""
 
+import json
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
-from ..words import branch_numbers
-from . import atomic, concatenation, dataset, netcdf, refined, schema, shards, writing
+from ..words import branch_numbers, cautions
+from . import atomic, checksums, concatenation, dataset, netcdf, refined, schema, shards, writing
 from .plan import Plan, bytes_a_case, bytes_of_file, first_of
 from .schema import Columns
 from .shards import Shards
 from .stored_run import StoredRun, places
 from .tally import Tally
+from .tally import statistics as statistics_of
 
 
 def assemble(plan: Plan, parts: Shards, output: Path, there: StoredRun | None, tally: Tally) -> dict[str, Any]:
@@ -38,13 +43,35 @@ def assemble(plan: Plan, parts: Shards, output: Path, there: StoredRun | None, t
                 sources = [source, *sources] if plan.todo else [source]
             gathered = concatenation.gather(sources, plan.shape, bytes_a_case(plan.study))
             windows = ((start, _final(columns, tally)) for start, columns in gathered)
-            statistics = writing.store_cases(
+            statistics = store_cases(
                 frame, aside, bytes_of_file(plan), variables, plan.shape, windows, plan.recipe, tally
             )
         atomic.move(aside, output)
         return statistics
     finally:
         aside.unlink(missing_ok=True)
+
+
+def store_cases(
+    frame: xr.Dataset, path: Path, size: int, variables: Sequence[writing.CaseVariable], shape: tuple[int, ...],
+    windows: Iterable[tuple[int, Columns]], recipe: Mapping[str, Any] | None, tally: Tally | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Write a study to a new file, and judge it; its statistics.
+
+    frame, size: as of `writing.append_to`. variables, shape, windows: as of `writing.write_cases`. recipe: stored
+    beside the statistics, from which a later run knows what the file holds; None: neither is stored. tally: of all
+    cases, where it is known. Raises `OSError`.
+    """
+    with writing.append_to(frame, path, size) as file:
+        writing.write_cases(file, variables, shape, windows)
+    with netcdf.open_file(path) as ds:
+        statistics = statistics_of(ds, tally)
+    with h5py.File(path, "a") as file:
+        file.attrs["caution"] = cautions.tell(statistics["cautions"])
+        if recipe is not None:
+            file.attrs["recipe"], file.attrs["statistics"] = json.dumps(recipe), json.dumps(statistics)
+        checksums.store(file)
+    return statistics
 
 
 def _final(columns: Columns, tally: Tally) -> Columns:

@@ -20,6 +20,7 @@ from studies.language.writer import axis_table, dumps, dumps_paired, dumps_table
 
 from ..words import cautions
 from . import (
+    assembly,
     atomic,
     concatenation,
     reading,
@@ -67,7 +68,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         windows = concatenation.gather(sources, shape, size, union, axes.index(union.axis))
         with atomic.refusing(out), atomic.replacement(out) as aside:
             frame = frame.assign_attrs(attrs)
-            statistics = writing.store_cases(frame, aside, most, variables, shape, windows, recipe)
+            statistics = assembly.store_cases(frame, aside, most, variables, shape, windows, recipe)
     unsolved, laws, caution = statistics["unsolved"], statistics["laws"], cautions.tell(statistics["cautions"])
     counts = {"cases": prod(shape), "unsolved": unsolved, "laws": laws, "caution": caution}
     return {"file": str(out), "axis": union.axis, "values": int(union.values.size), **counts}

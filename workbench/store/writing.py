@@ -1,6 +1,5 @@
 """Datasets written to HDF5 (netCDF4-compatible) by an atomic replacement."""
 
-import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -15,10 +14,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from ..words import cautions
 from . import atomic, checksums, file_checks, grid_io, netcdf, schema
-from . import tally as tallies
-from .tally import Tally
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
@@ -82,28 +78,6 @@ def write_cases(
                 created[variable.name] = _create(file, variable, shape + values.shape[1:], values.dtype)
             values = values.astype({"U": object, "b": np.int8}.get(values.dtype.kind, values.dtype), copy=False)
             grid_io.write(created[variable.name], shape, start, values)
-
-
-def store_cases(
-    frame: xr.Dataset, path: Path, size: int, variables: Sequence[CaseVariable], shape: tuple[int, ...],
-    windows: Iterable[tuple[int, schema.Columns]], recipe: Mapping[str, Any] | None, tally: Tally | None = None,
-) -> dict[str, Any]:  # fmt: skip
-    """Write a study to a new file, and judge it; its statistics.
-
-    frame, size: as of `append_to`. variables, shape, windows: as of `write_cases`. recipe: stored beside the
-    statistics, from which a later run knows what the file holds; None: neither is stored. tally: of all cases, where it
-    is known. Raises `OSError`.
-    """
-    with append_to(frame, path, size) as file:
-        write_cases(file, variables, shape, windows)
-    with netcdf.open_file(path) as ds:
-        statistics = tallies.statistics(ds, tally)
-    with h5py.File(path, "a") as file:
-        file.attrs["caution"] = cautions.tell(statistics["cautions"])
-        if recipe is not None:
-            file.attrs["recipe"], file.attrs["statistics"] = json.dumps(recipe), json.dumps(statistics)
-        checksums.store(file)
-    return statistics
 
 
 def _create(file: netcdf.File, one: CaseVariable, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Any:
