@@ -1,13 +1,13 @@
 """The dataset of all equilibria of one case, and what it shares with the dataset of branches."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from solver import Case
+from solver import Case, Solution
 from solver.equilibria import Equilibrium
 from solver.equilibrium_list import HeldEquilibria
 from solver.observe.observables import observe
@@ -20,6 +20,7 @@ from ..store import dataset, schema
 from ..words import cautions
 from .ends_study import ELASTIC, elastic
 
+EQUILIBRIUM = ("equilibrium",)  # the dimension of a list
 ALONG = ("beta", "alpha", "z", "contact")
 DEAD_INDEX = {"long_name": "Morse index under dead loads, between its own end angles", "units": "1"}
 COUNT = {"long_name": "number of equilibria", "units": "1"}
@@ -45,46 +46,23 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     The arrays of `ALONG` over (equilibrium, u), u = s/L, the numbers of `EACH`, `ELASTIC` and `PUSH` over
     (equilibrium), `count`; under held ends the reactions and the index under dead loads as well.
     """
-    units = study.unit_system
-    data: dict[str, Any] = {}
-    stations = found[0].solution.s.size if found else 2
-    for name in ALONG:
-        values = np.array([getattr(one.solution, name) for one in found]).reshape(len(found), stations)
-        data[name] = xr.Variable(("equilibrium", "u"), values, schema.labels(name, units))
-    for name in EACH:
-        values = np.array([getattr(one, name) for one in found])
-        of = "held_energy" if name == "energy" and held_of(case) else name  # what the number is; the name stays
-        data[name] = xr.Variable(("equilibrium",), values, schema.labels(of, units))
-    parts = [elastic(one.solution) for one in found]
-    for name in ELASTIC:
-        data[name] = xr.Variable(("equilibrium",), np.array([part[name] for part in parts]), schema.labels(name, units))
-    pushes = [observe(one.solution, PUSH) for one in found]
-    for name in PUSH:
-        values = np.array([float(push[name]) for push in pushes])
-        data[name] = xr.Variable(("equilibrium",), values, schema.labels(name, units))
-    data["count"] = xr.Variable((), len(found), COUNT)
-    reactions = [one.solution.reactions for one in found]
-    for name in reactions[0] if reactions else ():
-        values = np.array([float(each[name]) for each in reactions])
-        data[name] = xr.Variable(("equilibrium",), values, schema.labels(name, units))
-    held = held_of(case)
+    units, held = study.unit_system, held_of(case)
+    solutions = [one.solution for one in found]
+    reactions = list(solutions[0].reactions) if solutions else []
+    rows = [{**{name: getattr(one, name) for name in EACH}, **_observed(one.solution)} for one in found]
+    numbers = {name: np.array([row[name] for row in rows]) for name in (*EACH, *ELASTIC, *PUSH, *reactions)}
+    data: dict[str, Any] = dataset.variables(numbers, EQUILIBRIUM, units)
     if held:
+        data["energy"].attrs = schema.labels("held_energy", units)  # what the number is; the name stays
         dead = np.array([one.dead_index for one in found], dtype=np.int64)
-        data["dead_index"] = xr.Variable(("equilibrium",), dead, DEAD_INDEX)
-        data["found_by"] = xr.Variable(("equilibrium",), np.array([one.found_by for one in found], dtype=str))
-    solved = np.array([bool(one.solution.solved) for one in found], dtype=bool)
-    data["solved"] = xr.Variable(("equilibrium",), solved)
-    data["outcome"] = xr.Variable(("equilibrium",), np.array([str(one.solution.outcome) for one in found], dtype=str))
-    cautions_of = [str(cautions.of_cases(one.solution, unit=study.units.length)) for one in found]
-    data["caution"] = xr.Variable(("equilibrium",), np.array(cautions_of, dtype=str))
-    u = np.linspace(0, 1, stations)
-    coords = {
-        "equilibrium": xr.Variable(("equilibrium",), np.arange(1, len(found) + 1), {"long_name": "rank by energy"}),
-        "u": xr.Variable(("u",), u, schema.labels("u", units)),
-        "s": xr.Variable(("u",), u * float(case.rod.L), schema.labels("s", units)),
-    }
+        data["dead_index"] = xr.Variable(EQUILIBRIUM, dead, DEAD_INDEX)
+        data["found_by"] = xr.Variable(EQUILIBRIUM, np.array([one.found_by for one in found], dtype=str))
+    data["count"] = xr.Variable((), len(found), COUNT)
+    cautions_of = [str(cautions.of_cases(sol, unit=study.units.length)) for sol in solutions]
+    ds = of_solutions(solutions, data, cautions_of, float(case.rod.L), units)
+    ds["equilibrium"].attrs["long_name"] = "rank by energy"
     title = f"Equilibria with held ends: {choices(held)}" if held else "All equilibria with both end angles held"
-    ds = xr.Dataset(data, coords, attributes(study, case, title))
+    ds.attrs = attributes(study, case, title)
     if isinstance(found, HeldEquilibria):
         ranges = (
             f"{name} from {low:.4g} to {high:.4g} {schema.labels(name, units)['units']}"
@@ -93,6 +71,28 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
         told = {"remark": found.remark, "searched": ", ".join(ranges)}
         ds.attrs |= {"stability": f"under held ends ({choices(held)})", **told}
     return with_case(ds, case, units)
+
+
+def _observed(sol: Solution) -> dict[str, Any]:
+    return {**elastic(sol), **{name: float(value) for name, value in (observe(sol, PUSH) | sol.reactions).items()}}
+
+
+def of_solutions(
+    solutions: Sequence[Solution], numbers: Mapping[str, Any], texts: Sequence[str], L: float, units: Mapping[str, str]
+) -> xr.Dataset:
+    """Solutions of rods of one length as a dataset over `equilibrium`: `ALONG`, whether each is solved, and `numbers`.
+
+    texts: the caution of each.
+    """
+    stations = solutions[0].s.size if solutions else 2
+    each = {name: np.array([getattr(sol, name) for sol in solutions]).reshape(-1, stations) for name in ALONG}
+    data: dict[str, Any] = {**dataset.variables(each, (*EQUILIBRIUM, "u"), units), **numbers}
+    data["solved"] = xr.Variable(EQUILIBRIUM, np.array([bool(sol.solved) for sol in solutions], dtype=bool))
+    data["outcome"] = xr.Variable(EQUILIBRIUM, np.array([str(sol.outcome) for sol in solutions], dtype=str))
+    data["caution"] = xr.Variable(EQUILIBRIUM, np.array(texts, dtype=str))
+    u = np.linspace(0, 1, stations)
+    coords = {"equilibrium": np.arange(1, len(solutions) + 1), **dataset.variables({"u": u, "s": u * L}, ("u",), units)}
+    return xr.Dataset(data, coords)
 
 
 def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:

@@ -13,11 +13,11 @@ from studies import Study
 from studies.language.loader import loads
 from studies.language.readings import TABLE_UNITS
 
-from ..store import schema, writing
+from ..store import dataset, schema, writing
 from ..store.case_input import field_values
 from ..words import cautions
 from .ends_study import study_text
-from .equilibria_dataset import ALONG, attributes
+from .equilibria_dataset import EQUILIBRIUM, attributes, of_solutions
 
 NUMBERS = {  # of each loop: units and long names of those that are no quantity of a case
     "wraps": "wraps",
@@ -30,6 +30,7 @@ NUMBERS = {  # of each loop: units and long names of those that are no quantity 
     "push_max": "push_max",
     "attached": "attached",
 }
+LABELS = ("units", "symbol", "long_name")
 STABILITY = "closed rods, the section free to turn, all on the surface"
 
 
@@ -57,29 +58,19 @@ def dataset_of(found: Sequence[Loop], units: Mapping[str, str] | None = None) ->
         raise InputError("no loop was found: a dataset holds at least one")
     study, case = study_of(found[0], units), found[0].solution.case
     words = study.unit_system
+    solutions = [one.solution for one in found]
     data: dict[str, Any] = {}
-    for name in ALONG:
-        values = np.array([getattr(one.solution, name) for one in found])
-        data[name] = xr.Variable(("equilibrium", "u"), values, schema.labels(name, words))
     for name, row in NUMBERS.items():
-        labels = schema.labels(row, words) if isinstance(row, str) else _labels(*row)
-        data[name] = xr.Variable(("equilibrium",), np.array([getattr(one, name) for one in found]), labels)
-    data |= {name: xr.Variable((), 0.0, schema.labels(name, words)) for name in ("FZ", "M3")}
-    data["MZ"] = _each([float(one.solution.MZ) for one in found], schema.labels("MZ", words))
-    data["solved"] = _each([bool(one.solution.solved) for one in found])
-    data["outcome"] = _each([str(one.solution.outcome) for one in found])
-    data["caution"] = _each([caution(one) for one in found])
-    for name, value in {**dict(case.rod.given()), "R": case.cylinder.R, "rho": case.rho}.items():
-        data[name] = xr.Variable((), float(value), schema.labels(name, words))
-    u = found[0].solution.s / float(case.rod.L)
-    coords = {
-        "equilibrium": _each(list(range(1, len(found) + 1)), {"long_name": "number of the loop"}),
-        "u": xr.Variable(("u",), u, schema.labels("u", words)),
-        "s": xr.Variable(("u",), found[0].solution.s, schema.labels("s", words)),
-    }
+        labels = schema.labels(row, words) if isinstance(row, str) else dict(zip(LABELS, row, strict=True))
+        data[name] = xr.Variable(EQUILIBRIUM, np.array([getattr(one, name) for one in found]), labels)
+    data |= dataset.variables({"MZ": [float(sol.MZ) for sol in solutions]}, EQUILIBRIUM, words)
+    data |= dataset.variables({"FZ": 0.0, "M3": 0.0}, (), words)
+    scalars = {**dict(case.rod.given()), "R": case.cylinder.R, "rho": case.rho}
+    data |= dataset.variables({name: float(value) for name, value in scalars.items()}, (), words)
+    ds = of_solutions(solutions, data, [caution(one) for one in found], float(case.rod.L), words)
+    ds["equilibrium"].attrs["long_name"] = "number of the loop"
     more = {"title": "Closed rods on a cylinder", "stability": STABILITY}
-    ds = xr.Dataset(data, coords, attributes(study, case, "") | more)
-    return ds.assign_attrs(caution=cautions.sentence(ds))
+    return ds.assign_attrs(attributes(study, case, "") | more | {"caution": cautions.sentence(ds)})
 
 
 def write_cases(found: Sequence[Loop], units: Mapping[str, str], folder: Path) -> None:
@@ -93,11 +84,3 @@ def caution(one: Loop) -> str:
     """The keys of `cautions` of a closed rod, whose ends are neighbours and not in self-contact."""
     met = np.nan if one.overlaps is None else float(one.overlaps)
     return str(cautions.of_cases(one.solution, {"overlaps": np.array(met)}))
-
-
-def _each(values: list[Any], attrs: dict[str, str] | None = None) -> xr.Variable:
-    return xr.Variable(("equilibrium",), np.array(values), attrs)
-
-
-def _labels(units: str, symbol: str, long_name: str) -> dict[str, str]:
-    return {"units": units, "symbol": symbol, "long_name": long_name}

@@ -1,7 +1,7 @@
 """The tables of influence as plain data, for JSON, and as rows, for CSV."""
 
 import csv
-from itertools import product
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -49,14 +49,8 @@ def write(ds: xr.Dataset, path: Path) -> None:
     atomic.write(path, work)
 
 
-def _rows(ds: xr.Dataset, columns: tuple[str, ...], dims: tuple[str, ...]) -> list[dict[str, Any]]:
-    shape = {dim: ds[dim].values.tolist() for dim in dims}
-    found = []
-    for place in product(*(range(len(values)) for values in shape.values())):
-        at = dict(zip(dims, place, strict=True))
-        row = {dim: shape[dim][i] for dim, i in at.items()}
-        for name in columns:
-            if name not in row:
-                row[name] = ds[name].values[tuple(at[str(dim)] for dim in ds[name].dims)].tolist()
-        found.append({name: row[name] for name in columns})
-    return found
+def _rows(ds: xr.Dataset, columns: Sequence[str], dims: Sequence[str]) -> list[dict[str, Any]]:
+    """The columns, which are variables or dimensions, over the product of the dimensions."""
+    table = ds[[name for name in columns if name not in dims]].to_dataframe(dim_order=dims)
+    rows: list[dict[str, Any]] = table.reset_index()[[*columns]].to_dict("records")
+    return rows

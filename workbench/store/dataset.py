@@ -2,6 +2,7 @@
 
 import json
 import platform
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -142,6 +143,11 @@ def _axis_labels(study: Study, name: str) -> dict[str, str]:
         told["long_name"] += f" ({meaning})"
         told["reading"] = meaning
     return told
+
+
+def variables(columns: Mapping[str, Any], dims: tuple[str, ...], units: Mapping[str, str]) -> dict[str, xr.Variable]:
+    """Numbers by the names of their quantities as variables over these dimensions, labelled."""
+    return {name: xr.Variable(dims, np.asarray(values), labels(name, units)) for name, values in columns.items()}
 
 
 def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArray[np.float64]]:

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import product
+from math import prod
 from typing import TYPE_CHECKING
 
-import numpy as np
 import xarray as xr
 
 from solver.problem.errors import InputError
@@ -51,27 +51,16 @@ def _table(columns: Mapping[str, xr.DataArray], ds: xr.Dataset, dims: Sequence[s
 
     Raises `InputError` for more than `MOST` numbers.
     """
-    shape = tuple(ds.sizes[dim] for dim in dims)
-    size = len(columns) * int(np.prod([float(n) for n in shape]))
+    size = len(columns) * prod(ds.sizes[dim] for dim in dims)
     if size > MOST:
         raise InputError(f"the table would have {size:,} numbers, more than {MOST:,}: select from the dataset first")
-    flat = {}
-    for name, array in columns.items():
-        if name not in dims:
-            own = [dim for dim in dims if dim in array.dims]
-            values = array.transpose(*own).values.reshape([ds.sizes[dim] if dim in own else 1 for dim in dims])
-            flat[name] = ("row", np.broadcast_to(values, shape).ravel())
-    index = {dim: ("row", np.repeat(np.tile(ds[dim].values, _count(shape[:i])), _count(shape[i + 1 :])))
-             for i, dim in enumerate(dims)}  # fmt: skip
-    table = xr.Dataset({**index, **flat}).to_dataframe()
-    table = table.set_index(list(dims)) if dims else table.reset_index(drop=True)
+    data = xr.Dataset({name: array.variable for name, array in columns.items() if name not in dims})
+    row = [] if dims else ["row"]
+    table = data.assign_coords({dim: ds[dim] for dim in dims}).expand_dims(row).to_dataframe(dim_order=[*dims, *row])
+    table = table if dims else table.reset_index(drop=True)
     known = {**{dim: ds[dim] for dim in dims}, **columns}
     table.attrs["units"] = {name: array.attrs["units"] for name, array in known.items() if "units" in array.attrs}
     table.attrs["long_names"] = {
         name: array.attrs["long_name"] for name, array in known.items() if "long_name" in array.attrs
     }
     return table
-
-
-def _count(shape: Sequence[int]) -> int:
-    return int(np.prod(shape, dtype=np.int64))
