@@ -22,8 +22,7 @@ from studies.laws.verdicts import QUALIFIED, decide
 from ..store import schema
 from .equilibria_dataset import COUNT, DEAD_LOADS, EACH, PUSH, attributes, with_case
 from .followed_curves import default_observable, follow_curves, special_points
-from .held_tracing import PARTNER, trace_held
-from .tracing import Traced, trace_branches
+from .tracing import PARTNER, Traced, trace_branches, trace_held
 
 STATIONS = 101
 

@@ -16,8 +16,7 @@ from solver.problem.errors import no_such
 from studies.grammar.axes import quantity_of
 
 from ..store import schema
-from .held_tracing import PARTNER
-from .tracing import Piece, Traced
+from .tracing import PARTNER, Piece, Traced
 
 STATIONS = 161  # of a shape
 FEW_SHAPES = 8  # in a row: one or two branches have so many together

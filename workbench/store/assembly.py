@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..words import branch_numbers, cautions
+from ..words import cautions, outcomes
 from . import atomic, checksums, concatenation, dataset, netcdf, refined, schema, shards, writing
 from .plan import Plan, bytes_a_case, bytes_of_file, first_of
 from .schema import Columns
@@ -81,7 +81,7 @@ def _final(columns: Columns, tally: Tally) -> Columns:
     """
     final = dict(columns)
     if "branch" in final:
-        final["branch"] = branch_numbers.number(final["branch"], tally["branch"])
+        final["branch"] = outcomes.number_branches(final["branch"], tally["branch"])
     if tally["solved"][False]:
         final |= {k: v.astype(float) for k, v in final.items() if v.dtype.kind == "i" and k != "branch"}
     return final

@@ -18,7 +18,7 @@ from studies import Study
 from studies.language import expressions
 
 from ..words import cautions
-from ..words.branch_numbers import NONE
+from ..words.outcomes import NO_BRANCH
 from .case_solutions import State, show, solve_one
 from .schema import LOADS, Columns, inner_shape
 from .shards import encode
@@ -127,7 +127,7 @@ def unsolved(study: Study, cases: int, outcome: str) -> Columns:
     for name in (*study.recorded, *study.reactions, *(name for name in LOADS if name not in study.varied)):
         found[name] = np.full(cases, np.nan)
     found |= {name: np.full(cases, np.inf) for name in ("error", "condition")}
-    found |= {"branch": np.full(cases, NONE)} if study.sweeps else {}
+    found |= {"branch": np.full(cases, NO_BRANCH)} if study.sweeps else {}
     solved = np.zeros(cases, dtype=bool)
     return {**found, "solved": solved, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
 

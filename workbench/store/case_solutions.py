@@ -24,7 +24,7 @@ from solver.problem.case_fields import value_of
 from studies import Study
 from studies.grammar.axes import Which, is_angle, quantity_of
 
-from ..words.branch_numbers import NONE
+from ..words.outcomes import NO_BRANCH
 
 LOST = "unstable here, stable where its branch begins"
 BEYOND = "failed: the followed branch"
@@ -64,7 +64,7 @@ class State:
 
     @property
     def solved(self) -> bool:
-        return self.branch != NONE
+        return self.branch != NO_BRANCH
 
 
 def select(study: Study, case: Case) -> Solution:
@@ -145,7 +145,7 @@ def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str
     """A state that can be sent to another process. stable: of its branch where that begins; None: it begins here."""
     light = replace(sol, trajectory=replace(sol.trajectory, swirl=_not_kept))
     if not sol.solved:
-        return State(light, NONE, False)
+        return State(light, NO_BRANCH, False)
     here = float(sol.held_index if sol.held else observe(light, ["index"])["index"]) == 0
     if stable and not here:
         remark = LOST

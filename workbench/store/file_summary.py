@@ -15,7 +15,7 @@ from solver.problem.errors import InputError
 from studies.grammar.dimensions import SAMPLE
 from studies.laws import verdict_words
 
-from ..words import branch_numbers, cautions, labels
+from ..words import cautions, labels, outcomes
 from . import file_checks, file_kinds, law_verdicts, reading, refined, schema, selection
 from .boundary import boundary, boundary_of_law
 from .grid_io import blocks
@@ -37,8 +37,8 @@ def summary(path: Path) -> dict[str, Any]:
         told |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
         told |= {"tolerance": reading.number(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
         told |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", "equilibria")}
-        counts = branch_numbers.counts(_numbers(ds["branch"])) if "branch" in ds else {}
-        told["branches"] = branch_numbers.sentence(counts) if counts else ""
+        counts = outcomes.count_branches(_numbers(ds["branch"])) if "branch" in ds else {}
+        told["branches"] = outcomes.branch_sentence(counts) if counts else ""
         told["versions"] = reading.versions(ds, path)
         told["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
         told["sampled"] = [_axis(ds[schema.dimension(name)]) for name in schema.fields_of_samples(ds)]
@@ -47,9 +47,8 @@ def summary(path: Path) -> dict[str, Any]:
         told["along"] = [name for name in schema.CURVES if name in ds.data_vars]
         told["boundaries"] = _boundaries(ds)
         told["cases"] = ds["outcome"].size
-        outcomes = text_counts(ds["outcome"], ds["solved"])
         told["unsolved"] = unsolved(ds)
-        told["outcomes"] = dict(outcomes.most_common())
+        told["outcomes"] = dict(text_counts(ds["outcome"], ds["solved"]).most_common())
         told["observables"] = [_spread(ds[name]) for name in _observables(ds)]
         told["worst"] = [_worst(ds, name) for name in ("error", "condition")]
         rows = law_verdicts.verdicts(ds)

@@ -13,7 +13,7 @@ from studies import Study
 from studies.grammar.axes import is_angle, quantity_of
 from studies.grammar.dimensions import Dimensions
 
-from ..words import branch_numbers
+from ..words import outcomes
 from . import dataset, law_verdicts, refined, schema
 from .block import block_of, columns, join
 from .plan import Plan, bytes_a_case, first_of, plan
@@ -81,7 +81,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
         return _refine(work)
     found = _columns(work, 0)
     if work.study.sweeps:
-        found["branch"] = branch_numbers.number(found["branch"], found["branch"])
+        found["branch"] = outcomes.number_branches(found["branch"], found["branch"])
     return dataset.make(work.study, work.dimensions, found, first_of(work))
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..words import branch_numbers, outcomes
+from ..words import outcomes
 from . import law_verdicts
 from .grid_io import blocks
 from .schema import SAMPLING, TEXTS, Columns
@@ -32,7 +32,7 @@ def tally_of(there: StoredRun | None) -> Tally:
 def count(columns: Columns, tally: Tally) -> int:
     """Add the columns to the tally, and return how many of their cases are not solved."""
     if "branch" in columns:
-        tally["branch"].update(branch_numbers.counts(columns["branch"]))
+        tally["branch"].update(outcomes.count_branches(columns["branch"]))
     for name in TEXTS:
         texts, counts = np.unique(columns[name].astype(str), return_counts=True)
         for text, cases in zip(texts.tolist(), counts.tolist(), strict=True):
@@ -60,6 +60,6 @@ def statistics(ds: "xr.Dataset", tally: Tally | None = None) -> dict[str, Any]:
         **{f"{name}s": dict(sorted(tally[name].items())) for name in TEXTS},
         "laws": law_verdicts.verdicts(ds),
         "equilibria": str(ds.attrs.get("equilibria", "")),
-        "branches": branch_numbers.sentence(tally["branch"]) if tally["branch"] else "",
+        "branches": outcomes.branch_sentence(tally["branch"]) if tally["branch"] else "",
         **{name: str(ds.attrs[name]) for name in SAMPLING if name in ds.attrs},
     }

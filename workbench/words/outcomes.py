@@ -1,17 +1,18 @@
-"""Outcomes of many cases in few words: those that differ in their numbers alone are one, with the range of each number.
-
-Imports nothing heavy.
-"""
+"""Outcomes and branches of many cases in few words: outcomes that differ in their numbers alone are one, with ranges."""
 
 import re
 from collections import Counter
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 _ONE = r"(?<![A-Za-z\d.])[-+]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"  # not the digit of a name such as F3
 _NUMBERS = re.compile(rf"{_ONE} to {_ONE}|{_ONE}|\.\.\.")  # a number, a range, or one that an older file left out
@@ -63,3 +64,34 @@ def _range(found: tuple[str, ...]) -> str:
     each = sorted({(float(number), number) for text in found for number in text.split(" to ")})
     low, high = each[0], each[-1]
     return low[1] if low[0] == high[0] else f"{low[1]} to {high[1]}"
+
+
+NO_BRANCH = -1  # the branch of a case without a solution
+
+
+def number_branches(branch: NDArray[np.int64], every: Iterable[int]) -> NDArray[np.int64]:
+    """Branches renumbered from 0 in the order of the cases where they begin; every: all the old numbers."""
+    order = sorted(set(every) - {NO_BRANCH})
+    ranks = np.array([NO_BRANCH, *range(len(order))])
+    return ranks[np.searchsorted(np.array([NO_BRANCH, *order]), branch)]
+
+
+def count_branches(branch: NDArray[Any]) -> dict[int, int]:
+    """How many cases each branch has; NaN counts as `NO_BRANCH`."""
+    known = np.nan_to_num(np.asarray(branch, dtype=float), nan=NO_BRANCH, posinf=NO_BRANCH, neginf=NO_BRANCH)
+    found, counts = np.unique(known, return_counts=True)
+    return {int(one): int(count) for one, count in zip(found, counts, strict=True)}
+
+
+def branch_sentence(counts: Mapping[int, int]) -> str:
+    """One sentence about the branches of a grid; counts: branch -> how many cases."""
+    sizes = [count for branch, count in sorted(counts.items()) if branch != NO_BRANCH]
+    if not sizes:
+        return "no case has an equilibrium"
+    if len(sizes) == 1:
+        return "all cases lie on one branch of equilibria"
+    listed = ", ".join(map(str, sizes[:8])) + (", ..." if len(sizes) > 8 else "")
+    return (
+        f"the grid shows {len(sizes)} branches of equilibria ({listed} cases): the outcome of a case says where a "
+        "branch begins, and no law counts a step from one to another"
+    )
