@@ -1,4 +1,4 @@
-"""Outcomes and branches of many cases in few words: outcomes that differ in their numbers alone are one, with ranges."""
+"""Outcomes and branches of many cases in few words: outcomes that differ in their numbers alone are one."""
 
 import re
 from collections import Counter
