@@ -52,6 +52,11 @@ def is_angle(field: str) -> bool:
     return _AT_START.get(field, field) in QUANTITIES and quantity_of(field).dimension == "rad"
 
 
+def in_words(field: str, value: float, digits: int = 6) -> str:
+    """``FZ = -150``; angles in degrees: ``beta0 = 30 deg``."""
+    return f"{field} = {np.rad2deg(value):.{digits}g} deg" if is_angle(field) else f"{field} = {value:.{digits}g}"
+
+
 def in_rad(value: Any) -> Any:
     """A text as an angle in rad; any other value unchanged. Raises `ValueError`."""
     return angle(value) if isinstance(value, str) else value

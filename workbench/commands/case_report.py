@@ -53,15 +53,10 @@ def _print_profile(found: dict[str, Any]) -> None:
 
 def _given(found: dict[str, Any]) -> list[str]:
     """What a case is given, as ``L = 300``; angles in degrees."""
-    said = []
-    for name, value in found["case"].items():
-        if name in found["assumed"] or isinstance(value, str):
-            said += [] if name in found["assumed"] else [f"{name} {value}"]
-        elif _unit(name, found) == "rad":
-            said.append(f"{name} = {math.degrees(value):.6g} deg")
-        else:
-            said.append(f"{name} = {value:.6g}")
-    return said
+    from studies.grammar.axes import in_words
+
+    given = {name: value for name, value in found["case"].items() if name not in found["assumed"]}
+    return [f"{name} {value}" if isinstance(value, str) else in_words(name, value) for name, value in given.items()]
 
 
 def _print_tables(found: dict[str, Any], every: bool) -> None:

@@ -3,14 +3,10 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from . import console
 from .case_options import Given, takes_case
 from .options import At, Choose, ForceOutput, Json, NoTitle, Reading, Style, Width, argument, flag, option
 
 if TYPE_CHECKING:
-    import xarray as xr
-
-    from ..figures.sheet import Sheet
     from ..store.case_input import CaseInput
 
 OUT = (".toml", ".csv")
@@ -87,14 +83,13 @@ def fit(
     from solver import InputError
     from solver import fit as fitted
 
-    from ..figures import canvas
     from ..fitting import fit_dataset, fit_files
     from . import option_checks
+    from .fit_report import as_data, say
+    from .present import Files, Result, files, present
 
     sheet = option_checks.page(plot, style, width, no_title)
-    for path, suffixes in ((out, OUT), (plot, canvas.DIAGRAMS)):
-        if path is not None:
-            option_checks.check(path, suffixes, force)
+    written = files(plot, out, force, suffixes=OUT)
     targets = option_checks.numbers("--target", target or [])
     read, sigmas = fit_files.read_points(points) if points is not None else (None, {})
     asked = _case(file, at or [], given, table1, reading)
@@ -111,19 +106,14 @@ def fit(
     )
     if not found.reached:
         raise InputError(found.outcome.removeprefix("failed: "))
-    if json:
-        from .fit_report import as_data
-
-        console.print_json(as_data(found, asked))
-    else:
-        from .fit_report import say
-
-        say(found, asked)
-    if found.solution is not None:
-        if out is not None:
-            fit_files.write(found, asked, out)
-        if plot is not None:
-            _draw(fit_dataset.dataset_of(found, asked.units, read, wrapped), plot, sheet, dpi)
+    result = Result(
+        lambda: as_data(found, asked),
+        lambda: say(found, asked),
+        lambda: fit_dataset.dataset_of(found, asked.units, read, wrapped),
+        lambda path: fit_files.write(found, asked, path),
+        "fit",
+    )
+    present(result, written if found.solution is not None else Files(None, None, force), json, dpi, sheet)
     return 0 if found.solved else 1
 
 
@@ -184,11 +174,3 @@ def _rule(asked: "CaseInput", choose: str | None) -> Any:
     if which.rule is None:
         raise InputError("the study names its equilibrium by dbeta0 and energy, which move in a fit: give --choose")
     return which.rule
-
-
-def _draw(table: "xr.Dataset", path: Path, sheet: "Sheet | None", dpi: int) -> None:
-    """Draw the figure of a fit."""
-    from ..figures import canvas, kinds
-    from ..figures.sheet import SCREEN
-
-    canvas.save(kinds.figure(table, "fit", sheet or SCREEN), path, dpi)

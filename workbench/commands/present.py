@@ -9,6 +9,7 @@ from . import console
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
     from ..figures.sheet import Sheet
 
@@ -29,18 +30,22 @@ class Files:
 class Result:
     """What a command found.
 
-    data: it as plain data. show: prints it for people. dataset: it as a dataset, which is stored and drawn.
+    data: it as plain data. show: prints it for people. dataset: it as a dataset, which is drawn, and stored unless
+    `write` writes it in another form. figure: the kind of its figure; default: that of the kind of file.
     """
 
     data: Callable[[], Any]
     show: Callable[[], None]
     dataset: "Callable[[], xr.Dataset]"
+    write: Callable[[Path], object] | None = None
+    figure: str | None = None
 
 
-def files(plot: Path | None, out: Path | None, force: bool, kind: str) -> Files:
+def files(plot: Path | None, out: Path | None, force: bool, kind: str = "", suffixes: tuple[str, ...] = ()) -> Files:
     """The files of these options. Raises `InputError`.
 
     kind: of the dataset, as of `writing.check_free`: what `out` holds already may be replaced if it is of this kind.
+    suffixes: those of `out` where it is no dataset.
     """
     from ..store import writing
     from . import option_checks
@@ -49,27 +54,35 @@ def files(plot: Path | None, out: Path | None, force: bool, kind: str) -> Files:
         from ..figures import canvas
 
         option_checks.check(plot, canvas.DIAGRAMS, force)
-    if out is not None:
+    if out is not None and suffixes:
+        option_checks.check(out, suffixes, force)
+    elif out is not None:
         writing.check_parent(out)
         if not force:
             writing.check_free(out, kind)
     return Files(plot, out, force)
 
 
-def present(result: Result, asked: Files, as_json: bool, dpi: int = 200, sheet: "Sheet | None" = None) -> None:
-    """Store and draw what was asked for, then print it; sheet: of the picture."""
-    if asked.out or asked.picture:
+def present(
+    result: Result, asked: Files, as_json: bool, dpi: int = 200, sheet: "Sheet | None" = None
+) -> "Figure | None":
+    """Store and draw what was asked for, then print it; the figure. sheet: of the picture."""
+    drawn = None
+    ds = result.dataset() if asked.picture or (asked.out and result.write is None) else None
+    if asked.out and result.write is not None:
+        result.write(asked.out)
+    elif asked.out and ds is not None:
         from ..store import writing
 
-        ds = result.dataset()
-        if asked.out:
-            writing.write(ds, asked.out, asked.force)
-        if asked.picture:
-            from ..figures import canvas, kinds
-            from ..figures.sheet import SCREEN
+        writing.write(ds, asked.out, asked.force)
+    if asked.picture and ds is not None:
+        from ..figures import canvas, kinds
+        from ..figures.sheet import SCREEN
 
-            canvas.save(kinds.figure(ds, sheet=sheet or SCREEN), asked.picture, dpi)
+        drawn = kinds.figure(ds, result.figure, sheet or SCREEN)
+        canvas.save(drawn, asked.picture, dpi)
     if as_json:
         console.print_json(result.data())
     else:
         result.show()
+    return drawn

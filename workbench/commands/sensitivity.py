@@ -48,14 +48,13 @@ def sensitivity(
     """
     from solver.problem.errors import InputError
 
-    from ..figures import canvas, kinds, legend
+    from ..figures import legend
     from ..influence import tables
     from . import option_checks
+    from .present import Result, files, present
 
     sheet = option_checks.page(plot, style, width, no_title)
-    for path, suffixes in ((plot, canvas.DIAGRAMS), (out, CSV)):
-        if path is not None:
-            option_checks.check(path, suffixes, force)
+    written = files(plot, out, force, suffixes=CSV)
     if whole and fields:
         raise InputError("--fields is an option of the derivatives of one case; --global tells all sampled fields")
     if confidence is not None and not whole:
@@ -64,14 +63,16 @@ def sensitivity(
         table, said = _indices(study, at or [], option_checks.names(show), confidence)
     else:
         table, said = _local(study, at or [], option_checks.names(fields) or None, option_checks.names(show) or None)
-    _print(table, said, json)
-    if out is not None:
-        tables.write(table, out)
-    if plot is not None:
-        drawn = kinds.figure(table, "indices" if whole else "tornado", sheet)
-        canvas.save(drawn, plot, dpi)
-        for note in legend.notes_of(drawn) if not json else ():
-            console.say(note)
+    result = Result(
+        lambda: {**tables.plain(table), "notes": said},
+        lambda: _print(table, said),
+        lambda: table,
+        lambda path: tables.write(table, path),
+        "indices" if whole else "tornado",
+    )
+    drawn = present(result, written, json, dpi, sheet)
+    for note in legend.notes_of(drawn) if drawn and not json else ():
+        console.say(note)
     for path in (out, plot):
         if path is not None and not json:
             console.say(str(path))
@@ -125,12 +126,7 @@ def _indices(file: Path, at: list[str], show: list[str], confidence: float | Non
     return table, indices.sentences(table)
 
 
-def _print(table: "xr.Dataset", said: list[str], json: bool) -> None:
-    from ..influence import tables
-
-    if json:
-        console.print_json({**tables.plain(table), "notes": said})
-        return
+def _print(table: "xr.Dataset", said: list[str]) -> None:
     console.say(table.attrs["title"])
     (_print_local if "derivative" in table else _print_indices)(table)
     console.say("")

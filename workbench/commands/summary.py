@@ -62,6 +62,7 @@ def _size(count: int) -> str:
 
 
 def _print(found: dict[str, Any]) -> None:
+    from studies.grammar.axes import in_words
     from studies.grammar.dimensions import SAMPLE
 
     reading = f", {found['reading']}" if found["reading"] else ""
@@ -95,9 +96,8 @@ def _print(found: dict[str, Any]) -> None:
     console.say(f"{found['cases']} cases, {found['unsolved']} unsolved")
     for text, count in found["outcomes"].items():
         console.say(f"  {count} x {text}")
-    units = {row["name"]: row["units"] for row in (*found["axes"], *found["sampled"])}
     for worst in found["worst"]:
-        at = ", ".join(_at(name, value, units.get(name, "")) for name, value in worst["at"].items())
+        at = ", ".join(in_words(name, value) for name, value in worst["at"].items())
         console.say(f"largest {worst['name']}: {_cell(worst['value'])}{f' at {at}' if at else ''}")
     for name in ("equilibria", "branches"):
         if found[name]:
@@ -134,10 +134,6 @@ def in_degrees(row: Mapping[str, Any]) -> dict[str, Any]:
         return dict(row)
     shown = {key: degrees(row[key]) for key in NUMBERS if isinstance(row.get(key), float)}
     return {**row, **shown, "units": "deg"}
-
-
-def _at(name: str, value: float, unit: str) -> str:
-    return f"{name} = {degrees(value):.6g} deg" if unit == "rad" else f"{name} = {value:.6g}"
 
 
 def _cell(value: Any) -> Any:

@@ -22,7 +22,7 @@ from solver.numerics.arclength import FOLD
 from solver.observe.observables import observe
 from solver.problem.case_fields import value_of
 from studies import Study
-from studies.grammar.axes import Which, is_angle, quantity_of
+from studies.grammar.axes import Which, in_words, quantity_of
 
 from ..words.outcomes import NO_BRANCH
 
@@ -77,7 +77,7 @@ def step(study: Study, case: Case, before: State, place: int, name: str, neighbo
 
     name: the axis between the two. neighbour: its value there.
     """
-    at = tell(name, neighbour)
+    at = in_words(name, neighbour)
     if name == study.followed:
         return state_of(follow_to(before.solution, case, name, at), before.branch, before.stable)
     taken = select(study, case)
@@ -125,20 +125,20 @@ def _end(branch: Branch, value: float) -> str | None:
     """Where and why a branch does not reach a value without turning back; None where it does."""
     for one in branch.special:
         if one.kind == FOLD:
-            return f"{BEYOND} ends in a fold at {tell(branch.field, one.value, 10)}"
+            return f"{BEYOND} ends in a fold at {in_words(branch.field, one.value, 10)}"
     if branch.values[-1] == value:
         return None
     far = branch.values[int(np.abs(branch.values - branch.values[0]).argmax())]
     if branch.end.kind == BORDER:  # back at its own value, without a fold
-        where = f"a pitchfork at {tell(branch.field, float(far), 10)}"
+        where = f"a pitchfork at {in_words(branch.field, float(far), 10)}"
         turn = next((one for one in branch.special if one.value == far), None)
         beta = np.full(2, np.nan) if turn is None else branch.points[turn.position].solution.beta
         if np.ptp(beta) > _STRAIGHT or not abs(np.sin(beta[0])) < _STRAIGHT:
             return f"{BEYOND} turns back in {where}"
         return f"{BEYOND} ends where the rod becomes straight, in {where}"
     if branch.end.kind == HELIX:
-        return f"{BEYOND} ends at {tell(branch.field, branch.end.value, 10)}: {branch.end.reason}"
-    return f"{BEYOND} stops at {tell(branch.field, branch.end.value, 10)}: {branch.end.reason}"
+        return f"{BEYOND} ends at {in_words(branch.field, branch.end.value, 10)}: {branch.end.reason}"
+    return f"{BEYOND} stops at {in_words(branch.field, branch.end.value, 10)}: {branch.end.reason}"
 
 
 def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str = "") -> State:
@@ -156,11 +156,6 @@ def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str
 
 def _not_kept() -> NDArray[np.float64]:
     raise NotImplementedError("the state of a sweep keeps no shape")
-
-
-def tell(name: str, value: float, digits: int = 6) -> str:
-    """``FZ = -150``; angles in degrees."""
-    return f"{name} = {np.rad2deg(value):.{digits}g} deg" if is_angle(name) else f"{name} = {value:.{digits}g}"
 
 
 def show(study: Study, state: State, stations: Any = None) -> Solution:

@@ -11,11 +11,11 @@ import xarray as xr
 from solver import Ends, Solution
 from solver.problem.errors import InputError, choices
 from studies import Study, load
-from studies.grammar.axes import FIELDS, WORDS, Which
+from studies.grammar.axes import FIELDS, WORDS, Which, in_words
 
 from . import file_kinds, in_memory, reading, schema, selection, stored_case
 from .case_input import CaseInput, from_values, with_fields
-from .case_solutions import between, solve_one, tell
+from .case_solutions import between, solve_one
 from .plan import plan
 
 
@@ -113,7 +113,7 @@ def _part(name: str, study: Study) -> str:
     """What of a study is taken: ``fig7_1_modulus, the case at E = 10910, one of 9``."""
     if study.follow is not None:
         return f"{name}, the case from which {study.followed} is followed"
-    place = ", ".join(tell(field, value) for field, value in place_of(study).items())
+    place = ", ".join(in_words(field, value) for field, value in place_of(study).items())
     return f"{name}, the case at {place}, one of {study.size}" if place else name
 
 

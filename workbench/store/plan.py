@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from solver import Case, Ends, InputError
 from solver.problem.errors import check_tolerance, choices
 from studies import Study
-from studies.grammar.axes import Axis
+from studies.grammar.axes import Axis, in_words
 from studies.grammar.dimensions import SAMPLE, Dimension, Dimensions
 from studies.language.paired import SOURCES
 from studies.language.refinement import Refinement
 
 from . import shards, sweep
 from .block import Chunk
-from .case_solutions import State, tell
+from .case_solutions import State
 from .recipe import recipe_of
 from .schema import LOADS, inner_shape
 
@@ -160,7 +160,7 @@ def first_of(plan: Plan) -> str:
     spine = plan.study.whole or plan.spine
     first, cell = spine.first().solution, spine.grid.first
     row = zip(spine.coordinates.items(), cell, strict=True)
-    at = ", ".join(tell(name, float(values[i])) for (name, values), i in row)
+    at = ", ".join(in_words(name, float(values[i])) for (name, values), i in row)
     which = plan.study.equilibrium
     name = MIDDLE if plan.study.followed is None else FOLLOWED
     if first.begun:
