@@ -176,12 +176,12 @@ class RodAccessor:
         InputError
             For an unknown array, a dataset that is not a stored study, and a table of more than 5e8 numbers.
         """
-        from .store import rows
+        from .store import derived_arrays
 
         return (
-            rows.stations(self._ds, [self.along(name).rename(name) for name in along])
+            derived_arrays.stations_table(self._ds, [self.along(name).rename(name) for name in along])
             if along
-            else rows.cases(self._ds)
+            else derived_arrays.cases_table(self._ds)
         )
 
     def plot(self, **at: Any) -> "Plot":

@@ -16,7 +16,7 @@ from solver import InputError
 from studies import load
 from tests.workbench import runs
 from tests.workbench.test_faults import DEADLY, GRID, SMALL, TELLING, whole  # noqa: F401  (a fixture)
-from workbench.store import dask_engine, local_pool, plan, recipe
+from workbench.store import engines, plan, recipe
 from workbench.store.study_store import Options, run_to_file
 
 distributed = pytest.importorskip("distributed")
@@ -38,7 +38,7 @@ def test_workers_of_this_machine_and_a_cluster_exclude_each_other(tmp_path) -> N
 
 
 def test_a_scheduler_that_is_not_there_is_told_in_one_sentence(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(dask_engine, "PATIENCE", 0.3)
+    monkeypatch.setattr(engines, "PATIENCE", 0.3)
     with pytest.raises(InputError, match=r"^no Dask scheduler answers at tcp://127\.0\.0\.1:9: [^\n]*$"):
         run_to_file(load(runs.study(tmp_path, GRID)), tmp_path / "many.h5", Options(scheduler="tcp://127.0.0.1:9"))
 
@@ -104,9 +104,9 @@ def test_what_goes_wrong_in_a_worker_can_be_sent(monkeypatch, tmp_path) -> None:
     def broken(*args: object) -> bytes:
         raise Unsendable
 
-    monkeypatch.setattr(dask_engine, "solve_chunk", broken)
+    monkeypatch.setattr(engines, "solve_chunk", broken)
     with pytest.raises(RuntimeError, match="Unsendable") as caught:
-        dask_engine._solve(work.light, work.chunk(0, 4), work.block, recipe.code_version())
+        engines._solve(work.light, work.chunk(0, 4), work.block, recipe.code_version())
     assert "Unsendable" in str(pickle.loads(pickle.dumps(caught.value)))
 
 
@@ -156,7 +156,7 @@ def test_a_chunk_that_kills_the_clusters_workers_is_recorded_as_failed(tmp_path,
     done = runs.run(tmp_path, *args, before=SMALL)
     assert done.returncode == 1, done.stderr
     with xr.open_dataset(tmp_path / "many.h5") as ds:
-        failed = (ds["outcome"] == local_pool.KILLED).values.ravel()
+        failed = (ds["outcome"] == engines.KILLED).values.ravel()
         assert failed.nonzero()[0].tolist() == list(range(48, 64))
 
 

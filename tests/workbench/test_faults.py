@@ -17,7 +17,7 @@ from studies import load
 from tests.slow import slow
 from tests.workbench import runs
 from workbench.commands import console
-from workbench.store import local_pool, recipe, shards
+from workbench.store import engines, recipe, shards
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 
@@ -175,7 +175,7 @@ def alive(pid: int) -> bool:
         return False
 
 
-KILLED = f"{local_pool.KILLED} (it was killed by SIGKILL)"
+KILLED = f"{engines.KILLED} (it was killed by SIGKILL)"
 DEADLY = (
     SMALL
     + """

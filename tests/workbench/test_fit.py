@@ -11,8 +11,8 @@ from studies import load
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
+from workbench import fitting
 from workbench.figures import fit_figure, style
-from workbench.fitting import fit_dataset
 
 ENDS = small.text({**small.ROD, "beta0": 0.5, "betaL": 0.8, "FZ": -8.5, "MZ": 1.3, "M3": 6.1})
 
@@ -102,7 +102,7 @@ def drawn(case: Case, vary):
     sol = solve(case, stations=s)
     points = {"s": s, "alpha": sol.alpha + 0.01 * rng.standard_normal(s.size), "z": sol.z}
     found = fit(case, vary, points=points, starts=0)
-    figure = fit_figure.figure(fit_dataset.dataset_of(found, {"length": "cm", "force": "N"}, points))
+    figure = fit_figure.figure(fitting.dataset_of(found, {"length": "cm", "force": "N"}, points))
     figure.draw_without_rendering()
     return figure, found
 
@@ -132,5 +132,5 @@ def test_fields_that_are_undetermined_have_no_shares_in_the_picture() -> None:
     figure, found = drawn(table1(), ["E", "F3", "M3"])
     assert figure.axes[2].get_legend() is None
     assert figure.get_figheight() < 7.4
-    title = fit_dataset.dataset_of(found, {"length": "cm", "force": "N"}, None).attrs["title"]
+    title = fitting.dataset_of(found, {"length": "cm", "force": "N"}, None).attrs["title"]
     assert title == "Fit: E undetermined, F₃ undetermined, M₃ undetermined"

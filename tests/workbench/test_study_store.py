@@ -157,7 +157,7 @@ def test_other_results_of_the_same_study_are_replaced_with_a_line_that_says_what
 
 def test_a_finished_study_is_answered_without_xarray(whole) -> None:
     before = (
-        "import atexit, sys\nfrom workbench.store import local_pool, plan; plan.BLOCK = 64\n"
+        "import atexit, sys\nfrom workbench.store import engines, plan; plan.BLOCK = 64\n"
         "atexit.register(lambda: print('xarray' in sys.modules))"
     )
     with runs.start(whole.parent, whole.with_suffix(".toml"), before=before) as told:

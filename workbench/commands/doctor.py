@@ -12,12 +12,12 @@ from .options import Json
 
 @dataclass(frozen=True)
 class Extra:
-    """An optional part: the extra of pip that installs it, a trial that raises if it does not work, and its use."""
+    """An optional part: the extra of pip for it, a trial that raises if it does not work, or a module, and its use."""
 
     what: str
     extra: str
     packages: tuple[str, ...]
-    trial: Callable[[], None]
+    trial: Callable[[], None] | str
     use: str
 
 
@@ -114,7 +114,7 @@ def _extra(part: Extra) -> dict[str, Any]:
         advice = f"pip install 'rod-workbench[{part.extra}]' ({error.name} is missing)"
         return _finding(what, False, f"{part.use}: {advice}", installed=False)
     try:
-        part.trial()
+        import_module(part.trial) if isinstance(part.trial, str) else part.trial()
     except (ImportError, InputError, OSError) as error:
         return _finding(what, False, str(error).partition("\n")[0])
     return _finding(what, True, f"{part.use}: {versions}")
@@ -124,26 +124,6 @@ def _cad() -> None:
     from ..export.step import kernel
 
     kernel()
-
-
-def _page() -> None:
-    import_module("aiohttp")
-
-
-def _heyoka() -> None:
-    import_module("heyoka")
-
-
-def _dask() -> None:
-    import_module("distributed")
-
-
-def _parquet() -> None:
-    import_module("pyarrow.parquet")
-
-
-def _salib() -> None:
-    import_module("SALib.analyze.sobol")
 
 
 def _film() -> None:
@@ -161,12 +141,12 @@ def _film() -> None:
 
 EXTRAS = (
     Extra("Open Cascade", "cad", ("cadquery-ocp-novtk",), _cad, "STEP files"),
-    Extra("live page", "explore", ("aiohttp",), _page, "workbench explore"),
+    Extra("live page", "explore", ("aiohttp",), "aiohttp", "workbench explore"),
     Extra("films", "animate", ("imageio", "imageio-ffmpeg"), _film, "workbench animate"),
-    Extra("heyoka", "taylor", ("heyoka",), _heyoka, "method for comparison"),
-    Extra("Parquet", "parquet", ("pyarrow",), _parquet, "workbench run --cases TABLE.parquet"),
-    Extra("SALib", "global", ("SALib",), _salib, "workbench sensitivity --global"),
-    Extra("Dask", "cluster", ("dask", "distributed"), _dask, "workbench run --scheduler"),
+    Extra("heyoka", "taylor", ("heyoka",), "heyoka", "method for comparison"),
+    Extra("Parquet", "parquet", ("pyarrow",), "pyarrow.parquet", "workbench run --cases TABLE.parquet"),
+    Extra("SALib", "global", ("SALib",), "SALib.analyze.sobol", "workbench sensitivity --global"),
+    Extra("Dask", "cluster", ("dask", "distributed"), "distributed", "workbench run --scheduler"),
 )
 
 

@@ -83,7 +83,7 @@ def fit(
     from solver import InputError
     from solver import fit as fitted
 
-    from ..fitting import fit_dataset, fit_files
+    from .. import fitting
     from . import option_checks
     from .fit_report import as_data, say
     from .present import Files, Result, files, present
@@ -91,7 +91,7 @@ def fit(
     sheet = option_checks.page(plot, style, width, no_title)
     written = files(plot, out, force, suffixes=OUT)
     targets = option_checks.numbers("--target", target or [])
-    read, sigmas = fit_files.read_points(points) if points is not None else (None, {})
+    read, sigmas = fitting.read_points(points) if points is not None else (None, {})
     asked = _case(file, at or [], given, table1, reading)
     found = fitted(
         asked.case,
@@ -109,8 +109,8 @@ def fit(
     result = Result(
         lambda: as_data(found, asked),
         lambda: say(found, asked),
-        lambda: fit_dataset.dataset_of(found, asked.units, read, wrapped),
-        lambda path: fit_files.write(found, asked, path),
+        lambda: fitting.dataset_of(found, asked.units, read, wrapped),
+        lambda path: fitting.write(found, asked, path),
         "fit",
     )
     present(result, written if found.solution is not None else Files(None, None, force), json, dpi, sheet)

@@ -7,7 +7,7 @@ import numpy as np
 
 from studies.grammar.axes import is_angle
 
-from ..fitting.fit_dataset import UNDETERMINED
+from ..fitting import UNDETERMINED
 from . import console
 
 if TYPE_CHECKING:

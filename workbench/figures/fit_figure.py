@@ -24,7 +24,7 @@ MARKS = ("o", "s", "^", "D", "v", "P")
 
 
 def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
-    """The figure of a dataset of `fitting.fit_dataset`, on a sheet."""
+    """The figure of a dataset of `workbench.fitting`, on a sheet."""
     room = sheet.width - 0.8, ROOM[1]
     upper = _height(ds, room)
     lower = LOWER if not sheet.narrow else min(LOWER, 0.8 * sheet.width)

@@ -11,7 +11,7 @@ from typing import Any
 from solver.problem.errors import InputError
 from studies import Study
 
-from . import local_pool, shards, worker_processes
+from . import engines, shards, worker_processes
 from .block import unsolved
 from .plan import Plan, plan, room
 from .progress import Meter, Progress, unshown
@@ -263,17 +263,15 @@ def _keep(work: Plan, folder: Path) -> str:
     return f"interrupted; {kept if done else 'no case was finished yet'}"
 
 
-def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> local_pool.Results:
+def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> engines.Results:
     left = sum(stop - start for start, stop in missing)
     if options.scheduler is not None:
-        from .dask_engine import cluster
-
-        return cluster(work, missing, options.scheduler, options.chunk)
+        return engines.cluster(work, missing, options.scheduler, options.chunk)
     workers = _workers(work, left, options)
     chunks = work.chunks(missing, work.chunk_size(workers, options.chunk))
     if workers == 1:
-        return local_pool.serial(work.light, chunks, work.block)
-    return local_pool.pool(work.light, chunks, work.block, workers)
+        return engines.serial(work.light, chunks, work.block)
+    return engines.pool(work.light, chunks, work.block, workers)
 
 
 def _workers(work: Plan, left: int, options: Options) -> int:
@@ -281,7 +279,7 @@ def _workers(work: Plan, left: int, options: Options) -> int:
     if options.workers is not None:
         return options.workers
     blocks = WORTH_TOGETHER if work.batched else WORTH
-    return max(1, min(local_pool.cores(), left // (blocks * work.block)))
+    return max(1, min(engines.cores(), left // (blocks * work.block)))
 
 
 @contextmanager
