@@ -1,47 +1,25 @@
 """Reads a study from TOML; an error is one sentence with file, line, value and choices."""
 
 import re
-import reprlib
-import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
+import numpy as np
+from pydantic import ValidationError
 
 from solver.problem import angles
+from solver.problem.angles import doubt
 from solver.problem.errors import InputError, choices, near
 
-from ..grammar.axes import Axis, Base, Misplaced, Units, Which
+from ..grammar.axes import is_angle
 from ..grammar.dimensions import Values
-from ..laws.law import Law
-from . import angle_notices, paired
+from . import paired
 from .model import Study
-from .samples import Distribution
-from .study_tables import Refine, Table
-from .writer import dumps
+from .study_text import MOST_TEXT, Refused, Where, dumps, line_of, lines_of, one_line, sentence_of, tables_of
 
 SHIPPED = Path(__file__).parents[1]
-
-Where = tuple[str | int, ...]
-
-# Limits far beyond any study, checked before parsing takes time or memory.
-MOST_TEXT = 64_000_000  # characters, or bytes of a file
-MOST_KEYS = 1000  # of a table, and tables of a list
-MOST_PARTS = 20  # of a dotted key
-MOST_SAID = 800  # characters of an error message
-
-_MODELS: dict[str, type[BaseModel]] = {
-    "units": Units, "base": Base, "axes": Axis, "sample": Distribution, "table": Table, "laws": Law,
-    "equilibrium": Which, "refine": Refine,
-}  # fmt: skip
-_HEADER = re.compile(r"^\s*(\[\[?)([^\[\]]+)\]")
-_QUANTITY = re.compile(r"\s*[-+]?\.?\d")
-_PART = re.compile(r"""[\w-]+|"[^"]*"|'[^']*'""")
-_DEEP_KEY = re.compile(rf"""(?<![\w"'-])(?:[\w"'-]++\s*+\.\s*+){{{MOST_PARTS}}}""")
-_REPR = reprlib.Repr()
-_REPR.maxlevel, _REPR.maxlist, _REPR.maxdict, _REPR.maxstring, _REPR.maxother = 2, 3, 3, 60, 60
-_KEY = re.compile(r"""^\s*((?:[\w-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[\w-]+|"[^"]*"|'[^']*'))*)\s*=""")
 
 
 def names() -> list[str]:
@@ -103,18 +81,18 @@ def load(study: str | Path, cases: Path | None = None, draw: bool = True) -> Stu
         path = SHIPPED / f"{text}.toml"
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):  # reading a pipe might never end
-            raise InputError(f"{_plain(str(path))} is not a regular file")
+            raise InputError(f"{one_line(str(path))} is not a regular file")
         if path.is_file() and path.stat().st_size > MOST_TEXT:
             raise InputError(f"{path} has {path.stat().st_size} bytes; the limit is {MOST_TEXT}")
         source = path.read_text(encoding="utf-8")
     except UnicodeDecodeError:
         raise InputError(f"{path} is not a text file in UTF-8") from None
     except OSError as error:
-        raise InputError(f"cannot read the study {_plain(str(path))}: {error.strerror}") from None
+        raise InputError(f"cannot read the study {one_line(str(path))}: {error.strerror}") from None
     except ValueError as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{_plain(str(path))} is not a file name: {error}") from None
+        raise InputError(f"{one_line(str(path))} is not a file name: {error}") from None
     context = {"folder": path.parent, "cases": cases, "draw": draw}
     return loads(source, path.name, _as_name(path.stem), context)
 
@@ -154,11 +132,11 @@ def loads(
     (1, 20.0)
     """
     try:
-        data = _tables(text)
+        data = tables_of(text)
         study = _study(data, text, default_name, context or {})
-    except _Refused as error:
-        where = _line(_lines(text), error.where) if error.where else ""
-        raise InputError(_plain(f"{label}{where}{':' if error.of_a_key else ''} {error}")) from None
+    except Refused as error:
+        where = line_of(lines_of(text), error.where) if error.where else ""
+        raise InputError(one_line(f"{label}{where}{':' if error.of_a_key else ''} {error}")) from None
     cases = study.samples.fields if study.table and study.samples else None
     for sentence in _notices(data, text, label, cases):
         angles.warn(sentence)
@@ -171,23 +149,15 @@ def notices(text: str, label: str = "study") -> list[str]:
     `loads` and `load` issue each as an `AngleWarning`.
     """
     try:
-        return _notices(_tables(text), text, label)
-    except _Refused:
+        return _notices(tables_of(text), text, label)
+    except Refused:
         return []
 
 
 def _notices(data: Mapping[str, Any], text: str, label: str, cases: Mapping[str, Values] | None = None) -> list[str]:
-    found = angle_notices.of_study(data, cases)
-    lines = _lines(text) if found else {}
-    return [_plain(f"{label}{_line(lines, where)}: {sentence}") for where, sentence in found]
-
-
-class _Refused(Exception):
-    """The reason why a text is refused. where: the key; of_a_key: whether the message starts after a colon."""
-
-    def __init__(self, message: str, where: Where = (), of_a_key: bool = True) -> None:
-        super().__init__(message)
-        self.where, self.of_a_key = where, of_a_key
+    found = _doubts(data, cases)
+    lines = lines_of(text) if found else {}
+    return [one_line(f"{label}{line_of(lines, where)}: {sentence}") for where, sentence in found]
 
 
 def _study(data: dict[str, Any], text: str, default_name: str, context: Mapping[str, Any]) -> Study:
@@ -199,8 +169,8 @@ def _study(data: dict[str, Any], text: str, default_name: str, context: Mapping[
     try:
         study = Study.model_validate(data, context=context)
     except ValidationError as error:
-        where, sentence = _sentence(error)
-        raise _Refused(sentence, where) from None
+        where, sentence = sentence_of(error)
+        raise Refused(sentence, where) from None
     study._text = text if cases is None else dumps(study)
     if not context.get("draw", True):
         return study
@@ -208,7 +178,7 @@ def _study(data: dict[str, Any], text: str, default_name: str, context: Mapping[
         _check_ends(study)
         study.case()
     except InputError as error:
-        raise _Refused(str(error), _blame(str(error), study)) from None
+        raise Refused(str(error), _blame(str(error), study)) from None
     return study
 
 
@@ -227,98 +197,9 @@ def _check_ends(study: Study) -> None:
                 raise InputError(f"{error}; the distribution reaches it: {distribution.reach(name)}") from None
 
 
-def _tables(text: str) -> dict[str, Any]:
-    """The TOML as dictionaries; refuses a text beyond the limits."""
-    if len(text) > MOST_TEXT:
-        raise _Refused(f"has {len(text)} characters; the limit is {MOST_TEXT}", of_a_key=False)
-    if found := _DEEP_KEY.search(text):
-        raise _Refused(f"has a key of more than {MOST_PARTS} parts: {_show(found.group())}", of_a_key=False)
-    try:
-        data = tomllib.loads(text)
-    except RecursionError:
-        raise _Refused("is nested too deeply for a study", of_a_key=False) from None
-    except ValueError as error:  # a TOML error, or Python's for a number of thousands of digits
-        raise _Refused(f"is not valid TOML: {error}{_repeat(text, str(error))}", of_a_key=False) from None
-    tables: list[Any] = [data]
-    while tables:
-        table = tables.pop()
-        inner = table.values() if isinstance(table, dict) else table
-        if len(inner) > MOST_KEYS and (isinstance(table, dict) or any(isinstance(one, dict) for one in inner)):
-            raise _Refused(f"has a table of {len(inner)} entries; the limit is {MOST_KEYS}", of_a_key=False)
-        tables += [one for one in inner if isinstance(one, (dict, list))]
-    return data
-
-
-def _repeat(text: str, message: str) -> str:
-    """The key that is given twice, and the line, if the message of the TOML error is about such a key."""
-    if not message.startswith("Cannot overwrite a value"):
-        return ""
-    lines = text.rstrip().split("\n")
-    found = re.search(r"at line (\d+)", message)
-    number = int(found.group(1)) if found else len(lines)
-    line = lines[number - 1] if number <= len(lines) else ""
-    key, header = _KEY.match(line), _HEADER.match(line)
-    name = key.group(1) if key else header.group(2) if header else ""
-    return f": line {number} gives {f'the key {name.strip()}' if name else 'a key'} again"
-
-
-def _plain(text: str) -> str:
-    """A sentence on one line; characters that cannot be printed are escaped."""
-    line = "".join(one if one.isprintable() else " " if one in "\n\t" else repr(one)[1:-1] for one in text)
-    return line if len(line) <= MOST_SAID else f"{line[: MOST_SAID - 3]}..."
-
-
-def _show(value: object) -> str:
-    """A value, shortened for a message."""
-    text = _REPR.repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
 def _as_name(stem: str) -> str:
     """The stem of a file as a valid name of a study."""
     return re.sub(r"[^A-Za-z0-9_-]+", "_", stem).lstrip("_-") or "study"
-
-
-def _keys(model: type[BaseModel]) -> list[str]:
-    return [field.alias or name for name, field in model.model_fields.items()]
-
-
-def _sentence(error: ValidationError) -> tuple[Where, str]:
-    """The key and the sentence of the first error; an unknown key precedes the missing key that it causes."""
-    complaints = sorted(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
-    first = complaints[0]
-    where: Where = first["loc"]
-    kind, value = first["type"], first["input"]
-    cause = first.get("ctx", {}).get("error")
-    if isinstance(cause, Misplaced):
-        return (*where, *cause.path), str(cause)
-    if cause is not None:
-        return where, str(cause)
-    if kind == "extra_forbidden":
-        model = _MODELS.get(str(where[0]), Study) if len(where) > 1 else Study
-        keys = _keys(model)
-        inside = f" in {_key_in_words(where[:-1])}" if len(where) > 1 else ""
-        return where, f"no key {_show(where[-1])}{inside}{near(where[-1], keys)}; choose from {choices(keys)}"
-    if kind == "missing":
-        owner = _key_in_words(where[:-1]) if len(where) > 1 else "the study"
-        return where[:-1], f"{owner} needs the key {where[-1]!r}"
-    if kind == "string_pattern_mismatch":
-        return where, f"{_key_in_words(where)} must be letters, digits, - and _ only, got {_show(value)}"
-    if kind == "float_type" and isinstance(value, str) and _QUANTITY.match(value):
-        alone = "write the number alone; the table units says in which units all numbers are"
-        return where, f"{_key_in_words(where)} must be a number without a unit, got {_show(value)}: {alone}"
-    said = first["msg"].replace("Input should", "must", 1)
-    if kind in ("model_type", "dict_type"):
-        said = "must be a table"
-    return where, f"{_key_in_words(where)} {said}, got {_show(value)}"
-
-
-def _key_in_words(where: Where) -> str:
-    """``("axes", "E", "count")`` as ``axes.E.count``, ``("laws", 0)`` as ``laws[1]``."""
-    text = ""
-    for part in where:
-        text += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if text else part
-    return text
 
 
 def _blame(message: str, study: Study) -> Where:
@@ -335,41 +216,24 @@ def _field(message: str) -> str:
     return found.group(1) if found else ""
 
 
-def _lines(text: str) -> dict[Where, int]:
-    """Key path -> number of its line; the keys of an inline table have the line of the table."""
-    lines: dict[Where, int] = {}
-    table: Where = ()
-    counts: dict[str, int] = {}
-    quoted = ""
-    for number, line in enumerate(text.split("\n"), 1):
-        if quoted:
-            quoted = "" if quoted in line else quoted
-            continue
-        if header := _HEADER.match(line):
-            table = _parts(header.group(2))
-            if header.group(1) == "[[":
-                name = header.group(2).strip()
-                counts[name] = counts.get(name, -1) + 1
-                table = (*table, counts[name])
-            for n in range(1, len(table) + 1):
-                lines.setdefault(table[:n], number)
-        elif key := _KEY.match(line):
-            path = (*table, *_parts(key.group(1)))
-            for n in range(len(table) + 1, len(path) + 1):
-                lines.setdefault(path[:n], number)
-        for mark in ('"""', "'''"):
-            if line.count(mark) % 2:
-                quoted = mark
-    return lines
+def _doubts(data: Mapping[str, Any], cases: Mapping[str, Values] | None = None) -> list[tuple[Where, str]]:
+    """The key and the notice of each such number.
+
+    data: the tables of a valid study, as the file has them. cases: the columns of its table of cases.
+    """
+    columns = ((("table", name), values[np.abs(values) > np.pi]) for name, values in (cases or {}).items())
+    every = chain(_angles(data), ((where, values) for where, values in columns if is_angle(where[1])))
+    said = ((where, doubt(str(where[1]), value)) for where, value in every)
+    return [(where, sentence) for where, sentence in said if sentence]
 
 
-def _parts(dotted: str) -> Where:
-    return tuple(part.strip("\"'") for part in _PART.findall(dotted))
-
-
-def _line(lines: dict[Where, int], where: Where) -> str:
-    """``, line 7`` for a key, or for the table that holds it; empty if unknown."""
-    for n in range(len(where), 0, -1):
-        if where[:n] in lines:
-            return f", line {lines[where[:n]]}"
-    return ""
+def _angles(data: Mapping[str, Any]) -> Iterator[tuple[Where, Any]]:
+    """The key of each angle, and the values that have no key `unit` beside them."""
+    for table in ("base", "zip"):
+        for name, value in (data.get(table) or {}).items():
+            if is_angle(name):
+                yield (table, name), value
+    for table in ("axes", "sample"):
+        for name, value in (data.get(table) or {}).items():
+            if is_angle(name) and isinstance(value, dict) and "unit" not in value:
+                yield (table, name), [value[key] for key in ("values", "from", "to", "mean", "std") if key in value]

@@ -8,7 +8,7 @@ from studies.language.lattice import Lattice, Lines
 from studies.language.loader import loads
 from studies.language.refine import lattice, refinement
 from studies.language.refinement import BUDGET, TOLERANCE, Refinement, refinement_of
-from studies.language.writer import dumps
+from studies.language.study_text import dumps
 
 HEAD = 'title = "r"\nreading = "force-first/tension/paper"\n'
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'

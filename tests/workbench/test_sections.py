@@ -14,7 +14,7 @@ import solver
 import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import Case, InputError, Rod, Start, solve
 from studies.language.loader import loads
-from studies.language.writer import dumps
+from studies.language.study_text import dumps
 from tests.workbench import doc_pages, small
 from workbench.geometry import stored_line
 from workbench.store import in_memory, law_verdicts, reading, value_checks, writing

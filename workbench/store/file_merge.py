@@ -16,7 +16,7 @@ from studies import TABLE_1, Study
 from studies.grammar.dimensions import SAMPLE, Dimension
 from studies.language.loader import loads
 from studies.language.paired import SOURCES
-from studies.language.writer import axis_table, dumps, dumps_paired, dumps_table
+from studies.language.study_text import axis_table, dumps, dumps_paired, dumps_table
 
 from ..words import cautions
 from . import (
