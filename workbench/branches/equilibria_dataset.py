@@ -49,7 +49,7 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     units, held = study.unit_system, held_of(case)
     solutions = [one.solution for one in found]
     reactions = list(solutions[0].reactions) if solutions else []
-    rows = [{**{name: getattr(one, name) for name in EACH}, **_observed(one.solution)} for one in found]
+    rows = [{**{name: getattr(one, name) for name in EACH}, **_numbers_of(one.solution)} for one in found]
     numbers = {name: np.array([row[name] for row in rows]) for name in (*EACH, *ELASTIC, *PUSH, *reactions)}
     data: dict[str, Any] = dataset.variables(numbers, EQUILIBRIUM, units)
     if held:
@@ -73,7 +73,7 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     return with_case(ds, case, units)
 
 
-def _observed(sol: Solution) -> dict[str, Any]:
+def _numbers_of(sol: Solution) -> dict[str, Any]:
     return {**elastic(sol), **{name: float(value) for name, value in (observe(sol, PUSH) | sol.reactions).items()}}
 
 
