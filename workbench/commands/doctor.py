@@ -8,6 +8,7 @@ from typing import Any
 
 from . import console
 from .options import Json
+from .present import Result, present
 
 
 @dataclass(frozen=True)
@@ -32,15 +33,17 @@ def doctor(json: Json = False) -> int:
 
     findings = examine()
     packages = {**dataset.versions(), **_drawing_versions()}
-    if json:
-        console.print_json({"system": platform.platform(), "checks": findings, "versions": packages})
-        return 0
+    found = {"system": platform.platform(), "checks": findings, "versions": packages}
+    present(Result(lambda: found, lambda: _print(found)), json)
+    return 0
+
+
+def _print(found: dict[str, Any]) -> None:
     words = {True: "works", False: "does not work", None: "not installed"}
-    rows = [[f["what"], words[f["works"] if f["installed"] else None], f["said"]] for f in findings]
+    rows = [[f["what"], words[f["works"] if f["installed"] else None], f["said"]] for f in found["checks"]]
     console.print_table(["", "", ""], rows)
     console.say("")
-    console.print_table(["version", ""], [["system", platform.platform()], *map(list, packages.items())])
-    return 0
+    console.print_table(["version", ""], [["system", found["system"]], *map(list, found["versions"].items())])
 
 
 def examine(extras: "Sequence[Extra] | None" = None, opengl: bool = True) -> list[dict[str, Any]]:

@@ -113,7 +113,7 @@ def equilibria(
     if axis is not None:
         return _over_axis(study, case, parse_axis(axis), asked, json, show, sheet)
     found = all_equilibria(case, **search)
-    present(_list(study, case, found, choose, _source(study, file, given)), asked, json, sheet=sheet)
+    present(_list(study, case, found, choose, _source(study, file, given)), json, asked, sheet=sheet)
     if export:
         write_cases(study, case, found, export)
         if not json:
@@ -321,5 +321,5 @@ def _over_axis(
         for remark in remarks:
             console.say(f"a branch stops at {remark}")
 
-    present(Result(data, tell, lambda: ds), asked, as_json, sheet=sheet)
+    present(Result(data, tell, lambda: ds), as_json, asked, sheet=sheet)
     return 0 if rows else 1

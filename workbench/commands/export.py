@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 from . import console
 from .options import AT, File, ForceOutput, Json, flag, number_option, option
+from .present import Result, present
 
 SUFFIXES = ".step .stp .stl .obj .glb .gltf .usda .vtp .pvd .csv"  # of `formats.FORMATS`, which --help does not import
 
@@ -25,14 +26,15 @@ def export_file(
     status = 1 if done.warnings else 0
     for warning in done.warnings:
         console.warn(warning)
-    if json:
-        data = {"file": str(done.path), "at": done.at, **done.facts, "warnings": done.warnings, "status": status}
-        console.print_json(data)
-        return status
-    where = ", ".join(f"{name}={value:g}" for name, value in done.at.items())
-    unit = str(ds.attrs["length_unit"])
-    facts = ", ".join(_fact(key, value, unit) for key, value in done.facts.items() if key != "values")
-    console.say(f"{done.path}{f' at {where}' if where else ''}: {facts}")
+
+    def show() -> None:
+        where = ", ".join(f"{name}={value:g}" for name, value in done.at.items())
+        unit = str(ds.attrs["length_unit"])
+        facts = ", ".join(_fact(key, value, unit) for key, value in done.facts.items() if key != "values")
+        console.say(f"{done.path}{f' at {where}' if where else ''}: {facts}")
+
+    data = {"file": str(done.path), "at": done.at, **done.facts, "warnings": done.warnings, "status": status}
+    present(Result(lambda: data, show), json)
     return status
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from . import console
 from .options import Json, option
+from .present import Result, present
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,13 +48,14 @@ def extremes(
         str(method): {verdict: int((ds["verdict"].sel({"method": method}) == verdict).sum()) for verdict in VERDICTS}
         for method in ds["method"].values
     }
-    if json:
-        console.print_json({"methods": counts, "files": [str(file) for file in files]})
-    else:
+
+    def show() -> None:
         rows = [[method, *map(str, row.values())] for method, row in counts.items()]
         console.print_table(["method", *VERDICTS], rows, str(ds.attrs["title"]))
         for file in files:
             console.say(str(file))
+
+    present(Result(lambda: {"methods": counts, "files": [str(file) for file in files]}, show), json)
     return 1 if any(row[INACCURATE] for row in counts.values()) else 0
 
 

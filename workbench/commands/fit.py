@@ -86,7 +86,7 @@ def fit(
     from .. import fitting
     from . import option_checks
     from .fit_report import as_data, say
-    from .present import Files, Result, files, present
+    from .present import NO_FILES, Result, files, present
 
     sheet = option_checks.page(plot, style, width, no_title)
     written = files(plot, out, force, suffixes=OUT)
@@ -113,7 +113,7 @@ def fit(
         lambda path: fitting.write(found, asked, path),
         "fit",
     )
-    present(result, written if found.solution is not None else Files(None, None, force), json, dpi, sheet)
+    present(result, json, written if found.solution is not None else NO_FILES, dpi, sheet)
     return 0 if found.solved else 1
 
 

@@ -88,7 +88,7 @@ def folds(
         _print(found, points, wrong)
         console.say_units(study.unit_system)
 
-    present(Result(lambda: _as_data(found, points, wrong), show, dataset), asked, json, dpi, page)
+    present(Result(lambda: _as_data(found, points, wrong), show, dataset), json, asked, dpi, page)
     return 1 if found.remark or wrong else 0
 
 

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import console
 from .options import Json
+from .present import Result, present
 
 if TYPE_CHECKING:
     from studies.grammar.axes import Axis
@@ -11,12 +12,15 @@ if TYPE_CHECKING:
 
 def list_studies(json: Json = False) -> int:
     """List the shipped studies with their axes and laws."""
-    from studies.laws import verdict_words
 
     rows = _list()
-    if json:
-        console.print_json(rows)
-        return 0
+    present(Result(lambda: rows, lambda: _print(rows)), json)
+    return 0
+
+
+def _print(rows: list[dict[str, Any]]) -> None:
+    from studies.laws import verdict_words
+
     table = []
     for row in rows:
         sampled = [f"{row['samples']} samples of {', '.join(row['sampled'])}"] if row["sampled"] else []
@@ -24,7 +28,6 @@ def list_studies(json: Json = False) -> int:
         laws = "\n".join(f"{law['claim']}: {verdict_words.law_in_words(law)}" for law in row["laws"])
         table.append([row["study"], row["title"], axes or "-", laws or "-"])
     console.print_table(["study", "title", "axes", "laws"], table)
-    return 0
 
 
 def _list() -> list[dict[str, Any]]:

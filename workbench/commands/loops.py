@@ -56,7 +56,7 @@ def loops(
 
     from ..branches import loops_dataset
     from . import option_checks
-    from .present import Files, Result, files, present
+    from .present import NO_FILES, Result, files, present
 
     rod, cylinder, units = _rod(file, given)
     counts = parse_folds(folds)
@@ -77,7 +77,7 @@ def loops(
         return {"units": units, "loops": rows, "complete": complete, "remarks": remarks}
 
     result = Result(data, lambda: _print(found, remarks, units), lambda: loops_dataset.dataset_of(found, units))
-    present(result, asked if found else Files(None, None, force), json, sheet=sheet)
+    present(result, json, asked if found else NO_FILES, sheet=sheet)
     return 0 if complete else 1
 
 

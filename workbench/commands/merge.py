@@ -5,6 +5,7 @@ from typing import Annotated
 
 from . import console
 from .options import ForceStudy, Json, argument, option
+from .present import Result, present
 from .study_result import print_verdicts
 
 
@@ -25,13 +26,14 @@ def merge(
 
     done = join(files, out, force)
     status = law_verdicts.status(done["unsolved"], done["laws"])
-    if json:
-        console.print_json({**done, "status": status})
-        return status
-    if done["laws"]:
-        print_verdicts(done["laws"])
-    console.say(f"{out}: {done['values']} values of {done['axis']} from {len(files)} files")
-    console.say(f"{done['cases']} cases, {done['unsolved']} unsolved")
-    if done["caution"]:
-        console.say(f"caution: {done['caution']}")
+
+    def show() -> None:
+        if done["laws"]:
+            print_verdicts(done["laws"])
+        console.say(f"{out}: {done['values']} values of {done['axis']} from {len(files)} files")
+        console.say(f"{done['cases']} cases, {done['unsolved']} unsolved")
+        if done["caution"]:
+            console.say(f"caution: {done['caution']}")
+
+    present(Result(lambda: {**done, "status": status}, show), json)
     return status

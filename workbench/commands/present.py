@@ -1,4 +1,4 @@
-"""Hand the result of a command to its reader: a table or JSON, a dataset in a file, a picture."""
+"""Hand the result of a command to its reader: sentences and tables or JSON, a dataset in a file, a picture."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,17 +26,21 @@ class Files:
     force: bool
 
 
+NO_FILES = Files(None, None, False)
+
+
 @dataclass(frozen=True)
 class Result:
     """What a command found.
 
     data: it as plain data. show: prints it for people. dataset: it as a dataset, which is drawn, and stored unless
-    `write` writes it in another form. figure: the kind of its figure; default: that of the kind of file.
+    `write` writes it in another form; None where no file is asked for. figure: the kind of its figure;
+    default: that of the kind of file.
     """
 
     data: Callable[[], Any]
     show: Callable[[], None]
-    dataset: "Callable[[], xr.Dataset]"
+    dataset: "Callable[[], xr.Dataset] | None" = None
     write: Callable[[Path], object] | None = None
     figure: str | None = None
 
@@ -64,11 +68,12 @@ def files(plot: Path | None, out: Path | None, force: bool, kind: str = "", suff
 
 
 def present(
-    result: Result, asked: Files, as_json: bool, dpi: int = 200, sheet: "Sheet | None" = None
+    result: Result, as_json: bool, asked: Files = NO_FILES, dpi: int = 200, sheet: "Sheet | None" = None
 ) -> "Figure | None":
     """Store and draw what was asked for, then print it; the figure. sheet: of the picture."""
-    drawn = None
-    ds = result.dataset() if asked.picture or (asked.out and result.write is None) else None
+    drawn, ds = None, None
+    if result.dataset is not None and (asked.picture or (asked.out and result.write is None)):
+        ds = result.dataset()
     if asked.out and result.write is not None:
         result.write(asked.out)
     elif asked.out and ds is not None:

@@ -70,7 +70,7 @@ def sensitivity(
         lambda path: tables.write(table, path),
         "indices" if whole else "tornado",
     )
-    drawn = present(result, written, json, dpi, sheet)
+    drawn = present(result, json, written, dpi, sheet)
     for note in legend.notes_of(drawn) if drawn and not json else ():
         console.say(note)
     for path in (out, plot):

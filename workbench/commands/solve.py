@@ -8,6 +8,7 @@ from . import console
 from .case_options import Given, takes_case
 from .option_checks import parse_choose
 from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Tol, flag
+from .present import Result, present
 
 if TYPE_CHECKING:
     from solver import Solution
@@ -80,10 +81,7 @@ def solve(
         "warnings": pipe_state.warnings(sol, asked.units, rows),
         "lift_offs": sol.lift_offs,
     }
-    if json:
-        console.print_json(found)
-    else:
-        print_case(found, every, whole)
+    present(Result(lambda: found, lambda: print_case(found, every, whole)), json)
     return 0 if sol.solved else 1
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from . import console, study_result
 from .options import File, Json
+from .present import Result, present
 
 NUMBERS = ("from", "to", "min", "median", "max", "half_width", "at")  # of a row, in its units
 
@@ -23,12 +24,7 @@ def summary(file: File, json: Json = False) -> int:
     with reading.raw(file) as ds:
         is_study = file_kinds.kind_of(ds) is file_kinds.STUDY
     found = summarise(file) if is_study else contents(file)
-    if json:
-        console.print_json(found)
-    elif is_study:
-        _print(found)
-    else:
-        _print_contents(found)
+    present(Result(lambda: found, lambda: (_print if is_study else _print_contents)(found)), json)
     return 0
 
 

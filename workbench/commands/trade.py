@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .options import Json, option
+from .present import Result, present
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,10 +49,8 @@ def trade(
         raise
     ds, files = _store(rows, ladders, out, "trade")
     found = comparison.summary_of(ds)
-    if json:
-        console.print_json(found | {"file": str(files[0]), "pictures": [str(picture) for picture in files[1:]]})
-    else:
-        _print(found, files)
+    stored = {"file": str(files[0]), "pictures": [str(picture) for picture in files[1:]]}
+    present(Result(lambda: found | stored, lambda: _print(found, files)), json)
     return 0
 
 
