@@ -51,7 +51,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "fit fig7_1_modulus --at E=10905 --target height=9 --vary F1 --bounds F1=1:9",
         "fit my_rod.toml --points points.csv --vary E,M3 --plot fit.png",
     ),
-    "explore": ("explore",),
+    "explore": ("explore", "explore fig7_1_modulus"),
     "trade": ("trade",),
     "extremes": ("extremes",),
     "doctor": ("doctor",),
