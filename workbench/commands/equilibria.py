@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from . import console
 from .case_options import ENDS_FIELDS, HELD, Given, takes_case
 from .option_checks import parse_axis, parse_choose, ranges
-from .options import Choose, Json, NoTitle, Style, Width, argument, flag, option
+from .options import Choose, Json, NoTitle, OneCase, Style, Width, flag, option
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,9 +29,7 @@ COLUMNS = ("dbeta0", "energy", "bending_energy", "turns", "index", "stray", "att
 
 @takes_case((*ENDS_FIELDS, *HELD))
 def equilibria(
-    file: Annotated[
-        Path | None, argument("FILE|STUDY", "TOML file or name of a study of one case; default: Table 1.")
-    ] = None,
+    file: OneCase = None,
     *,
     given: Given,
     axis: Annotated[

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from .case_options import Given, takes_case
-from .options import At, Choose, ForceOutput, Json, NoTitle, Reading, Style, Width, argument, flag, option
+from .options import At, Choose, Dpi, ForceOutput, Json, NoTitle, Reading, Style, Table1, Width, argument, flag, option
 
 if TYPE_CHECKING:
     from ..store.case_input import CaseInput
@@ -59,7 +59,7 @@ def fit(
     starts: Annotated[int, option("NUMBER", "Number of Sobol' points tried beside the case.", min=0)] = 32,
     seed: Annotated[int, option("NUMBER", "Seed of the Sobol' points.", min=0)] = 0,
     at: At = None,
-    table1: Annotated[bool, flag("Take the rod of Table 1; options replace its fields.", "--table1")] = False,
+    table1: Table1 = False,
     reading: Reading = None,
     *,
     given: Given,
@@ -69,7 +69,7 @@ def fit(
     style: Style = "screen",
     width: Width = None,
     no_title: NoTitle = False,
-    dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
+    dpi: Dpi = 200,
     force: ForceOutput = False,
     json: Json = False,
 ) -> int:

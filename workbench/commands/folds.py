@@ -7,22 +7,19 @@ from . import console
 from .case_options import ENDS_FIELDS, HELD, Given, takes_case
 from .equilibria import study_and_case
 from .option_checks import ENDS_NUMBERS, read_range
-from .options import ForceOutput, Json, argument, flag, number_option, option
+from .options import Dpi, ForceOutput, Json, NoTitle, OneCase, Style, Width, option
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from solver.region_map import RegionMap
 
-PRINT = {"rich_help_panel": "Print"}
 MOST_POINTS = 100_000  # as of `RegionMap.checked`
 
 
 @takes_case((*ENDS_FIELDS, *HELD))
 def folds(
-    file: Annotated[
-        Path | None, argument("FILE|STUDY", "TOML file or name of a study of one case; default: Table 1.")
-    ] = None,
+    file: OneCase = None,
     *,
     given: Given,
     axis: Annotated[
@@ -45,10 +42,10 @@ def folds(
     ] = 0,
     plot: Annotated[Path | None, option("FILE", "Picture, .png, .pdf or .svg: the map.")] = None,
     out: Annotated[Path | None, option("FILE", "HDF5 file of the curves and regions.")] = None,
-    style: Annotated[str, option("STYLE", "screen, or paper: letters of 8 points, 183 mm wide.", **PRINT)] = "screen",
-    width: Annotated[float | None, number_option("Width of the picture [mm], such as 89 or 183.", **PRINT)] = None,
-    no_title: Annotated[bool, flag("Leave out the title of the study.", "--no-title", **PRINT)] = False,
-    dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
+    style: Style = "screen",
+    width: Width = None,
+    no_title: NoTitle = False,
+    dpi: Dpi = 200,
     force: ForceOutput = False,
     json: Json = False,
 ) -> int:

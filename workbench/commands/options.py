@@ -106,6 +106,9 @@ NoTitle = Annotated[
     bool,
     flag("Leave out the title and what a caption tells; the command prints it.", "--no-title", rich_help_panel="Print"),
 ]
+Dpi = Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)]
+Table1 = Annotated[bool, flag("Take the rod of Table 1; options replace its fields.", "--table1")]
+OneCase = Annotated[Path | None, argument("FILE|STUDY", "TOML file or name of a study of one case; default: Table 1.")]
 PixelError = Annotated[float, number_option("Largest error of the drawn surface [pixels].")]
 ForceOutput = Annotated[bool, flag("Replace output files that exist.", "--force")]
 ForceStudy = Annotated[bool, flag("Replace the file of --out even if it is not this study.", "--force")]

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
-from .options import At, File, ForceOutput, NoTitle, Style, Width, option
+from .options import At, Dpi, File, ForceOutput, NoTitle, Style, Width, option
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,7 +64,7 @@ def plot(
     data: Annotated[
         Path | None, option("FILE", "CSV file of the numbers that are drawn.", rich_help_panel="Print")
     ] = None,
-    dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
+    dpi: Dpi = 200,
     force: ForceOutput = False,
 ) -> int:
     """Draw the observables of a stored study, as maps over two axes or along each axis.

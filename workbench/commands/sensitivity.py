@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
-from .options import At, ForceOutput, Json, NoTitle, Style, Width, argument, flag, number, option
+from .options import At, Dpi, ForceOutput, Json, NoTitle, Style, Width, argument, flag, number, option
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,7 +37,7 @@ def sensitivity(
     style: Style = "screen",
     width: Width = None,
     no_title: NoTitle = False,
-    dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
+    dpi: Dpi = 200,
     force: ForceOutput = False,
     json: Json = False,
 ) -> int:  # fmt: skip

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from . import console
 from .case_options import Given, takes_case
 from .option_checks import parse_choose
-from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Tol, flag
+from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Table1, Tol, flag
 from .present import Result, present
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ LOADS = ("FZ", "MZ", "M3")
 @takes_case()
 def solve(
     file: CaseFile = None,
-    table1: Annotated[bool, flag("Take the rod of Table 1; options replace its fields.", "--table1")] = False,
+    table1: Table1 = False,
     reading: Reading = None,
     *,
     given: Given,
