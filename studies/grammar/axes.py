@@ -11,6 +11,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from solver import Cylinder, Ends, Rod, Start
 from solver.problem.angles import angle
+from solver.problem.case_fields import FIELD
 from solver.problem.errors import choices, near
 from solver.problem.quantities import QUANTITIES, Quantity, quantity
 
@@ -31,7 +32,7 @@ MAX_CASES = 1_000_000_000  # cases of a grid: more than a day at 0.1 ms each
 CLOSEST = 1e-15  # least relative difference of neighbours on an axis; closer values could round to the same float
 
 # Fields of a case that are the value of a quantity at s = 0, which has another name.
-_AT_START = {"beta": "beta0", "dbeta": "dbeta0", "alpha": "alpha0", "gamma": "gamma0"}
+_AT_START = {field: name for name, field in FIELD.items()}
 
 
 class Misplaced(ValueError):

@@ -19,7 +19,7 @@ from studies.grammar.axes import quantity_of
 from studies.laws.law import Law
 from studies.laws.verdicts import QUALIFIED, decide
 
-from ..store import schema
+from ..store import dataset, schema
 from .equilibria_dataset import COUNT, DEAD_LOADS, EACH, PUSH, attributes, with_case
 from .followed_curves import default_observable, follow_curves, special_points
 from .tracing import PARTNER, Traced, trace_branches, trace_held
@@ -182,15 +182,9 @@ def dataset_of(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Da
     units, sol, name = {**WORDS, **units}, solutions_of(branch, stations), branch.field
     dims = (POINT,)
     found: dict[str, Any] = observe(sol, POINT_NUMBERS) | {"dbeta0": sol.dbeta[:, 0], "index": branch.index}
-    data: dict[str, Any] = {
-        key: xr.Variable(dims, value, schema.labels(key, units)) for key, value in found.items() if key != name
-    }
-    for key in ALONG:
-        data[key] = xr.Variable((POINT, "u"), getattr(sol, key), schema.labels(key, units))
-    for key in ("FZ", "MZ", "M3"):
-        if key != name:
-            data[key] = xr.Variable(dims, getattr(sol, key), schema.labels(key, units))
-    data["rho"] = xr.Variable(dims, np.broadcast_to(sol.case.rho, sol.case.shape), schema.labels("rho", units))
+    found |= {key: getattr(sol, key) for key in schema.LOADS} | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
+    data: dict[str, Any] = dataset.variables({k: value for k, value in found.items() if k != name}, dims, units)
+    data |= dataset.variables({key: getattr(sol, key) for key in ALONG}, (POINT, "u"), units)
     kinds = np.full(len(branch), "", dtype=object)
     kinds[[one.position for one in branch.special]] = [one.kind for one in branch.special]
     data["special"] = xr.Variable(dims, kinds.astype(str), {"long_name": "kind of special point, empty for none"})
@@ -199,8 +193,8 @@ def dataset_of(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Da
     coords = {
         POINT: xr.Variable(dims, np.arange(len(branch)), {"long_name": "number of the point along the branch"}),
         name: xr.Variable(dims, branch.values, schema.labels(quantity_of(name).name, units)),
-        "u": xr.Variable(("u",), np.linspace(0, 1, stations), schema.labels("u", units)),
-        "s": xr.Variable((POINT, "u"), sol.s, schema.labels("s", units)),
+        **dataset.variables({"u": np.linspace(0, 1, stations)}, ("u",), units),
+        **dataset.variables({"s": sol.s}, (POINT, "u"), units),
     }
     return xr.Dataset(data, coords, _attributes(branch))
 

@@ -12,7 +12,7 @@ import xarray as xr
 
 from solver import InputError, Rod, Solution, observe
 from solver.observe.observables import OBSERVABLES, is_count, observables_of
-from solver.problem.case_fields import fields_of
+from solver.problem.case_fields import fields_of, value_of
 from solver.problem.errors import no_such
 from solver.problem.quantities import quantity, unit_of
 from studies.grammar.axes import FIELDS, WORDS
@@ -72,7 +72,7 @@ def local(
     ds = xr.Dataset(coords={"observable": wanted, "field": names}, attrs={"relative_error": float(found.error)})
     ds["derivative"] = ("observable", "field"), np.stack([found.observables[name] for name in wanted])
     ds["value"], ds["error"] = ("observable", value), ("observable", error)
-    ds["at"] = "field", [_value(solution, name) for name in names]
+    ds["at"] = "field", [value_of(solution.case, name) for name in names]
     ds["unit"], ds["field_unit"] = (
         (dim, [unit_of(name, units) for name in own]) for dim, own in (("observable", wanted), ("field", names))
     )
@@ -169,27 +169,16 @@ def _observables(rod: Rod, names: Iterable[str] | None) -> list[str]:
     return wanted
 
 
-def _value(solution: Solution, name: str) -> float:
-    """The value of a field of the case."""
-    case = solution.case
-    for part in (case.rod, case.cylinder, case.given):
-        for own in (name, _AT_START.get(name, name)):
-            if getattr(part, own, None) is not None:
-                return float(getattr(part, own))
-    raise InputError(f"no field {name!r} in this case")  # never: the names are those of the case
-
-
-_AT_START = {"beta0": "beta", "dbeta0": "dbeta", "alpha0": "alpha", "gamma0": "gamma"}
-
-
 def _amount(solution: Solution, name: str, units: Mapping[str, str]) -> tuple[float, str]:
     """The change of a field by which its effects are told, in its unit and in words."""
-    kind, value = quantity(name).dimension, _value(solution, name)
+    kind, value = quantity(name).dimension, value_of(solution.case, name)
     if kind == "rad":
         return float(np.deg2rad(1.0)), "1 deg"
     if value:
         return 0.01 * value, "1 %"
-    alike = [abs(_value(solution, other)) for other in fields_of(solution.case) if quantity(other).dimension == kind]
+    alike = [
+        abs(value_of(solution.case, other)) for other in fields_of(solution.case) if quantity(other).dimension == kind
+    ]
     step, unit = 0.01 * (max(alike) or 1.0), unit_of(name, units)
     return step, f"{step:.3g} {unit}" if unit != "1" else f"{step:.3g}"
 
