@@ -19,10 +19,10 @@ from ..grammar import axes as parts
 from ..grammar.axes import CYLINDER, ROD, Axis, Misplaced
 from ..grammar.dimensions import SAMPLE, Dimension, Dimensions
 from . import expressions, paired, refine
+from .lattice import OUTCOME
 from .readings import TABLE_1, TABLE_UNITS, Reading, parse
 from .samples import Distribution
 from .study_data import OUTPUTS, StudyData
-from .study_tables import OUTCOME
 
 
 class Study(StudyData):

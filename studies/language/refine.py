@@ -13,10 +13,9 @@ from ..grammar.dimensions import SAMPLE, Dimension, Values
 from ..grammar.formulas import parse
 from ..laws.law import Law
 from ..laws.verdicts import by_line
-from .lattice import Lattice, Lines
+from .lattice import OUTCOME, Lattice, Lines
 from .refinement import Refinement
 from .study_data import StudyData
-from .study_tables import OUTCOME
 
 LEVEL = "level"  # the coordinate of a refined study: how many halvings made a case
 MOST_PLACES = 2**31  # along an axis

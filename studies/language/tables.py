@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from solver.problem.errors import InputError, choices, near
 
-from ..grammar.axes import CYLINDER, ENDS, MAX_COUNT, ROD, START, WORDS, in_rad, is_angle
+from ..grammar.axes import CYLINDER, ENDS, MAX_COUNT, ROD, START, STRICT, WORDS, Line, in_rad, is_angle
 from ..grammar.dimensions import Values
 
 NUMERIC = [name for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS)) if name not in WORDS]
@@ -180,3 +181,12 @@ def _choose(path: Path, header: list[str], wanted: Sequence[str] | None, known: 
     if not names:
         raise InputError(f"no column of {path.name} is to be read; its columns are {choices(header)}")
     return names
+
+
+class Table(BaseModel):
+    """A table of cases. file: .csv or .parquet, in the folder of the study; columns: those read; default: all."""
+
+    model_config = STRICT
+
+    file: Line
+    columns: list[str] | None = None

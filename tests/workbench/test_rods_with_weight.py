@@ -19,7 +19,7 @@ from workbench.scene import camera, layout, long_rod, scene_kinds
 from workbench.scene.settings import Settings
 from workbench.store import in_memory
 from workbench.web.turntable import stored
-from workbench.words import left_out
+from workbench.words import cautions
 
 PIPE = {"EI": 1228.0, "GJ": 945.0, "a": 0.0635, "L": 60.0, "weight": 0.242, "R": 0.10795}
 HELD = {**PIPE, "side": "inside", "beta0": 0.0, "betaL": 0.0, "FZ": -220.0}
@@ -69,7 +69,7 @@ def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Data
     assert seen.page @ seen.down == pytest.approx([0.0, -np.sqrt(3) / 2], abs=1e-12)
     made = layout.compose(ds, {"inclination": np.pi / 2}, settings=Settings(span=(20.0, 24.0))).page
     assert made.words.down == pytest.approx([0.0, made.words.down[1]], abs=1e-12)
-    assert made.words.notes[-1] == left_out.sentence({"weight": 0.242})
+    assert made.words.notes[-1] == cautions.model_leaves_out({"weight": 0.242})
 
 
 def test_a_long_rod_with_weight_is_compressed_along_the_axis_no_more_than_its_bends_allow(ds: xr.Dataset) -> None:

@@ -208,7 +208,7 @@ def _list(study: "Study", case: "Case", found: "Equilibria", choose: str | None,
     from ..branches.equilibria_dataset import dataset_of
     from ..store.case_input import field_values, with_unit
     from ..store.case_solutions import rule_of
-    from ..words.left_out import SENTENCE
+    from ..words.cautions import LEFT_OUT
     from .present import Result
 
     rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule
@@ -228,7 +228,7 @@ def _list(study: "Study", case: "Case", found: "Equilibria", choose: str | None,
         console.say(f"rod: {source}")
         console.say_units(study.unit_system)
         if case.cylinder.side == "inside":
-            console.say(SENTENCE)
+            console.say(LEFT_OUT)
 
     def data() -> dict[str, Any]:
         return {

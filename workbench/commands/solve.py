@@ -54,7 +54,7 @@ def solve(
     from ..store.case_input import read_case
     from ..store.case_solutions import solve_one
     from ..store.fidelity import fidelity
-    from ..words import cautions, left_out, pipe_numbers, pipe_state
+    from ..words import cautions, pipe_numbers, pipe_state
 
     chosen = fidelity(level or "standard")
     asked = read_case(file, given.values, given.units, table1, reading)
@@ -75,7 +75,7 @@ def solve(
         "which": _which(sol, asked.which is not None and asked.study is None and choose is None),
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
         "caution": cautions.said(cautions.of_cases(sol, unit=asked.units["length"])),
-        "left_out": left_out.note(asked.case),
+        "left_out": cautions.left_out_of(asked.case),
         "pipe": pipe_state.sentences(sol, asked.units),
         "profile": [row._asdict() for row in rows],
         "warnings": pipe_state.warnings(sol, asked.units, rows),

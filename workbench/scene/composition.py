@@ -12,7 +12,7 @@ from studies.language.study_data import MAX_STATIONS
 from ..figures import style
 from ..geometry.centreline import APART, Array
 from ..geometry.refinement import stations_for
-from ..words import labels, left_out
+from ..words import cautions, labels
 from . import colours, long_rod, page
 from .arrangement import EDGE, Arrangement, arrange
 from .body import Body
@@ -166,7 +166,7 @@ def words_of(scene: Scene) -> Words:
     if any(view.hides(body, scene.camera) for view in views for body in view.bodies):
         legend.append((page.OUTLINE, BEHIND))
     notes = [*scene.notes, *(impossible(scene.bodies) if scene.kind.cells != "together" else [])]
-    notes = [note for note in notes if not (ringed and note == ITSELF)] + [left_out.note_of_dataset(ds)] * inside
+    notes = [note for note in notes if not (ringed and note == ITSELF)] + [cautions.left_out_of_dataset(ds)] * inside
     subtitle, unit = " · ".join(fact for fact in facts if fact), str(ds.attrs["length_unit"])
     toward = scene.camera.seen_from if scene.glyph else None
     return Words(str(ds.attrs["title"]), subtitle, unit, legend, notes, None, scene.columns, scene.heads, toward,

@@ -22,7 +22,7 @@ from solver.problem.errors import InputError, choices, no_such
 from ..figures import canvas, style
 from ..figures.scales import WIDE
 from ..store import atomic, law_verdicts, schema, selection
-from ..words import labels, left_out
+from ..words import cautions, labels
 from . import body as rods
 from . import camera as cameras
 from . import long_rod, page, scene_kinds
@@ -166,7 +166,7 @@ def _frame(
             page.draw_bar(fig, bar, (2 * MARGIN, 0.22), (1.6, 0.1))
         if str(ds.attrs["side"]) == "inside":
             words = style.break_lines(
-                left_out.note_of_dataset(ds), across - (2.4 if weight is None else 3.5), style.SMALL
+                cautions.left_out_of_dataset(ds), across - (2.4 if weight is None else 3.5), style.SMALL
             )
             drawn = ", ".join(long_rod.notes_on(context, str(ds.attrs["length_unit"])))
             words = f"{drawn}\n{words}" if drawn else words

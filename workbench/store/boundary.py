@@ -6,9 +6,8 @@ import numpy as np
 
 from solver.problem.errors import InputError, choices, near, no_such
 from studies.grammar.dimensions import SAMPLE
-from studies.language.lattice import Lattice
+from studies.language.lattice import OUTCOME, Lattice
 from studies.language.refinement import Refinement, refinement_of
-from studies.language.study_tables import OUTCOME
 
 from . import law_verdicts, refined, schema, selection
 

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError
 from studies.grammar.dimensions import SAMPLE
 from studies.language import refine as tables
-from studies.language.lattice import Lattice, Places, Values
+from studies.language.lattice import OUTCOME, Lattice, Places, Values
 from studies.language.refinement import BUDGET, Refinement, refinement_of
-from studies.language.study_tables import OUTCOME
 
 from .schema import OF_THE_CASE, SAMPLING, dimension
 

@@ -10,8 +10,7 @@ from solver.problem.errors import InputError
 from studies import Study
 from studies.grammar.dimensions import SAMPLE, Dimension, Dimensions
 from studies.language import refine as tables
-from studies.language.lattice import Values
-from studies.language.study_tables import OUTCOME
+from studies.language.lattice import OUTCOME, Values
 
 from .plan import Plan
 from .schema import Columns

@@ -1,6 +1,7 @@
 """Cautions in words: what the real rods of a file could not do, how much of it, and whether a real rod takes the shape.
 
-The caution of each case is made by `solver.observe.cautions`.
+The caution of each case is made by `solver.observe.cautions`. A sentence for pipes says what the model leaves out
+(`docs/explanation/what-the-model-leaves-out.md`).
 """
 
 import re
@@ -27,8 +28,11 @@ from solver.observe.cautions import (
 
 from . import outcomes
 
-if TYPE_CHECKING:  # workers do not need it
+if TYPE_CHECKING:
     import xarray as xr
+
+    from solver import Case
+
 
 __all__ = [
     "ALL_ALONG",
@@ -183,3 +187,37 @@ def restable(ds: "xr.Dataset") -> str:
     if barred == texts.size:
         return f"none of the {count} rods could rest as computed"
     return f"{NUMBERS.get(texts.size - barred, texts.size - barred)} of the {count} rods could rest as computed"
+
+
+NO_LOAD = "the curvature of the hole", "fluid flow", "temperature", "yielding"  # what no number of a case stands for
+
+
+def model_leaves_out(given: Mapping[str, Any], *more: str) -> str:
+    """What is left out where `given` holds the values of weight, friction and sliding, each if there is one, and more.
+
+    A picture has room for the first of them.
+    """
+    parts = [name for name in ("weight", "friction") if not np.any(given.get(name, 0))]
+    if "friction" not in parts and given.get("sliding") != "rotating":
+        parts.append("the moment of friction about the rod's own axis")
+    parts += ["joints", "clearance at the ends", *more]
+    return f"The model leaves out {', '.join(parts[:-1])}{',' * (len(parts) > 2)} and {parts[-1]}."
+
+
+LEFT_OUT = model_leaves_out({})
+
+
+def left_out_of(case: "Case") -> str:
+    """The sentence that belongs to a rod inside a cylinder; "" for one outside."""
+    if case.cylinder.side != "inside":
+        return ""
+    wall = case.cylinder
+    return model_leaves_out({"weight": case.rod.weight, "friction": wall.friction, "sliding": wall.sliding}, *NO_LOAD)
+
+
+def left_out_of_dataset(ds: "xr.Dataset") -> str:
+    """The same of a stored rod, or of several."""
+    if str(ds.attrs["side"]) != "inside":
+        return ""
+    given = {name: ds[name].values for name in ("weight", "friction") if name in ds}
+    return model_leaves_out(given | {"sliding": ds.attrs.get("sliding")})

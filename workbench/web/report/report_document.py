@@ -22,7 +22,7 @@ from ...figures import style
 from ...store import atomic, law_verdicts
 from ...store.in_memory import StudyResult
 from ...store.schema import axes_of
-from ...words import cautions, labels, left_out
+from ...words import cautions, labels
 from ..live.live_document import policy
 from ..turntable import turntable_page
 from . import case_facts, measured_runs, sisters, sources, turning
@@ -113,7 +113,7 @@ def html(
         data=turntable_page.data(figures),
         measured=[_measure(one) for one in measured],
         story=[] if story is None else [_picture(story, STORY, DRAWING) | _column(story)],
-        left_out=left_out.SENTENCE,
+        left_out=cautions.LEFT_OUT,
         equilibria=_equilibria(*equilibria) if equilibria else None,
     )
 

@@ -17,7 +17,7 @@ from ...geometry import refinement, stored_line
 from ...geometry.centreline import APART, Array, Centreline
 from ...store import schema, selection
 from ...store.schema import axes_of
-from ...words import cautions, labels, left_out
+from ...words import cautions, labels
 
 MOST_BYTES = 1_900_000  # of the stored arrays; as text a third more, so that a file stays below 3 MB
 ROWS, BYTES = 4, 4  # beta, beta', alpha and z; of a number
@@ -178,7 +178,7 @@ def _case(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None) -> 
     numbers = {"R": line.R, "a": line.a, "rho": line.rho, "L": line.L, "A": line.A}
     loads = {"FZ": line.p * line.A, "MZ": line.l * line.A, "M3": line.m * line.A}
     caution = cautions.said(ds["caution"].isel(dict(where)).values) if "caution" in ds else ""
-    notes = (_sample(ds, where), caution, left_out.note_of_dataset(ds))
+    notes = (_sample(ds, where), caution, cautions.left_out_of_dataset(ds))
     return {"numbers": numbers | loads, "note": labels.typeset(" ".join(note for note in notes if note))}
 
 
