@@ -131,7 +131,7 @@ def test_a_table_refuses_what_is_no_study_no_array_or_too_large(ds, monkeypatch)
         xr.Dataset({"E": ("x", [1.0])}).rod.to_pandas()
     with pytest.raises(InputError, match="array along the rod 'spin'"):
         ds.rod.to_pandas("spin")
-    monkeypatch.setattr("workbench.store.rows.MOST", 100)
+    monkeypatch.setattr("workbench.store.derived_arrays.MOST", 100)
     with pytest.raises(InputError, match=r"the table would have \d+ numbers, more than 100"):
         ds.rod.to_pandas()
 
