@@ -22,7 +22,7 @@ from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.commands import option_checks, scene
 from workbench.scene import opengl
-from workbench.store import in_memory, reading, study_store, writing
+from workbench.store import in_memory, study_store, writing
 
 ROOT = Path(__file__).parents[2]
 

@@ -19,7 +19,10 @@ from tests.workbench import small
 from tests.workbench.command import exit_status
 from tests.workbench.live import asked, served, unpacked
 from tests.workbench.node import needs_node, run
-from workbench.store.case_input import read_case
+from workbench.branches import equilibria_dataset
+from workbench.branches.ends_study import ends_problem
+from workbench.store import in_memory, writing
+from workbench.store.case_input import read_case, with_fields
 from workbench.web.live import own_case, page_model, page_shape
 from workbench.web.live.presets import PRESETS, Preset
 
