@@ -21,7 +21,7 @@ from tests.workbench import forked, runs, small
 from tests.workbench.command import exit_status
 from workbench.figures import canvas, study_figure
 from workbench.scene import opengl
-from workbench.store import checksums, in_memory, schema, stored_run, writing
+from workbench.store import checksums, in_memory, reading, schema, stored_run, writing
 from workbench.store.study_store import run_to_file
 from workbench.words import escaping
 
