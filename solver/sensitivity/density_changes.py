@@ -2,16 +2,23 @@
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from ..core.measures import densities
+from ..core.measures import densities, extremes
+from ..equilibrium import orbit_rates
 from ..mechanics.potential import steepest
-from ..numerics.arrays import Array, Integers
+from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.chebyshev import basis
 from ..orbit.variations import Place, Variations
 from ..problem.reduced import StartProblem
+from .motions import Motion
 
+SAME = 1e-12  # relative: extremes that differ by less are equal
+_SERIES = 1e-14  # of the series of which the places of extremes are found, relative
+_STEP = 1e-4  # of the shortest time of a change: differences about a place
+_NEAR = 0.1  # rad: how near a critical point the difference of a density from that there is integrated
 _GOAL, _ROUNDS = 1e-11, 3  # of the series of a density, relative; how often a panel may be halved
 
 _GAUSS = np.polynomial.legendre.leggauss(5)
@@ -31,16 +38,34 @@ class Values:
     pace: Array
     moved: Array
 
+    def take(self, k: int) -> "Values":
+        """The k-th of the points (b, n) of each rod, (b,)."""
+        return Values(*(getattr(self, field.name)[:, k] for field in fields(Values)))
+
+    def tile(self, count: int) -> "Values":
+        """The same, that often after each other, of points (b, n)."""
+        parts = (getattr(self, field.name) for field in fields(Values))
+        return Values(*(np.tile(part, (1, count, *[1] * (part.ndim - 2))) for part in parts))
+
+
+class Candidates(NamedTuple):
+    """Places along b rods, t (b, K), NaN where there is none, and what is read there: `DensityChange.read`."""
+
+    t: Array
+    at: Values
+    a: Array
+
 
 @dataclass(frozen=True, eq=False)
 class DensityChange:
     """One density of the core along the rods of b problems, and its change in F directions.
 
-    varied: the variations of their orbits. span: (b,), the length in t. places: of the two ends, (b,) each. a0: (b, F),
-    e: (b, F, 4), as in `orbit.variations`. later: (b, F), the change of the length in t. sign: (b,), of the push.
+    motion: of the rods. varied: the variations of their orbits. span: (b,), the length in t. places: of the two ends,
+    (b,) each. a0: (b, F), e: (b, F, 4), as in `orbit.variations`. later: (b, F), the change of the length in t. sign:
+    (b,), of the push.
     """
 
-    problem: StartProblem
+    motion: Motion
     varied: Variations
     span: Array
     places: tuple[Place, Place]
@@ -49,6 +74,11 @@ class DensityChange:
     a0: Array
     e: Array
     later: Array
+
+    @property
+    def problem(self) -> StartProblem:
+        """The start problems of the orbits."""
+        return self.motion.problem
 
     @property
     def case(self) -> Integers:
@@ -77,7 +107,8 @@ class DensityChange:
     @cached_property
     def ends(self) -> list[Values]:
         """At the two ends, (b,) each."""
-        return [first_of(self.read(t[:, None])[0]) for t in self.times]
+        both = self.read(np.stack(self.times, axis=1))[0]
+        return [both.take(end) for end in (0, 1)]
 
     @cached_property
     def most_pace(self) -> Array:
@@ -93,6 +124,33 @@ class DensityChange:
     def shortest(self) -> Array:
         """A time in which the density changes at least, (b,)."""
         return np.asarray(1 / np.sqrt(steepest(self.problem) + self._most(self.varied.nodes.v) ** 2))
+
+    @cached_property
+    def candidates(self) -> Candidates:
+        """Where an extreme along the whole rods may be: at the ends, and where the density is largest or smallest."""
+        return self._candidates(self.span, np.stack(self.times, axis=1))
+
+    def candidates_until(self, until: Array) -> Candidates:
+        """The same of an extreme up to the times `until` (b,), without the ends."""
+        return self._candidates(until, np.empty((until.size, 0)))
+
+    def _candidates(self, until: Array, ends: Array) -> Candidates:
+        reach = np.fmin(until, self.varied.orbit.period)  # later periods have the same values
+        given = self.motion.pieces, self.sign, self.density
+        t = np.concatenate([extremes(*given, turned, reach, SAME, _SERIES) for turned in (False, True)], axis=1)
+        t = np.concatenate([ends, t[:, np.isfinite(t).any(axis=0)]], axis=1)
+        at_end = (t <= 0) | (t >= self.span[:, None] * (1 - SAME))
+        t = np.where(at_end, t, np.clip(self._stationary(t), 0.0, self.span[:, None]))
+        return Candidates(t, *self.read(np.where(np.isnan(t), 0.0, t)))
+
+    def _stationary(self, t: Array) -> Array:
+        """Places (b, K) next to which the density is stationary, by a step of Newton's from each."""
+        step = _STEP * self.shortest[:, None]
+        pace = self.read(np.concatenate([t - step, t + step, t], axis=1))[0].pace
+        low, high, middle = np.split(pace, 3, axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            off = 2 * step * middle / (high - low)
+        return np.where(np.abs(off) < step, t - off, t)
 
     def read(self, t: Array) -> tuple[Values, Array]:
         """At t (b, n), and how far the changes move it along the orbit, a of `orbit.variations`, (b, n, F)."""
@@ -124,18 +182,41 @@ class DensityChange:
 
     def difference(self, case: Array, base: Array, x: Array, speed: Array) -> Array:
         """The density at base + x (Q, m) less that at rest at base, to relative accuracy in x: Gauss' rule."""
-        total = np.zeros_like(x)
-        for node, weight in zip(*_GAUSS, strict=True):
-            share = (1 + node) / 2
-            rates = densities(self.density, self.loads[case], base + share * x, share * speed)
-            total += weight / 2 * (rates.beta * x + rates.speed * speed)
-        return total
+        shares, flat = ((1 + _GAUSS[0]) / 2)[:, None], (x.shape[0], _GAUSS[0].size * x.shape[1])
+        beta, rate = base[:, None] + shares * x[:, None], shares * speed[:, None]
+        rates = densities(self.density, self.loads[case], beta.reshape(flat), rate.reshape(flat))
+        slopes = np.stack([rates.beta, rates.speed]).reshape(2, *beta.shape)
+        by_beta, by_speed = np.einsum("k,pqkm->pqm", _GAUSS[1] / 2, slopes)
+        return np.asarray(by_beta * x + by_speed * speed)
 
-    def at_angles(self, case: Array, beta: Array, speed: Array) -> Array:
-        """The values at beta and |beta_t| (Q, m) of the problems `case` (Q,)."""
-        return densities(self.density, self.loads[case], beta, speed).values
+    @cached_property
+    def closest(self) -> tuple[Integers, Array]:
+        """The panel closest to a critical point, and the density at rest at that point, (b,) each."""
+        nodes, base = self.varied.nodes, self.varied.base
+        D = (nodes.v**2 + nodes.c[:, None] * nodes.H**2).min(axis=1)
+        order = np.lexsort((D, self.case))
+        panel = order[np.searchsorted(self.case[order], np.arange(self.problem.size))]
+        rest, beta = np.zeros((panel.size, 1)), base[panel, None]
+        return panel, densities(self.density, self.loads, beta, rest).values[:, 0]
 
-    def refine(self) -> "DensityChange":
+    @cached_property
+    def near(self) -> Booleans:
+        """Which panels are near that point, (P,)."""
+        x, base = self.varied.orbit.panels.series[:, 0], self.varied.base
+        same = np.abs(np.sin((base - base[self.closest[0]][self.case]) / 2)) < orbit_rates.SAME
+        return same & (np.abs(x).sum(axis=1) < _NEAR)
+
+    @cached_property
+    def differences(self) -> Array:
+        """The density less that at rest at the critical point of the panel, (P, n), where the two are near."""
+        points, near = basis(self.varied.nodes.v.shape[1]), self.near
+        out, x = np.zeros(self.nodes.values.shape), self.varied.orbit.panels.series[:, 0] @ points.values
+        base = self.varied.base[near, None]
+        out[near] = self.difference(self.case[near], base, x[near], self.varied.nodes.v[near])
+        return out
+
+    @cached_property
+    def refined(self) -> "DensityChange":
         """The same on panels that are halved until the series of the values and their changes end."""
         found = self
         for _ in range(_ROUNDS):
@@ -149,7 +230,3 @@ class DensityChange:
                 break
             found = replace(found, varied=found.varied.cut(bad, np.zeros(bad.size)))
         return found
-
-
-def first_of(values: Values) -> Values:
-    return Values(*(getattr(values, field.name)[:, 0] for field in fields(Values)))

@@ -1,26 +1,21 @@
 """The derivatives of the extremes of a density along rods, and of the places where they are."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.measures import extremes as core_extremes
 from ..numerics.arrays import EPS, Array
 from ..numerics.chebyshev import basis, derivative, polynomials
-from ..observe.solution_pieces import of_orbit
-from .density_changes import DensityChange
+from .density_changes import SAME, DensityChange
 
 LARGEST, SMALLEST, LARGEST_SIZE = "largest", "smallest", "largest size"
 _TURNS = {LARGEST: (1.0,), SMALLEST: (-1.0,), LARGEST_SIZE: (1.0, -1.0)}
-_SAME = 1e-12  # relative: extremes that differ by less are equal
-_GOAL = 1e-14  # of the series of which the places are found, relative
 _APART = 1e-4  # relative: derivatives that differ by more are different
 _STILL = 1e-9  # of the largest pace of a density: one that changes less is stationary
 _FAINT = 1e-9  # of the sum of the sizes of its terms: a derivative below this is rounding
 _ROUNDING = 64 * EPS  # the same of the density itself
 _NEAR = 1e-5  # of the length: the place is the one that is observed
 _WINDOW, _POINTS = 0.2, 14  # on which a derivative in t is read: of the shortest time of a change; places
-_STEP = 1e-4  # of the same: differences about a place
 _MERGED = 1e-6  # of the same: places nearer than this are one
 _ZERO = 1e-12  # of the sum of the sizes of its terms: a value that only touches zero
 
@@ -42,16 +37,15 @@ class Places:
 
 def places_of(rods: DensityChange, which: str, until: Array | None = None) -> Places:
     """The places of the extreme up to the times `until` (b,), or along the whole rods."""
-    t = np.tile(_candidates(rods, until), len(_TURNS[which]))
-    turn = np.repeat(_TURNS[which], t.shape[1] // len(_TURNS[which]))
-    last = t >= rods.span[:, None] * (1 - _SAME)
+    given, turns = rods.candidates if until is None else rods.candidates_until(until), _TURNS[which]
+    t, at, a = np.tile(given.t, len(turns)), given.at.tile(len(turns)), np.tile(given.a, (1, len(turns), 1))
+    turn = np.repeat(turns, given.t.shape[1])
+    last = t >= rods.span[:, None] * (1 - SAME)
     end = last | (t <= 0)
-    t = np.where(end, t, np.clip(_stationary(rods, t), 0.0, rods.span[:, None]))
     t = np.where(_repeated(t, turn, _MERGED * rods.shortest), np.nan, t)
-    at, a = rods.read(np.where(np.isnan(t), 0.0, t))
     values = np.where(np.isnan(t), -np.inf, turn * at.values)
     best = values.max(axis=1, keepdims=True)
-    t = np.where(values >= best - _SAME * np.maximum(np.abs(best), 1e-300), t, np.nan)
+    t = np.where(values >= best - SAME * np.maximum(np.abs(best), 1e-300), t, np.nan)
     shifted = at.pace[..., None] * (a + np.where(last[..., None], rods.later[:, None], 0.0))
     shifted = np.where(end[..., None], shifted, 0.0)
     slopes = np.einsum("bnk,bfk->bnf", at.moved, rods.e) + shifted
@@ -62,33 +56,10 @@ def places_of(rods: DensityChange, which: str, until: Array | None = None) -> Pl
     return Places(t, at.values, at.size, slopes, _FAINT * sizes + rounding)
 
 
-def _candidates(rods: DensityChange, until: Array | None) -> Array:
-    """Times that an extreme may have, (b, K), NaN where there is none: the ends, then where the density is largest and
-    smallest; all of them where it is the same all along."""
-    orbit, panels = rods.varied.orbit, rods.varied.orbit.panels
-    series = panels.series.copy()
-    series[:, 0, 0] += rods.varied.base
-    pieces = of_orbit(replace(orbit, panels=replace(panels, series=series)), slice(0, rods.problem.size))
-    reach = np.fmin(rods.span if until is None else until, orbit.period)  # later periods have the same values
-    given = pieces, rods.sign, rods.density
-    t = np.concatenate([core_extremes(*given, turned, reach, _SAME, _GOAL) for turned in (False, True)], axis=1)
-    ends = np.stack(rods.times, axis=1) if until is None else np.empty((rods.problem.size, 0))
-    return np.concatenate([ends, t[:, np.isfinite(t).any(axis=0)]], axis=1)
-
-
 def _repeated(t: Array, turn: Array, near: Array) -> Array:
     """Which of the places (b, K) are nearer than `near` (b,) to an earlier one of the same turn (K,), an end first."""
     earlier = np.tri(t.shape[1], k=-1, dtype=bool) & (turn[:, None] == turn)
     return ((np.abs(t[:, :, None] - t[:, None, :]) < near[:, None, None]) & earlier).any(axis=2)
-
-
-def _stationary(rods: DensityChange, t: Array) -> Array:
-    """Places (b, K) next to which the density is stationary, by a step of Newton's from each."""
-    step = _STEP * rods.shortest[:, None]
-    low, high, middle = (rods.read(t + side * step)[0].pace for side in (-1, 1, 0))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        off = 2 * step * middle / (high - low)
-    return np.where(np.abs(off) < step, t - off, t)
 
 
 def extreme(rods: DensityChange, which: str) -> Array:
@@ -121,7 +92,7 @@ def first_peak(rods: DensityChange, seen: Array) -> Array:
     rows, span = np.arange(seen.size), rods.span
     near = np.nanargmin(off, axis=1)
     t, slopes = places.t[rows, near], _slope_of(places)
-    first, last = t <= 0, t >= span * (1 - _SAME)
+    first, last = t <= 0, t >= span * (1 - SAME)
     at, _ = rods.read(t[:, None])
     still = np.abs(at.pace[:, 0]) <= _STILL * rods.most_pace
     inner, bend = _rate_of_peak(rods, t)

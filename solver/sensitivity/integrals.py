@@ -9,32 +9,32 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..equilibrium.orbit_rates import SAME
+from ..equilibrium import orbit_rates
 from ..numerics.arrays import EPS, Array, Integers
 from ..numerics.chebyshev import basis, derivative, polynomials
 from ..numerics.roots import bracket
-from .density_changes import DensityChange, first_of
+from .density_changes import DensityChange
 
-_NEAR = 0.1  # rad: how near a critical point the difference of a density from that there is integrated
 _ROUNDING = 64 * EPS  # of a difference of two values of a density
 
 
 def integral(rods: DensityChange) -> Array:
     """Of the integral over the rod, (b, F)."""
-    return _sum(rods.refine(), lambda v: v, np.ones_like)
+    return _sum(rods.refined, lambda v: v, np.ones_like)
 
 
-def parts(rods: DensityChange) -> tuple[Array, Array, Array]:
-    """Of the integrals of the positive and of minus the negative values, and of the length of the positive ones."""
-    cut = cut_at_zeros(rods)
+def parts(cut: DensityChange) -> tuple[Array, Array, Array]:
+    """Of the integrals of the positive and of minus the negative values, and of the length of the positive ones.
+
+    cut: of `cut_at_zeros`.
+    """
     positive = (cut.nodes.values.mean(axis=1) > 0).astype(float)[:, None]
     down = _sum(cut, lambda v: np.maximum(-v, 0), lambda v: (v <= 0) * -1.0)
     return _positive(cut), down, _share(cut, positive)
 
 
-def positive_between(rods: DensityChange, low: float, high: float) -> Array:
-    """Of the integral of the positive values between two shares of the length, (b, F)."""
-    cut = cut_at_zeros(rods)
+def positive_between(cut: DensityChange, low: float, high: float) -> Array:
+    """Of the integral of the positive values between two shares of the length, (b, F). cut: of `cut_at_zeros`."""
     return _positive(cut.until(high)) - _positive(cut.until(low))
 
 
@@ -46,11 +46,11 @@ def _sum(rods: DensityChange, kept: Callable[[Array], Array], rate: Callable[[Ar
     """Of the integral of kept(values), (b, F); rate: the derivative of `kept`, constant on each panel."""
     factor = rate(rods.nodes.values.mean(axis=1))[:, None]
     moved = np.moveaxis(rods.nodes.moved, 2, 1) * factor[..., None]
-    closest, still = _closest(rods)
+    closest, still = rods.closest
     level, size = kept(still), _ROUNDING * (1 + np.abs(still))
     above = kept(rods.nodes.values) - level[rods.case, None]
-    turned = factor * _differences(rods)
-    near = _near(rods) & (np.abs(above - turned).max(axis=1) <= size[rods.case])
+    turned = factor * rods.differences
+    near = rods.near & (np.abs(above - turned).max(axis=1) <= size[rods.case])
     above[near] = turned[near]
     ends = []
     for t, place, values in zip(rods.times, rods.places, rods.ends, strict=True):
@@ -58,7 +58,7 @@ def _sum(rods: DensityChange, kept: Callable[[Array], Array], rate: Callable[[Ar
         rows = np.arange(t.size)
         exact = rods.difference(rows, base[:, None], x[:, None], np.abs(place.v)[:, None])[:, 0]
         exact, plain = rate(values.values) * exact, kept(values.values) - level
-        same = np.abs(np.sin((base - rods.varied.base[closest]) / 2)) < SAME
+        same = np.abs(np.sin((base - rods.varied.base[closest]) / 2)) < orbit_rates.SAME
         ends.append(np.where(same & (np.abs(plain - exact) <= size), exact, plain))
     whole = _by_parts(rods, above, moved, np.zeros((rods.case.size, 4)), ends[0], ends[1])
     return whole + kept(rods.ends[1].values)[:, None] * rods.later
@@ -71,7 +71,7 @@ def _share(rods: DensityChange, positive: Array) -> Array:
     crossed = positive[before, 0] != positive[:, 0]
     gained = rods.nodes.moved[:, 0] / np.abs(rods.nodes.pace[:, :1])
     jump = np.where(crossed[:, None], gained, 0.0)
-    level = (_closest(rods)[1] > 0) * 1.0
+    level = (rods.closest[1] > 0) * 1.0
     above = np.broadcast_to(positive - level[rods.case, None], rods.nodes.values.shape)
     begin, end = ((one.values > 0) * 1.0 for one in rods.ends)
     moved = np.zeros((rods.case.size, 4, above.shape[1]))
@@ -92,35 +92,9 @@ def _by_parts(rods: DensityChange, above: Array, moved: Array, jump: Array, firs
     return np.asarray(np.einsum("bk,bfk->bf", sums, rods.e) + ends)
 
 
-def _closest(rods: DensityChange) -> tuple[Integers, Array]:
-    """The panel closest to a critical point, and the density at rest at that point, (b,) each."""
-    nodes, base = rods.varied.nodes, rods.varied.base
-    D = (nodes.v**2 + nodes.c[:, None] * nodes.H**2).min(axis=1)
-    order = np.lexsort((D, rods.case))
-    panel = order[np.searchsorted(rods.case[order], np.arange(rods.problem.size))]
-    rest, beta = np.zeros((panel.size, 1)), base[panel, None]
-    return panel, rods.at_angles(np.arange(panel.size), beta, rest)[:, 0]
-
-
-def _near(rods: DensityChange) -> Array:
-    """Which panels are near that point, (P,)."""
-    x, base = rods.varied.orbit.panels.series[:, 0], rods.varied.base
-    same = np.abs(np.sin((base - base[_closest(rods)[0]][rods.case]) / 2)) < SAME
-    return same & (np.abs(x).sum(axis=1) < _NEAR)
-
-
-def _differences(rods: DensityChange) -> Array:
-    """The density less that at rest at the critical point of the panel, (P, n), where the two are near."""
-    points, near = basis(rods.varied.nodes.v.shape[1]), _near(rods)
-    out, x = np.zeros(rods.nodes.values.shape), rods.varied.orbit.panels.series[:, 0] @ points.values
-    base = rods.varied.base[near, None]
-    out[near] = rods.difference(rods.case[near], base, x[near], rods.varied.nodes.v[near])
-    return out
-
-
 def cut_at_zeros(rods: DensityChange) -> DensityChange:
     """The same on panels on which the values have one sign."""
-    found = _cut_at_turns(rods.refine())
+    found = _cut_at_turns(rods.refined)
     q, _, x = zeros_between(found.nodes.values)
     inside = np.abs(x) < 1 - 1e-12
     return replace(found, varied=found.varied.cut(q[inside], x[inside])) if q.size else found
@@ -130,7 +104,7 @@ def _cut_at_turns(rods: DensityChange) -> DensityChange:
     """The same, cut where the values turn between two nodes and have another sign there than at both nodes."""
     q, cell, x = zeros_between(rods.nodes.pace)
     up = rods.nodes.values > 0
-    turned = first_of(rods.at(rods.case[q], *rods.varied.on_panels(q, x[:, None]))).values > 0
+    turned = rods.at(rods.case[q], *rods.varied.on_panels(q, x[:, None])).values[:, 0] > 0
     dips = (up[q, cell] == up[q, cell + 1]) & (up[q, cell] != turned)
     return replace(rods, varied=rods.varied.cut(q[dips], x[dips])) if dips.any() else rods
 

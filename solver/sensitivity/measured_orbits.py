@@ -1,6 +1,7 @@
 """The derivatives of what is measured along rods that are no helices."""
 
 from collections.abc import Mapping
+from functools import cache
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from .extremes import (
     first_below,
     first_peak,
 )
-from .integrals import integral, parts, positive_between
+from .integrals import cut_at_zeros, integral, parts, positive_between
 from .motions import Motion
 
 
@@ -35,8 +36,9 @@ def of_orbits(
     a0, e, places = unit[:, 0], unit[:, 1:].swapaxes(1, 2), (varied.start, motion.end)
     found = {"half_period": -np.einsum("bk,bgk->bg", varied.gain[:, :, :4].sum(axis=1), e)}
 
+    @cache
     def measure(density: str) -> DensityChange:
-        return DensityChange(motion.problem, varied, span, places, density, sign, a0, e, later)
+        return DensityChange(motion, varied, span, places, density, sign, a0, e, later)
 
     for name in wanted:
         if name in EXTREMES:
@@ -45,11 +47,11 @@ def of_orbits(
         elif name in INTEGRALS:
             found[name] = integral(measure(INTEGRALS[name]))
     push = measure("outward")
-    if wanted & set(PUSHES):
-        made = dict(zip(PUSHES, parts(push), strict=True))
-        found |= {name: value for name, value in made.items() if name in wanted}
-    if MIDDLE_PUSH in wanted:
-        found[MIDDLE_PUSH] = positive_between(push, *MIDDLE)
+    if wanted & {*PUSHES, MIDDLE_PUSH}:
+        cut = cut_at_zeros(push)
+        found |= {name: value for name, value in zip(PUSHES, parts(cut), strict=True) if name in wanted}
+        if MIDDLE_PUSH in wanted:
+            found[MIDDLE_PUSH] = positive_between(cut, *MIDDLE)
     if LIFTS in wanted:
         found[LIFTS] = first_below(push, seen[LIFTS])
     if PEAK in wanted:

@@ -1,7 +1,7 @@
 """The motions of the solved cases of a solution: how each orbit answers what is given."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -14,6 +14,8 @@ from ..levels.line_point import LinePoint, Path, path_of
 from ..levels.path_orbits import path_from_start, variations_of
 from ..numerics.arrays import Array, Integers
 from ..observe.measurement import MIDDLE
+from ..observe.rod_pieces import Pieces
+from ..observe.solution_pieces import of_orbit
 from ..orbit import helix_variations
 from ..orbit.periodic_orbit import Orbit
 from ..orbit.pieces import HELIX
@@ -42,6 +44,16 @@ class Motion:
     change: Callable[[Array, Array], Change]
     parts: Array
     varied: Variations | None = None
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """The pieces of the rods, of orbits that are no helices."""
+        assert self.varied is not None
+        orbit, panels = self.varied.orbit, self.varied.orbit.panels
+        series = panels.series.copy()
+        series[:, 0, 0] += self.varied.base
+        whole = replace(orbit, panels=replace(panels, series=series))
+        return of_orbit(whole, slice(0, self.problem.size))
 
     @cached_property
     def end(self) -> Place:
