@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.potential import Loads, slope
-from ..mechanics.statics import contact_force
+from ..core.measures import densities
 from ..numerics.arrays import Array, Booleans
-from ..problem.reduced import EndsProblem, Reduced, flat
+from ..problem.reduced import EndsProblem, flat
 from ..shape import Shape
 from .measurement import Reading
 from .observables import error_name, observe
@@ -74,18 +73,14 @@ def _last_without_push(sol: Shape, cases: Array, places: Array, far: bool) -> Ar
 def push_at(sol: Shape, cases: Array, t: Array) -> Array:
     """The push at places t (k, m), in units of rho, of some cases (k,), in units of A/rho^3; between stations, where
     the method knows no orbit, linear in t."""
-    problem: Reduced = sol.problem.take(cases)
     if sol.trajectory.orbit is None:
         shape = sol.trajectory
         rows = [[np.interp(t[i], sol.t[k], v[k]) for i, k in enumerate(cases)] for v in (shape.beta, shape.dbeta)]
         beta, rate = (np.array(row).reshape(t.shape) for row in rows)
     else:
         beta, rate = sol.trajectory.orbit.pick(cases).at(t)[:2]
-    mu, lam = problem.mu[:, None], problem.lam[:, None]
-    around = lam - mu * np.cos(beta) - np.sin(beta) ** 3
-    outward = contact_force(1.0, mu, 1.0, around, slope(Loads.columns(problem), beta), beta, rate)
-    sign: Array = flat(sol.case.outward, sol.case.shape)[cases, None]
-    return sign * outward
+    problem, sign = sol.problem.take(cases), flat(sol.case.outward, sol.case.shape)[cases]
+    return densities("outward", np.stack([problem.lam, problem.mu, problem.phi, sign], axis=1), beta, rate).values
 
 
 TIGHT, MEETS, TURNED, PULLED = "too tight", "overlaps", "turned back", "pulled"

@@ -24,7 +24,7 @@ from .solution_pieces import blocks, is_resolved, off_between, pieces_of
 _FINEST = 1e-14  # relative: smallest goal of a series
 SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test
 _SHARE = 1e-3  # of the tolerance, for the series of the densities
-BARELY = 64 * EPS  # of the size of its terms: a push below this is rounding
+BARELY = 64 * EPS  # of the size of its terms: a push, or a difference of numbers, below this is rounding
 
 Pair = tuple[Any, Any]  # values and errors, (B,) each
 MIDDLE = (1 / 3, 2 / 3)  # the middle third of the length

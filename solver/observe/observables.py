@@ -24,7 +24,7 @@ from ..problem.reduced import flat
 from ..problem.rod import Rod
 from ..shape import Shape
 from ..shooting.loaded_rod import MU, PHI, Q
-from .measurement import SPREAD, Pair, Reading
+from .measurement import BARELY, SPREAD, Pair, Reading
 from .self_contact import overlaps
 from .solution_pieces import is_resolved
 
@@ -59,7 +59,7 @@ def _inner_turns(orbit: Any) -> Any:
 def _librates(read: Reading) -> Any:
     """Whether beta changes by more than rounding, and where no orbit is known, by more than the tolerance, (B,)."""
     low, high = read.value("low"), read.value("high")
-    rounding = 64 * EPS * np.maximum(1, np.maximum(np.abs(low), np.abs(high)))
+    rounding = BARELY * np.maximum(1, np.maximum(np.abs(low), np.abs(high)))
     allowed = np.minimum(2 * read.error, 1e-6)
     if read.sol.trajectory.orbit is None:
         allowed = np.fmax(allowed, read.sol.tol)

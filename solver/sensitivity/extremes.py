@@ -4,8 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..numerics.arrays import EPS, Array
+from ..core.measures import DENSITIES, NUMBERS
+from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis, derivative, polynomials
+from ..observe.measurement import BARELY
 from .density_changes import SAME, DensityChange
 
 LARGEST, SMALLEST, LARGEST_SIZE = "largest", "smallest", "largest size"
@@ -13,7 +15,6 @@ _TURNS = {LARGEST: (1.0,), SMALLEST: (-1.0,), LARGEST_SIZE: (1.0, -1.0)}
 _APART = 1e-4  # relative: derivatives that differ by more are different
 _STILL = 1e-9  # of the largest pace of a density: one that changes less is stationary
 _FAINT = 1e-9  # of the sum of the sizes of its terms: a derivative below this is rounding
-_ROUNDING = 64 * EPS  # the same of the density itself
 _NEAR = 1e-5  # of the length: the place is the one that is observed
 _WINDOW, _POINTS = 0.2, 14  # on which a derivative in t is read: of the shortest time of a change; places
 _MERGED = 1e-6  # of the same: places nearer than this are one
@@ -52,7 +53,7 @@ def places_of(rods: DensityChange, which: str, until: Array | None = None) -> Pl
     if which == LARGEST_SIZE:
         slopes = slopes * turn[:, None]
     sizes = np.einsum("bnk,bfk->bnf", np.abs(at.moved), np.abs(rods.e)) + np.abs(shifted)
-    rounding = _ROUNDING * at.size[..., None] * np.abs(rods.e).max(axis=2)[:, None]
+    rounding = BARELY * at.size[..., None] * np.abs(rods.e).max(axis=2)[:, None]
     return Places(t, at.values, at.size, slopes, _FAINT * sizes + rounding)
 
 
@@ -143,7 +144,7 @@ EXTREMES = {
     "most": ("outward", LARGEST),
     "tension": ("tension", LARGEST_SIZE),
 }
-INTEGRALS = {"curvature": "curvature", "bending": "bending", "potential": "potential"}
+INTEGRALS = tuple(name for name in DENSITIES if name in NUMBERS and name not in EXTREMES)  # of the density of that name
 PUSHES = ("pushed", "pulled", "share")
 MIDDLE_PUSH, LIFTS, PEAK = "middle push", "lifts", "peak"
 MIDDLE_GAINS = ("middle turned", "middle risen")

@@ -10,12 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from ..equilibrium import orbit_rates
-from ..numerics.arrays import EPS, Array, Integers
+from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, derivative, polynomials
 from ..numerics.roots import bracket
+from ..observe.measurement import BARELY
 from .density_changes import DensityChange
-
-_ROUNDING = 64 * EPS  # of a difference of two values of a density
 
 
 def integral(rods: DensityChange) -> Array:
@@ -47,7 +46,7 @@ def _sum(rods: DensityChange, kept: Callable[[Array], Array], rate: Callable[[Ar
     factor = rate(rods.nodes.values.mean(axis=1))[:, None]
     moved = np.moveaxis(rods.nodes.moved, 2, 1) * factor[..., None]
     closest, still = rods.closest
-    level, size = kept(still), _ROUNDING * (1 + np.abs(still))
+    level, size = kept(still), BARELY * (1 + np.abs(still))
     above = kept(rods.nodes.values) - level[rods.case, None]
     turned = factor * rods.differences
     near = rods.near & (np.abs(above - turned).max(axis=1) <= size[rods.case])

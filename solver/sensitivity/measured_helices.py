@@ -27,7 +27,7 @@ def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: s
         if name in EXTREMES:
             found[name] = rods.extreme(*EXTREMES[name])
         elif name in INTEGRALS:
-            found[name] = rods.integral(INTEGRALS[name])[:, 2]
+            found[name] = rods.integral(name)[:, 2]
     if PEAK in wanted:  # it stays at the start of a rod that remains a helix
         found[PEAK] = 0 * rods.extreme("outward", LARGEST)
     if wanted & {*PUSHES, MIDDLE_PUSH, LIFTS}:

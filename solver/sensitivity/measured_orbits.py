@@ -45,7 +45,7 @@ def of_orbits(
             density, which = EXTREMES[name]
             found[name] = extreme(measure(density), which)
         elif name in INTEGRALS:
-            found[name] = integral(measure(INTEGRALS[name]))
+            found[name] = integral(measure(name))
     push = measure("outward")
     if wanted & {*PUSHES, MIDDLE_PUSH}:
         cut = cut_at_zeros(push)

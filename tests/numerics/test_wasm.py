@@ -9,7 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from solver import Case, Cylinder, Rod, Start, solve
 from solver.core import build, march
+from solver.core.measures import NUMBERS, measure
+from solver.observe.solution_pieces import pieces_of
 from solver.problem.reduced import StartProblem
 
 HERE = build.HERE
@@ -66,6 +69,32 @@ def test_the_core_for_browsers_gives_the_numbers_of_this_machine(tmp_path: Path)
         assert told[i]["sound"] == (known["sound"][i] == 1)
         for name in ("error", "condition"):
             assert told[i][name] == pytest.approx(known[name][i], rel=1e-9)
+
+
+MEASURES = """
+const fs = require("fs"), [folder, given] = process.argv.slice(1), [problem, sign, error, rod] = JSON.parse(given);
+const RodCore = require(folder + "/rod.js");
+RodCore.load(fs.readFileSync(folder + "/rod.wasm")).then(core => {
+  console.log(JSON.stringify(core.measure(problem, sign, error, rod)));
+});
+"""
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="Node is not installed")
+def test_a_browser_measures_the_numbers_of_this_machine_between_the_same_stations() -> None:
+    case = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start("30deg", 0.5, F1=5.0, F3=10.0))
+    sol = solve(case, method="dop853", tol=1e-9, stations=401)
+    p, error = sol.problem, float(sol.error)
+    known = measure(pieces_of(sol, slice(0, 1)), {"sign": np.ones(1), "error": np.array([error])}, NUMBERS, 1e-11)
+    problem = {name: float(getattr(p, name)[0]) for name in ("lam", "mu", "phi")}
+    rows = {"t": sol.t[0], "beta": sol.trajectory.beta[0], "rate": sol.trajectory.dbeta[0]}
+    rod = {name: row.tolist() for name, row in rows.items()}
+    given = json.dumps([problem, 1, error, rod])
+    run = subprocess.run(["node", "-e", MEASURES, str(HERE), given], capture_output=True, text=True, check=True)
+    told = json.loads(run.stdout)
+    assert tuple(told) == NUMBERS
+    for name, value in told.items():
+        assert value == pytest.approx(float(known[name][0][0]), rel=1e-9, abs=1e-12), name
 
 
 def test_the_file_was_compiled_from_the_sources_that_are_here() -> None:
