@@ -29,6 +29,7 @@ _CORNER = 1e-6  # rad: a rod that its start determines ends as near to its angle
 _STILL = 1e-11  # beta_t below which an end is at rest, in units of the loads
 _NEAR = 0.1  # rad: farthest angle with the given beta_t
 AT_REST = -300.0  # log of the square of beta_t at a start at rest
+_ANGLE_ENDING = Ending(rounds=8, goal=0.0, small=_NEAR, stall=np.inf)
 _ENDING = Ending(rounds=14, goal=1e-15, small=1e-10, growth=0.5)
 
 
@@ -164,15 +165,13 @@ def at_given_speeds(problem: EndsProblem, place: LinePoint, path: Path, given: G
         if speed not in given.names or path.pin == first:
             continue
         square = max(float(given.values[given.names.index(speed)]) ** 2, least_square(problem, first, alone))
-        beta, step = first, 0.0
-        for _ in range(8):
+
+        def step(beta: float, square: float = square) -> tuple[float, float] | str:
             over, rate = gap + place.fall(path.pin, beta) - square, 2 * float(slope(problem, np.array([beta]))[0])
-            if not abs(over) < _NEAR * abs(rate):
-                step = np.inf
-                break
-            step = over / rate
-            beta += step
-        if abs(step) < _NEAR and abs(beta - first) < _NEAR:
+            return (beta + over / rate, abs(over / rate)) if abs(over) < _NEAR * abs(rate) else DIVERGED
+
+        beta = newton(first, step, _ANGLE_ENDING)
+        if not isinstance(beta, str) and abs(beta - first) < _NEAR:
             new[name] = getattr(problem, name) + (beta - first)
     return replace(problem, **new)
 

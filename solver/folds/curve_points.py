@@ -55,16 +55,15 @@ def fold_through(
     """
     across, along = np.eye(2)[[axis, 1 - axis]]
     first = FoldPoint(z, along, across, equilibrium)
-    node = node_at(first, np.zeros(2), np.array([0.0, 1.0]))
-    turned = None if isinstance(node, str) else first.fold_at(node)
+    node = node_at(first, first.w, np.array([0.0, 1.0]))
+    turned = None if isinstance(node, str) else first.after(node)
     first = first if turned is None else turned[0]
-    back, ahead = (fold_line(first, sense, np.zeros(2), np.ones(2), MOST) for sense in (-1.0, 1.0))
-    points = [*back.points[::-1], first, *ahead.points]
-    middle = len(back.points)
-    cusps = [*(middle - 1 - i for i in back.cusps), *(middle + 1 + i for i in ahead.cusps)]
+    (back, begin), (ahead, end) = (fold_line(first, sense, MOST) for sense in (-1.0, 1.0))
+    points = [*back[::-1], first, *ahead]
+    cusps = [i for i, point in enumerate(points) if point.more == 0 and point is not first]
     places = np.array([point.z for point in points])
     marks = curve_points(places, [p.along for p in points], [p.more * p.across for p in points], cusps)
     each = [point.equilibrium for point in points]
     signatures = np.array([signature(one) for one in each])
     line = Line(FOLD, marks, cusps, [slope(one) for one in each], np.column_stack([places, signatures]))
-    return Curve([line], (back.end, ahead.end), lower_index(first))
+    return Curve([line], (begin, end), lower_index(first))

@@ -11,17 +11,16 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from ..numerics.arclength import LEFT, Lengths, Node, Stride, advance, border_distances, node_at, trace
+from ..numerics.arclength import Lengths, Node, border_distances
 from ..numerics.arrays import Array
 from ..numerics.roots import Ending, enclose, newton
+from .special_line import BORDER, CLOSE, STOPPED, Ahead, special_line, step_from
 
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-4)  # of steps, in the sizes of the equilibrium and of z
-NARROW = 1e-3  # a step, below which other coordinates are tried
 STEP = 1e-4  # of derivatives by a and u
-CLOSE, ROUNDS = 1e-9, 25  # to the border; steps of a search of it or of a cusp
-FLAT = 1e-6  # of the rate of u at a cusp: its square is lost of z
+ROUNDS = 25  # steps of a search of the border or of a cusp
+FLAT, ENCLOSED = 1e-6, 1e-6  # of the rate of u at a cusp, whose square is lost of z; of the step that holds it
 BESIDE = 0.02  # how far beside a fold its two indices are read
-BORDER, STOPPED = "border", "stopped"
 NOT_MET = "the curve meets no border nearby"
 
 
@@ -71,6 +70,15 @@ class FoldPoint(Generic[Equilibrium]):
     equilibrium: Equilibrium
     more: float = 0.0
 
+    @property
+    def w(self) -> Array:
+        """Its own (a, u)."""
+        return np.zeros(2)
+
+    def ahead(self, node: Node, step: float) -> Array:
+        """z a step along the tangent."""
+        return self.z + step * node.tangent[1] * self.along
+
     def at(self, w: Array) -> Equilibrium | None:
         """The equilibrium at (a, u)."""
         a, u = w.tolist()
@@ -92,7 +100,7 @@ class FoldPoint(Generic[Equilibrium]):
             return None
         return np.array([[(high[0] - low[0]) / (2 * STEP) for high, low in pairs]])  # type: ignore[index]
 
-    def fold_at(self, node: Node) -> "tuple[FoldPoint[Equilibrium], Array] | None":
+    def after(self, node: Node) -> "tuple[FoldPoint[Equilibrium], Array] | None":
         """The fold at a node (a, u), and the direction there in its own (a, u)."""
         found, h = self.at(node.w), np.array([0.0, STEP])
         high, low = self.at(node.w + h), self.at(node.w - h)
@@ -110,108 +118,62 @@ class FoldPoint(Generic[Equilibrium]):
         fold = FoldPoint(z, along, across, best, float(np.sign(node.jacobian[0, 0])))
         return fold, node.tangent * np.array([1.0, size])
 
+    def at_border(self, node: Node) -> "FoldPoint[Equilibrium] | None":
+        """As of `SpecialPoint`, without values beyond the border."""
+        onward = self.along * np.sign(node.tangent[1])
+        ways = border_distances(self.z, onward, np.zeros(2), np.ones(2))
+        k = int(np.argmin(ways))
+        limit, rate = float(onward[k] > 0), node.jacobian[0, 0]
+
+        def step(w: Array) -> tuple[Array, float] | str:
+            found = self.at(w)
+            if found is None:
+                return NOT_MET
+            off = limit - self.place(w, found)[k]
+            change = np.array([-found.rate / rate, off / self.along[k]])
+            return w + change, float(np.abs(change).max())
+
+        w = newton(node.tangent * (ways[k] / abs(node.tangent[1])), step, Ending(ROUNDS, CLOSE))
+        found = None if isinstance(w, str) else self.at(w)
+        if found is None or isinstance(w, str):
+            return None
+        z = self.place(w, found)
+        z[k] = limit
+        return replace(self, z=z, equilibrium=found, more=float(np.sign(rate)))
+
     def in_other_coordinates(self) -> "Iterator[FoldPoint[Equilibrium]]":
         """The same fold."""
         for other in self.equilibrium.as_folds(self.z, self.across):
             yield replace(self, equilibrium=other)
 
 
-@dataclass(frozen=True, eq=False)
-class FoldLine(Generic[Equilibrium]):
-    """A stretch of the curve of a fold: its points, the numbers of those that are cusps, and how it ends."""
+def fold_line(first: FoldPoint[Equilibrium], sense: float, most: int) -> tuple[list[FoldPoint[Equilibrium]], str]:
+    """The curve after a fold, in one sense of its u, to the border of 0 < z < 1, and how it ends."""
 
-    points: list[FoldPoint[Equilibrium]]
-    cusps: list[int]
-    end: str
+    def between(
+        fold: FoldPoint[Equilibrium], node: Node, step: float, taken: Ahead[FoldPoint[Equilibrium]]
+    ) -> tuple[list[FoldPoint[Equilibrium]], str] | None:
+        after = float(taken[1][1])
+        if after * node.tangent[1] >= 0:
+            return [], ""
+        cusp = cusp_between(fold, node, step, after)
+        return None if cusp is None else ([cusp], "")
 
-
-def fold_line(first: FoldPoint[Equilibrium], sense: float, low: Array, high: Array, most: int) -> FoldLine[Equilibrium]:
-    """The curve from a fold on, in one sense of its u, to the border low < z < high."""
-    cusps: list[int] = []
-
-    def is_beyond(z: Array) -> bool:
-        return bool((z < low).any() or (z > high).any())
-
-    def stride(
-        here: tuple[FoldPoint[Equilibrium], Array], step: float, points: list[FoldPoint[Equilibrium]]
-    ) -> Stride[FoldPoint[Equilibrium], tuple[FoldPoint[Equilibrium], Array]] | str:
-        fold, direction = here
-        node = node_at(fold, np.zeros(2), direction)
-        if isinstance(node, str):
-            return node
-        if is_beyond(fold.z + step * node.tangent[1] * fold.along):
-            last = border_point(fold, node, low, high)
-            if last is not None:
-                return Stride([last] * bool(np.abs(last.z - fold.z).max() > CLOSE), here, step, BORDER)
-        taken = step_from(fold, node, step)
-        if isinstance(taken, str):
-            others = fold.in_other_coordinates() if step < NARROW else iter(())
-            for other in others:
-                at = node_at(other, np.zeros(2), direction)
-                again = at if isinstance(at, str) else step_from(other, at, step)
-                if not isinstance(at, str) and not isinstance(again, str):
-                    fold, node, taken = other, at, again
-                    break
-            else:
-                return taken
-        there, onward = taken
-        if is_beyond(there.z):
-            return BORDER
-        if onward[1] * direction[1] < 0:
-            cusp = cusp_between(fold, node, step, float(onward[1]))
-            cusps.append(len(points))
-            return Stride([cusp, there], taken, step)
-        return Stride([there], taken, step * 1.5)
-
-    points, end = trace((first, np.array([0.0, sense])), stride, LENGTHS, most)
-    return FoldLine(points, cusps, BORDER if end == BORDER else STOPPED)
+    points, end = special_line(first, np.array([0.0, sense]), LENGTHS, most, between)
+    return points, BORDER if end == BORDER else STOPPED
 
 
-def border_point(fold: FoldPoint[Equilibrium], node: Node, low: Array, high: Array) -> FoldPoint[Equilibrium] | None:
-    """The fold on the border that the curve meets next, without values beyond it; None where it meets none nearby."""
-    onward = fold.along * np.sign(node.tangent[1])
-    ways = border_distances(fold.z, onward, low, high)
-    k = int(np.argmin(ways))
-    limit, rate = (high if onward[k] > 0 else low)[k], node.jacobian[0, 0]
-
-    def step(w: Array) -> tuple[Array, float] | str:
-        found = fold.at(w)
-        if found is None:
-            return NOT_MET
-        off = limit - fold.place(w, found)[k]
-        change = np.array([-found.rate / rate, off / fold.along[k]])
-        return w + change, float(np.abs(change).max())
-
-    w = newton(node.tangent * (ways[k] / abs(node.tangent[1])), step, Ending(ROUNDS, CLOSE))
-    found = None if isinstance(w, str) else fold.at(w)
-    if found is None or isinstance(w, str):
-        return None
-    z = fold.place(w, found)
-    z[k] = limit
-    return replace(fold, z=z, equilibrium=found, more=float(np.sign(rate)))
-
-
-def step_from(fold: FoldPoint[Equilibrium], node: Node, step: float) -> tuple[FoldPoint[Equilibrium], Array] | str:
-    """The fold after a step and the direction there, or why there is none."""
-    found = advance(fold, node, step)
-    if isinstance(found, str):
-        return found
-    return fold.fold_at(found) or LEFT
-
-
-def cusp_between(fold: FoldPoint[Equilibrium], node: Node, step: float, after: float) -> FoldPoint[Equilibrium]:
-    """The cusp within a step after which the rate of u is `after`, of the other sign."""
+def cusp_between(fold: FoldPoint[Equilibrium], node: Node, step: float, after: float) -> FoldPoint[Equilibrium] | None:
+    """The cusp within a step after which the rate of u is `after`, of the other sign; None where it is not enclosed."""
 
     def rate_at(place: float) -> tuple[FoldPoint[Equilibrium], float] | None:
         found = step_from(fold, node, place)
         return None if isinstance(found, str) else (found[0], float(found[1][1]))
 
-    cusp, rates = fold, (float(node.tangent[1]), after)
-    for _, found, rate in enclose(rate_at, step, rates, ROUNDS, kept=0.5):
-        cusp = found
-        if abs(rate) < FLAT:
-            break
-    return replace(cusp, more=0.0)
+    for width, cusp, rate in enclose(rate_at, step, (float(node.tangent[1]), after), ROUNDS, kept=0.5):
+        if abs(rate) < FLAT or width < ENCLOSED * step:
+            return replace(cusp, more=0.0)
+    return None
 
 
 def lower_index(fold: FoldPoint[Equilibrium]) -> int:

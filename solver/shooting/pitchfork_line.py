@@ -4,14 +4,15 @@ An equilibrium that its symmetry keeps, such as the straight rod, exists on both
 along one mode meets no resistance. The stiffness against that push, smooth over z, is the equation of the curve.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..folds.fold_line import BORDER, CLOSE, STEP, STOPPED
+from ..folds.fold_line import STEP
+from ..folds.special_line import BORDER, STOPPED, Ahead, special_line, step_from
 from ..numerics import arclength
-from ..numerics.arclength import LEFT, Lengths, Node, Stride, advance, border_distances, node_at, trace
+from ..numerics.arclength import Lengths, Node, border_distances, node_at
 from ..numerics.arrays import Array
 from .curve import Curve
 from .descent import index_at, weakest_modes
@@ -83,6 +84,32 @@ class PitchforkPoint:
         more = across * turns.pop() if len(turns) == 1 else np.full(2, np.nan)
         return replace(self, z=node.w, shape=shape, mode=mode, lower=min(map(index_at, sides)), more=more)
 
+    @property
+    def w(self) -> Array:
+        """The same as z."""
+        return self.z
+
+    def ahead(self, node: Node, step: float) -> Array:
+        """z a step along the tangent."""
+        return self.z + step * node.tangent
+
+    def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
+        """As of `SpecialPoint`; None where the two others lie on different sides."""
+        there = self.at(node)
+        return None if there is None or np.isnan(there.more).any() else (there, node.tangent)
+
+    def at_border(self, node: Node) -> "PitchforkPoint | None":
+        """As of `SpecialPoint`."""
+        ways = border_distances(self.z, node.tangent, np.zeros(2), np.ones(2))
+        k = int(np.argmin(ways))
+        w = arclength.correct(self, self.z + ways[k] * node.tangent, np.eye(2)[k], node.jacobian)
+        there = w if isinstance(w, str) else node_at(self, w, node.tangent)
+        return None if isinstance(there, str) else self.at(there)
+
+    def in_other_coordinates(self) -> "Iterator[PitchforkPoint]":
+        """None: z are its only coordinates."""
+        return iter(())
+
 
 def likeness(one: Array, other: Array) -> float:
     """The cosine of the angle between the azimuths of two modes (N, 8)."""
@@ -109,39 +136,17 @@ def pitchfork_line(
     known: whether a place and its shape lie on a known curve.
     """
 
-    def stride(
-        here: tuple[PitchforkPoint, Array], step: float, points: list[PitchforkPoint]
-    ) -> Stride[PitchforkPoint, tuple[PitchforkPoint, Array]] | str:
-        point, direction = here
-        node = node_at(point, point.z, direction)
-        if isinstance(node, str):
-            return node
-        ahead = point.z + step * node.tangent
-        if (np.abs(ahead - 0.5) > 0.5).any():
-            last = border_point(point, node)
-            if last is not None:
-                return Stride([last] * bool(np.abs(last.z - point.z).max() > CLOSE), here, step, BORDER)
-        taken = step_from(point, node, step)
-        if isinstance(taken, str):
-            return taken
-        there, tangent = taken
+    def between(
+        point: PitchforkPoint, node: Node, step: float, taken: Ahead[PitchforkPoint]
+    ) -> tuple[list[PitchforkPoint], str]:
+        there = taken[0]
         if known(there.z, there.shape):
-            return Stride([there], taken, step, CROSSING)
-        crossing = [] if there.lower == point.lower else crossing_between(point, node, step, there)
-        return Stride([*crossing, there], (there, tangent), step * 1.5)
+            return [], CROSSING
+        return [] if there.lower == point.lower else crossing_between(point, node, step, there), ""
 
     tangent = np.array([-first.more[1], first.more[0]])
-    points, end = trace((first, sense * tangent), stride, LENGTHS, most)
+    points, end = special_line(first, sense * tangent, LENGTHS, most, between)
     return points, end if end in (BORDER, CROSSING) else STOPPED
-
-
-def step_from(point: PitchforkPoint, node: Node, step: float) -> tuple[PitchforkPoint, Array] | str:
-    """The pitchfork after a step and the direction there, or why there is none."""
-    found = advance(point, node, step)
-    if isinstance(found, str):
-        return found
-    there = point.at(found)
-    return LEFT if there is None or np.isnan(there.more).any() else (there, found.tangent)
 
 
 def crossing_between(point: PitchforkPoint, node: Node, step: float, there: PitchforkPoint) -> list[PitchforkPoint]:
@@ -156,12 +161,3 @@ def crossing_between(point: PitchforkPoint, node: Node, step: float, there: Pitc
         low, high = ((low + high) / 2, high) if same else (low, (low + high) / 2)
         before, after = (taken[0], after) if same else (before, taken[0])
     return [one for one in (before, after) if one is not point and one is not there]
-
-
-def border_point(point: PitchforkPoint, node: Node) -> PitchforkPoint | None:
-    """The pitchfork on the border that the curve meets next; None where it meets none nearby."""
-    ways = border_distances(point.z, node.tangent, np.zeros(2), np.ones(2))
-    k = int(np.argmin(ways))
-    w = arclength.correct(point, point.z + ways[k] * node.tangent, np.eye(2)[k], node.jacobian)
-    there = w if isinstance(w, str) else node_at(point, w, node.tangent)
-    return None if isinstance(there, str) else point.at(there)
