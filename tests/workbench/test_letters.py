@@ -14,6 +14,7 @@ from workbench.figures import (
     regions,
     scales,
     study_figure,
+    style,
 )
 from workbench.figures.sheet import sheet
 from workbench.store import in_memory, law_verdicts
@@ -120,7 +121,7 @@ def test_a_figure_without_a_title_has_no_room_for_one(two) -> None:
         fig = canvas.figure((5, 3), lambda fig: fig.add_subplot(), two.assign_attrs(title=title))
         fig.draw_without_rendering()
         tops.append((1 - fig.axes[0].get_position().y1) * fig.get_figheight())
-    assert tops[0] - tops[1] == pytest.approx(0.26, abs=0.02)
+    assert tops[0] - tops[1] == pytest.approx(style.height_of("A title", style.LARGE), abs=0.02)  # one line
 
 
 def test_no_two_methods_of_one_kind_of_problem_look_alike() -> None:

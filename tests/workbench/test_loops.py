@@ -48,4 +48,4 @@ def test_the_ends_of_a_closed_rod_are_no_place_where_it_passes_through_itself() 
     for k in range(ds.sizes["equilibrium"]):
         line = stored_line.read(ds, {"equilibrium": k})
         end = line.frame(line.s[:1])[0]
-        assert all(np.linalg.norm(place - end) > line.a for place in self_contact.places(line, (0.0, line.L)))
+        assert all(np.linalg.norm(place - end) > line.a for place in self_contact.middles(line, (0.0, line.L)))

@@ -165,7 +165,7 @@ def test_a_rod_is_ringed_where_the_stills_ring_it() -> None:
     script = SHAPE + "answer(self_contact.crossings(shape));"
     found = np.array(run(script, state(), (*MODULES, "self_contact")))
     line = stored_line.read(solve(case_of(state()), stations=2001).to_dataset(), {})
-    wanted = np.array(self_contact.places(line, (0.0, line.L)))
+    wanted = np.array(self_contact.middles(line, (0.0, line.L)))
     away = np.linalg.norm(found[:, None] - wanted, axis=-1)
     assert len(wanted) == len(found) == 5
     assert away.min(axis=0).max() < 0.2 * line.a

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.colors import to_rgb
+from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 from solver.mechanics import frames
@@ -258,8 +258,8 @@ def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> N
     assert 1599 <= picture.shape[1] <= 1600  # Matplotlib may round down
     assert 500 < picture.shape[0] <= 1200  # no emptier than its words need
     assert share_of_ink(picture) > 0.25
-    assert share_of_hue(picture, colours.hex_of(colours.PUSH_RAMP, 0.9)) > 0.01
-    assert share_of_hue(picture, colours.hex_of(colours.PUSH_RAMP, 0.2)) > 0.02
+    assert share_of_hue(picture, to_hex(colours.PUSH_RAMP(0.9))) > 0.01
+    assert share_of_hue(picture, to_hex(colours.PUSH_RAMP(0.2))) > 0.02
     edge = np.concatenate([picture[:8].ravel(), picture[-8:].ravel(), picture[:, :8].ravel(), picture[:, -8:].ravel()])
     assert (edge > 0.98).all()  # nothing is cut off
 
@@ -488,19 +488,19 @@ def test_a_look_chooses_side_colours_size_and_what_is_left_out(fig6, tmp_path) -
         seen = np.asarray(picture) / 255.0
     assert seen[:5, :, 3].max() == 0  # no title, nothing at the edge
     # most of the pushed part is above 50 N/cm, so it has the darkest blue
-    assert share_of_hue(seen[..., :3], colours.hex_of(colours.PUSH_RAMP, 1.0)) > 0.02
+    assert share_of_hue(seen[..., :3], to_hex(colours.PUSH_RAMP(1.0))) > 0.02
 
 
 def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_two_radii_apart(fig6) -> None:
     rod = body(fig6)
-    places = self_contact.places(rod.line, rod.span)
+    places = self_contact.middles(rod.line, rod.span)
     s = np.linspace(0, 20, 8001)
     curve = rod.line.frame(s)[0]
     for place in places:
         near = s[np.linalg.norm(curve - place, axis=1) < rod.a]  # of two stretches at least
         assert np.ptp(near) > np.pi * rod.a
     assert len(places) >= 5
-    assert not self_contact.places(rod.line, (0.0, 2.0))
+    assert not self_contact.middles(rod.line, (0.0, 2.0))
 
 
 @draws
@@ -575,10 +575,10 @@ def test_a_push_has_the_same_colours_in_neighbouring_pictures_pale_at_0_and_no_b
     units = {"length": "cm", "force": "N"}
     paint, bar = colours.by_push(units, (-30.0, 90.0))
     assert (paint.low, paint.high, bar.low, bar.high) == (-100.0, 100.0, -100.0, 100.0)
-    assert min(to_rgb(colours.hex_of(paint.ramp, 0.5))) > 0.8
+    assert min(to_rgb(to_hex(paint.ramp(0.5)))) > 0.8
     one, alone = colours.by_push(units, (7.9, 8.0))
     share = (8.0 - one.low) / (one.high - one.low)
-    assert min(to_rgb(colours.hex_of(one.ramp, share))) > 0.2 or share < 0.9
+    assert min(to_rgb(to_hex(one.ramp(share)))) > 0.2 or share < 0.9
     assert (alone.low, alone.high) == (0.0, 12.0)
 
 

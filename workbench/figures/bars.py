@@ -19,7 +19,7 @@ from . import canvas, legend, style
 from .sheet import SCREEN, Sheet
 
 COLUMN = 3.4  # inches: the width of a column of a journal
-BAR, FRAME, AROUND = 0.2, 0.6, 1.4  # inches of a bar, of title and ticks of a panel, of the title and the legend
+BAR, FRAME, AROUND = 0.2, 0.6, 0.85  # inches of a bar, of title and ticks of a panel, and of the legend
 MOST = 12  # bars of a panel of a tornado
 ROOM = 0.34  # share of the width that is kept for the numbers on either side
 FIRST, TOTAL = style.PAIR
@@ -83,8 +83,7 @@ def _panels(
             panel(fig.add_subplot(rows, columns, i + 1), name)
         legend.below(fig, entries, notes, sheet or SCREEN)
 
-    height = rows * (FRAME + BAR * max(bars, 2)) + AROUND - 0.6 * (not page.titled)
-    return canvas.figure((page.width, height), draw, ds, sheet=page)
+    return canvas.figure((page.width, rows * (FRAME + BAR * max(bars, 2)) + AROUND), draw, ds, sheet=page)
 
 
 def _look(ax: Axes, ticks: Sequence[str]) -> None:

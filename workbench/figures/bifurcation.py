@@ -20,7 +20,7 @@ from . import canvas, legend, point_numbers, shape_rows, style, unrolled
 from .shape_rows import Shape
 from .sheet import SCREEN, Sheet
 
-HIGH, TALL = (0.46, 0.62), (0.42, 0.62)  # of the width of a page and of a column: the diagram, all shapes
+HIGH = 0.46, 0.62  # of the width of a page and of a column
 MOST = 16, 8  # shapes; those on one column of a page
 MOST_INSIDE = 4  # entries of a legend that find a free place in the diagram
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
@@ -44,12 +44,11 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     """
     shown, count = str(ds.attrs["shown"]), min(ds.sizes.get("shape", 0), MOST[sheet.narrow])
     shapes, high = _shapes(ds, count), HIGH[sheet.narrow] * sheet.width
-    room = sheet.width - shape_rows.BESIDE, TALL[sheet.narrow] * sheet.width
-    form = shape_rows.rows(shapes, room, sheet.small) if shapes else None
+    form = shape_rows.plan(shapes, sheet) if shapes else None
+    below = form.size[1] if form is not None else 0.0
 
     def draw(fig: Figure) -> None:
         notes = _laws(ds)
-        below = form.size[1] if form is not None else 0.0
         grid = fig.add_gridspec(1 + bool(shapes), 1, height_ratios=[high, *[below] * bool(shapes)])
         ax = panel(ds, fig.add_subplot(grid[0]), shown, high)
         key = legend.entries(ax)
@@ -65,7 +64,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
             notes += _alike(ds, shown)
         legend.below(fig, key, notes, sheet)
 
-    height = high + (form.size[1] if form is not None else 0.0) + 0.45 + (0.7 + 0.2 * len(_laws(ds))) * sheet.titled
+    height = high + below + 0.55 + 0.2 * len(_laws(ds)) * sheet.titled
     return canvas.figure((sheet.width, height), draw, ds, sheet=sheet)
 
 

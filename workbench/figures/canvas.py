@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
 from matplotlib.ticker import ScalarFormatter
+from matplotlib.transforms import ScaledTranslation
 
 from solver.problem.errors import InputError
 
@@ -21,10 +22,11 @@ from ..words import labels
 from . import style
 from .scales import Ticks
 from .sheet import MILLIMETRES, SCREEN, Sheet
-from .style import DPI, RC, SOFT
+from .style import DPI, INK, RC, SOFT
 
 # inches of a figure of one column, and of two: room for a caption stays; the share of the height that is kept
 TALLEST, TALLEST_PAGE, LEAST = 120 / MILLIMETRES, 185 / MILLIMETRES, 0.62
+MARGIN, AFTER, TITLE = 0.15, 0.1, 0.62  # inches around a title, below it, and of all of it where its lines are short
 MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and columns name
 DIAGRAMS = (".png", ".pdf", ".svg")
 
@@ -40,18 +42,20 @@ def figure(
 ) -> Figure:
     """A figure of a size in inches with what `draw` draws on it.
 
-    ds: the dataset whose title is written above it, where the sheet has one. said: what is written below the title,
+    ds: the dataset whose title is written above that, where the sheet has one. said: what is written below the title,
     after the reading of the dataset.
     """
+    titled = ds is not None and sheet.titled
     if sheet.style == "paper":
-        size = size[0], max(min(size[1], TALLEST if sheet.narrow else TALLEST_PAGE), LEAST * size[1])
+        most = (TALLEST if sheet.narrow else TALLEST_PAGE) - TITLE * titled
+        size = size[0], max(min(size[1], most), LEAST * size[1])
     with rc_context(RC | sheet.settings()):
         fig = Figure(figsize=size, dpi=dpi, layout=layout)
         FigureCanvasAgg(fig)
         draw(fig)
         if sheet.style == "paper" and layout is not None:
             _letter_panels(fig)
-        if ds is not None and sheet.titled:
+        if ds is not None and titled:
             _set_title(fig, " · ".join(text for text in (labels.reading(ds), said) if text), str(ds.attrs["title"]))
         _write_numbers(fig)
         _lower_indices(fig)
@@ -117,16 +121,21 @@ def save(
             atomic.write(file, lambda aside: fig.savefig(aside, dpi=dpi, **more))
 
 
+def write_title(fig: Figure, title: str, below: str) -> float:
+    """Write a title and a line below it at the upper left of a figure; returns the inches that they take."""
+    upper_left = fig.dpi_scale_trans + ScaledTranslation(0, 1, fig.transFigure)  # type: ignore[arg-type]
+    used = MARGIN
+    for text, size, weight, colour in ((title, style.large(), "bold", INK), (below, style.normal(), "normal", SOFT)):
+        lines = style.break_lines(text, fig.get_figwidth() - 2 * MARGIN, size, weight == "bold")
+        fig.text(MARGIN, -used, lines, va="top", size=size, weight=weight, color=colour, transform=upper_left)
+        used += style.height_of(lines, size)
+    return used + AFTER
+
+
 def _set_title(fig: Figure, below: str, title: str) -> None:
-    """A title, and a line below it, above a constrained layout; the figure grows by the lines of a long title, and
-    shrinks without one."""
-    size = style.large()
-    title = style.break_lines(title, fig.get_figwidth() - 0.3, size, bold=True)
-    more = 0.2 * title.count("\n") if title else -0.26  # inches
-    fig.set_figheight(fig.get_figheight() + more)
-    inch = 1 / fig.get_figheight()
+    """A title, and a line below it, above a constrained layout, for which the figure grows."""
+    used = write_title(fig, title, below)
+    fig.set_figheight(fig.get_figheight() + used)
     engine = fig.get_layout_engine()
     assert isinstance(engine, ConstrainedLayoutEngine)
-    engine.set(rect=(0, 0, 1, 1 - ((0.62 if below else 0.4) + more) * inch), w_pad=0.1, h_pad=0.08)
-    fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=size)
-    fig.text(0.012, 1 - (0.36 + more) * inch, below, va="top", color=SOFT)
+    engine.set(rect=(0, 0, 1, 1 - used / fig.get_figheight()), w_pad=0.1, h_pad=0.08)

@@ -16,7 +16,6 @@ from .shape_rows import Shape
 from .sheet import SCREEN, Sheet
 
 MOST = 8, 40  # shapes shown on one column of a page and elsewhere
-TALL = 0.7, 0.6  # the height of all shapes over the width of a column and of other pages
 HIGH = 1.6, 1.8  # inches of the diagram of energies there
 MOST_LOOPS = 24  # closed rods shown
 REACTIONS = ("FZ", "MZ", "M3", "beta0", "betaL")  # of held ends
@@ -30,7 +29,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     if reaction is not None:
         texts = [f"{text}: {labels.value(float(ds[reaction][k]), ds[reaction])}" for k, text in enumerate(texts)]
     shapes = [_shape(ds, k, texts[k], look(int(ds["index"][k]))) for k in range(count)]
-    form = shape_rows.rows(shapes, (sheet.width - shape_rows.BESIDE, TALL[not sheet.narrow] * sheet.width), sheet.small)
+    form = shape_rows.plan(shapes, sheet)
 
     def draw(fig: Figure) -> None:
         grid = fig.add_gridspec(2, 1, height_ratios=[form.size[1], high])
@@ -42,8 +41,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         said.append(f"Unrolled views, {style.WAYS}, all at one scale{beside}; dot: s = 0{some}.")
         legend.below(fig, [*_entries(ds["index"].values), *unrolled.ring_entries(ax)], said, sheet)
 
-    height = form.size[1] + high + 0.45 + 0.7 * sheet.titled
-    return canvas.figure((sheet.width, height), draw, ds, sheet=sheet)
+    return canvas.figure((sheet.width, form.size[1] + high + 0.5), draw, ds, sheet=sheet)
 
 
 def energies(ds: xr.Dataset, ax: Axes, width: float = SCREEN.width, high: float = HIGH[1]) -> list[str]:
@@ -84,7 +82,7 @@ def loops(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
             f"{k + 1}: {waves} wave{'s' * (waves > 1)}, {stable}\n{labels.value(float(one['energy']), one['energy'])}"
         )
         shapes.append(_shape(ds, k, text, {"push": pushes[k], "norm": norm}))
-    form = shape_rows.rows(shapes, (sheet.width - shape_rows.BESIDE, TALL[not sheet.narrow] * sheet.width), sheet.small)
+    form = shape_rows.plan(shapes, sheet)
 
     def draw(fig: Figure) -> None:
         ax = fig.add_subplot()
@@ -96,7 +94,7 @@ def loops(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         ]
         legend.below(fig, unrolled.ring_entries(ax), said, sheet)
 
-    return canvas.figure((sheet.width, form.size[1] + 0.9 + 0.7 * sheet.titled), draw, ds, sheet=sheet)
+    return canvas.figure((sheet.width, form.size[1] + 0.95), draw, ds, sheet=sheet)
 
 
 def _shape(ds: xr.Dataset, k: int, text: str, how: dict[str, Any]) -> Shape:

@@ -17,7 +17,6 @@ from .sheet import SCREEN, Sheet
 LOWER = 3.4  # inches: the height of the lower panels
 ROOM = (8.8, 2.2)  # inches of the unrolled view
 TALLEST, LABELS = 4.4, 1.1  # inches: the highest curve, and the title, legend and labels beside it
-TITLE = 0.5  # inches above all panels
 LEVEL = 0.95
 CROSSES = {False: "; crosses: other minima that the data do not exclude", True: "; crosses: others that reach the data"}
 MARKS = ("o", "s", "^", "D", "v", "P")
@@ -39,7 +38,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         for k, part in enumerate(parts):
             part(ds, fig.add_subplot(rows[1 + k // across, k % across]))
 
-    return canvas.figure((sheet.width, TITLE * sheet.titled + upper + lower * below), draw, ds, sheet=sheet)
+    return canvas.figure((sheet.width, upper + lower * below), draw, ds, sheet=sheet)
 
 
 def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:

@@ -5,7 +5,10 @@ from typing import Any
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -40,6 +43,7 @@ def notes_of(fig: Figure) -> list[str]:
 
 # The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points
 PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
+ALONE: dict[str, Any] = {"fontsize": 1, "borderpad": 3.2}  # of a legend of notes: its empty entry takes no room
 HANDLE = 0.45  # inches of an entry beside its label
 
 
@@ -57,23 +61,39 @@ def entries(ax: Axes) -> list[Any]:
     )
 
 
-def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), sheet: Sheet = SCREEN) -> None:
+def below(
+    fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), sheet: Sheet = SCREEN, left: float | None = None
+) -> Legend | None:
     """One legend below all axes of a figure with a constrained layout: notes as text, then its entries in columns.
 
-    On a sheet without a title the notes are kept for the caption.
+    On a sheet without a title the notes are kept for the caption. left: inches from the left of a figure without a
+    layout, where the caller places the legend.
     """
     if not sheet.titled:
         keep(fig, notes)
         notes = ()
-    room = fig.get_figwidth() - HANDLE - 0.3
+    width = fig.get_figwidth() - 0.3 if left is None else fig.get_figwidth() - left - 0.2
+    room = width - HANDLE
     once = {style.break_lines(str(entry.get_label()), room, style.small()): entry for entry in entries}
-    notes = [style.break_lines(note, fig.get_figwidth() - 0.3, style.small()) for note in dict.fromkeys(notes)]
+    notes = [style.break_lines(note, width, style.small()) for note in dict.fromkeys(notes)]
     if not once and not notes:
-        return
+        return None
     lines = [line for label in once for line in label.split("\n")]
     widest = max((HANDLE + style.width_of(line, style.small()) for line in lines), default=1.0)
-    columns = max(1, min(len(once), int((fig.get_figwidth() - 0.2) / widest)))
-    found = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], loc="outside lower left",
-                       ncols=columns, title="\n".join(notes), alignment="left", handlelength=1.8, handleheight=1.2,
-                       title_fontsize=style.small())  # fmt: skip
+    columns = max(1, min(len(once), int((width + 0.1) / widest)))
+    how: dict[str, Any] = {"loc": "outside lower left" if left is None else "center left"} | ({} if once else ALONE)
+    found = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], ncols=columns,
+                       title="\n".join(notes), alignment="left", handlelength=1.8, handleheight=1.2,
+                       title_fontsize=style.small(), **how)  # fmt: skip
     found.get_title().set_color(SOFT)
+    return found
+
+
+def colour_bar(fig: Figure, colours: ScalarMappable, label: str = "", **where: Any) -> Colorbar:
+    """The bar of a scale of colours with a name in small letters; where: options of `Figure.colorbar`."""
+    bar = fig.colorbar(colours, **where)
+    bar.set_label(label, size=style.small())
+    bar.outline.set_visible(False)
+    bar.ax.tick_params(length=2)
+    bar.minorticks_off()
+    return bar

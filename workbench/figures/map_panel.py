@@ -18,7 +18,7 @@ from studies.laws.verdicts import NOISE
 
 from ..store import selection
 from ..words import labels
-from . import regions, style
+from . import legend, regions, style
 from .map_cells import STRAIGHT, Cells
 
 Values = NDArray[np.float64]
@@ -68,18 +68,14 @@ class Colours:
             return
         fig = axes[0].get_figure(root=True)
         assert fig is not None
-        bar = fig.colorbar(mesh, ax=axes, pad=0.015, aspect=30 * inches / 3, fraction=0.05)
-        bar.outline.set_visible(False)
+        bar = legend.colour_bar(fig, mesh, ax=axes, pad=0.015, aspect=30 * inches / 3, fraction=0.05)
         if self.count:
             bar.set_ticks([v for v in MaxNLocator(8, integer=True).tick_values(self.low, self.high)
                            if self.low <= v <= self.high])  # fmt: skip
         elif isinstance(self.norm, LogNorm):
-            bar.locator = LogLocator(numticks=6)
+            bar.locator, bar.formatter = LogLocator(numticks=6), labels.power_of_ten  # type: ignore[assignment]
         else:
             bar.locator = MaxNLocator(6)
-        if isinstance(self.norm, LogNorm):
-            bar.formatter = labels.power_of_ten  # type: ignore[assignment]
-        bar.ax.tick_params(length=2)
         bar.update_ticks()
         bar.minorticks_off()
 

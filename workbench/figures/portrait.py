@@ -1,6 +1,6 @@
 """Phase portraits: the orbit of a rod among the level sets of beta'^2 + G(beta), beside the potential G."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
 from typing import Any
@@ -33,6 +33,8 @@ LEVELS = 7  # level sets
 ROUNDING = 1e-12
 SPARE = 0.06  # of the window, to the left and right of what must be seen
 LEAST = np.radians(0.5)  # of a window
+SEPARATRIX: dict[str, Any] = {"color": style.INK, "linewidth": 0.9, "linestyle": (0, (4, 2)), "zorder": 3,
+                              "label": "separatrix"}  # fmt: skip
 SADDLE = "the separatrix, through a saddle (×)"
 
 
@@ -91,12 +93,12 @@ def figure(
                 ax = fig.add_subplot(grid[cell])
                 (_portrait if name == "portrait" else _potential)(ax, one, unit)
                 _frame(ax, name, one, alone, j, leftmost=alone or cell[1] == 0, wide=sheet.width / across)
-        _share(fig.axes, len(names), across, alone)
+        if not alone:
+            _share(fig.axes, len(names), across)
         said = found.said() if source is found.source or not sheet.titled else []  # the title says it
         legend.below(fig, _entries(orbits, names), [*said, *found.notes], sheet)
 
-    height = rows * (tall + 0.65) + 0.9 + 0.7 * sheet.titled
-    return canvas.figure((sheet.width, height), draw, source, sheet=sheet)
+    return canvas.figure((sheet.width, rows * (tall + 0.65) + 0.95), draw, source, sheet=sheet)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,22 +163,29 @@ def _loads(rod: DrawnRod) -> Loads:
 
 def _portrait(ax: Axes, one: Orbit, unit: str) -> None:
     """The orbit, the separatrices and some level sets."""
-    angles = one.angles()
-    G = one.G(angles)
+    G = one.G(one.angles())
     fastest = max(float(np.abs(one.dbeta).max()), *(_height(one.G(b), G) for b in one.saddles), 1e-12)
     levels = np.linspace(float(G.min()), float(G.min()) + 1.4 * (fastest**2 + 1e-12), LEVELS + 2)[1:]
     for level in levels:
         _level_set(ax, one, float(level), color=style.FAINT, linewidth=0.8, label="_level", zorder=1)
     for level in _levels(one):
-        _level_set(ax, one, float(level), color=style.INK, linewidth=0.9, linestyle=(0, (4, 2)), zorder=3,
-                   label="separatrix")  # fmt: skip
-    ax.plot(np.degrees(one.saddles), 0 * one.saddles, "x", color=style.INK, markersize=5, label="saddle", zorder=4)
-    ax.plot(np.degrees(one.centres), 0 * one.centres, "+", color=style.SOFT, markersize=6, label="centre", zorder=4)
+        _level_set(ax, one, level, **SEPARATRIX)
     ax.plot(np.degrees(one.beta), one.dbeta, color=style.PUSHED, linewidth=1.4, label="rod", zorder=5)
-    ax.plot(np.degrees(one.beta[:1]), one.dbeta[:1], "o", color=style.INK, label="s = 0", zorder=6, markersize=4)
-    ax.plot(np.degrees(one.beta[-1:]), one.dbeta[-1:], "s", color=style.INK, label="s = L", zorder=6, markersize=4)
+    _mark(ax, one, lambda angles: 0 * angles, one.dbeta[[0, -1]])
     ax.set_ylim(-1.15 * fastest, 1.15 * fastest)
     ax.set_ylabel(f"β′ [1/{unit}]")
+
+
+def _mark(ax: Axes, one: Orbit, height: Callable[[Any], Any], ends: Any) -> None:
+    """Mark saddles and centres at their height, and the two ends of the rod at theirs."""
+    places: list[tuple[str, Any, Any, str, int, str]] = [
+        ("saddle", one.saddles, height(one.saddles), "x", 5, style.INK),
+        ("centre", one.centres, height(one.centres), "+", 6, style.SOFT),
+        ("s = 0", one.beta[:1], ends[:1], "o", 4, style.INK),
+        ("s = L", one.beta[-1:], ends[1:], "s", 4, style.INK),
+    ]
+    for name, angles, heights, marker, size, colour in places:
+        ax.plot(np.degrees(angles), heights, marker, color=colour, markersize=size, label=name, zorder=6)
 
 
 def _levels(one: Orbit) -> list[float]:
@@ -220,12 +229,8 @@ def _potential(ax: Axes, one: Orbit, unit: str) -> None:
     reached = (float(one.beta.min()), float(one.beta.max()))
     ax.plot(np.degrees(reached), [one.h, one.h], color=style.PUSHED, linewidth=1.4, label="h", zorder=4)
     for level in _levels(one):
-        ax.plot(np.degrees(one.window), [level, level], color=style.INK, linewidth=0.9, linestyle=(0, (4, 2)),
-                label="separatrix", zorder=2)  # fmt: skip
-    ax.plot(np.degrees(one.saddles), one.G(one.saddles), "x", color=style.INK, markersize=5, label="saddle", zorder=4)
-    ax.plot(np.degrees(one.centres), one.G(one.centres), "+", color=style.SOFT, markersize=6, label="centre", zorder=4)
-    ax.plot(np.degrees(one.beta[:1]), [one.h], "o", color=style.INK, markersize=4, label="s = 0", zorder=6)
-    ax.plot(np.degrees(one.beta[-1:]), [one.h], "s", color=style.INK, markersize=4, label="s = L", zorder=6)
+        ax.plot(np.degrees(one.window), [level, level], **SEPARATRIX)
+    _mark(ax, one, one.G, [one.h, one.h])
     low, high = min(float(G.min()), one.h), max(one.h, *one.G(one.saddles), float(G.min()))
     ax.set_ylim(low - 0.08 * (high - low or 1.0), high + 0.14 * (high - low or 1.0))
     ax.set_ylabel(f"G, h [1/{unit}²]")
@@ -247,36 +252,26 @@ def _frame(ax: Axes, name: str, one: Orbit, alone: bool, j: int, leftmost: bool,
     ax.yaxis.label.set_visible(leftmost)
 
 
-def _share(axes: Sequence[Axes], panels: int, across: int, alone: bool) -> None:
+def _share(axes: Sequence[Axes], panels: int, across: int) -> None:
     """For each quantity one range of numbers over all rods, with numbers at the left and below only."""
-    if alone:
-        return
     for j in range(panels):
-        some = axes[j::panels]
-        low, high = min(ax.get_ylim()[0] for ax in some), max(ax.get_ylim()[1] for ax in some)
-        for i, ax in enumerate(some):
-            ax.set_ylim(low, high)
-            ax.tick_params(labelleft=i % across == 0)
-    for k, ax in enumerate(axes):
-        lowest = k % panels == panels - 1
-        ax.tick_params(labelbottom=lowest)
-        ax.xaxis.label.set_visible(lowest)
+        ends = [ax.get_ylim() for ax in axes[j::panels]]
+        for i, ax in enumerate(axes[j::panels]):
+            ax.set_ylim(np.min(ends), np.max(ends))
+            ax.tick_params(labelleft=i % across == 0, labelbottom=j == panels - 1)
+            ax.xaxis.label.set_visible(j == panels - 1)
 
 
 def _entries(orbits: Sequence[Orbit], names: Sequence[str]) -> list[Artist]:
     """The legend."""
     rod = "the rod, at its level h" if "potential" in names else "the rod"
-    found = [Line2D([], [], color=style.PUSHED, linewidth=1.8, label=rod)]
-    found += [
-        Line2D([], [], color=style.INK, marker=mark, markersize=4, linestyle="none", label=label)
-        for mark, label in (("o", "s = 0"), ("s", "s = L"))
-    ]
-    if any(one.saddles.size for one in orbits):
-        found.append(Line2D([], [], color=style.INK, linewidth=0.9, linestyle=(0, (4, 2)), label=SADDLE))
-    if any(one.centres.size for one in orbits):
-        found.append(
-            Line2D([], [], color=style.SOFT, marker="+", markersize=6, linestyle="none", label="centre: a helix")
-        )
-    if "portrait" in names:
-        found.append(Line2D([], [], color=style.FAINT, linewidth=1.2, label="other level sets of β′² + G"))
-    return list(found)
+    looks: list[tuple[bool, str, dict[str, Any]]] = [
+        (True, rod, {"color": style.PUSHED, "linewidth": 1.8}),
+        (True, "s = 0", {"marker": "o", "markersize": 4, "linestyle": "none"}),
+        (True, "s = L", {"marker": "s", "markersize": 4, "linestyle": "none"}),
+        (any(one.saddles.size for one in orbits), SADDLE, {"linewidth": 0.9, "linestyle": (0, (4, 2))}),
+        (any(one.centres.size for one in orbits), "centre: a helix",
+         {"color": style.SOFT, "marker": "+", "markersize": 6, "linestyle": "none"}),
+        ("portrait" in names, "other level sets of β′² + G", {"color": style.FAINT, "linewidth": 1.2}),
+    ]  # fmt: skip
+    return [Line2D([], [], label=label, **({"color": style.INK} | look)) for is_drawn, label, look in looks if is_drawn]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..words import labels
 from ..words.cautions import SLIGHT
-from . import push_colours, style
+from . import legend, push_colours, style
 from .table import CASING
 
 PULL = style.LIFTED
@@ -25,13 +25,14 @@ EDGE, LEAST = 1.2, 0.35  # the grey casing of a line: share of its width, and po
 def ramp() -> Colormap:
     """The colours of a push, from the strongest pull to the strongest push; pale at 0."""
     stops = [((share + 1) / 2, (r / 255, g / 255, b / 255)) for share, (r, g, b) in push_colours.DIVERGING]
-    return LinearSegmentedColormap.from_list("push", stops, 512)
+    return LinearSegmentedColormap.from_list("push", stops, 4096)  # so many that a jump from pull to push is sharp
 
 
 def scale(pushes: Sequence[Any]) -> Normalize:
-    """The scale of colours that the pushes of several rods share, as far below 0 as above it."""
-    size = max((float(np.max(np.abs(push))) for push in pushes), default=0.0) or 1.0
-    return Normalize(-size, size)
+    """The scale of colours that the pushes of several rods share, as of `push_colours`, as far below 0 as above it."""
+    ends = [(float(np.min(push)), float(np.max(push))) for push in pushes] or [(0.0, 0.0)]
+    end = push_colours.scale(min(low for low, _ in ends), max(high for _, high in ends))[1] or 1.0
+    return Normalize(-end, end)
 
 
 def line(
@@ -66,14 +67,12 @@ def bar(
     where: dict[str, Any] = {"anchor": (0.0, 1.0), "ax": list(axes), "fraction": 0.05, "pad": 0.02, "aspect": 20,
                              "shrink": length / inches, "location": "bottom" if below else "right"}  # fmt: skip
     if inside is not None:
-        below, where = True, {"cax": inside, "orientation": "horizontal"}
+        where = {"cax": inside, "orientation": "horizontal"}
     said = f"push [{labels.unit(unit)}]"
     pulled = any(
         isinstance(collection, LineCollection) and pulls(collection.get_array()) for collection in axes[0].collections
     )
-    found = fig.colorbar(drawn, **where)
-    found.set_label(said + "; below 0: lifts off" * pulled, size=style.small())
-    found.outline.set_visible(False)
+    legend.colour_bar(fig, drawn, said + "; below 0: lifts off" * pulled, **where)
 
 
 def pulls(push: Any) -> bool:

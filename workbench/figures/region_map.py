@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..words import labels
-from . import canvas, legend, regions, style
+from . import canvas, legend, regions, style, unrolled
 from .map_panel import HALO
 from .sheet import SCREEN, Sheet
 
@@ -40,7 +40,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         given = [line for line in ax.lines if line.get_label() in GIVEN]
         legend.below(fig, [*colours, *entries(ds), *given], notes, sheet)
 
-    return canvas.figure((sheet.width, high + 0.75 * sheet.titled + 0.5), draw, ds, sheet=sheet)
+    return canvas.figure((sheet.width, high + 0.55), draw, ds, sheet=sheet)
 
 
 def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[str], list[Artist]]:
@@ -166,19 +166,10 @@ def _draw_shapes(
         return
     rho, alpha, z = (np.asarray(one) for one in (_rho(ds), ds["stable_alpha"].values, ds["stable_z"].values))
     extents = [rho[:, None] * np.ptp(alpha, axis=2), np.ptp(z, axis=2)]
-    half = 0.54 * max((float(np.nanmax(extent)) for extent in extents if np.isfinite(extent).any()), default=1.0)
+    size = 1.08 * max((float(np.nanmax(extent)) for extent in extents if np.isfinite(extent).any()), default=1.0)
     for i in range(count):
-        left = middle[0] + (i - count / 2) * side[0]
-        inset = ax.inset_axes((left, middle[1] - side[1] / 2, side[0], side[1]), zorder=6)
-        places = z[k, i], rho[k] * (alpha[k, i] - alpha[k, i, 0])
-        inset.plot(*places, color="white", linewidth=2.6, alpha=0.8, clip_on=False)
-        inset.plot(*places, color=style.INK, linewidth=1.1, clip_on=False)
-        inset.plot(places[0][0], places[1][0], "o", color=style.INK, markersize=2.2, clip_on=False)
-        middles = [(place.min() + place.max()) / 2 for place in places]
-        inset.set(
-            xlim=(middles[0] - half, middles[0] + half), ylim=(middles[1] + half, middles[1] - half), aspect="equal"
-        )
-        inset.set_axis_off()
+        box = middle[0] + (i - count / 2) * side[0], middle[1] - side[1] / 2, *side
+        unrolled.inset(ax, box, z[k, i], rho[k] * (alpha[k, i] - alpha[k, i, 0]), (size, size))
 
 
 def _rho(ds: xr.Dataset) -> Any:

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from ..words import labels
-from . import canvas, style
+from . import canvas, legend, style
 from .sheet import SCREEN, Sheet
 
 VAGUE = 0.1  # rad
@@ -43,13 +43,9 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     def draw(fig: Figure) -> None:
         ax = panel(ds, fig.add_subplot())
         colours = ScalarMappable(Normalize(LEAST, MOST), SOLVED)
-        bar = fig.colorbar(
-            colours, ax=ax, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035, ticks=range(-8, 2)
-        )
-        bar.set_label("solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error [rad]",
-                      size=style.small())  # fmt: skip
-        bar.ax.tick_params(length=2)
-        bar.outline.set_visible(False)
+        said = "solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error [rad]"
+        legend.colour_bar(fig, colours, said, ax=ax, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035,
+                          ticks=range(-8, 2))  # fmt: skip
 
     titled = ds.assign_attrs(title=labels.powers_of_ten(str(ds.attrs["title"])))
     return canvas.figure(size, draw, titled, dpi=DPI, sheet=Sheet(size[0], "paper", sheet.titled))

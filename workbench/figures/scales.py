@@ -21,6 +21,7 @@ WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
 EVEN = 1e-6  # share by which the steps of a geometric axis may differ
 MOST, GAP = 8, 0.09  # ticks of an axis; inches between two numbers
 ROUNDING = 1e-9  # share of the range by which a tick may lie outside it
+SPARE = 0.04  # share of a span that stays free at either end
 FEW = 3  # ticks that a logarithmic axis has at least
 
 
@@ -86,6 +87,14 @@ def set_scale(axis: XAxis | YAxis, ends: tuple[float, float], logarithmic: bool,
     axis.set_minor_locator(NullLocator())
     axis.set_major_locator(FixedLocator(ticks(ends, logarithmic, inches, axis.axis_name == "y")))
     axis.set_major_formatter(Ticks())
+
+
+def set_span(axis: XAxis | YAxis, low: float, high: float, logarithmic: bool, inches: float) -> None:
+    """Give an axis of so many inches a scale from a little below one value to a little beyond another."""
+    change, back = (np.log, np.exp) if logarithmic else (np.asarray, np.asarray)
+    ends = np.array([change(low), change(high)])
+    ends = back(ends + SPARE * np.ptp(ends) * np.array([-1, 1]))
+    set_scale(axis, (float(ends[0]), float(ends[1])), logarithmic, inches)
 
 
 def ticks(ends: tuple[float, float], logarithmic: bool, inches: float, upward: bool = False) -> list[float]:

@@ -17,14 +17,13 @@ from studies.laws.verdicts import FAILS
 from ..store import schema, selection
 from ..words import labels
 from . import style
-from .scales import set_scale
+from .scales import WIDE, set_span
 
 ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel; of all
 NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches of a panel at least; of ticks and label
 FEW, MANY = 300, 4000  # samples up to which a dot is large, and beyond which the density is drawn
 LEAST = 8  # samples of which a rank correlation says something
 BINS = (90, 60)  # of the density
-WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
 
 Values = NDArray[np.float64]
 
@@ -125,13 +124,10 @@ def rank_correlation(x: Values, y: Values) -> float | None:
 
 def _scale(ax: Axes, x: Values, inches: float) -> bool:
     """A logarithmic axis where the samples are spread more evenly so; whether it is one. inches: its length."""
-    logarithmic = False
     low, middle, high = float(x.min()), float(np.median(x)), float(x.max())
-    if low > 0 and high > WIDE * low and abs(middle - np.sqrt(low * high)) < abs(middle - (low + high) / 2):
-        logarithmic = True
-    spare = 0.03 * (np.log(high / low) if logarithmic else high - low)
-    ends = (low * np.exp(-spare), high * np.exp(spare)) if logarithmic else (low - spare, high + spare)
-    set_scale(ax.xaxis, (float(ends[0]), float(ends[1])), logarithmic, inches)
+    even = low > 0 and abs(middle - np.sqrt(low * high)) < abs(middle - (low + high) / 2)
+    logarithmic = even and high > WIDE * low
+    set_span(ax.xaxis, low, high, logarithmic, inches)
     return logarithmic
 
 

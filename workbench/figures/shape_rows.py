@@ -12,9 +12,11 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from . import push_scale, style, unrolled
+from .sheet import Sheet
 
 LINE, GAP = 1.3 / 72, 0.16  # inches of a line of text per point of its size; between neighbours, and below each row
 BESIDE = 0.85  # inches of a page beside them
+TALL = 0.7, 0.6  # the height of all shapes over the width of a column and of other pages
 NAME = "unrolled views"  # of the axes
 KEY = "z", "around"  # its two arrows
 LARGEST, SMALLEST, STEP = 8.0, 0.1, 0.97  # inches of the largest curve; from one scale that is tried to the next
@@ -54,6 +56,12 @@ class Rows:
     places: list[tuple[float, float]]
     size: tuple[float, float]
     letters: float
+
+
+def plan(shapes: Sequence[Shape], sheet: Sheet) -> Rows:
+    """The rows in which shapes are drawn on a sheet."""
+    room = sheet.width - BESIDE, TALL[not sheet.narrow] * sheet.width
+    return rows(shapes, room, sheet.small)
 
 
 def rows(shapes: Sequence[Shape], room: tuple[float, float], letters: float) -> Rows:

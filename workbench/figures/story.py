@@ -17,7 +17,7 @@ from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
 from ..store import law_verdicts
 from ..words import labels
-from . import canvas, drawn_rods, push_scale, solid, style
+from . import canvas, drawn_rods, legend, push_scale, solid, style
 from .sheet import Sheet, sheet
 from .solid import Eye
 from .trends import trend
@@ -131,11 +131,11 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
             _write(ax, foot, rod.value if rod.arrays is not None else "unsolved", (0, -5))
     _frame(ax)
     ax.set_title(found.axis_label(), loc="center", size=style.small(), pad=2)
-    bar = ax.figure.colorbar(ScalarMappable(norm, push_scale.ramp()), cax=below, orientation="horizontal")
+    fig = ax.get_figure(root=True)
+    assert fig is not None
+    legend.colour_bar(fig, ScalarMappable(norm, push_scale.ramp()), cax=below, orientation="horizontal")
     said = f"push of the cylinder [{labels.unit(push_scale.unit(ds))}]\nbelow 0: the rod would lift off"
-    _write(below, (0, 0.5), said, (-8, -4), xycoords="axes fraction", ha="right")
-    bar.outline.set_visible(False)
-    below.tick_params(length=2)
+    _write(below, (0, 0.5), said, (-14, -4), xycoords="axes fraction", ha="right")
 
 
 def law(ds: xr.Dataset, ax: Axes) -> None:

@@ -44,6 +44,7 @@ WAYS = f"z to the right, {AROUND} down"  # of every unrolled view
 DPI = 200
 SMALL, NORMAL, LARGE = 8.0, 9.5, 12.0  # points
 LETTER = 0.6 / 72  # inches that a letter is wide per point of its size, where its text is not known yet
+LINE = 1.22 / 72  # inches from line to line per point of their size
 BESIDE = 0.8  # inches of the ticks and the label beside axes
 _TEXT = TextToPath()
 
@@ -131,6 +132,11 @@ def break_lines(text: str, room: float, size: float | None = None, bold: bool = 
 def shorter(texts: Sequence[str], room: float) -> str:
     """The first text that fits into so many inches, else the last; each shorter than the one before."""
     return next((text for text in texts if width_of(text, normal()) <= room), texts[-1])
+
+
+def height_of(text: str, size: float) -> float:
+    """The height of a text in its lines in inches, for a font of that size in points; 0 without any."""
+    return (text.count("\n") + 1) * size * LINE if text else 0.0
 
 
 @functools.lru_cache(maxsize=10_000)  # `break_lines` asks for each line again with a word more

@@ -12,7 +12,6 @@ from solver.problem.errors import InputError
 
 from ..words import labels
 from . import drawn_rods, style, unrolled
-from .drawn_rods import DrawnRod
 from .map_cells import Cells, Choice
 from .map_panel import HALO
 from .scales import Scale
@@ -63,7 +62,9 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float]) ->
         left, low = (float(np.clip(scale.share(float(scale.values[k])) - room / 2, 0, 1 - room))
                      for scale, k, room in ((cells.x, i, across), (cells.y, j, up)))  # fmt: skip
         if rod in known:
-            _curve(ax.inset_axes((left, low, across, up)), rod, extent, factor)
+            coarse: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2}
+            unrolled.inset(ax, (left, low, across, up), *rod.plane_points(), extent, factor,
+                           **(coarse if unrolled.is_coarse(rod) else {}))  # fmt: skip
         else:
             ax.text(left + across / 2, low + up / 2, "not solved", transform=ax.transAxes, ha="center", va="center",
                     size=style.small(), path_effects=[HALO], zorder=20)  # fmt: skip
@@ -85,18 +86,3 @@ def _scale_of(ds: xr.Dataset, extent: tuple[float, float], factor: float) -> str
     enlarged = f"{unrolled.larger(1 / factor, 'z')}{unrolled.larger(factor, style.AROUND)}"
     where = f"{style.WAYS}, each about its own case"
     return f"Shapes: unrolled views, {where}; all at one scale{enlarged}; {size}."
-
-
-def _curve(inset: Axes, rod: DrawnRod, extent: tuple[float, float], factor: float) -> None:
-    """One unrolled view, in the middle of its own axes."""
-    across, down = rod.plane_points()
-    coarse: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2}
-    inset.plot(across, down, color=style.INK, linewidth=1.0, **(coarse if unrolled.is_coarse(rod) else {}))
-    inset.plot(across[0], down[0], "o", color=style.INK, markersize=2.5)
-    for drawn in inset.lines:
-        drawn.set_clip_on(False)
-    for low_high, values, size in ((inset.set_xlim, across, extent[0]), (inset.set_ylim, down, -extent[1])):
-        middle, half = (values.min() + values.max()) / 2, 0.5 * size or 0.5
-        low_high(middle - half, middle + half)
-    inset.set_aspect(factor, adjustable="box")
-    inset.set_axis_off()

@@ -14,7 +14,7 @@ from studies.laws.verdicts import FAILS, NOISE
 from ..store import selection
 from ..words import labels
 from . import style
-from .scales import WIDE, is_geometric, set_scale
+from .scales import WIDE, is_geometric, set_span
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
 
@@ -84,7 +84,4 @@ def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
     """A logarithmic axis where the values are spaced so or were refined so, with ticks at 1, 2 and 5."""
     low, high = float(along.min()), float(along.max())
     refined_so = ds[axis].attrs.get("spacing") == "geometric" and low > 0 and high > WIDE * low
-    logarithmic = refined_so or is_geometric(along)
-    spare = 0.04
-    ends = (low * (low / high) ** spare, high * (high / low) ** spare) if logarithmic else ax.get_xlim()
-    set_scale(ax.xaxis, ends, logarithmic, style.inches(ax)[0])
+    set_span(ax.xaxis, low, high, refined_so or is_geometric(along), style.inches(ax)[0])

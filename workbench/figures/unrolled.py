@@ -18,13 +18,14 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 
 from solver.mechanics import frames
 from solver.problem.errors import no_such
 
-from ..geometry.self_intersections import places
+from ..geometry import self_contact
 from ..words import cautions, labels
 from . import canvas, drawn_rods, legend, long_curve, push_scale, style
 from .drawn_rods import DrawnRod, DrawnRods
@@ -175,7 +176,7 @@ def figure(
             push_scale.bar(fig, coloured, [ax], push_scale.unit(rods.source), sheet.width - 0.3, True, place)
         legend.below(fig, ring_entries(ax), [*notes, *rods.said(), *rods.notes], sheet)
 
-    height = form.height + BELOW + BAR * (not free) + 0.25 + 0.7 * sheet.titled
+    height = form.height + BELOW + BAR * (not free) + 0.3
     return canvas.figure((sheet.width, height), draw_on, rods.source, sheet=sheet)
 
 
@@ -274,7 +275,7 @@ def _rings(rod: DrawnRod, form: Strips) -> tuple[list[Any], list[str]]:
 def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float) -> list[tuple[Any, Any]] | None:
     """Where a rod passes through itself on the unrolled cylinder: z and distance around, and how far its two stretches
     are apart there, (2,) each; two places where it comes back after a turn. None for a rod that is too long."""
-    pairs = places(s, frames.position(rho, alpha, z), a)
+    pairs = self_contact.places(s, frames.position(rho, alpha, z), a)
     if pairs is None:
         return None
     found: list[tuple[Any, Any]] = []
@@ -346,6 +347,25 @@ def _said(form: Strips) -> str:
     """How the views are read."""
     scale = f"{'all ' if form.rows * form.columns > 1 else ''}at one scale" if form.factor == 1 else "at two scales"
     return f"Unrolled view, seen from outside: {style.WAYS}, {scale}; dot: s = 0."
+
+
+def inset(
+    ax: Axes, box: Sequence[float], x: Any, y: Any, extent: tuple[float, float], factor: float = 1.0, **look: Any
+) -> None:
+    """Draw one view in the middle of a box inside axes, with a white edge.
+
+    box: left, low, width and height in shares of the axes. x, y: as of `DrawnRod.plane_points`. extent: the lengths to
+    the right and down for which there is room. factor: as of `Strips`.
+    """
+    view = ax.inset_axes((box[0], box[1], box[2], box[3]), zorder=6)
+    edge = [withStroke(linewidth=2.6, foreground="white", alpha=0.8)]
+    view.plot(x, y, color=style.INK, clip_on=False, **{"linewidth": 1.1, "path_effects": edge, **look})
+    view.plot(x[0], y[0], "o", color=style.INK, markersize=2.4, clip_on=False)
+    for set_ends, values, size in ((view.set_xlim, x, extent[0]), (view.set_ylim, y, -extent[1])):
+        middle, half = (values.min() + values.max()) / 2, 0.5 * size or 0.5
+        set_ends(middle - half, middle + half)
+    view.set_aspect(factor, adjustable="box")
+    view.set_axis_off()
 
 
 def entries(ax: Axes, rods: DrawnRods) -> list[Artist]:

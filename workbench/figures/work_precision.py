@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -13,7 +14,7 @@ from matplotlib.ticker import NullFormatter
 from solver.problem.errors import no_such
 
 from ..words import labels
-from . import canvas, style
+from . import canvas, legend, style
 from .sheet import SCREEN, Sheet
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
 LOST = 1.0  # an error of this size and more has no correct digit
 FLOOR, TOP = 1e-16, 1e1  # the range of errors that is shown; an error of 0 is drawn at its lower end
-PANEL = 3.2, 2.1  # inches
+PANEL, LEGEND = (3.2, 2.1), 1.4  # inches
 MOST = 6  # panels
 # shown where more cases are measured, in words
 SHOWN = {
@@ -50,9 +51,8 @@ def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figu
     cases = cases_to_show(ds)
     columns = min(1 if sheet.narrow else 3, len(cases))
     lines = -(-len(cases) // columns)
-    above = 1.0 if sheet.titled else 0.75  # inches of the title and the legend
-    size = (max(sheet.width, 2 * PANEL[0]), lines * PANEL[1] + 0.5 + above)
-    inch = 1 / size[1]
+    some = f", {len(cases)} of {ds.sizes['case']} cases" if len(cases) < ds.sizes["case"] else ""
+    titled = ds.assign_attrs(title=f"{ds.attrs['title']}: {COSTS[cost]}{some}" if ds.attrs["title"] else "")
 
     def draw(fig: Figure) -> None:
         axes = fig.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
@@ -60,22 +60,15 @@ def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figu
             panel(ds, ax, case, cost)
         for ax in axes.flat[len(cases) :]:
             ax.remove()
-        for ax in axes.flat[: len(cases)]:
+        for i, ax in enumerate(axes.flat[: len(cases)]):
             ax.tick_params(labelbottom=True)
-        fig.supxlabel(COSTS[cost], size=style.normal(), color=style.INK)
+            ax.set_xlabel(COSTS[cost] if i + columns >= len(cases) else "")
         error = "error achieved: of angle [rad], or of position over max(ρ, L)"
         fig.supylabel(error if lines > 2 else fill(error, 34), size=style.normal())
-        some = f", {len(cases)} of {ds.sizes['case']} cases" if len(cases) < ds.sizes["case"] else ""
-        title = f"{ds.attrs['title']}: {COSTS[cost]}{some}" if ds.attrs["title"] and sheet.titled else ""
-        fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=style.large())
-        for i, (title, handles) in enumerate(_legends(ds)):
-            top = 1 - (above - 0.67 + 0.19 * i) * inch
-            fig.text(0.012, top - 0.1 * inch, title, va="center", size=style.small(), color=style.SOFT)
-            fig.legend(handles=handles, loc="center left", bbox_to_anchor=(0.12, top - 0.1 * inch), ncols=len(handles),
-                       borderaxespad=0, columnspacing=1.2, handlelength=1.8, handletextpad=0.5)  # fmt: skip
-        fig.get_layout_engine().set(rect=(0, 0, 1, 1 - above * inch))  # type: ignore[union-attr, call-arg]
+        legend.below(fig, _entries(ds), sheet=sheet)
 
-    return canvas.figure(size, draw, sheet=sheet)
+    size = max(sheet.width, 2 * PANEL[0]), lines * PANEL[1] + LEGEND
+    return canvas.figure(size, draw, titled, sheet=sheet)
 
 
 def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
@@ -128,28 +121,24 @@ def _stretches(one: xr.Dataset, good: "NDArray[np.bool_]", name: str) -> "list[t
     return [(rungs[answered == method], method != name) for method in dict.fromkeys(answered.tolist())]
 
 
-def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
-    """A row of handles for each kind of problem, and one for the marks."""
-    rows = []
-    for kind, title in (("start", "start problems"), ("ends", "ends problems")):
-        here = ds.isel(case=np.flatnonzero(ds["kind"].values == kind))
-        tried = [str(m) for m in ds["ladder"].values if np.isfinite(here["seconds"].sel(ladder=m)).any()]
-        handles: list[Any] = []
-        for look in map(look_of, tried):
-            line: Any = look.line
-            handles += [Line2D([], [], color=look.colour, marker=look.marker, markersize=_size(look) + 0.4,
-                               linestyle=line, linewidth=1.4, label=look.name)]  # fmt: skip
-        if handles:
-            rows.append((title, handles))
-    plain: dict[str, Any] = {"color": style.SOFT, "linestyle": ""}
-    lost = Line2D([], [], marker="x", markersize=4, label="failed, or no correct digit", **plain)
-    more = Line2D(
-        [], [], marker=">", markersize=7, markerfacecolor="none", label="its next finer setting takes too long", **plain
-    )
-    handed = Line2D([], [], marker="h", markersize=4, markerfacecolor="white", label="handed over to another method",
-                    color=style.SOFT)  # fmt: skip
-    was = "answered" in ds and any(_is_handed_over(ds, str(name)) for name in ds["ladder"].values)
-    return [*rows, ("marks", [lost, more, *([handed] if was else [])])]
+def _entries(ds: xr.Dataset) -> list[Artist]:
+    """The legend: the methods that were tried, and what the marks are."""
+    tried = [str(m) for m in ds["ladder"].values if np.isfinite(ds["seconds"].sel(ladder=m)).any()]
+    looks: list[dict[str, Any]] = [
+        {"color": look.colour, "marker": look.marker, "markersize": _size(look) + 0.4, "linestyle": look.line,
+         "linewidth": 1.4, "label": look.name}
+        for look in map(look_of, tried)
+    ]  # fmt: skip
+    looks += [
+        {"marker": "x", "markersize": 4, "linestyle": "", "label": "failed, or no correct digit"},
+        {"marker": ">", "markersize": 7, "markerfacecolor": "none", "linestyle": "",
+         "label": "its next finer setting takes too long"},
+    ]  # fmt: skip
+    if "answered" in ds and any(_is_handed_over(ds, str(name)) for name in ds["ladder"].values):
+        looks += [
+            {"marker": "h", "markersize": 4, "markerfacecolor": "white", "label": "handed over to another method"}
+        ]
+    return [Line2D([], [], **{"color": style.SOFT, **look}) for look in looks]
 
 
 def _is_handed_over(ds: xr.Dataset, ladder: str) -> bool:

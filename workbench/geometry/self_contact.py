@@ -4,6 +4,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
@@ -13,6 +16,8 @@ from .centreline import Array, Centreline
 
 MOST = 400_000  # points along the rod; some 300 MB of pairs
 CLOSED = 1e-3  # radii between the ends of a closed rod, at most
+DENSE = 4  # points for each radius of the rod
+SAME = 2.9  # steps along both stretches: nearer pairs are of one place
 APART = np.pi  # radii along the rod: nearer points are close as neighbours in a bend, not in self-contact
 
 
@@ -52,49 +57,68 @@ def findings(line: Centreline, unit: str) -> list[Finding]:
     return found
 
 
-def places(line: Centreline, span: tuple[float, float], most: int = 40) -> list[Array]:
-    """The middles of the places where the rod passes through itself, (3,) each [length], the deepest first.
+def places(s: Array, points: Array, a: float) -> list[tuple[float, float]] | None:
+    """The places where two stretches of a rod overlap: of each the two arc lengths whose points are nearest.
 
-    Of a rod too long to test (`MOST`) none.
+    Parameters
+    ----------
+    s : array (n,)
+        Arc length, rising [length].
+    points : array (n, 3)
+        The centreline there [length].
+    a : float
+        Radius of the rod [length].
+
+    Returns
+    -------
+    list of (s, s)
+        The smaller arc length first, in rising order; None for a rod longer than `MOST` points can follow.
     """
-    s = np.linspace(*span, int(np.ceil(4 * (span[1] - span[0]) / line.a)) + 1)
-    if s.size > MOST:
+    count = int(np.ceil(DENSE * (s[-1] - s[0]) / a)) + 1
+    if count > MOST:
+        return None
+    at = np.linspace(s[0], s[-1], count)
+    dense = CubicSpline(s, points)(at)
+    pairs = _close(at, dense, a, 2 * a)
+    if not len(pairs):
         return []
-    points, pairs = _close(line, s)
-    gaps = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=-1)
-    deep = gaps < 2 * line.a * (1 - 1e-3)
-    pairs, gaps = pairs[deep], gaps[deep]
-    found: list[Array] = []
-    while len(pairs) and len(found) < most:
-        i, j = pairs[np.argmin(gaps)]
-        middle = (points[i] + points[j]) / 2
-        found.append(middle)
-        far = np.linalg.norm((points[pairs[:, 0]] + points[pairs[:, 1]]) / 2 - middle, axis=-1) > 2.5 * line.a
-        pairs, gaps = pairs[far], gaps[far]
-    return found
+    near = cKDTree(pairs).query_pairs(SAME, output_type="ndarray")
+    graph = coo_array((np.ones(len(near)), (near[:, 0], near[:, 1])), shape=(len(pairs), len(pairs)))
+    place = connected_components(graph, directed=False)[1]
+    gaps = np.linalg.norm(dense[pairs[:, 0]] - dense[pairs[:, 1]], axis=1)
+    order = np.lexsort((gaps, place))
+    first = order[np.unique(place[order], return_index=True)[1]]
+    return sorted((float(at[i]), float(at[j])) for i, j in pairs[first])
 
 
-def _close(line: Centreline, s: Array) -> tuple[Array, Any]:
-    """Points of the centreline, and the pairs of them that are not neighbours and about 2 a apart or less, (n, 2).
+def middles(line: Centreline, span: tuple[float, float]) -> list[Array]:
+    """The middles of the places between two arc lengths where the rod passes through itself, (3,) each [length]."""
+    s = np.linspace(*span, 4 * line.s.size)
+    pairs = places(s, line.frame(s)[0], line.a) or []
+    return [np.asarray(line.frame(np.array(pair))[0].mean(axis=0)) for pair in pairs]
+
+
+def _close(s: Array, points: Array, a: float, distance: float) -> Any:
+    """The pairs of points at s, (n, 3), that are so near and no neighbours along a rod of radius a: (m, 2), rising.
 
     The two ends of a closed rod are neighbours.
     """
-    points = line.frame(s)[0]
-    pairs = cKDTree(points).query_pairs(2 * line.a + (s[1] - s[0]), output_type="ndarray")
-    away = np.abs(s[pairs[:, 0]] - s[pairs[:, 1]])
-    if float(np.linalg.norm(points[-1] - points[0])) < CLOSED * line.a:
+    pairs = np.sort(cKDTree(points).query_pairs(distance, output_type="ndarray"), axis=1)
+    away = s[pairs[:, 1]] - s[pairs[:, 0]]
+    if float(np.linalg.norm(points[-1] - points[0])) < CLOSED * a:
         away = np.minimum(away, s[-1] - s[0] - away)
-    return points, pairs[away > APART * line.a]
+    return pairs[away > APART * a]
 
 
 def _nearest(line: Centreline, s: Array) -> tuple[float, float, float] | None:
     """The least distance of two points that are not neighbours, and their s, where it is less than 2 a; else None."""
     h = s[1] - s[0]
-    points, pairs = _close(line, s)  # a pair may lie between two samples
+    points = line.frame(s)[0]
+    pairs = _close(s, points, line.a, 2 * line.a + h)  # a pair may lie between two samples
     if not len(pairs):
         return None
     gaps = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=-1)
-    i, j = np.sort(pairs[np.argmin(gaps)])
+    i, j = pairs[np.argmin(gaps)]
     near = [np.linspace(max(s[k] - h, s[0]), min(s[k] + h, s[-1]), 201) for k in (i, j)]
     gap = cdist(line.frame(near[0])[0], line.frame(near[1])[0])
     p, q = np.unravel_index(np.argmin(gap), gap.shape)

@@ -14,7 +14,6 @@ from .camera import Camera
 from .captions import Cell
 from .views import View
 
-LINE = 1.22 / 72  # from line to line of words, per point of their size
 GAP, BETWEEN = 0.13, 0.14  # between columns, and from a caption to the next row
 BELOW = 0.05  # from a view to its caption
 EDGE = 0.015  # around what is drawn, for its lines; above and below not where rows have a pitch
@@ -64,7 +63,7 @@ def arrange(
     size = size if size.any() else np.ones_like(size)
     wide, high, edge = size[..., 0].max(axis=0), size[..., 1].max(axis=1), 0.0 if pitch else EDGE
     least = np.array([max(map(_least_width, column)) for column in zip(*rows, strict=True)])
-    words = np.array([max(height(view.cell.caption) for view in row) for row in rows])
+    words = np.array([max(style.height_of(view.cell.caption, style.NORMAL) for view in row) for row in rows])
     below = np.where(words > 0, words + BELOW, 0.0) + BETWEEN * (np.arange(len(rows)) < len(rows) - 1)
     below = np.zeros(len(high)) if pitch else below
     free = room[0] - gutter - (len(wide) - 1) * GAP
@@ -98,11 +97,6 @@ def in_rows(views: Sequence[View], camera: Camera, room: tuple[float, float]) ->
         if found.per_unit > 1.05 * best[0] and found.size[0] <= room[0] + 1e-6:
             best = found.per_unit, rows
     return best[1]
-
-
-def height(text: str, size: float = style.NORMAL) -> float:
-    """The height of words in lines; 0 without any."""
-    return (text.count("\n") + 1) * size * LINE if text else 0.0
 
 
 def _least_width(view: View) -> float:

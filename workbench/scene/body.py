@@ -140,7 +140,7 @@ class Body:
     @cached_property
     def crossings(self) -> list[Array]:
         """Where the rod passes through itself, (3,) each [length]; heights are from where the drawing begins."""
-        return [self._place_on_page(place) for place in self_contact.places(self.line, self.span)]
+        return [self._place_on_page(place) for place in self_contact.middles(self.line, self.span)]
 
     def rings(self, tolerance: float, colour_length: float) -> Rings:
         """Rings and sides for a tolerance [length]; colours are true on intervals longer than `colour_length`."""

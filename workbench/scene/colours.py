@@ -4,21 +4,18 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import Colormap, LinearSegmentedColormap, to_hex, to_rgb
+from matplotlib.colors import Colormap, to_rgb
 
 from solver.problem.errors import InputError
 
-from ..figures import push_colours
+from ..figures import push_colours, push_scale
 from ..figures.style import RAMP
 from ..words import labels
 
 NEUTRAL = "#8d96a1"  # a rod in one colour
 UNPAINTED, STRIPE = "#d9c9a3", "#5d4a72"  # the rod beside its stripe, and the stripe; no colours of the push
 SEVERAL = ("#5b2a86", "#c2457f", "#259e73")  # several rods on one cylinder
-# so many colours that a jump from pull to push is sharp
-PUSH_RAMP = LinearSegmentedColormap.from_list(
-    "push", [((share + 1) / 2, tuple(level / 255 for level in rgb)) for share, rgb in push_colours.DIVERGING], 4096
-)
+PUSH_RAMP = push_scale.ramp()
 
 Extremes = tuple[float, float] | None  # the least and the largest value of all rods; None without rods
 
@@ -94,11 +91,6 @@ def set_range(paint: Paint, bar: Bar, chosen: tuple[float, float]) -> Painted:
     else:
         paint = replace(paint, low=-high, high=high)
     return paint, replace(bar, paint=paint, low=low, high=high)
-
-
-def hex_of(ramp: Colormap, share: float) -> str:
-    """A colour of a ramp as ``#rrggbb``."""
-    return to_hex(ramp(share))
 
 
 def linear(colour: str) -> Any:

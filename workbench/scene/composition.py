@@ -210,7 +210,7 @@ def room(scene: Scene, words: Words | None = None) -> tuple[float, float]:
         return wide, high
     words = words or replace(words_of(scene), bar=colour_rods(scene)[1])
     left, top = words.heads
-    inside = wide - 2 * page.MARGIN - left, high - words.above(wide) - words.below(wide) - top
+    inside = wide - 2 * page.MARGIN - left, high - sum(words.heights(wide)) - top
     if min(inside) < 0.3:
         asked = "x".join(f"{side * scene.settings.dpi:.0f}" for side in (wide, high))
         raise InputError(

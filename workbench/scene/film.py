@@ -15,12 +15,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from solver.problem.errors import InputError, choices, no_such
 
 from ..figures import canvas, style
-from ..figures.scales import WIDE
+from ..figures.scales import WIDE, set_scale
 from ..store import atomic, law_verdicts, schema, selection
 from ..words import cautions, labels
 from . import body as rods
@@ -202,14 +201,12 @@ def _draw_curve(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, 
     values = labels.in_label_unit(array, np.array([float(array.isel(where)) for where in cases]))
     along = labels.in_label_unit(axis, axis.values[[where[film.axis] for where in cases]])
     room = 0.08 * (np.nanmax(values) - np.nanmin(values) or 1.0) if np.isfinite(values).any() else 1.0
-    if along[0] > 0 and along[-1] > WIDE * along[0]:
-        ax.set_xscale("log")
-        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        ax.xaxis.set_minor_formatter(NullFormatter())
+    logarithmic = along[0] > 0 and along[-1] > WIDE * along[0]
+    set_scale(ax.xaxis, (along[0], along[-1]), logarithmic, style.inches(ax)[0])
     shape = "steps-mid" if schema.is_count(array) else "default"
     ax.plot(along[: k + 1], values[: k + 1], color=style.INK, linewidth=1.4, drawstyle=shape)
     ax.plot(along[k], values[k], "o", color=style.INK, markersize=5)
-    ax.set(xlim=(along[0], along[-1]), xlabel=labels.axis_label(film.axis, axis))
+    ax.set_xlabel(labels.axis_label(film.axis, axis))
     if np.isfinite(values).any():
         ax.set_ylim(np.nanmin(values) - room, np.nanmax(values) + room)
     name = labels.label(array, long=True)

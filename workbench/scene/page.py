@@ -6,33 +6,36 @@ Lengths are in inches from the lower left of the page.
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Rectangle
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..figures import canvas, style
+from ..figures import canvas, legend, style
 from ..figures.scene_look import SURFACE
 from ..store import atomic
 from ..words import labels
-from .arrangement import BELOW, DOT, LINE, Arrangement, height
+from .arrangement import BELOW, DOT, Arrangement
 from .captions import Cell
 from .colours import Bar
 
 Pixels = NDArray[np.uint8]
 
-MARGIN = 0.15  # around the page
-AFTER = 0.1  # from the title to the views, and from the views to the line below
+MARGIN, LOW = canvas.MARGIN, 0.12  # around the page, and below the line at its foot
 HEAD = 0.17  # the height of a line of headings
 FOOT, APART = 0.42, 0.22  # the height of glyph and bars, and the gap after each
 GLYPH, WEIGHT, SCALE, BAR = 0.62, 0.5, 1.0, 1.6  # widths: the glyph, the longest scale bar, the colour bar
-PATCH = 0.13  # a colour of the legend
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 QUALITY = 92  # of JPEG
 RUNS = 3  # the strategy of zlib that looks for runs alone: at level 1 the size of level 3 in two thirds of the time
@@ -74,31 +77,28 @@ class Words:
         left = max((style.width_of(row, style.NORMAL) for row in self.rows[1:]), default=0.0) + 2 * HEAD
         return (left if self.rows else 0.0), (2 * HEAD if self.columns else 0.0)
 
-    def in_lines(self, width: float) -> tuple[str, str]:
-        """Title and subtitle in lines that fit on a page of that width."""
-        room = width - 2 * MARGIN
-        return style.break_lines(self.title, room, style.LARGE, bold=True), style.break_lines(
-            self.subtitle, room, style.NORMAL
-        )
+    @property
+    def left(self) -> float:
+        """Where the legend begins, beside the glyph, the scale and the bar of colours."""
+        widths = [GLYPH] * (self.toward is not None) + [WEIGHT] * (self.down is not None) + [SCALE]
+        return MARGIN + sum(wide + APART for wide in widths) + (BAR + 1.4 * APART if self.bar else 0.0)
 
-    def above(self, width: float) -> float:
-        """The height of title and subtitle with the gaps around them."""
-        title, subtitle = self.in_lines(width)
-        return MARGIN + height(title, style.LARGE) + height(subtitle) + AFTER
+    def write(self, fig: Figure) -> tuple[float, float]:
+        """Write title, legend and notes on a figure; returns the heights of what stands above and below the views."""
+        above = canvas.write_title(fig, self.title, self.subtitle)
+        key = legend.below(fig, [_handle(*entry) for entry in self.legend], self.notes, left=self.left)
+        high = FOOT
+        if key is not None:
+            shown: Any = fig.canvas
+            high = max(FOOT, key.get_window_extent(shown.get_renderer()).height / fig.dpi)
+            key.set_bbox_to_anchor((self.left, LOW + high / 2), fig.dpi_scale_trans)
+        return above, canvas.AFTER + high + LOW
 
-    def beside(self, width: float) -> tuple[float, list[tuple[str, str]]]:
-        """Where the legend begins on a page of that width, and its entries in lines that fit, the notes last."""
-        left = MARGIN + (GLYPH + APART if self.toward is not None else 0.0) + SCALE + APART
-        left += WEIGHT + APART if self.down is not None else 0.0
-        left += BAR + 1.4 * APART if self.bar else 0.0
-        room = max(width - MARGIN - left - PATCH - 0.08, 1.0)
-        entries = [*self.legend, *(("", note) for note in self.notes)]
-        return left, [(colour, style.break_lines(text, room, style.SMALL)) for colour, text in entries]
-
-    def below(self, width: float) -> float:
-        """The height of the line below the views with the gaps around it."""
-        _, entries = self.beside(width)
-        return AFTER + max(FOOT, sum(height(text, style.SMALL) for _, text in entries)) + 0.8 * MARGIN
+    def heights(self, width: float) -> tuple[float, float]:
+        """The same heights on a page of that width, which is not kept."""
+        found: list[tuple[float, float]] = []
+        canvas.figure((width, 1.0), lambda fig: found.append(self.write(fig)), layout=None)
+        return found[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,13 +136,14 @@ class Page:
         high, wide = (n / self.dpi for n in self.pixels.shape[:2])
         return wide, high
 
-    @property
+    @cached_property
     def room(self) -> tuple[float, float, float, float]:
         """The room to the left of the picture, above, and below it, and the height of the page."""
         left, top, foot = 0.0, 0.0, 0.0
         if not self.bare:
             left, over = self.words.heads
-            top, foot = self.words.above(self.width) + over, self.words.below(self.width)
+            above, foot = self.words.heights(self.width)
+            top = above + over
         return left, top, foot, self.height or top + self.size[1] + foot
 
     @property
@@ -173,8 +174,7 @@ def figure(page: Page) -> Figure:
         ax = fig.add_axes((0.0, 0.0, 1.0, 1.0))
         ax.set(xlim=(0, page.width), ylim=(0, whole))
         ax.axis("off")
-        _draw_title(ax, page.words, page.width, whole)
-        _draw_foot(fig, ax, page)
+        _draw_foot(fig, ax, page, page.words.write(fig)[1])
         _draw_cells(ax, page, corner[0], corner[1] + high)
         _draw_headings(ax, page, corner[0], corner[1] + high)
         for x, y, radius in page.rings:
@@ -191,26 +191,13 @@ def place_picture(fig: Figure, pixels: Pixels, x: int, y: int) -> None:
     fig.figimage(pixels, x, y, origin="upper", zorder=-1)
 
 
-def _draw_title(ax: Axes, words: Words, width: float, whole: float) -> None:
-    title, subtitle = words.in_lines(width)
-    y = whole - MARGIN
-    _write(ax, MARGIN, y, title, size=style.LARGE, weight="bold")
-    _write(ax, MARGIN, y - height(title, style.LARGE), subtitle, size=style.NORMAL, color=style.SOFT)
-
-
-def _write(ax: Axes, x: float, y: float, text: str, size: float, **how: Any) -> None:
-    """Words in lines at the distance of `height`; x, y: their upper left."""
-    for k, line in enumerate(text.split("\n")):
-        ax.text(x, y - k * size * LINE, line, size=size, va="top", **how)
-
-
 def _draw_cells(ax: Axes, page: Page, left: float, top: float) -> None:
     """The words below, beside and in place of the views."""
     for box in (box for row in page.arrangement.rows for box in row):
         cell, middle, foot = box.cell, left + box.x + box.width / 2, top - box.y - box.height - BELOW
         dot = DOT / 2 if cell.number is not None else 0.0
         for k, line in enumerate(cell.caption.split("\n")):
-            ax.text(middle + dot * (k == 0), foot - k * style.NORMAL * LINE, line, ha="center", va="top")
+            ax.text(middle + dot * (k == 0), foot - k * style.NORMAL * style.LINE, line, ha="center", va="top")
         if cell.number is not None:
             x = middle + dot - style.width_of(cell.caption.split("\n")[0], style.NORMAL) / 2 - DOT / 2
             y = foot - style.NORMAL / 72 / 2
@@ -241,14 +228,11 @@ def _draw_headings(ax: Axes, page: Page, left: float, top: float) -> None:
         ax.text(left - words.heads[0] + HEAD / 2, y, words.rows[0], ha="center", va="center", rotation=90)
 
 
-def _draw_foot(fig: Figure, ax: Axes, page: Page) -> None:
-    """From where it is seen, scale bar, colour bar, legend and notes."""
-    words, x, y = page.words, MARGIN, 0.8 * MARGIN
+def _draw_foot(fig: Figure, ax: Axes, page: Page, high: float) -> None:
+    """From where it is seen, the scale bar and the colour bar, beside the legend; high: all of it with its edges."""
+    words, x, middle = page.words, MARGIN, (high - canvas.AFTER + LOW) / 2
     if not page.arrangement.rows:
         return
-    left, entries = words.beside(page.width)
-    tall = max(FOOT, sum(height(text, style.SMALL) for _, text in entries))
-    middle = y + tall / 2
     if words.toward is not None:
         _draw_glyph(ax, x, middle, words.toward)
         x += GLYPH + APART
@@ -259,24 +243,14 @@ def _draw_foot(fig: Figure, ax: Axes, page: Page) -> None:
     x += SCALE + APART
     if words.bar:
         draw_bar(fig, words.bar, (x, middle - 0.06), (BAR, 0.1))
-    at = middle + sum(height(text, style.SMALL) for _, text in entries) / 2
-    for colour, text in entries:
-        line = at - style.SMALL * LINE / 2
-        if colour:
-            draw_patch(ax, left, line, colour)
-        _write(ax, left + (PATCH + 0.06 if colour else 0.0), at, text, style.SMALL,
-               color=style.INK if colour else style.SOFT)  # fmt: skip
-        at -= height(text, style.SMALL)
 
 
-def draw_patch(ax: Axes, x: float, y: float, colour: str) -> None:
-    """A colour of a legend, in the middle of a line."""
+def _handle(colour: str, text: str) -> Artist:
+    """What stands beside a text in the legend."""
     if colour == RING:
-        _draw_ring(ax, x + PATCH / 2, y, 0.05)
-    else:
-        look: dict[str, Any] = {"facecolor": colour, "linewidth": 0.0}
-        look = {"facecolor": SURFACE, "edgecolor": style.SOFT, "linewidth": 0.6} if colour == OUTLINE else look
-        ax.add_patch(Rectangle((x, y - 0.04), PATCH, 0.08, **look))
+        return Line2D([], [], color=style.INK, marker="o", markersize=7, fillstyle="none", linestyle="none", label=text)
+    face, edge = (SURFACE, style.SOFT) if colour == OUTLINE else (colour, "none")
+    return Patch(facecolor=face, edgecolor=edge, label=text)
 
 
 def _draw_ring(ax: Axes, x: float, y: float, radius: float) -> None:
@@ -336,14 +310,11 @@ def draw_bar(fig: Figure, bar: Bar, corner: tuple[float, float], size: tuple[flo
     """A colour bar with a few round values below and its quantity above; corner and size in inches."""
     wide, whole = fig.get_size_inches()
     ax = fig.add_axes((corner[0] / wide, corner[1] / whole, size[0] / wide, size[1] / whole))
-    ax.imshow(np.linspace(bar.low, bar.high, 1024)[None], cmap=bar.paint.ramp, vmin=bar.paint.low, vmax=bar.paint.high,
-              aspect="auto", extent=(bar.low, bar.high, 0, 1))  # fmt: skip
-    ax.set(yticks=[])
-    ax.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
-    ax.tick_params(axis="x", length=2, labelsize=style.SMALL, labelcolor=style.INK, pad=1)
+    scale = ScalarMappable(Normalize(bar.paint.low, bar.paint.high), bar.paint.ramp)
+    legend.colour_bar(fig, scale, cax=ax, orientation="horizontal", ticks=MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
+    ax.set_xlim(bar.low, bar.high)
+    ax.tick_params(labelcolor=style.INK, pad=1)
     ax.set_title(bar.label, size=style.SMALL, loc="left", pad=2)
-    for spine in ax.spines.values():
-        spine.set(visible=True, color=style.SOFT, linewidth=0.5)
 
 
 def pixels_of(fig: Figure) -> Pixels:

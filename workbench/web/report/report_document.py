@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from jinja2 import Environment, StrictUndefined
-from matplotlib import image
-from PIL import Image
+from PIL import Image, ImageChops
 
 from solver.problem.errors import InputError
 from studies.laws import verdict_words
@@ -173,13 +172,14 @@ def _rods(path: Path, part: str, turning: Mapping[str, Any] | None) -> dict[str,
     """Where each rod of a row stands in its picture, and which slider of the turntable goes along the row."""
     with Image.open(path) as picture:
         stored = json.loads(picture.info.get(RODS, "[]"))
-        size = picture.size
+        size, box = picture.size, _ink_box(picture)
     axes = (turning or {}).get("axes", [])
     places = [k for k, axis in enumerate(axes) if axis["name"] == part.removeprefix("scene").strip()]
     if not places or len(stored) != len(axes[places[0]]["texts"]):
         return {}
-    left, top, wide, high = _ink_box(image.imread(path))
+    left, top, right, low = box
     boxes = np.array(stored) * (2 * size) - (left, top, left, top)
+    wide, high = right - left, low - top
     return {"rods": json.dumps((boxes / (wide, high, wide, high)).round(4).tolist()), "axis": places[0]}
 
 
@@ -190,29 +190,21 @@ def _of(ds: xr.Dataset, name: str) -> str:
 
 def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, Any]:
     """A PNG as a data URL of WebP, a fifth of the size; edges of a drawing stay as sharp as they are."""
-    packed, pixels = BytesIO(), _trim(image.imread(file))
-    if how is DRAWING:
-        pixels = np.round(pixels * LEVELS) / LEVELS
-    image.imsave(packed, pixels, format="webp", pil_kwargs=how)
+    packed = BytesIO()
+    with Image.open(file) as picture:
+        trimmed = picture.crop(_ink_box(picture))
+        if how is DRAWING:
+            trimmed = trimmed.point(lambda level: round(round(level / 255 * LEVELS) / LEVELS * 255))
+        trimmed.save(packed, "webp", **how)
     return {"src": f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}", "alt": alt}
 
 
-def _trim(pixels: Any) -> Any:
-    """A picture without its white margins but a narrow one."""
-    left, top, wide, high = _ink_box(pixels)
-    return pixels[top : top + high, left : left + wide]
-
-
-def _ink_box(pixels: Any) -> tuple[int, int, int, int]:
-    """The part of a picture that is not blank, with a narrow margin: left, top, width and height in pixels."""
-    inked = (pixels[..., :3] < WHITE).any(axis=-1)
-    high, wide = inked.shape
-    if not inked.any():
-        return 0, 0, wide, high
-    rows, columns = (np.flatnonzero(inked.any(axis=axis)) for axis in (1, 0))
-    top, left = (max(int(places[0]) - MARGIN, 0) for places in (rows, columns))
-    bottom, right = min(int(rows[-1]) + MARGIN + 1, high), min(int(columns[-1]) + MARGIN + 1, wide)
-    return left, top, right - left, bottom - top
+def _ink_box(picture: Image.Image) -> tuple[int, int, int, int]:
+    """The part of a picture that is not blank, with a narrow margin: left, top, right and lower edge in pixels."""
+    ink = ImageChops.invert(picture.convert("RGB")).point(lambda level: 255 * (level > 255 * (1 - WHITE)))
+    left, top, right, low = ink.getbbox() or (0, 0, *picture.size)
+    wide, high = picture.size
+    return max(left - MARGIN, 0), max(top - MARGIN, 0), min(right + MARGIN, wide), min(low + MARGIN, high)
 
 
 def _text(name: str) -> str:
