@@ -15,7 +15,7 @@ from solver.problem.quantities import QUANTITIES, unit_of
 from studies.language.loader import loads
 from studies.language.readings import READINGS
 from tests.workbench.node import needs_node, run
-from workbench.figures import along, drawn_rods, push_colours, scene_look
+from workbench.figures import along, drawn_rods, push_colours
 from workbench.geometry import self_contact, stored_line
 from workbench.scene import colours as scene_colours
 from workbench.scene import shading
@@ -385,7 +385,7 @@ def test_the_shadow_on_the_wall_is_that_of_the_stills() -> None:
     const wall = tube.cylinder(shape, 1), look = given.look, map = light.wallLight(shape, 1, wall, look, false);
     answer([map.width, map.height, wall.low, wall.high, Array.from(map.bytes)]);"""
     )
-    look = scene_look.for_pages()
+    look = push_colours.for_pages()
     width, height, low, high, light = run(script, state() | {"look": look}, (*MODULES, "tube", "light"))
     sol = solve(case_of(state()), stations=4001)
     turn = 2 * np.pi * (np.arange(width) + 0.5) / width
@@ -407,7 +407,7 @@ def test_the_light_on_the_rod_beside_its_other_stretches_is_that_of_the_pictures
     around = 2 * np.pi * np.arange(12)[:, None] / 12
     normals = np.stack([np.cos(around) * p + np.sin(around) * q for p, q in ((ox, bx), (oy, by), (0 * ox, bz))])
     light = shading.on_tube(np.array(s), np.stack([x, y, z]).T, normals.T, np.stack([ox, oy, 0 * ox]).T, 0.25, True)
-    wanted = (1 - light) / scene_look.DEPTH
+    wanted = (1 - light) / push_colours.DEPTH
     found = np.minimum(np.reshape(covered, wanted.shape), 1)
     assert found.max() > 0.3
     assert np.abs(found - wanted).max() < 0.05

@@ -15,7 +15,7 @@ from matplotlib.colors import to_rgb
 
 import workbench
 from solver.benchmark import ladders
-from workbench.figures import bars, push_colours, push_scale, robustness, scene_look, style
+from workbench.figures import bars, push_colours, push_scale, robustness, style
 from workbench.scene import colours as scene_colours
 
 WHITE = "#ffffff"
@@ -172,4 +172,4 @@ def test_what_is_not_solved_is_darker_than_every_colour_of_a_map() -> None:
 
 def test_a_rod_stands_out_from_the_cylinder_of_a_scene() -> None:
     for colour in (*scene_colours.SEVERAL, scene_colours.STRIPE, style.PUSHED):
-        assert contrast(colour, scene_look.SURFACE) >= 2.5  # beside the shadow that the rod throws
+        assert contrast(colour, push_colours.SURFACE) >= 2.5  # beside the shadow that the rod throws

@@ -19,7 +19,7 @@ from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench.commands import option_checks, scene
-from workbench.figures import canvas, style
+from workbench.figures import canvas, scales, style
 from workbench.geometry import refinement, self_contact, tube
 from workbench.geometry.centreline import Centreline
 from workbench.scene import body as rods
@@ -231,7 +231,7 @@ def test_at_most_so_many_are_chosen_and_both_ends_among_them() -> None:
 
 def test_a_scale_bar_is_a_round_length_that_fits() -> None:
     targets = np.geomspace(1e-3, 1e6, 200)
-    bars = np.array([page.round_length(target) for target in targets])
+    bars = np.array([scales.round_below(target) for target in targets])
     assert ((bars <= targets * (1 + 1e-9)) & (bars > targets / 2.6)).all()
     assert {f"{bar:.0e}"[0] for bar in bars} == {"1", "2", "5"}
 

@@ -62,10 +62,11 @@ def extremes(
 def _store(found: "Mapping[str, Mapping[str, Attempt]]", out: Path, name: str) -> "tuple[xr.Dataset, list[Path]]":
     """The dataset of the finished extremes, and the files made of it: NAME.h5 and NAME.png."""
     from ..compare.extreme_runs import dataset_of
-    from ..figures import canvas, robustness
+    from ..figures import canvas, kinds
     from ..store import writing
 
     ds = dataset_of(found)
     picture = out / f"{name}.png"
-    canvas.save(robustness.figure(ds), picture, robustness.DPI)
+    drawn = kinds.figure(ds)
+    canvas.save(drawn, picture, drawn.dpi)
     return ds, [writing.write(ds, out / f"{name}.h5"), picture]

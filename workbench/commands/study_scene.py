@@ -22,7 +22,7 @@ from ..figures.scales import WIDE
 from ..scene.scene_kinds import Kind
 from ..store import file_kinds, in_memory, reading, schema, selection
 from ..store.plan import plan
-from ..store.stored_case import solve_at, study_of
+from ..store.stored_case import solve_again, study_of
 
 if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
     from ..scene.composition import Picture
@@ -33,7 +33,6 @@ MOST_CASES = 10_000
 TRIED, STEP, JUMP, LEAST = 49, 0.12, 1.0, 72  # of a film: first values, motion a frame in rho, at most; frames
 Solve = Callable[[int], xr.Dataset]  # the cases of a scene at a number of stations
 SHAPE = ("beta", "dbeta", "alpha", "z", "gamma", "contact")
-SAME = 1e-4  # rad, or a share of the length: by which a rod that is solved again may differ from the stored one
 
 
 def read_dataset(file: Path) -> xr.Dataset:
@@ -154,28 +153,8 @@ def solver_of_file(ds: xr.Dataset, at: dict[str, float], shown: Sequence[str]) -
         return None
     where, kept = selection.case(ds, at), {selection.axis_of(ds, name) for name in shown}
     part = ds.isel({name: [where[name]] for name in schema.axes_of(ds) if name not in kept})
-    return partial(_solve_again, part)
-
-
-def _solve_again(ds: xr.Dataset, stations: int) -> xr.Dataset:
-    """The cases of a stored dataset at so many stations or a little more, as its study solves them.
-
-    Raises `InputError` where the shapes are not the stored ones at their stations.
-    """
-    n, axes = ds.sizes["u"] - 1, schema.axes_of(ds)
-    more = -(-(stations - 1) // n)  # so the stored stations are among them
-    if more * n >= MAX_STATIONS:
-        raise InputError(f"about {stations} stations are needed, and at most {MAX_STATIONS} are solved")
-    u = xr.Variable(("u",), np.linspace(0, 1, more * n + 1), ds["u"].attrs)
-    bare = ds.drop_dims("u").assign_coords(u=u)
-    sol = solve_at(bare, study_of(ds), {})
-    arrays = {name: ((*axes, "u"), getattr(sol, name)) for name in SHAPE if name in ds or name == "dbeta"}
-    made = bare.assign(arrays).assign_coords(s=((*axes, "u"), sol.s, ds["s"].attrs))
-    for name, size in (("beta", 1.0), ("alpha", 1.0), ("z", float(ds["L"].max()))):
-        far = np.abs(made[name].values[..., ::more] - ds[name].values)[ds["solved"].values]
-        if not far.max(initial=0.0) <= SAME * size:
-            raise InputError(f"solved again, the cases have other shapes than the file: {name} differs")
-    return made
+    names = [name for name in SHAPE if name in ds or name == "dbeta"]
+    return partial(solve_again, part, names=names)
 
 
 def _with_outputs(study: Study, outputs: Any) -> Study:

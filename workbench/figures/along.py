@@ -28,7 +28,7 @@ from ..words import labels
 from ..words.cautions import SLIGHT
 from . import canvas, drawn_rods, legend, push_scale, regions, style
 from .drawn_rods import DrawnRods
-from .scales import angle_locator
+from .scales import angle_locator, round_below
 from .sheet import SCREEN, Sheet
 
 PANELS = ("beta", "kappa", "push")
@@ -295,10 +295,8 @@ def _name_curves(ax: Axes, rods: DrawnRods, curves: Curves, tall: float, labelle
 
 def _bar(ax: Axes, curves: Curves) -> None:
     """The title of a panel, and at its right edge a bar of a round length with its value."""
-    rounds: Sequence[float] = (1, 2, 5, 10, 30, 45, 90, 180, 360)
-    if curves.unit != "°" or curves.size < rounds[0]:
-        rounds = [digit * 10.0 ** np.floor(np.log10(curves.size)) for digit in (1, 2, 5)]
-    length = max(one for one in rounds if one <= curves.size * (1 + 1e-9))
+    turns = [degrees for degrees in (1, 2, 5, 10, 30, 45, 90, 180, 360) if degrees <= curves.size * (1 + 1e-9)]
+    length = turns[-1] if curves.unit == "°" and turns else round_below(curves.size)
     top = ax.get_ylim()[1]
     where = ax.get_yaxis_transform("grid")
     ax.plot([1.01, 1.01], [top - length, top], color=style.INK, linewidth=1.6, solid_capstyle="butt", clip_on=False,

@@ -180,5 +180,4 @@ def _tick(ds: xr.Dataset, field: str) -> str:
 
 def _in_unit(number: float, unit: str) -> str:
     """A number with its unit, an angle in degrees."""
-    text = f"{labels.number(np.degrees(number))}°" if unit == "rad" else f"{labels.number(number)} {labels.unit(unit)}"
-    return text.strip().replace("-", "−")
+    return labels.value(number, xr.DataArray(number, attrs={"units": unit}))

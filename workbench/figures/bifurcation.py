@@ -203,12 +203,11 @@ def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
 def _look_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> dict[str, Any]:
     """Colour and width of the line of its branch, at the place of the shape."""
     if "member" in ds.sizes:
-        return {key: _look(row)[0][key] for key in ("color", "linewidth")}
+        return style.of_line(_look(row)[0])
     on = np.flatnonzero(ds["curve_branch"].values == row["branch"])
     at = on[int(np.argmin(np.abs(ds[f"curve_{name}"].values[on] - float(ds[f"shape_{name}"].values[k]))))]
     index, dead = int(ds["curve_index"].values[at]), int(ds["curve_dead_index"].values[at])
-    look = _HELD[0 if index > 0 else 1 if dead > 0 else 2][0]
-    return {key: look[key] for key in ("color", "linewidth")}
+    return style.of_line(_HELD[0 if index > 0 else 1 if dead > 0 else 2][0])
 
 
 def _shapes(ds: xr.Dataset, count: int) -> list[Shape]:

@@ -8,17 +8,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.mechanics.statics import push_from
 from solver.problem.errors import InputError
 from studies.grammar.dimensions import SAMPLE
 
-from ..store import reading, refined, schema, selection
+from ..store import refined, schema, selection
 from ..store.derived_arrays import Stored
 from ..words import labels
 
 STATIONS = 1000  # along each rod at least, two for each pixel of a panel
 POINTS = 60_000  # of all rods together at most
-AGREES = 1e-6  # share of the largest value by which a rod that is solved again may differ from what is stored
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,24 +169,20 @@ def _store(some: xr.Dataset) -> Stored:
 
 def _arrays(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None], list[str]]:
     """For each case s and the arrays of these names, None where it is not solved; and what is to be said."""
-    stored: list[dict[str, Any] | None] = [None] * count
-    kept, missing = _as_stored(some, names, count)
-    stored = kept or stored
-    solved = np.atleast_1d(np.asarray(some["solved"].values, dtype=bool))
-    again, reason = _solve_again(some, names, count)
-    found: list[dict[str, Any] | None] = []
-    coarse = 0
-    for i in range(count):
-        one = again[i] if again else None
-        if one is not None and not _agree(one, stored[i], some):
-            one, reason = None, "what is stored differs from what the study gives"
-        if one is None and solved[i]:
-            one, coarse = stored[i], coarse + 1
-        found.append(one if solved[i] else None)
-    if coarse and missing:
+    from ..store import stored_case  # it loads the methods
+
+    stations = int(np.clip(POINTS // count, 200, STATIONS if count > 1 else 4 * STATIONS)) + 1
+    notes, reason = list[str](), ""
+    try:
+        finer = stored_case.solve_again(some, stations, names)
+    except InputError as error:
+        finer, reason = some, str(error).rstrip(".")
+        notes = [f"Drawn at the {some.sizes.get('u', 1)} stored stations: {reason}."]
+    rows, missing = _as_stored(finer, names, count)
+    if rows is None:
         raise InputError(f"the dataset does not store {missing}, and its cases cannot be solved again: {reason}")
-    note = f"Drawn at the {some.sizes.get('u', 1)} stored stations: {reason}." if coarse else ""
-    return found, [note] if note else []
+    solved = np.atleast_1d(np.asarray(some["solved"].values, dtype=bool))
+    return [row if is_solved else None for row, is_solved in zip(rows, solved, strict=True)], notes
 
 
 def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None] | None, str]:
@@ -208,43 +202,3 @@ def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list
         tables[name] = np.broadcast_to(array.transpose(*order, "u").values, shape)
     rows = [{name: table[i] for name, table in tables.items()} for i in range(count)]
     return [row if all(np.isfinite(array).all() for array in row.values()) else None for row in rows], ""
-
-
-def _solve_again(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None], str]:
-    """The arrays of the cases solved again at many stations, those stored among them; or none, and why."""
-    from ..store import stored_case
-
-    intervals = max(some.sizes.get("u", 2) - 1, 1)
-    wanted = int(np.clip(POINTS // count, 200, STATIONS if count > 1 else 4 * STATIONS))
-    fine = intervals * -(-wanted // intervals) + 1
-    finer = some.drop_dims("u") if "u" in some.dims else some.drop_vars("u", errors="ignore")
-    try:
-        study = stored_case.study_of(some)
-        if study.refine is not None:  # its cases stand in no grid of the study
-            return [], "they are of the coarse grid of a refined study"
-        sol = stored_case.solve_at(finer.assign_coords(u=np.linspace(0.0, 1.0, fine)), study, {})
-    except InputError as error:
-        return [], str(error).rstrip(".")
-    solved = np.reshape(sol.solved, -1)
-    side = reading.text(some, "side")
-    tables: dict[str, Any] = {"s": sol.s}
-    for name in names:
-        tables[name] = push_from(np.asarray(sol.contact), side) if name == "push" else np.asarray(getattr(sol, name))
-    rows = {
-        name: np.broadcast_to(table, (*sol.case.shape, fine)).reshape(count, fine) for name, table in tables.items()
-    }
-    return [{name: row[i] for name, row in rows.items()} if solved[i] else None for i in range(count)], "not solved"
-
-
-def _agree(again: Mapping[str, Any], stored: Mapping[str, Any] | None, some: xr.Dataset) -> bool:
-    """Whether a rod that is solved again is the one that is stored, at the stored stations."""
-    if stored is None:
-        return True
-    size = next(iter(stored.values())).size
-    step = (again["s"].size - 1) // max(size - 1, 1)
-    for name, array in stored.items():
-        near = np.interp(stored["s"], again["s"], again[name]) if step * (size - 1) + 1 != again["s"].size else None
-        new = again[name][::step] if near is None else near
-        if np.abs(new - array).max() > AGREES * max(float(np.abs(array).max()), 1.0):
-            return False
-    return True

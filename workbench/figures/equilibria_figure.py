@@ -117,4 +117,4 @@ def _entries(indices: Any) -> list[Any]:
 
 def look(index: int) -> dict[str, Any]:
     """The look of a shape: thick where it is stable."""
-    return {key: (style.UNSTABLE if index else style.STABLE)[key] for key in ("color", "linewidth")}
+    return style.of_line(style.UNSTABLE if index else style.STABLE)

@@ -157,9 +157,7 @@ def _show(ds: xr.Dataset, values: Any) -> Any:
 
 def _label(ds: xr.Dataset, k: int) -> str:
     name, unit = str(ds["field"].values[k]), str(ds["unit"].values[k])
-    row = quantity_of(name)
-    shown = "°" if unit == "rad" else labels.unit(unit)
-    return f"{row.long_name}  {row.symbol}" + (f" [{shown}]" if shown else "")
+    return labels.axis_label(name, xr.DataArray(0.0, attrs={"units": unit, "long_name": quantity_of(name).long_name}))
 
 
 def _size(ds: xr.Dataset) -> float:

@@ -12,7 +12,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -25,7 +24,7 @@ from studies.laws.verdicts import HOLDS, VERDICTS
 from ..store import law_verdicts, refined
 from ..store.schema import SAMPLING
 from ..words import labels
-from . import regions, style
+from . import style
 from .map_cells import Cells, Choice
 
 THICK, GAP = 0.06, 0.04  # inches of a strip of verdicts, and between strips
@@ -99,16 +98,11 @@ def draw_map(
 
     where: the indices on the other axes. Returns the entries of the legend.
     """
-    x, y = cells.x.edges, cells.y.edges
     here = law.at(where)
     verdicts = here.sortby([*here.dims]).transpose(*cells.ds["outcome"].dims).values
     numbers = _numbers(verdicts)
-    cells.x.apply(ax, "x", inches[0])
-    cells.y.apply(ax, "y", inches[1])
-    ax.pcolormesh(x, y, numbers, **_COLOURS, rasterized=True)
-    ax.add_collection(
-        LineCollection(list(regions.borders(numbers, x, y)), colors="white", linewidths=1.0), autolim=False
-    )
+    cells.colour(ax, numbers, inches, **_COLOURS)
+    cells.draw_borders(ax, numbers, colors="white", linewidths=1.0)
     return _entries(verdicts)
 
 

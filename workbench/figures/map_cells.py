@@ -2,9 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, QuadMesh
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices
@@ -14,6 +17,7 @@ from studies.grammar.dimensions import SAMPLE
 from ..store import selection
 from ..store.schema import axes_of, dimension
 from ..words import cautions, labels
+from . import regions
 from .scales import Scale, scale_of
 
 MOST_MAPS = 12  # observables of one figure
@@ -84,6 +88,17 @@ class Cells:
         number of bends of a rod that is nearly straight."""
         values = labels.in_label_unit(self.ds[name], self.ds[name].values.astype(float))
         return np.where(self.solved & np.isfinite(values) & ~self.unbent(name), values, np.nan)
+
+    def colour(self, ax: Axes, values: NDArray[np.float64], inches: tuple[float, float], **colours: Any) -> QuadMesh:
+        """Colour the cells by values on axes of that width and height in inches; colours: options of `pcolormesh`."""
+        self.x.apply(ax, "x", inches[0])
+        self.y.apply(ax, "y", inches[1])
+        return ax.pcolormesh(self.x.edges, self.y.edges, np.ma.masked_invalid(values), rasterized=True, **colours)
+
+    def draw_borders(self, ax: Axes, values: NDArray[np.float64], **look: Any) -> None:
+        """Draw the borders between cells of different values."""
+        lines = list(regions.borders(values, self.x.edges, self.y.edges))
+        ax.add_collection(LineCollection(lines, **look), autolim=False)
 
     def unbent(self, name: str) -> NDArray[np.bool_]:
         """Where an observable is the number of bends of a rod that is nearly straight."""

@@ -75,13 +75,13 @@ def figure(
     heights = maps.heights() + [maps.small[1] + 1.2] * len(pairs) + ([maps.of_shapes[1] + 0.8] if shapes else [])
 
     def draw(fig: Figure) -> None:
-        across = max([maps.columns_of_rows(), *map(len, pairs)])
+        across = max(map(len, [*maps.rows, *pairs]))
         grid = fig.add_gridspec(len(heights), across, height_ratios=heights)  # one grid: maps have equal widths
-        for row in range(len(maps.heights())):
-            row_cells = [grid[row, :]] if maps.columns_of_rows() == 1 else [grid[row, k] for k in range(across)]
-            maps.draw_row(fig, row_cells, row)
-        for row, pair in enumerate(pairs, len(maps.heights())):
-            maps.draw_laws(fig, [grid[row, k] for k in range(len(pair))], pair)
+        alone = max(map(len, maps.rows)) == 1
+        for i, row in enumerate(maps.rows):
+            maps.draw_row(fig, [grid[i, :] if alone else grid[i, k] for k in range(len(row))], i)
+        for i, pair in enumerate(pairs, len(maps.rows)):
+            maps.draw_laws(fig, [grid[i, k] for k in range(len(pair))], pair)
         if shapes is not None:
             maps.draw_shapes(fig.add_subplot(grid[len(heights) - 1, :]), shapes)
         entries, notes = map_panel.entries(columns, choice.shown)
@@ -109,33 +109,32 @@ class _Maps:
         self.more: list[str] = []
         self.asked = False
         shown = choice.shown
-        self.rows = [[name] for name in shown] if choice.along or len(shown) == 1 else _in_rows(shown, self.across)
-        self.inches = self._inches()
+        # the maps of each row: an observable, and the column of the third axis
+        self.rows = _in_rows([(name, 0) for name in shown], self.across)
+        self.inches = self.large if len(shown) == 1 else self.small
+        if choice.along:
+            self.rows = [[(name, k) for k in range(len(columns))] for name in shown]
+            self.inches = (self.width - 1.8) / len(columns) - 0.15, COLUMN
         values = {name: np.stack([column.values(name) for column in columns]) for name in shown}
         self.colours = {name: map_panel.Colours(ds, name, values[name]) for name in shown}
-
-    def _inches(self) -> tuple[float, float]:
-        """Width and height of each map."""
-        if self.choice.along:
-            return (self.width - 1.8) / len(self.columns) - 0.15, COLUMN
-        return self.large if len(self.choice.shown) == 1 else self.small
 
     def heights(self) -> list[float]:
         """The height of each row with its titles and labels, in inches."""
         return [self.inches[1] + (0.6 if self.choice.along else 0.85)] * len(self.rows)
 
-    def columns_of_rows(self) -> int:
-        """How many maps stand side by side."""
-        return len(self.columns) if self.choice.along else max(map(len, self.rows))
-
     def draw_row(self, fig: Figure, cells: Sequence[Any], row: int) -> None:
-        """Draw the maps of one row of the figure in its cells."""
-        names = self.rows[row]
-        if self.choice.along:
-            self._draw(fig, list(cells[: len(self.columns)]), names[0], row == len(self.rows) - 1)
-            return
-        for cell, name in zip(cells, names, strict=False):
-            self._draw(fig, [cell], name)
+        """Draw the maps of a row in its cells, each with its bar of colours; along a third axis they share one."""
+        short, lowest = self.choice.along is not None, row == len(self.rows) - 1
+        panels: list[Axes] = []
+        for cell, (name, k) in zip(cells, self.rows[row], strict=True):
+            ax, column, where = fig.add_subplot(cell), self.columns[k], self.places[k]
+            mesh = map_panel.draw(ax, column, name, self.colours[name], self.inches)
+            self.entries += law_lines.draw(ax, self._laws_of(name), column, self.choice, where, self.inches)
+            self._title(ax, name, where, leftmost=k == 0)
+            self._label(ax, leftmost=k == 0, lowest=lowest or not short)
+            panels = [*panels, ax] if short else [ax]
+            if not short or k == len(self.columns) - 1:
+                self.colours[name].bar(mesh, panels, self.inches[1])
 
     def draw_laws(self, fig: Figure, cells: Sequence[Any], laws: Sequence[law_lines.JudgedLaw]) -> None:
         """Draw a map of its own for each of at most two laws along a further axis."""
@@ -174,24 +173,10 @@ class _Maps:
             found.append(f"All maps: {labels.equations(self.ds, choice.held)}.")
         return found
 
-    def _draw(self, fig: Figure, grid: list[Any], name: str, lowest: bool = True) -> None:
-        """Draw the maps of one observable, and its bar of colours; lowest: whether no maps stand below them."""
-        panels: list[Axes] = []
-        mesh = None
-        for k, (cell, column, where) in enumerate(zip(grid, self.columns, self.places, strict=True)):
-            ax = fig.add_subplot(cell)
-            mesh = map_panel.draw(ax, column, name, self.colours[name], self.inches)
-            laws = self._laws_of(name)
-            self.entries += law_lines.draw(ax, laws, column, self.choice, where, self.inches)
-            self._title(ax, name, column, where, leftmost=k == 0)
-            self._label(ax, leftmost=k == 0, lowest=lowest)
-            panels.append(ax)
-        self.colours[name].bar(mesh, panels, self.inches[1])
-
     def _laws_of(self, name: str) -> list[law_lines.JudgedLaw]:
         return [law for law in self.laws if law.row["observable"] == name]
 
-    def _title(self, ax: Axes, name: str, column: Cells, where: Mapping[str, int], leftmost: bool) -> None:
+    def _title(self, ax: Axes, name: str, where: Mapping[str, int], leftmost: bool) -> None:
         """The observable and the value of the third axis; what is said of each law is kept."""
         laws = self._laws_of(name)
         above = sum(law.row["axis"] == self.choice.y for law in laws) * (law_lines.THICK + law_lines.GAP) * 72

@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
@@ -87,20 +86,14 @@ def draw(ax: Axes, cells: Cells, name: str, colours: Colours, inches: tuple[floa
     """
     values = cells.values(name)
     x, y = cells.x.edges, cells.y.edges
-    cells.x.apply(ax, "x", inches[0])
-    cells.y.apply(ax, "y", inches[1])
-    mesh = ax.pcolormesh(x, y, np.ma.masked_invalid(values), cmap=colours.cmap, norm=colours.norm, alpha=pale,
-                         rasterized=True)  # fmt: skip
+    mesh = cells.colour(ax, values, inches, cmap=colours.cmap, norm=colours.norm, alpha=pale)
     if cells.unbent(name).any():
         ax.add_patch(PathPatch(regions.path(cells.unbent(name), x, y), facecolor=style.BAND, linewidth=0))
     if not cells.solved.all():
         ax.add_patch(PathPatch(regions.path(~cells.solved, x, y), facecolor=style.UNSOLVED, linewidth=0))
     if colours.count and not colours.constant and pale == 1:
         classes, step = _classes(np.where(cells.unbent(name), -1.0, values), colours)
-        lines = regions.borders(classes, x, y)
-        ax.add_collection(
-            LineCollection(list(lines), colors=style.INK, linewidths=0.5, capstyle="projecting"), autolim=False
-        )
+        cells.draw_borders(ax, classes, colors=style.INK, linewidths=0.5, capstyle="projecting")
         _number_regions(ax, cells, classes, step, inches)
     if pale == 1:
         _show_samples(ax, cells)

@@ -1,6 +1,6 @@
-"""The colours of the push along a rod, for scenes, figures, the report and the live page.
+"""The look of a rod on its cylinder, for scenes, figures, the report and the live page.
 
-One diverging scale, pale at 0: blue where the cylinder pushes, orange to brown where it would have to pull.
+The push has one diverging scale, pale at 0: blue where the cylinder pushes, orange to brown where it would pull.
 """
 
 from typing import Any
@@ -26,6 +26,12 @@ ENDS = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)  # round numbers
 UNIFORM, BEYOND = 0.95, 1.5  # a push that varies less than that; how far beyond it its scale then ends
 ROUNDING = 1e-9  # share of the largest push below which a pull is rounding
 WORDS, PULL_WORDS = "push [{unit}]", ", orange: pull"
+SURFACE = "#e6e1d8"  # the cylinder: warm, so a pale blue rod stands out from it
+DEPTH = 0.55  # of the shadow on it where nothing of the light from all around arrives
+REACH = 6.0  # radii of the rod, beyond which its shadow is not computed
+OUTLINE = "#5b6675"  # of a hidden stretch
+HIDDEN_LINE = 0.8  # its opacity
+HIDDEN_SHADE = 0.06  # by which the cylinder is darker there
 
 
 def scale(least: float, largest: float) -> tuple[float, float]:
@@ -53,7 +59,9 @@ def words(unit: str, low: float) -> str:
 
 def for_pages() -> dict[str, Any]:
     """All of this as plain data for the scripts of a page."""
+    surface, outline = ([int(colour[i : i + 2], 16) for i in (1, 3, 5)] for colour in (SURFACE, OUTLINE))
     return {
         "stops": DIVERGING, "pushed": PUSHED, "pulled": PULLED, "ends": ENDS, "uniform": UNIFORM, "beyond": BEYOND,
-        "rounding": ROUNDING, "words": WORDS, "pullWords": PULL_WORDS,
+        "rounding": ROUNDING, "words": WORDS, "pullWords": PULL_WORDS, "surface": surface, "depth": DEPTH,
+        "reach": REACH, "outline": outline, "line": HIDDEN_LINE, "shade": HIDDEN_SHADE,
     }  # fmt: skip

@@ -58,21 +58,17 @@ def line(
 
 
 def bar(
-    fig: Figure, drawn: ScalarMappable, axes: Sequence[Axes], unit: str, inches: float, below: bool = False,
-    inside: Axes | None = None,
-) -> None:  # fmt: skip
-    """The bar of the colours to the right of axes, or below them, that are so many inches long there; or inside axes
-    of its own, level."""
+    fig: Figure, drawn: ScalarMappable, axes: Sequence[Axes], unit: str, inches: float, below: bool = False
+) -> None:
+    """The bar of the colours to the right of axes, or below them, that are so many inches long there."""
     length = min(inches, 2.2)
-    where: dict[str, Any] = {"anchor": (0.0, 1.0), "ax": list(axes), "fraction": 0.05, "pad": 0.02, "aspect": 20,
-                             "shrink": length / inches, "location": "bottom" if below else "right"}  # fmt: skip
-    if inside is not None:
-        where = {"cax": inside, "orientation": "horizontal"}
     said = f"push [{labels.unit(unit)}]"
     pulled = any(
         isinstance(collection, LineCollection) and pulls(collection.get_array()) for collection in axes[0].collections
     )
-    legend.colour_bar(fig, drawn, said + "; below 0: lifts off" * pulled, **where)
+    found = legend.colour_bar(fig, drawn, ax=list(axes), location="bottom" if below else "right", anchor=(0.0, 1.0),
+                              fraction=0.05, pad=0.02, aspect=20, shrink=length / inches)  # fmt: skip
+    found.set_label(said + "; below 0: lifts off" * pulled, size=style.small(), loc="left" if below else None)
 
 
 def pulls(push: Any) -> bool:

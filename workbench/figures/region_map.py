@@ -22,6 +22,8 @@ SHAPE, SMALL_SHAPE = 0.6, 0.4  # inches, the side of a shape, and that on a narr
 NARROW = 4.0  # inches of a map
 MOST, PAD = 4, 0.05  # shapes in a region; inches around a text
 GIVEN = ("the given rod", "the rod of Table 1")  # what the map was made of
+CUSP: dict[str, Any] = {"marker": "D", "color": "white", "markeredgecolor": style.INK, "markersize": 4,
+                        "linestyle": "none"}  # fmt: skip
 MARK: dict[str, Any] = {"marker": "P", "color": style.INK, "markeredgecolor": "white", "markersize": 8,
                         "linestyle": "none"}  # fmt: skip
 
@@ -66,7 +68,7 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
         ax.plot(*line.T, zorder=3, solid_capstyle="round", **_look(ds, k))
     if "cusp" in ds.dims:
         cusps = [labels.in_label_unit(ds[name], ds[f"cusp_{name}"].values) for name in (x, y)]
-        ax.plot(*cusps, "D", color="white", markeredgecolor=style.INK, markersize=4, zorder=5, linestyle="none")
+        ax.plot(*cusps, **CUSP, zorder=5)
     ax.set(xlim=edges[0], ylim=edges[1], xlabel=labels.axis_label(x, ds[x]), ylabel=labels.axis_label(y, ds[y]))
     _mark_given_case(ds, ax, (x, y))
     notes, left_out = _name_regions(ds, ax, inches)
@@ -95,17 +97,13 @@ def entries(ds: xr.Dataset) -> list[Artist]:
         ("pitchfork", True): "pitchfork of a stable equilibrium",
         ("pitchfork", False): "pitchfork of an unstable equilibrium",
     }
-    out: list[Artist] = []
-    seen = set()
-    for k in range(ds.sizes.get("curve", 0)):
-        key = str(ds["curve_kind"].values[k]), bool(ds["curve_index"].values[k] == 0)
-        if key not in seen:
-            seen.add(key)
-            out.append(Line2D([], [], label=words[key], **_look(ds, k)))
+    looks = {
+        words[str(ds["curve_kind"].values[k]), bool(ds["curve_index"].values[k] == 0)]: _look(ds, k)
+        for k in range(ds.sizes.get("curve", 0))
+    }
     if "cusp" in ds.dims:
-        out.append(Line2D([], [], marker="D", linestyle="none", color="white", markeredgecolor=style.INK, markersize=4,
-                          label="cusp"))  # fmt: skip
-    return out
+        looks["cusp"] = CUSP
+    return [Line2D([], [], label=label, **look) for label, look in looks.items()]
 
 
 def _look(ds: xr.Dataset, k: int) -> dict[str, Any]:

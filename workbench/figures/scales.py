@@ -130,6 +130,12 @@ def _round_numbers(ends: tuple[float, float], logarithmic: bool, most: int) -> l
     return [float(value) for value in even if low <= value <= high]
 
 
+def round_below(value: float) -> float:
+    """The largest of 1, 2 and 5 times a power of ten that is not above a positive value."""
+    power = 10.0 ** floor(log10(value) + 1e-9)
+    return max(digit * power for digit in (1, 2, 5) if digit * power <= value * (1 + 1e-9))
+
+
 def angle_locator(span: float, inches: float) -> MultipleLocator:
     """Ticks of an axis of so many inches over a span of degrees: each 90 degrees, or a part or a multiple of it."""
     steps = (0.5, 1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720, 1800, 3600)

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import floor, log10
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from . import push_scale, style, unrolled
+from .scales import round_below
 from .sheet import Sheet
 
 LINE, GAP = 1.3 / 72, 0.16  # inches of a line of text per point of its size; between neighbours, and below each row
@@ -75,7 +75,7 @@ def rows(shapes: Sequence[Shape], room: tuple[float, float], letters: float) -> 
     sizes = [shape.size for shape in shapes]
     scale, best = LARGEST / (max(max(size) for size in sizes) or 1.0), None
     while best is None or scale > NEARLY * best[0]:
-        arrow = _round_length(ARROW / scale) + 0.1 / scale
+        arrow = round_below(ARROW / scale) + 0.1 / scale
         cells = [(max(scale * w, text) + GAP, scale * h + high)
                  for (w, h), text in zip([*sizes, (arrow, arrow)], wide, strict=True)]  # fmt: skip
         breaks = _breaks(cells, room[0] + GAP)
@@ -145,7 +145,7 @@ def _write(ax: Axes, text: str, place: tuple[float, float], form: Rows) -> None:
 
 def _draw_key(ax: Axes, form: Rows, unit: str) -> None:
     """Two arrows, to the right and down, of one round length, which stands above them."""
-    (left, top), length = form.places[-1], _round_length(ARROW / form.scale)
+    (left, top), length = form.places[-1], round_below(ARROW / form.scale)
     _write(ax, f"{length:g} {unit}", (left, top), form)
     x, y = left / form.scale, top / form.scale
     look: Any = {"arrowstyle": "-|>", "color": style.SOFT, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0,
@@ -157,9 +157,3 @@ def _draw_key(ax: Axes, form: Rows, unit: str) -> None:
         ax.annotate("", tip, (x, y), arrowprops=look, annotation_clip=False)
         ax.annotate(name, tip, offset, textcoords="offset points", size=form.letters, color=style.SOFT,
                     annotation_clip=False, ha=beside["ha"], va=beside["va"])  # fmt: skip
-
-
-def _round_length(most: float) -> float:
-    """The largest of 1, 2 and 5 times a power of ten that is not more."""
-    power = 10.0 ** floor(log10(most) + 1e-9)
-    return max(digit * power for digit in (1, 2, 5) if digit * power <= most * (1 + 1e-9))

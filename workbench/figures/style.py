@@ -3,7 +3,7 @@
 import functools
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -74,6 +74,11 @@ RC: Any = {
     "mathtext.default": "regular",
     "text.parse_math": False,  # a title may come from anyone, and has its $ as they are
 }
+
+
+def of_line(look: Mapping[str, Any]) -> dict[str, Any]:
+    """Colour and width of a look."""
+    return {"color": look["color"], "linewidth": look["linewidth"]}
 
 
 def normal() -> float:

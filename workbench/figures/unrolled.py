@@ -36,7 +36,7 @@ NAMES = ("alpha", "z", "push")
 MOST = 60
 TALLEST = 0.78  # the height of all strips of a figure as a share of its width
 BESIDE, BELOW = 0.65, 0.45  # inches of the labels beside the strips, and below them
-BAR, LEAST_BAR = 0.5, 1.6  # inches of the bar of colours below them; of the width of a place among them that it needs
+BAR = 0.5  # inches of the bar of colours below them
 GAP, HEAD = 0.12, 0.2  # inches between two strips side by side, and for the name above each
 MARGIN = 0.05  # of the extent around the curves
 LEAST = 0.12  # inches of a strip, below which one direction is drawn larger
@@ -166,29 +166,15 @@ def figure(
         raise no_such("panel", str(sheet.panel), ["curves"])
     rods = drawn_rods.choose(ds, NAMES, x, at, MOST)
     form = plan(rods, sheet.width, TALLEST * sheet.width)
-    free = isinstance(form, Strips) and bool(len(rods.rods) % form.columns) and form.size[0] * form.scale > LEAST_BAR
 
     def draw_on(fig: Figure) -> None:
         ax = fig.add_subplot()
         coloured, notes = draw(ax, rods, form)
         if coloured is not None:
-            place = _place_of_bar(ax, form, len(rods.rods)) if free else None
-            push_scale.bar(fig, coloured, [ax], push_scale.unit(rods.source), sheet.width - 0.3, True, place)
+            push_scale.bar(fig, coloured, [ax], push_scale.unit(rods.source), sheet.width - 0.3, below=True)
         legend.below(fig, ring_entries(ax), [*notes, *rods.said(), *rods.notes], sheet)
 
-    height = form.height + BELOW + BAR * (not free) + 0.3
-    return canvas.figure((sheet.width, height), draw_on, rods.source, sheet=sheet)
-
-
-def _place_of_bar(ax: Axes, form: Any, count: int) -> Axes:
-    """Axes for a level bar of colours in the first free place of the last row of strips."""
-    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-    across, down = (
-        start + by + size / 2 for start, by, size in zip(form.low, form.shift(count), form.size, strict=True)
-    )
-    inch = 1 / (form.scale * (right - left)), 1 / (form.scale * form.factor * abs(high - low))
-    x, y = (across - left) / (right - left), (down - low) / (high - low)
-    return ax.inset_axes((x - 0.9 * inch[0], y - 0.1 * inch[1], 1.8 * inch[0], 0.08 * inch[1]))
+    return canvas.figure((sheet.width, form.height + BELOW + BAR + 0.3), draw_on, rods.source, sheet=sheet)
 
 
 def plan(rods: DrawnRods, width: float, tallest: float) -> "Strips | long_curve.Lines":

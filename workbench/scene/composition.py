@@ -1,6 +1,6 @@
 """A scene composed: rods in their cells are coloured, rendered, and set on a page. Needs OpenGL."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +14,6 @@ from ..geometry.centreline import APART, Array
 from ..geometry.refinement import stations_for
 from ..words import cautions, labels
 from . import colours, long_rod, page
-from .arrangement import EDGE, Arrangement, arrange
 from .body import Body
 from .camera import Camera
 from .captions import Cell
@@ -23,7 +22,7 @@ from .page import Page, Words
 from .rendering import Placed, render
 from .scene_kinds import Kind
 from .settings import DEFAULT, Settings
-from .views import View
+from .views import EDGE, Arrangement, View, arrange
 
 SIZE = (8.0, 6.0)  # inches: width, and largest height, of the page of one case
 LINE = 1.5  # width of lines in pixels at `style.DPI`
@@ -78,7 +77,7 @@ class Scene:
     columns, heads
         Headings of columns and of rows.
     gutter, pitch
-        As of `arrangement.arrange`.
+        As of `views.arrange`.
     ringed
         Whether self-intersections are ringed.
     names
@@ -129,8 +128,10 @@ def compose(scene: Scene) -> Picture:
     if settings.strict and stations > n:
         raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
     size = int(np.ceil(arranged.size[0] * dpi)), int(np.ceil(arranged.size[1] * dpi))
+    placed = [Placed(view, (float(x * dpi), float(size[1] - down * dpi)))
+              for view, (x, down) in _middles(scene, arranged)]  # fmt: skip
     pixels, error, outlined = render(
-        _place(scene, arranged, camera, size), camera, size, settings.pixel_error, settings.transparent,
+        placed, camera, size, settings.pixel_error, settings.transparent,
         max(LINE * dpi / style.DPI, 0.8), settings.samples,
     )  # fmt: skip
     blind = any(body.line.swing > APART for body in scene.bodies)  # then the push between stations is not known
@@ -257,41 +258,26 @@ def _check_width(scene: Scene, camera: Camera) -> None:
             )
 
 
-def _middle(view: View, camera: Camera, arranged: Arrangement, at: tuple[int, int], pitch: float) -> Array:
-    """Where the middle of a view is in the picture, in inches from its upper left: on the lower edge of its box."""
-    box = arranged.rows[at[0]][at[1]]
-    low, high = view.box(camera)
-    down = box.y + box.height - (0.0 if pitch else EDGE) - (high - low)[1] / 2 * arranged.per_unit
-    return np.array([box.x + box.width / 2, down])
-
-
-def _place(scene: Scene, arranged: Arrangement, camera: Camera, size: tuple[int, int]) -> list[Placed]:
-    """The views where they stand in the picture."""
-    found = []
-    for i, row in enumerate(scene.rows):
-        for j, view in enumerate(row):
+def _middles(scene: Scene, arranged: Arrangement) -> Iterator[tuple[View, Array]]:
+    """Each view with rods, and where its middle is in the picture, in inches from its upper left: its box stands on the
+    lower edge of its cell."""
+    for row, boxes in zip(scene.rows, arranged.rows, strict=True):
+        for view, box in zip(row, boxes, strict=True):
             if view.bodies:
-                x, down = _middle(view, camera, arranged, (i, j), scene.pitch) * scene.settings.dpi
-                found.append(Placed(view, (float(x), float(size[1] - down))))
-    return found
-
-
-def _on_page(scene: Scene, arranged: Arrangement, at: tuple[int, int], places: Array) -> Array:
-    """Places of a view, (n, 3) [length], in the picture in inches from its upper left, (n, 2)."""
-    view = scene.rows[at[0]][at[1]]
-    middle = sum(view.box(scene.camera)) / 2
-    away = (places @ scene.camera.page.T - middle) * arranged.per_unit
-    return _middle(view, scene.camera, arranged, at, scene.pitch) + away * [1, -1]
+                low, high = view.box(scene.camera)
+                foot = box.y + box.height - (0.0 if scene.pitch else EDGE)
+                yield view, np.array([box.x + box.width / 2, foot - (high - low)[1] / 2 * arranged.per_unit])
 
 
 def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, float]]:
     """Where rods pass through themselves in sight: x, y and radius of each ring."""
     found = []
-    for i, row in enumerate(scene.rows if scene.ringed else ()):
-        for j, view in enumerate(row):
-            if view.bodies and (seen := view.crossings(scene.camera)[0]):
-                radius = float(np.clip(IN_RODS * min(body.a for body in view.bodies) * arranged.per_unit, *RING))
-                found += [(float(x), float(y), radius) for x, y in _on_page(scene, arranged, (i, j), np.array(seen))]
+    for view, middle in _middles(scene, arranged) if scene.ringed else ():
+        radius = float(np.clip(IN_RODS * min(body.a for body in view.bodies) * arranged.per_unit, *RING))
+        for place in view.crossings(scene.camera)[0]:
+            away = scene.camera.page @ place - sum(view.box(scene.camera)) / 2
+            x, y = middle + away * arranged.per_unit * [1, -1]
+            found.append((float(x), float(y), radius))
     return found
 
 

@@ -22,7 +22,6 @@ from ..words import labels
 from . import body as rods
 from . import camera as cameras
 from . import captions, colours, composition, long_rod, page
-from .arrangement import EDGE, in_rows
 from .body import Body
 from .camera import Camera
 from .captions import Cell
@@ -30,7 +29,7 @@ from .colours import Paint
 from .composition import DEFAULT, Picture, Scene, room
 from .scene_kinds import Kind, kind_of
 from .settings import Settings, check, check_name
-from .views import View, ends_of
+from .views import EDGE, View, ends_of, in_rows
 
 SUFFIXES = (".png", ".jpg")
 LYING = 1.3  # how much taller than wide a scene must be to be laid on its side

@@ -23,12 +23,13 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..figures import canvas, legend, style
-from ..figures.scene_look import SURFACE
+from ..figures.push_colours import SURFACE
+from ..figures.scales import round_below
 from ..store import atomic
 from ..words import labels
-from .arrangement import BELOW, DOT, Arrangement
 from .captions import Cell
 from .colours import Bar
+from .views import BELOW, DOT, Arrangement
 
 Pixels = NDArray[np.uint8]
 
@@ -261,20 +262,12 @@ def _draw_ring(ax: Axes, x: float, y: float, radius: float) -> None:
 
 def _draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along: float) -> None:
     """A bar of a round length; where the axis is seen at a slant, of a length along it. per_unit: inches."""
-    length = round_length(SCALE / per_unit)
+    length = round_below(SCALE / per_unit)
     wide = length * per_unit
-    ax.plot([x, x + wide], [y, y], color=style.INK, linewidth=1.2, solid_capstyle="butt")
-    for end in (x, x + wide):
-        ax.plot([end, end], [y - 0.035, y + 0.035], color=style.INK, linewidth=1.2)
+    ax.errorbar(x + wide / 2, y, xerr=wide / 2, color=style.INK, linewidth=1.2, capsize=2.5, capthick=1.2)
     ax.text(x + wide / 2, y + 0.06, f"{labels.number(length)} {unit}", ha="center", va="bottom", size=style.SMALL)
     if along < 1 - 1e-9:
         ax.text(x, y - 0.06, "along the axis", va="top", size=style.SMALL, color=style.SOFT)
-
-
-def round_length(target: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above the target."""
-    power = 10.0 ** np.floor(np.log10(target))
-    return float(max(step for step in (1, 2, 5) if step * power <= target * (1 + 1e-9)) * power)
 
 
 def _draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> None:

@@ -1,14 +1,17 @@
 """How a scene is drawn, whatever it shows. No OpenGL."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
+from typing import TypeVar
 
 from solver.problem.errors import InputError
 
 from ..figures import style
 from . import camera, captions
 
+Number = TypeVar("Number", int, float)
 DPIS = (50, 600)
 SIDES = (200, 12_000)  # pixels of a page's width and height
 MOST_PIXELS = 40_000_000
@@ -90,21 +93,19 @@ def check_name(path: Path, settings: Settings) -> None:
 
 def color_range_of(text: str | None) -> tuple[float, float] | None:
     """The two values of --color-range. Raises `InputError`."""
-    if text is None:
-        return None
-    try:
-        low, high = (float(part) for part in text.split(","))
-    except ValueError:
-        raise InputError(f"--color-range takes two numbers LOW,HIGH, got {text!r}") from None
-    return low, high
+    return _pair(text, ",", float, "--color-range takes two numbers LOW,HIGH")
 
 
 def size_of(text: str | None) -> tuple[int, int] | None:
     """Width and height of --size. Raises `InputError`."""
+    return _pair(text, "x", int, "--size takes WIDTHxHEIGHT in pixels, for example 1600x1200")
+
+
+def _pair(text: str | None, between: str, number: Callable[[str], Number], takes: str) -> tuple[Number, Number] | None:
     if text is None:
         return None
     try:
-        wide, high = (int(part) for part in text.lower().split("x"))
+        first, second = map(number, text.lower().split(between))
     except ValueError:
-        raise InputError(f"--size takes WIDTHxHEIGHT in pixels, for example 1600x1200, got {text!r}") from None
-    return wide, high
+        raise InputError(f"{takes}, got {text!r}") from None
+    return first, second

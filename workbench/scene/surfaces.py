@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from ..figures.scene_look import SURFACE
+from ..figures.push_colours import SURFACE
 from ..geometry.centreline import Array
 from . import shading
 from .body import Body, Surface

@@ -1,6 +1,6 @@
 """The study and the case of a stored dataset, and its cases solved again, or at other values."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from solver import Case, Solution, solve
 from solver.end_angle_branch import own_ends
+from solver.mechanics.statics import push_from
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.errors import InputError, no_such
 from solver.problem.reduced import EndsProblem, flat
@@ -19,13 +20,15 @@ from studies import Study
 from studies.grammar.axes import FIELDS, WORDS, quantity_of
 from studies.grammar.dimensions import SAMPLE, Dimension
 from studies.language.loader import loads
+from studies.language.study_data import MAX_STATIONS
 
 from . import reading
 from .case_solutions import between, solve_one
-from .schema import axes_left, dimension, field_of, fields_of_samples, own_dimension
+from .schema import axes_left, axes_of, curve_name, dimension, field_of, fields_of_samples, own_dimension
 from .selection import SAME, real
 
 _HELD = ("begun", "held_index")  # of a trajectory between held ends
+AGREES = 1e-4  # rad, or a share of the length or of the largest value: by which a rod may differ that is solved again
 MOST_SOLVED = 10_000  # cases that are solved again: seconds
 
 
@@ -77,6 +80,48 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
     if study.follow is None:
         return solve_one(case, study.equilibrium, tol, method, stations)
     return solve(case, tol=tol, method=method, stations=stations, seed=_slope(ds, study, case))
+
+
+def solve_again(ds: xr.Dataset, stations: int, names: Iterable[str]) -> xr.Dataset:
+    """The cases of a stored dataset at so many stations or a little more, as its study solves them.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+    stations : int
+        The stored stations are among those of the result.
+    names : iterable of str
+        The arrays along the rod that it has.
+
+    Raises
+    ------
+    InputError
+        As of `study_of` and `solve_at`; for too many stations; where the shapes are not the stored ones.
+    """
+    study, n = study_of(ds), max(ds.sizes.get("u", 2) - 1, 1)
+    if study.refine is not None:  # its cases stand in no grid of the study
+        raise InputError("they are of the coarse grid of a refined study")
+    more = -(-(stations - 1) // n)
+    if more * n >= MAX_STATIONS:
+        raise InputError(f"about {stations} stations are needed, and at most {MAX_STATIONS} are solved")
+    u = xr.Variable(("u",), np.linspace(0, 1, more * n + 1), ds["u"].attrs if "u" in ds.coords else None)
+    bare = (ds.drop_dims("u") if "u" in ds.dims else ds.drop_vars(["u", "s"], errors="ignore")).assign_coords(u=u)
+    sol, dims = solve_at(bare, study, {}), (*axes_of(ds), "u")
+    shape = [bare.sizes[dim] for dim in dims]
+
+    def array(values: Any) -> xr.Variable:
+        return xr.Variable(dims, np.broadcast_to(np.asarray(values), shape))
+
+    made = bare.assign_coords(s=array(sol.s)).assign({
+        curve_name(name): array(push_from(sol.contact, reading.text(ds, "side")) if name == "push" else
+                                getattr(sol, name)) for name in names})  # fmt: skip
+    for name in (str(name) for name in made.data_vars if "u" in made[name].dims and name in ds):
+        stored = ds[name].transpose(*dims).values[ds["solved"].values]
+        size = {"beta": 1.0, "alpha": 1.0, "z": float(ds["L"].max())}.get(name, float(np.abs(stored).max(initial=0.0)))
+        far = np.abs(made[name].values[..., ::more][ds["solved"].values] - stored)
+        if not far.max(initial=0.0) <= AGREES * size:
+            raise InputError(f"solved again, the cases have other shapes than the file: {name} differs")
+    return made
 
 
 def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,12 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from solver.methods import METHODS, available
 from solver.problem.errors import InputError
 
-from ...figures import canvas, robustness, work_precision
+from ...figures import canvas, kinds, robustness, work_precision
 from ...store import reading
 from ...words import labels
 
@@ -32,30 +31,24 @@ class Measured:
 
 def both(folder: Path) -> list[Measured]:
     """Extremes and trade, of the runs stored in the folder; default: of those that are shipped."""
-    return [one(folder, "extremes", robustness.figure, _extremes), one(folder, "trade", work_precision.figure, _trade)]
+    return [one(folder, "extremes", _extremes), one(folder, "trade", _trade)]
 
 
-def one(folder: Path, name: str, draw: Callable[[xr.Dataset], Figure], shows: Callable[[xr.Dataset], str]) -> Measured:
+def one(folder: Path, name: str, shows: Callable[[xr.Dataset], str]) -> Measured:
     """The diagram of `name`.h5; of the shipped run where that cannot be drawn, with the reason."""
     beside, why = Path(folder) / f"{name}.h5", ""
     try:
         if beside.is_file():
-            return _make(reading.read(beside, study=False), name, draw, shows, f"{name}.h5 beside this report")
+            return _make(reading.read(beside, study=False), name, shows, f"{name}.h5 beside this report")
     except (InputError, KeyError, ValueError) as error:  # a readable file may still lack variables
         why = f" ({beside.name} beside this report cannot be drawn: {error})"
     shipped = reading.read(SHIPPED / f"{name}.h5", study=False)
-    return _make(shipped, name, draw, shows, f"a run that comes with the workbench{why}")
+    return _make(shipped, name, shows, f"a run that comes with the workbench{why}")
 
 
-def _make(
-    ds: xr.Dataset,
-    name: str,
-    draw: Callable[[xr.Dataset], Figure],
-    shows: Callable[[xr.Dataset], str],
-    source: str,
-) -> Measured:
+def _make(ds: xr.Dataset, name: str, shows: Callable[[xr.Dataset], str], source: str) -> Measured:
     picture = BytesIO()
-    drawn = draw(ds.assign_attrs(title=""))  # the report gives the title, once
+    drawn = kinds.figure(ds.assign_attrs(title=""), name)  # the report gives the title, once
     canvas.save(drawn, picture, drawn.dpi)
     return Measured(name, picture.getvalue(), shows(ds), f"{_run(ds)}; {source}")
 

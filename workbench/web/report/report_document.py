@@ -24,7 +24,7 @@ from ...store.schema import axes_of
 from ...words import cautions, labels
 from ..live.live_document import policy
 from ..turntable import turntable_page
-from . import case_facts, measured_runs, sisters, sources, turning
+from . import measured_runs, sisters, sources, turning
 from .errata import ERRATA, mark_up
 from .law_cards import CLASSES, claims_of, in_degrees, law_of, of_readings, sentence
 from .measured_runs import Measured
@@ -145,20 +145,20 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
     others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
     laws = [law_of(ds, row) | {"why": mechanism(row["claim"], ds)} for row in result.verdicts]
     name, title = str(ds.attrs["study_name"]), str(ds.attrs["title"])
-    turning = figures.get(f"turn-{name}")
+    turntable = figures.get(f"turn-{name}")
     pictures = [
-        _picture(path, f"{title}: {_of(ds, part)}", SCENE) | _rods(path, part, turning) for part, path in scenes
+        _picture(path, f"{title}: {_of(ds, part)}", SCENE) | _rods(path, part, turntable) for part, path in scenes
     ]
     diagrams = [_picture(path, f"{title}: curves and laws", DRAWING) for _, path in others]
     return {
         "id": name,
         "title": title,
-        "turning": turning,
+        "turning": turntable,
         "row": bool(axes_of(ds)) and bool(scenes),
         "restable": cautions.restable(ds),
         "sentences": list(dict.fromkeys(row["source"] for row in result.verdicts)),
         "laws": laws,
-        "single": case_facts.rows(ds) if not axes_of(ds) else [],
+        "single": turning.facts_of(ds) if not axes_of(ds) else [],
         "note": sentence(str(ds.attrs.get("fold_note", ""))),
         "caution": labels.typeset(str(ds.attrs.get("caution", ""))),
         "unsolved": law_verdicts.unsolved(ds),
@@ -168,12 +168,12 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _rods(path: Path, part: str, turning: Mapping[str, Any] | None) -> dict[str, Any]:
+def _rods(path: Path, part: str, turntable: Mapping[str, Any] | None) -> dict[str, Any]:
     """Where each rod of a row stands in its picture, and which slider of the turntable goes along the row."""
     with Image.open(path) as picture:
         stored = json.loads(picture.info.get(RODS, "[]"))
         size, box = picture.size, _ink_box(picture)
-    axes = (turning or {}).get("axes", [])
+    axes = (turntable or {}).get("axes", [])
     places = [k for k, axis in enumerate(axes) if axis["name"] == part.removeprefix("scene").strip()]
     if not places or len(stored) != len(axes[places[0]]["texts"]):
         return {}

@@ -1,8 +1,12 @@
-"""The turntables of the report: one a panel, and for a rod of Table 1 one that is solved again in the browser."""
+"""The turntables of the report, one a panel, and beside them the observables of their rod.
+
+A rod of Table 1 is solved again in the browser.
+"""
 
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from solver.problem.errors import InputError
@@ -13,9 +17,12 @@ from ...store.schema import axes_of
 from ...words import labels
 from ..live.presets import PRESETS, Preset
 from ..turntable.stored import turntable_of_dataset
-from . import case_facts
 
 MOST_BYTES = 400_000  # of the stations of a panel
+SHOWN = (
+    "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_size_mean", "push_min",
+    "push_max", "attached", "overlaps", "energy", "index",
+)  # fmt: skip
 FIELDS = ("E", "R", "beta", "F1", "dgamma", "F3")  # those that the reading uses get a slider
 
 
@@ -24,7 +31,7 @@ def figure_of(ds: xr.Dataset) -> dict[str, Any] | None:
     if not axes_of(ds) and (solving := _solve(ds)):
         return solving
     try:
-        return turntable_of_dataset(ds, most_bytes=MOST_BYTES, facts=case_facts.rows).data
+        return turntable_of_dataset(ds, most_bytes=MOST_BYTES, facts=facts_of).data
     except InputError:
         return None
 
@@ -53,3 +60,16 @@ def _state(preset: Preset, reading: str) -> dict[str, Any]:
 
 def _short(words: str) -> str:
     return words.partition(" (")[0]
+
+
+def facts_of(case: xr.Dataset) -> list[tuple[str, str]]:
+    """Long name and value of each observable of a dataset of one case; of those that it has and that are finite."""
+    return [_row(case, name) for name in SHOWN if name in case and np.isfinite(case[name])]
+
+
+def _row(case: xr.Dataset, name: str) -> tuple[str, str]:
+    value = float(case[name])
+    if name == "overlaps":
+        return "passes through itself", "yes" if value else "no"
+    words = "Morse index, 0 where stable" if name == "index" else labels.long_name(case[name])
+    return words, labels.value(value, case[name])
