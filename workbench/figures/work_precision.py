@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
 LOST = 1.0  # an error of this size and more has no correct digit
 FLOOR, TOP = 1e-16, 1e1  # the range of errors that is shown; an error of 0 is drawn at its lower end
-PANEL, LEGEND = (3.2, 2.1), 1.4  # inches
+PANEL, LEGEND = (3.2, 2.1), 1.6  # inches
 MOST = 6  # panels
 # shown where more cases are measured, in words
 SHOWN = {
