@@ -109,7 +109,7 @@ def equilibria(
 def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: int, most_swings: int) -> Equilibria:
     """All equilibria of one case under dead loads, `problem` in units of rho."""
     from .choose.each_equilibrium import equilibrium_trajectory
-    from .levels.level_search import search
+    from .levels.level_search import search_levels
     from .levels.transit_times import repeat
     from .observe.measurement import Reading
     from .observe.observables import OBSERVABLES
@@ -118,7 +118,7 @@ def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: in
     for fine, why in zip(within, (OUT_OF_RANGE, TOO_LARGE, TOO_LONG), strict=True):
         if not fine.all():
             return Equilibria([], str(beyond(why, case)[0]).removeprefix("failed: "))
-    all_of_them = search(problem, most_swings)
+    all_of_them = search_levels(problem, most_swings)
     if all_of_them is None:
         return Equilibria([], NONE_FOUND)
     slopes, orbit, K = all_of_them.slope, all_of_them.orbit, all_of_them.slope.size
@@ -187,7 +187,7 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
     from .problem.reduced import flat
     from .shooting.answers import answer_ends, shape_path
     from .shooting.numbers import rods_of
-    from .shooting.search import HEAVIEST, LONGEST, MOST_NODES, search
+    from .shooting.search import HEAVIEST, LONGEST, MOST_NODES, search_shapes
 
     if not isinstance(case.given, Ends):
         raise InputError(f"equilibria needs a Case with Ends, got {type(case.given).__name__}")
@@ -202,7 +202,7 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
         )
     follows = not held_of(case) and rod.nodes().size <= MOST_NODES
     light = equilibria(without_weight(case), tol, FINE) if follows else []
-    found = search(rod, [one.solution for one in light])
+    found = search_shapes(rod, [one.solution for one in light])
     t = flat(case.rod.L / case.rho, case.shape)[:, None] * np.linspace(0, 1, stations)
     listed = []
     for shape, index, how in zip(found.shapes, found.index, found.how, strict=True):

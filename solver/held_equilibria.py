@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .choose.held_equilibrium import held_trajectory
-from .equilibrium.given_numbers import Given, State
+from .equilibrium.given_numbers import Given, OrbitState
 from .equilibrium.held_index import dead_index_of
 from .equilibrium_list import Equilibrium, HeldEquilibria, HeldSearch, in_order
 from .held.held_search import HeldFound, held_search
@@ -79,7 +79,7 @@ def _ranges(case: Case, within: dict[str, Any]) -> dict[str, tuple[float, float]
     return found
 
 
-def _equilibrium(case: Case, given: Given, state: State, how: str, t: Any, tol: float) -> Equilibrium:
+def _equilibrium(case: Case, given: Given, state: OrbitState, how: str, t: Any, tol: float) -> Equilibrium:
     """One equilibrium with its shape at stations t (1, n)."""
     trajectory = held_trajectory(Reached(state, how), given, t, tol)
     solution = Solution(case, state.problem, trajectory, t, "shooting", tol)

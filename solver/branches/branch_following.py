@@ -22,7 +22,7 @@ from ..levels.path_orbits import orbit_of
 from ..numerics import arclength
 from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK, advance
 from .branch_leaps import creeps, held_leap, is_near_helix, leap_from, leap_on
-from .branch_states import Place, State, begin_at, in_other_charts, rechart
+from .branch_states import BranchState, Place, begin_at, in_other_charts, rechart
 from .branch_steps import AT_END, IS_CLOSED, OrdinarySteps, ordinary_steps
 from .family import Bounds, Family
 from .helix_branch import end_of_helix, helix_place, helix_places
@@ -53,7 +53,7 @@ class Stop:
     helix: tuple[float, float] | None = None
 
 
-def trace(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
+def trace_branch(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
     """The equilibria after the one at p, in order, and why there are no more."""
     places, stop = _places(family, path, p, rises, bounds)
     if not places or not family.is_dead or stop.reason in (END, CLOSED):
@@ -69,7 +69,7 @@ def both_ways(family: Family, path: Path, p: float, bounds: Bounds) -> tuple[lis
     if isinstance(middle, str):
         return middle
     sides = arclength.both_senses(
-        p, bounds.low, bounds.high, lambda rises: trace(family, path, p, rises, bounds), Stop(END, p),
+        p, bounds.low, bounds.high, lambda rises: trace_branch(family, path, p, rises, bounds), Stop(END, p),
         lambda stop: stop.reason == CLOSED,
     )  # fmt: skip
     (before, begin), (after, end) = sides
@@ -126,7 +126,7 @@ def _limit(bounds: Bounds) -> str:
     return f"the limit of {bounds.most} points"
 
 
-def _follow(state: State, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
+def _follow(state: BranchState, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
     """The places before, and those after a state."""
     first, most = state.record(), bounds.most - len(places)
     walk = _Walk(bounds, most, first, ordinary_steps(state.curve.family, bounds, first))
@@ -150,7 +150,7 @@ class _Walk:
     kept: int = 0
     creeps: int = 0
 
-    def stride(self, state: State, step: float, before: list[Place]) -> arclength.Stride[Place, State]:
+    def stride(self, state: BranchState, step: float, before: list[Place]) -> arclength.Stride[Place, BranchState]:
         """The ordinary steps after a state, and one on which something happens."""
         places = list[Place]()
         if self.ordinary is not None and state.curve.chart.kind != CORNER:
@@ -184,8 +184,8 @@ class _Walk:
         return arclength.Stride(places, state, half, stuck)
 
     def _arrive(
-        self, places: list[Place], state: State, there: State, passed: list[Place], step: float, leap: bool
-    ) -> arclength.Stride[Place, State]:
+        self, places: list[Place], state: BranchState, there: BranchState, passed: list[Place], step: float, leap: bool
+    ) -> arclength.Stride[Place, BranchState]:
         """The places of a stride from a state, at the last of which the branch may end; leap: whether it is a leap."""
         self.creeps = self.creeps + 1 if creeps(state, there, self.bounds, leap) else 0
         if self.creeps > _CREEPS:
@@ -199,7 +199,7 @@ class _Walk:
         return arclength.Stride(places, there, step)
 
 
-def _step(state: State, step: float, bounds: Bounds) -> State | str:
+def _step(state: BranchState, step: float, bounds: Bounds) -> BranchState | str:
     """The state after a step, which is shortened where it would pass the next value at which to halt."""
     curve, node, across = state.curve, state.node, None
     halt = bounds.next(state.p, state.rises > 0) / curve.scales[1]
@@ -207,10 +207,10 @@ def _step(state: State, step: float, bounds: Bounds) -> State | str:
     if abs(state.rises) > _STEEP and 0 < ahead <= step:
         step, across = ahead, np.eye(node.w.size)[1]
     found = advance(curve, node, step, across)
-    return found if isinstance(found, str) else State(curve, found)
+    return found if isinstance(found, str) else BranchState(curve, found)
 
 
-def _pass(state: State, there: State | str, bounds: Bounds) -> tuple[State | str, list[Place]]:
+def _pass(state: BranchState, there: BranchState | str, bounds: Bounds) -> tuple[BranchState | str, list[Place]]:
     """The state after a step, or why it is refused; the special points and wanted values on the way, and its end."""
     if isinstance(there, str):
         return there, []
@@ -229,7 +229,7 @@ def _pass(state: State, there: State | str, bounds: Bounds) -> tuple[State | str
     return there, places
 
 
-def _special(state: State, there: State, reach: float) -> list[tuple[float, State, str]] | None:
+def _special(state: BranchState, there: BranchState, reach: float) -> list[tuple[float, BranchState, str]] | None:
     """Where p has an extremum, and where beta_t passes through 0 at both ends together; None: not located."""
     found, chart = [], state.curve.chart
     if not chart.logarithmic and chart.kind != CORNER and state.x * there.x < 0:
@@ -243,20 +243,22 @@ def _special(state: State, there: State, reach: float) -> list[tuple[float, Stat
     return some if len(some) == len(found) else None
 
 
-def _above(value: float, at: State) -> float:
+def _above(value: float, at: BranchState) -> float:
     return at.p - value
 
 
-def _locate(state: State, low: float, high: float, zero: Callable[[State], float]) -> tuple[float, State] | None:
+def _locate(
+    state: BranchState, low: float, high: float, zero: Callable[[BranchState], float]
+) -> tuple[float, BranchState] | None:
     """The distance along the tangent, between two, at which a function of the state is zero, and the state there."""
 
-    def at(distance: float) -> State:
+    def at(distance: float) -> BranchState:
         if distance == 0:
             return state
         found = advance(state.curve, state.node, distance)
         if isinstance(found, str):
             raise ArithmeticError(found)
-        return State(state.curve, found)
+        return BranchState(state.curve, found)
 
     try:
         if zero(at(low)) * zero(at(high)) > 0:

@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..equilibrium.given_numbers import State as HeldState
+from ..equilibrium.given_numbers import OrbitState
 from ..equilibrium.system import LEFT, state_of
 from ..levels.line_point import Path
 from ..levels.path_orbits import orbit_of
 from ..levels.transit_times import height_scale
 from ..mechanics.potential import slope
 from ..numerics.arrays import Array
-from .branch_states import State, begin_at
+from .branch_states import BranchState, begin_at
 from .continuation import Stopped, carry
 from .family import Bounds, Family
 from .leaps import Line, leap, shape_of
@@ -23,7 +23,7 @@ _LITTLE = 0.01  # the share of the way to the next halt that a leap must pass
 _SLIGHT = 0.1  # rad: the range of beta of a rod beside a helix
 
 
-def creeps(state: State, there: State, bounds: Bounds, leap: bool) -> bool:
+def creeps(state: BranchState, there: BranchState, bounds: Bounds, leap: bool) -> bool:
     """Whether p changes by rounding; or, in a leap beside a helix, by little of the way to the next halt."""
     far, ahead = abs(there.p - state.p), abs(bounds.next(state.p, state.rises > 0) - state.p)
     if far < 100 * bounds.rounding:
@@ -31,13 +31,13 @@ def creeps(state: State, there: State, bounds: Bounds, leap: bool) -> bool:
     return leap and far < _LITTLE * ahead and bool(np.ptp(_shape(there)) < _SLIGHT)
 
 
-def _shape(state: State) -> Array:
+def _shape(state: BranchState) -> Array:
     """beta along the rod."""
     at = state.curve.at(state.node.w)
     return np.empty(0) if at is None else shape_of(orbit_of(at[0].problem, at[1]))[0]
 
 
-def is_near_helix(state: State) -> bool:
+def is_near_helix(state: BranchState) -> bool:
     """Whether the rod would be a helix at a parameter so near that its level leaves the range of floats there."""
     found, family = state.curve.at(state.node.w), state.curve.family
     if found is None or abs(np.sin((found[0].start - found[0].end) / 2)) > (_BESIDE_HINGE if family.hinged else 0):
@@ -51,8 +51,8 @@ def is_near_helix(state: State) -> bool:
 
 
 def held_leap(
-    here: HeldState, p: float, rises: bool, family: Family, bounds: Bounds, share: float = _HELD_LEAP
-) -> State | str:
+    here: OrbitState, p: float, rises: bool, family: Family, bounds: Bounds, share: float = _HELD_LEAP
+) -> BranchState | str:
     """The equilibrium beyond a helix, or from it on, by the continuation of `continuation`.
 
     share: of p's scale, the longest way.
@@ -67,7 +67,7 @@ def held_leap(
     return begin_at(replace(family, begun=found.problem), found.path, far, rises)
 
 
-def leap_on(state: State, bounds: Bounds) -> State | None:
+def leap_on(state: BranchState, bounds: Bounds) -> BranchState | None:
     """The equilibrium a little farther on, with a close shape and the same Morse index."""
     if not state.curve.family.is_dead:
         at = state.curve.at(state.node.w) if is_near_helix(state) else None
@@ -83,7 +83,7 @@ def leap_on(state: State, bounds: Bounds) -> State | None:
     return leap_from(state.curve.family, state.path(), state.p, state.rises > 0, bounds)
 
 
-def leap_from(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> State | None:
+def leap_from(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> BranchState | None:
     far = p + float(np.clip(bounds.next(p, rises) - p, -family.scale, family.scale))
     first, last = family.place(p), family.place(far)
     if first is None or last is None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..equilibrium.charts import Chart, charts, coordinate
 from ..levels.line_point import Path
-from ..numerics.arclength import LEFT, Node, correct, node_at
+from ..numerics.arclength import LEFT, Node, correct_point, node_at
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from .equilibrium_curve import AHEAD, EquilibriumCurve, curve_through
@@ -36,7 +36,7 @@ class Place:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class BranchState:
     """A point of the branch on its curve."""
 
     curve: EquilibriumCurve
@@ -67,7 +67,7 @@ class State:
         return Place(self.p, found[1], found[0].problem, index, kind)
 
 
-def begin_at(family: Family, path: Path, p: float, rises: bool) -> State | str:
+def begin_at(family: Family, path: Path, p: float, rises: bool) -> BranchState | str:
     """The equilibrium at p, corrected there, to be travelled with p rising or falling."""
     found = curve_through(family, path, p)
     if found is None:
@@ -78,7 +78,7 @@ def begin_at(family: Family, path: Path, p: float, rises: bool) -> State | str:
     return correct_state(curve, w, along)
 
 
-def correct_state(curve: EquilibriumCurve, w: Array, along: Array) -> State | str:
+def correct_state(curve: EquilibriumCurve, w: Array, along: Array) -> BranchState | str:
     """The point of the curve next to w, travelled along a direction; p is held, or x at a fold."""
     jacobian = curve.jacobian(w)
     if jacobian is None:
@@ -86,15 +86,15 @@ def correct_state(curve: EquilibriumCurve, w: Array, along: Array) -> State | st
     order = (1, 0) if abs(along[1]) > abs(along[0]) else (0, 1)
     reason = LEFT
     for held in order:
-        found = correct(curve, w, np.eye(w.size)[held], jacobian)
+        found = correct_point(curve, w, np.eye(w.size)[held], jacobian)
         node = found if isinstance(found, str) else node_at(curve, found, along)
         if not isinstance(node, str):
-            return State(curve, node)
+            return BranchState(curve, node)
         reason = node
     return reason
 
 
-def rechart(state: State, step: float, keep: bool = False) -> State:
+def rechart(state: BranchState, step: float, keep: bool = False) -> BranchState:
     """The same in the coordinate that is best there, where it can be changed; keep: in its own, made anew.
 
     step: length of the next step.
@@ -115,7 +115,7 @@ def rechart(state: State, step: float, keep: bool = False) -> State:
     return state
 
 
-def in_other_charts(state: State) -> Iterator[State]:
+def in_other_charts(state: BranchState) -> Iterator[BranchState]:
     """The same in every other coordinate."""
     at = state.curve.at(state.node.w)
     for chart in charts(*at, state.curve.family.hinged) if at is not None else ():
@@ -131,15 +131,15 @@ def alike(one: Chart, other: Chart) -> bool:
     return same and (one.kind != "saddle" or abs(np.sin((one.at.pin - other.at.pin) / 2)) < _SAME_SADDLE)
 
 
-def _rescale(state: State, chart: Chart) -> State:
+def _rescale(state: BranchState, chart: Chart) -> BranchState:
     curve, node = replace(state.curve, chart=chart), state.node
     ratio = state.curve.scales / curve.scales
     tangent = node.tangent * ratio
     tangent /= np.linalg.norm(tangent)
-    return State(curve, replace(node, w=node.w * ratio, jacobian=node.jacobian / ratio, tangent=tangent))
+    return BranchState(curve, replace(node, w=node.w * ratio, jacobian=node.jacobian / ratio, tangent=tangent))
 
 
-def _change(state: State, chart: Chart) -> State | None:
+def _change(state: BranchState, chart: Chart) -> BranchState | None:
     """The same in another chart; the direction of travel is that of two neighbouring points."""
     curve = replace(state.curve, chart=chart)
     for nudge in (_NUDGE, -_NUDGE):

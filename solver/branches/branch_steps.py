@@ -13,7 +13,7 @@ from ..levels.line_point import Path
 from ..numerics.arclength import Node
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
-from .branch_states import Place, State
+from .branch_states import BranchState, Place
 from .equilibrium_curve import EquilibriumCurve
 from .family import Bounds, Family
 
@@ -34,7 +34,9 @@ class OrdinarySteps:
         for name in ("pin", "sign", "y", "leaving", "turns"):
             self._first[name] = getattr(first.path, name)
 
-    def after(self, state: State, step: float, kept: int, most: int) -> tuple[list[Place], State, float, int, int]:
+    def after(
+        self, state: BranchState, step: float, kept: int, most: int
+    ) -> tuple[list[Place], BranchState, float, int, int]:
         """At most so many places after a state; the state at the last, the next step, and why there are no more."""
         at, curve = _point_of(state), state.curve
         told = self._first, most, self._halts, self._rounding, curve.loads
@@ -69,7 +71,7 @@ def _indices_of(family: Family, found: Array, rates: Array) -> list[int | None]:
     return [int(one) if np.isfinite(one) else None for one in index]
 
 
-def _point_of(state: State) -> core.Point:
+def _point_of(state: BranchState) -> core.Point:
     node = state.node
     point = core.Point(sign=node.sign, bend=node.bend, ahead=state.curve.ahead, chart=core.chart_of(state.curve.chart))
     for name, values in (("w", node.w), ("jacobian", node.jacobian), ("tangent", node.tangent)):
@@ -77,11 +79,11 @@ def _point_of(state: State) -> core.Point:
     return point
 
 
-def _state_of(at: core.Point, curve: EquilibriumCurve) -> State:
+def _state_of(at: core.Point, curve: EquilibriumCurve) -> BranchState:
     """The state at a point; curve: that of another state of the branch."""
     chart, path, n = at.chart, at.chart.at, curve.scales.size
     own = Path(path.pin, path.sign, path.y, path.leaving, path.turns)
     drawn = Chart(core.KINDS[chart.kind], own, chart.scale, bool(chart.logarithmic))
     w, tangent = np.array(at.w[:n]), np.array(at.tangent[:n])
     jacobian = np.array(at.jacobian[: n * (n - 1)]).reshape(n - 1, n)
-    return State(replace(curve, chart=drawn, ahead=at.ahead), Node(w, jacobian, tangent, at.sign, at.bend))
+    return BranchState(replace(curve, chart=drawn, ahead=at.ahead), Node(w, jacobian, tangent, at.sign, at.bend))

@@ -14,8 +14,8 @@ import numpy as np
 
 from ..core import levels as core
 from ..equilibrium.charts import charts, coordinate
-from ..equilibrium.given_numbers import FREE, Given, State, orientation, predict, problem_after
-from ..equilibrium.system import LEFT, REACH, correct, state_of
+from ..equilibrium.given_numbers import FREE, Given, OrbitState, orientation, predict, problem_after
+from ..equilibrium.system import LEFT, REACH, correct_equilibrium, state_of
 from ..levels.line_point import LinePoint, Path
 from ..levels.morse_index import jacobi_zeros
 from ..levels.path_orbits import orbit_of
@@ -45,16 +45,16 @@ class Stopped:
 
     share: float
     reason: str
-    state: State
+    state: OrbitState
 
 
 def carry(
-    state: State,
+    state: OrbitState,
     wanted: Given,
     most_steps: int = _MOST_STEPS,
     poor: float = np.inf,
-    leap_from: Callable[[State, float], tuple[State, float] | None] = lambda state, share: None,
-) -> State | Stopped:
+    leap_from: Callable[[OrbitState, float], tuple[OrbitState, float] | None] = lambda state, share: None,
+) -> OrbitState | Stopped:
     """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion.
 
     poor: the size of the corrections over that of a step, above which it is refused as it may pass a pair of folds.
@@ -95,7 +95,7 @@ def carry(
     return Stopped(share, f"the limit of {most_steps} steps", state)
 
 
-def _is_crossed(before: State, after: State, given: Given, size: float, poor: float) -> bool:
+def _is_crossed(before: OrbitState, after: OrbitState, given: Given, size: float, poor: float) -> bool:
     """Whether a step of some size may have led to another branch: it was predicted badly, or the equations change their
     orientation.
 
@@ -108,8 +108,8 @@ def _is_crossed(before: State, after: State, given: Given, size: float, poor: fl
 
 
 def _past_a_helix(
-    before: tuple[float, State], here: tuple[float, State], first: Given, wanted: Given
-) -> tuple[State, float] | None:
+    before: tuple[float, OrbitState], here: tuple[float, OrbitState], first: Given, wanted: Given
+) -> tuple[OrbitState, float] | None:
     """The state beyond a helix that a branch passes, and the step taken, from two states before it.
 
     On a helix no path has a level: beta_t falls to zero along the whole rod and grows again with the other sign.
@@ -130,15 +130,15 @@ def _past_a_helix(
     for speed, angle in sorted(zip(speeds, (place.start, place.end), strict=True)):
         path = Path(angle, 1.0, 2 * float(np.log(speed)), -two.path.leaving, two.path.turns)
         for chart in charts(place, path, wanted.hinged):
-            found = correct(problem, ahead, chart, coordinate(chart), _ROUGH)
+            found = correct_equilibrium(problem, ahead, chart, coordinate(chart), _ROUGH)
             if not isinstance(found, str):
                 return found, share - share_1
     return None
 
 
 def _advance(
-    state: State, first: Given, wanted: Given, share: float, step: float, poor: float
-) -> tuple[State, float] | str:
+    state: OrbitState, first: Given, wanted: Given, share: float, step: float, poor: float
+) -> tuple[OrbitState, float] | str:
     """The state after at most one step, and the step taken; else why the step failed in the best coordinate."""
     reason = ""
     for chart in charts(LinePoint(state.problem), state.path, wanted.hinged):
@@ -153,7 +153,7 @@ def _advance(
                 ahead = first.towards(wanted, share + factor * step)
             guess = problem_after(state.problem, ahead, change, factor)
             goal = 0.0 if ahead is wanted else _ROUGH
-            found = correct(guess, ahead, chart, coordinate(chart) + factor * dx, goal)
+            found = correct_equilibrium(guess, ahead, chart, coordinate(chart) + factor * dx, goal)
             if not isinstance(found, str) and not _is_crossed(state, found, wanted, factor * size, poor):
                 return found, factor * step
             reason = reason or (found if isinstance(found, str) else DIVERGED)

@@ -10,7 +10,17 @@ from dataclasses import replace
 import numpy as np
 
 from ..equilibrium.charts import CORNER, Chart, charts, coordinate
-from ..equilibrium.given_numbers import FREE, Given, State, answer, move, problem_after, rows_of, size_of, values_of
+from ..equilibrium.given_numbers import (
+    FREE,
+    Given,
+    OrbitState,
+    answer,
+    move,
+    problem_after,
+    rows_of,
+    size_of,
+    values_of,
+)
 from ..equilibrium.orbit_rates import NUMBERS
 from ..equilibrium.system import corner_state, problem_at, rates_in, settle
 from ..levels.line_point import LinePoint
@@ -26,18 +36,18 @@ _SAME = 1e-5  # of the numbers: an equilibrium as near to a known one is that on
 _BESIDE = 1e-3  # of the numbers, over which the curvature of the equations is read
 
 
-def numbers_of(state: State) -> Array:
+def numbers_of(state: OrbitState) -> Array:
     """The numbers in which distances are taken, (10,): all but the level."""
     return np.asarray(state.rates.values[0, :-1])
 
 
-def is_known(state: State, known: list[Array]) -> bool:
+def is_known(state: OrbitState, known: list[Array]) -> bool:
     """Whether a state is one of the known equilibria, given by their `numbers_of`."""
     here = numbers_of(state)
     return any(bool((np.abs(here - one) < _SAME * (1 + np.abs(one))).all()) for one in known)
 
 
-def deflate(start: State, wanted: Given, known: list[Array]) -> State | None:
+def deflate(start: OrbitState, wanted: Given, known: list[Array]) -> OrbitState | None:
     """An equilibrium with the wanted numbers that is none of the known ones; None where the rounds lead to none.
 
     known: the `numbers_of` each.
@@ -70,7 +80,7 @@ def rate_of_product(here: Array, change: Array, known: list[Array]) -> float:
     return total
 
 
-def _next_state(state: State, wanted: Given, change: Array, factor: float) -> tuple[State, float] | None:
+def _next_state(state: OrbitState, wanted: Given, change: Array, factor: float) -> tuple[OrbitState, float] | None:
     """The state after a step, halved where no orbit is there; and the size of the step of Newton's rule itself."""
     for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
         x = coordinate(chart)
@@ -87,7 +97,7 @@ def _next_state(state: State, wanted: Given, change: Array, factor: float) -> tu
     return None
 
 
-def _state_at(problem: EndsProblem, wanted: Given, chart: Chart, x: float) -> State | None:
+def _state_at(problem: EndsProblem, wanted: Given, chart: Chart, x: float) -> OrbitState | None:
     """The state at a coordinate; None where there is no orbit."""
     here = problem_at(problem, wanted, chart, x)
     if here is None:
@@ -95,10 +105,10 @@ def _state_at(problem: EndsProblem, wanted: Given, chart: Chart, x: float) -> St
     rates = rates_in(*here, chart, x)
     if not (np.isfinite(rates.values[0, :-1]).all() and np.isfinite(rates.rows[0, :-1]).all()):
         return None
-    return corner_state(rates, x) if chart.kind == CORNER else State(*here, rates)
+    return corner_state(rates, x) if chart.kind == CORNER else OrbitState(*here, rates)
 
 
-def fold_beside(state: State, wanted: Given) -> tuple[Array, float] | None:
+def fold_beside(state: OrbitState, wanted: Given) -> tuple[Array, float] | None:
     """The change of the `NUMBERS` (11,), of length 1, towards the equilibrium that meets this one at the nearest fold,
     and how much of it leads there, to second order; None where it is not known.
 
@@ -125,7 +135,7 @@ def fold_beside(state: State, wanted: Given) -> tuple[Array, float] | None:
     return (change, float(-slopes[-1] / bend)) if np.isfinite(bend) and bend != 0 else None
 
 
-def across_fold(state: State, wanted: Given) -> list[State]:
+def across_fold(state: OrbitState, wanted: Given) -> list[OrbitState]:
     """Guesses of the equilibrium that meets this one at the nearest fold, on either side of it, the likelier first."""
     beside = fold_beside(state, wanted)
     if beside is None:
@@ -135,7 +145,7 @@ def across_fold(state: State, wanted: Given) -> list[State]:
     return [one for one in found if one is not None]
 
 
-def _beside(state: State, wanted: Given, change: Array, share: float) -> State | None:
+def _beside(state: OrbitState, wanted: Given, change: Array, share: float) -> OrbitState | None:
     """The state after a share of a change of the `NUMBERS`."""
     new = {name: getattr(state.problem, name) + share * change[NUMBERS.index(name)] for name in FREE}
     problem = replace(state.problem, **new)

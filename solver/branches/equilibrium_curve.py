@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core import branches as core
 from ..equilibrium.charts import CORNER, Chart, charts, coordinate, excess, path_at
-from ..equilibrium.given_numbers import FREE, Given, State, rows_of, values_of
+from ..equilibrium.given_numbers import FREE, Given, OrbitState, rows_of, values_of
 from ..equilibrium.held_index import held_index
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_numbers, start_rates
 from ..equilibrium.system import corner_state, rates_in
@@ -63,7 +63,7 @@ class EquilibriumCurve:
         path = None if place is None else path_at(place, self.chart, x)
         return None if place is None or path is None or path.turns < 0 else (place, path)
 
-    def _corner(self, problem: EndsProblem, x: float) -> State | None:
+    def _corner(self, problem: EndsProblem, x: float) -> OrbitState | None:
         """The orbit that starts with beta_t = x, whatever its angle at the far end."""
         rates = start_rates(problem.with_start(np.array([x])))
         return corner_state(rates, x) if np.isfinite(rates.rows[0, :-1]).all() else None

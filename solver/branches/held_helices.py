@@ -7,9 +7,9 @@ import numpy as np
 import scipy  # its parts are imported when used
 
 from ..equilibrium.charts import charts, coordinate
-from ..equilibrium.given_numbers import FREE, Given, State, answer, parts_of, problem_after
+from ..equilibrium.given_numbers import FREE, Given, OrbitState, answer, parts_of, problem_after
 from ..equilibrium.orbit_rates import NUMBERS, helix_change, orbit_rates
-from ..equilibrium.system import correct
+from ..equilibrium.system import correct_equilibrium
 from ..levels.line_point import LinePoint, Path
 from ..levels.transit_times import DOWN, UP
 from ..mechanics.potential import TAU, load_size, slope, slope_rate
@@ -30,7 +30,7 @@ class Helix:
     phi: float | None
 
 
-def helices_of(given: Given) -> tuple[list[State], bool]:
+def helices_of(given: Given) -> tuple[list[OrbitState], bool]:
     """The equilibria that are helices, and whether there is one that is an equilibrium under any load (not listed)."""
     known = dict(zip(given.names, given.values.tolist(), strict=True))
     some = [helix for beta in _angles(known, given) if (helix := _helix(beta, known, given)) is not None]
@@ -39,7 +39,7 @@ def helices_of(given: Given) -> tuple[list[State], bool]:
     return states, len(fixed) < len(some)
 
 
-def helix_at(helix: State, beta: float) -> State:
+def helix_at(helix: OrbitState, beta: float) -> OrbitState:
     """A helix with the whole turns of its angle that are nearest to an angle."""
     turns = TAU * np.round((beta - helix.problem.beta0) / TAU)
     problem = replace(helix.problem, beta0=helix.problem.beta0 + turns, betaL=helix.problem.betaL + turns)
@@ -100,13 +100,13 @@ def _helix(beta: float, known: dict[str, float], given: Given) -> Helix | None:
     return Helix(beta, lam, mu, phi) if abs(rest) <= small else None
 
 
-def _state(helix: Helix, given: Given) -> State | None:
+def _state(helix: Helix, given: Given) -> OrbitState | None:
     numbers = {"lam": helix.lam, "mu": helix.mu, "phi": helix.phi, "beta0": helix.beta, "betaL": helix.beta}
     problem = EndsProblem(**{name: np.array([value]) for name, value in numbers.items()}, span=np.array([given.span]))
     path = LinePoint(problem).helix
     if path is None or not np.isfinite(load_size(problem)[0]):
         return None
-    return State(problem, path, orbit_rates(problem, [path]))
+    return OrbitState(problem, path, orbit_rates(problem, [path]))
 
 
 _SIZES = (2e-2, 2e-3, 2e-4)  # of the first step, tried in this order: beta_t at an end, changes of angles and loads
@@ -116,7 +116,7 @@ _HELICES, _NEAR = 8, 0.5  # steps from helix to helix; largest change of an angl
 _STATIONS = 4001  # at which the turning points are counted
 
 
-def off_helix(state: State, wanted: Given) -> tuple[State, float] | None:
+def off_helix(state: OrbitState, wanted: Given) -> tuple[OrbitState, float] | None:
     """A bent rod on the line from a helix to the wanted numbers, and the share of the line that it covers.
 
     None where the change leaves beta_t zero at both ends.
@@ -141,13 +141,13 @@ def off_helix(state: State, wanted: Given) -> tuple[State, float] | None:
         if on_saddle:
             paths = [_from_saddle(place, paths[0], share * float(speeds[0]), share * float(speeds[-1])), *paths]
         for chart in (chart for path in paths for chart in charts(place, path, wanted.hinged)):
-            found = correct(problem, ahead, chart, coordinate(chart), 0.0 if ahead is wanted else _GOAL)
+            found = correct_equilibrium(problem, ahead, chart, coordinate(chart), 0.0 if ahead is wanted else _GOAL)
             if not isinstance(found, str):
                 return found, share
     return None
 
 
-def helix_ahead(state: State, wanted: Given) -> State | None:
+def helix_ahead(state: OrbitState, wanted: Given) -> OrbitState | None:
     """The helix with the wanted numbers on the branch of a helix whose ends are both free to turn, without moments.
 
     None where it ceases to exist on the way, or one of its loads may have any value.

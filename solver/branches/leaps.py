@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..equilibrium.given_numbers import State
+from ..equilibrium.given_numbers import OrbitState
 from ..equilibrium.system import settle
 from ..levels.level_grid import level_grid_of
 from ..levels.level_search import level_paths_of, roots_on
@@ -39,7 +39,7 @@ class Line:
         return EndsProblem(*((1 - share) * first + share * last for first, last in pairs))
 
 
-def leap(line: Line, problem: EndsProblem, path: Path, share: float) -> tuple[State, float] | None:
+def leap(line: Line, problem: EndsProblem, path: Path, share: float) -> tuple[OrbitState, float] | None:
     """The equilibrium a little farther on with a close shape and the same Morse index, and the share that is leapt.
 
     problem, path: the equilibrium at a share of the line. None where there is none beyond, or more than one.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..branches.continuation import FOLD, Stopped, resume
 from ..core import orbits as core
-from ..levels.level_search import Found, search
+from ..levels.level_search import Found, search_levels
 from ..levels.line_point import path_of
 from ..levels.path_orbits import orbit_of, path_from_start
 from ..numerics.arrays import Array
@@ -60,10 +60,10 @@ def _search(problem: EndsProblem, slope: float | None, choose: Choose) -> Found 
     A stable one has one turning point at most, one of index K at most K + 1, and that of lowest energy is stable.
     """
     if slope is not None:
-        return search(problem)
-    found = search(problem, most_turns=choose + 1 if isinstance(choose, int) else 1)
+        return search_levels(problem)
+    found = search_levels(problem, most_turns=choose + 1 if isinstance(choose, int) else 1)
     needs_stable = found is None or not (found.index == 0).any()
-    return search(problem) if not isinstance(choose, int) and needs_stable else found
+    return search_levels(problem) if not isinstance(choose, int) and needs_stable else found
 
 
 def select_seed(
@@ -191,7 +191,7 @@ def path_of_seed(seed: Seed) -> Any:
     path = path_from_start(seed.problem, float(seed.slope[0]))
     if path is not None:
         return path
-    found = search(seed.problem)
+    found = search_levels(seed.problem)
     if found is None:
         return None
     u = seed.problem.span[:, None] * seed.u[:1]

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from ..equilibrium.charts import CORNER, charts, coordinate
-from ..equilibrium.given_numbers import FREE, Given, State, parts_of, values_of
+from ..equilibrium.given_numbers import FREE, Given, OrbitState, parts_of, values_of
 from ..equilibrium.held_index import dead_index_of, index_of
 from ..equilibrium.orbit_rates import helix_change
-from ..equilibrium.system import correct
+from ..equilibrium.system import correct_equilibrium
 from ..held.held_alternatives import alternatives_of, away
 from ..held.held_starts import Reached, from_seed, nearest_start
 from ..levels.line_point import LinePoint
@@ -55,7 +55,7 @@ def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Tr
     return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *verdict, **known)
 
 
-def _alternatives(seed: State, found: State, wanted: Given, tol: float, t: Array) -> list[tuple[Any, ...]]:
+def _alternatives(seed: OrbitState, found: OrbitState, wanted: Given, tol: float, t: Array) -> list[tuple[Any, ...]]:
     """Of each other equilibrium near that of the seed: its distance from the seed, problem and shape."""
     others = alternatives_of(seed, found, wanted)
     told = [
@@ -65,7 +65,7 @@ def _alternatives(seed: State, found: State, wanted: Given, tol: float, t: Array
     return sorted(told, key=lambda one: one[0])
 
 
-def _at_length(state: State, orbit: Orbit) -> Array:
+def _at_length(state: OrbitState, orbit: Orbit) -> Array:
     """The `NUMBERS` of a state as its orbit has them at the length of the rod, (11,)."""
     problem, ends = state.problem, state.problem.span[:, None] * [0, 1]
     beta, v, alpha, z = (value[0] for value in orbit.at(ends))
@@ -74,12 +74,12 @@ def _at_length(state: State, orbit: Orbit) -> Array:
     return np.array([problem.beta0[0], beta[1], *v, alpha[1], swirl, z[1], *loads, state.path.y])
 
 
-def _pace(state: State) -> float:
+def _pace(state: OrbitState) -> float:
     """A size of beta_t for the loads of a state."""
     return float(np.sqrt(1 + load_size(state.problem)[0]))
 
 
-def at_hinges(state: State, wanted: Given) -> State:
+def at_hinges(state: OrbitState, wanted: Given) -> OrbitState:
     """The state as its orbit has it from the start on; read where it meets beta(L), a rod at rest there has half the
     digits."""
     if not wanted.hinged or state.path.helix:
@@ -89,13 +89,13 @@ def at_hinges(state: State, wanted: Given) -> State:
     corner = [chart for chart in every if chart.kind == CORNER]
     start = [chart for chart in every if chart.kind == "start" and not chart.logarithmic and slow]
     for chart in [*corner, *start]:
-        found = correct(state.problem, wanted, chart, coordinate(chart))
+        found = correct_equilibrium(state.problem, wanted, chart, coordinate(chart))
         if not isinstance(found, str):
             return found
     return state
 
 
-def response_of(state: State, wanted: Given) -> float:
+def response_of(state: OrbitState, wanted: Given) -> float:
     """The largest |d beta| along the rod by a unit of a given angle, or of a displacement in units of rho, or by a
     change of beta_t at an end of the size that the loads make."""
     problem, path = state.problem, state.path

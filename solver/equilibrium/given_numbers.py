@@ -28,7 +28,7 @@ def is_hinged(names: Collection[str]) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class OrbitState:
     """One equilibrium under held ends: as an ends problem under dead loads, its path, and how its numbers answer.
 
     rates: of the problem and the path, or of a state that differs from it by a small correction. corrected: the size
@@ -70,7 +70,7 @@ class Given:
         """Those of one held problem."""
         return cls(problem.numbers, problem.values[0], float(problem.span[0]), float(problem.ratio[0]))
 
-    def at(self, state: State) -> "Given":
+    def at(self, state: OrbitState) -> "Given":
         """The same numbers as a state has them."""
         length = float(state.rates.length[0])
         return replace(self, values=values_of(state.rates.values[0], length, self), span=length)
@@ -165,7 +165,7 @@ def values_of(numbers: Array, length: float, given: Given) -> Array:
     return np.array([turn if name == "turn" else numbers[_AT[name]] for name in given.names])
 
 
-def predict(state: State, chart: Chart, given: Given, ahead: Given) -> tuple[Array, float, float]:
+def predict(state: OrbitState, chart: Chart, given: Given, ahead: Given) -> tuple[Array, float, float]:
     """The changes of the numbers (11,) and of the coordinate to `ahead`, to first order, and their size."""
     path = None if chart.kind == CORNER else path_at(LinePoint(state.problem), chart, coordinate(chart))
     rates = state.rates

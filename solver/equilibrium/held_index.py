@@ -16,7 +16,7 @@ import numpy as np
 from ..levels.morse_index import helix_half_waves
 from ..mechanics.potential import load_size, slope_rate
 from ..numerics.arrays import Array
-from .given_numbers import Given, State
+from .given_numbers import Given, OrbitState
 from .orbit_rates import NUMBERS, OrbitRates
 
 _DISPLACEMENTS = ("z", "alpha", "turn")  # in the order of `OrbitRates.compliance`
@@ -91,7 +91,7 @@ def negative(matrix: Array) -> Array:
     return out
 
 
-def index_of(state: State, wanted: Given) -> float:
+def index_of(state: OrbitState, wanted: Given) -> float:
     """The Morse index under the held ends; NaN where it is not decided."""
     ratio, path = np.array([wanted.ratio]), state.path
     if not path.helix:
@@ -103,7 +103,7 @@ def index_of(state: State, wanted: Given) -> float:
     return _helix_index(state, ends) - float(excluded)
 
 
-def _helix_index(state: State, ends: tuple[str, ...]) -> float:
+def _helix_index(state: OrbitState, ends: tuple[str, ...]) -> float:
     """The index of a helix under dead loads: the waves of constant length between its ends that are too long."""
     rate = float(slope_rate(state.problem, state.problem.beta0)[0])
     hinges = sum(name.startswith("d") for name in ends)
@@ -113,7 +113,7 @@ def _helix_index(state: State, ends: tuple[str, ...]) -> float:
     return np.nan if abs(waves - np.round(waves)) < _FLAT else max(float(np.ceil(waves)), 0.0)
 
 
-def dead_index_of(state: State) -> float:
+def dead_index_of(state: OrbitState) -> float:
     """The Morse index under dead loads between its own end angles; NaN where it is not decided."""
     if state.path.helix:
         return _helix_index(state, _ANGLES)

@@ -17,7 +17,7 @@ from ..numerics.roots import DIVERGED, Ending, newton
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import EndsProblem
 from .charts import CORNER, Chart, charts, coordinate, path_at
-from .given_numbers import Given, State, answer, move, problem_after, size_of, values_of
+from .given_numbers import Given, OrbitState, answer, move, problem_after, size_of, values_of
 from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, start_rates
 
 LEFT = "no orbit of its path joins the two ends there"
@@ -33,13 +33,15 @@ _ANGLE_ENDING = Ending(rounds=8, goal=0.0, small=_NEAR, stall=np.inf)
 _ENDING = Ending(rounds=14, goal=1e-15, small=1e-10, growth=0.5)
 
 
-def correct(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: float = 0.0) -> State | str:
+def correct_equilibrium(
+    problem: EndsProblem, given: Given, chart: Chart, x: float, goal: float = 0.0
+) -> OrbitState | str:
     """The equilibrium with the given numbers next to a guess, by Newton's rule; or why there is none.
 
     goal: the size of a correction at which it ends; 0: rounding. The rates are computed anew where corrections made
     with older ones do not shrink fast.
     """
-    last: State | None = None  # before the last correction, and its coordinate and length
+    last: OrbitState | None = None  # before the last correction, and its coordinate and length
     at, length = x, np.nan
 
     def step(guess: tuple[EndsProblem, float]) -> tuple[tuple[EndsProblem, float], float] | str:
@@ -61,7 +63,7 @@ def correct(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: fl
         change = answer(rates, given, off[:, None], np.array([given.span - length]))[:, 0]
         dx = move(chart, at, change)
         size = size_of(problem, chart, dx, change)
-        last = State(problem, path, rates, size + (0.0 if last is None else last.corrected))
+        last = OrbitState(problem, path, rates, size + (0.0 if last is None else last.corrected))
         if not last.corrected <= 2 * REACH:
             return DIVERGED
         return (problem_after(problem, given, change), at + dx), size
@@ -77,7 +79,7 @@ def correct(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: fl
     return LEFT if is_still(last.problem, at) else replace(corner_state(last.rates, at), corrected=last.corrected)
 
 
-def state_of(problem: EndsProblem, path: Path, hinged: bool = False) -> State:
+def state_of(problem: EndsProblem, path: Path, hinged: bool = False) -> OrbitState:
     """The state of an equilibrium under dead loads; an end that its orbit does not reach by rounding is moved.
 
     hinged: whether it is meant to have given end moments.
@@ -94,17 +96,17 @@ def state_of(problem: EndsProblem, path: Path, hinged: bool = False) -> State:
         reached = {name: gap + place.fall(path.pin, angle) for name, angle in ends.items()}
         rest = tuple(name for name, square in reached.items() if square < least_square(problem, ends[name], False))
         problem = at_given_speeds(problem, place, path, Given(rest, np.zeros(len(rest)), 0.0, 0.0))
-    return State(problem, path, orbit_rates(problem, [path]))
+    return OrbitState(problem, path, orbit_rates(problem, [path]))
 
 
-def settle(problem: EndsProblem, path: Path, given: Given | None = None) -> State | str:
+def settle(problem: EndsProblem, path: Path, given: Given | None = None) -> OrbitState | str:
     """The equilibrium next to a path, in whichever coordinate Newton's rule converges; or why there is none.
 
     given: default: the dead loads of the problem.
     """
     given, reason = given or Given.dead(problem), ""
     for chart in charts(LinePoint(problem), path, given.hinged):
-        found = correct(problem, given, chart, coordinate(chart))
+        found = correct_equilibrium(problem, given, chart, coordinate(chart))
         if not isinstance(found, str):
             return found
         reason = reason or found
@@ -136,7 +138,7 @@ def is_still(problem: EndsProblem, v: float) -> bool:
     return max(abs(v), pull) < _SWING * (1 + float(load_size(problem)[0]))
 
 
-def corner_state(rates: OrbitRates, v: float) -> State:
+def corner_state(rates: OrbitRates, v: float) -> OrbitState:
     """The orbit that starts with beta_t = v, as a state; rates: of `start_rates`.
 
     A turning point at the start is not counted as passed, nor one at the far end.
@@ -150,7 +152,7 @@ def corner_state(rates: OrbitRates, v: float) -> State:
         toward = DOWN if float(slope(problem, problem.betaL)[0]) < 0 else UP  # before it
         turns -= int(arriving != toward and turns > 0)
     y = max(2 * float(np.log(max(abs(v), 1e-300))), AT_REST)
-    return State(problem, Path(LinePoint(problem).start, 1.0, y, leaving, turns), rates)
+    return OrbitState(problem, Path(LinePoint(problem).start, 1.0, y, leaving, turns), rates)
 
 
 def at_given_speeds(problem: EndsProblem, place: LinePoint, path: Path, given: Given) -> EndsProblem:

@@ -9,7 +9,7 @@ import numpy as np
 from ..numerics.arclength import FOLD, node_at
 from ..numerics.arrays import Array
 from .fold_line import Equilibrium, FoldPoint, fold_line, lower_index
-from .fold_search import Curve, lies_on
+from .fold_search import WholeCurve, lies_on
 from .fold_system import CurvePoint
 
 MOST = 500  # points in each sense
@@ -30,7 +30,7 @@ class Line:
         return lies_on(self.places, np.concatenate([z, signature]))
 
 
-def is_on_curves(curves: Sequence[Curve], kind: str, z: Array, signature: Array) -> bool:
+def is_on_curves(curves: Sequence[WholeCurve], kind: str, z: Array, signature: Array) -> bool:
     """Whether an equilibrium at z lies on one of the curves that are of a kind."""
     lines = (line for curve in curves for line in curve.stretches if isinstance(line, Line) and line.kind == kind)
     return any(line.holds(z, signature) for line in lines)
@@ -48,7 +48,7 @@ def curve_points(places: Array, ways: list[Array], sides: list[Array], cusps: li
 
 def fold_through(
     z: Array, axis: int, equilibrium: Equilibrium, slope: Callable[[Any], float], signature: Callable[[Any], Array]
-) -> Curve:
+) -> WholeCurve:
     """The curve of the fold at z of a branch along number `axis`, in the unit square.
 
     slope, signature: beta_t(0) of an equilibrium, and numbers that tell it from others.
@@ -66,4 +66,4 @@ def fold_through(
     each = [point.equilibrium for point in points]
     signatures = np.array([signature(one) for one in each])
     line = Line(FOLD, marks, cusps, [slope(one) for one in each], np.column_stack([places, signatures]))
-    return Curve([line], (begin, end), lower_index(first))
+    return WholeCurve([line], (begin, end), lower_index(first))

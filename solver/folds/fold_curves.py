@@ -10,7 +10,7 @@ import numpy as np
 from ..numerics.arrays import Array, Booleans
 from ..problem.case import Case
 from .curve_crossings import change_along
-from .fold_search import Curve, Searched
+from .fold_search import Searched, WholeCurve
 from .fold_tracing import PIECES
 from .parameter_plane import ParameterPlane
 
@@ -117,7 +117,7 @@ def curves_of(searched: Searched, remark: str | None = None) -> FoldCurves:
     return FoldCurves(plane.case, plane.names, plane.low, plane.high, curves, said, searched)
 
 
-def fold_curve(plane: ParameterPlane, curve: Curve) -> FoldCurve:
+def fold_curve(plane: ParameterPlane, curve: WholeCurve) -> FoldCurve:
     """A traced curve in the units of its case."""
     line, more = curve.dense()
     slopes, cusps, turned = [], [], []

@@ -10,7 +10,7 @@ import numpy as np
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array, Booleans
 from .curve_crossings import Pieces, join_pieces
-from .fold_seeds import Counted, Seed, change_beyond, seed_between, strip_between
+from .fold_seeds import Counted, CurveSeed, change_beyond, seed_between, strip_between
 from .fold_system import CurvePoint
 from .fold_tracing import PIECES, Trace, dense, whole_curve
 from .parameter_plane import ParameterPlane
@@ -36,7 +36,7 @@ class Stretch(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class WholeCurve:
     """A curve in stretches, how it ends at either side, and the lower Morse index of the two equilibria that meet."""
 
     stretches: Sequence[Stretch]
@@ -69,7 +69,7 @@ class Searched:
     """
 
     plane: ParameterPlane
-    curves: list[Curve]
+    curves: list[WholeCurve]
     pieces: Pieces
     counted: Counted
     open_lines: list[Array]
@@ -80,12 +80,12 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     counted = Counted(plane)
     ticks = _ticks(lattice)
     scale = float(np.sqrt(load_size(plane.problems(np.array([0.5, 0.5])))[0] + 1))
-    curves: list[Curve] = []
+    curves: list[WholeCurve] = []
     traces: list[Trace] = []
     pieces = join_pieces([], [])
     failed: list[Array] = []
 
-    def known(found: Seed) -> bool:
+    def known(found: CurveSeed) -> bool:
         return any(_lies_on(trace, found) for trace in traces)
 
     def search_line(start: Array, end: Array) -> None:
@@ -96,12 +96,12 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
             found = seed_between(counted, pieces, start, end, scale, known)
             if found is None:
                 break
-            if not isinstance(found, Seed):
+            if not isinstance(found, CurveSeed):
                 failed.append(np.array(found))
                 break
             stretches, ends = whole_curve(found.system, found.point, found.lower)
             traces.extend(stretches)
-            curves.append(Curve(stretches, ends, found.lower))
+            curves.append(WholeCurve(stretches, ends, found.lower))
             pieces = join_pieces([one.dense() for one in curves], [one.lower for one in curves])
 
     edges = _edges(ticks)
@@ -115,7 +115,7 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     return Searched(plane, curves, pieces, counted, failed)
 
 
-def _lies_on(trace: Trace, found: Seed) -> bool:
+def _lies_on(trace: Trace, found: CurveSeed) -> bool:
     """Whether a point lies on a curve that is known already."""
     if type(trace.system) is not type(found.system) or trace.kind != found.system.kind:
         return False

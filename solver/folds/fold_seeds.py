@@ -17,7 +17,7 @@ from ..levels.level_search import MOST_PERIODS, near_misses
 from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from .curve_crossings import Pieces, change_along
-from .fold_system import CurvePoint, CurveSystem, FoldSystem, correct
+from .fold_system import CurvePoint, CurveSystem, FoldSystem, correct_curve_point
 from .parameter_plane import ParameterPlane
 from .separatrix_folds import deep_system
 
@@ -29,7 +29,7 @@ _NARROW = 1e-4  # shares: a strip between two curves that is narrower is not loo
 
 
 @dataclass(frozen=True, eq=False)
-class Seed:
+class CurveSeed:
     """A point of a curve, its equations, and the lower Morse index of the two equilibria that meet."""
 
     system: CurveSystem
@@ -106,8 +106,8 @@ def _may_hide_two(counted: Counted, pieces: Pieces, start: Array, end: Array) ->
 
 
 def seed_between(
-    counted: Counted, pieces: Pieces, start: Array, end: Array, scale: float, known: Callable[[Seed], bool]
-) -> Seed | tuple[Array, Array] | None:
+    counted: Counted, pieces: Pieces, start: Array, end: Array, scale: float, known: Callable[[CurveSeed], bool]
+) -> CurveSeed | tuple[Array, Array] | None:
     """A point of a curve on the line from start to end that is not among the known ones; known: whether it is.
 
     Where Newton's rule finds none, the two ends of the short line between which the numbers change; None where they do
@@ -131,8 +131,8 @@ def seed_between(
 
 
 def _met(
-    counted: Counted, change: Counter[int], start: Array, end: Array, scale: float, known: Callable[[Seed], bool]
-) -> Seed | None:
+    counted: Counted, change: Counter[int], start: Array, end: Array, scale: float, known: Callable[[CurveSeed], bool]
+) -> CurveSeed | None:
     """The point of the line at which two equilibria meet."""
     rich, poor = (end, start) if sum(change.values()) > 0 else (start, end)
     here = counted.at(rich)
@@ -158,22 +158,22 @@ def _met(
 
 def _on_line(
     plane: ParameterPlane, kind: str, scale: float, v: float, lower: int, line: tuple[Array, Array, int]
-) -> Seed | None:
+) -> CurveSeed | None:
     """A point of a curve on a line, from a guess of beta_t(0)."""
     start, end, along = line
     system = FoldSystem(plane, kind, scale)
     row = np.zeros(system.size)
     row[2 - along] = 1.0  # the other share is held
     x = np.concatenate([[v / scale], (start + end) / 2, np.zeros(system.size - 3)])
-    point = correct(system, x, row, float(x[2 - along]))
+    point = correct_curve_point(system, x, row, float(x[2 - along]))
     if point is None or not system.is_true(point) or not system.has_index(point, lower):
         return None
-    return Seed(system, point, lower)
+    return CurveSeed(system, point, lower)
 
 
 def _deep_on_line(
     plane: ParameterPlane, kind: str, scale: float, here: Census, pair: tuple[int, int], line: tuple[Array, Array, int]
-) -> Seed | None:
+) -> CurveSeed | None:
     """A point of a curve next to a separatrix on a line."""
     start, end, along = line
     middle = (start + end) / 2
@@ -184,7 +184,7 @@ def _deep_on_line(
             system, x = made
             row = np.zeros(3)
             row[2 - along] = 1.0
-            point = correct(system, x, row, float(x[2 - along]))
+            point = correct_curve_point(system, x, row, float(x[2 - along]))
             if point is not None and system.has_index(point.x, lower):
-                return Seed(system, point, lower)
+                return CurveSeed(system, point, lower)
     return None

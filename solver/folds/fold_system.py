@@ -150,7 +150,7 @@ class CurveSystem(Protocol):
         ...
 
 
-def correct(system: CurveSystem, x: Array, row: Array, value: float) -> CurvePoint | None:
+def correct_curve_point(system: CurveSystem, x: Array, row: Array, value: float) -> CurvePoint | None:
     """The point of the curve near x at which row . x = value; None where Newton's rule does not converge."""
     last: list[tuple[Array, Array, float, Array]] = []
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..numerics.arclength import FOLD, Lengths, Stride, border_distances, trace
 from ..numerics.arrays import Array
-from .fold_system import CurvePoint, CurveSystem, FoldSystem, correct
+from .fold_system import CurvePoint, CurveSystem, FoldSystem, correct_curve_point
 from .separatrix_folds import SeparatrixSystem, deep_system
 
 _LENGTHS = Lengths(first=0.01, longest=0.04, least=2e-6)  # of steps, in shares of the ranges
@@ -41,7 +41,7 @@ def one_way(system: CurveSystem, seed: CurvePoint) -> tuple[list[CurvePoint], st
 
     def stride(here: CurvePoint, step: float, found: list[CurvePoint]) -> Stride[CurvePoint, CurvePoint] | str:
         guess = here.x + step * here.tangent
-        there = correct(system, guess, here.tangent, float(here.tangent @ guess))
+        there = correct_curve_point(system, guess, here.tangent, float(here.tangent @ guess))
         cosine = -1.0 if there is None else float(there.tangent @ here.tangent)
         far = there is not None and (cosine < _TURN or np.abs(there.x - guess).max() > 0.5 * step)
         beyond = not far and _is_beyond(guess if there is None else there.x)
@@ -74,7 +74,7 @@ def _border(system: CurveSystem, here: CurvePoint, step: float) -> CurvePoint | 
         row[1 + k] = 1.0
         value = 1.0 if rate[k] > 0 else 0.0
         guess = here.x + float(far[k]) * here.tangent
-        found = correct(system, guess, row, value)
+        found = correct_curve_point(system, guess, row, value)
         if found is None or np.abs(found.shares - 0.5).max() > 0.5 + 1e-9:
             continue
         if np.linalg.norm(found.x - here.x) <= 2.5 * step:
@@ -119,7 +119,9 @@ def _side_change(system: FoldSystem, one: CurvePoint, other: CurvePoint) -> list
     low, high = one, other
     for _ in range(_HALVINGS):
         chord, x = high.x - low.x, (low.x + high.x) / 2
-        between = correct(system, x, chord / np.linalg.norm(chord), float(chord @ x / np.linalg.norm(chord)))
+        between = correct_curve_point(
+            system, x, chord / np.linalg.norm(chord), float(chord @ x / np.linalg.norm(chord))
+        )
         if between is None or abs(between.bend) > max(abs(low.bend), abs(high.bend)):  # by rounding
             break
         low, high = (between, high) if between.bend * low.bend > 0 else (low, between)
@@ -210,7 +212,7 @@ def _hand_over(system: CurveSystem, last: CurvePoint, lower: int) -> tuple[Curve
 def _on(system: CurveSystem, x: Array, near: CurvePoint) -> CurvePoint | None:
     """The point of the curve near x, its tangent in the direction of that of `near`."""
     for row in np.eye(x.size)[1:3][np.argsort(-np.abs(near.tangent[1:3]))]:
-        point = correct(system, x, row, float(row @ x))
+        point = correct_curve_point(system, x, row, float(row @ x))
         if point is not None and np.abs(point.shares - x[1:3]).max() < 0.02:
             if point.tangent[1:3] @ near.tangent[1:3] < 0:
                 point = replace(point, tangent=-point.tangent)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..numerics.arclength import FOLD
 from ..numerics.arrays import Array
-from .fold_search import Curve, lies_on
+from .fold_search import WholeCurve, lies_on
 
 MOST_POINTS, MOST_BRANCHES = 150, 150  # of a branch in each sense; that are followed
 Node = tuple[int, int]
@@ -61,7 +61,7 @@ class PlaneSystem(Protocol[Equilibrium]):
         number and equilibria there."""
         ...
 
-    def curves(self, meeting: Meeting[Equilibrium], is_known: Callable[[Array, Any], bool]) -> list[Curve] | None:
+    def curves(self, meeting: Meeting[Equilibrium], is_known: Callable[[Array, Any], bool]) -> list[WholeCurve] | None:
         """The curves through a special point; None where it should have one and has none.
 
         is_known: whether z and an equilibrium there lie on a known curve of the same kind.

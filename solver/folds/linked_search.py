@@ -12,7 +12,7 @@ from ..numerics.arrays import Array
 from .curve_crossings import join_pieces
 from .curve_points import is_on_curves
 from .fold_curves import FoldCurves, curves_of
-from .fold_search import Curve, Searched
+from .fold_search import Searched, WholeCurve
 from .fold_seeds import Counted, change_beyond
 from .lattice_branches import Branches, Equilibrium, Meeting, Node, PlaneSystem, branches_on
 from .parameter_plane import ParameterPlane
@@ -43,9 +43,11 @@ def search_linked(
     return curves_of(searched, remark_of(searched, branches, failed, ticks))
 
 
-def curves_through(system: PlaneSystem[Equilibrium], meetings: list[Meeting[Equilibrium]]) -> tuple[list[Curve], int]:
+def curves_through(
+    system: PlaneSystem[Equilibrium], meetings: list[Meeting[Equilibrium]]
+) -> tuple[list[WholeCurve], int]:
     """The curves through the special points of branches, and how many of these gave none."""
-    curves: list[Curve] = []
+    curves: list[WholeCurve] = []
     failed = 0
     for meeting in meetings:
         kind = FOLD if meeting.stages[1].kind == FOLD else PITCHFORK
@@ -58,7 +60,7 @@ def curves_through(system: PlaneSystem[Equilibrium], meetings: list[Meeting[Equi
     return curves, failed
 
 
-def _is_known(system: PlaneSystem[Any], curves: tuple[Curve, ...], kind: str, z: Array, equilibrium: Any) -> bool:
+def _is_known(system: PlaneSystem[Any], curves: tuple[WholeCurve, ...], kind: str, z: Array, equilibrium: Any) -> bool:
     return is_on_curves(curves, kind, z, system.signature(equilibrium))
 
 

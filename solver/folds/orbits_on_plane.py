@@ -16,11 +16,11 @@ from ..equilibrium.orbit_rates import NUMBERS
 from ..equilibrium.system import state_of
 from ..levels.line_point import Path
 from ..mechanics.potential import load_size
-from ..numerics.arclength import CLOSED, END, FOLD, Node, correct, node_at
+from ..numerics.arclength import CLOSED, END, FOLD, Node, correct_point, node_at
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from .curve_points import fold_through
-from .fold_search import Curve
+from .fold_search import WholeCurve
 from .lattice_branches import Meeting, Stage
 from .parameter_plane import ParameterPlane, reflect
 
@@ -85,9 +85,9 @@ class OrbitOnLine:
     def beside(self, begin: Array, across: Array, a: float) -> "OrbitOnLine | None":
         """As of `LineEquilibrium`."""
         curve, guess = curve_on(self.curve, self.given_at, begin, across), self.node.w + a * self.node.tangent
-        found = correct(curve, guess, self.node.tangent, self.node.jacobian)
+        found = correct_point(curve, guess, self.node.tangent, self.node.jacobian)
         if isinstance(found, str) and (fresh := curve.jacobian(guess)) is not None:
-            found = correct(curve, guess, self.node.tangent, fresh)
+            found = correct_point(curve, guess, self.node.tangent, fresh)
         node = found if isinstance(found, str) else node_at(curve, found, self.node.tangent)
         return None if isinstance(node, str) else replace(self, curve=curve, node=node)
 
@@ -165,11 +165,13 @@ class OrbitsOnPlane:
         """None: branches of mirror images, which meet where the rod is at rest at both ends, are not entered."""
         return []
 
-    def curves(self, meeting: Meeting[PlaneOrbit], is_known: Callable[[Array, PlaneOrbit], bool]) -> list[Curve] | None:
+    def curves(
+        self, meeting: Meeting[PlaneOrbit], is_known: Callable[[Array, PlaneOrbit], bool]
+    ) -> list[WholeCurve] | None:
         fold = meeting.stages[1]
         return [self.fold_of(meeting.z, meeting.axis, fold.equilibrium)] if fold.kind == FOLD else None
 
-    def fold_of(self, z: Array, axis: int, orbit: PlaneOrbit) -> Curve:
+    def fold_of(self, z: Array, axis: int, orbit: PlaneOrbit) -> WholeCurve:
         """The curve of the fold at z of a branch along number `axis`."""
         given = partial(_given_on, self.given_at, z, np.eye(2)[axis])
         here = given(0.0)

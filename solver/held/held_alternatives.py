@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..branches.branch_following import trace
+from ..branches.branch_following import trace_branch
 from ..branches.deflation import across_fold, deflate, fold_beside, is_known, numbers_of
 from ..branches.family import Bounds, Family
-from ..equilibrium.given_numbers import Given, State
+from ..equilibrium.given_numbers import Given, OrbitState
 from ..equilibrium.held_index import index_of
 from ..equilibrium.system import state_of
 from ..levels.path_orbits import orbit_of
@@ -25,12 +25,12 @@ _STATIONS = 129
 _ITSELF = 1e-9  # rad
 
 
-def alternatives_of(seed: State, found: State, wanted: Given) -> list[State]:
+def alternatives_of(seed: OrbitState, found: OrbitState, wanted: Given) -> list[OrbitState]:
     """The other equilibria, as they are found."""
     known = [numbers_of(found)]
-    others: list[State] = []
+    others: list[OrbitState] = []
 
-    def add(state: State | None) -> None:
+    def add(state: OrbitState | None) -> None:
         if state is not None and not is_known(state, known):
             known.append(numbers_of(state))
             others.append(state)
@@ -45,7 +45,7 @@ def alternatives_of(seed: State, found: State, wanted: Given) -> list[State]:
     return others
 
 
-def _on_branch(seed: State, found: State, wanted: Given) -> list[State]:
+def _on_branch(seed: OrbitState, found: OrbitState, wanted: Given) -> list[OrbitState]:
     """Where the branch of the seed meets the wanted ends."""
     first = wanted.at(seed)
 
@@ -58,22 +58,22 @@ def _on_branch(seed: State, found: State, wanted: Given) -> list[State]:
     family, bounds = Family(given, found.problem, 1.0, wanted.names), Bounds(*_REACH, (1.0,), _MOST)
     if found.path.helix:
         return []
-    places = [place for rises in (True, False) for place in trace(family, found.path, 1.0, rises, bounds)[0]]
+    places = [place for rises in (True, False) for place in trace_branch(family, found.path, 1.0, rises, bounds)[0]]
     return [state_of(place.problem, place.path) for place in places if place.p == 1]
 
 
-def shape_of(state: State) -> Array:
+def shape_of(state: OrbitState) -> Array:
     """beta at equal steps of s/L, (n,)."""
     t = state.problem.span[:, None] * np.linspace(0, 1, _STATIONS)
     return np.asarray(orbit_of(state.problem, state.path).at(t)[0][0])
 
 
-def away(one: State, other: State) -> float:
+def away(one: OrbitState, other: OrbitState) -> float:
     """The largest difference of beta [rad] at equal s/L."""
     return float(np.abs(shape_of(one) - shape_of(other)).max())
 
 
-def said_of_seed(seed: State, found: State, wanted: Given) -> str:
+def said_of_seed(seed: OrbitState, found: OrbitState, wanted: Given) -> str:
     """How far the seed is, what differs there, and whether another equilibrium is nearer than the seed."""
     far = away(seed, found)
     words = f"the seed, {far:.3g} rad away" if far > _ITSELF else "the seed itself"

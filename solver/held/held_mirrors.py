@@ -10,7 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from ..equilibrium.given_numbers import Given, State
+from ..equilibrium.given_numbers import Given, OrbitState
 from ..equilibrium.orbit_rates import orbit_rates, start_rates
 from ..equilibrium.system import corner_state
 from ..levels.line_point import LinePoint, Path
@@ -72,7 +72,7 @@ def mirrors_of(given: Given) -> list[Mirror]:
     return found
 
 
-def half_period_later(state: State, given: Given) -> State | None:
+def half_period_later(state: OrbitState, given: Given) -> OrbitState | None:
     """The rod that begins at the other turning point of the same orbit; None unless both ends rest at turning points.
 
     Over whole periods all that is held is the same.
@@ -87,7 +87,7 @@ def half_period_later(state: State, given: Given) -> State | None:
     return corner_state(rates, 0.0) if np.isfinite(rates.rows[0, :-1]).all() else None
 
 
-def image_of(state: State, mirror: Mirror, given: Given) -> State:
+def image_of(state: OrbitState, mirror: Mirror, given: Given) -> OrbitState:
     """The image of a state; what is given is exactly as given."""
     old = state.problem
     known = dict(zip(given.names, given.values.tolist(), strict=True))
@@ -95,7 +95,7 @@ def image_of(state: State, mirror: Mirror, given: Given) -> State:
     numbers |= {name: known[name] for name in numbers if name in known}
     problem = EndsProblem(**{name: np.array([value]) for name, value in numbers.items()}, span=old.span)
     path = _path(state.path, LinePoint(old), LinePoint(problem), mirror)
-    return State(problem, path, orbit_rates(problem, [path]))
+    return OrbitState(problem, path, orbit_rates(problem, [path]))
 
 
 def _path(path: Path, old: LinePoint, new: LinePoint, mirror: Mirror) -> Path:

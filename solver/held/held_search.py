@@ -12,7 +12,7 @@ import numpy as np
 from ..branches.continuation import Stopped, carry
 from ..branches.deflation import across_fold, deflate, is_known, numbers_of
 from ..branches.held_helices import helices_of
-from ..equilibrium.given_numbers import FREE, Given, State
+from ..equilibrium.given_numbers import FREE, Given, OrbitState
 from ..equilibrium.orbit_rates import orbit_rates
 from ..equilibrium.system import settle
 from ..numerics.arrays import Array
@@ -39,7 +39,7 @@ class HeldFound:
 
     given: Given
     ranges: Ranges
-    states: list[State] = field(default_factory=list)
+    states: list[OrbitState] = field(default_factory=list)
     how: list[str] = field(default_factory=list)
     problems: int = 0
     equilibria: int = 0
@@ -50,7 +50,7 @@ class HeldFound:
     any_load: bool = False
     _known: list[Array] = field(default_factory=list)
 
-    def add(self, state: State, how: str) -> bool:
+    def add(self, state: OrbitState, how: str) -> bool:
         """Add an equilibrium and its mirror images; whether it was new. A state without numbers is none."""
         state = _settle(state, self.given)
         if not np.isfinite(numbers_of(state)).all() or is_known(state, self._known):
@@ -104,7 +104,7 @@ def held_search(
     return found
 
 
-def _continue_from(found: HeldFound, some: list[State]) -> bool:
+def _continue_from(found: HeldFound, some: list[OrbitState]) -> bool:
     """Whether one of the starts led to an equilibrium with the given numbers."""
     for start in some:
         state = carry(start, found.given, _STEPS)
@@ -139,7 +139,7 @@ def _deflate(found: HeldFound, points: list[Point], tries: int) -> None:
         _across_folds(found, before)
 
 
-def _settle(state: State, given: Given) -> State:
+def _settle(state: OrbitState, given: Given) -> OrbitState:
     """The state with beta(0) in [-pi, pi) where no angle is given."""
     if "beta0" in given.names or "betaL" in given.names:
         return state

@@ -14,11 +14,11 @@ import numpy as np
 from ..branches.continuation import FOLD, Stopped, carry
 from ..branches.deflation import is_known, numbers_of
 from ..branches.held_helices import helices_of
-from ..equilibrium.given_numbers import FREE, Given, State
+from ..equilibrium.given_numbers import FREE, Given, OrbitState
 from ..equilibrium.held_index import held_index, index_of
 from ..equilibrium.orbit_rates import orbit_rates
 from ..equilibrium.system import state_of
-from ..levels.level_search import search
+from ..levels.level_search import search_levels
 from ..levels.line_point import Path, path_of
 from ..levels.morse_index import jacobi_zeros
 from ..levels.path_orbits import orbit_of
@@ -41,9 +41,9 @@ _SHORT = 1e-3  # share of the way to a helix by which an end angle stays away fr
 class Reached:
     """An equilibrium under held ends, what its continuation began from, and the seed where there is one."""
 
-    state: State
+    state: OrbitState
     begun: str | DeadStart
-    seed: State | None = None
+    seed: OrbitState | None = None
 
 
 def from_seed(wanted: Given, problem: EndsProblem, path: Path | None) -> Reached | str:
@@ -79,7 +79,7 @@ def nearest_start(wanted: Given, problem: HeldProblem) -> Reached | str:
 
 
 def _reach(
-    wanted: Given, starts: list[State], helices: list[State], steps: int = _STEPS
+    wanted: Given, starts: list[OrbitState], helices: list[OrbitState], steps: int = _STEPS
 ) -> tuple[list[Reached], int, str]:
     """What the first starts lead to, up to a stable equilibrium; how many were tried; why the first of them failed.
 
@@ -99,18 +99,18 @@ def _reach(
     return reached, len(starts[:_TRIED]), why or "failed: no equilibrium under dead loads was found to start from"
 
 
-def _dead(start: State) -> DeadStart:
+def _dead(start: OrbitState) -> DeadStart:
     p = start.problem
     index = int(jacobi_zeros(orbit_of(p, start.path))[0])
     return DeadStart(index, *(float(value[0]) for value in (p.phi, p.lam, p.mu, p.beta0, p.betaL)))
 
 
-def _starts(wanted: Given, problem: HeldProblem, guesses: list[dict[str, float]]) -> list[State]:
+def _starts(wanted: Given, problem: HeldProblem, guesses: list[dict[str, float]]) -> list[OrbitState]:
     """Dead-load equilibria, that with the nearest displacements first."""
-    found: list[tuple[float, State]] = []
+    found: list[tuple[float, OrbitState]] = []
     for numbers in guesses:
         guess = EndsProblem(**{name: np.array([numbers[name]]) for name in FREE}, span=problem.span)
-        every = search(guess, most_turns=_MOST_TURNS)
+        every = search_levels(guess, most_turns=_MOST_TURNS)
         if every is None:
             continue
         paths = [path_of(every.path, i) for i in range(every.slope.size)]
@@ -123,13 +123,13 @@ def _starts(wanted: Given, problem: HeldProblem, guesses: list[dict[str, float]]
             held_index(rates, problem.ratio.repeat(len(paths)), wanted.names, leaving, turns), nan=1.0
         )
         for k, path in enumerate(paths):
-            state = State(guess, path, rates.take(slice(k, k + 1)))
+            state = OrbitState(guess, path, rates.take(slice(k, k + 1)))
             found.append((_far(state, wanted) + _UNSTABLE * index[k], state))
     found = [one for one in found if np.isfinite(one[0])]
     return [state for _, state in sorted(found, key=lambda one: one[0])]
 
 
-def _far(state: State, wanted: Given) -> float:
+def _far(state: OrbitState, wanted: Given) -> float:
     """How far the displacements of a state are from the wanted ones."""
     values = wanted.at(state).values
     size = {"z": wanted.span, "alpha": wanted.span, "turn": 1 + wanted.ratio * wanted.span}

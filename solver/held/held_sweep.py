@@ -15,9 +15,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..equilibrium.given_numbers import FREE, Given, State
+from ..equilibrium.given_numbers import FREE, Given, OrbitState
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
-from ..levels.level_search import search
+from ..levels.level_search import search_levels
 from ..levels.line_point import path_of
 from ..mechanics.potential import potential
 from ..numerics.arrays import Array
@@ -35,7 +35,7 @@ class Point:
     off: (K, k), what is held less the wanted values. slope: (K, k, k), its derivatives by the unknowns.
     """
 
-    states: list[State]
+    states: list[OrbitState]
     off: Array
     slope: Array
 
@@ -54,7 +54,7 @@ def swept(given: Given, ranges: Ranges, most_periods: int) -> list[Point]:
 
 
 def _point(problem: EndsProblem, given: Given, unknown: list[str], most_periods: int) -> Point:
-    every = search(problem, most_periods)
+    every = search_levels(problem, most_periods)
     paths = [] if every is None else [path_of(every.path, i) for i in range(every.slope.size)]
     paths = [path for path in paths if not path.helix]
     k = len(unknown)
@@ -62,7 +62,7 @@ def _point(problem: EndsProblem, given: Given, unknown: list[str], most_periods:
         return Point([], np.empty((0, k)), np.empty((0, k, k)))
     rates = orbit_rates(problem.take(np.zeros(len(paths), dtype=int)), paths)
     off, slope = _held(rates, given, unknown)
-    states = [State(problem, path, rates.take(slice(i, i + 1))) for i, path in enumerate(paths)]
+    states = [OrbitState(problem, path, rates.take(slice(i, i + 1))) for i, path in enumerate(paths)]
     fine = np.flatnonzero(np.isfinite(off).all(axis=1))
     return Point([states[i] for i in fine], off[fine], slope[fine])
 
@@ -82,7 +82,7 @@ def _held(rates: OrbitRates, given: Given, unknown: list[str]) -> tuple[Array, A
     return np.stack(off, axis=1), np.stack(slope, axis=1)
 
 
-def starts_of(points: list[Point], ranges: Ranges) -> list[list[State]]:
+def starts_of(points: list[Point], ranges: Ranges) -> list[list[OrbitState]]:
     """The starts, each with others that may lead to the same equilibrium, the best first."""
     if len(ranges.bounds) == 1:
         (axis,) = ranges.axes().values()
@@ -92,9 +92,9 @@ def starts_of(points: list[Point], ranges: Ranges) -> list[list[State]]:
     return _nearest(points, ranges)
 
 
-def _between(one: Point, two: Point, step: float) -> list[list[State]]:
+def _between(one: Point, two: Point, step: float) -> list[list[OrbitState]]:
     """Starts between two neighbouring values of one unknown."""
-    starts, alone = list[list[State]](), list[tuple[float, State]]()
+    starts, alone = list[list[OrbitState]](), list[tuple[float, OrbitState]]()
     first, second = _classes(one), _classes(two)
     for kind in first.keys() | second.keys():
         here, there = first[kind], second[kind]
@@ -147,9 +147,9 @@ def _returns(a: float, b: float, a_slope: float, b_slope: float) -> bool:
     return bool((cubic * a <= 0).any())
 
 
-def _nearest(points: list[Point], ranges: Ranges) -> list[list[State]]:
+def _nearest(points: list[Point], ranges: Ranges) -> list[list[OrbitState]]:
     step = np.array([float(np.ptp(axis)) / (axis.size - 1) for axis in ranges.axes().values()])
-    found: list[tuple[float, State]] = []
+    found: list[tuple[float, OrbitState]] = []
     for point in points:
         for state, off, slope in zip(point.states, point.off, point.slope, strict=True):
             away = np.inf

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..equilibrium.given_numbers import Given, State
+from ..equilibrium.given_numbers import Given, OrbitState
 from ..equilibrium.orbit_rates import start_rates
 from ..equilibrium.system import corner_state
 from ..levels.line_point import LinePoint
@@ -28,7 +28,7 @@ _STILL = 1e-9  # |beta_tt| of a helix between two hinges, in units of load, whic
 _LOADS = ("lam", "mu", "phi")
 
 
-def hinged_states(given: Given) -> list[State]:
+def hinged_states(given: Given) -> list[OrbitState]:
     """The equilibria; none where a load is not given, or no end has a given beta_t."""
     if not {*_LOADS} <= {*given.names} or not given.hinged:
         return []

@@ -71,7 +71,9 @@ class Roots:
     calls: int
 
 
-def search(problem: EndsProblem, most_periods: int = MOST_PERIODS, most_turns: int | None = None) -> Found | None:
+def search_levels(
+    problem: EndsProblem, most_periods: int = MOST_PERIODS, most_turns: int | None = None
+) -> Found | None:
     """Every equilibrium of one ends problem.
 
     Parameters

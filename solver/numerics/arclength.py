@@ -144,7 +144,7 @@ def advance(curve: Curve, node: Node, step: float, across: Array | None = None) 
     across: (n + 1,), the normal of the plane in which the predictor is corrected; default: the tangent.
     """
     guess = node.w + step * node.tangent
-    found = correct(curve, guess, node.tangent if across is None else across, node.jacobian)
+    found = correct_point(curve, guess, node.tangent if across is None else across, node.jacobian)
     if isinstance(found, str):
         return found
     bend = max(float(np.linalg.norm(found - guess)) - _ENDING.small, 0.0) / step
@@ -160,7 +160,7 @@ def advance(curve: Curve, node: Node, step: float, across: Array | None = None) 
     return Node(found, jacobian, tangent, node.sign, bend)
 
 
-def correct(curve: Curve, guess: Array, across: Array, jacobian: Array) -> Array | str:
+def correct_point(curve: Curve, guess: Array, across: Array, jacobian: Array) -> Array | str:
     """The point of the curve in the plane through a guess with the normal `across`, by Broyden's method."""
     system, move, off = np.vstack([jacobian, across]), np.zeros_like(guess), np.zeros_like(guess)
 

@@ -102,7 +102,7 @@ class PitchforkPoint:
         """As of `SpecialPoint`."""
         ways = border_distances(self.z, node.tangent, np.zeros(2), np.ones(2))
         k = int(np.argmin(ways))
-        w = arclength.correct(self, self.z + ways[k] * node.tangent, np.eye(2)[k], node.jacobian)
+        w = arclength.correct_point(self, self.z + ways[k] * node.tangent, np.eye(2)[k], node.jacobian)
         there = w if isinstance(w, str) else node_at(self, w, node.tangent)
         return None if isinstance(there, str) else self.at(there)
 
@@ -123,7 +123,7 @@ def pitchfork_at(rod_at: Callable[[Array], LoadedRod], z: Array, axis: int, shap
     jacobian = guess.jacobian(z)
     if jacobian is None:
         return None
-    w = arclength.correct(guess, z, np.eye(2)[1 - axis], jacobian)
+    w = arclength.correct_point(guess, z, np.eye(2)[1 - axis], jacobian)
     node = w if isinstance(w, str) else node_at(guess, w, np.eye(2)[1 - axis])
     return None if isinstance(node, str) else guess.at(node)
 

@@ -46,7 +46,7 @@ class Found:
         self.how.append(how)
 
 
-def search(rod: LoadedRod, light: Sequence[Any] = ()) -> Found:
+def search_shapes(rod: LoadedRod, light: Sequence[Any] = ()) -> Found:
     """The equilibria found from the straight rod, from those without weight, by a scan and by deflation.
 
     light: solutions of the rod without weight. A long rod is not scanned.

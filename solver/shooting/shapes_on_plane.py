@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..folds.curve_points import Line, curve_points, fold_through
-from ..folds.fold_search import Curve as FoundCurve
+from ..folds.fold_search import WholeCurve
 from ..folds.lattice_branches import MOST_POINTS, Meeting, Stage, place_on
 from ..numerics.arclength import CLOSED, END, FOLD, PITCHFORK
 from ..numerics.arrays import Array
@@ -96,7 +96,7 @@ class ShapesOnPlane:
         found = (curve.correct(replace(shape, y=shape.y + sign * SPLIT * mode), x, across) for sign in (1, -1))
         return [(one.x, one.shape) for one in found if one is not None and 0 < one.x < 1]
 
-    def curves(self, meeting: Meeting[Shape], is_known: Callable[[Array, Shape], bool]) -> list[FoundCurve] | None:
+    def curves(self, meeting: Meeting[Shape], is_known: Callable[[Array, Shape], bool]) -> list[WholeCurve] | None:
         shape = meeting.stages[1].equilibrium
         if meeting.stages[1].kind == FOLD:
             return [self.fold_curve(meeting.z, meeting.axis, [stage.equilibrium for stage in meeting.stages])]
@@ -106,7 +106,7 @@ class ShapesOnPlane:
         # where the sides differ, branches exchange their indices, and no number changes
         return [] if np.isnan(first.more).any() else pitchforks_of(first, is_known)
 
-    def fold_curve(self, z: Array, axis: int, shapes: list[Shape]) -> FoundCurve:
+    def fold_curve(self, z: Array, axis: int, shapes: list[Shape]) -> WholeCurve:
         """The curve of the fold at z of a branch along number `axis`, from the shapes before, at and after it."""
         curve = Curve(lambda n: shapes[1].rod, 1.0, shapes[1].rod.scale)
         tangent = curve.direction(shapes[2].y - shapes[0].y, 0.0)
@@ -121,7 +121,7 @@ def slope_of(shape: Shape) -> float:
     return float(shape.y[0, SPEED])
 
 
-def pitchforks_of(first: PitchforkPoint, known: Callable[[Array, Shape], bool]) -> list[FoundCurve]:
+def pitchforks_of(first: PitchforkPoint, known: Callable[[Array, Shape], bool]) -> list[WholeCurve]:
     """The curve of a pitchfork in parts of equal index: it changes where another such curve crosses.
 
     known: whether a point lies on a known curve; where the shape becomes that of a known curve this one ends.
@@ -137,5 +137,5 @@ def pitchforks_of(first: PitchforkPoint, known: Callable[[Array, Shape], bool]) 
         part = slice(a, b + 1)
         line = Line(PITCHFORK, marks[part], [], [slope_of(point.shape) for point in points[part]], signed[part])
         ends = begin if a == 0 else CROSSING, end if b == len(points) - 1 else CROSSING
-        found.append(FoundCurve([line], ends, points[a].lower))
+        found.append(WholeCurve([line], ends, points[a].lower))
     return found

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, observe, solve
-from solver.equilibrium.given_numbers import Given, State
+from solver.equilibrium.given_numbers import Given, OrbitState
 from solver.equilibrium.held_index import index_of
 from solver.equilibrium.orbit_rates import orbit_rates
 from solver.levels.line_point import path_of
@@ -257,7 +257,7 @@ def test_clamped_positions_lower_the_index_of_two_equilibria_of_table_1() -> Non
         path = path_of(one.path, 0)
         dead.append(one.index)
         slopes.append(one.dbeta0)
-        held.append(int(index_of(State(problem, path, orbit_rates(problem, [path])), named(KINDS[0]))))
+        held.append(int(index_of(OrbitState(problem, path, orbit_rates(problem, [path])), named(KINDS[0]))))
     changed = {(round(slope, 6), a, b) for slope, a, b in zip(slopes, dead, held, strict=True) if a != b}
     assert changed == {(0.5, 6, 5), (0.217255, 5, 4)}
 
@@ -269,7 +269,7 @@ def test_the_index_is_that_of_the_constrained_second_variation(names: tuple[str,
     assert isinstance(problem, EndsProblem)
     for one in found[-2:]:
         path = path_of(one.path, 0)
-        mine = index_of(State(problem, path, orbit_rates(problem, [path])), named(names))
+        mine = index_of(OrbitState(problem, path, orbit_rates(problem, [path])), named(names))
         assert mine == discrete_index(problem, orbit_of(problem, path), names, 1.25)
 
 

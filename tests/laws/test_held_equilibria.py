@@ -8,12 +8,12 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.branches.deflation import is_known
-from solver.equilibrium.given_numbers import Given, State
+from solver.equilibrium.given_numbers import Given, OrbitState
 from solver.equilibrium.orbit_rates import NUMBERS, orbit_rates
 from solver.equilibrium_list import HeldEquilibria
 from solver.held.held_mirrors import Mirror, image_of, mirrors_of
 from solver.held.held_search import held_search
-from solver.levels.level_search import Found, search
+from solver.levels.level_search import Found, search_levels
 from solver.levels.line_point import path_of
 from solver.numerics.arrays import Array
 from solver.observe import observe
@@ -32,12 +32,12 @@ def dead(numbers: dict[str, float]) -> EndsProblem:
     return EndsProblem(**{name: np.array([value]) for name, value in numbers.items()})
 
 
-def state_of(problem: EndsProblem, i: int) -> State:
+def state_of(problem: EndsProblem, i: int) -> OrbitState:
     """Equilibrium i of a dead-load problem."""
-    every = search(problem)
+    every = search_levels(problem)
     assert every is not None
     path = path_of(every.path, i)
-    return State(problem, path, orbit_rates(problem, [path]))
+    return OrbitState(problem, path, orbit_rates(problem, [path]))
 
 
 @pytest.fixture(scope="module")
@@ -200,7 +200,7 @@ def displaced(case: Case, number: str, load: float) -> tuple[Found, Array]:
     given = Given.of(reduce_held(case))
     known = dict(zip(given.names, given.values.tolist(), strict=True))
     numbers = {name: known.get(name, load) for name in ("beta0", "betaL", "lam", "mu", "phi")}
-    every = search(dead({**numbers, "span": given.span}))
+    every = search_levels(dead({**numbers, "span": given.span}))
     assert every is not None
     return every, every.orbit.at(every.orbit.problem.span[:, None])[ROW[number]][:, 0]
 
@@ -255,7 +255,7 @@ def finds_a_known_one(seed: int, count: int) -> bool:
     numbers |= dict(zip(("lam", "mu", "phi"), rng.uniform(-1, 1, 3).tolist(), strict=True))
     numbers["span"] = float(rng.uniform(2, 12))
     problem = dead(numbers)
-    every = search(problem)
+    every = search_levels(problem)
     assert every is not None
     state = state_of(problem, int(rng.integers(every.slope.size)))
     values = dict(zip(NUMBERS, state.rates.values[0].tolist(), strict=True))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, follow, solve
-from solver.branches.branch_following import trace
+from solver.branches.branch_following import trace_branch
 from solver.branches.branch_states import Place
 from solver.branches.family import Bounds, Family
 from solver.choose.each_equilibrium import path_of_seed
@@ -79,7 +79,7 @@ def test_branches_under_dead_loads_are_those_of_the_steps_in_python(which: slice
         plain, quick = (Family(given, begun, 1.0, FREE, numbers) for numbers in (None, fast))
         assert plain.steps is None
         assert quick.steps is not None
-        (here, stop), (there, end) = (trace(one, path, -8.66, True, bounds) for one in (quick, plain))
+        (here, stop), (there, end) = (trace_branch(one, path, -8.66, True, bounds) for one in (quick, plain))
         assert stop.reason == end.reason
         same_branch(here, there, wanted)
         many += len(here)
@@ -110,7 +110,7 @@ def test_branches_with_held_ends_are_those_of_the_steps_in_python(held: tuple[st
         Family(numbers, begun, 1.0, names),
     )
     bounds = Bounds(low, high, tuple(wanted), 60)
-    (here, stop), (there, end) = (trace(one, path, high, False, bounds) for one in families)
+    (here, stop), (there, end) = (trace_branch(one, path, high, False, bounds) for one in families)
     assert stop.reason == end.reason == "the end of the range"
     same_branch(here, there, wanted)
 

@@ -8,7 +8,7 @@ import pytest
 from solver.branches.continuation import Stopped, _resume_by_leaps, resume
 from solver.branches.leaps import shape_of
 from solver.equilibrium.charts import charts, coordinate
-from solver.levels.level_search import search
+from solver.levels.level_search import search_levels
 from solver.levels.line_point import LinePoint, Path, path_of
 from solver.levels.path_orbits import orbit_of
 from solver.problem.reduced import EndsProblem
@@ -42,7 +42,7 @@ def same_path(problem: EndsProblem, a: Path, b: Path) -> bool:
 def test_the_core_reaches_the_path_of_the_general_continuation(count: int) -> None:
     reached = ended = 0
     for first, last in pairs(count):
-        found = search(first)
+        found = search_levels(first)
         assert found is not None
         for path in [path_of(found.path, i) for i in range(min(found.slope.size, 6))]:
             plain, compiled = _resume_by_leaps(first, path, last), resume(first, path, last)
@@ -60,7 +60,7 @@ def test_the_core_reaches_the_path_of_the_general_continuation(count: int) -> No
 
 def test_a_line_there_and_back_returns_to_the_equilibrium() -> None:
     first, last = problem_of(REFERENCE), problem_of((-0.36, 0.75, -0.74, 20.3, 0.53, 0.51))
-    found = search(first)
+    found = search_levels(first)
     assert found is not None
     returned = 0
     for path in [path_of(found.path, i) for i in range(found.slope.size)]:

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solver.equilibrium.orbit_rates import orbit_numbers, orbit_rates
-from solver.levels.level_search import search
+from solver.levels.level_search import search_levels
 from solver.levels.line_point import Path, path_of
 from solver.orbit.pieces import HELIX
 from solver.orbit.variations import Variations, directions, orbits_to_vary, variations_on
@@ -62,7 +62,7 @@ def random_equilibria(seed: int, count: int, most: int = 4) -> list[tuple[EndsPr
     for _ in range(count):
         numbers = [*rng.normal(size=3) * [2, 1, 2], rng.uniform(1, 20), *rng.uniform(-4, 4, 2)]
         problem = EndsProblem(*(np.array([number]) for number in numbers))
-        every = search(problem)
+        every = search_levels(problem)
         for i in range(0 if every is None else min(every.slope.size, most)):
             assert every is not None
             found.append((problem, path_of(every.path, i)))

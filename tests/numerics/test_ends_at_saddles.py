@@ -9,7 +9,7 @@ from scipy.integrate import solve_bvp, solve_ivp
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
 from solver.levels.level_grid import boundary_of, level_grid_of
-from solver.levels.level_search import search
+from solver.levels.level_search import search_levels
 from solver.levels.transit_times import Levels, transit_times
 from solver.observe.observables import observe
 from solver.orbit.critical_points import critical_points
@@ -151,7 +151,7 @@ def test_a_taut_line_lies_along_the_axis() -> None:
 @pytest.mark.parametrize("rate", (1e2, 1e3, 1e4, 1e6))
 def test_the_one_of_lowest_energy_is_stable_however_long_the_rod(rate: float) -> None:
     """phi = 1, so that r L is the length; ends beside the saddle."""
-    found = search(reduce(ends_in_units_of_rho(0.0, 0.0, 1.0, rate, 0.1, 0.1)), most_turns=1)
+    found = search_levels(reduce(ends_in_units_of_rho(0.0, 0.0, 1.0, rate, 0.1, 0.1)), most_turns=1)
     assert found is not None
     best = int(np.argmin(found.energy))
     assert found.index[best] == 0
@@ -214,7 +214,7 @@ def test_times_next_to_a_saddle_go_on_by_the_law_of_the_log_gap(numbers) -> None
 
 def test_stable_ones_turn_once_at_most_so_they_are_found_without_the_others() -> None:
     problem = reduce(ends_in_units_of_rho(-0.3655, 0.7464, -0.7506, 20.0, np.pi / 6, np.pi / 6))
-    every, few = search(problem), search(problem, most_turns=1)
+    every, few = search_levels(problem), search_levels(problem, most_turns=1)
     assert every is not None
     assert few is not None
     np.testing.assert_allclose(np.sort(every.slope[every.index == 0]), np.sort(few.slope[few.index == 0]), rtol=1e-12)
@@ -272,7 +272,7 @@ def random_on_the_axis(rng: np.random.Generator) -> tuple[float, ...]:
 @pytest.mark.parametrize("seed", range(40))
 def test_random_ends_on_saddles_have_a_stable_equilibrium_and_a_signed_count_of_one(seed: int) -> None:
     numbers = random_on_the_axis(np.random.default_rng(seed))
-    found = search(EndsProblem(*(np.array([v]) for v in numbers[:6])), 20, 1)
+    found = search_levels(EndsProblem(*(np.array([v]) for v in numbers[:6])), 20, 1)
     assert found is not None
     assert not found.remark or found.remark.startswith("only")
     assert found.index[np.argmin(found.energy)] == 0

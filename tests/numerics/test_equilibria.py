@@ -10,7 +10,7 @@ from scipy.linalg import solve_banded
 from solver import Case, Ends, Start, equilibria, solve
 from solver.end_angle_branch import to_fold
 from solver.equilibria import Equilibrium
-from solver.levels.level_search import search
+from solver.levels.level_search import search_levels
 from solver.levels.morse_index import jacobi_zeros, morse_index
 from solver.levels.transit_times import repeat
 from solver.problem.reduced import reduce
@@ -134,7 +134,7 @@ def test_the_reference_problems_have_at_least_as_many_as_are_known() -> None:
 @every
 def test_zeros_of_the_jacobi_field_are_the_negative_pivots(name: str) -> None:
     problem = reduce(ends_in_units_of_rho(*PROBLEMS[name]))
-    all_of_them = search(problem)
+    all_of_them = search_levels(problem)
     assert all_of_them is not None
     wide = repeat(problem, all_of_them.slope.size)
     span = PROBLEMS[name][3]

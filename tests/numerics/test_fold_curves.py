@@ -9,7 +9,7 @@ from scipy.optimize import fsolve
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, fold_curves, region_map
 from solver.folds.fold_curves import FoldCurve, FoldCurves
-from solver.folds.fold_system import correct
+from solver.folds.fold_system import correct_curve_point
 from solver.folds.parameter_plane import parameter_plane
 from solver.folds.separatrix_folds import UNIT, SeparatrixSystem
 from solver.levels.census import census
@@ -165,7 +165,7 @@ def test_a_fold_next_to_a_separatrix_is_exact(which: str) -> None:
     case = Case(LONG.rod, LONG.cylinder, Ends(beta0, betaL, M3=8.0))
     plane = parameter_plane(case, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
     system = SeparatrixSystem(plane, "fold", 1.0, 2.65, end, sign, leaving, turns, weight=1)
-    point = correct(system, np.array([-17 / UNIT, 0.18, 0.0]), np.array([0.0, 0.0, 1.0]), 0.0)
+    point = correct_curve_point(system, np.array([-17 / UNIT, 0.18, 0.0]), np.array([0.0, 0.0, 1.0]), 0.0)
     assert point is not None
     if which == "a stable one, at the start":
         assert point.x[0] * UNIT == pytest.approx(-17.44, abs=0.01)  # log of the gap
@@ -184,7 +184,7 @@ def test_with_equal_ends_a_fold_and_a_pitchfork_lie_next_to_a_separatrix(kind, l
     plane = parameter_plane(case, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
     weight = 2 if kind == "fold" else 0
     system = SeparatrixSystem(plane, kind, 1.0, 2.65, "start", -1.0, leaving, turns, weight)
-    point = correct(system, np.array([-17 / UNIT, 0.18, 0.0]), np.array([0.0, 0.0, 1.0]), 0.0)
+    point = correct_curve_point(system, np.array([-17 / UNIT, 0.18, 0.0]), np.array([0.0, 0.0, 1.0]), 0.0)
     assert point is not None
     toward = 1e-8 * point.more / np.linalg.norm(point.more)
     fewer, more = (census(plane.problems(point.shares + sign * toward)).indices for sign in (-1, 1))

@@ -8,7 +8,7 @@ import pytest
 
 from solver.branches.continuation import Stopped, resume
 from solver.equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
-from solver.levels.level_search import search
+from solver.levels.level_search import search_levels
 from solver.levels.line_point import LinePoint, Path, path_of
 from solver.levels.transit_times import repeat
 from solver.problem.reduced import EndsProblem
@@ -21,7 +21,7 @@ def ends_problem(lam: float, mu: float, phi: float, span: float, beta0: float, b
 
 
 def every_equilibrium(problem: EndsProblem, most_turns: int | None = None) -> tuple[EndsProblem, list[Path]]:
-    found = search(problem, most_turns=most_turns)
+    found = search_levels(problem, most_turns=most_turns)
     assert found is not None
     K = found.slope.size
     return repeat(problem, K), [path_of(found.path, i) for i in range(K)]
@@ -107,7 +107,7 @@ def test_a_helix_and_an_orbit_beside_it_answer_alike(numbers: tuple[float, ...])
 
 
 def _nearest_to_rest(problem: EndsProblem) -> Path:
-    found = search(problem, most_turns=8)
+    found = search_levels(problem, most_turns=8)
     assert found is not None
     i = int(np.argmin(found.highest - found.lowest))
     return path_of(found.path, i)
