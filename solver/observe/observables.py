@@ -408,9 +408,7 @@ OBSERVABLES: dict[str, Observable] = {
     "push_middle": Observable(push_middle, ("middle push",)),
     "attached": Observable(attached, ("share",)),
     "lift_off_at": Observable(lift_off_at, ("lifts",), not_smooth=TOUCHES),
-    "F3_size_max": Observable(
-        F3_size_max, ("tension",), not_smooth=f"{SEVERAL}; or there is no force along the tangent"
-    ),
+    "F3_size_max": Observable(F3_size_max, ("tension",), not_smooth=NO_FORCE),
     "bending_moment_max": Observable(bending_moment_max, ("tightest",)),
     "bending_stress_max": Observable(bending_stress_max, ("tightest",), needs="E"),
     "overlaps": Observable(overlapping, ("tightest", "low", "high")),

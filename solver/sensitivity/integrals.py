@@ -19,7 +19,8 @@ from .density_changes import DensityChange
 
 def integral(rods: DensityChange) -> Array:
     """Of the integral over the rod, (b, F)."""
-    return _sum(rods.refined, lambda v: v, np.ones_like)
+    refined = rods.refined
+    return _sums(refined, lambda v: v, np.ones_like, [refined])[0]
 
 
 def parts(cut: DensityChange) -> tuple[Array, Array, Array]:
@@ -28,39 +29,62 @@ def parts(cut: DensityChange) -> tuple[Array, Array, Array]:
     cut: of `cut_at_zeros`.
     """
     positive = (cut.nodes.values.mean(axis=1) > 0).astype(float)[:, None]
-    down = _sum(cut, lambda v: np.maximum(-v, 0), lambda v: (v <= 0) * -1.0)
-    return _positive(cut), down, _share(cut, positive)
+    (down,) = _sums(cut, lambda v: np.maximum(-v, 0), lambda v: (v <= 0) * -1.0, [cut])
+    return _positive(cut, [cut])[0], down, _share(cut, positive)
 
 
 def positive_between(cut: DensityChange, low: float, high: float) -> Array:
     """Of the integral of the positive values between two shares of the length, (b, F). cut: of `cut_at_zeros`."""
-    return _positive(cut.until(high)) - _positive(cut.until(low))
+    short, long = _positive(cut, [cut.until(low), cut.until(high)])
+    return long - short
 
 
-def _positive(cut: DensityChange) -> Array:
-    return _sum(cut, lambda v: np.maximum(v, 0), lambda v: (v > 0) * 1.0)
+def _positive(cut: DensityChange, lengths: list[DensityChange]) -> list[Array]:
+    return _sums(cut, lambda v: np.maximum(v, 0), lambda v: (v > 0) * 1.0, lengths)
 
 
-def _sum(rods: DensityChange, kept: Callable[[Array], Array], rate: Callable[[Array], Array]) -> Array:
-    """Of the integral of kept(values), (b, F); rate: the derivative of `kept`, constant on each panel."""
+def _sums(
+    rods: DensityChange,
+    kept: Callable[[Array], Array],
+    rate: Callable[[Array], Array],
+    lengths: list[DensityChange],
+) -> list[Array]:
+    """Of the integrals of kept(values) over some lengths of the same rods, (b, F) each.
+
+    rate: the derivative of `kept`, constant on each panel.
+    """
     factor = rate(rods.nodes.values.mean(axis=1))[:, None]
     moved = np.moveaxis(rods.nodes.moved, 2, 1) * factor[..., None]
-    closest, still = rods.closest
+    still = rods.closest[1]
     level, size = kept(still), BARELY * (1 + np.abs(still))
     above = kept(rods.nodes.values) - level[rods.case, None]
     turned = factor * rods.differences
     near = rods.near & (np.abs(above - turned).max(axis=1) <= size[rods.case])
     above[near] = turned[near]
-    ends = []
+    none, found = np.zeros((rods.case.size, 4)), []
+    for one in lengths:
+        first, last = _above_at_ends(one, kept, rate, rods.closest)
+        found.append(_by_parts(one, above, moved, none, first, last) + kept(one.ends[1].values)[:, None] * one.later)
+    return found
+
+
+def _above_at_ends(
+    rods: DensityChange,
+    kept: Callable[[Array], Array],
+    rate: Callable[[Array], Array],
+    closest: tuple[Integers, Array],
+) -> list[Array]:
+    """kept(values) at the two ends less that at rest at the closest critical point, (b,) each."""
+    panel, still = closest
+    level, size = kept(still), BARELY * (1 + np.abs(still))
+    ends, rows = [], np.arange(panel.size)
     for t, place, values in zip(rods.times, rods.places, rods.ends, strict=True):
         base, x = (v[:, 0] for v in rods.varied.angles(t[:, None]))
-        rows = np.arange(t.size)
         exact = rods.difference(rows, base[:, None], x[:, None], np.abs(place.v)[:, None])[:, 0]
         exact, plain = rate(values.values) * exact, kept(values.values) - level
-        same = np.abs(np.sin((base - rods.varied.base[closest]) / 2)) < orbit_rates.SAME
+        same = np.abs(np.sin((base - rods.varied.base[panel]) / 2)) < orbit_rates.SAME
         ends.append(np.where(same & (np.abs(plain - exact) <= size), exact, plain))
-    whole = _by_parts(rods, above, moved, np.zeros((rods.case.size, 4)), ends[0], ends[1])
-    return whole + kept(rods.ends[1].values)[:, None] * rods.later
+    return ends
 
 
 def _share(rods: DensityChange, positive: Array) -> Array:
