@@ -43,7 +43,7 @@ def places_of(rods: DensityChange, which: str, until: Array | None = None) -> Pl
     turn = np.repeat(turns, given.t.shape[1])
     last = t >= rods.span[:, None] * (1 - SAME)
     end = last | (t <= 0)
-    t = np.where(_repeated(t, turn, _MERGED * rods.shortest), np.nan, t)
+    t = np.where(_repeats(t, turn, _MERGED * rods.shortest), np.nan, t)
     values = np.where(np.isnan(t), -np.inf, turn * at.values)
     best = values.max(axis=1, keepdims=True)
     t = np.where(values >= best - SAME * np.maximum(np.abs(best), 1e-300), t, np.nan)
@@ -57,7 +57,7 @@ def places_of(rods: DensityChange, which: str, until: Array | None = None) -> Pl
     return Places(t, at.values, at.size, slopes, _FAINT * sizes + rounding)
 
 
-def _repeated(t: Array, turn: Array, near: Array) -> Array:
+def _repeats(t: Array, turn: Array, near: Array) -> Array:
     """Which of the places (b, K) are nearer than `near` (b,) to an earlier one of the same turn (K,), an end first."""
     earlier = np.tri(t.shape[1], k=-1, dtype=bool) & (turn[:, None] == turn)
     return ((np.abs(t[:, :, None] - t[:, None, :]) < near[:, None, None]) & earlier).any(axis=2)

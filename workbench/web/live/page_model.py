@@ -108,11 +108,11 @@ def facts(one: Shape) -> dict[str, Any]:
         "outcome": str(sol.outcome), "error": float(sol.error), "condition": float(sol.condition),
         "method": sol.method, "stations": sol.s.size, "notes": notes,
         "which": _which(sol) if sol.problem.kind == "ends" and not sol.case.varies else None,
-        "numbers": _observed(sol) if sol.case.varies else None,
+        "numbers": _observations(sol) if sol.case.varies else None,
     }  # fmt: skip
 
 
-def _observed(sol: Solution) -> dict[str, float]:
+def _observations(sol: Solution) -> dict[str, float]:
     """What the page observes itself of other rods, of one whose loads vary."""
     names = [name for name in observables_of(sol.case.rod) if name not in SLOW]
     return {name: float(value) for name, value in observe(sol, names).items()}
