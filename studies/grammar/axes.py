@@ -1,18 +1,19 @@
 """The parts of a study that hold numbers with units: units, base case, choice of equilibrium, axes."""
 
 from collections import Counter
+from collections.abc import Collection
 from dataclasses import fields
 from math import isfinite, log
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from solver import Cylinder, Ends, Rod, Start
 from solver.problem.angles import angle
 from solver.problem.case_fields import FIELD
-from solver.problem.errors import choices, near
+from solver.problem.errors import no_such
 from solver.problem.quantities import QUANTITIES, Quantity, quantity
 
 from .units import FORCES, LENGTHS
@@ -74,6 +75,17 @@ def _on_one_line(text: str) -> str:
     return text
 
 
+def one_of(kind: str, known: Collection[str]) -> AfterValidator:
+    """That a text is one of the known names; the error names the kind, the text and the choices."""
+
+    def check(value: str) -> str:
+        if value not in known:
+            raise no_such(kind, value, known)
+        return value
+
+    return AfterValidator(check)
+
+
 Line = Annotated[str, AfterValidator(_on_one_line)]  # text shown on terminals and in pictures
 Angle = Annotated[float, BeforeValidator(in_rad)]
 
@@ -83,24 +95,8 @@ class Units(BaseModel):
 
     model_config = STRICT
 
-    length: str
-    force: str
-
-    @field_validator("length")
-    @classmethod
-    def _length(cls, value: str) -> str:
-        return _unit("length", value, tuple(LENGTHS))
-
-    @field_validator("force")
-    @classmethod
-    def _force(cls, value: str) -> str:
-        return _unit("force", value, tuple(FORCES))
-
-
-def _unit(kind: str, value: str, known: tuple[str, ...]) -> str:
-    if value not in known:
-        raise ValueError(f"{value!r} is not a unit of {kind}{near(value, known)}; choose from {choices(known)}")
-    return value
+    length: Annotated[str, one_of("unit of length", LENGTHS)]
+    force: Annotated[str, one_of("unit of force", FORCES)]
 
 
 class Base(BaseModel):

@@ -4,17 +4,17 @@ A sampler of `scipy.stats.qmc` (or NumPy's generator) gives points in the unit c
 of the study; the inverse of a field's distribution function turns its coordinate into values.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from solver.problem.errors import choices, near
 
-from ..grammar.axes import MAX_COUNT, STRICT, Misplaced
+from ..grammar.axes import MAX_COUNT, STRICT, Misplaced, one_of
 from ..grammar.dimensions import Values
 
 Cube = NDArray[np.float64]  # points in the unit cube, (size, fields)
@@ -75,15 +75,6 @@ DISTRIBUTIONS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 }
 
 
-def _one_of(kind: str, known: Mapping[str, object]) -> AfterValidator:
-    def check(value: str) -> str:
-        if value not in known:
-            raise ValueError(f"no {kind} {value!r}{near(value, known)}; choose from {choices(known)}")
-        return value
-
-    return AfterValidator(check)
-
-
 class Distribution(BaseModel):
     """The distribution of one sampled field.
 
@@ -93,7 +84,7 @@ class Distribution(BaseModel):
 
     model_config = STRICT
 
-    distribution: Annotated[str, _one_of("distribution", DISTRIBUTIONS)] = "uniform"
+    distribution: Annotated[str, one_of("distribution", DISTRIBUTIONS)] = "uniform"
     from_: float | None = Field(None, alias="from")
     to: float | None = None
     mean: float | None = None
@@ -201,7 +192,7 @@ class Sample(BaseModel):
     model_config = ConfigDict(extra="allow", strict=True, frozen=True, allow_inf_nan=False)
     __pydantic_extra__: dict[str, Distribution] = Field(init=False)
 
-    method: Annotated[str, _one_of("method of sampling", METHODS)] = "sobol"
+    method: Annotated[str, one_of("method of sampling", METHODS)] = "sobol"
     size: int
     seed: int = Field(0, ge=0, lt=2**63)
 

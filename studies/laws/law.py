@@ -6,24 +6,12 @@ from numpy.typing import ArrayLike
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from solver.observe.observables import is_count
-from solver.problem.errors import InputError, choices, no_such
+from solver.problem.errors import InputError, choices
 
-from ..grammar.axes import Line, Misplaced, in_rad, is_angle
+from ..grammar.axes import Line, Misplaced, in_rad, is_angle, one_of
 from ..grammar.formulas import Formula, parse
 from .law_kinds import FORMULAS, KINDS, MONOTONE, Kind, NumberLine
 from .line_verdicts import DIRECTIONS, HOLDS, QUALIFIED, TREND, Verdict, as_good, judge
-
-
-def _known(direction: str) -> str:
-    if direction not in DIRECTIONS:
-        raise no_such("direction", direction, DIRECTIONS)
-    return direction
-
-
-def _known_kind(kind: str) -> str:
-    if kind not in KINDS:
-        raise no_such("kind of law", kind, KINDS)
-    return kind
 
 
 def _read(value: float | str) -> float | str:
@@ -33,7 +21,7 @@ def _read(value: float | str) -> float | str:
     return value
 
 
-Direction = Annotated[str, AfterValidator(_known)]
+Direction = Annotated[str, one_of("direction", DIRECTIONS)]
 Number = Annotated[float | str, AfterValidator(_read)]
 
 
@@ -83,7 +71,7 @@ class Law(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
     claim: Line
-    kind: Annotated[str, AfterValidator(_known_kind)] = MONOTONE
+    kind: Annotated[str, one_of("kind of law", KINDS)] = MONOTONE
     observable: str
     axis: str
     direction: Direction | None = None
