@@ -17,9 +17,8 @@ from tests.cases import ends_in_units_of_rho
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from workbench.branches import branch_dataset
-from workbench.branches.ends_study import ends_problem, write_cases
+from workbench.branches.ends_study import DEFAULT, ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.commands.equilibria import DEFAULT
 from workbench.commands.option_checks import parse_axis
 from workbench.figures import bifurcation, canvas, equilibria_figure
 from workbench.store import in_memory, reading, writing

@@ -242,5 +242,7 @@ def test_a_run_goes_on_from_what_was_joined(tmp_path) -> None:
     again = study_store.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), joined)
     assert again.finished_before
     assert again.statistics["outcomes"] == {"solved": 9}
+    whole = study_store.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), tmp_path / "whole.h5")
+    assert again.statistics == whole.statistics
     grown = study_store.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4, 4e4]) + RADII, HEAD), joined)
     assert grown.solved == 3

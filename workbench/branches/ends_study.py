@@ -8,12 +8,36 @@ from solver import Case, Ends, InputError, Solution, observe, solve
 from solver.equilibria import Equilibrium
 from solver.problem.errors import choices
 from solver.problem.held_ends import held_of
-from studies import Study
+from studies import Study, load
+from studies.language.loader import loads
+from studies.language.readings import TABLE_UNITS
 
 from ..store import writing
-from ..store.case_input import field_values
+from ..store.case_input import field_values, from_values, with_fields
 
+DEFAULT = "fig7_4_end_angle"  # the study whose rod is that of Table 1
 ELASTIC = ("bending_energy", "twist_energy")
+
+
+def study_and_case(
+    file: Path | None, values: Mapping[str, Any], units: Mapping[str, str], held: bool = False
+) -> tuple[Study, Case]:
+    """The ends problem of a file or of Table 1 with some fields replaced, or with units that of the fields alone.
+
+    Raises `InputError` for held ends unless `held`, and as of `ends_problem`.
+    """
+    if not units:
+        study = load(DEFAULT if file is None else str(file))
+        case = with_fields(ends_problem(study, held=True), values)
+    elif file is not None:
+        raise InputError(f"{file.name} states its own units: change them in the file")
+    else:
+        case, defaults = from_values(values, Ends)
+        given = {name: value for name, value in (defaults | dict(values)).items() if value is not None}
+        study = loads(study_text("a rod of the options", {**TABLE_UNITS, **units}, given), "equilibria")
+    if not held:
+        refuse_held(case)
+    return study, case
 
 
 def ends_problem(study: Study, held: bool = False) -> Case:

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from ..figures.sheet import Sheet
     from .present import Files, Result
 
-DEFAULT = "fig7_4_end_angle"
-OPTIONS_STUDY = "equilibria"  # the name of a study made of options
 HEADS = {"turns": "bends", "stray": "overshoot"}  # of columns that are not named as in files
 COLUMNS = ("dbeta0", "energy", "bending_energy", "turns", "index", "stray", "attached")
 
@@ -96,12 +94,12 @@ def equilibria(
     from solver import equilibria as all_equilibria
     from solver.problem.held_ends import held_of
 
-    from ..branches.ends_study import write_cases
+    from ..branches.ends_study import study_and_case, write_cases
     from ..store import writing
     from . import option_checks
     from .present import files, present
 
-    study, case = study_and_case(file, given, held=axis is None)
+    study, case = study_and_case(file, given.values, given.units, held=axis is None)
     search = _search(case, axis, within, values, tries)
     _check(case, axis, show, export)
     sheet = option_checks.page(plot, style, width, no_title)
@@ -153,39 +151,6 @@ def _search(
             f"--{next(iter(said))} belongs to the search of held ends, so it excludes dead loads and --axis"
         )
     return said | ({"within": ranges("--within", within, "FZ=-50:10")} if within else {})
-
-
-def study_and_case(file: Path | None, given: Given, held: bool = False) -> "tuple[Study, Case]":
-    """The case of a file or of Table 1 with some fields replaced, or with units that of the options alone.
-
-    Raises `InputError` for held ends unless `held`.
-    """
-    from ..branches.ends_study import refuse_held
-
-    study, case = _study_and_case(file, given)
-    if not held:
-        refuse_held(case)
-    return study, case
-
-
-def _study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
-    from solver import Ends, InputError
-    from studies import load
-    from studies.language.loader import loads
-    from studies.language.readings import TABLE_UNITS
-
-    from ..branches.ends_study import ends_problem, study_text
-    from ..store.case_input import from_values, with_fields
-
-    if not given.units:
-        study = load(DEFAULT if file is None else str(file))
-        return study, with_fields(ends_problem(study, held=True), given.values)
-    if file is not None:
-        raise InputError(f"{file.name} states its own units: change them in the file")
-    case, defaults = from_values(given.values, Ends)
-    units = {**TABLE_UNITS, **given.units}
-    values = {name: value for name, value in (defaults | given.values).items() if value is not None}
-    return loads(study_text("a rod of the options", units, values), OPTIONS_STUDY), case
 
 
 def _source(study: "Study", file: Path | None, given: Given) -> str:

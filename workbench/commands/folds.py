@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .case_options import ENDS_FIELDS, HELD, Given, takes_case
-from .equilibria import study_and_case
 from .option_checks import ENDS_NUMBERS, read_range
 from .options import Dpi, ForceOutput, Json, NoTitle, OneCase, Style, Width, option
 
@@ -60,11 +59,12 @@ def folds(
     from solver import InputError
     from solver.region_map import region_map
 
+    from ..branches.ends_study import study_and_case
     from ..branches.region_dataset import dataset_of
     from ..figures.sheet import sheet
     from .present import Result, files, present
 
-    study, case = study_and_case(file, given, held=True)
+    study, case = study_and_case(file, given.values, given.units, held=True)
     read = [read_range("--axis", text, (*ENDS_NUMBERS, *HELD)) for text in axis or []]
     ranges: dict[str, Any] = {name: (low, high) for name, low, high, _ in read}
     if len(axis or []) != 2 or len(ranges) != 2:
