@@ -46,9 +46,10 @@ def explore(
 
     if save is not None:
         own = own_case.preset(file, given.values, given.units)
+        _save(save, PRESETS if own is None else (own, *PRESETS))
         if own is not None:
             console.say(own.source)
-        return _save(save, PRESETS if own is None else (own, *PRESETS))
+        return 0
 
     try:
         from ..web.live import server
@@ -74,7 +75,7 @@ def explore(
     return 0
 
 
-def _save(path: Path, presets: Any) -> int:
+def _save(path: Path, presets: Any) -> None:
     """Write the page as a file."""
     from solver.problem.errors import InputError
 
@@ -86,7 +87,6 @@ def _save(path: Path, presets: Any) -> int:
     text = live_document.text(presets, served=False)
     atomic.write(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     console.say(f"wrote {path}: {len(text.encode()) / 1e3:.0f} kB, opens in a browser without a server")
-    return 0
 
 
 def _serve(app: Any, listener: socket.socket) -> None:
