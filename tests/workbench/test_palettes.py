@@ -170,6 +170,12 @@ def test_what_is_not_solved_is_darker_than_every_colour_of_a_map() -> None:
     assert min(contrast(style.UNSOLVED, colour[:3]) for colour in style.map_colours(12)(np.arange(12))) > 1.5
 
 
+def test_the_push_has_the_same_limits_in_a_diagram_as_in_a_scene() -> None:
+    diagram = push_scale.scale([np.array([-3.0, 12.0]), np.array([1.0, 87.0])])
+    paint, _ = scene_colours.by_push({"length": "cm", "force": "N"}, (-3.0, 87.0))
+    assert (diagram.vmin, diagram.vmax) == (paint.low, paint.high) == (-100.0, 100.0)
+
+
 def test_a_rod_stands_out_from_the_cylinder_of_a_scene() -> None:
     for colour in (*scene_colours.SEVERAL, scene_colours.STRIPE, style.PUSHED):
         assert contrast(colour, push_colours.SURFACE) >= 2.5  # beside the shadow that the rod throws

@@ -109,12 +109,12 @@ def entries(rods: DrawnRods, names: Sequence[str]) -> list[Artist]:
     seen = {state.word for rod in rods.solved for state in _states(rod)} if STATES in names else set()
     found: list[Artist] = [Line2D([], [], color=colour, label=word) for word, colour in COLOURS.items() if word in seen]
     if "push" in names:
-        found.append(Patch(color=style.PUSHED, label="the cylinder pushes"))
+        found.append(Patch(color=style.PUSHED, label=push_scale.PUSHES))
     pulled = {"push", STATES} & set(names) and any(push_scale.pulls(rod["push"]) for rod in rods.solved)
     if pulled and STATES in names:
         found.append(Line2D([], [], **PULLS, label="would lift off"))
     elif pulled:
-        found.append(Patch(color=push_scale.PULL, label="the cylinder would have to pull: the rod would lift off"))
+        found.append(Patch(color=push_scale.PULL, label=push_scale.PULLS))
     return found
 
 
@@ -230,9 +230,9 @@ def _shade_pulls(ax: Axes, s: Any, push: Any) -> None:
     if not pulled.any():
         return
     ax.fill_between(s, 0, 1, where=pulled, transform=ax.get_xaxis_transform(), color=style.LIFTED, alpha=0.28,
-                    linewidth=0, label="the cylinder would have to pull: the rod would lift off")  # fmt: skip
+                    linewidth=0, label=push_scale.PULLS)  # fmt: skip
     ax.fill_between(s, 0, push, where=~pulled, color=style.PUSHED, alpha=0.25, linewidth=0,
-                    label="the cylinder pushes")  # fmt: skip
+                    label=push_scale.PUSHES)  # fmt: skip
 
 
 def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:

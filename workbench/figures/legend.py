@@ -72,7 +72,7 @@ def below(
     if not sheet.titled:
         keep(fig, notes)
         notes = ()
-    width = fig.get_figwidth() - 0.3 if left is None else fig.get_figwidth() - left - 0.3
+    width = fig.get_figwidth() - (left or 0.0) - 0.3
     room = width - HANDLE
     once = {style.break_lines(str(entry.get_label()), room, style.small()): entry for entry in entries}
     notes = [style.break_lines(note, width, style.small()) for note in dict.fromkeys(notes)]

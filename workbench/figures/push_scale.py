@@ -19,6 +19,7 @@ from . import legend, push_colours, style
 from .table import CASING
 
 PULL = style.LIFTED
+PUSHES, PULLS = "the cylinder pushes", "the cylinder would have to pull: the rod would lift off"  # in a legend
 EDGE, LEAST = 1.2, 0.35  # the grey casing of a line: share of its width, and points that it adds at least
 
 

@@ -68,7 +68,7 @@ def figure(datasets: Mapping[str, xr.Dataset], page: Sheet | None = None) -> Fig
         law(datasets[ALONG], axes[2])
         claims(datasets[CLAIMS], axes[3])
         for text, (x, y) in zip("abcd", NARROW_LETTERS if page.narrow else WIDE_LETTERS, strict=True):
-            style.letter(fig, text, x * share / page.width, y / height)
+            fig.text(x * share / page.width, y / height, text, weight="bold", size=style.large(), va="top")
 
     return canvas.figure((page.width, height), draw, layout=None, sheet=page)
 

@@ -168,8 +168,3 @@ def _share(place: SubplotSpec) -> float:
     grid = place.get_gridspec()
     ratios = np.asarray(grid.get_width_ratios() or [1.0] * grid.ncols, dtype=float)
     return float(ratios[place.colspan.start : place.colspan.stop].sum() / ratios.sum())
-
-
-def letter(fig: Any, text: str, x: float, y: float) -> None:
-    """The letter of a panel at a place of the figure, in shares."""
-    fig.text(x, y, text, weight="bold", size=large(), va="top")

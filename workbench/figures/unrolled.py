@@ -46,7 +46,6 @@ RING = 3.5, 5.5  # points across at least, in the smallest and in the largest st
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
 THROUGH = "the rod passes through itself at its true thickness"
 TOO_LONG = "is too long to search for the places where it passes through itself"
-PULLED = "the cylinder would have to pull: the rod would lift off"
 
 
 @dataclass(frozen=True)
@@ -357,7 +356,9 @@ def inset(
 def entries(ax: Axes, rods: DrawnRods) -> list[Artist]:
     """The legend: what orange and a ring are."""
     pulled = any(push_scale.pulls(rod["push"]) for rod in rods.solved if "push" in (rod.arrays or {}))
-    orange: list[Artist] = [Line2D([], [], color=push_scale.PULL, linewidth=2.2, label=PULLED)] if pulled else []
+    orange: list[Artist] = (
+        [Line2D([], [], color=push_scale.PULL, linewidth=2.2, label=push_scale.PULLS)] if pulled else []
+    )
     return [*orange, *ring_entries(ax)]
 
 
