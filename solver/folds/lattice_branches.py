@@ -14,7 +14,7 @@ from ..numerics.arclength import FOLD
 from ..numerics.arrays import Array
 from .fold_search import WholeCurve, lies_on
 
-MOST_POINTS, MOST_BRANCHES = 150, 150  # of a branch in each sense; that are followed
+MOST_BRANCHES = 150  # that are followed
 Node = tuple[int, int]
 Equilibrium = TypeVar("Equilibrium")
 

@@ -11,6 +11,7 @@ from ..numerics.arrays import Array
 NARROW = 1e-3  # a step, below which other coordinates are tried
 CLOSE = 1e-9  # to the border
 BORDER, STOPPED = "border", "stopped"
+TURNS = "the sense of the line turns, as it does where its equation is lost in rounding"
 
 
 class SpecialPoint(Protocol):
@@ -63,18 +64,15 @@ def special_line(
 ) -> tuple[list[Point], str]:
     """The points of a line after the first, to the border of 0 < z < 1, and how it ends; direction: of travel, (2,)."""
 
-    def stride(here: Ahead[Point], step: float, _: list[Point]) -> Stride[Point, Ahead[Point]] | str:
-        point, onward = here
-        node = node_at(point, point.w, onward)
-        if isinstance(node, str):
-            return node
+    def stride(here: tuple[Point, Node], step: float, _: list[Point]) -> Stride[Point, tuple[Point, Node]] | str:
+        point, node = here
         if _is_beyond(point.ahead(node, step)):
             last = point.at_border(node)
             if last is not None:
                 return Stride([last] * bool(np.abs(last.z - point.z).max() > CLOSE), here, step, BORDER)
         taken = step_from(point, node, step)
         for other in point.in_other_coordinates() if isinstance(taken, str) and step < NARROW else ():
-            own = node_at(other, other.w, onward)
+            own = node_at(other, other.w, node.tangent)
             again = own if isinstance(own, str) else step_from(other, own, step)
             if not isinstance(own, str) and not isinstance(again, str):
                 point, node, taken = other, own, again
@@ -83,13 +81,19 @@ def special_line(
             return taken
         if _is_beyond(taken[0].z):
             return BORDER
+        there = node_at(taken[0], taken[0].w, taken[1])
+        if isinstance(there, str) or there.sign != node.sign:
+            return there if isinstance(there, str) else TURNS
         met = between(point, node, step, taken)
         if met is None:
             return "a point on the way could not be located"
         passed, end = met
-        return Stride([*passed, taken[0]], taken, step * (1.0 if passed else 1.5), end)
+        return Stride([*passed, taken[0]], (taken[0], there), step * (1.0 if passed else 1.5), end)
 
-    points, end = trace((first, direction), stride, lengths, most)
+    begin = node_at(first, first.w, direction)
+    if isinstance(begin, str):
+        return [], STOPPED
+    points, end = trace((first, begin), stride, lengths, most)
     return points, end or STOPPED
 
 

@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..folds.curve_points import Line, curve_points, fold_through
+from ..folds.curve_points import MOST, Line, curve_points, fold_through
 from ..folds.fold_search import WholeCurve
-from ..folds.lattice_branches import MOST_POINTS, Meeting, Stage, place_on
+from ..folds.lattice_branches import Meeting, Stage, place_on
 from ..numerics.arclength import CLOSED, END, FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from ..problem.errors import InputError
@@ -20,9 +20,9 @@ from .loaded_rod import SPEED, LoadedRod
 from .newton import Shape, is_same
 from .pitchfork_line import CROSSING, PitchforkPoint, pitchfork_at, pitchfork_line
 
+MOST_POINTS = 150  # of a branch in each sense
 NARROW = 0.01  # of a step: how closely a branch point is enclosed, before its curve is solved for
 SPLIT = 0.05  # of the angles, in their scales: how far from a branch those that cross it are entered
-MOST = 500  # points of a curve of pitchforks in each sense
 RodAt = Callable[[Array], LoadedRod]
 
 

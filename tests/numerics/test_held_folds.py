@@ -126,3 +126,14 @@ def test_the_numbers_of_a_map_are_those_that_the_search_and_the_branches_from_th
         met = {round(float(p.solution.dbeta[0]), 6): p.index for branch in branches for p in branch.at(azimuth)}
         assert sorted(folds.indices_at((height, azimuth)).elements()) == sorted(met.values())
         assert len(met) == count
+
+
+def test_a_curve_stops_where_its_equation_is_lost_in_rounding_and_does_not_turn_back() -> None:
+    """The gap to a saddle shrinks as the rod grows; near L = 21 it is 1e-9, and derivatives of the level are lost."""
+    long_rod = Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0), Cylinder(R=0.75), Ends("30deg", "50deg", FZ=4.003, M3=8.0))
+    branches = [follow(one.solution, FZ=[4.0, 4.06]) for one in equilibria(long_rod, stations=2)[:3]]
+    (branch,) = (one for one in branches if [(p.kind, p.before) for p in one.special] == [("fold", 1)])
+    curve = trace_fold(branch, L=(12.0, 40.0), FZ=(4.0, 4.06))
+    assert sorted(curve.ends) == ["border", "stopped"]
+    assert not curve.cusps.size
+    assert curve.values[np.abs(curve.values[:, 1] - 12.0).argmin(), 0] == pytest.approx(4.006456812686697, rel=1e-12)
