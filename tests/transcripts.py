@@ -5,10 +5,12 @@ which goes on after `  ... `. Below stands what is printed, stdout before stderr
 the status with which a command ends, if that is not 0. Lines that are not indented are comments. `| grep WORDS` keeps
 lines, `| grep -v WORDS` the others, `| grep -o WORDS` these words, and `| jq .a.b .c` what stands there in a JSON text.
 
-`python -m tests.transcripts [NAME ...]` stores anew what differs: read the difference before you commit it.
+`python -m tests.transcripts [NAME ...]` stores anew what differs: read the difference before you commit it. Words that
+a test collects are stored as NAME.words, and anew where STORE stands in the environment of pytest.
 """
 
 import contextlib
+import difflib
 import io
 import json
 import math
@@ -26,6 +28,7 @@ from solver import InputError
 FOLDER = Path(__file__).parent / "transcripts"
 NUMBER = re.compile(r"[-−]?(?:\d+\.\d*|\.\d+|\d+)(?:e[-+]?\d+)?")
 NEAR = {"rel_tol": 1e-4, "abs_tol": 1e-6}  # the last printed digit and estimated errors differ between processors
+POWER = re.compile(r"\d(\.\d+)?·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")  # as an estimated error is printed
 GOES_ON = {"$ ": "> ", ">>> ": "... "}
 
 
@@ -85,6 +88,17 @@ def _is_near(old: str, new: str) -> bool:
     if old.isdecimal() and new.isdecimal():
         return False
     return math.isclose(float(old.replace("−", "-")), float(new.replace("−", "-")), **NEAR)
+
+
+def differences(name: str, words: list[str]) -> list[str]:
+    """The lines of these words that are not as stored: `- ` what was stored, `+ ` what there is now."""
+    path, words = FOLDER / f"{name}.words", [POWER.sub("…", line) for line in words]
+    if os.environ.get("STORE"):
+        path.write_text("\n".join(words) + "\n", encoding="utf-8")
+    old = path.read_text(encoding="utf-8").splitlines()
+    if len(old) == len(words):
+        words = [a if is_same(a, b) else b for a, b in zip(old, words, strict=True)]
+    return [line for line in difflib.ndiff(old, words) if line[:2] in ("- ", "+ ")]
 
 
 def called(step: Step, names: dict[str, Any]) -> list[str]:

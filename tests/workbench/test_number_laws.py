@@ -146,16 +146,6 @@ def test_a_formula_may_use_a_field_of_the_base_and_a_stiffness(tmp_path: Path) -
     assert law_verdicts.numbers_of(ds, ["cm", "torsional_stiffness"])["cm"].shape == (4, 2)
 
 
-def test_a_panel_shows_the_formula_the_bounds_the_fit_and_the_boundary(ds: xr.Dataset) -> None:
-    drawn = panels(ds)
-    labels = {claim: [line.get_label() for line in ax.get_lines()] for claim, ax in drawn.items()}
-    assert [label for label in labels["bounded"] if label.startswith("at ")] == ["at least 0", "at most max κ/max κ"]
-    assert any(label.startswith("fit: exponent") for label in labels["scales"])
-    assert any(label.endswith(" = 0.5") for label in labels["boundary"])
-    formula = next(line for line in drawn["equals"].get_lines() if line.get_label().startswith("mean κ/share ± "))
-    np.testing.assert_allclose(formula.get_ydata(), ds["kappa_max"].values[:, 0], rtol=1e-9)
-
-
 def test_a_band_is_named_where_the_line_does_not_hide_it(ds: xr.Dataset) -> None:
     (row,) = [row for row in law_verdicts.verdicts(ds) if row["kind"] == "equals"]
     for relative, hidden in ((1e-4, True), (0.3, False)):

@@ -10,7 +10,6 @@ from matplotlib.text import Text
 
 from solver.problem.errors import InputError
 from studies import load
-from studies.laws.verdict_words import PLAIN
 from tests.slow import slow
 from tests.workbench.page_faults import faults
 from tests.workbench.small import grid, study
@@ -75,22 +74,10 @@ def test_a_panel_tells_the_verdict_and_marks_each_step_the_wrong_way(angles) -> 
     assert marked == [step["values"] for step in row["exceptions"]]
 
 
-def test_a_panel_tells_what_became_of_the_other_observables_of_the_sentence(angles) -> None:
-    for i, row in enumerate(law_verdicts.verdicts(angles)):
-        _, told = panels(angles)[i]
-        for also in row["also"]:
-            assert f"{labels.symbol(angles[also['observable']])} {PLAIN[also['verdict']]}" in told
-
-
-def test_a_qualified_law_stands_in_its_colour_with_its_reason_below_in_symbols(angles) -> None:
-    ax, told = panels(angles)[1]
-    row = law_verdicts.verdicts(angles)[1]
-    assert (
-        next(text for text in ax.get_children() if said(ax) in getattr(text, "get_text", str)()).get_color()
-        == (style.VERDICT_COLOURS["qualified"])
-    )
-    assert "max κ does not rise at 2 of 8 steps" in told
-    assert labels.law_text(row, row["reason"]).rstrip(".") in told
+def test_the_verdict_of_a_qualified_law_has_its_colour(angles) -> None:
+    ax, _ = panels(angles)[1]
+    told = next(text for text in ax.get_children() if said(ax) in getattr(text, "get_text", str)())
+    assert told.get_color() == style.VERDICT_COLOURS["qualified"]
 
 
 def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:
