@@ -17,6 +17,7 @@ import math
 import os
 import re
 import shlex
+import signal
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -29,6 +30,7 @@ FOLDER = Path(__file__).parent / "transcripts"
 NUMBER = re.compile(r"[-−]?(?:\d+\.\d*|\.\d+|\d+)(?:e[-+]?\d+)?")
 NEAR = {"rel_tol": 1e-4, "abs_tol": 1e-6}  # the last printed digit and estimated errors differ between processors
 POWER = re.compile(r"\d(\.\d+)?·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")  # as an estimated error is printed
+LONGEST = 600  # s of a command, on a machine with much else to do: one that serves a page would never end
 GOES_ON = {"$ ": "> ", ">>> ": "... "}
 
 
@@ -144,11 +146,19 @@ def _ended(words: list[str]) -> tuple[int, str, str]:
     from workbench import cli
 
     with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err:
+        signal.signal(signal.SIGALRM, _end)
+        signal.alarm(LONGEST)
         try:
             cli.main(words)
         except SystemExit as end:
             return int(end.code or 0), out.getvalue(), err.getvalue()
+        finally:
+            signal.alarm(0)
     raise AssertionError(f"{words} did not end with a status")
+
+
+def _end(*_: object) -> None:
+    raise TimeoutError(f"the command does not end within {LONGEST} s")
 
 
 def _at(data: Any, place: str) -> Any:
