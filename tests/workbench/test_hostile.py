@@ -71,9 +71,6 @@ def ends_in_a_sentence(row: dict[str, Any]) -> bool:
     return row["status"] == 2 and one and row["said"].startswith("workbench: ")
 
 
-# Each takes an open file and makes it hostile; every command refuses each of them.
-
-
 BOMB = "[" * 1_000_000
 
 
