@@ -14,11 +14,10 @@ from studies import Study
 from . import engines, shards, worker_processes
 from .block import unsolved
 from .plan import Plan, plan, room
-from .progress import Meter, Progress, unshown
 from .rounds import Rounds
 from .shards import Damaged, Shards, decode, encode
 from .stored_run import StoredRun, grow, is_finished, look, replace
-from .tally import Tally, count, statistics, tally_of
+from .tally import Meter, Progress, Tally, count, statistics, tally_of, unshown
 
 WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker
 

@@ -1,7 +1,9 @@
-"""The tally of a study: how many cases are unsolved, and how often each outcome, caution and branch occurs."""
+"""The tally of a study: cases unsolved, outcomes, cautions, branches; and how far its run is."""
 
+import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +16,7 @@ from .stored_run import StoredRun
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 Tally = Mapping[str, Counter[Any]]
 
@@ -63,3 +66,56 @@ def statistics(ds: "xr.Dataset", tally: Tally | None = None) -> dict[str, Any]:
         "branches": outcomes.branch_sentence(tally["branch"]) if tally["branch"] else "",
         **{name: str(ds.attrs[name]) for name in SAMPLING if name in ds.attrs},
     }
+
+
+class Meter:
+    """Counts cases: `done` of `total` are finished. show: called with the meter whenever the count has changed."""
+
+    def __init__(self, total: int, done: int, show: "Callable[[Meter], None]" = lambda meter: None) -> None:
+        self.total, self.done, self.unsolved = total, done, 0
+        self._before, self._began, self._show = done, time.monotonic(), show
+
+    def add(self, cases: int, unsolved: int) -> None:
+        """So many more cases are done, of which so many were not solved."""
+        self.done += cases
+        self.unsolved += unsolved
+        self._show(self)
+
+    @property
+    def seconds(self) -> float:
+        """Since the run began."""
+        return time.monotonic() - self._began
+
+    @property
+    def rate(self) -> float:
+        """Cases a second."""
+        return (self.done - self._before) / max(self.seconds, 1e-9)
+
+    @property
+    def left(self) -> float | None:
+        """Seconds left; None while nothing tells."""
+        return (self.total - self.done) / self.rate if self.done > self._before else None
+
+    def text(self) -> str:
+        """``310 a second, 0:12:05 left, 2 unsolved``."""
+        left = "" if self.left is None else f", {_clock(self.left)} left"
+        return f"{self.rate:.3g} a second{left}" + (f", {self.unsolved} unsolved" if self.unsolved else "")
+
+    def data(self) -> dict[str, Any]:
+        """The same for programs."""
+        told = {"done": self.done, "cases": self.total, "unsolved": self.unsolved}
+        return {**told, "per_second": round(self.rate, 1), "seconds_left": self.left and round(self.left, 1)}
+
+
+Progress = Callable[[int, int], AbstractContextManager[Meter]]  # takes total and done
+
+
+@contextmanager
+def unshown(total: int, done: int) -> Iterator[Meter]:
+    """A meter that nobody sees."""
+    yield Meter(total, done)
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes // 60}:{minutes % 60:02d}:{rest:02d}"
