@@ -1,16 +1,13 @@
 """Robustness: every method at every named extreme, as a dataset."""
 
-import json
 import multiprocessing
 import os
-import platform
 import signal
 import time
 import warnings
 from collections.abc import Generator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -134,7 +131,5 @@ def _attributes() -> dict[str, Any]:
         "study_name": "extremes",
         "laws": "[]",
         "tolerance": TOL,
-        "machine": f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}",
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "versions": json.dumps(dataset.versions()),
+        **dataset.provenance(measured=True),
     }

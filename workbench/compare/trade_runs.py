@@ -1,10 +1,6 @@
 """Accuracy against cost: every method over a ladder of its knob on the named cases, as a dataset."""
 
-import json
-import os
-import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -171,9 +167,7 @@ def _attributes() -> dict[str, Any]:
         "reading": "",
         "laws": "[]",
         "stations": STATIONS,
-        "machine": f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}",
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "versions": json.dumps(dataset.versions()),
+        **dataset.provenance(measured=True),
     }
 
 

@@ -1,6 +1,7 @@
 """Make the labelled dataset of a study: one dimension for each axis, units and long names on every variable."""
 
 import json
+import os
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -136,6 +137,13 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version(), **{package: version_of(package) for package in PACKAGES}}
 
 
+def provenance(measured: bool = False) -> dict[str, str]:
+    """When and with what a file is made, as attributes; measured: on which machine too."""
+    machine = f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}"
+    made = {"created": datetime.now(UTC).isoformat(timespec="seconds"), "versions": json.dumps(versions())}
+    return {"machine": machine, **made} if measured else made
+
+
 def _axis_labels(study: Study, name: str) -> dict[str, str]:
     row = quantity_of(name)
     told = labels(row.name, study.unit_system)
@@ -176,8 +184,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "method": study.method,
         "observed": RESOLVED if _knows_orbit(study.method) else AT_STATIONS,
         "laws": laws_text(study),
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "versions": json.dumps(versions()),
+        **provenance(),
         **{name: sentence for name, sentence in sampling.items() if sentence},
         **({} if study.followed is None else {"followed": dimension(study.followed)}),
     }
