@@ -236,10 +236,12 @@ void rod_orbit_at(const read_orbits *o, int64_t b, double t, double *out)
 }
 
 /* k series of the panels (P, k, n + 1) where n orbits are at t (n, stations), none of them a helix, into out
-   (n, stations, k), NaN for an orbit without panels; where that is, (n, stations) each: `pieces.Phase`. There are panels. */
+   (n, stations, k), NaN for an orbit without panels; and whole periods passed, (n, stations). There are panels.
+
+   gain: NULL, or (n, 2, k), what each of the series, then integrals along the orbit, gains over the forward and the
+   backward arc. */
 void rod_series_read(const read_orbits *o, int64_t n, int64_t stations, int64_t k, const double *series,
-                     const double *t, double *out, int64_t *arc, double *local, double *periods, uint8_t *second,
-                     uint8_t *mirrored)
+                     const double *gain, const double *t, double *out, double *periods)
 {
     const int size = (int)o->coefficients;
     for (int64_t b = 0; b < n; b++)
@@ -255,10 +257,13 @@ void rod_series_read(const read_orbits *o, int64_t n, int64_t stations, int64_t 
                 double total = 0;
                 for (int m = 0; m < size; m++)
                     total += polynomial[m] * own[m];
+                if (gain) {
+                    const double *one = gain + 2 * k * b + j;
+                    total = rod_unfolded(total, &where, one[0], one[k], o->kind[b] == LIBRATION);
+                }
                 out[k * i + j] = total;
             }
-            arc[i] = 2 * b + where.second, local[i] = where.local, periods[i] = where.periods;
-            second[i] = (uint8_t)where.second, mirrored[i] = (uint8_t)where.mirrored;
+            periods[i] = where.periods;
         }
 }
 

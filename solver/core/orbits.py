@@ -119,20 +119,19 @@ def read(orbit: Any, t: Array) -> Array:
     return out
 
 
-def read_series(orbit: Any, series: Array, t: Array) -> tuple[Array, dict[str, Array]]:
-    """Series of the panels (P, k, n + 1) where B orbits, none of them a helix, are at t (B, n), (B, n, k); and where
-    that is: the columns of `orbit.pieces.Phase` that are (B, n)."""
-    t, series, (of, kept) = np.ascontiguousarray(t), np.ascontiguousarray(series), reading(orbit)
-    out = np.empty((*t.shape, series.shape[1]))
-    where: dict[str, Array] = {"arc": np.empty(t.shape, np.int64), "local": np.empty(t.shape)}
-    where |= {"periods": np.empty(t.shape), "second": np.empty(t.shape, np.bool_)}
-    where["mirrored"] = np.empty(t.shape, np.bool_)
+def read_series(orbit: Any, series: Array, t: Array, gain: Array | None = None) -> tuple[Array, Array]:
+    """Series of the panels (P, k, n + 1) where B orbits, none of them a helix, are at t (B, n), (B, n, k), and whole
+    periods passed, (B, n).
+
+    gain: of series that are integrals along the orbits, (B, 2, k), over the forward and the backward arc.
+    """
+    given = [None if a is None else np.ascontiguousarray(a) for a in (series, gain, t)]
+    (of, kept), out, periods = reading(orbit), np.empty((*t.shape, series.shape[1])), np.empty(t.shape)
     functions().rod_series_read(
-        ctypes.byref(of), ctypes.c_int64(t.shape[0]), ctypes.c_int64(t.shape[1]), ctypes.c_int64(series.shape[1]),
-        address(series), address(t), address(out), *(address(a) for a in where.values()),
-    )  # fmt: skip
+        ctypes.byref(of), *(ctypes.c_int64(k) for k in out.shape), *(address(a) for a in (*given, out, periods))
+    )
     del kept
-    return out, where
+    return out, periods
 
 
 def numbers_of(problem: Any) -> Array:

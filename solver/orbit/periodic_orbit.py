@@ -121,11 +121,6 @@ class Orbit:
         """The phases of the times t, (B, n)."""
         return phase_at(t, self.kind, self.ahead, self.back, self.period)
 
-    def read_at(self, series: Array, t: Array) -> tuple[Array, Phase]:
-        """Series of the panels (P, k, n + 1) at t (B, n), (B, n, k), and the phases; no orbit is a helix."""
-        values, where = core.read_series(self, series, t)
-        return values, Phase(t=t, folded=(self.kind == LIBRATION)[:, None], **where)
-
 
 def solve_orbit(
     problem: StartProblem, tol: float, pin: tuple[Array, Array] | None = None, stretch: float = 1.0

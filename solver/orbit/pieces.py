@@ -147,17 +147,3 @@ def phase_at(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> P
     local = np.where(mirrored, np.maximum(2 * limit - local, 0), local)
     arc = 2 * np.arange(t.shape[0])[:, None] + second
     return Phase(t, arc, local, mirrored, second, periods, folded)
-
-
-def unfold(value: Array, phase: Phase, gain: Array, librates: Array) -> Array:
-    """What an integral along the orbit has grown to, from its value within an arc.
-
-    value: (B, n) or (B, n, k), from the start along the arc. gain: (B, 2) or (B, 2, k), over the forward and the
-    backward arc. librates: (B, 1).
-    """
-    there, after = gain[:, :1], gain[:, 1:]
-    every = (phase.second, phase.mirrored, phase.periods, librates)
-    second, mirrored, periods, folded = every if value.ndim == 2 else (v[..., None] for v in every)
-    limit = np.where(second, after, there)
-    value = np.where(mirrored, 2 * limit - value, value) + np.where(second, 2 * there, 0.0)
-    return value + periods * np.where(folded, 2 * (there + after), there)

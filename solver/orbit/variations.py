@@ -25,12 +25,13 @@ import numpy as np
 
 from ..core import varied_orbits as core
 from ..core.library import Cutting
+from ..core.orbits import read_series
 from ..mechanics.potential import TAU
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, polynomials
 from ..problem.reduced import StartProblem
 from .periodic_orbit import Orbit, assemble, relative_orbit
-from .pieces import LIBRATION, Arcs, running, unfold
+from .pieces import LIBRATION, Arcs, running
 from .variation_nodes import PAIRS, Nodes, nearest
 
 POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
@@ -126,8 +127,8 @@ class Variations:
         orbit = self.orbit
         series = np.zeros((self.base.size, 2, orbit.panels.series.shape[2]))
         series[:, 0, 0], series[:, 1] = self.base, orbit.panels.series[:, 0]
-        values, phase = orbit.read_at(series, t)
-        around = np.where(phase.folded, 0.0, TAU) * orbit.arcs.direction[:, None] * phase.periods
+        values, periods = read_series(orbit, series, t)
+        around = np.where(orbit.kind == LIBRATION, 0.0, TAU * orbit.arcs.direction)[:, None] * periods
         return values[..., 0] + around, values[..., 1]
 
     def on_panels(self, panel: Array, x: Array) -> tuple[Array, Place]:
@@ -147,10 +148,7 @@ class Variations:
         jump: (P, k). closing: (2 B, k). The rates do not depend on the direction of travel.
         """
         series, gain = _accumulate(self.orbit, rates, jump, closing)
-        values, phase = self.orbit.read_at(series, until[:, None])
-        folded = (self.orbit.arcs.kind == LIBRATION)[:, None]
-        parts = [unfold(values[..., k], phase, gain[..., k], folded)[:, 0] for k in range(rates.shape[1])]
-        return np.stack(parts, axis=1)
+        return read_series(self.orbit, series, until[:, None], gain)[0][:, 0]
 
     def cut(self, panel: Integers, x: Array) -> "Variations":
         """The same with panels cut at x in (-1, 1); a panel may be cut several times."""
