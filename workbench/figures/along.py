@@ -97,7 +97,7 @@ def figure(
         )
         legend.below(fig, entries(rods, names), [*lines, *rods.said(), *rods.notes], sheet)
 
-    height = rows * (tall + (0.3 if sheet.narrow else 0.75)) + 0.85
+    height = rows * (tall + (0.3 if sheet.narrow else 0.75)) + 0.75
     return canvas.figure((sheet.width, height), draw, rods.source, sheet=sheet)
 
 

@@ -19,7 +19,7 @@ from . import canvas, legend, style
 from .sheet import SCREEN, Sheet
 
 COLUMN = 3.4  # inches: the width of a column of a journal
-BAR, FRAME, AROUND = 0.2, 0.6, 0.85  # inches of a bar, of title and ticks of a panel, and of the legend
+BAR, FRAME, AROUND = 0.2, 0.6, 0.8  # inches of a bar, of title and ticks of a panel, and of the legend
 MOST = 12  # bars of a panel of a tornado
 ROOM = 0.34  # share of the width that is kept for the numbers on either side
 FIRST, TOTAL = style.PAIR

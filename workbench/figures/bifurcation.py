@@ -20,7 +20,7 @@ from . import canvas, legend, point_numbers, shape_rows, style, unrolled
 from .shape_rows import Shape
 from .sheet import SCREEN, Sheet
 
-HIGH = 0.46, 0.62  # of the width of a page and of a column
+HIGH, TALL = (0.46, 0.62), (0.62, 0.42)  # of the width: the diagram on a page and on a column; all shapes, as of `plan`
 MOST = 16, 8  # shapes; those on one column of a page
 MOST_INSIDE = 4  # entries of a legend that find a free place in the diagram
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
@@ -44,7 +44,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     """
     shown, count = str(ds.attrs["shown"]), min(ds.sizes.get("shape", 0), MOST[sheet.narrow])
     shapes, high = _shapes(ds, count), HIGH[sheet.narrow] * sheet.width
-    form = shape_rows.plan(shapes, sheet) if shapes else None
+    form = shape_rows.plan(shapes, sheet, TALL) if shapes else None
     below = form.size[1] if form is not None else 0.0
 
     def draw(fig: Figure) -> None:
@@ -64,7 +64,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
             notes += _alike(ds, shown)
         legend.below(fig, key, notes, sheet)
 
-    height = high + below + 0.55 + 0.2 * len(_laws(ds)) * sheet.titled
+    height = high + below + 0.45 + 0.2 * len(_laws(ds)) * sheet.titled
     return canvas.figure((sheet.width, height), draw, ds, sheet=sheet)
 
 

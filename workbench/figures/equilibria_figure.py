@@ -41,7 +41,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         said.append(f"Unrolled views, {style.WAYS}, all at one scale{beside}; dot: s = 0{some}.")
         legend.below(fig, [*_entries(ds["index"].values), *unrolled.ring_entries(ax)], said, sheet)
 
-    return canvas.figure((sheet.width, form.size[1] + high + 0.5), draw, ds, sheet=sheet)
+    return canvas.figure((sheet.width, form.size[1] + high + 0.45), draw, ds, sheet=sheet)
 
 
 def energies(ds: xr.Dataset, ax: Axes, width: float = SCREEN.width, high: float = HIGH[1]) -> list[str]:
@@ -94,7 +94,7 @@ def loops(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         ]
         legend.below(fig, unrolled.ring_entries(ax), said, sheet)
 
-    return canvas.figure((sheet.width, form.size[1] + 0.95), draw, ds, sheet=sheet)
+    return canvas.figure((sheet.width, form.size[1] + 0.9), draw, ds, sheet=sheet)
 
 
 def _shape(ds: xr.Dataset, k: int, text: str, how: dict[str, Any]) -> Shape:

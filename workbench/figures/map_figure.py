@@ -88,7 +88,7 @@ def figure(
         alike = [f"Law {law_lines.sentence(law, ds, choice)}." for law in elsewhere if law not in mixed]
         legend.below(fig, [*entries, *maps.entries], [*notes, *maps.notes(), *alike], sheet)
 
-    return canvas.figure((sheet.width, 0.45 + sum(heights)), draw, ds, sheet=sheet)
+    return canvas.figure((sheet.width, 0.4 + sum(heights)), draw, ds, sheet=sheet)
 
 
 class _Maps:

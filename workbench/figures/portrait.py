@@ -98,7 +98,7 @@ def figure(
         said = found.said() if source is found.source or not sheet.titled else []  # the title says it
         legend.below(fig, _entries(orbits, names), [*said, *found.notes], sheet)
 
-    return canvas.figure((sheet.width, rows * (tall + 0.65) + 0.95), draw, source, sheet=sheet)
+    return canvas.figure((sheet.width, rows * (tall + 0.65) + 0.9), draw, source, sheet=sheet)
 
 
 @dataclass(frozen=True, eq=False)

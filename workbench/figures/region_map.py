@@ -42,7 +42,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         given = [line for line in ax.lines if line.get_label() in GIVEN]
         legend.below(fig, [*colours, *entries(ds), *given], notes, sheet)
 
-    return canvas.figure((sheet.width, high + 0.55), draw, ds, sheet=sheet)
+    return canvas.figure((sheet.width, high + 0.5), draw, ds, sheet=sheet)
 
 
 def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[str], list[Artist]]:

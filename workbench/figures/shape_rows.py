@@ -58,9 +58,9 @@ class Rows:
     letters: float
 
 
-def plan(shapes: Sequence[Shape], sheet: Sheet) -> Rows:
-    """The rows in which shapes are drawn on a sheet."""
-    room = sheet.width - BESIDE, TALL[not sheet.narrow] * sheet.width
+def plan(shapes: Sequence[Shape], sheet: Sheet, tall: tuple[float, float] = TALL) -> Rows:
+    """The rows of shapes on a sheet; tall: the height of all over the width of a column, and over that of a page."""
+    room = sheet.width - BESIDE, tall[not sheet.narrow] * sheet.width
     return rows(shapes, room, sheet.small)
 
 

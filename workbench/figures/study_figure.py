@@ -132,7 +132,7 @@ def figure(
             fig, [f"Not drawn: {', '.join(chosen.left_out)}; choose with --show or --panel."] if chosen.left_out else []
         )
 
-    return canvas.figure((width, 0.08 + 0.3 * bool(sampled) + sum(heights)), draw, ds, sheet=sheet)
+    return canvas.figure((width, 0.3 * bool(sampled) + sum(heights)), draw, ds, sheet=sheet)
 
 
 def _draw_strips(ax: Axes, rods: DrawnRods, form: Any) -> list[str]:
@@ -171,7 +171,7 @@ def one_rod(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         rings = unrolled.entries(fig.axes[-1], rods) if form and not artists else unrolled.ring_entries(fig.axes[-1])
         legend.below(fig, [*artists, *rings], [*said, *rods.notes], sheet)
 
-    return canvas.figure((sheet.width, sum(heights) + 0.45), draw, ds, sheet=sheet)
+    return canvas.figure((sheet.width, sum(heights) + 0.5), draw, ds, sheet=sheet)
 
 
 @dataclass(frozen=True)

@@ -173,7 +173,7 @@ def figure(
             push_scale.bar(fig, coloured, [ax], push_scale.unit(rods.source), sheet.width - 0.3, below=True)
         legend.below(fig, ring_entries(ax), [*notes, *rods.said(), *rods.notes], sheet)
 
-    return canvas.figure((sheet.width, form.height + BELOW + BAR + 0.3), draw_on, rods.source, sheet=sheet)
+    return canvas.figure((sheet.width, form.height + BELOW + BAR + 0.25), draw_on, rods.source, sheet=sheet)
 
 
 def plan(rods: DrawnRods, width: float, tallest: float) -> "Strips | long_curve.Lines":

@@ -306,6 +306,7 @@ def draw_bar(fig: Figure, bar: Bar, corner: tuple[float, float], size: tuple[flo
     scale = ScalarMappable(Normalize(bar.paint.low, bar.paint.high), bar.paint.ramp)
     legend.colour_bar(fig, scale, cax=ax, orientation="horizontal", ticks=MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
     ax.set_xlim(bar.low, bar.high)
+    ax.xaxis.set_major_formatter(lambda value, _: labels.minus_signs(labels.number(value)))
     ax.tick_params(labelcolor=style.INK, pad=1)
     ax.set_title(bar.label, size=style.SMALL, loc="left", pad=2)
 
