@@ -32,7 +32,7 @@ def switch(branch: Branch, special: SpecialPoint) -> tuple[Solution, ...]:
     Parameters
     ----------
     branch : Branch
-        A branch under dead loads.
+        A branch under dead loads, without weight and friction.
     special : SpecialPoint
         One of `branch.special`, of the kind "pitchfork" or "branch point".
 
@@ -44,7 +44,8 @@ def switch(branch: Branch, special: SpecialPoint) -> tuple[Solution, ...]:
     Raises
     ------
     InputError
-        For a special point of another branch, a fold, held ends, and where no crossing branch is found.
+        For a special point of another branch, a fold, held ends, weight or friction, and where no crossing branch is
+        found.
 
     Examples
     --------
@@ -73,7 +74,10 @@ def _check(branch: Branch, special: SpecialPoint) -> None:
         raise InputError(f"switch takes one of the special points of the branch, got {special!r}")
     if special.kind == FOLD:
         raise InputError(f"no other branch crosses at the fold at {special.value:.10g}: follow passes it")
-    if held := held_of(branch.points[0].case):
+    case = branch.points[0].case
+    if case.varies:
+        raise InputError("switch takes a branch without weight and friction, where all equilibria are known")
+    if held := held_of(case):
         raise InputError(f"switch takes a branch under dead loads, where all equilibria are known, got {choices(held)}")
 
 

@@ -80,3 +80,10 @@ def test_where_no_branch_crosses_there_is_nothing_to_switch_to() -> None:
     fold = next(one for one in folded.special if one.kind == "fold")
     with pytest.raises(InputError, match="no other branch crosses at the fold at"):
         switch(folded, fold)
+
+
+def test_a_branch_with_weight_is_refused_as_its_list_of_equilibria_is_not_complete() -> None:
+    rod, tube = Rod(EI=1.0, GJ=0.8, a=0.01, L=6.0, weight=0.3), Cylinder(1.01, side="inside", inclination="90deg")
+    branch = follow(solve(Case(rod, tube, Ends(0.0, 0.0, FZ=-1.0)), seed="straight"), FZ=-1.5)
+    with pytest.raises(InputError, match="switch takes a branch without weight and friction"):
+        switch(branch, branch.special[0])
