@@ -16,6 +16,7 @@ TAUT = (
     "the far end is held at a height of L or -L, where the rod can only be straight along the axis, and then its axial "
     "force is not determined"
 )
+TOO_FAR = "the ends are held apart, along the cylinder, by {:.6g} times the length of the rod"
 _ROUNDING = 2.0**-50  # of L/rho: a held height is no nearer to it
 _ORDINARY = 1e30  # with it the largest sum of decades in `representable` is 62 + 7 * 30 = 272
 _DECADES = 290.0  # a float has 308; the margin is for factors and sums
@@ -66,6 +67,14 @@ def units_held(case: Case) -> NDArray[np.bool_]:
 def is_taut(height: float, span: float) -> bool:
     """Whether a height, in the unit of the span, leaves the rod no other shape than a straight one."""
     return abs(height) > span * (1 - _ROUNDING)
+
+
+def unreachable(height: float, azimuth: float, span: float) -> str:
+    """Why no rod of a span reaches from end to end; "" where one may. height, azimuth: over rho, 0 where not held."""
+    if is_taut(height, span):
+        return TAUT
+    apart = float(np.hypot(height, azimuth)) / span
+    return TOO_FAR.format(apart) if apart > 1 else ""
 
 
 def representable(case: Case, problem: Reduced) -> NDArray[np.bool_]:

@@ -8,7 +8,7 @@ import numpy as np
 from ..core.varying_loads import BY_ANGLE, HALF, MOST_STEPS, SIZE, TRUNCATION, March, march
 from ..numerics.arrays import Array
 from ..problem.case import Case
-from ..problem.limits import TAUT, is_taut
+from ..problem.limits import unreachable
 from ..problem.reduced import EndsProblem, StartProblem, flat
 from ..problem.trajectory import Trajectory, verdicts
 from .branch import Path, branch_from_straight
@@ -128,8 +128,9 @@ def path_to(rod: LoadedRod, seed: Any, i: int) -> Path:
     """The shape of one rod that a seed means."""
     if isinstance(seed, list):
         return seed[i]
-    if "height" in rod.held and is_taut(rod.far[2], rod.span):
-        return Path(None, why=TAUT)
+    height, azimuth = (float(rod.far[k]) if name in rod.held else 0.0 for k, name in ((2, "height"), (1, "azimuth")))
+    if why := unreachable(height, azimuth, rod.span):
+        return Path(None, why=why)
     if seed is None:
         return branch_from_straight(rod)
     if isinstance(seed, str):

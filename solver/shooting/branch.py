@@ -13,7 +13,8 @@ from .loaded_rod import SHORT, LoadedRod
 from .local_waves import PASSED, QUIET, leans_and_buckles, lock_up_share, sinusoid, wound_shape
 from .newton import Shape, correct, is_same
 
-MOST_FORCES, LEAST_BENT = 20, 1e-3  # that are tried for a held height; how much they shorten the rod, of the wanted
+MOST_FORCES, MOST_FAILED = 20, 3  # that are tried for a held height; of which as many fail
+LEAST_BENT = 1e-3  # how much they shorten the rod, of the wanted
 FRICTION = "this friction"
 HINGES = "hinged ends (M10 and M1L in place of beta0 and betaL)"
 AS_A_WHOLE = "a rod that moves as a whole (sliding 'axial-forward' or 'axial-backward')"
@@ -71,10 +72,7 @@ def branch_from_straight(rod: LoadedRod) -> Path:
         return branch_to_height(rod)
     t = rod.nodes()
     if not rod.straight:
-        first = correct(straight_shape(rod.share(0.0), t))
-        if first is None:
-            return Path(None, why="no equilibrium without loads was found")
-        return grow(rod.share, first, 0.0, 1.0)
+        return grow(rod.share, straight_shape(rod.share(0.0), t), 0.0, 1.0)
     shape = straight_shape(rod, t)
     if index_at(shape) == 0:
         return Path(shape)
@@ -149,14 +147,16 @@ def branch_to_height(rod: LoadedRod) -> Path:
 
     A straight rod does not answer a change of its height.
     """
-    size, why = 0.0, "no axial force was found that bends the rod"
+    size, why, failed = 0.0, "no axial force was found that bends the rod", 0
     for _ in range(MOST_FORCES):
         far = rod.far.copy()
         far[2] = -size
         size = 2 * size or float(rod.rate(np.array([rod.span]))[0] ** 2) / 4
         path = branch_from_straight(replace(rod, held=rod.held - {"height"}, far=far))
         if path.shape is None:
-            why = f"{path.why}, under a force that would bend the rod"
+            why, failed = f"no axial force was found that bends the rod: {path.why}", failed + 1
+            if failed == MOST_FAILED:
+                break
             continue
         height = float(rod.span - path.shape.y[-1, SHORT])
         if rod.span - height < LEAST_BENT * (rod.span - rod.far[2]):

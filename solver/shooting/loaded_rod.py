@@ -48,6 +48,11 @@ class LoadedRod:
         """phi at the far end; 0 where the height is held."""
         return 0.0 if "height" in self.held else float(self.far[2])
 
+    @property
+    def twist_known(self) -> float:
+        """mu at the far end of a straight rod."""
+        return float(self.far[3] / (self.numbers[0] * self.span) if "rotation" in self.held else self.far[3])
+
     def rate(self, t: Array, rubbed: Array | float = 0.0) -> Array:
         """1 over the length on which the shape changes at t. rubbed: what friction adds to phi."""
         phi = self.tension_known - self.along * (self.span - t) + rubbed
@@ -137,7 +142,7 @@ class LoadedRod:
         if "azimuth" in self.held:
             rest.append(self.far[1])
         else:
-            rest.append(self.far[1] - (0.0 if "rotation" in self.held else self.far[3]))
+            rest.append(self.far[1] - self.twist_known)
         if "height" in self.held and self.far[2] != self.span:
             return False
         level = self.across * np.sin(self.near[1])
@@ -167,8 +172,6 @@ class LoadedRod:
         push = -outward * self.across * np.cos(self.near[1])
         rate = self.along + (0.0 if self.turning else k * push)
         y[:, PHI] = self.tension_known - rate * (self.span - nodes)
-        y[:, MU] = 0.0 if "rotation" in self.held else self.far[3]
-        if "rotation" in self.held:
-            y[:, MU] = self.far[3] / (self.numbers[0] * self.span)
+        y[:, MU] = self.twist_known
         y[:, ROUND] = self.numbers[0] * y[:, MU] * nodes
         return y

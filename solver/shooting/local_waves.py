@@ -14,7 +14,7 @@ import numpy as np
 
 from ..numerics.arrays import Array, Booleans
 from ..problem.case import ALONG_ITSELF
-from .descent import index_of_any
+from .descent import descend, index_of_any
 from .loaded_rod import ALPHA, BETA, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import Shape, correct
 from .slender_sinusoid import OVER, curves
@@ -276,7 +276,7 @@ def wound_shape(rod: LoadedRod) -> Shape | None:
     """
     if rod.turning or not has_waves(rod) or compression(rod, places(rod, rod.nodes())).max() <= LIFTED:
         return None
-    fronts = FRONTS[:1] if rod.rubbed and rod.nodes().size > MANY else FRONTS
+    fronts, unstable = FRONTS[:1] if rod.rubbed and rod.nodes().size > MANY else FRONTS, None
     for front in fronts:
         t, over = wave_nodes(rod, front)
         if over.max() >= largest(rod):
@@ -287,4 +287,5 @@ def wound_shape(rod: LoadedRod) -> Shape | None:
         found = correct(wave_shape(rod, t, over, front), most=STEPS + t.size // NODES)
         if found is not None and index_of_any(found) == 0:
             return found
-    return None
+        unstable = unstable or found
+    return None if unstable is None else descend(unstable)

@@ -76,6 +76,7 @@ def _join(found: list[State]) -> list[State]:
 def in_words(found: tuple[State, ...], unit: str = "") -> str:
     """``straight from 0 to 12 m, sinusoidal to 288 m, straight to 300 m``."""
     unit = unit and f" {unit}"
+    found = tuple(one for one in found if f"{one.begin:.4g}" != f"{one.end:.4g}")
     if len(found) == 1:
         return f"{found[0].word} all along"
     words = [one.word for one in found]

@@ -734,6 +734,38 @@ def test_weight_and_stiffness_are_fitted_to_a_measured_curve() -> None:
     assert found.values == pytest.approx({"weight": 0.3, "EI": 1.0}, rel=1e-9)
 
 
+@pytest.mark.parametrize("weight", [None, 3.0])
+def test_ends_farther_apart_than_the_rod_is_long_are_refused_in_words(weight: float | None) -> None:
+    wall = Cylinder(R=0.75, inclination=weight and "90deg")
+    ends = Ends(beta0=0.0, betaL=0.0, height=7.0, azimuth=-4.0)
+    case = Case(Rod(**ROD | {"weight": weight}), wall, ends)
+    assert f"by {np.hypot(7.0, 4.0) / 8.0:.6g} times the length" in str(solve(case).outcome)
+
+
+@pytest.mark.parametrize(
+    ("inclination", "ends"),
+    [
+        (0.0, {"M10": 0.3, "M1L": -0.5, "FZ": 0.4, "MZ": 0.1, "M3": 0.2}),  # hinges leave the direction open at first
+        (1.0, {"beta0": 0.0, "betaL": 0.0, "FZ": 0.4, "MZ": 0.0, "rotation": 0.7}),  # twisted, so not straight
+    ],
+)
+def test_rods_whose_straight_shape_is_singular_or_none_are_solved(inclination: float, ends: dict[str, float]) -> None:
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.2, L=4.0, weight=0.5), Cylinder(0.8, "inside", inclination), Ends(**ends)))
+    assert sol.solved
+    assert sol.held_index == 0
+    fine = solve(sol.case, seed=sol, stations=2001)
+    assert max(unbalanced(fine)) < 1e-9
+
+
+def test_a_long_helix_with_a_free_end_falls_to_a_stable_one() -> None:
+    """Its end on the low side is a pass between two shapes with the end aside."""
+    hole, ends = Cylinder(**HOLE, inclination="60deg"), Ends(beta0=0.0, M1L=0.0, MZ=0.0, FZ=-300e3)
+    sol = solve(Case(Rod(L=1000.0, **PIPE), hole, ends), stations=10001)
+    assert (sol.solved, sol.held_index) == (True, 0)
+    assert in_words(sol.states, "m").startswith("straight from 0 to 1.")
+    assert max(unbalanced(sol)) < 1e-6
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_height_of_the_whole_length_leaves_the_axial_force_open(sign: int) -> None:
     case = Case(Rod(**ROD), Cylinder(R=0.75, inclination="90deg"), Ends(beta0=0.0, betaL=0.0, height=sign * ROD["L"]))
