@@ -19,7 +19,7 @@ from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
 from ..problem.held_ends import HeldProblem
-from ..problem.limits import beyond_limits, unreachable
+from ..problem.limits import TAUT, beyond_limits, is_taut
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, verdicts
 from .each_equilibrium import path_of_seed, together
@@ -134,9 +134,9 @@ def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> 
 def _reach(one: HeldProblem, seed: Seed | None) -> Reached | str:
     if why := beyond_limits(np.append(one.values[0], one.ratio[0]), float(one.span[0])):
         return why
-    height, azimuth = (0.0 if (known := one.known(name)) is None else float(known[0]) for name in ("z", "alpha"))
-    if why := unreachable(height, azimuth, float(one.span[0])):
-        return f"failed: {why}"
+    height = one.known("z")
+    if height is not None and is_taut(height[0], one.span[0]):
+        return f"failed: {TAUT}"
     wanted = Given.of(one)
     if seed is None:
         return nearest_start(wanted, one)

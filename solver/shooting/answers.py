@@ -26,6 +26,12 @@ SHARE, COARSEST = 0.01, 1e-12  # of start problems: what all steps leave out of 
 SAFETY, ROUNDING = 3.0, 2e-16
 LOST = 1e8  # condition number: beyond, a start problem has lost half its digits
 TOO_LONG = f"failed: the march did not end within {MOST_STEPS} steps"
+LARGEST, SHORTEST = 1e30, 1e-15  # of a number of a rod in units of A and rho; of L/rho between two ends
+TOO_LARGE = (
+    "loads, ends or L/rho of a rod with weight or friction are beyond 1e30 in units of A and rho, or L/rho below 1e-15"
+)
+MOST_CHANGES = 20_000  # of an ends problem: as many as of 30 km of pipe
+TOO_FINE = "the shape of this rod may change {:.3g} times along it, and at most {:,} changes are computed"
 USE_ENDS = "; a long rod with weight is an ends problem: give Ends in place of Start"
 
 
@@ -93,7 +99,9 @@ def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[End
     begin, end = shapes.ends()
     error, condition = np.array(estimates).T
     read = read_states(y, t, alpha0, np.array([rod.numbers[0] for rod in rods]) * end[:, MU])
-    size, rubbed = flat(case.rod.bending_stiffness / case.rho**2, case.shape), case.cylinder.friction
+    with np.errstate(over="ignore"):
+        size = flat(case.rod.bending_stiffness / np.asarray(case.rho) ** 2, case.shape)
+    rubbed = case.cylinder.friction
     friction = flat(0.0 if rubbed is None else rubbed, case.shape)
     told = zip(paths, size, friction, strict=True)
     why = np.array(["" if path.shape is not None else failure(path, *one) for path, *one in told], dtype=object)
@@ -128,9 +136,15 @@ def path_to(rod: LoadedRod, seed: Any, i: int) -> Path:
     """The shape of one rod that a seed means."""
     if isinstance(seed, list):
         return seed[i]
+    if not SHORTEST < rod.span < LARGEST or not all((abs(v) < LARGEST).all() for v in (rod.numbers, rod.near, rod.far)):
+        return Path(None, why=TOO_LARGE)
     height, azimuth = (float(rod.far[k]) if name in rod.held else 0.0 for k, name in ((2, "height"), (1, "azimuth")))
     if why := unreachable(height, azimuth, rod.span):
         return Path(None, why=why)
+    rubbed = 0.0 if rod.turning else abs(rod.numbers[3]) * rod.across * rod.span  # of a straight rod, at most
+    changes = float(rod.changes(rubbed)[1][-1])
+    if changes > MOST_CHANGES:
+        return Path(None, why=TOO_FINE.format(changes, MOST_CHANGES))
     if seed is None:
         return branch_from_straight(rod)
     if isinstance(seed, str):

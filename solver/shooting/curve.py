@@ -72,7 +72,10 @@ class Curve:
                 return DIVERGED
             whole, by_x = np.append(found[:, 0], 0.0), np.append(-found[:, 1], 1.0)
             passed = np.append(((shape.y - guess.y) / self.scale).reshape(-1), (now.x - x) / self.size)
-            whole = whole - by_x * (inner(across, whole - passed) / inner(across, by_x))
+            along = inner(across, by_x)
+            if not along:
+                return DIVERGED
+            whole = whole - by_x * (inner(across, whole - passed) / along)
             change = whole[:-1].reshape(shape.y.shape)
             share = share_within(REACH, change)
             at = now.x - share * whole[-1] * self.size

@@ -158,11 +158,15 @@ class LoadedRod:
 
         rubbed: what friction adds to phi, at places of equal distances.
         """
-        t = np.linspace(0, self.span, max(513, np.size(rubbed)))
-        rate = self.rate(t, np.interp(t, np.linspace(0, self.span, np.size(rubbed)), np.ravel(rubbed)))
-        passed = np.concatenate([[0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(t))])
+        t, passed = self.changes(rubbed)
         count = max(4, int(np.ceil(passed[-1])))
         return np.interp(np.linspace(0, passed[-1], count + 1), passed, t)
+
+    def changes(self, rubbed: Array | float = 0.0) -> tuple[Array, Array]:
+        """Places from 0 to the span, and how many lengths on which the shape changes lie before each."""
+        t = np.linspace(0, self.span, max(513, np.size(rubbed)))
+        rate = self.rate(t, np.interp(t, np.linspace(0, self.span, np.size(rubbed)), np.ravel(rubbed)))
+        return t, np.concatenate([[0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(t))])
 
     def lying(self, nodes: Array) -> Array:
         """The state of the straight rod at the nodes, (N, 8); friction on it included."""

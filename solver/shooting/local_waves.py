@@ -22,6 +22,7 @@ from .slender_sinusoid import OVER, curves
 EQUAL, LIFTED, LAST = 0.901122, 1.541672, 3.2613  # F - 2: from which a helix has less energy than the sinusoid, from
 # which the sinusoid lifts off the wall, and of its fold
 FRONTS = EQUAL + np.array([0.0, 0.05, -0.05, -0.1])  # F - 2: where a helix may become a sinusoid
+LIGHTEST = 1e-30  # weight across, in units of A and rho, that makes waves
 SOFT = 0.03  # of F: how softly the amplitude comes to 0
 FINE, LEAST = 12, 0.1  # places for a node; of the square of the amplitude
 LEANT, QUIET = 0.1, -0.06  # of F - 2: the last change of that in which a rod leans; below, a turn at an end dies away
@@ -52,7 +53,7 @@ class Waves(NamedTuple):
 
 def has_waves(rod: LoadedRod) -> bool:
     """Whether this is a rod that may lie in waves: inside, with weight across, on the low side at its start."""
-    inside = rod.numbers[6] < 0 < rod.across and "height" not in rod.held
+    inside = rod.numbers[6] < 0 and rod.across > LIGHTEST and "height" not in rod.held
     return bool(inside and not np.any(rod.near))
 
 

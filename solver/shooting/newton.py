@@ -11,6 +11,7 @@ from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 
 DEEP = 13  # the order of the series of the derivatives by which Newton's method goes
 SAME = 1e-6  # of the angles in their scales: one shape
+WILD = 1e6  # of the scales: no equilibrium is sought from larger numbers
 ROUNDING = 1e-12  # of the scales: a correction below this is rounding
 ENDING = Ending(rounds=40, goal=ROUNDING, small=1e-7, stall=0.25)
 
@@ -117,6 +118,8 @@ def correct(
     scale = shape.rod.scale
 
     def step(now: Shape) -> tuple[Shape, float] | str:
+        if np.abs(now.y / scale)[:, [BETA, SPEED, Q, PHI]].max() > WILD:  # whose march would take seconds
+            return DIVERGED
         linear = linear_at(now, anchor, stiffness, deep=DEEP)
         found = linear.solve(linear.open) if np.isfinite(linear.open).all() else None
         if found is None or not np.isfinite(found).all():

@@ -14,7 +14,7 @@ NAME_OF = {"beta0": "beta0", "betaL": "betaL", "z": "height", "alpha": "azimuth"
 
 def numbers_of(case: Case) -> Array:
     """The numbers of each rod as `core.varying_loads.march` takes them, (B, 7)."""
-    A, rho, wall = case.rod.bending_stiffness, case.rho, case.cylinder
+    A, rho, wall = np.asarray(case.rod.bending_stiffness), np.asarray(case.rho), case.cylinder
     theta = 0.0 if wall.inclination is None else wall.inclination
     sign, way = wall.sense
     with np.errstate(all="ignore"):  # overflow is reported in the outcome
