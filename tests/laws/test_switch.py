@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from solver import Branch, Case, Cylinder, Ends, InputError, equilibria, follow, solve, switch
+from solver import Branch, Case, Cylinder, Ends, InputError, Rod, equilibria, follow, solve, switch
 from solver.equilibrium_branch import SpecialPoint
 from solver.problem.reduced import reduce
 from tests.cases import rod_of_unit_stiffness
