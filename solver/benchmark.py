@@ -195,7 +195,7 @@ def cheapest(rows: Iterable[Row], level: float) -> dict[str, Row | None]:
     """For each case the fastest rung that was solved with an error of at most `level`, or None."""
     best: dict[str, Row | None] = {}
     for row in rows:
-        here = best.setdefault(row.case, None)
-        if row.solved and row.error <= level and (here is None or row.seconds < here.seconds):
+        fastest = best.setdefault(row.case, None)
+        if row.solved and row.error <= level and (fastest is None or row.seconds < fastest.seconds):
             best[row.case] = row
     return best

@@ -46,10 +46,10 @@ def own_ends(case: Case) -> Case:
     InputError
         For an ends problem, a grid of cases, and a start problem that is not solved.
     """
-    return _own(case)[1]
+    return _solve_start(case)[1]
 
 
-def _own(case: Case) -> tuple[Solution, Case]:
+def _solve_start(case: Case) -> tuple[Solution, Case]:
     if not isinstance(case.given, Start) or case.shape:
         raise InputError("follow takes one start problem at a time")
     solution = solve(case, tol=1e-12, stations=2)
@@ -85,34 +85,34 @@ def to_fold(case: Case, limit: float, count: int = 9, field: str = "betaL") -> E
     """
     if count < 2:
         raise InputError(f"count must be at least 2, got {count}")
-    solution, ends = _own(case)
-    own = value_of(ends, field)
+    solution, ends = _solve_start(case)
+    begin = value_of(ends, field)
     if field == "betaL":
-        limit += 2 * np.pi * np.round(own / (2 * np.pi))
-        if limit <= own:
+        limit += 2 * np.pi * np.round(begin / (2 * np.pi))
+        if limit <= begin:
             raise InputError(
-                f"the rod itself already ends at beta(L) = {own:.6g} rad, beyond the limit of {limit:.6g} rad"
+                f"the rod itself already ends at beta(L) = {begin:.6g} rad, beyond the limit of {limit:.6g} rad"
             )
     last: dict[str, Any] = {field: limit}
     fold = _fold(follow(solution, **last), limit)
-    wanted = np.linspace(own, limit if fold is None else fold - _BEFORE * (fold - own), count)
-    every: dict[str, Any] = {field: [*wanted[1:].tolist(), limit]}
+    values = np.linspace(begin, limit if fold is None else fold - _BEFORE * (fold - begin), count)
+    every: dict[str, Any] = {field: [*values[1:].tolist(), limit]}
     branch = follow(solution, **every)
-    places = [next(i for i, point in enumerate(branch.points) if point.value == value) for value in wanted.tolist()]
+    places = [next(i for i, point in enumerate(branch.points) if point.value == value) for value in values.tolist()]
     slopes = np.array([float(branch.points[i].solution.dbeta[0]) for i in places])
     at_fold = None if fold is None else _slope_at(branch, FOLD)
-    return EndAngleBranch(field, wanted, slopes, fold, at_fold, with_field(ends, field, wanted))
+    return EndAngleBranch(field, values, slopes, fold, at_fold, with_field(ends, field, values))
 
 
 def _slope_at(branch: Branch, kind: str) -> float:
     """beta'(0) at the first special point of a kind."""
-    position = next(one.position for one in branch.special if one.kind == kind)
+    position = next(point.position for point in branch.special if point.kind == kind)
     return float(branch.points[position].solution.dbeta[0])
 
 
 def _fold(branch: Branch, limit: float) -> float | None:
     """The first fold of a branch; None where it reaches the limit before. Raises `InputError` where it does neither."""
-    fold = next((one.value for one in branch.special if one.kind == FOLD), None)
+    fold = next((point.value for point in branch.special if point.kind == FOLD), None)
     if fold is None and branch.values[-1] != limit:
         name = "beta(L)" if branch.field == "betaL" else branch.field
         raise InputError(f"the branch stops at {name} = {branch.end.value:.6g}: {branch.end.reason}")

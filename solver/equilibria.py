@@ -130,13 +130,13 @@ def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: in
         read.know(name, angle, read.error)
     turns, attached = OBSERVABLES["turns"].compute(read), OBSERVABLES["attached"].compute(read)[0]
     energy = read.A / read.rho * all_of_them.energy - OBSERVABLES["twist_energy"].compute(read)[0]
-    found = []
+    listed = []
     for i in range(K):
-        solution = Solution(case, problem, _one(together, orbit.take(i), t, i), t[i : i + 1], "shooting", tol)
+        solution = Solution(case, problem, _row_of(together, orbit.take(i), t, i), t[i : i + 1], "shooting", tol)
         numbers = float(energy[i]), float(slopes[i] / case.rho), int(turns[i])
         more = float(attached[i]), float(stray[i]), all_of_them.path.take(slice(i, i + 1))
-        found.append(Equilibrium(solution, int(index[i]), *numbers, *more, int(index[i])))
-    return Equilibria(in_order(found), all_of_them.remark)
+        listed.append(Equilibrium(solution, int(index[i]), *numbers, *more, int(index[i])))
+    return Equilibria(in_order(listed), all_of_them.remark)
 
 
 def _repeat(case: Case, K: int) -> Case:
@@ -146,7 +146,7 @@ def _repeat(case: Case, K: int) -> Case:
     return Case(case.rod, case.cylinder, Ends(np.full(K, g.beta0), g.betaL, g.FZ, g.MZ, g.M3, g.alpha, g.gamma))
 
 
-def _one(together: Trajectory, orbit: "Orbit", t: Array, i: int) -> Trajectory:
+def _row_of(together: Trajectory, orbit: "Orbit", t: Array, i: int) -> Trajectory:
     """Row i of a trajectory, with its own orbit."""
     row = slice(i, i + 1)
     names = ("beta", "dbeta", "alpha", "z", "solved", "outcome", "error", "condition", "evaluations")
@@ -163,14 +163,14 @@ def nearest(found: list[Equilibrium], dbeta0: float, energy: float) -> Equilibri
     if not found:
         raise InputError("no equilibrium was found for these end angles and loads")
     far = np.zeros(len(found))
-    for values, wanted in (([e.dbeta0 for e in found], dbeta0), ([e.energy for e in found], energy)):
-        far += np.abs(np.array(values) - wanted) / (np.ptp(values) or 1.0)
+    for values, goal in (([e.dbeta0 for e in found], dbeta0), ([e.energy for e in found], energy)):
+        far += np.abs(np.array(values) - goal) / (np.ptp(values) or 1.0)
     return found[int(np.argmin(far))]
 
 
 def meant(found: list[Equilibrium], choose: Choose = NEAREST) -> Equilibrium | None:
     """The equilibrium that `solve` takes by the rule `choose`; None if no equilibrium fits the rule."""
-    columns = ([getattr(one, name) for one in found] for name in ("index", "energy", "stray", "dbeta0"))
+    columns = ([getattr(equilibrium, name) for equilibrium in found] for name in ("index", "energy", "stray", "dbeta0"))
     i = select(choose, *(np.array(column, dtype=float) for column in columns))
     return None if i is None else found[i]
 
@@ -202,10 +202,10 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
         )
     follows = not held_of(case) and rod.nodes().size <= MOST_NODES
     light = equilibria(without_weight(case), tol, FINE) if follows else []
-    found = search_shapes(rod, [one.solution for one in light])
+    result = search_shapes(rod, [equilibrium.solution for equilibrium in light])
     t = flat(case.rod.L / case.rho, case.shape)[:, None] * np.linspace(0, 1, stations)
     listed = []
-    for shape, index, how in zip(found.shapes, found.index, found.how, strict=True):
+    for shape, index, how in zip(result.shapes, result.index, result.how, strict=True):
         path = shape_path(shape, index)
         solution = Solution(case, *answer_ends(case, t, tol, [path]), t, "shooting", tol)
         seen = observe(solution, ["turns", "attached"])
@@ -214,11 +214,11 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
     ways = ["from the straight rod"]
     if follows:
         ways.append(f"from {len(light)} equilibria without weight, which grows to {HEAVIEST:g} times this one")
-    ways += ["by a scan of the start"] * bool(found.scanned) + ["by deflation"]
+    ways += ["by a scan of the start"] * bool(result.scanned) + ["by deflation"]
     said = [f"not proved complete: searched {', '.join(ways[:-1])}, and {ways[-1]}"]
-    if not found.scanned:
+    if not result.scanned:
         said.append(f"only rods of at most {LONGEST:g} radii are scanned")
-    count = sum((-1) ** index for index in found.index)
+    count = sum((-1) ** index for index in result.index)
     ends = rod.held & {"beta0", "betaL"}
     if ends and "azimuth" not in rod.held:
         wrong = "" if count == 1 else ", so some are missing"

@@ -50,9 +50,9 @@ class BranchPoint:
         """The dimensionless problem that it solves, with the loads that held ends need."""
         if self._under_dead_loads is not None:
             return self._under_dead_loads
-        found = reduce(self.case)
-        assert isinstance(found, EndsProblem)
-        return found
+        problem = reduce(self.case)
+        assert isinstance(problem, EndsProblem)
+        return problem
 
     @cached_property
     def solution(self) -> Solution:
@@ -162,13 +162,13 @@ class Branch:
         InputError
             For a value at which the branch has no point.
         """
-        found = [point for point in self.points if point.value == value]
-        if not found:
+        points = [point for point in self.points if point.value == value]
+        if not points:
             raise InputError(
                 f"the branch has no point at {self.field} = {value:.10g}; it goes from {self.values.min():.10g} to "
                 f"{self.values.max():.10g}; give follow the values at which points are wanted"
             )
-        return found
+        return points
 
     def to_dataset(self, stations: int = 201, **units: str) -> Any:
         """The branch as a dataset over `point`.
@@ -189,6 +189,6 @@ class Branch:
         return make(DATASET, "dataset_of", self, stations, units)
 
     def __repr__(self) -> str:
-        kinds = [f"{one.kind} at {one.value:.6g}" for one in self.special]
+        kinds = [f"{point.kind} at {point.value:.6g}" for point in self.special]
         span = f"{self.field} from {self.values[0]:.6g} to {self.values[-1]:.6g}"
         return f"<Branch of {len(self)} equilibria, {span}; {', '.join(kinds) or 'no special point'}>"

@@ -84,14 +84,14 @@ class Equilibria(list[Equilibrium]):
     def __repr__(self) -> str:
         count = f"{len(self)} {'equilibrium' if len(self) == 1 else 'equilibria'}"
         lines = [f"{count}, {'complete' if self.complete else self.remark}"]
-        for i, one in enumerate(self, 1):
-            bends = f"{one.turns} {'bend' if one.turns == 1 else 'bends'}"
-            name = "held energy" if one.solution.held else "energy"
-            numbers = f"{name} {one.energy:.6g}, {bends}, beta'(0) = {one.dbeta0:.6g}"
-            lines.append(f"{i}: {stability(one.index)}, {numbers}{self._more(one)}")
+        for i, equilibrium in enumerate(self, 1):
+            bends = f"{equilibrium.turns} {'bend' if equilibrium.turns == 1 else 'bends'}"
+            name = "held energy" if equilibrium.solution.held else "energy"
+            numbers = f"{name} {equilibrium.energy:.6g}, {bends}, beta'(0) = {equilibrium.dbeta0:.6g}"
+            lines.append(f"{i}: {stability(equilibrium.index)}, {numbers}{self._more(equilibrium)}")
         return "\n".join(lines)
 
-    def _more(self, one: Equilibrium) -> str:
+    def _more(self, equilibrium: Equilibrium) -> str:
         """What a line of the `repr` adds."""
         return ""
 
@@ -189,15 +189,15 @@ class HeldEquilibria(Equilibria):
         super().__init__(found, str(search))
         self.search = search
 
-    def _more(self, one: Equilibrium) -> str:
-        loads = ", ".join(f"{name} = {float(value):.6g}" for name, value in one.solution.reactions.items())
-        return f", {loads}; {stability(one.dead_index)} under dead loads"
+    def _more(self, equilibrium: Equilibrium) -> str:
+        loads = ", ".join(f"{name} = {float(value):.6g}" for name, value in equilibrium.solution.reactions.items())
+        return f", {loads}; {stability(equilibrium.dead_index)} under dead loads"
 
 
-def in_order(found: list[Equilibrium]) -> list[Equilibrium]:
+def in_order(equilibria: list[Equilibrium]) -> list[Equilibrium]:
     """Lowest energy first; of mirror images, whose energies differ only by rounding, the lower beta'(0) first."""
-    found = sorted(found, key=lambda e: e.energy)
-    energy = np.array([e.energy for e in found])
+    equilibria = sorted(equilibria, key=lambda e: e.energy)
+    energy = np.array([e.energy for e in equilibria])
     new = np.diff(energy, prepend=-np.inf) > 1e-9 * (1 + np.abs(energy))
-    slope = np.array([e.dbeta0 for e in found])
-    return [found[i] for i in np.lexsort((slope, np.cumsum(new)))]
+    slope = np.array([e.dbeta0 for e in equilibria])
+    return [equilibria[i] for i in np.lexsort((slope, np.cumsum(new)))]

@@ -75,10 +75,10 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     if solution.case.varies:
         return _varying(solution, field, points)
     case, path, begun = _equilibrium(solution)
-    name, wanted = _field_and_values(case, field)
+    name, goals = _field_and_values(case, field)
     if name not in fields_of(case):
         case = exchange(case, begun, path, name)
-    bounds = Bounds(*_range(case, name, wanted), _most(points))
+    bounds = Bounds(*_range(case, name, goals), _most(points))
     solved = _Solver(solution.tol, solution.t[0] / solution.problem.span[0])
     return _branch(case, name, path, begun, bounds, solved)
 
@@ -89,15 +89,15 @@ def _most(points: int) -> int:
     return int(points)
 
 
-def _range(case: Case, name: str, wanted: Array) -> tuple[float, float, tuple[float, ...]]:
+def _range(case: Case, name: str, goals: Array) -> tuple[float, float, tuple[float, ...]]:
     """The lowest and the highest value, and all at which there are to be points."""
-    own = value_of(case, name)
-    for value in (float(wanted.min()), float(wanted.max())):
+    begin = value_of(case, name)
+    for value in (float(goals.min()), float(goals.max())):
         with_field(case, name, value)  # raises `InputError`
-    low, high = min(own, float(wanted.min())), max(own, float(wanted.max()))
+    low, high = min(begin, float(goals.min())), max(begin, float(goals.max()))
     if low == high:
-        raise InputError(f"the solution has {name} = {own:.10g} already; give follow another value of {name}")
-    return low, high, tuple(sorted({own, *wanted.tolist()}))
+        raise InputError(f"the solution has {name} = {begin:.10g} already; give follow another value of {name}")
+    return low, high, tuple(sorted({begin, *goals.tolist()}))
 
 
 def _varying(solution: Solution, field: dict[str, ArrayLike], points: int) -> Branch:
@@ -108,16 +108,16 @@ def _varying(solution: Solution, field: dict[str, ArrayLike], points: int) -> Br
     case = solution.case
     if not isinstance(case.given, Ends):
         raise InputError("with weight or friction follow takes a solution between Ends, got that of a start problem")
-    name, wanted = _field_and_values(case, field)
+    name, goals = _field_and_values(case, field)
     if name not in fields_of(case):
         raise InputError(f"with weight or friction follow takes a field that the case gives, got {name}")
-    low, high, every = _range(case, name, wanted)
+    low, high, every = _range(case, name, goals)
     known = solution.trajectory.shapes.of(0)
     curve, shape = path_at(case, known, partial(with_field, case, name), low, high)
-    found = both_ways(curve, shape, value_of(case, name), low, high, np.array(every), _most(points))
-    if found is None:
+    result = both_ways(curve, shape, value_of(case, name), low, high, np.array(every), _most(points))
+    if result is None:
         raise InputError("the equilibrium cannot be followed: Newton's method did not converge from it")
-    stages, start, *why = found
+    stages, start, *why = result
     tol, u = solution.tol, solution.t[0] / solution.t[0, -1]
 
     def solve_point(point: BranchPoint) -> Solution:
@@ -130,13 +130,13 @@ def _varying(solution: Solution, field: dict[str, ArrayLike], points: int) -> Br
         for i, stage in enumerate(stages) if stage.kind
     )  # fmt: skip
     index = [min(index[max(i - 1, 0) : i + 2]) if stages[i].kind else k for i, k in enumerate(index)]
-    made = partial(with_field, case, name)
+    case_at = partial(with_field, case, name)
     members = tuple(
-        BranchPoint(value, k, shape_path(stage.point.shape, k), None, made, solve_point)
+        BranchPoint(value, k, shape_path(stage.point.shape, k), None, case_at, solve_point)
         for value, k, stage in zip(values, index, stages, strict=True)
     )
     kinds = {END: BORDER, CLOSED: "closed"}
-    ends = [BranchEnd(values[i], one, kinds.get(one, "stopped")) for i, one in zip((0, -1), why, strict=True)]
+    ends = [BranchEnd(values[i], reason, kinds.get(reason, "stopped")) for i, reason in zip((0, -1), why, strict=True)]
     return Branch(name, members, special, ends[0], ends[1], start)
 
 
@@ -186,14 +186,14 @@ def _field_and_values(case: Case, field: dict[str, ArrayLike]) -> tuple[str, Arr
         raise no_such("field", name, known)
     try:
         read = in_rad(np.array(values, dtype=object)) if name in ANGLES else values
-        found = np.atleast_1d(np.asarray(read, dtype=float)).ravel()
+        numbers = np.atleast_1d(np.asarray(read, dtype=float)).ravel()
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be a number or an array of numbers, got {show(values)}") from None
-    if not found.size or not np.isfinite(found).all():
+    if not numbers.size or not np.isfinite(numbers).all():
         raise InputError(f"{name} must be one or several finite numbers, got {show(values)}")
     if name in ANGLES and given_by_a_program() and (sentence := doubt(name, values)):
         warn(sentence)
-    return name, found
+    return name, numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,7 +238,7 @@ def solutions_of(branch: Branch, stations: int) -> Solution:
     case = with_field(branch.points[0].case, branch.field, branch.values)
     t = np.concatenate([shape[1] for shape in shapes])
     each = [vars(shape[0]) for shape in shapes]
-    problem = EndsProblem(**{name: np.concatenate([one[name] for one in each]) for name in each[0]})
+    problem = EndsProblem(**{name: np.concatenate([columns[name] for columns in each]) for name in each[0]})
     return Solution(case, problem, together([shape[2] for shape in shapes], t), t, "shooting", tol)
 
 
@@ -272,9 +272,10 @@ def _end(name: str, stop: "Stop") -> BranchEnd:
     return BranchEnd(p, reason, HELIX, float(stop.helix[0]))
 
 
-def _next_index(places: "list[Place]", own: "Place") -> int:
+def _next_index(places: "list[Place]", fallback: "Place") -> int:
     """The index of the first place that is not special and whose index is known, else of the place itself, else -1."""
-    known = (place.index for place in [*(one for one in places if not one.kind), own] if place.index is not None)
+    ordinary = [place for place in places if not place.kind]
+    known = (place.index for place in [*ordinary, fallback] if place.index is not None)
     return next(known, -1)
 
 
@@ -283,7 +284,7 @@ def _points(
 ) -> tuple[tuple[BranchPoint, ...], tuple[SpecialPoint, ...]]:
     """The points of a branch and the special ones among them."""
     points, special, held = list[BranchPoint](), list[SpecialPoint](), bool(held_of(case))
-    made = partial(with_field, case, name)
+    case_at = partial(with_field, case, name)
     for i, place in enumerate(places):
         index = place.index
         if place.kind:
@@ -292,5 +293,5 @@ def _points(
             special.append(SpecialPoint(place.kind, float(place.p), before, after, i))
         known = index if index is not None else _next_index(places[i:] + places[:i][::-1], place)
         problem = place.problem if held else None
-        points.append(BranchPoint(float(place.p), known, place.path, problem, made, solved))
+        points.append(BranchPoint(float(place.p), known, place.path, problem, case_at, solved))
     return tuple(points), tuple(special)

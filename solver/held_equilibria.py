@@ -21,7 +21,7 @@ from .solution import Solution
 
 TRIES, MOST_SWINGS = 10, 8
 _FAR_WIDER = 2.5  # times the range around the equilibria that were found
-_OWN = {held: own for own, held in PAIRS}
+_REACTION_OF = {held: field for field, held in PAIRS}
 _WORK = {"height": "FZ", "azimuth": "MZ", "rotation": "M3"}
 ANY_LOAD = "a straight rod or a helix is an equilibrium under any load and is not listed"
 
@@ -46,11 +46,11 @@ def held_equilibria(
         sentence = str(beyond(why, case)[0]).removeprefix("failed: ")
         return HeldEquilibria([], HeldSearch({}, swings, 0, 0, 0, 0, 0, sentence))
     size = _sizes(case)
-    own = {NUMBER_OF[name]: (low / size[name], high / size[name]) for name, (low, high) in ranges.items()}
-    found = held_search(Given.of(problem), own, swings, tries, values)
+    bounds = {NUMBER_OF[name]: (low / size[name], high / size[name]) for name, (low, high) in ranges.items()}
+    result = held_search(Given.of(problem), bounds, swings, tries, values)
     t = problem.span[:, None] * np.linspace(0, 1, stations)
-    listed = [_equilibrium(case, found.given, *one, t, tol) for one in zip(found.states, found.how, strict=True)]
-    search = _search_of(found, size, swings)
+    listed = [_equilibrium(case, result.given, *pair, t, tol) for pair in zip(result.states, result.how, strict=True)]
+    search = _search_of(result, size, swings)
     return HeldEquilibria(in_order(listed), replace(search, narrower=_narrower(listed, search, ranges)))
 
 
@@ -62,8 +62,8 @@ def _sizes(case: Case) -> dict[str, float]:
 
 def _ranges(case: Case, within: dict[str, Any]) -> dict[str, tuple[float, float]]:
     """The ranges of reactions that are given."""
-    reactions = [_OWN[name] for name in held_of(case)]
-    found = {}
+    reactions = [_REACTION_OF[name] for name in held_of(case)]
+    ranges = {}
     for name, ends in within.items():
         if name not in reactions:
             raise no_such("reaction of this case", name, reactions)
@@ -75,8 +75,8 @@ def _ranges(case: Case, within: dict[str, Any]) -> dict[str, tuple[float, float]
             ) from None
         if not (np.isfinite([low, high]).all() and low < high):
             raise InputError(f"within[{show(name)}] must be two finite rising numbers, got {show(ends)}")
-        found[name] = low, high
-    return found
+        ranges[name] = low, high
+    return ranges
 
 
 def _equilibrium(case: Case, given: Given, state: OrbitState, how: str, t: Any, tol: float) -> Equilibrium:
@@ -129,26 +129,26 @@ def stray(solution: Solution) -> float:
 
 def _narrower(listed: list[Equilibrium], search: HeldSearch, given: Collection[str]) -> dict[str, tuple[float, float]]:
     """A range around the reactions that were found, for each reaction whose default range is far wider."""
-    found = {}
+    narrower = {}
     for name, (low, high) in search.within.items():
         if name in given or not listed:
             continue
-        values = [float(one.solution.reactions[name]) for one in listed]
+        values = [float(equilibrium.solution.reactions[name]) for equilibrium in listed]
         margin = max(0.5 * max(map(abs, values)), 0.02 * (high - low))
         ends = max(min(values) - margin, low), min(max(values) + margin, high)
         if high - low > _FAR_WIDER * (ends[1] - ends[0]):
-            found[name] = float(f"{ends[0]:.2g}"), float(f"{ends[1]:.2g}")
-    return found
+            narrower[name] = float(f"{ends[0]:.2g}"), float(f"{ends[1]:.2g}")
+    return narrower
 
 
-def _search_of(found: HeldFound, size: dict[str, float], swings: int) -> HeldSearch:
-    name_of = {NUMBER_OF[own]: own for own, _ in PAIRS}
-    bounds = {name_of[number]: ends for number, ends in found.ranges.bounds.items()}
+def _search_of(result: HeldFound, size: dict[str, float], swings: int) -> HeldSearch:
+    name_of = {NUMBER_OF[field]: field for field, _ in PAIRS}
+    bounds = {name_of[number]: ends for number, ends in result.ranges.bounds.items()}
     within = {name: (low * size[name], high * size[name]) for name, (low, high) in bounds.items()}
     outside = {
         name_of[number]: (min(values) * size[name_of[number]], max(values) * size[name_of[number]])
-        for number in found.ranges.bounds
-        if (values := [one[number] for one in found.outside])
+        for number in result.ranges.bounds
+        if (values := [numbers[number] for numbers in result.outside])
     }
-    counts = found.problems, found.starts, found.failed, found.tries, len(found.outside)
-    return HeldSearch(within, swings, *counts, ANY_LOAD if found.any_load else "", outside)
+    counts = result.problems, result.starts, result.failed, result.tries, len(result.outside)
+    return HeldSearch(within, swings, *counts, ANY_LOAD if result.any_load else "", outside)

@@ -142,15 +142,15 @@ def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations
     from .closed.loop_orbits import CLOSE, orbits_of_gain
 
     span = _check(rod, cylinder, wraps, folds)
-    found, remarks = [], []
+    shapes, remarks = [], []
     pairs = zip((1, -1), ("pi/2", "-pi/2"), orbits_of_gain(span / folds, 2 * np.pi * wraps / folds), strict=True)
     for about, word, orbits in pairs:
-        some = [_loop(rod, cylinder, wraps, folds, orbit, about, stations) for orbit in orbits if orbit.error < CLOSE]
-        worst = max((one.closure for one in some), default=0.0)
-        remarks += [] if some else [NOT_FOUND.format(word)]
+        family = [_loop(rod, cylinder, wraps, folds, orbit, about, stations) for orbit in orbits if orbit.error < CLOSE]
+        worst = max((loop.closure for loop in family), default=0.0)
+        remarks += [] if family else [NOT_FOUND.format(word)]
         remarks += [NOT_CLOSED.format(word, worst)] if worst > CLOSE * span else []
-        found += some
-    return Loops(sorted(found, key=lambda one: one.energy), tuple(remarks))
+        shapes += family
+    return Loops(sorted(shapes, key=lambda loop: loop.energy), tuple(remarks))
 
 
 def _check(rod: Rod, cylinder: Cylinder, wraps: int, folds: int) -> float:
@@ -201,6 +201,6 @@ def _start(rod: Rod, cylinder: Cylinder, beta: float, lam: float) -> Start:
     near = np.arange(-_ULPS, _ULPS + 1)
     F2, F3 = (force + near * np.spacing(force) for force in (-FY * c, FY * s))
     tried = Start(float(beta), 0.0, F2=F2[:, None], F3=F3, M3=0.0)
-    found = reduce(Case(rod, cylinder, tried))
-    best = int(np.argmin(np.abs(found.lam - lam) + np.abs(found.phi)))
+    problem = reduce(Case(rod, cylinder, tried))
+    best = int(np.argmin(np.abs(problem.lam - lam) + np.abs(problem.phi)))
     return Start(float(beta), 0.0, F2=float(F2[best // near.size]), F3=float(F3[best % near.size]), M3=0.0)

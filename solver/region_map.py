@@ -82,13 +82,13 @@ class RegionMap:
             raise InputError(f"points must be from 1 to {MOST_POINTS}, got {points}")
         folds, wrong = self.folds, []
         for values in np.random.default_rng(seed).uniform(folds.low, folds.high, (points, 2)):
-            found = equilibria(folds.case_at(values), stations=2)
+            listed = equilibria(folds.case_at(values), stations=2)
             expected = folds.indices_at(values)
-            counts = len(found), sum(one.index == 0 for one in found)
-            wanted = sum(expected.values()), expected[0]
-            if counts != wanted:
+            counts = len(listed), sum(equilibrium.index == 0 for equilibrium in listed)
+            of_map = sum(expected.values()), expected[0]
+            if counts != of_map:
                 where = ", ".join(f"{name} = {value:.6g}" for name, value in zip(folds.names, values, strict=True))
-                wrong.append(f"at {where}: {counts[0]} equilibria, {counts[1]} stable; the map has {wanted}")
+                wrong.append(f"at {where}: {counts[0]} equilibria, {counts[1]} stable; the map has {of_map}")
         return wrong
 
 
@@ -177,10 +177,10 @@ def region_map(case: Case, *, lattice: int | None = None, stations: int = 101, *
     regions, wrong = [], 0
     for number, (row, column) in enumerate(inner):
         values = np.array([ticks[0, column], ticks[1, row]])
-        found = equilibria(folds.case_at(values), stations=stations)
-        regions.append(Region(values, float(np.mean(labels == number)), found))
+        listed = equilibria(folds.case_at(values), stations=stations)
+        regions.append(Region(values, float(np.mean(labels == number)), listed))
         expected = folds.indices_at(values)
-        wrong += (len(found), regions[-1].stable) != (sum(expected.values()), expected[0])
+        wrong += (len(listed), regions[-1].stable) != (sum(expected.values()), expected[0])
     remarks = [folds.remark, f"in {wrong} of {len(regions)} regions the equilibria do not fit the curves"]
     return RegionMap(folds, regions, labels, ticks, "; ".join(filter(None, remarks if wrong else remarks[:1])))
 
@@ -197,9 +197,9 @@ def regions_of(pieces: Pieces, n: int) -> tuple[Integers, list[tuple[int, int]]]
     across, up = _cut(pieces, n, 0), _cut(pieces, n, 1)
     number = np.arange(n * n).reshape(n, n)
     right, above = ~across[:, : n - 1], ~up.T[: n - 1]
-    one = np.concatenate([number[:, :-1][right], number[:-1][above]])
-    other = np.concatenate([number[:, 1:][right], number[1:][above]])
-    graph = scipy.sparse.coo_array((np.ones(one.size, dtype=np.int8), (one, other)), shape=(n * n, n * n))
+    first = np.concatenate([number[:, :-1][right], number[:-1][above]])
+    second = np.concatenate([number[:, 1:][right], number[1:][above]])
+    graph = scipy.sparse.coo_array((np.ones(first.size, dtype=np.int8), (first, second)), shape=(n * n, n * n))
     total, parts = scipy.sparse.csgraph.connected_components(graph, directed=False)
     size = np.bincount(parts, minlength=total)
     order = np.argsort(-size, kind="stable")

@@ -66,11 +66,11 @@ class Shape:
         if not held and (self.case.kind == "ends" or not self.case.varies):
             return self.case.loads
         A, rho, given = self.case.rod.bending_stiffness, self.case.rho, self.case.given
-        found = loads_of(self.problem, A, rho, self.case.shape)
-        shown = (np.where(self.trajectory.solved, value, np.nan).reshape(self.case.shape)[()] for value in found)
-        own = (getattr(given, name) if held else None for name in ("FZ", "MZ", "M3"))
-        one, two, three = (value if known is None else known for known, value in zip(own, shown, strict=True))
-        return one, two, three
+        loads = loads_of(self.problem, A, rho, self.case.shape)
+        shown = (np.where(self.trajectory.solved, value, np.nan).reshape(self.case.shape)[()] for value in loads)
+        given_loads = (getattr(given, name) if held else None for name in ("FZ", "MZ", "M3"))
+        FZ, MZ, M3 = (value if known is None else known for known, value in zip(given_loads, shown, strict=True))
+        return FZ, MZ, M3
 
     @property
     def held(self) -> tuple[str, ...]:
@@ -80,7 +80,7 @@ class Shape:
     @cached_property
     def reactions(self) -> dict[str, Any]:
         """What holds the ends: the found partner of each held value, by name, (*cases) each; empty under dead loads."""
-        partner = {other: own for own, other in PAIRS}
+        partner = {other: field for field, other in PAIRS}
         return {partner[name]: self._end_value(partner[name]) for name in self.held}
 
     def _end_value(self, name: str) -> Any:
@@ -201,8 +201,8 @@ class Shape:
         """Contact force per length, positive outward, (*cases, n) [force/length]; eq. (34), corrected."""
         A, l, m, p = self._loads
         H = dimensional_slope(l, m, p, self._rho, self.beta)
-        found = contact_force(A, m, self._rho, self.FY, H, self.beta, self.dbeta)
-        return with_weight(self.case, found, self.alpha, self.dbeta) if self.case.varies else found
+        contact = contact_force(A, m, self._rho, self.FY, H, self.beta, self.dbeta)
+        return with_weight(self.case, contact, self.alpha, self.dbeta) if self.case.varies else contact
 
     @property
     @_quiet
@@ -275,8 +275,8 @@ class Shape:
 
         None for a start problem, for an ends problem solved from a seed, and where floats cannot hold the problem.
         """
-        found = self.trajectory.selection
-        return self._each(np.full(self.case.size, None, dtype=object) if found is None else found)
+        selection = self.trajectory.selection
+        return self._each(np.full(self.case.size, None, dtype=object) if selection is None else selection)
 
     @property
     def held_index(self) -> Any:
@@ -296,8 +296,8 @@ class Shape:
         begun = self.trajectory.begun
         said = np.full(self.case.size, None, dtype=object)
         scales = np.broadcast_arrays(self.case.rod.bending_stiffness, self.case.rho, np.empty(self.case.shape))[:2]
-        for i, (one, A, rho) in enumerate(zip(() if begun is None else begun, *map(np.ravel, scales), strict=False)):
-            said[i] = one.said(float(A), float(rho)) if isinstance(one, DeadStart) else one
+        for i, (start, A, rho) in enumerate(zip(() if begun is None else begun, *map(np.ravel, scales), strict=False)):
+            said[i] = start.said(float(A), float(rho)) if isinstance(start, DeadStart) else start
         return self._each(said)
 
     @cached_property
@@ -319,12 +319,12 @@ class Shape:
 
     def _stretches(self, name: str) -> Any:
         """What a method of the shapes says of each solved case, (*cases)."""
-        found = np.full(self.case.size, None, dtype=object)
+        stretches = np.full(self.case.size, None, dtype=object)
         if self.trajectory.shapes is not None:
             rho = flat(self.case.rho, self.case.shape)
             for i in np.flatnonzero(np.reshape(self.solved, -1)):
-                found[i] = getattr(self.trajectory.shapes.of(int(i)), name)(rho[i])
-        return self._each(found)
+                stretches[i] = getattr(self.trajectory.shapes.of(int(i)), name)(rho[i])
+        return self._each(stretches)
 
     @property
     def error(self) -> Any:

@@ -92,7 +92,7 @@ def solve(
     if held_of(case):
         return _held(case, tol, choose_method("ends", method, knobs), stations, seed, check(choose))
     problem = reduce(case)
-    one = choose_method(problem.kind, method, knobs)
+    chosen = choose_method(problem.kind, method, knobs)
     t = _stations(case, problem, stations)
     choose = check(choose)
     if isinstance(problem, EndsProblem):
@@ -104,7 +104,7 @@ def solve(
         raise InputError(f"{word} selects an equilibrium of an ends problem; a start problem has only one solution")
     else:
         which = {}
-    return Solution(case, problem, _run(case, problem, one, t, tol, which), t, one.name, tol)
+    return Solution(case, problem, _run(case, problem, chosen, t, tol, which), t, chosen.name, tol)
 
 
 def _varying(
@@ -156,13 +156,13 @@ def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose:
     t = _stations(case, problem, stations)
     with np.errstate(all="ignore"):
         fit = np.asarray(np.isfinite(t)).all(axis=1, keepdims=True)
-        told, found = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, start)
+        answer, dead_problem = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, start)
         for why in (TOO_LARGE, TOO_LONG):
-            lost = told.outcome == why
-            told = blank(told, ~lost, beyond(why, case)) if lost.any() else told
-        for fine, why in ((representable(case, found), OUT_OF_RANGE), (units_held(case), OUT_OF_RANGE)):
-            told = told if fine.all() else blank(told, fine, beyond(why, case))
-    return Solution(case, found, told, t, method.name, tol)
+            lost = answer.outcome == why
+            answer = blank(answer, ~lost, beyond(why, case)) if lost.any() else answer
+        for fine, why in ((representable(case, dead_problem), OUT_OF_RANGE), (units_held(case), OUT_OF_RANGE)):
+            answer = answer if fine.all() else blank(answer, fine, beyond(why, case))
+    return Solution(case, dead_problem, answer, t, method.name, tol)
 
 
 def _run(
@@ -178,15 +178,15 @@ def _run(
     if not fit.all():
         t = np.where(fit[:, None], t, np.linspace(0, 1, t.shape[1]))
     if isinstance(problem, StartProblem):
-        told = run_in_blocks(method, stood_in(problem, fit), t, tol)
+        answer = run_in_blocks(method, stood_in(problem, fit), t, tol)
     else:
-        told = method.run(stood_in(problem, fit), t, tol, **which)
-        slope = np.where(np.isfinite(told.dbeta[:, 0]), told.dbeta[:, 0], 0.0)  # beta'(0) is known only now
+        answer = method.run(stood_in(problem, fit), t, tol, **which)
+        slope = np.where(np.isfinite(answer.dbeta[:, 0]), answer.dbeta[:, 0], 0.0)  # beta'(0) is known only now
         held &= ~fit | representable(case, problem.with_start(slope))
     refusals = (short, TOO_LONG), (held, OUT_OF_RANGE), (finite, TOO_LARGE), (units_held(case), OUT_OF_RANGE)
     for fine, why in refusals:
-        told = told if fine.all() else blank(told, fine, beyond(why, case))
-    return told
+        answer = answer if fine.all() else blank(answer, fine, beyond(why, case))
+    return answer
 
 
 def _stations(case: Case, problem: Reduced | HeldProblem, stations: Any) -> Array:
@@ -224,11 +224,11 @@ def seed_of(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
     if isinstance(seed, Solution):
         if seed.case.shape not in ((), case.shape):
             raise InputError(f"the cases of the seed have shape {seed.case.shape}, those to solve {case.shape or '()'}")
-        told = seed.trajectory
+        trajectory = seed.trajectory
         row = np.arange(problem.size) if seed.case.shape else np.zeros(problem.size, dtype=np.int64)
-        own = between_ends(seed).take(row)
+        ends = between_ends(seed).take(row)
         u = seed.t / seed.problem.span[:, None]
-        return Seed(told.dbeta[row, 0], u[row], told.beta[row], own, told.orbit, row)
+        return Seed(trajectory.dbeta[row, 0], u[row], trajectory.beta[row], ends, trajectory.orbit, row)
     try:
         with np.errstate(over="ignore"):
             slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
@@ -245,8 +245,8 @@ def seed_of(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
 
 def between_ends(sol: Solution) -> EndsProblem:
     """The ends problems that a solution solves; those of a start problem have the far angles of the solution."""
-    problem, told = sol.problem, sol.trajectory
+    problem, trajectory = sol.problem, sol.trajectory
     if isinstance(problem, EndsProblem):
         return problem
-    far = told.beta[:, -1] if told.orbit is None else told.orbit.at(problem.span[:, None])[0][:, 0]
+    far = trajectory.beta[:, -1] if trajectory.orbit is None else trajectory.orbit.at(problem.span[:, None])[0][:, 0]
     return problem.with_end(far)

@@ -59,11 +59,13 @@ def switch(branch: Branch, special: SpecialPoint) -> tuple[Solution, ...]:
     _check(branch, special)
     reach = float(np.ptp(branch.values))
     for share in _BESIDE:
-        found = [
-            one for side in (-1, 1) for one in _crossing(branch, special, special.value + side * share * reach, reach)
+        solutions = [
+            solution
+            for side in (-1, 1)
+            for solution in _crossing(branch, special, special.value + side * share * reach, reach)
         ]
-        if found:
-            return tuple(found)
+        if solutions:
+            return tuple(solutions)
     at = f"{branch.field} = {special.value:.10g}"
     raise InputError(f"no branch that crosses at {at} was found within {max(_BESIDE):g} of the range on either side")
 
@@ -89,11 +91,15 @@ def _crossing(branch: Branch, special: SpecialPoint, value: float, reach: float)
         every = equilibria(with_field(point.case, branch.field, value), point.solution.tol, stations)
     except InputError:  # beyond the values that the field can have
         return []
-    own = _own_shapes(branch, special, value)
-    others = [one.solution for one in every if all(np.abs(one.solution.beta - beta).max() > _OWN for beta in own)]
-    others.sort(key=lambda one: float(np.abs(one.beta - point.solution.beta).max()))
-    found = [other for other in others[:_MOST] if _leads_through(other, branch.field, special.value, value, reach)]
-    return sorted(found, key=lambda one: float(one.dbeta[0]))
+    shapes = _own_shapes(branch, special, value)
+    others = [
+        equilibrium.solution
+        for equilibrium in every
+        if all(np.abs(equilibrium.solution.beta - beta).max() > _OWN for beta in shapes)
+    ]
+    others.sort(key=lambda solution: float(np.abs(solution.beta - point.solution.beta).max()))
+    solutions = [other for other in others[:_MOST] if _leads_through(other, branch.field, special.value, value, reach)]
+    return sorted(solutions, key=lambda solution: float(solution.dbeta[0]))
 
 
 def _own_shapes(branch: Branch, special: SpecialPoint, value: float) -> list[Array]:
@@ -114,20 +120,20 @@ def _own_shapes(branch: Branch, special: SpecialPoint, value: float) -> list[Arr
     return shapes
 
 
-def _leads_through(one: Solution, field: str, at: float, value: float, reach: float) -> bool:
+def _leads_through(solution: Solution, field: str, at: float, value: float, reach: float) -> bool:
     """Whether the branch of a solution at a value has a special point at another one; reach: the range of the field."""
     beyond = at + np.sign(at - value) * _WAY * reach
     try:
-        last: dict[str, Any] = {field: beyond if _is_valid(one, field, beyond) else 2 * at - value}
-        way = follow(one, points=_POINTS, **last)
+        last: dict[str, Any] = {field: beyond if _is_valid(solution, field, beyond) else 2 * at - value}
+        way = follow(solution, points=_POINTS, **last)
     except InputError:
         return False
-    return any(there.kind != FOLD and abs(there.value - at) <= _MEETS * reach for there in way.special)
+    return any(point.kind != FOLD and abs(point.value - at) <= _MEETS * reach for point in way.special)
 
 
-def _is_valid(one: Solution, field: str, value: float) -> bool:
+def _is_valid(solution: Solution, field: str, value: float) -> bool:
     try:
-        with_field(one.case, field, value)
+        with_field(solution.case, field, value)
     except InputError:
         return False
     return True

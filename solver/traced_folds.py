@@ -69,8 +69,8 @@ def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
         raise InputError(f"trace_fold takes one second field with its range, got {choices(others) or 'none'}")
     names, place = (branch.field, others[0]), special[number].position
     value, second = float(branch.values[place]), value_of(case, names[1])
-    own = float(branch.values.min()), float(branch.values.max())
-    low, high = np.array([read_range(names[0], ranges.get(names[0], own)), read_range(names[1], ranges[names[1]])]).T
+    span = float(branch.values.min()), float(branch.values.max())
+    low, high = np.array([read_range(names[0], ranges.get(names[0], span)), read_range(names[1], ranges[names[1]])]).T
     if not low[1] <= second <= high[1]:
         raise InputError(
             f"the range of {names[1]} must hold its value {second:.10g}, got {low[1]:.10g} to {high[1]:.10g}"
@@ -104,7 +104,10 @@ def search_varying(plane: ParameterPlane, lattice: int) -> FoldCurves:
     rods = [rod_at(np.array([u, w])) for u in (0.0, 0.5, 1.0) for w in (0.0, 0.5, 1.0)]
     u = max((rod.nodes() / rod.span for rod in rods), key=len)
     scale = rod_at(z).scale
-    shapes = [on_nodes(one.path.shape, u * one.path.shape.rod.span) for one in equilibria(plane.case_at(z))]
+    shapes = [
+        on_nodes(equilibrium.path.shape, u * equilibrium.path.shape.rod.span)
+        for equilibrium in equilibria(plane.case_at(z))
+    ]
     shapes = [replace(shape, rod=shape.rod.in_scales(scale)) for shape in shapes]
     begin = {(middle, middle): [(shape, index_at(shape)) for shape in shapes]}
     return search_linked(plane, ShapesOnPlane(rod_at, scale), ticks, begin)
@@ -113,7 +116,10 @@ def search_varying(plane: ParameterPlane, lattice: int) -> FoldCurves:
 def search_held(plane: ParameterPlane, lattice: int) -> FoldCurves:
     """The same of a rod without weight whose ends are held."""
     ticks, middle = lattice_ticks(lattice), lattice // 2
-    found = equilibria(plane.case_at(ticks[[middle, middle]]), stations=2)
+    listed = equilibria(plane.case_at(ticks[[middle, middle]]), stations=2)
     hinged = is_hinged(given_numbers(plane.case))
-    orbits = [(PlaneOrbit(between_ends(one.solution), path_of(one.path, 0), hinged), one.index) for one in found]
+    orbits = [
+        (PlaneOrbit(between_ends(equilibrium.solution), path_of(equilibrium.path, 0), hinged), equilibrium.index)
+        for equilibrium in listed
+    ]
     return search_linked(plane, OrbitsOnPlane(plane), ticks, {(middle, middle): orbits})

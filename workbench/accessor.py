@@ -86,14 +86,14 @@ class RodAccessor:
 
         from .store.selection import axis_of, indices
 
-        found = {}
+        places = {}
         for name, value in values.items():
             axis = axis_of(self._ds, name)
             try:
-                found[axis] = indices(self._ds, axis, value)
+                places[axis] = indices(self._ds, axis, value)
             except InputError as error:
                 raise InputError(f"{error}; ds.rod.at({name}=...) solves a case at any value") from None
-        return self._ds.isel(found)
+        return self._ds.isel(places)
 
     def at(self, **values: float) -> "Solution":
         """Solve the case at other values of fields of the study, with the study's tolerance and method.

@@ -227,7 +227,7 @@ def _near(message: str, known: Iterable[str]) -> str:
         return ""
     name = quoted[1] or quoted[2]
     dashes = "--" if name.startswith("--") else ""  # they are no likeness
-    return near(name.removeprefix(dashes), [one.removeprefix(dashes) for one in known]).replace(" '", f" '{dashes}")
+    return near(name.removeprefix(dashes), [word.removeprefix(dashes) for word in known]).replace(" '", f" '{dashes}")
 
 
 def _fail(words: list[str], sentence: str, status: int) -> None:

@@ -81,7 +81,7 @@ def _branch(found: Fit) -> dict[str, Any]:
 
 def _others(found: Fit, names: list[str]) -> Any:
     """The other minima that the data do not exclude."""
-    rows = [[one.values[name] for name in names] for one in found.minima if one.as_good]
+    rows = [[minimum.values[name] for name in names] for minimum in found.minima if minimum.as_good]
     return np.array(rows).reshape(-1, len(names))
 
 
@@ -118,9 +118,9 @@ def read_points(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
 
     Raises `InputError` with the line and the column.
     """
-    found = tables.read(path, known=POINT_COLUMNS, of="column of measured points", row="point")
-    points = {name: values for name, values in found.items() if not name.startswith("sigma_")}
-    sigma = {name.removeprefix("sigma_"): values for name, values in found.items() if name.startswith("sigma_")}
+    columns = tables.read(path, known=POINT_COLUMNS, of="column of measured points", row="point")
+    points = {name: values for name, values in columns.items() if not name.startswith("sigma_")}
+    sigma = {name.removeprefix("sigma_"): values for name, values in columns.items() if name.startswith("sigma_")}
     for name in sigma:
         if name not in points:
             raise InputError(f"{path.name} has the column sigma_{name} and no column {name}")

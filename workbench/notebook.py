@@ -211,8 +211,8 @@ def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
         if name not in axes:
             value = np.broadcast_to(np.asarray(number, dtype=float), case.shape)
             same = value.size > 0 and float(np.ptp(value)) == 0
-            own: tuple[Any, Any] = ((), float(value.flat[0])) if same else (dims, value)
-            data[name] = xr.Variable(own[0], own[1], schema.labels(name, used))
+            pair: tuple[Any, Any] = ((), float(value.flat[0])) if same else (dims, value)
+            data[name] = xr.Variable(pair[0], pair[1], schema.labels(name, used))
     data["solved"] = xr.Variable(dims, np.asarray(sol.solved, dtype=bool))
     data["outcome"] = xr.Variable(dims, np.asarray(sol.outcome).astype(str))
     data["caution"] = xr.Variable(dims, np.asarray(cautions.of_cases(sol)).astype(str))
@@ -234,15 +234,15 @@ def dataset_of_loops(found: Any, units: Mapping[str, str] | None = None) -> xr.D
 
 def _axes(sol: Solution) -> dict[str, Any]:
     """Each axis of the grid: name and values."""
-    case, found = sol.case, dict[str, Any]()
+    case, axes = sol.case, dict[str, Any]()
     for k, size in enumerate(case.shape):
         along = [name for name, value in _fields(sol).items() if _varies_along(value, case.shape) == [k]]
         if len(along) == 1:
             value = np.broadcast_to(np.asarray(_fields(sol)[along[0]], dtype=float), case.shape)
-            found[schema.dimension(along[0])] = np.moveaxis(value, k, 0).reshape(size, -1)[:, 0]
+            axes[schema.dimension(along[0])] = np.moveaxis(value, k, 0).reshape(size, -1)[:, 0]
         else:
-            found[f"case{k + 1}"] = np.arange(1, size + 1)
-    return found
+            axes[f"case{k + 1}"] = np.arange(1, size + 1)
+    return axes
 
 
 def _fields(sol: Solution) -> dict[str, Any]:
@@ -279,7 +279,7 @@ def _fine(sol: Solution) -> Solution:
         return sol
     try:
         ends = sol.problem.kind == "ends"
-        found = solve(sol.case, tol=sol.tol, method=sol.method, stations=FINE, seed=sol if ends else None)
+        finer = solve(sol.case, tol=sol.tol, method=sol.method, stations=FINE, seed=sol if ends else None)
     except InputError:
         return sol
-    return found if found.solved else sol
+    return finer if finer.solved else sol

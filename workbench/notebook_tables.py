@@ -26,8 +26,8 @@ def of_solution(sol: Solution) -> str:
     rows += [("method", sol.method), ("estimated error", f"{np.max(sol.error):.1e}")]
     rows += [("condition number", f"{np.max(sol.condition):.3g}")]
     if each.any():
-        found = observe(sol, list(NUMBERS))
-        rows += [(_words(name), _span(name, np.asarray(found[name], dtype=float)[each])) for name in NUMBERS]
+        values = observe(sol, list(NUMBERS))
+        rows += [(_words(name), _span(name, np.asarray(values[name], dtype=float)[each])) for name in NUMBERS]
         rows += [("caution", caution)] if (caution := cautions.said(cautions.of_cases(sol))) else []
     shape = f" of {each.size} cases" if each.size > 1 else ""
     return _table(f"Solution{shape}, {sol.t.shape[-1]} stations", rows)
@@ -51,8 +51,14 @@ def of_equilibria(found: Equilibria) -> str:
     held = "held " if found and found[0].solution.held else ""
     head = "".join(f"<th>{escape(f'{held}{name}' if name.startswith('energy') else name)}</th>" for name in HEADINGS)
     rows = []
-    for i, one in enumerate(found, 1):
-        numbers = stability(one.index), f"{one.energy:.6g}", str(one.turns), f"{one.dbeta0:.6g}", f"{one.attached:.0%}"
+    for i, equilibrium in enumerate(found, 1):
+        numbers = (
+            stability(equilibrium.index),
+            f"{equilibrium.energy:.6g}",
+            str(equilibrium.turns),
+            f"{equilibrium.dbeta0:.6g}",
+            f"{equilibrium.attached:.0%}",
+        )
         cells = "".join(f"<td>{labels.minus_signs(escape(number))}</td>" for number in numbers)
         rows.append(f"<tr><th>{i}</th>{cells}</tr>")
     remark = found.remark or "the list passes the test of completeness"

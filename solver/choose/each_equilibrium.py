@@ -40,18 +40,18 @@ def selection_of(
 
     Returns the outcome, a sentence, where there is none.
     """
-    found = _search(problem, slope, choose)
-    if found is None:
+    known = _search(problem, slope, choose)
+    if known is None:
         return NO_EQUILIBRIUM
     if slope is not None:
-        return equilibrium_trajectory(problem, found.orbit.take(int(np.argmin(np.abs(found.slope - slope)))), t, tol)
-    i = select(choose, found.index, found.energy, found.stray, found.slope)
+        return equilibrium_trajectory(problem, known.orbit.take(int(np.argmin(np.abs(known.slope - slope)))), t, tol)
+    i = select(choose, known.index, known.energy, known.stray, known.slope)
     if i is None:
-        return none_of(choose, found.index, found.total)
-    if not isinstance(choose, int) and found.index[i] != 0 and found.remark:  # by degree there is a stable equilibrium
-        return f"failed: {found.remark}"
-    how = np.array([selection(choose, found.index, found.total, not found.remark)], dtype=object)
-    return replace(equilibrium_trajectory(problem, found.orbit.take(i), t, tol), selection=how)
+        return none_of(choose, known.index, known.total)
+    if not isinstance(choose, int) and known.index[i] != 0 and known.remark:  # by degree there is a stable equilibrium
+        return f"failed: {known.remark}"
+    how = np.array([selection(choose, known.index, known.total, not known.remark)], dtype=object)
+    return replace(equilibrium_trajectory(problem, known.orbit.take(i), t, tol), selection=how)
 
 
 def _search(problem: EndsProblem, slope: float | None, choose: Choose) -> Found | None:
@@ -61,9 +61,9 @@ def _search(problem: EndsProblem, slope: float | None, choose: Choose) -> Found 
     """
     if slope is not None:
         return search_levels(problem)
-    found = search_levels(problem, most_turns=choose + 1 if isinstance(choose, int) else 1)
-    needs_stable = found is None or not (found.index == 0).any()
-    return search_levels(problem) if not isinstance(choose, int) and needs_stable else found
+    equilibria = search_levels(problem, most_turns=choose + 1 if isinstance(choose, int) else 1)
+    needs_stable = equilibria is None or not (equilibria.index == 0).any()
+    return search_levels(problem) if not isinstance(choose, int) and needs_stable else equilibria
 
 
 def select_seed(
@@ -78,13 +78,13 @@ def select_seed(
     taken, why = np.full(problem.size, None, dtype=object), [""] * problem.size
     slopes, shapes = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)
     for i in range(problem.size):
-        one = problem.take(slice(i, i + 1))
-        found = selection_of(one, one.span[:, None] * u, 1e-8, None, choose)
-        if isinstance(found, str):
-            why[i] = found
+        single = problem.take(slice(i, i + 1))
+        answer = selection_of(single, single.span[:, None] * u, 1e-8, None, choose)
+        if isinstance(answer, str):
+            why[i] = answer
             continue
-        slopes[i], shapes[i] = found.dbeta[0, 0], found.beta[0]
-        taken[i] = None if found.selection is None else found.selection[0]
+        slopes[i], shapes[i] = answer.dbeta[0, 0], answer.beta[0]
+        taken[i] = None if answer.selection is None else answer.selection[0]
     return Seed(slopes, np.tile(u, (problem.size, 1)), shapes), taken, why
 
 
@@ -96,19 +96,21 @@ def each_equilibrium(
 ) -> Trajectory:
     """The answer at the stations t (B, n): the equilibria near `seed`, or by `choose`."""
     if seed is not None and seed.problem is not None:
-        return together([_carry(one, t[i : i + 1], tol, seed.take(i)) for i, one in enumerate(_each(problem))], t)
+        return together([_carry(single, t[i : i + 1], tol, seed.take(i)) for i, single in enumerate(_each(problem))], t)
     slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
     near = np.isfinite(slopes)
     if near.all():
         return equilibrium_trajectory(problem, solve_orbit(problem.with_start(slopes), TIGHT), t, tol)
-    found: list[Trajectory | str] = []
-    for i, one in enumerate(_each(problem)):
-        here = t[i : i + 1]
+    answers: list[Trajectory | str] = []
+    for i, single in enumerate(_each(problem)):
+        row = t[i : i + 1]
         if near[i]:
-            found.append(equilibrium_trajectory(one, solve_orbit(one.with_start(slopes[i : i + 1]), TIGHT), here, tol))
+            answers.append(
+                equilibrium_trajectory(single, solve_orbit(single.with_start(slopes[i : i + 1]), TIGHT), row, tol)
+            )
         else:
-            found.append(selection_of(one, here, tol, None if seed is None else float(seed.slope[i]), choose))
-    return together(found, t)
+            answers.append(selection_of(single, row, tol, None if seed is None else float(seed.slope[i]), choose))
+    return together(answers, t)
 
 
 def _each(problem: EndsProblem) -> list[EndsProblem]:
@@ -122,27 +124,27 @@ def together(found: list[Trajectory | str], t: Array) -> Trajectory:
         return found[0]
     plain = StartProblem(**{field.name: np.array([PLAIN[field.name]]) for field in fields(StartProblem)})
     nothing = solve_orbit(plain, TIGHT)  # the tolerance of the others: the same series
-    orbits = [nothing if isinstance(one, str) else one.orbit for one in found]
+    orbits = [nothing if isinstance(answer, str) else answer.orbit for answer in found]
     orbit = orbits[0] if len(orbits) == 1 else _join_orbits(orbits)
-    shown = np.array([not isinstance(one, str) for one in found])
+    shown = np.array([not isinstance(answer, str) for answer in found])
     columns = np.full((4, *t.shape), np.nan)
     error, condition = np.full((2, t.shape[0]), np.inf)
     calls, outcome = np.zeros(t.shape[0], dtype=np.int64), np.full(t.shape[0], NO_EQUILIBRIUM, dtype=object)
     solved, taken = np.zeros(t.shape[0], dtype=bool), np.full(t.shape[0], None, dtype=object)
     begun, held = np.full(t.shape[0], None, dtype=object), np.full(t.shape[0], np.nan)
-    for i, one in enumerate(found):
-        if isinstance(one, str):
-            outcome[i] = one
+    for i, answer in enumerate(found):
+        if isinstance(answer, str):
+            outcome[i] = answer
             continue
-        columns[:, i] = one.beta[0], one.dbeta[0], one.alpha[0], one.z[0]
-        taken[i] = None if one.selection is None else one.selection[0]
-        begun[i] = None if one.begun is None else one.begun[0]
-        held[i] = np.nan if one.held_index is None else one.held_index[0]
-        error[i], condition[i], calls[i] = one.error[0], one.condition[0], one.evaluations[0]
-        solved[i], outcome[i] = one.solved[0], one.outcome[0]
+        columns[:, i] = answer.beta[0], answer.dbeta[0], answer.alpha[0], answer.z[0]
+        taken[i] = None if answer.selection is None else answer.selection[0]
+        begun[i] = None if answer.begun is None else answer.begun[0]
+        held[i] = np.nan if answer.held_index is None else answer.held_index[0]
+        error[i], condition[i], calls[i] = answer.error[0], answer.condition[0], answer.evaluations[0]
+        solved[i], outcome[i] = answer.solved[0], answer.outcome[0]
     beta, dbeta, alpha, z = columns
-    told = solved, outcome, error, condition, calls, orbit, taken, begun, held
-    return Trajectory(beta, dbeta, alpha, z, partial(where_shown, shown[:, None], orbit.swirl, t), *told)
+    rest = solved, outcome, error, condition, calls, orbit, taken, begun, held
+    return Trajectory(beta, dbeta, alpha, z, partial(where_shown, shown[:, None], orbit.swirl, t), *rest)
 
 
 def _join_orbits(orbits: list[Orbit]) -> Orbit:
@@ -172,13 +174,13 @@ def _carry(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory
     path = path_of_seed(seed)
     if path is None:
         return "failed: the seed is not a solution of its own ends problem"
-    found = resume(seed.problem, path, problem)
-    if isinstance(found, Stopped):
-        way = f"{found.share:.2%} of the way from the seed to this case"
-        if found.reason == FOLD:
+    result = resume(seed.problem, path, problem)
+    if isinstance(result, Stopped):
+        way = f"{result.share:.2%} of the way from the seed to this case"
+        if result.reason == FOLD:
             return f"failed: the branch of the seed ends, at a fold or where it meets another branch, after {way}"
-        return f"failed: the branch of the seed could not be followed beyond {way}: {found.reason}"
-    return equilibrium_trajectory(problem, orbit_of(problem, found), t, tol)
+        return f"failed: the branch of the seed could not be followed beyond {way}: {result.reason}"
+    return equilibrium_trajectory(problem, orbit_of(problem, result), t, tol)
 
 
 def path_of_seed(seed: Seed) -> Any:
@@ -191,13 +193,13 @@ def path_of_seed(seed: Seed) -> Any:
     path = path_from_start(seed.problem, float(seed.slope[0]))
     if path is not None:
         return path
-    found = search_levels(seed.problem)
-    if found is None:
+    equilibria = search_levels(seed.problem)
+    if equilibria is None:
         return None
     u = seed.problem.span[:, None] * seed.u[:1]
-    apart = np.abs(found.orbit.at(np.repeat(u, found.slope.size, axis=0))[0] - seed.beta[:1]).max(axis=1)
+    apart = np.abs(equilibria.orbit.at(np.repeat(u, equilibria.slope.size, axis=0))[0] - seed.beta[:1]).max(axis=1)
     best = int(np.argmin(apart))
-    return path_of(found.path, best) if apart[best] < 0.01 else None
+    return path_of(equilibria.path, best) if apart[best] < 0.01 else None
 
 
 def _next_to(problem: EndsProblem, slope: Array) -> Array:

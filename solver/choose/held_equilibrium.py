@@ -58,11 +58,11 @@ def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Tr
 def _alternatives(seed: OrbitState, found: OrbitState, wanted: Given, tol: float, t: Array) -> list[tuple[Any, ...]]:
     """Of each other equilibrium near that of the seed: its distance from the seed, problem and shape."""
     others = alternatives_of(seed, found, wanted)
-    told = [
+    rows = [
         (away(seed, other), other.problem, held_trajectory(Reached(other, ALTERNATIVE), wanted, t, tol))
         for other in others
     ]
-    return sorted(told, key=lambda one: one[0])
+    return sorted(rows, key=lambda row: row[0])
 
 
 def _at_length(state: OrbitState, orbit: Orbit) -> Array:
@@ -89,9 +89,9 @@ def at_hinges(state: OrbitState, wanted: Given) -> OrbitState:
     corner = [chart for chart in every if chart.kind == CORNER]
     start = [chart for chart in every if chart.kind == "start" and not chart.logarithmic and slow]
     for chart in [*corner, *start]:
-        found = correct_equilibrium(state.problem, wanted, chart, coordinate(chart))
-        if not isinstance(found, str):
-            return found
+        corrected = correct_equilibrium(state.problem, wanted, chart, coordinate(chart))
+        if not isinstance(corrected, str):
+            return corrected
     return state
 
 
@@ -117,28 +117,28 @@ def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> 
 
     A problem that is not solved stands there as a plain one.
     """
-    found: list[Trajectory | str] = []
+    answers: list[Trajectory | str] = []
     solved = EndsProblem(**{name: np.full(problem.size, PLAIN[name]) for name in (*FREE, "span")})
     for i in range(problem.size):
-        one = problem.take(slice(i, i + 1))
-        reached = _reach(one, None if seed is None else seed.take(i))
+        single = problem.take(slice(i, i + 1))
+        reached = _reach(single, None if seed is None else seed.take(i))
         if isinstance(reached, str):
-            found.append(reached)
+            answers.append(reached)
             continue
-        found.append(held_trajectory(reached, Given.of(one), t[i : i + 1], tol))
+        answers.append(held_trajectory(reached, Given.of(single), t[i : i + 1], tol))
         for name, value in vars(solved).items():
             value[i] = getattr(reached.state.problem, name)[0]
-    return together(found, t), solved
+    return together(answers, t), solved
 
 
-def _reach(one: HeldProblem, seed: Seed | None) -> Reached | str:
-    if why := beyond_limits(np.append(one.values[0], one.ratio[0]), float(one.span[0])):
+def _reach(problem: HeldProblem, seed: Seed | None) -> Reached | str:
+    if why := beyond_limits(np.append(problem.values[0], problem.ratio[0]), float(problem.span[0])):
         return why
-    height = one.known("z")
-    if height is not None and is_taut(height[0], one.span[0]):
+    height = problem.known("z")
+    if height is not None and is_taut(height[0], problem.span[0]):
         return f"failed: {TAUT}"
-    wanted = Given.of(one)
+    given = Given.of(problem)
     if seed is None:
-        return nearest_start(wanted, one)
+        return nearest_start(given, problem)
     assert seed.problem is not None
-    return from_seed(wanted, seed.problem, path_of_seed(seed))
+    return from_seed(given, seed.problem, path_of_seed(seed))

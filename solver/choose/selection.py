@@ -39,8 +39,8 @@ class Selection:
     complete: bool
 
     def __str__(self) -> str:
-        found = f"{self.count} equilibri{'um' if self.count == 1 else 'a'}{'' if self.complete else ' found'}"
-        known = f"{found}, {self.stable} stable" + ("" if self.complete else ", the list is incomplete")
+        words = f"{self.count} equilibri{'um' if self.count == 1 else 'a'}{'' if self.complete else ' found'}"
+        known = f"{words}, {self.stable} stable" + ("" if self.complete else ", the list is incomplete")
         return f"{known}; {self.rule}"
 
     @property

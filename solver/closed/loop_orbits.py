@@ -56,21 +56,21 @@ def orbits_of_gain(period: float, azimuth: float) -> tuple[list[ClosedOrbit], li
     known = np.isfinite(y)
     lowest, y = lowest[known], y[known]
     mean = _mean(lowest, y)
-    ahead, behind = (_crossings(lowest, y, mean, period, wanted) for wanted in (azimuth, -azimuth))
+    ahead, behind = (_crossings(lowest, y, mean, period, gain) for gain in (azimuth, -azimuth))
     return ahead, behind
 
 
 def _crossings(lowest: Array, y: Array, mean: Array, period: float, azimuth: float) -> list[ClosedOrbit]:
     """The orbits in which alpha gains `azimuth`, from points of the curve of one period and their mean sin(beta)."""
     excess = mean - azimuth / period
-    found = []
+    orbits = []
     for k in np.flatnonzero((excess[:-1] > 0) != (excess[1:] > 0)):
         cell = slice(k, k + 2)
         at, guess = (float(v[k] + (v[k + 1] - v[k]) * excess[k] / (excess[k] - excess[k + 1])) for v in (lowest, y))
-        one = _polish(at, guess, period, azimuth)
-        inside = lowest[k + 1] <= one.lowest <= lowest[k]
-        found.append(one if one.error < CLOSE and inside else _refine(lowest[cell], excess[cell], period, azimuth))
-    return found
+        orbit = _polish(at, guess, period, azimuth)
+        inside = lowest[k + 1] <= orbit.lowest <= lowest[k]
+        orbits.append(orbit if orbit.error < CLOSE and inside else _refine(lowest[cell], excess[cell], period, azimuth))
+    return orbits
 
 
 def _angles(period: float, azimuth: float) -> Array:
@@ -123,15 +123,15 @@ def _refine(lowest: Array, excess: Array, period: float, azimuth: float) -> Clos
 
 def _polish(b1: float, y: float, period: float, azimuth: float) -> ClosedOrbit:
     """Newton's method in b1 and log(gap), with the exact derivatives of the period and the azimuth."""
-    wanted = np.array([period, azimuth])
-    found = root(lambda x: residual(float(x[0]), float(x[1]), wanted), np.array([b1, y]), np.inf, _STEPS)
-    if found is None:
+    goal = np.array([period, azimuth])
+    point = root(lambda x: residual(float(x[0]), float(x[1]), goal), np.array([b1, y]), np.inf, _STEPS)
+    if point is None:
         return ClosedOrbit(b1, _load(b1, y), np.inf)
-    b1, y = found.tolist()
-    return ClosedOrbit(b1, _load(b1, y), float(np.abs(residual(b1, y, wanted)[0]).max() / period))
+    b1, y = point.tolist()
+    return ClosedOrbit(b1, _load(b1, y), float(np.abs(residual(b1, y, goal)[0]).max() / period))
 
 
-def residual(b1: float, y: float, wanted: Array) -> tuple[Array, Array]:
+def residual(b1: float, y: float, goal: Array) -> tuple[Array, Array]:
     """Period and azimuth of a period less the wanted ones, (2,); their derivatives by b1 and y = log(gap), (2, 2)."""
     problem = start(np.array([b1]), np.array([_load(b1, y)]))
     varied = vary_from(problem)
@@ -143,7 +143,7 @@ def residual(b1: float, y: float, wanted: Array) -> tuple[Array, Array]:
     by_lam = np.exp(y) * plain[:, 1]
     J = np.stack([plain[:, 0] + 6 * np.sin(b1) ** 2 * np.cos(b1) * plain[:, 1], -by_lam], axis=1)
     T_now, turn = _measure(np.array([b1]), np.array([y]))
-    return np.array([T_now[0], turn[0]]) - wanted, J
+    return np.array([T_now[0], turn[0]]) - goal, J
 
 
 def vary_from(problem: StartProblem) -> Variations:
@@ -220,7 +220,7 @@ def index_of(lowest: float, lam: float, folds: int) -> int:
     M = np.empty((4, 4))
     rows, columns = np.triu_indices(4)
     M[rows, columns] = M[columns, rows] = varied.gain[0].sum(axis=0)
-    own = 1 if M[0, 0] < 0 else 2  # the derivative of half the period by half the level is -M_00
+    of_one_wave = 1 if M[0, 0] < 0 else 2  # the derivative of half the period by half the level is -M_00
     K = (M - np.outer(M[:, 0], M[0]) / M[0, 0])[np.ix_(_HELD, _HELD)]
     scale = 1 / np.sqrt(np.abs(np.diag(K)))
-    return 2 * (folds - 1) + own - int((np.linalg.eigvalsh(K * np.outer(scale, scale)) < 0).sum())
+    return 2 * (folds - 1) + of_one_wave - int((np.linalg.eigvalsh(K * np.outer(scale, scale)) < 0).sum())

@@ -94,10 +94,10 @@ def _call(numbers: Numbers, count: int, raised: list[BaseException]) -> Any:
 
     def at(p: float, out: Any) -> int:
         try:
-            found = numbers(p)
-            if found is None:
+            values = numbers(p)
+            if values is None:
                 return 1
-            for k, number in zip(range(count), found, strict=True):
+            for k, number in zip(range(count), values, strict=True):
                 out[k] = number
         except BaseException as error:  # it cannot pass through the core
             raised.append(error)
@@ -128,13 +128,13 @@ class Steps:
         self._scale, self._held = scale, held
         angles, table = self._arrays = grid()
         self._pointed = points(n), cut(how[0], True), cut(how[1], False)
-        told = (ctypes.cast(pointer, ctypes.c_void_p) for pointer in self._pointed)
+        pointers = (ctypes.cast(pointer, ctypes.c_void_p) for pointer in self._pointed)
         self._curve = _Curve(
             _call(numbers, 7 if held else 6, self._raised),
             None,
             None,
             Grid(angles.size, address(angles), address(table)),
-            *told,
+            *pointers,
         )
 
     def excess(self, chart: Chart, p: float, x: Array) -> Array | None:

@@ -53,8 +53,8 @@ def compiler() -> list[str]:
 
 def commands() -> list[list[str]]:
     """The compilers that are there, in the order in which they are tried."""
-    found = [compiler()] if compiler() else []
-    return [*found, [sys.executable, "-m", "ziglang", "cc", "-s"]] if find_spec("ziglang") else found
+    native = [compiler()] if compiler() else []
+    return [*native, [sys.executable, "-m", "ziglang", "cc", "-s"]] if find_spec("ziglang") else native
 
 
 def digest_flag(digest: str) -> str:
@@ -91,13 +91,13 @@ def build(target: Path | None = None, *flags: str) -> tuple[Path | None, str]:
     """Compile the library; its path and an empty text, or None and what each compiler said."""
     import subprocess
 
-    target, told = target or HERE / library_name(), []
+    target, messages = target or HERE / library_name(), []
     aside = target.with_name(f".{os.getpid()}.{target.name}")
     for command in commands():
         done = subprocess.run([*command, *flags, *arguments(aside)], capture_output=True, text=True, check=False)
         if done.returncode == 0:
             os.replace(aside, target)
             return target, ""
-        told.append(f"{' '.join(command)}: {done.stderr.strip()[-500:]}")
+        messages.append(f"{' '.join(command)}: {done.stderr.strip()[-500:]}")
         aside.unlink(missing_ok=True)
-    return None, "; ".join(told) or "no C compiler was found"
+    return None, "; ".join(messages) or "no C compiler was found"

@@ -34,17 +34,17 @@ class _Search(NamedTuple):
 
 
 def _search(boundary: Any, n: int, cutting: Cutting) -> _Search:
-    problem, found = boundary.problem, boundary.found
-    m = int(found.count[0])
+    problem, angles = boundary.problem, boundary.found
+    m = int(angles.count[0])
     kept = [np.ascontiguousarray(boundary.pins), np.ascontiguousarray(boundary.falls)]
-    kept += [found.beta[0, :m].copy(), found.centre[0, :m].astype(np.int64)]
+    kept += [angles.beta[0, :m].copy(), angles.centre[0, :m].astype(np.int64)]
     loads = (float(v[0]) for v in (problem.lam, problem.mu, problem.phi, problem.span))
     of = _Boundary(
         *loads, boundary.low, boundary.high, boundary.deepest, boundary.whole_turns, boundary.passed, kept[0].size,
         address(kept[0]), address(kept[1]),
     )  # fmt: skip
-    told = (ctypes.byref(of), ctypes.c_int64(m), address(kept[2]), address(kept[3]))
-    return _Search((*told, points(n), cut(cutting, True)), (kept, of))
+    head = (ctypes.byref(of), ctypes.c_int64(m), address(kept[2]), address(kept[3]))
+    return _Search((*head, points(n), cut(cutting, True)), (kept, of))
 
 
 def transit_times(
@@ -96,9 +96,9 @@ def resume(
         Pin, sign, y, leaving and turns; None where the branch ends, or where it needs a leap or passes a helix.
     """
     angles, table = grid()
-    at, told = np.array(level, dtype=float), np.array(way, dtype=np.int64)
+    at, route = np.array(level, dtype=float), np.array(way, dtype=np.int64)
     status = functions().rod_continued(
         address(first), address(last), ctypes.c_int64(angles.size), address(angles), address(table),
-        points(n), cut(how, True), address(at), address(told),
+        points(n), cut(how, True), address(at), address(route),
     )  # fmt: skip
-    return (*at.tolist(), *told.tolist()) if fine(status) else None
+    return (*at.tolist(), *route.tolist()) if fine(status) else None

@@ -45,9 +45,9 @@ def widest() -> int:
 @cache
 def function(name: str, result: Any, *arguments: Any) -> Any:
     """A function of the library, with the ctypes of its result and arguments."""
-    found = getattr(library(), name)
-    found.restype, found.argtypes = result, arguments
-    return found
+    call = getattr(library(), name)
+    call.restype, call.argtypes = result, arguments
+    return call
 
 
 def begin_of(array: NDArray[Any]) -> int:
@@ -63,9 +63,9 @@ def address(array: NDArray[Any] | None) -> ctypes.c_void_p:
 
 def threads() -> int:
     """The number of threads that a call may use: that of the processors, or OMP_NUM_THREADS."""
-    told = os.environ.get("OMP_NUM_THREADS", "")
-    if told.isdigit():
-        return max(1, int(told))
+    limit = os.environ.get("OMP_NUM_THREADS", "")
+    if limit.isdigit():
+        return max(1, int(limit))
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -112,8 +112,8 @@ class Cutting(NamedTuple):
 @cache
 def _points(n: int) -> tuple[_Points, Any]:
     """The nodes of panels and the maps on them, and the arrays that hold them."""
-    one: Basis = basis(n)
-    kept = [np.ascontiguousarray(a) for a in (one.nodes, one.analyse, one.values, one.differentiate)]
+    panel: Basis = basis(n)
+    kept = [np.ascontiguousarray(a) for a in (panel.nodes, panel.analyse, panel.values, panel.differentiate)]
     return _Points(n, *(address(a) for a in kept)), kept
 
 

@@ -222,12 +222,12 @@ def meets(orbit: Any, numbers: Mapping[str, Array], periods: Integers, limits: L
     places = {name: begin_of(array) for name, array in kept.items()}
     if panels is not None:
         places["panels"] = ctypes.addressof(panels)
-    rods, found = _ComparedRods(**places, **limits._asdict(), lanes=widest()), np.empty(periods.size)
+    rods, answers = _ComparedRods(**places, **limits._asdict(), lanes=widest()), np.empty(periods.size)
     call = function("rod_meets", ctypes.c_int, *2 * [ctypes.c_void_p], *2 * [ctypes.c_int64])
 
     def part(a: int, b: int) -> None:
-        fine(call(ctypes.addressof(rods), begin_of(found), a, b))
+        fine(call(ctypes.addressof(rods), begin_of(answers), a, b))
 
     share_out(part, periods.size)
     del arrays
-    return found
+    return answers

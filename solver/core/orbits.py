@@ -75,12 +75,12 @@ def orbits(numbers: Array, pin: Any, n: int, cutting: Cutting) -> FoundOrbits | 
     pieces, status = ctypes.c_int64(), ctypes.c_int64()
     pinned = (None, None) if pin is None else tuple(np.ascontiguousarray(v, dtype=float) for v in pin)
     angles, table = grid()
-    made = core.rod_orbits(
+    handle = core.rod_orbits(
         ctypes.c_int64(B), address(numbers), address(pinned[0]), address(pinned[1]), ctypes.c_int64(angles.size),
         address(angles), address(table), points(n), cut(cutting, False),
         address(kind), address(direction), address(count), ctypes.byref(pieces), ctypes.byref(status),
     )  # fmt: skip
-    if made is None:
+    if handle is None:
         fine(status.value)
         return None
     P = int(count.sum())
@@ -88,7 +88,7 @@ def orbits(numbers: Array, pin: Any, n: int, cutting: Cutting) -> FoundOrbits | 
     series, duration, gain = np.empty((P, FUNCTIONS, n + 1)), np.empty(2 * B), np.empty((2 * B, 3))
     kept = np.empty((pieces.value, PIECE_COLUMNS))
     rest = (columns, arc, rank, series, duration, gain, kept)
-    core.rod_orbits_fetch(ctypes.c_void_p(made), ctypes.c_int64(P), *(address(a) for a in rest))
+    core.rod_orbits_fetch(ctypes.c_void_p(handle), ctypes.c_int64(P), *(address(a) for a in rest))
     return FoundOrbits(kind, direction, count, *rest)
 
 

@@ -83,7 +83,7 @@ def march(
     count = length.size
     rods, begin, length = (np.ascontiguousarray(v, dtype=float) for v in (rods, begin, length))
     goal, alike = np.ascontiguousarray(scale * truncation, dtype=float), rods.ndim == 1
-    end, found = np.empty((count, SIZE)), np.empty((count, SIZE, columns))
+    end, variations = np.empty((count, SIZE)), np.empty((count, SIZE, columns))
     growth, steps, errors = np.empty((count, BY_STATE)), np.empty(count, dtype=np.int64), np.empty((count, 2))
     room = 0 if stations is None else stations.size
     out = np.empty((SIZE, room) if judge else (room, SIZE))
@@ -100,14 +100,14 @@ def march(
 
         rod = at(rods, 0 if alike else 7), at(goal, 0 if alike else SIZE), alike
         stretch = at(begin, SIZE), at(length, 1), columns, deep, at(end, SIZE)
-        derived = (at(found, SIZE * columns), at(growth, BY_STATE)) if columns else (None, None)
+        derived = (at(variations, SIZE * columns), at(growth, BY_STATE)) if columns else (None, None)
         judged = at(errors, 2) if judge else None
         read = (None, None) if first is None or stations is None else (at(first, 1), begin_of(stations))
         written = begin_of(places), 1 if judge else SIZE, at(steps, 1)
         call(b - a, *rod, shorter, *stretch, *derived, judged, *read, *written, lanes, widest())
 
     share_out(part, count)
-    return March(end, found, growth, errors, out, steps)
+    return March(end, variations, growth, errors, out, steps)
 
 
 def solve_chain(
@@ -118,13 +118,13 @@ def solve_chain(
     transfer: (N, 8, 8), of the stretches. scale: (8,), of the states. start, end: (4, 8), rows of the conditions.
     stiffness: (N + 1, 2), of springs at the nodes, or None.
     """
-    found = np.array(right, dtype=float, order="C")
+    changes = np.array(right, dtype=float, order="C")
     blocks = [np.ascontiguousarray(v, dtype=float) for v in (transfer, scale, start, end)]
     springs = None if stiffness is None else np.ascontiguousarray(stiffness, dtype=float)
     call = function("rod_solve_chain", ctypes.c_int, _INT, *5 * [_AT], _INT, _AT)
     at = [begin_of(v) for v in blocks], None if springs is None else begin_of(springs)
-    failed = call(transfer.shape[0], *at[0], at[1], found.size // found.shape[0], begin_of(found))
-    return None if failed else found
+    failed = call(transfer.shape[0], *at[0], at[1], changes.size // changes.shape[0], begin_of(changes))
+    return None if failed else changes
 
 
 def count_negatives(transfer: Array, unit: Array, springs: Array, free: Booleans, held: Booleans) -> int:

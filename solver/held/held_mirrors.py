@@ -58,18 +58,18 @@ class Mirror:
 def mirrors_of(given: Given) -> list[Mirror]:
     """The images that have the given numbers of a problem."""
     known = dict(zip(given.names, given.values.tolist(), strict=True))
-    found = []
+    mirrors = []
     for negated, turned, backward in product((False, True), repeat=3):
         plain = Mirror(negated, turned, backward)
         image = dict(plain.number(name, value) for name, value in known.items())
         if plain == Mirror(False, False, False) or image.keys() != known.keys():
             continue
         turns = [(known[name] - image[name]) / TAU for name in ("beta0", "betaL") if name in known]
-        one = replace(plain, whole_turns=round(turns[0])) if turns else plain
-        image = dict(one.number(name, value) for name, value in known.items())
+        mirror = replace(plain, whole_turns=round(turns[0])) if turns else plain
+        image = dict(mirror.number(name, value) for name, value in known.items())
         if all(abs(image[name] - value) <= _EQUAL * (1 + abs(value)) for name, value in known.items()):
-            found.append(one)
-    return found
+            mirrors.append(mirror)
+    return mirrors
 
 
 def half_period_later(state: OrbitState, given: Given) -> OrbitState | None:

@@ -84,59 +84,59 @@ def held_search(
     own: ranges of unknown numbers in place of the default ones; values: how many of each. tries: the deflations without
     a new equilibrium after which the search ends.
     """
-    found = HeldFound(given, ranges_of(given, own, values))
+    result = HeldFound(given, ranges_of(given, own, values))
     scanned = hinged_states(given)
-    points = [] if scanned else swept(given, found.ranges, most_periods)
-    found.problems, found.equilibria = len(points), sum(len(point.states) for point in points)
-    helices, found.any_load = helices_of(given)
+    points = [] if scanned else swept(given, result.ranges, most_periods)
+    result.problems, result.equilibria = len(points), sum(len(point.states) for point in points)
+    helices, result.any_load = helices_of(given)
     for state in helices:
-        found.add(state, HELIX)  # first: an orbit whose swings fall to rounding is the helix
+        result.add(state, HELIX)  # first: an orbit whose swings fall to rounding is the helix
     for start in scanned:
         if not isinstance(whole := settle(start.problem, start.path, given), str):
-            found.add(whole, SCANNED)
+            result.add(whole, SCANNED)
     if scanned:
-        return found
-    for some in starts_of(points, found.ranges):
-        found.starts += 1
-        found.failed += not _continue_from(found, some)
-    _across_folds(found, 0)
-    _deflate(found, points, tries)
-    return found
+        return result
+    for starts in starts_of(points, result.ranges):
+        result.starts += 1
+        result.failed += not _continue_from(result, starts)
+    _across_folds(result, 0)
+    _deflate(result, points, tries)
+    return result
 
 
-def _continue_from(found: HeldFound, some: list[OrbitState]) -> bool:
+def _continue_from(result: HeldFound, starts: list[OrbitState]) -> bool:
     """Whether one of the starts led to an equilibrium with the given numbers."""
-    for start in some:
-        state = carry(start, found.given, _STEPS)
+    for start in starts:
+        state = carry(start, result.given, _STEPS)
         if not isinstance(state, Stopped):
-            found.add(state, CONTINUED)
+            result.add(state, CONTINUED)
             return True
     return False
 
 
-def _across_folds(found: HeldFound, first: int) -> None:
+def _across_folds(result: HeldFound, first: int) -> None:
     """Add the partners across the nearest folds of the equilibria from the first on, and of these partners."""
-    while first < len(found.states):
-        for guess in across_fold(found.states[first], found.given)[:1]:
-            state = deflate(guess, found.given, found.known)
+    while first < len(result.states):
+        for guess in across_fold(result.states[first], result.given)[:1]:
+            state = deflate(guess, result.given, result.known)
             if state is not None:
-                found.add(state, FOLDED)
+                result.add(state, FOLDED)
         first += 1
 
 
-def _deflate(found: HeldFound, points: list[Point], tries: int) -> None:
+def _deflate(result: HeldFound, points: list[Point], tries: int) -> None:
     seeds = [state for point in points for state in point.states]
     rng = np.random.default_rng(_SEED)
     fruitless = 0
     while seeds and fruitless < tries:
-        found.tries += 1
-        state = deflate(seeds[int(rng.integers(len(seeds)))], found.given, found.known)
-        before = len(found.states)
-        if state is None or not found.add(state, DEFLATED):
+        result.tries += 1
+        state = deflate(seeds[int(rng.integers(len(seeds)))], result.given, result.known)
+        before = len(result.states)
+        if state is None or not result.add(state, DEFLATED):
             fruitless += 1
             continue
-        fruitless = 0 if len(found.states) > before else fruitless + 1
-        _across_folds(found, before)
+        fruitless = 0 if len(result.states) > before else fruitless + 1
+        _across_folds(result, before)
 
 
 def _settle(state: OrbitState, given: Given) -> OrbitState:

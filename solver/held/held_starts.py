@@ -51,8 +51,8 @@ def from_seed(wanted: Given, problem: EndsProblem, path: Path | None) -> Reached
     if path is None:
         return "failed: the seed is not a solution of its own ends problem"
     seed = state_of(problem, path, wanted.hinged)
-    found = carry(seed, wanted)
-    return outcome_of(found) if isinstance(found, Stopped) else Reached(found, said_of_seed(seed, found, wanted), seed)
+    state = carry(seed, wanted)
+    return outcome_of(state) if isinstance(state, Stopped) else Reached(state, said_of_seed(seed, state, wanted), seed)
 
 
 def outcome_of(found: Stopped) -> str:
@@ -74,7 +74,7 @@ def nearest_start(wanted: Given, problem: HeldProblem) -> Reached | str:
         reached, more, _ = _reach(wanted, _starts(wanted, problem, near), helices, _STEPS_NEAR)
         tried += more
     reached = reached or themselves
-    stable = [one for one in reached if index_of(one.state, wanted) == 0]
+    stable = [candidate for candidate in reached if index_of(candidate.state, wanted) == 0]
     return [*stable, *reached][0] if reached else f"{why}; {tried} starts were tried; in Python a seed may help"
 
 
@@ -88,13 +88,13 @@ def _reach(
     reached: list[Reached] = []
     why = ""
     for tried, start in enumerate(starts[:_TRIED], 1):
-        found = carry(start, wanted, steps)
-        if isinstance(found, Stopped):
-            why = why or outcome_of(found)
+        state = carry(start, wanted, steps)
+        if isinstance(state, Stopped):
+            why = why or outcome_of(state)
             continue
-        found = next((helix for helix in helices if is_known(found, [numbers_of(helix)])), found)
-        reached.append(Reached(found, _dead(start)))
-        if index_of(found, wanted) == 0 or len(reached) == _REACHED:
+        state = next((helix for helix in helices if is_known(state, [numbers_of(helix)])), state)
+        reached.append(Reached(state, _dead(start)))
+        if index_of(state, wanted) == 0 or len(reached) == _REACHED:
             return reached, tried, why
     return reached, len(starts[:_TRIED]), why or "failed: no equilibrium under dead loads was found to start from"
 
@@ -107,7 +107,7 @@ def _dead(start: OrbitState) -> DeadStart:
 
 def _starts(wanted: Given, problem: HeldProblem, guesses: list[dict[str, float]]) -> list[OrbitState]:
     """Dead-load equilibria, that with the nearest displacements first."""
-    found: list[tuple[float, OrbitState]] = []
+    ranked: list[tuple[float, OrbitState]] = []
     for numbers in guesses:
         guess = EndsProblem(**{name: np.array([numbers[name]]) for name in FREE}, span=problem.span)
         every = search_levels(guess, most_turns=_MOST_TURNS)
@@ -124,9 +124,9 @@ def _starts(wanted: Given, problem: HeldProblem, guesses: list[dict[str, float]]
         )
         for k, path in enumerate(paths):
             state = OrbitState(guess, path, rates.take(slice(k, k + 1)))
-            found.append((_far(state, wanted) + _UNSTABLE * index[k], state))
-    found = [one for one in found if np.isfinite(one[0])]
-    return [state for _, state in sorted(found, key=lambda one: one[0])]
+            ranked.append((_far(state, wanted) + _UNSTABLE * index[k], state))
+    ranked = [pair for pair in ranked if np.isfinite(pair[0])]
+    return [state for _, state in sorted(ranked, key=lambda pair: pair[0])]
 
 
 def _far(state: OrbitState, wanted: Given) -> float:
@@ -152,15 +152,15 @@ def _guesses(wanted: Given, problem: HeldProblem) -> list[dict[str, float]]:
             options[name] = [known[name]]
     ends = [name for name in ("beta0", "betaL") if name in known]
     angles = [[known[n]] if n in known else [mean + d for d in ((0.3, -0.3) if ends else (0.3,))] for n in FREE[:2]]
-    found = []
+    guesses = []
     for phi, mu, b0, bL in product(options["phi"], options["mu"], *angles):
         if len(ends) == 0:
             bL = 2 * mean - b0
         lams = list(options["lam"])
         if "lam" not in known:
             lams.append(_helix_moment(mean, mu, phi))
-        found += [{"phi": phi, "mu": mu, "lam": lam, "beta0": b0, "betaL": bL} for lam in dict.fromkeys(lams)]
-    return found
+        guesses += [{"phi": phi, "mu": mu, "lam": lam, "beta0": b0, "betaL": bL} for lam in dict.fromkeys(lams)]
+    return guesses
 
 
 def _next_to_helices(wanted: Given, guesses: list[dict[str, float]]) -> list[dict[str, float]]:
@@ -170,7 +170,7 @@ def _next_to_helices(wanted: Given, guesses: list[dict[str, float]]) -> list[dic
     angle that is far from the helix does not resolve it.
     """
     free = [name for name in FREE[:2] if name not in wanted.names]
-    found = []
+    beside = []
     for guess in guesses if len(free) == 1 else []:
         (name,) = free
         other = guess["betaL" if name == "beta0" else "beta0"]
@@ -179,8 +179,8 @@ def _next_to_helices(wanted: Given, guesses: list[dict[str, float]]) -> list[dic
         for angle in points.beta[~points.centre & np.isfinite(points.beta)]:
             way = float(np.remainder(angle - other + np.pi, TAU) - np.pi)
             if way and abs(way) < np.pi / 2:
-                found.append(guess | {name: other + (1 - _SHORT) * way})
-    return list({tuple(one.values()): one for one in found}.values())
+                beside.append(guess | {name: other + (1 - _SHORT) * way})
+    return list({tuple(guess.values()): guess for guess in beside}.values())
 
 
 def _mean_angle(known: dict[str, float], span: float) -> float:

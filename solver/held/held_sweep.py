@@ -43,14 +43,14 @@ class Point:
 def swept(given: Given, ranges: Ranges, most_periods: int) -> list[Point]:
     """The equilibria at all points of the grid."""
     known = dict(zip(given.names, given.values.tolist(), strict=True))
-    found = []
+    points = []
     for values in ranges.points():
         numbers = {name: values.get(name, known.get(name)) for name in FREE}
         problem = EndsProblem(
             **{name: np.array([value]) for name, value in numbers.items()}, span=np.array([given.span])
         )
-        found.append(_point(problem, given, list(ranges.bounds), most_periods))
-    return found
+        points.append(_point(problem, given, list(ranges.bounds), most_periods))
+    return points
 
 
 def _point(problem: EndsProblem, given: Given, unknown: list[str], most_periods: int) -> Point:
@@ -70,14 +70,14 @@ def _point(problem: EndsProblem, given: Given, unknown: list[str], most_periods:
 def _held(rates: OrbitRates, given: Given, unknown: list[str]) -> tuple[Array, Array]:
     response = rates.response(FREE)[:, :, [FREE.index(name) for name in unknown]]
     off, slope = [], []
-    for name, wanted in zip(given.names, given.values, strict=True):
+    for name, value in zip(given.names, given.values, strict=True):
         if name == "turn":
             twist = given.ratio * rates.length
             mu, swirl = NUMBERS.index("mu"), NUMBERS.index("swirl")
-            off.append(twist * rates.values[:, mu] - rates.values[:, swirl] - wanted)
+            off.append(twist * rates.values[:, mu] - rates.values[:, swirl] - value)
             slope.append(twist[:, None] * response[:, mu] - response[:, swirl])
         elif name not in FREE:
-            off.append(rates.value(name) - wanted)
+            off.append(rates.value(name) - value)
             slope.append(response[:, NUMBERS.index(name)])
     return np.stack(off, axis=1), np.stack(slope, axis=1)
 
@@ -87,50 +87,52 @@ def starts_of(points: list[Point], ranges: Ranges) -> list[list[OrbitState]]:
     if len(ranges.bounds) == 1:
         (axis,) = ranges.axes().values()
         return [
-            some for i, (one, two) in enumerate(pairwise(points)) for some in _between(one, two, axis[i + 1] - axis[i])
+            group
+            for i, (lower, upper) in enumerate(pairwise(points))
+            for group in _between(lower, upper, axis[i + 1] - axis[i])
         ]
     return _nearest(points, ranges)
 
 
-def _between(one: Point, two: Point, step: float) -> list[list[OrbitState]]:
+def _between(lower: Point, upper: Point, step: float) -> list[list[OrbitState]]:
     """Starts between two neighbouring values of one unknown."""
     starts, alone = list[list[OrbitState]](), list[tuple[float, OrbitState]]()
-    first, second = _classes(one), _classes(two)
+    first, second = _classes(lower), _classes(upper)
     for kind in first.keys() | second.keys():
-        here, there = first[kind], second[kind]
-        if len(here) != len(there):
-            for point, some, inward in ((one, here, step), (two, there, -step)):
-                for i in some:
+        below, above = first[kind], second[kind]
+        if len(below) != len(above):
+            for point, indices, inward in ((lower, below, step), (upper, above, -step)):
+                for i in indices:
                     off, slope = float(point.off[i, 0]), float(point.slope[i, 0, 0])
                     alone.append((off, point.states[i]))
                     if 0 < -off / (slope * inward or np.inf) <= _STEPS_AWAY:
                         starts.append([point.states[i]])
             continue
-        for i, j in zip(here, there, strict=True):
-            a, b = float(one.off[i, 0]), float(two.off[j, 0])
-            pair = [one.states[i], two.states[j]][:: 1 if abs(a) <= abs(b) else -1]
-            if a * b <= 0 or _returns(a, b, step * float(one.slope[i, 0, 0]), step * float(two.slope[j, 0, 0])):
+        for i, j in zip(below, above, strict=True):
+            a, b = float(lower.off[i, 0]), float(upper.off[j, 0])
+            pair = [lower.states[i], upper.states[j]][:: 1 if abs(a) <= abs(b) else -1]
+            if a * b <= 0 or _returns(a, b, step * float(lower.slope[i, 0, 0]), step * float(upper.slope[j, 0, 0])):
                 starts.append(pair)
-    sides = [[one for one in alone if one[0] * sign > 0] for sign in (1, -1)]
+    sides = [[entry for entry in alone if entry[0] * sign > 0] for sign in (1, -1)]
     if all(sides):
-        starts += [[min(side, key=lambda one: abs(one[0]))[1]] for side in sides]
+        starts += [[min(side, key=lambda entry: abs(entry[0]))[1]] for side in sides]
     return starts
 
 
 def _classes(point: Point) -> dict[tuple[int, int], list[int]]:
     """The equilibria on each path, in the order of their levels."""
-    found = defaultdict[tuple[int, int], list[int]](list)
+    classes = defaultdict[tuple[int, int], list[int]](list)
     for i, state in enumerate(point.states):
-        found[state.path.leaving, state.path.turns].append(i)
+        classes[state.path.leaving, state.path.turns].append(i)
 
     def level(i: int) -> tuple[float, float]:
         path = point.states[i].path
         gap = path.sign * float(np.exp(max(path.y, -300.0)))
         return float(potential(point.states[i].problem, np.array([path.pin]))[0]) + gap, path.sign * path.y
 
-    for some in found.values():
-        some.sort(key=level)
-    return found
+    for members in classes.values():
+        members.sort(key=level)
+    return classes
 
 
 def _returns(a: float, b: float, a_slope: float, b_slope: float) -> bool:
@@ -149,13 +151,13 @@ def _returns(a: float, b: float, a_slope: float, b_slope: float) -> bool:
 
 def _nearest(points: list[Point], ranges: Ranges) -> list[list[OrbitState]]:
     step = np.array([float(np.ptp(axis)) / (axis.size - 1) for axis in ranges.axes().values()])
-    found: list[tuple[float, OrbitState]] = []
+    ranked: list[tuple[float, OrbitState]] = []
     for point in points:
         for state, off, slope in zip(point.states, point.off, point.slope, strict=True):
             away = np.inf
             if np.isfinite(slope).all() and np.linalg.cond(slope) < 1e12:
                 away = float(np.abs(np.linalg.solve(slope, off) / step).max())
-            found.append((away, state))
-    found.sort(key=lambda one: one[0])
-    count = sum(away <= _STEPS_AWAY for away, _ in found)
-    return [[state] for _, state in found[: min(max(count, _FEWEST), _MOST)]]
+            ranked.append((away, state))
+    ranked.sort(key=lambda entry: entry[0])
+    count = sum(away <= _STEPS_AWAY for away, _ in ranked)
+    return [[state] for _, state in ranked[: min(max(count, _FEWEST), _MOST)]]

@@ -54,7 +54,7 @@ def hinged_states(given: Given) -> list[OrbitState]:
     problem = EndsProblem(beta0=np.zeros(1), betaL=np.zeros(1), span=np.array([given.span]), **loads)
     roots = _roots(off, _angles(problem, rate))
     beta, speed = ends(roots)
-    found = []
+    states = []
     for x, b, v in zip(roots, beta, speed, strict=True):
         if rate == 0 and abs(float(slope(problem, np.array([x]))[0])) < _STILL:
             continue
@@ -63,8 +63,8 @@ def hinged_states(given: Given) -> list[OrbitState]:
         start = StartProblem(beta0=np.array([first + turns]), dbeta0=np.array([v0]), span=problem.span, **loads)
         rates = start_rates(start)
         if np.isfinite(rates.values).all():
-            found.append(corner_state(rates, float(v0)))
-    return found
+            states.append(corner_state(rates, float(v0)))
+    return states
 
 
 def _roots(off: Callable[[Array], Array], angles: Array) -> Array:

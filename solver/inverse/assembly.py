@@ -82,40 +82,42 @@ def _nothing(model: "Model") -> Fit:
 
 
 def _values(model: "Model", x: Array) -> dict[str, float]:
-    return {one.name: one.value(float(v)) for one, v in zip(model.parameters, x, strict=True)}
+    return {parameter.name: parameter.value(float(v)) for parameter, v in zip(model.parameters, x, strict=True)}
 
 
 def _in_units(model: "Model", way: Array) -> dict[str, float]:
     """A direction by field: relative for a positive field, else in its unit; scaled so that the first one is 1."""
-    found = {one.name: d * (one.scale or 1.0) for one, d in zip(model.parameters, way, strict=True) if d}
-    first = next(iter(found.values()))
-    return {name: float(value / first) for name, value in found.items()}
+    changes = {
+        parameter.name: d * (parameter.scale or 1.0) for parameter, d in zip(model.parameters, way, strict=True) if d
+    }
+    first = next(iter(changes.values()))
+    return {name: float(value / first) for name, value in changes.items()}
 
 
 def _others(model: "Model", minima: Sequence["Minimum"], known: Uncertainty) -> "list[OtherMinimum]":
     """The other minima. Where the data do not determine all parameters, equal ones are places of one valley."""
-    found: list[Minimum] = [minima[0]]
-    for one in minima[1:]:
-        levels = [other.cost * (1 + EQUAL) + model.data.size * ZERO for other in found]
-        low = any(one.cost <= level for level in levels) if known.directions else False
-        if not one.stop and not low:
-            found.append(one)
+    places: list[Minimum] = [minima[0]]
+    for minimum in minima[1:]:
+        levels = [other.cost * (1 + EQUAL) + model.data.size * ZERO for other in places]
+        low = any(minimum.cost <= level for level in levels) if known.directions else False
+        if not minimum.stop and not low:
+            places.append(minimum)
     return [
         OtherMinimum(
-            _values(model, one.x), one.cost, _as_good(model, one, minima[0], known),
-            tuple(part.name for part, free in zip(model.parameters, one.free, strict=True) if not free),
+            _values(model, minimum.x), minimum.cost, _as_good(model, minimum, minima[0], known),
+            tuple(part.name for part, free in zip(model.parameters, minimum.free, strict=True) if not free),
         )
-        for one in found[1:]
+        for minimum in places[1:]
     ]  # fmt: skip
 
 
-def _as_good(model: "Model", one: "Minimum", best: "Minimum", known: Uncertainty) -> bool:
+def _as_good(model: "Model", minimum: "Minimum", best: "Minimum", known: Uncertainty) -> bool:
     """Whether the data do not exclude a minimum: by the likelihood ratio, or where sigma is unknown by the F test."""
-    F, more = best.x.size, 2 * (one.cost - best.cost)
+    F, more = best.x.size, 2 * (minimum.cost - best.cost)
     if model.data.known:
         return bool(more <= special.chdtri(F, 1 - LEVEL))
     if known.freedom <= 0:
-        return bool(np.abs(one.found.residuals).max() <= _EXACT)
+        return bool(np.abs(minimum.found.residuals).max() <= _EXACT)
     variance = 2 * best.cost / known.freedom
     return bool(more <= F * variance * special.fdtri(F, known.freedom, LEVEL))
 
@@ -123,10 +125,10 @@ def _as_good(model: "Model", one: "Minimum", best: "Minimum", known: Uncertainty
 def _measure(model: "Model") -> Array:
     """The data as measured, (N,); the distance of a point is 0."""
     points = model.data.points
-    found = [np.array(list(model.data.targets.values()))]
+    columns = [np.array(list(model.data.targets.values()))]
     if points is not None:
-        found += [np.zeros(points.size)] if points.groups == (DISTANCE,) else list(points.columns.values())
-    return np.concatenate(found)
+        columns += [np.zeros(points.size)] if points.groups == (DISTANCE,) else list(points.columns.values())
+    return np.concatenate(columns)
 
 
 def _as_given(model: "Model") -> Any:
@@ -141,9 +143,9 @@ def _as_given(model: "Model") -> Any:
 
 def _feet(model: "Model", best: "Minimum") -> tuple[Array, Array, Array] | None:
     """s, alpha and z of the rod at the points, in the order in which these were given."""
-    points, found = model.data.points, best.found
+    points, evaluation = model.data.points, best.found
     if points is None:
         return None
-    place = np.arange(points.size) if found.feet is None else found.feet.order
+    place = np.arange(points.size) if evaluation.feet is None else evaluation.feet.order
     at = place[np.argsort(points.order, kind="stable")]
-    return found.sol.s[at], found.sol.alpha[at], found.sol.z[at]
+    return evaluation.sol.s[at], evaluation.sol.alpha[at], evaluation.sol.z[at]

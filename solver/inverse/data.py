@@ -70,15 +70,15 @@ class Data:
 
 def check_data(case: Case, targets: Any, points: Any, sigma: Any, wrapped: bool) -> Data:
     """The data. Raises `InputError` where they are invalid."""
-    wanted = {name: _number(f"the target {name}", value) for name, value in dict(targets or {}).items()}
-    _check_targets(wanted)
+    goals = {name: _number(f"the target {name}", value) for name, value in dict(targets or {}).items()}
+    _check_targets(goals)
     columns, s = _columns(points) if points is not None else ({}, None)
-    if not wanted and not columns:
+    if not goals and not columns:
         raise InputError("fit needs data: give targets, such as height = 10, or measured points")
-    sigmas = _sigmas(dict(sigma or {}), wanted, columns, s)
-    sizes = {name: float(sigmas[name]) if sigmas else scale_of(case, name, value) for name, value in wanted.items()}
+    sigmas = _sigmas(dict(sigma or {}), goals, columns, s)
+    sizes = {name: float(sigmas[name]) if sigmas else scale_of(case, name, value) for name, value in goals.items()}
     if not columns:
-        return Data(wanted, sizes, None, bool(sigmas))
+        return Data(goals, sizes, None, bool(sigmas))
     if s is not None and s.max() > float(case.rod.L):
         raise InputError(f"a point has s = {s.max():g}, beyond the end of the rod at L = {float(case.rod.L):g}")
     count = next(iter(columns.values())).size
@@ -86,7 +86,7 @@ def check_data(case: Case, targets: Any, points: Any, sigma: Any, wrapped: bool)
     units = {"alpha": 1.0, "beta": 1.0, "z": float(case.rho)}
     each = {name: np.broadcast_to(sigmas[name] if sigmas else units[name], count)[order] for name in columns}
     sorted_ = {name: values[order] for name, values in columns.items()}
-    return Data(wanted, sizes, Points(sorted_, each, None if s is None else s[order], order, wrapped), bool(sigmas))
+    return Data(goals, sizes, Points(sorted_, each, None if s is None else s[order], order, wrapped), bool(sigmas))
 
 
 def _check_targets(names: Mapping[str, float]) -> None:
@@ -109,37 +109,37 @@ def _columns(points: Any) -> tuple[dict[str, Array], Array | None]:
     for name in points.keys():  # noqa: SIM118  (a table of pandas iterates over its columns only by keys)
         if name not in known:
             raise no_such("column of points", name, known)
-    found = {name: _array(name, points[name]) for name in known if name in points.keys()}  # noqa: SIM118
-    sizes = {name: values.size for name, values in found.items()}
+    table = {name: _array(name, points[name]) for name in known if name in points.keys()}  # noqa: SIM118
+    sizes = {name: values.size for name, values in table.items()}
     if len(set(sizes.values())) > 1:
         raise InputError(f"the columns of the points must have one length, got {sizes}")
-    s = found.pop("s", None)
+    s = table.pop("s", None)
     if s is not None and (s < 0).any():
         raise InputError(f"arc lengths of points must not be negative, got s = {s.min():g}")
-    if not found or (s is None and set(found) != {"alpha", "z"}):
-        given = choices([*(["s"] if s is not None else []), *found]) or "none"
+    if not table or (s is None and set(table) != {"alpha", "z"}):
+        given = choices([*(["s"] if s is not None else []), *table]) or "none"
         raise InputError(f"points need alpha and z, or s and one of {choices(COLUMNS)}, got {given}")
-    return found, s
+    return table, s
 
 
 def _array(name: str, values: Any) -> Array:
     try:
-        found = np.asarray(values, dtype=float)
+        numbers = np.asarray(values, dtype=float)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"the column {name} of the points must hold numbers, got {values!r:.60}") from None
-    if found.ndim != 1 or not found.size or not np.isfinite(found).all():
-        raise InputError(f"the column {name} of the points must be a list of finite numbers, got shape {found.shape}")
-    return found
+    if numbers.ndim != 1 or not numbers.size or not np.isfinite(numbers).all():
+        raise InputError(f"the column {name} of the points must be a list of finite numbers, got shape {numbers.shape}")
+    return numbers
 
 
 def _number(what: str, value: Any) -> float:
     try:
-        found = float(value)
+        number = float(value)
     except (TypeError, ValueError, OverflowError):
-        found = np.nan
-    if not np.isfinite(found):
+        number = np.nan
+    if not np.isfinite(number):
         raise InputError(f"{what} must be a finite number, got {show(value)}")
-    return found
+    return number
 
 
 def _sigmas(
@@ -150,7 +150,7 @@ def _sigmas(
     for name in sigma:
         if name not in names:
             raise no_such("datum", name, names)
-    found: dict[str, Any] = {}
+    sigmas: dict[str, Any] = {}
     for name, value in sigma.items():
         count = 1 if name in targets else columns[name].size
         try:
@@ -160,10 +160,10 @@ def _sigmas(
         if numbers.shape not in ((), (count,)) or not (np.isfinite(numbers) & (numbers > 0)).all():
             shape = "a positive number" if name in targets else f"a positive number, or {count} of them"
             raise InputError(f"sigma of {name} must be {shape}, got {value!r:.60}")
-        found[name] = numbers if numbers.ndim == 0 or name not in targets else numbers[0]
+        sigmas[name] = numbers if numbers.ndim == 0 or name not in targets else numbers[0]
     if sigma and (missing := [name for name in names if name not in sigma]):
         raise InputError(f"sigma is given of {choices(sigma)} and not of {choices(missing)}: give it of all or of none")
-    return found
+    return sigmas
 
 
 def scale_of(case: Case, name: str, value: float) -> float:

@@ -35,16 +35,16 @@ def fit_from(
         raise InputError(f"starts must be from 0 to {MOST_STARTS}, got {starts}")
     model = Model(case, parameters, data, check(choose), check_tolerance(tol))
     model.starts = starts
-    own = np.array([parameter.start for parameter in parameters])
-    first = _search(model, own, [])
+    origin = np.array([parameter.start for parameter in parameters])
+    first = _search(model, origin, [])
     minima = [] if first is None else [first]
     others = _starts(model, starts, seed)
     idle = _idle(model, first, others)
     for start in others:
-        one = _search(model, np.where(idle, own, start), minima)
-        if one is not None:
-            minima.append(one)
-    moved = [one for one in minima if one.jacobian.any()]  # the others may be maxima
+        minimum = _search(model, np.where(idle, origin, start), minima)
+        if minimum is not None:
+            minima.append(minimum)
+    moved = [minimum for minimum in minima if minimum.jacobian.any()]  # the others may be maxima
     return result(model, _distinct(moved or minima, data.size))
 
 
@@ -63,29 +63,29 @@ def _search(model: Model, start: Array, known: list[Minimum]) -> Minimum | None:
     def jacobian(x: Array) -> Array:
         if seen and np.array_equal(seen[-1][0].x, x):
             return seen[-1][1]
-        found = model.jacobian(x)
-        seen.append((model.evaluation(x), found))
-        return found
+        rates = model.jacobian(x)
+        seen.append((model.evaluation(x), rates))
+        return rates
 
     def near(intermediate_result: Any) -> None:
-        if any(_close(intermediate_result.x, one.x) for one in known):
+        if any(_close(intermediate_result.x, minimum.x) for minimum in known):
             raise StopIteration
 
     bounds = np.array([parameter.bounds for parameter in model.parameters]).T
     try:
         if not jacobian(start).any() or not residuals.any():  # no direction is better, or nothing is left to gain
             return Minimum(*seen[0], float(residuals @ residuals) / 2, np.ones(start.size, dtype=bool))
-        found = least_squares(
+        answer = least_squares(
             model.residuals, start, jacobian, tuple(bounds), x_scale="jac", ftol=_GAIN, xtol=_STEP, gtol=None,
             max_nfev=_EVALUATIONS, callback=near,
         )  # fmt: skip
     except NoValueError as error:
         return _stop(seen, str(error))
-    if found.status == -2:
+    if answer.status == -2:
         return None
-    stop = "" if found.status > 0 else f"the search did not end in {_EVALUATIONS} evaluations"
-    best = next(pair for pair in reversed(seen) if np.array_equal(pair[0].x, found.x))
-    return Minimum(*best, float(found.cost), found.active_mask == 0, stop)
+    stop = "" if answer.status > 0 else f"the search did not end in {_EVALUATIONS} evaluations"
+    best = next(pair for pair in reversed(seen) if np.array_equal(pair[0].x, answer.x))
+    return Minimum(*best, float(answer.cost), answer.active_mask == 0, stop)
 
 
 def _idle(model: Model, first: Minimum | None, starts: list[Array]) -> Array:
@@ -125,9 +125,9 @@ def _starts(model: Model, count: int, seed: int) -> list[Array]:
     low, high = np.array([parameter.span for parameter in model.parameters]).T
     x = low + u * (high - low)
     residuals = np.empty((count, model.data.size))
-    for i, one in enumerate(x):
+    for i, place in enumerate(x):
         model.begin()
-        residuals[i] = model.residuals(one)
+        residuals[i] = model.residuals(place)
     costs = (np.where(np.isfinite(residuals), residuals, np.inf) ** 2).sum(axis=1)
     order = np.argsort(costs, kind="stable")
     distances = np.linalg.norm(u[:, None] - u, axis=2)
@@ -138,27 +138,27 @@ def _starts(model: Model, count: int, seed: int) -> list[Array]:
 
 def _crossings(model: Model, x: Array, residuals: Array) -> list[Array]:
     """The zeros of the only residual between neighbours of different sign, by Brent's rule."""
-    order, found = np.argsort(x), []
+    order, zeros = np.argsort(x), []
     for i, j in pairwise(order):
         if residuals[i] * residuals[j] < 0:
             model.begin()
             try:
-                found.append(brentq(lambda v: float(model.residuals(np.array([v]))[0]), x[i], x[j], rtol=_STEP))
+                zeros.append(brentq(lambda v: float(model.residuals(np.array([v]))[0]), x[i], x[j], rtol=_STEP))
             except ValueError:  # there is no value between them
                 continue
-    return [np.array([one]) for one in found]
+    return [np.array([zero]) for zero in zeros]
 
 
 def _distinct(minima: list[Minimum], size: int) -> list[Minimum]:
     """The different minima, lowest first; that of the first search before others that are as low."""
-    found: list[Minimum] = []
-    for one in sorted(minima, key=lambda one: (bool(one.stop), one.cost)):
-        if not any(_close(one.x, other.x) for other in found):
-            found.append(one)
-    first, lowest = minima[:1], found[0].cost if found else 0.0
+    different: list[Minimum] = []
+    for minimum in sorted(minima, key=lambda minimum: (bool(minimum.stop), minimum.cost)):
+        if not any(_close(minimum.x, other.x) for other in different):
+            different.append(minimum)
+    first, lowest = minima[:1], different[0].cost if different else 0.0
     if first and not first[0].stop and first[0].cost <= lowest * (1 + EQUAL) + size * ZERO:
-        found = first + [one for one in found if not _close(one.x, first[0].x)]
-    return found
+        different = first + [minimum for minimum in different if not _close(minimum.x, first[0].x)]
+    return different
 
 
 def _close(x: Array, y: Array) -> bool:

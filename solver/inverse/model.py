@@ -86,12 +86,12 @@ class Model:
 
     def jacobian(self, x: Array) -> Array:
         """The derivatives of the residuals by x, (N, F). Raises `NoValueError` where one does not exist."""
-        found = self.evaluation(x)
+        evaluation = self.evaluation(x)
         if isinstance(self.case.given, Ends):
-            self._branch = found.sol  # x was accepted
+            self._branch = evaluation.sol  # x was accepted
         self.derivatives += 1
         fields, targets = [parameter.name for parameter in self.parameters], list(self.data.targets)
-        known = found.sol.sensitivity(fields, targets)
+        known = evaluation.sol.sensitivity(fields, targets)
         if not known.solved:
             raise NoValueError(f"at {values_in_words(self.parameters, x)}: {known.outcome}")
         for name in targets:
@@ -99,16 +99,16 @@ class Model:
                 raise NoValueError(f"at {values_in_words(self.parameters, x)}: {name} has {known.remarks[name]}")
         rows = [known.observables[name] / self.data.sizes[name] for name in targets]
         if self.data.points is not None:
-            rows += list(self._of_points(found, known))
-        rates = [one.rate(one.value(float(v))) for one, v in zip(self.parameters, x, strict=True)]
+            rows += list(self._of_points(evaluation, known))
+        rates = [parameter.rate(parameter.value(float(v))) for parameter, v in zip(self.parameters, x, strict=True)]
         return np.vstack(rows) * np.array(rates)
 
-    def _of_points(self, found: Evaluation, known: Any) -> list[Array]:
+    def _of_points(self, evaluation: Evaluation, known: Any) -> list[Array]:
         """The derivatives of the residuals of the points, a block (P, F) for each column."""
-        points, sol = self.data.points, found.sol
+        points, sol = self.data.points, evaluation.sol
         assert points is not None
-        if found.feet is not None:
-            at, feet_ = found.feet.order, found.feet
+        if evaluation.feet is not None:
+            at, feet_ = evaluation.feet.order, evaluation.feet
             moved = feet_.by_alpha * known.alpha[:, at] + feet_.by_z * known.z[:, at]
             return [moved.T]
         rho, s, L = float(sol.case.rho), sol.s, float(sol.case.rod.L)
@@ -124,24 +124,24 @@ class Model:
 
     @np.errstate(over="ignore", invalid="ignore")  # such values are refused at the end
     def _evaluate(self, x: Array) -> Evaluation:
-        values = {one.name: one.value(float(v)) for one, v in zip(self.parameters, x, strict=True)}
+        values = {parameter.name: parameter.value(float(v)) for parameter, v in zip(self.parameters, x, strict=True)}
         try:
             case = replace(self.case, values)
         except InputError as error:
             raise NoValueError(str(error)) from None
-        points, found = self.data.points, None
+        points, nearest = self.data.points, None
         if points is not None and points.s is None:
-            found = feet(lambda stations: self._solve(case, stations), points)
-            sol = found.sol
+            nearest = feet(lambda stations: self._solve(case, stations), points)
+            sol = nearest.sol
         else:
             s = None if points is None else points.s
             if s is not None and s[-1] > float(case.rod.L):
                 raise NoValueError("the rod is shorter than the s of a point")
             sol = self._solve(case, 2 if s is None else s)
-        computed, residuals = self._compare(sol, found)
+        computed, residuals = self._compare(sol, nearest)
         if not np.isfinite(residuals @ residuals):
             raise NoValueError("the squares of the residuals are beyond the range of floats")
-        return Evaluation(x.copy(), sol, computed, residuals, found)
+        return Evaluation(x.copy(), sol, computed, residuals, nearest)
 
     def _solve(self, case: Case, stations: Any) -> Solution:
         self.solves += 1
@@ -155,7 +155,7 @@ class Model:
             raise NoValueError(str(sol.outcome))
         return sol
 
-    def _compare(self, sol: Solution, found: Feet | None) -> tuple[Array, Array]:
+    def _compare(self, sol: Solution, nearest: Feet | None) -> tuple[Array, Array]:
         """What the data measure, and the residuals. Raises `NoValueError` where an observable does not exist."""
         data, points = self.data, self.data.points
         seen = observe(sol, data.targets)
@@ -164,9 +164,9 @@ class Model:
                 raise NoValueError(f"{name} does not exist")
         computed = [np.array([float(seen[name]) for name in data.targets])]
         residuals = [np.array([(seen[name] - value) / data.sizes[name] for name, value in data.targets.items()])]
-        if found is not None:
-            computed.append(found.distance)
-            residuals.append(found.distance)
+        if nearest is not None:
+            computed.append(nearest.distance)
+            residuals.append(nearest.distance)
         elif points is not None:
             for name, measured in points.columns.items():
                 values = getattr(sol, name)

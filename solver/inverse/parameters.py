@@ -72,8 +72,8 @@ class Parameter:
     def start(self) -> float:
         """The x of the case's own value, or the middle of the bounds where these exclude it."""
         low, high = self.bounds
-        own = self.x(self.first)
-        return own if low <= own <= high else sum(self.span) / 2
+        value = self.x(self.first)
+        return value if low <= value <= high else sum(self.span) / 2
 
 
 def check_parameters(case: Case, vary: Any) -> list[Parameter]:
@@ -90,8 +90,8 @@ def _by_name(case: Case, vary: Any) -> dict[str, Any]:
     if isinstance(vary, str):
         vary = (vary,)
     pairs = list(vary.items()) if isinstance(vary, Mapping) else [(name, None) for name in _list(vary)]
-    own = {field: name for name, field in FIELD.items() if field in {f.name for f in fields(case.given)}}
-    names = [str(own.get(name, name)) for name, _ in pairs]
+    by_field = {field: name for name, field in FIELD.items() if field in {f.name for f in fields(case.given)}}
+    names = [str(by_field.get(name, name)) for name, _ in pairs]
     if twice := [name for name in names if names.count(name) > 1]:
         raise InputError(f"the field {twice[0]!r} is varied twice")
     return {name: bounds for name, (_, bounds) in zip(names, pairs, strict=True)}
@@ -162,17 +162,19 @@ def replace(case: Case, values: Mapping[str, float]) -> Case:
     """The case with other values of some fields. Raises `InputError` for values that a case cannot have."""
     parts = []
     for part in (case.rod, case.cylinder, case.given):
-        own = {f.name: getattr(part, f.name) for f in fields(part)}
+        entries = {f.name: getattr(part, f.name) for f in fields(part)}
         for name, value in values.items():
-            field = name if name in own else FIELD.get(name, name)
-            if field in own:
-                own[field] = value
+            field = name if name in entries else FIELD.get(name, name)
+            if field in entries:
+                entries[field] = value
         if isinstance(part, Start):
-            own = {k: v for k, v in own.items() if v is not None or k not in TWISTS}
-        parts.append(from_fields(type(part), own))
+            entries = {k: v for k, v in entries.items() if v is not None or k not in TWISTS}
+        parts.append(from_fields(type(part), entries))
     return Case(*parts)
 
 
 def values_in_words(parameters: list[Parameter], x: Array) -> str:
     """``E = 1.07e+04, F1 = 5``."""
-    return choices(f"{one.name} = {one.value(float(v)):.6g}" for one, v in zip(parameters, x, strict=True))
+    return choices(
+        f"{parameter.name} = {parameter.value(float(v)):.6g}" for parameter, v in zip(parameters, x, strict=True)
+    )

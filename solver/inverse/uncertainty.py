@@ -58,7 +58,7 @@ def uncertainty(
     unknown = free & ((np.abs(np.array([*silent, *mixed])) > 0).any(axis=0) if silent or mixed else False)
     freedom = N - rank
     variance, quantile = _variance(residuals, freedom, known)
-    rates = np.array([one.rate(one.value(float(v))) for one, v in zip(parameters, x, strict=True)])
+    rates = np.array([parameter.rate(parameter.value(float(v))) for parameter, v in zip(parameters, x, strict=True)])
     errors = np.sqrt(variance) * np.linalg.norm(inverse, axis=1)
     errors = np.where(unknown, np.inf, np.where(free, errors, np.nan))
     low, high = (_end(parameters, x, side * quantile * errors) for side in (-1, 1))
@@ -84,7 +84,7 @@ def _variance(residuals: Array, freedom: int, known: bool) -> tuple[float, float
 def _end(parameters: Sequence[Parameter], x: Array, away: Array) -> Array:
     """One end of each interval; a parameter that the data do not determine has the whole range of its field."""
     with np.errstate(over="ignore"):
-        return np.array([one.value(float(v)) for one, v in zip(parameters, x + away, strict=True)])
+        return np.array([parameter.value(float(v)) for parameter, v in zip(parameters, x + away, strict=True)])
 
 
 def _reduce(rows: Array) -> list[Array]:
@@ -100,6 +100,6 @@ def _reduce(rows: Array) -> list[Array]:
 
 def _whole(part: Array, active: Array) -> Array:
     """A direction of all parameters, its largest element 1."""
-    found = np.zeros(active.size)
-    found[active] = part
-    return found / found[np.abs(found).argmax()]
+    direction = np.zeros(active.size)
+    direction[active] = part
+    return direction / direction[np.abs(direction).argmax()]

@@ -46,9 +46,9 @@ def miss_of(model: "Model", best: "Minimum") -> str:
     data = model.data
     if data.points is not None or data.size > len(model.parameters):
         return ""
-    wanted, reached = np.array(list(data.targets.values())), best.found.computed
+    target, reached = np.array(list(data.targets.values())), best.found.computed
     sizes = np.array([scale_of(model.case, name, value) for name, value in data.targets.items()])
-    if (np.abs(reached - wanted) <= _REACHED * np.maximum(sizes, np.abs(reached))).all():
+    if (np.abs(reached - target) <= _REACHED * np.maximum(sizes, np.abs(reached))).all():
         return ""
     goals = choices(f"{name} = {value:g}" for name, value in data.targets.items())
     nearest = choices(f"{name} = {value:.6g}" for name, value in zip(data.targets, reached, strict=True))
@@ -56,8 +56,8 @@ def miss_of(model: "Model", best: "Minimum") -> str:
         parameter.name + (parameter.between or _starts_in_words(model, parameter)) for parameter in model.parameters
     )
     verb = "reaches" if len(model.parameters) == 1 else "reach"
-    found = values_in_words(model.parameters, best.x)
-    return f"the search found no {ranges} that {verb} {goals}; the nearest reached is {nearest}, at {found}"
+    place = values_in_words(model.parameters, best.x)
+    return f"the search found no {ranges} that {verb} {goals}; the nearest reached is {nearest}, at {place}"
 
 
 def miss(model: "Model", best: "Minimum") -> float:
@@ -88,11 +88,11 @@ def _far(model: "Model", best: "Minimum", probability: float) -> str:
     )
 
 
-def _starts_in_words(model: "Model", one: Parameter) -> str:
+def _starts_in_words(model: "Model", parameter: Parameter) -> str:
     """Where the starts of a field without bounds lie."""
     if not model.starts:
-        return f" (start: {one.value(one.start):.4g})"
-    low, high = (one.value(x) for x in one.span)
+        return f" (start: {parameter.value(parameter.start):.4g})"
+    low, high = (parameter.value(x) for x in parameter.span)
     return f" (starts from {low:.4g} to {high:.4g})"
 
 
@@ -102,8 +102,8 @@ def _as_good(model: "Model", count: int, exact: bool) -> str:
         return f"the data do not exclude {count} other minim{'um' if count == 1 else 'a'}"
     what = "data" if model.data.points else "target" if len(model.data.targets) == 1 else "targets"
     many = len(model.parameters) > 1
-    found = ("set of values" if count == 1 else "sets of values") if many else "value" if count == 1 else "values"
-    return f"{count} other {found} {'reaches' if count == 1 else 'reach'} the {what}"
+    noun = ("set of values" if count == 1 else "sets of values") if many else "value" if count == 1 else "values"
+    return f"{count} other {noun} {'reaches' if count == 1 else 'reach'} the {what}"
 
 
 def _tell(model: "Model", best: "Minimum", way: dict[str, float]) -> str:
@@ -111,9 +111,9 @@ def _tell(model: "Model", best: "Minimum", way: dict[str, float]) -> str:
     if len(way) == 1:
         return f"the data do not depend on {next(iter(way))}"
     rates = {
-        one.name: _rate(one, one.value(float(x)))
-        for one, x in zip(model.parameters, best.x, strict=True)
-        if one.name in way
+        parameter.name: _rate(parameter, parameter.value(float(x)))
+        for parameter, x in zip(model.parameters, best.x, strict=True)
+        if parameter.name in way
     }
     relative = next((name for name, rate in rates.items() if rate), None)
     size = 0.01 if relative is None else 0.01 / (way[relative] * rates[relative])
@@ -126,12 +126,12 @@ def _tell(model: "Model", best: "Minimum", way: dict[str, float]) -> str:
     return f"the data cannot tell {' and '.join(way)} apart: no datum changes when these change together, {changes}"
 
 
-def _rate(one: Parameter, value: float) -> float:
+def _rate(parameter: Parameter, value: float) -> float:
     """The relative change of a field for a change by 1 of its direction; 0 for an angle and for a value of 0."""
-    if one.name in POSITIVE:
+    if parameter.name in POSITIVE:
         return 1.0
-    angular = quantity(one.name).dimension == "rad"
-    return 0.0 if angular or abs(value) < _ROUNDING * one.scale else 1 / value
+    angular = quantity(parameter.name).dimension == "rad"
+    return 0.0 if angular or abs(value) < _ROUNDING * parameter.scale else 1 / value
 
 
 def _change(change: float, rate: float, name: str) -> str:
@@ -164,11 +164,11 @@ def remarks(
     parameters = model.parameters
     if best.stop or miss_of(model, best):  # else the outcome says it
         yield from (_tell(model, best, way) for way in directions)
-    for one, x, free in zip(parameters, best.x, best.free, strict=True):
+    for parameter, x, free in zip(parameters, best.x, best.free, strict=True):
         if not free:
             yield (
-                f"{one.name} ends at its bound, {one.value(float(x)):.6g}: it has no interval, and the intervals of "
-                "other fields hold while it stays there"
+                f"{parameter.name} ends at its bound, {parameter.value(float(x)):.6g}: it has no interval, and the "
+                "intervals of other fields hold while it stays there"
             )
     if probability < UNLIKELY and not outcome(model, best, directions, probability).startswith(MISFIT):
         yield _too_large(probability)

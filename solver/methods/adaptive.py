@@ -44,33 +44,33 @@ class Adaptive(StartMethod):
         error, condition = np.full(problem.size, np.inf), condition_numbers(problem, t)
         calls, why = np.zeros(problem.size, dtype=np.int64), np.full(problem.size, "", dtype=object)
         for i in range(problem.size):
-            one = problem.take(slice(i, i + 1))
-            answer = _one(self.integrator, one, t[i], tol, self.rtol, float(condition[i]))
+            single = problem.take(slice(i, i + 1))
+            answer = _solve_one(self.integrator, single, t[i], tol, self.rtol, float(condition[i]))
             states[i], error[i], calls[i], why[i] = answer
         beta, dbeta, alpha, z, swirl = np.moveaxis(states, 1, 0)
         verdict = verdicts(beta, error, condition, tol).failed(why)
         return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, calls)
 
 
-def _one(
+def _solve_one(
     integrator: str, problem: StartProblem, t: Array, tol: float, rtol: float | None, condition: float
 ) -> tuple[Array, float, int, str]:
     """States (5, n), error, calls, and why there is no answer or an empty text."""
-    wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
-    coarse, calls, why = _integrate(integrator, problem, t, 30 * wanted)
+    accuracy = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
+    coarse, calls, why = _integrate(integrator, problem, t, 30 * accuracy)
     if why:  # a tighter run would take longer still
         return coarse, math.inf, calls, why
     weight = np.array([1, 0, 1, 1, 0]) / np.array([1, 1, max(1.0, t[-1]), max(1.0, t[-1]), 1])
     while True:
-        fine, more, why = _integrate(integrator, problem, t, wanted)
+        fine, more, why = _integrate(integrator, problem, t, accuracy)
         calls += more
         error = float(np.max(np.abs(fine - coarse) * weight[:, None], initial=0.0))
         if why or not math.isfinite(error):
             return fine, math.inf, calls, why
         error += 1e-15 * (1 + calls**0.5) * condition
-        if rtol is not None or error <= tol or wanted <= _TIGHTEST:
+        if rtol is not None or error <= tol or accuracy <= _TIGHTEST:
             return fine, error, calls, ""
-        coarse, wanted = fine, max(_TIGHTEST, wanted / 30)
+        coarse, accuracy = fine, max(_TIGHTEST, accuracy / 30)
 
 
 def _integrate(integrator: str, problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int, str]:

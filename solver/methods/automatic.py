@@ -13,9 +13,9 @@ VARYING = {"start": "taylor", "ends": "shooting"}  # of rods with weight or fric
 
 def varying_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> str:
     """The name of the method for rods with weight or friction. Raises `InputError` where another one is asked for."""
-    name, asked = VARYING[kind], method if isinstance(method, str) else method.name
-    if asked not in ("auto", name) or knobs:
-        raise InputError(f"a rod with weight or friction is solved by {name} alone, without knobs; got {asked!r}")
+    name, choice = VARYING[kind], method if isinstance(method, str) else method.name
+    if choice not in ("auto", name) or knobs:
+        raise InputError(f"a rod with weight or friction is solved by {name} alone, without knobs; got {choice!r}")
     return name
 
 
@@ -30,9 +30,9 @@ def choose_method(kind: str, method: str | Method, knobs: dict[str, Any] | None 
     if not isinstance(method, Method) and not known_name(name, ["auto", *METHODS]):
         raise no_such("method", name, ["auto", *available()])
     name = AUTOMATIC[kind] if name == "auto" else name
-    one = method if isinstance(method, Method) else METHODS[name].with_knobs(knobs or {})
-    if kind not in one.problems:
+    instance = method if isinstance(method, Method) else METHODS[name].with_knobs(knobs or {})
+    if kind not in instance.problems:
         able = [other.name for other in available().values() if kind in other.problems]
         raise InputError(f"method {name!r} does not solve {kind} problems; choose from {choices(able)}")
-    assert isinstance(one, StartMethod | EndsMethod)
-    return one
+    assert isinstance(instance, StartMethod | EndsMethod)
+    return instance

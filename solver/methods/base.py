@@ -121,10 +121,10 @@ class Method(ABC):
     ladders: ClassVar[tuple[Ladder, ...]] = ()
 
     def __post_init__(self) -> None:
-        for one in fields(self):
-            value, rule = getattr(self, one.name), one.metadata["knob"]
+        for knob in fields(self):
+            value, rule = getattr(self, knob.name), knob.metadata["knob"]
             if value is not None and not rule.accepts(value):
-                raise InputError(f"{one.name} must be {rule.rule}, got {value!r}")
+                raise InputError(f"{knob.name} must be {rule.rule}, got {value!r}")
 
     @classmethod
     def lacks(cls) -> str:
@@ -143,7 +143,7 @@ class Method(ABC):
         """The method with these knobs. Raises `InputError` for an unknown knob, a bad value or a missing package."""
         if lacks := cls.lacks():
             raise InputError(f"method {cls.name!r} needs {lacks}")
-        known = [one.name for one in fields(cls)]
+        known = [knob.name for knob in fields(cls)]
         for name in knobs:
             if name not in known:
                 raise InputError(f"no knob {name!r} in method {cls.name!r}; its knobs: {choices(known) or 'none'}")

@@ -33,13 +33,13 @@ def run_in_blocks(method: StartMethod, problem: StartProblem, t: Array, tol: flo
         return method.run(problem, t, tol)
     whole, orbits, swirls = _Rows(B / size), _Orbits(B / size), _Rows(B / size)
     for block in (slice(k, k + size) for k in range(0, B, size)):
-        told = method.run(problem.take(block), t[block], tol)
-        if told.orbit is None:
-            swirls.add(told.swirl())
+        part = method.run(problem.take(block), t[block], tol)
+        if part.orbit is None:
+            swirls.add(part.swirl())
         else:
-            orbits.add(told.orbit)
-        whole.add(replace(told, swirl=None, orbit=None))  # type: ignore[arg-type]
-        del told
+            orbits.add(part.orbit)
+        whole.add(replace(part, swirl=None, orbit=None))  # type: ignore[arg-type]
+        del part
     answer: Trajectory = whole.join()
     orbit = orbits.join()
     if orbit is None:
@@ -68,11 +68,11 @@ class _Orbits:
 
 def _move(orbit: Orbit, cases: int, panels: int) -> Orbit:
     """The orbits renumbered to follow so many cases with so many panels."""
-    way, own = orbit.arcs, orbit.panels
+    way, mesh = orbit.arcs, orbit.panels
     return replace(
         orbit,
         arcs=replace(way, pieces=replace(way.pieces, arc=way.pieces.arc + 2 * cases)),
-        panels=replace(own, arc=own.arc + 2 * cases),
+        panels=replace(mesh, arc=mesh.arc + 2 * cases),
         first=orbit.first + panels,
     )
 

@@ -56,9 +56,9 @@ class Collocation(EndsMethod):
         error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
         work = np.zeros(problem.size, dtype=np.int64)
         for i in range(problem.size):
-            one, near = problem.take(slice(i, i + 1)), seed.take(i)
+            single, near = problem.take(slice(i, i + 1)), seed.take(i)
             if np.isfinite(near.beta).all():
-                answer = _one(one, t[i], tol, self.rtol, self.nodes, near)
+                answer = _solve_one(single, t[i], tol, self.rtol, self.nodes, near)
                 columns[:, i], error[i], condition[i], work[i], why[i] = answer
             else:
                 why[i] = why[i] or "failed: the seed has no shape"
@@ -68,26 +68,26 @@ class Collocation(EndsMethod):
         return Trajectory(*shape, *verdict, error, condition, work, None, taken)
 
 
-def _one(
+def _solve_one(
     problem: EndsProblem, t: Array, tol: float, rtol: float | None, nodes: int | None, seed: Seed
 ) -> tuple[Array, float, float, int, str]:
     """Columns (5, n), error, condition, evaluations, and why it failed or an empty text."""
     from ..levels.morse_index import response
 
     span, work = float(problem.span[0]), 0
-    wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
+    accuracy = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
     answer: Any = None
     for size in _FIRST if nodes is None else (nodes,):
         x = np.linspace(0, span, size)
         guess = seed.on(problem, size)
-        answer, more = _collocate(problem, x, np.stack([guess, np.gradient(guess, x)]), 30 * wanted)
+        answer, more = _collocate(problem, x, np.stack([guess, np.gradient(guess, x)]), 30 * accuracy)
         work += more
         if answer.status == 0:
             break
     coarse = _columns(answer, t)
     while True:
         if answer.status == 0:
-            answer, more = _collocate(problem, answer.x, answer.y, wanted)
+            answer, more = _collocate(problem, answer.x, answer.y, accuracy)
             work += more
         if answer.status != 0:
             said = answer.message.rstrip(".").lower()
@@ -97,9 +97,9 @@ def _one(
         even = np.linspace(0, span, max(answer.x.size, 1025))
         condition = float(response(problem, even[1:2], answer.sol(even)[:1])[0])
         error = float(max(off[0], max(off[2], off[3]) / max(1.0, span))) + 1e-15 * condition
-        if rtol is not None or error <= tol or wanted <= _TIGHTEST:
+        if rtol is not None or error <= tol or accuracy <= _TIGHTEST:
             return fine, error, condition, work, ""
-        coarse, wanted = fine, max(_TIGHTEST, wanted / 30)
+        coarse, accuracy = fine, max(_TIGHTEST, accuracy / 30)
 
 
 def _collocate(problem: EndsProblem, x: Array, y: Array, rtol: float) -> tuple[Any, int]:

@@ -58,8 +58,8 @@ class Difference(EndsMethod):
         error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
         work, met = np.zeros(problem.size, dtype=np.int64), np.zeros(problem.size, dtype=bool)
         for i in range(problem.size):
-            one, near = problem.take(slice(i, i + 1)), seed.take(i)
-            answer = _one(one, t[i], tol, self.nodes, self.extrapolate, near)
+            single, near = problem.take(slice(i, i + 1)), seed.take(i)
+            answer = _solve_one(single, t[i], tol, self.nodes, self.extrapolate, near)
             columns[:, i], error[i], condition[i], work[i], met[i] = answer
         verdict = verdicts(columns[0], error, condition, tol).failed(np.where(met, "", _MISSED)).failed(why)
         beta, dbeta, alpha, z, swirl = columns
@@ -81,7 +81,7 @@ class _Mesh:
     bend: float
 
 
-def _one(
+def _solve_one(
     problem: EndsProblem, t: Array, tol: float, nodes: int | None, extrapolate: bool, seed: Seed, halves: bool = True
 ) -> tuple[Array, float, float, int, bool]:
     """Columns (5, n), error, condition, work, and whether Newton's rule converged.
@@ -101,7 +101,7 @@ def _one(
         work += finer.iterations * finer.columns.shape[1]
         if not (mesh.met and finer.met):
             if halved:
-                return _one(problem, t, tol, nodes, extrapolate, seed, halves=False)
+                return _solve_one(problem, t, tol, nodes, extrapolate, seed, halves=False)
             return np.full((5, t.size), np.nan), np.inf, np.inf, work, False
         answers.append((4 * finer.columns[:, ::2] - mesh.columns) / 3 if extrapolate else mesh.columns)
         if len(answers) > 1:
@@ -148,11 +148,11 @@ def _newton(problem: EndsProblem, beta: Array, bend: float = np.inf, goal: float
     It ends when the next step would be below `goal`: a step is `bend` times the square of the step before.
     """
     h = float(problem.span[0]) / (beta.size - 1)
-    one = _numbers(problem)
+    loads = _numbers(problem)
     beta = beta.copy()
     beta[0], beta[-1] = problem.beta0[0], problem.betaL[0]
     floor = 16 * EPS * np.abs(beta).max() + 1e-300  # rounding of the residual, which has a factor h^2
-    (off, rate), met, iteration, last = _residual(one, beta, h), False, 0, np.inf
+    (off, rate), met, iteration, last = _residual(loads, beta, h), False, 0, np.inf
     while iteration < _NEWTON and not met:
         iteration += 1
         step = _step(rate, off, h)
@@ -167,7 +167,7 @@ def _newton(problem: EndsProblem, beta: Array, bend: float = np.inf, goal: float
         for _ in range(14):
             tried = beta.copy()
             tried[1:-1] += share * step
-            left, steep = _residual(one, tried, h)
+            left, steep = _residual(loads, tried, h)
             if np.abs(left).max() < max(size, floor):
                 break
             share /= 2
@@ -186,17 +186,17 @@ def _numbers(problem: EndsProblem) -> Loads:
     return Loads(float(problem.lam[0]), float(problem.mu[0]), float(problem.phi[0]))
 
 
-def _pull(one: Loads, s: Array, c: Array) -> tuple[Array, Array]:
+def _pull(loads: Loads, s: Array, c: Array) -> tuple[Array, Array]:
     """H and H' from the sine and cosine of beta, in few operations: the factor h^2 makes their rounding small."""
-    s2, twice = s * s, (2 * one.mu) * c
-    pull = (one.lam - twice) * c + one.mu - (one.phi + 2 * c * s2) * s
-    rate = (2 * twice - one.lam) * s - one.phi * c - s2 * (6 - 8 * s2)
+    s2, twice = s * s, (2 * loads.mu) * c
+    pull = (loads.lam - twice) * c + loads.mu - (loads.phi + 2 * c * s2) * s
+    rate = (2 * twice - loads.lam) * s - loads.phi * c - s2 * (6 - 8 * s2)
     return pull, rate
 
 
-def _residual(one: Loads, beta: Array, h: float) -> tuple[Array, Array]:
+def _residual(loads: Loads, beta: Array, h: float) -> tuple[Array, Array]:
     """The residual of eq. (41) times h^2 at the inner nodes, and H' there."""
-    pull, rate = _pull(one, np.sin(beta[1:-1]), np.cos(beta[1:-1]))
+    pull, rate = _pull(loads, np.sin(beta[1:-1]), np.cos(beta[1:-1]))
     rise = beta[1:] - beta[:-1]  # exact for neighbours
     return rise[1:] - rise[:-1] + h * h * pull, rate
 

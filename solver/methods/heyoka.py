@@ -38,7 +38,7 @@ class Heyoka(StartMethod):
         states = np.full((problem.size, 5, t.shape[1]), np.nan)
         error, calls = np.full(problem.size, np.inf), np.zeros(problem.size, dtype=np.int64)
         for i in range(problem.size):
-            states[i], error[i], calls[i] = _one(problem.take(slice(i, i + 1)), t[i], tol, self.rtol)
+            states[i], error[i], calls[i] = _solve_one(problem.take(slice(i, i + 1)), t[i], tol, self.rtol)
         condition = condition_numbers(problem, t)
         beta, dbeta, alpha, z, swirl = np.moveaxis(states, 1, 0)
         error = error + 2e-16 * (1 + np.sqrt(calls)) * condition
@@ -46,19 +46,19 @@ class Heyoka(StartMethod):
         return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, calls)
 
 
-def _one(problem: StartProblem, t: Array, tol: float, rtol: float | None) -> tuple[Array, float, int]:
-    wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
-    coarse, calls = _integrate(problem, t, 30 * wanted)
+def _solve_one(problem: StartProblem, t: Array, tol: float, rtol: float | None) -> tuple[Array, float, int]:
+    accuracy = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
+    coarse, calls = _integrate(problem, t, 30 * accuracy)
     weight = np.array([1, 0, 1, 1, 0]) / np.array([1, 1, max(1.0, t[-1]), max(1.0, t[-1]), 1])
     while True:
-        fine, more = _integrate(problem, t, wanted)
+        fine, more = _integrate(problem, t, accuracy)
         calls += more
         error = float(np.max(np.abs(fine - coarse) * weight[:, None], initial=0.0))
         if not math.isfinite(error):
             return fine, math.inf, calls
-        if rtol is not None or error <= tol or wanted <= _TIGHTEST:
+        if rtol is not None or error <= tol or accuracy <= _TIGHTEST:
             return fine, error, calls
-        coarse, wanted = fine, max(_TIGHTEST, wanted / 30)
+        coarse, accuracy = fine, max(_TIGHTEST, accuracy / 30)
 
 
 def _integrate(problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int]:

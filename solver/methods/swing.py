@@ -42,25 +42,25 @@ class SwingTaylor(StartMethod):
             verdict = all_solved(problem.size)
         else:
             orbit, verdict = _mend(orbit, whole, t, tol)
-        (beta, dbeta, alpha, z), found = whole, orbit.found
-        told = *verdict, found["error"], found["condition"], found["evaluations"], orbit
-        return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *told)
+        (beta, dbeta, alpha, z), numbers = whole, orbit.found
+        rest = *verdict, numbers["error"], numbers["condition"], numbers["evaluations"], orbit
+        return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *rest)
 
 
 def condition_numbers(problem: StartProblem, t: Array) -> Array:
     """The condition numbers of B start problems up to their last stations, t (B, n), for methods that know no orbit."""
     reach = t[:, -1]
-    found = SwingTaylor().run(replace(problem, span=reach), t[:, -1:], DEFAULT_TOLERANCE).condition
-    return np.where(reach == 0, 1.0, found)
+    condition = SwingTaylor().run(replace(problem, span=reach), t[:, -1:], DEFAULT_TOLERANCE).condition
+    return np.where(reach == 0, 1.0, condition)
 
 
 def _mend(orbit: MarchedOrbit, whole: Array, t: Array, tol: float) -> tuple[MarchedOrbit, Verdicts]:
     """The orbits and their verdicts, `orbit` in place of each march that fails; its values are written to `whole`."""
-    found = orbit.found
+    numbers = orbit.found
     whole[:, orbit.lost] = np.nan
-    solved, outcome = verdicts(whole[0], found["error"], found["condition"], tol)
+    solved, outcome = verdicts(whole[0], numbers["error"], numbers["condition"], tol)
     # a quadrature also recovers digits that the condition number would excuse
-    lost = orbit.lost | ~solved | (found["error"] > _DIGITS * tol) | ~np.isfinite(found["condition"])
+    lost = orbit.lost | ~solved | (numbers["error"] > _DIGITS * tol) | ~np.isfinite(numbers["condition"])
     if lost.any():
         answer = run_in_blocks(OrbitQuadrature(), orbit.problem.take(lost), t[lost], tol)
         whole[:, lost] = answer.beta, answer.dbeta, answer.alpha, answer.z

@@ -72,7 +72,7 @@ class Stride(Generic[Place, State]):
 
 
 def trace(
-    here: State,
+    state: State,
     stride: Callable[[State, float, list[Place]], Stride[Place, State] | str],
     lengths: Lengths,
     most: int,
@@ -83,7 +83,7 @@ def trace(
 
     Parameters
     ----------
-    here : any type
+    state : any type
         Where the curve begins.
     stride : callable
         Of where it is, the length of a step and the points before: the step, with what happens on the way; or why it is
@@ -91,19 +91,19 @@ def trace(
     lengths : Lengths
     most : int
     """
-    found, step = list[Place](), lengths.first
-    while len(found) < most:
-        there = stride(here, step, found)
-        if isinstance(there, str):
+    points, step = list[Place](), lengths.first
+    while len(points) < most:
+        move = stride(state, step, points)
+        if isinstance(move, str):
             step /= 2
             if step < lengths.least:
-                return found, there
+                return points, move
             continue
-        found += there.points
-        if there.end:
-            return found, there.end
-        here, step = there.here, min(lengths.longest, there.step)
-    return found, ""
+        points += move.points
+        if move.end:
+            return points, move.end
+        state, step = move.here, min(lengths.longest, move.step)
+    return points, ""
 
 
 def both_senses(
@@ -144,20 +144,20 @@ def advance(curve: Curve, node: Node, step: float, across: Array | None = None) 
     across: (n + 1,), the normal of the plane in which the predictor is corrected; default: the tangent.
     """
     guess = node.w + step * node.tangent
-    found = correct_point(curve, guess, node.tangent if across is None else across, node.jacobian)
-    if isinstance(found, str):
-        return found
-    bend = max(float(np.linalg.norm(found - guess)) - _ENDING.small, 0.0) / step
+    point = correct_point(curve, guess, node.tangent if across is None else across, node.jacobian)
+    if isinstance(point, str):
+        return point
+    bend = max(float(np.linalg.norm(point - guess)) - _ENDING.small, 0.0) / step
     if bend > _OFF:
         return "the step is too long"
-    jacobian = curve.jacobian(found)
+    jacobian = curve.jacobian(point)
     if jacobian is None:
         return LEFT
     tangent = _null(jacobian)
     tangent = tangent if _sign(jacobian, tangent) == node.sign else -tangent
     if tangent @ node.tangent < _COSINE:
         return "the tangent turns"
-    return Node(found, jacobian, tangent, node.sign, bend)
+    return Node(point, jacobian, tangent, node.sign, bend)
 
 
 def correct_point(curve: Curve, guess: Array, across: Array, jacobian: Array) -> Array | str:

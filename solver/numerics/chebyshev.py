@@ -60,8 +60,8 @@ def polynomials(x: Array, n: int) -> Array:
 
 def series_at(coefficients: Array, x: Array) -> Array:
     """Series (C, n), each at its own x in [-1, 1], (C,)."""
-    found: Array = np.einsum("cn,nc->c", coefficients, polynomials(x, coefficients.shape[1]))
-    return found
+    values: Array = np.einsum("cn,nc->c", coefficients, polynomials(x, coefficients.shape[1]))
+    return values
 
 
 @cache

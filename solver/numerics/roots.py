@@ -19,15 +19,15 @@ def solve(matrix: Array, forced: Array) -> Array:
         column = 1 / np.abs(matrix).max(axis=1)
         scaled = matrix * column[:, None, :]
         row = 1 / np.abs(scaled).max(axis=2)
-        scaled, wanted = scaled * row[..., None], forced * row[..., None]
+        scaled, right = scaled * row[..., None], forced * row[..., None]
     out = np.full(forced.shape, np.nan)
-    for b in np.flatnonzero(np.isfinite(scaled).all(axis=(1, 2)) & np.isfinite(wanted).all(axis=(1, 2))):
+    for b in np.flatnonzero(np.isfinite(scaled).all(axis=(1, 2)) & np.isfinite(right).all(axis=(1, 2))):
         try:
-            found = np.linalg.solve(scaled[b], wanted[b])
-            found += np.linalg.solve(scaled[b], wanted[b] - scaled[b] @ found)
+            x = np.linalg.solve(scaled[b], right[b])
+            x += np.linalg.solve(scaled[b], right[b] - scaled[b] @ x)
         except np.linalg.LinAlgError:
             continue
-        out[b] = found * column[b][:, None]
+        out[b] = x * column[b][:, None]
     return out
 
 
@@ -70,10 +70,10 @@ def newton(x: Point, step: Callable[[Point], tuple[Point, float] | str], ending:
     """
     least = np.inf
     for _ in range(ending.rounds):
-        found = step(x)
-        if isinstance(found, str):
-            return found
-        x, size = found
+        move = step(x)
+        if isinstance(move, str):
+            return move
+        x, size = move
         if not (size <= min(ending.growth * least, ending.longest) or size <= ending.small):  # also NaN
             return DIVERGED
         if size <= ending.goal or ending.stall * least <= size <= ending.small:
@@ -96,14 +96,14 @@ def root(
     """
 
     def step(x: Array) -> tuple[Array, float] | str:
-        found = equations(x)
-        if found is None:
+        system = equations(x)
+        if system is None:
             return DIVERGED
-        change = solve(found[1][None], -found[0][None, :, None])[0, :, 0]
+        change = solve(system[1][None], -system[0][None, :, None])[0, :, 0]
         return x + change, float(np.abs(change).max())
 
-    found = newton(x, step, Ending(rounds, CLOSE, longest=longest, growth=2.0))
-    return None if isinstance(found, str) else found
+    zero = newton(x, step, Ending(rounds, CLOSE, longest=longest, growth=2.0))
+    return None if isinstance(zero, str) else zero
 
 
 def bracket(
@@ -179,10 +179,10 @@ def enclose(
     low = 0.0
     for _ in range(rounds):
         middle = low + (high - low) * min(0.95, max(0.05, before / (before - after)))
-        found = at(middle)
-        if found is None:
+        answer = at(middle)
+        if answer is None:
             return
-        point, value = found
+        point, value = answer
         if value * before > 0:
             low, before, after = middle, value, kept * after
         else:

@@ -26,13 +26,13 @@ def angle(text: str) -> float:
     True
     """
     said = text.strip()
-    if found := _DEGREES.fullmatch(said):
-        return math.radians(float(found[1]))
-    if found := _PI.fullmatch(said):
-        below = float(found[3] or 1)
+    if match := _DEGREES.fullmatch(said):
+        return math.radians(float(match[1]))
+    if match := _PI.fullmatch(said):
+        below = float(match[3] or 1)
         if below:
-            size = float(found[2] or 1) * math.pi / below
-            return -size if found[1] == "-" else size
+            size = float(match[2] or 1) * math.pi / below
+            return -size if match[1] == "-" else size
     try:
         return float(said.removesuffix("rad"))
     except ValueError:
@@ -82,8 +82,8 @@ def _numbers(value: object) -> Iterator[float]:
     """The finite numbers without a unit in a value."""
     value = getattr(value, "tolist", lambda: value)()
     if isinstance(value, (list, tuple)):
-        for one in value:
-            yield from _numbers(one)
+        for element in value:
+            yield from _numbers(element)
         return
     try:
         number = float(value)  # type: ignore[arg-type]

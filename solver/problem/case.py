@@ -217,14 +217,14 @@ class Ends:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for own, partner in PAIRS:
-            one, other = getattr(self, own), getattr(self, partner)
-            if one is not None and other is not None:
-                raise InputError(f"Ends takes {own} or {partner}, got both: {own}={one}, {partner}={other}")
-            if one is None and other is None:
-                if own in ANGLES:
-                    raise InputError(f"Ends needs {own} or {partner}, got neither; {partner}=0 is a hinge")
-                object.__setattr__(self, own, 0.0)
+        for field, partner in PAIRS:
+            value, other = getattr(self, field), getattr(self, partner)
+            if value is not None and other is not None:
+                raise InputError(f"Ends takes {field} or {partner}, got both: {field}={value}, {partner}={other}")
+            if value is None and other is None:
+                if field in ANGLES:
+                    raise InputError(f"Ends needs {field} or {partner}, got neither; {partner}=0 is a hinge")
+                object.__setattr__(self, field, 0.0)
 
     @classmethod
     def helix(cls, rod: Rod, cylinder: Cylinder, tension: Any, lay: Any, twist: Any = None) -> "Ends":
@@ -263,8 +263,8 @@ class Ends:
         M3 = A * s * c / rho if twist is None else np.asarray(twist) * rod.torsional_stiffness
         F2 = (M3 - A * s * c / rho) * s**2 / rho
         T = np.asarray(tension)
-        found = {"FZ": T * c + F2 * s, "MZ": rho * (T * s - F2 * c) + M3 * c + A * s**3 / rho, "M3": M3}
-        return cls(beta0=beta, betaL=beta, **{name: np.asarray(value)[()] for name, value in found.items()})
+        loads = {"FZ": T * c + F2 * s, "MZ": rho * (T * s - F2 * c) + M3 * c + A * s**3 / rho, "M3": M3}
+        return cls(beta0=beta, betaL=beta, **{name: np.asarray(value)[()] for name, value in loads.items()})
 
     def __repr__(self) -> str:
         values = {field.name: getattr(self, field.name) for field in fields(self)}
@@ -304,8 +304,8 @@ class Case:
     def __post_init__(self) -> None:
         for name, kinds in (("rod", (Rod,)), ("cylinder", (Cylinder,)), ("given", (Start, Ends))):
             if not isinstance(getattr(self, name), kinds):
-                wanted = " or ".join(kind.__name__ for kind in kinds)
-                raise InputError(f"Case.{name} must be a {wanted}, got {show(getattr(self, name))}")
+                names = " or ".join(kind.__name__ for kind in kinds)
+                raise InputError(f"Case.{name} must be a {names}, got {show(getattr(self, name))}")
         try:
             self.shape  # noqa: B018  (computed here so that a mismatch is refused when the case is made)
         except ValueError:
@@ -387,7 +387,7 @@ class Case:
         """
         given, rod, rho = self.given, self.rod, self.rho
         if isinstance(given, Ends):
-            if unknown := [own for own, _ in PAIRS[2:] if getattr(given, own) is None]:
+            if unknown := [field for field, _ in PAIRS[2:] if getattr(given, field) is None]:
                 raise InputError(
                     f"{', '.join(unknown)} of held ends {'is' if len(unknown) == 1 else 'are'} "
                     "known only of a solution: see Solution.FZ, MZ and M3"

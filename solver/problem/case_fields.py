@@ -55,13 +55,13 @@ def unchecked_with_field(case: Case, name: str, value: Any) -> Case:
 def numbers_over(case: Case, name: str) -> Callable[[float], tuple[float, ...]]:
     """lam, mu, phi, span, beta(0) and beta(L) of an ends problem over one of its fields: those of `reduced.reduce`."""
     given, rod = case.given, case.rod
-    own = {one: getattr(given, one) for one in ("MZ", "M3", "FZ", "beta0", "betaL")}
+    ends = {field: getattr(given, field) for field in ("MZ", "M3", "FZ", "beta0", "betaL")}
     alters_section = name != "L" and not hasattr(given, name)
 
     def numbers(value: float) -> tuple[float, ...]:
-        one = unchecked_with_field(case, name, value) if alters_section else case
-        A, rho, L = one.rod.bending_stiffness, one.rho, value if name == "L" else rod.L
-        MZ, M3, FZ, beta0, betaL = (value if key == name else known for key, known in own.items())
+        moved = unchecked_with_field(case, name, value) if alters_section else case
+        A, rho, L = moved.rod.bending_stiffness, moved.rho, value if name == "L" else rod.L
+        MZ, M3, FZ, beta0, betaL = (value if key == name else known for key, known in ends.items())
         return MZ / A * rho, M3 / A * rho, FZ / A * rho * rho, L / rho, beta0, betaL
 
     return numbers

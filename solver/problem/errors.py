@@ -57,38 +57,38 @@ def no_such(kind: str, name: object, names: Iterable[object]) -> InputError:
 
 def near(name: object, known: Iterable[object]) -> str:
     """``, did you mean 'sobol'`` where known names are close to this one or are its symbols; else nothing."""
-    text, names = str(name)[:60], [str(one) for one in known]
-    found = [one for one in names if one.lower() == text.lower()] or _closest(text, names, 0.9)
-    found = found or _symbols(text, names) or _begin(text, names)
-    found = found or _closest(text, names) or _one_letter_off(text, names)
-    return f", did you mean {' or '.join(map(repr, found))}" if found else ""
+    text, names = str(name)[:60], [str(other) for other in known]
+    likely = [other for other in names if other.lower() == text.lower()] or _closest(text, names, 0.9)
+    likely = likely or _symbols(text, names) or _begin(text, names)
+    likely = likely or _closest(text, names) or _one_letter_off(text, names)
+    return f", did you mean {' or '.join(map(repr, likely))}" if likely else ""
 
 
 def _closest(text: str, names: list[str], least: float = 0.6) -> list[str]:
     """The names that are closest to the text: weight and height for ``eight``."""
-    found = get_close_matches(text, names, 3, least)
-    likeness = [SequenceMatcher(None, one, text).ratio() for one in found]
-    return [one for one, alike in zip(found, likeness, strict=True) if alike == max(likeness)]
+    closest = get_close_matches(text, names, 3, least)
+    likeness = [SequenceMatcher(None, name, text).ratio() for name in closest]
+    return [name for name, alike in zip(closest, likeness, strict=True) if alike == max(likeness)]
 
 
 def _symbols(text: str, names: list[str]) -> list[str]:
     """The names that are symbols of a word in the text: those of ``youngs_modulus`` are E."""
     word = next((word for word in SYMBOLS if word in text.lower()), "")
-    found = [one for one in SYMBOLS.get(word, ()) if one in names]
-    return found and [*found, *_begin(text, names)]
+    symbols = [name for name in SYMBOLS.get(word, ()) if name in names]
+    return symbols and [*symbols, *_begin(text, names)]
 
 
 def _begin(text: str, names: list[str]) -> list[str]:
     """The names, one to three, of which the text is the beginning: beta0 and betaL for ``beta``."""
-    found = [name for name in names if len(text) > 3 and name.startswith(text)]
-    return found if len(found) < 4 else []
+    longer = [name for name in names if len(text) > 3 and name.startswith(text)]
+    return longer if len(longer) < 4 else []
 
 
 def _one_letter_off(text: str, names: list[str]) -> list[str]:
     """The first short name that differs in one letter: FZ for FX; not F1 for F2."""
 
-    def alike(one: str) -> bool:
-        apart = [a + b for a, b in zip(one, text, strict=True) if a != b]
+    def alike(other: str) -> bool:
+        apart = [a + b for a, b in zip(other, text, strict=True) if a != b]
         return len(apart) == 1 and apart[0].isalpha()
 
     return [name for name in names if 1 < len(name) == len(text) < 4 and alike(name)][:1]

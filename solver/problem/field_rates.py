@@ -66,11 +66,11 @@ def field_rates(case: Case, fields: Sequence[str]) -> FieldRates:
         moved, steps[k] = unchecked_with_field(moved, field, value + 1j * step * alone), step.reshape(-1)
     with np.errstate(all="ignore"):  # a case whose numbers overflow has an outcome that says so
         numbers, given = _numbers(moved)
-        found = {name: number.imag.reshape(F, -1).T / steps.T for name, number in numbers.items()}
+        rates = {name: number.imag.reshape(F, -1).T / steps.T for name, number in numbers.items()}
         if given is not None:
             given = np.moveaxis(given.imag.reshape(F, -1, 5) / steps[..., None], 0, 2)
-    none = {name: np.zeros((case.size, F)) for name in ACTING if name not in found}
-    return FieldRates(tuple(fields), **found, **none, given=given)
+    none = {name: np.zeros((case.size, F)) for name in ACTING if name not in rates}
+    return FieldRates(tuple(fields), **rates, **none, given=given)
 
 
 def _numbers(case: Case) -> tuple[dict[str, Array], Array | None]:

@@ -52,8 +52,8 @@ def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
     except OverflowError:
         raise InputError(f"{owner}.{field} must be a number that a float can hold, got {show(value)}") from None
     except (TypeError, ValueError):
-        wanted = f"{FORMS}; or an array of these" if field in ANGLES else "a number or an array of numbers"
-        raise InputError(f"{owner}.{field} must be {wanted}, got {show(value)}") from None
+        form = f"{FORMS}; or an array of these" if field in ANGLES else "a number or an array of numbers"
+        raise InputError(f"{owner}.{field} must be {form}, got {show(value)}") from None
     if array.size == 0:
         raise InputError(f"{owner}.{field} is empty; give at least one value")
     refuse(owner, field, array, ~np.isfinite(array), "finite")
@@ -65,14 +65,14 @@ def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
 
 def in_rad(values: NDArray[Any]) -> NDArray[Any]:
     """An array of objects with each text replaced by its angle. Raises `ValueError`."""
-    read = [angle(one) if isinstance(one, str) else one for one in values.flat]
+    read = [angle(element) if isinstance(element, str) else element for element in values.flat]
     return np.array(read, dtype=object).reshape(values.shape)
 
 
 def _only_numbers(array: NDArray[Any]) -> bool:
     """Whether each element is a real number; text is not a number, even "5"."""
     if array.dtype.kind == "O":
-        return not any(one is None or isinstance(one, (str, bytes)) for one in array.flat)
+        return not any(element is None or isinstance(element, (str, bytes)) for element in array.flat)
     return array.dtype.kind in "biuf"
 
 

@@ -63,7 +63,7 @@ def held_of(case: Case) -> tuple[str, ...]:
 
 def given_fields(case: Case) -> tuple[str, ...]:
     """The five fields of `Ends` that a case gives, one of each of `PAIRS`."""
-    return tuple(own if getattr(case.given, own) is not None else partner for own, partner in PAIRS)
+    return tuple(field if getattr(case.given, field) is not None else partner for field, partner in PAIRS)
 
 
 def given_numbers(case: Case) -> tuple[str, ...]:
@@ -94,14 +94,14 @@ def held_numbers_over(case: Case, *names: str) -> Callable[..., tuple[float, ...
     alters_rod = any(not hasattr(case.given, name) for name in names)
 
     def numbers(*values: float) -> tuple[float, ...]:
-        new, one = dict(zip(names, values, strict=True)), case
+        new, moved = dict(zip(names, values, strict=True)), case
         for name, value in new.items() if alters_rod else ():
-            one = unchecked_with_field(one, name, value)
-        A, rho = one.rod.bending_stiffness, one.rho
+            moved = unchecked_with_field(moved, name, value)
+        A, rho = moved.rod.bending_stiffness, moved.rho
         factor = _factors(A, rho)
-        own = (new[key] if key in new else getattr(case.given, key) for key in given)
-        fixed = (number * factor.get(key, 1.0) for key, number in zip(given, own, strict=True))
-        return (*fixed, one.rod.L / rho, one.rod.stiffness_ratio)
+        in_units = (new[key] if key in new else getattr(case.given, key) for key in given)
+        fixed = (number * factor.get(key, 1.0) for key, number in zip(given, in_units, strict=True))
+        return (*fixed, moved.rod.L / rho, moved.rod.stiffness_ratio)
 
     return numbers
 

@@ -118,10 +118,10 @@ class Rod:
         if missing := lacking(given):
             other = "" if elastic or direct else f": {_PAIRS}"
             raise InputError(f"Rod needs {choices(missing)}{other}; got {choices(given) or 'nothing'}")
-        own = [name for name in ("inner_radius", "EI") if name in given]
-        if own and self.stiffness != "solid":
+        solid = [name for name in ("inner_radius", "EI") if name in given]
+        if solid and self.stiffness != "solid":
             why = "it is eq. (20) as printed, of a solid section with E"
-            raise InputError(f"stiffness={self.stiffness!r} excludes {self._write(*own)}: {why}; choose 'solid'")
+            raise InputError(f"stiffness={self.stiffness!r} excludes {self._write(*solid)}: {why}; choose 'solid'")
         for pair in (("inner_radius", "a"), DIRECT):
             shapes = [np.shape(value) for name, value in self.given() if name in pair]
             try:

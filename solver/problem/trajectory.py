@@ -39,9 +39,9 @@ class DeadStart:
     def said(self, A: float, rho: float) -> str:
         """The equilibrium in words, for a rod of bending stiffness A at the distance rho from the axis."""
         loads = {"FZ": self.FZ * A / rho**2, "MZ": self.MZ * A / rho, "M3": self.M3 * A / rho}
-        told = ", ".join(f"{name} = {value:.6g}" for name, value in loads.items())
+        numbers = ", ".join(f"{name} = {value:.6g}" for name, value in loads.items())
         angles = f"beta0 = {self.beta0:.6g} rad, betaL = {self.betaL:.6g} rad"
-        return f"an equilibrium under dead loads, which has {told}, {angles} and the index {self.index}"
+        return f"an equilibrium under dead loads, which has {numbers}, {angles} and the index {self.index}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,9 +98,9 @@ class Seed:
     row: Any = None
 
     def take(self, i: int) -> "Seed":
-        one = slice(i, i + 1)
-        known = self.slope[one], self.u[one], self.beta[one]
-        return Seed(*known) if self.problem is None else Seed(*known, self.problem.take(one), self.orbit, self.row[one])
+        at = slice(i, i + 1)
+        known = self.slope[at], self.u[at], self.beta[at]
+        return Seed(*known) if self.problem is None else Seed(*known, self.problem.take(at), self.orbit, self.row[at])
 
     def on(self, problem: EndsProblem, nodes: int) -> Array:
         """The single shape on equal steps, (nodes,), changed linearly to meet the end angles of the problem."""
@@ -160,24 +160,24 @@ def stood_in(problem: P, fit: NDArray[np.bool_]) -> P:
     return type(problem)(**{name: np.where(fit, value, PLAIN[name]) for name, value in vars(problem).items()})
 
 
-def blank(told: Trajectory, fit: NDArray[np.bool_], why: str | NDArray[np.str_]) -> Trajectory:
+def blank(answer: Trajectory, fit: NDArray[np.bool_], why: str | NDArray[np.str_]) -> Trajectory:
     """The answer with NaN for each problem that is not `fit` (B,); `why`, one or (B,), becomes its outcome."""
     if fit.all():
-        return told
+        return answer
     shown = fit[:, None]
-    beta, dbeta, alpha, z = (np.where(shown, v, np.nan) for v in (told.beta, told.dbeta, told.alpha, told.z))
+    beta, dbeta, alpha, z = (np.where(shown, v, np.nan) for v in (answer.beta, answer.dbeta, answer.alpha, answer.z))
     return replace(
-        told,
+        answer,
         beta=beta,
         dbeta=dbeta,
         alpha=alpha,
         z=z,
-        swirl=partial(where_shown, shown, told.swirl),
-        solved=told.solved & fit,
-        outcome=np.where(fit, told.outcome, why),
-        error=np.where(fit, told.error, np.inf),
-        condition=np.where(fit, told.condition, np.inf),
-        evaluations=np.where(fit, told.evaluations, 0),
-        selection=None if told.selection is None else np.where(fit, told.selection, np.array(None)),
-        held_index=None if told.held_index is None else np.where(fit, told.held_index, np.nan),
+        swirl=partial(where_shown, shown, answer.swirl),
+        solved=answer.solved & fit,
+        outcome=np.where(fit, answer.outcome, why),
+        error=np.where(fit, answer.error, np.inf),
+        condition=np.where(fit, answer.condition, np.inf),
+        evaluations=np.where(fit, answer.evaluations, 0),
+        selection=None if answer.selection is None else np.where(fit, answer.selection, np.array(None)),
+        held_index=None if answer.held_index is None else np.where(fit, answer.held_index, np.nan),
     )

@@ -68,12 +68,12 @@ class Dimensions:
     @property
     def names(self) -> tuple[str, ...]:
         """The name of each dimension."""
-        return tuple(one.name for one in self.each)
+        return tuple(dimension.name for dimension in self.each)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """The size of each dimension."""
-        return tuple(one.size for one in self.each)
+        return tuple(dimension.size for dimension in self.each)
 
     @property
     def size(self) -> int:
@@ -83,25 +83,25 @@ class Dimensions:
     @property
     def fields(self) -> dict[str, Values]:
         """Every field that varies, with its values along its own dimension."""
-        return {name: values for one in self.each for name, values in one.fields.items()}
+        return {name: values for dimension in self.each for name, values in dimension.fields.items()}
 
     @property
     def sampled(self) -> tuple[str, ...]:
         """The fields of the samples."""
-        return tuple(name for one in self.each if one.name == SAMPLE for name in one.fields)
+        return tuple(name for dimension in self.each if dimension.name == SAMPLE for name in dimension.fields)
 
     def at(self, flat: NDArray[np.int64]) -> dict[str, Values]:
         """The fields of the cases of these flat indices, (cases,) each."""
         if not self.each:
             return {}
         places = zip(self.each, np.unravel_index(flat, self.shape), strict=True)
-        return {name: values[i] for one, i in places for name, values in one.fields.items()}
+        return {name: values[i] for dimension, i in places for name, values in dimension.fields.items()}
 
     def open(self) -> dict[str, Values]:
         """Every field along its own dimension: together they broadcast to the shape of the grid."""
         rank = len(self.each)
         return {
             name: values.reshape([-1 if i == k else 1 for k in range(rank)])
-            for i, one in enumerate(self.each)
-            for name, values in one.fields.items()
+            for i, dimension in enumerate(self.each)
+            for name, values in dimension.fields.items()
         }

@@ -71,13 +71,13 @@ def parse(text: str) -> Formula:
     """The formula of a text, whose names are checked by `formula_units.dimension`. Raises `InputError`."""
     if len(text) > MOST_TEXT:
         raise InputError(f"the formula has {len(text)} characters; the limit is {MOST_TEXT}")
-    own, _, unit = text.partition(IN)
+    expression, _, unit = text.partition(IN)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            tree = ast.parse(own.strip(), mode="eval").body
+            tree = ast.parse(expression.strip(), mode="eval").body
     except SyntaxError as error:
-        raise InputError(f"{text!r} is not a formula: {_why(error, own.strip())}") from None
+        raise InputError(f"{text!r} is not a formula: {_why(error, expression.strip())}") from None
     except (ValueError, RecursionError, MemoryError):
         raise InputError(f"{text[:60]!r} is not a formula") from None
     names = dict.fromkeys(_names(tree, text, 1))
@@ -136,8 +136,8 @@ def _arguments(name: str, given: list[Any], text: str) -> list[Any]:
         )
     several = name in OF_SEVERAL
     if len(given) < 1 + several or (len(given) > 1 and not several):
-        wanted = "two values or more" if several else "one value"
-        raise InputError(f"{name} in {text!r} needs {wanted}, got {len(given)}")
+        need = "two values or more" if several else "one value"
+        raise InputError(f"{name} in {text!r} needs {need}, got {len(given)}")
     return given
 
 
@@ -161,9 +161,9 @@ def evaluate(formula: Formula, values: Mapping[str, Any]) -> tuple[NDArray[np.fl
     """
     run = _Run(values)
     with np.errstate(all="ignore"):
-        found = np.array(run.of(formula.tree), dtype=float)
-    shape = np.broadcast_shapes(found.shape, *(np.shape(values[name]) for name in formula.names))
-    result = np.array(np.broadcast_to(found, shape))
+        numbers = np.array(run.of(formula.tree), dtype=float)
+    shape = np.broadcast_shapes(numbers.shape, *(np.shape(values[name]) for name in formula.names))
+    result = np.array(np.broadcast_to(numbers, shape))
     why = np.full(shape, "", dtype=object)
     bad = ~np.isfinite(result)
     for mask, reason in run.faults:  # the first fault of a case is the cause, whatever became of it
@@ -201,16 +201,16 @@ class _Run:
             case ast.BoolOp():
                 parts = [self.of(value) for value in node.values]
                 rule = np.logical_and if isinstance(node.op, ast.And) else np.logical_or
-                found = parts[0] != 0
+                truth = parts[0] != 0
                 for part in parts[1:]:
-                    found = rule(found, part != 0)
-                return _truth(found, *parts)
+                    truth = rule(truth, part != 0)
+                return _truth(truth, *parts)
             case ast.Compare():
                 parts = [self.of(node.left), *map(self.of, node.comparators)]
-                found = np.True_
+                truth = np.True_
                 for op, left, right in zip(node.ops, parts, parts[1:], strict=False):
-                    found = found & COMPARED[type(op)][1](left, right)
-                return _truth(found, *parts)
+                    truth = truth & COMPARED[type(op)][1](left, right)
+                return _truth(truth, *parts)
             case ast.Call():
                 return self._call(node)
             case ast.BinOp():
@@ -231,10 +231,10 @@ class _Run:
             self._fault(parts[0] < 0, f"sqrt of a negative number in {ast.unparse(node)!r}")
         if node.func.id == "log":
             self._fault(parts[0] <= 0, f"log of a number that is not positive in {ast.unparse(node)!r}")
-        found = FUNCTIONS[node.func.id](*parts[:2])
+        value = FUNCTIONS[node.func.id](*parts[:2])
         for part in parts[2:]:
-            found = FUNCTIONS[node.func.id](found, part)
-        return found
+            value = FUNCTIONS[node.func.id](value, part)
+        return value
 
     def _compute(self, node: ast.BinOp) -> Any:
         a, b = self.of(node.left), self.of(node.right)
@@ -250,9 +250,9 @@ class _Run:
             self.faults.append((mask, reason))
 
 
-def _truth(found: Any, *parts: Any) -> Any:
+def _truth(truth: Any, *parts: Any) -> Any:
     """1 and 0 for true and false, NaN where a part is NaN."""
     unknown = np.False_
     for part in parts:
         unknown = unknown | np.isnan(part)
-    return np.where(unknown, np.nan, np.where(found, 1.0, 0.0))
+    return np.where(unknown, np.nan, np.where(truth, 1.0, 0.0))

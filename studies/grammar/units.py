@@ -90,7 +90,7 @@ class _Units:
         self._plain(node.right, "the exponent of **")
         if base == PLAIN:
             return PLAIN
-        if any(isinstance(one, ast.Name) and one.id not in CONSTANTS for one in ast.walk(node.right)):
+        if any(isinstance(part, ast.Name) and part.id not in CONSTANTS for part in ast.walk(node.right)):
             raise InputError(f"{self._tell(node.left)}: its exponent must be a number, got {ast.unparse(node.right)!r}")
         exponent = float(run({}, node.right))
         share = Fraction(exponent).limit_denominator(MOST_POWER) if isfinite(exponent) else Fraction(0)
@@ -107,10 +107,10 @@ class _Units:
 
     def _equal(self, nodes: list[ast.expr], user: str) -> Dimension | None:
         """The one dimension of the nodes. Raises `InputError` where they differ."""
-        found = [(node, self.of(node)) for node in nodes]
-        sized = [(node, one) for node, one in found if one is not None]
-        for node, one in sized:
-            if one != sized[0][1]:
+        pairs = [(node, self.of(node)) for node in nodes]
+        sized = [(node, dim) for node, dim in pairs if dim is not None]
+        for node, dim in sized:
+            if dim != sized[0][1]:
                 raise InputError(f"{self._tell(sized[0][0])} and {self._tell(node)}, but {user} needs equal units")
         return sized[0][1] if sized else None
 
@@ -157,10 +157,10 @@ def size_of(text: str, units: Mapping[str, str]) -> tuple[float, Dimension]:
         formula = parse(product)
         if unknown := [name for name in formula.names if name not in known]:
             raise InputError(f"no unit {unknown[0]!r}{near(unknown[0], known)}; choose from {choices(known)}")
-        found, sizes_of = dimension(formula, known, units), {name: np.asarray(sizes[name]) for name in formula.names}
+        dim, sizes_of = dimension(formula, known, units), {name: np.asarray(sizes[name]) for name in formula.names}
     except InputError as error:
         raise InputError(f"unit {text!r}: {error}") from None
     value = float(evaluate(formula, sizes_of)[0])
     if not value > 0:
         raise InputError(f"unit {text!r} is not a product of units, such as MPa or deg/(30 m)")
-    return value, found
+    return value, dim

@@ -73,13 +73,13 @@ def own_dimension(text: str, known: Mapping[str, Dimension], units: Mapping[str,
     Raises `InputError` for a unit of another dimension than that of the formula.
     """
     formula = parse(text)
-    found = dimension(formula, known, units)
+    dim = dimension(formula, known, units)
     if not formula.unit:
-        return found
-    wanted = size_of(formula.unit, units)[1]
-    if found != wanted and not is_zero(formula):
-        own = text.partition(IN)[0]
-        raise InputError(f"{own!r} is {unit_words(found, units)}, which has no value in {formula.unit}")
+        return dim
+    unit_dim = size_of(formula.unit, units)[1]
+    if dim != unit_dim and not is_zero(formula):
+        expression = text.partition(IN)[0]
+        raise InputError(f"{expression!r} is {unit_words(dim, units)}, which has no value in {formula.unit}")
     return PLAIN
 
 
@@ -116,14 +116,14 @@ def check(study: StudyData) -> None:
     known = names(study.model_copy(update={"expressions": {}}))
     for name, text in study.expressions.items():
         try:
-            below = [one for one in parse(text).names if one in study.expressions and one not in known]
+            below = [other for other in parse(text).names if other in study.expressions and other not in known]
             if below:
                 raise InputError(f"{below[0]!r} is not above this expression, which can use only those above it")
             known[name] = own_dimension(text, known, study.unit_system)
             claim = name.rpartition("_")[2]
             if claim in NAMED and known[name] != PLAIN and size_of(claim, study.unit_system) != (1.0, known[name]):
-                found = unit_words(known[name], study.unit_system)
-                raise InputError(f'{name} names {claim}, but is {found}: give {{ formula = "...", unit = "..." }}')
+                actual = unit_words(known[name], study.unit_system)
+                raise InputError(f'{name} names {claim}, but is {actual}: give {{ formula = "...", unit = "..." }}')
         except InputError as error:
             raise Misplaced(str(error), "expressions", name) from None
 
@@ -136,18 +136,18 @@ def check_law(study: StudyData, number: int, law: Law) -> None:
         try:
             if formula.unit:
                 raise InputError(f"{formula.text!r} has a unit, as only an expression may have")
-            found, wanted = dimension(formula, known, units), known[owner]
-            if found != wanted and not is_zero(formula):
-                told = f"{formula.text!r} is {unit_words(found, units)}, but {owner} is {unit_words(wanted, units)}"
-                raise InputError(told)
+            dim, owner_dim = dimension(formula, known, units), known[owner]
+            if dim != owner_dim and not is_zero(formula):
+                why = f"{formula.text!r} is {unit_words(dim, units)}, but {owner} is {unit_words(owner_dim, units)}"
+                raise InputError(why)
         except InputError as error:
             raise Misplaced(str(error), "laws", number, key) from None
 
 
 def unit(study: StudyData, name: str) -> str:
     """The unit of an expression: its own, or that of its formula in the units of the study."""
-    if own := parse(study.expressions[name]).unit:
-        return own
+    if text := parse(study.expressions[name]).unit:
+        return text
     return unit_text(names(study)[name], study.unit_system)
 
 
@@ -160,14 +160,14 @@ def error_of(study: StudyData, name: str) -> str | None:
 
 def needed(formulas: Iterable[Formula], expressions: Mapping[str, str]) -> list[str]:
     """The names that formulas use, and those that the expressions among them use."""
-    found: dict[str, None] = {}
+    used: dict[str, None] = {}
     left = [name for formula in formulas for name in formula.names]
     while left:
         name = left.pop()
-        if name not in found:
-            found[name] = None
+        if name not in used:
+            used[name] = None
             left += parse(expressions[name]).names if name in expressions else ()
-    return list(found)
+    return list(used)
 
 
 def observables_of(
@@ -180,18 +180,18 @@ def observables_of(
     """
     formulas = {name: parse(text) for name, text in study.expressions.items()}
     used = [*wanted, *needed(formulas.values(), study.expressions)]
-    found = observe(sol, dict.fromkeys(name for name in used if name in OBSERVABLES), errors=True)
-    known: dict[str, NDArray[Any]] = {name: np.reshape(values, -1) for name, values in found.items()}
+    observed = observe(sol, dict.fromkeys(name for name in used if name in OBSERVABLES), errors=True)
+    known: dict[str, NDArray[Any]] = {name: np.reshape(values, -1) for name, values in observed.items()}
     remarks = np.full(sol.case.size, "", dtype=object)
     for name in dict.fromkeys(wanted):
-        for words, here in why_unknown(name, known[name]) if name in OBSERVABLES else ():
-            _remark(remarks, here, words)
+        for words, mask in why_unknown(name, known[name]) if name in OBSERVABLES else ():
+            _remark(remarks, mask, words)
     if not formulas:
         return known, remarks.astype(str)
     fixed = {name: _number(study, sol, name, given) for name in _others(study, used, known)}
     for name, formula in formulas.items():
-        one, reasons = evaluate(formula, {**fixed, **known})
-        values, why = np.broadcast_to(one, sol.case.size), np.broadcast_to(reasons, sol.case.size)
+        numbers, reasons = evaluate(formula, {**fixed, **known})
+        values, why = np.broadcast_to(numbers, sol.case.size), np.broadcast_to(reasons, sol.case.size)
         for reason in dict.fromkeys(why.tolist()):
             if reason:
                 _remark(remarks, why == reason, f"{name} has no value: {reason}")
@@ -210,7 +210,7 @@ def _error(formula: Formula, known: Mapping[str, Any], values: NDArray[np.float6
         if error is None:
             continue
         changed = [evaluate(formula, {**known, name: known[name] + sign * error})[0] for sign in (-1, 1)]
-        total = total + np.maximum(*(np.abs(one - values) for one in changed))
+        total = total + np.maximum(*(np.abs(value - values) for value in changed))
     return total + 8 * 2.0**-52 * np.abs(values)
 
 
@@ -260,8 +260,8 @@ def given_fields(study: StudyData) -> list[str]:
     fixed = as_given(study)
     varied = [name for name in study.varied if name not in study.fields]
     known = [name for name in study.fields if name in fixed or name in study.varied]
-    own = ("dbeta",) if study.follow else ()  # a followed equilibrium has its own
-    return [name for name in (*known, *varied) if name not in (*WORDS, *own)]
+    excluded = ("dbeta",) if study.follow else ()  # a followed equilibrium has its own
+    return [name for name in (*known, *varied) if name not in (*WORDS, *excluded)]
 
 
 def _remark(remarks: NDArray[Any], where: NDArray[np.bool_], text: str) -> None:

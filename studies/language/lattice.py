@@ -77,13 +77,13 @@ class Lattice:
                 np.log(values / low) / np.log(high / low) if name in self.geometric else (values - low) / (high - low)
             )
         exact = (cell + ratio) * 2.0**self.depth
-        found = np.round(exact)
-        on = np.isfinite(exact) & (found >= 0) & (found < (coarse.size - 1) * 2.0**self.depth + 1)
-        found = np.where(on, found, 0.0)
+        place = np.round(exact)
+        on = np.isfinite(exact) & (place >= 0) & (place < (coarse.size - 1) * 2.0**self.depth + 1)
+        place = np.where(on, place, 0.0)
         last = (coarse.size - 1) * 2.0**self.depth
-        on &= values >= self.along(name, np.maximum(found - EXACT, 0.0)) - ROUNDING * np.abs(values)
-        on &= values <= self.along(name, np.minimum(found + EXACT, last)) + ROUNDING * np.abs(values)
-        return np.where(on, found, -1).astype(np.int64)
+        on &= values >= self.along(name, np.maximum(place - EXACT, 0.0)) - ROUNDING * np.abs(values)
+        on &= values <= self.along(name, np.minimum(place + EXACT, last)) + ROUNDING * np.abs(values)
+        return np.where(on, place, -1).astype(np.int64)
 
     def levels(self, places: Places) -> Places:
         """The level of each place: 0 on the coarse grid, else the halving that made it, (cases,)."""
@@ -157,8 +157,8 @@ class Refine(BaseModel):
             if not step > 0:
                 raise Misplaced(f"the step of {name} must be positive, got {step:g}", "steps", name)
         if (self.tolerance is None) == (self.points is None):
-            both = "" if self.points is None else ", and gives both"
-            raise ValueError(f"refine needs one of the two keys tolerance and points{both}")
+            ending = "" if self.points is None else ", and gives both"
+            raise ValueError(f"refine needs one of the two keys tolerance and points{ending}")
         if self.tolerance is not None and not FINEST <= self.tolerance < 1:
             why = f"tolerance is a share of the axis from {FINEST:g} to below 1, got {self.tolerance:g}"
             raise Misplaced(why, "tolerance")

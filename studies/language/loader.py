@@ -155,9 +155,9 @@ def notices(text: str, label: str = "study") -> list[str]:
 
 
 def _notices(data: Mapping[str, Any], text: str, label: str, cases: Mapping[str, Values] | None = None) -> list[str]:
-    found = _doubts(data, cases)
-    lines = lines_of(text) if found else {}
-    return [one_line(f"{label}{line_of(lines, where)}: {sentence}") for where, sentence in found]
+    notices = _doubts(data, cases)
+    lines = lines_of(text) if notices else {}
+    return [one_line(f"{label}{line_of(lines, where)}: {sentence}") for where, sentence in notices]
 
 
 def _study(data: dict[str, Any], text: str, default_name: str, context: Mapping[str, Any]) -> Study:
@@ -212,8 +212,8 @@ def _blame(message: str, study: Study) -> Where:
 
 def _field(message: str) -> str:
     """The field that an error of the solver is about, or an empty text."""
-    found = re.match(r"(?:Rod|Cylinder|Start|Ends)\.(\w+)", message)
-    return found.group(1) if found else ""
+    match = re.match(r"(?:Rod|Cylinder|Start|Ends)\.(\w+)", message)
+    return match.group(1) if match else ""
 
 
 def _doubts(data: Mapping[str, Any], cases: Mapping[str, Values] | None = None) -> list[tuple[Where, str]]:

@@ -49,7 +49,7 @@ class Study(StudyData):
     @field_validator("expressions", mode="before")
     @classmethod
     def _expressions_with_units(cls, given: Any) -> Any:
-        return {name: expressions.with_unit(one) for name, one in given.items()} if isinstance(given, dict) else given
+        return {name: expressions.with_unit(item) for name, item in given.items()} if isinstance(given, dict) else given
 
     @field_validator("observables")
     @classmethod
@@ -72,7 +72,7 @@ class Study(StudyData):
         """The axes with angles given as text in rad, a followed one last; other errors are found later."""
         if not isinstance(axes, dict):
             return axes
-        last = sorted(axes.items(), key=lambda one: isinstance(one[1], dict) and one[1].get("follow") is True)
+        last = sorted(axes.items(), key=lambda item: isinstance(item[1], dict) and item[1].get("follow") is True)
         return {n: _read_axis(n, a) if isinstance(a, dict) and parts.is_angle(n) else a for n, a in last}
 
     @field_validator("sample", mode="before")
@@ -144,12 +144,12 @@ class Study(StudyData):
         """Other units than those of Table 1 only where no number with such a unit comes from the table."""
         if not self.reading:
             return self
-        own = (*self.base.given, *self.varied)
-        taken = [name for name in TABLE_1 if name not in own and self._has_other_unit(name)]
+        given = (*self.base.given, *self.varied)
+        taken = [name for name in TABLE_1 if name not in given and self._has_other_unit(name)]
         if taken:
             units = self.unit_system.items()
-            here = " and ".join(f"{kind} = {unit!r}" for kind, unit in units if unit != TABLE_UNITS[kind])
-            why = f"the numbers of Table 1 are in cm and N: with {here} the study must give {', '.join(taken)} itself"
+            others = " and ".join(f"{kind} = {unit!r}" for kind, unit in units if unit != TABLE_UNITS[kind])
+            why = f"the numbers of Table 1 are in cm and N: with {others} the study must give {', '.join(taken)} itself"
             raise Misplaced(why, "units")
         return self
 

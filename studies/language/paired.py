@@ -144,8 +144,8 @@ def _check_of_ends(name: str, axis: Axis) -> None:
 
 
 def _check_of_a_start(study: StudyData, name: str, axis: Axis) -> None:
-    known = [*OF_ENDS, *(() if study.reading else (one for one in (*ROD, *CYLINDER) if one in study.base.given))]
-    known = [one for one in known if one not in WORDS]
+    known = [*OF_ENDS, *(() if study.reading else (field for field in (*ROD, *CYLINDER) if field in study.base.given))]
+    known = [field for field in known if field not in WORDS]
     if name in START and name not in known:
         why = f"a start problem has only one solution at each {name}, which is not followed: remove follow"
         raise Misplaced(why, "axes", name, "follow")

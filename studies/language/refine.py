@@ -83,9 +83,9 @@ def _check_finest(study: StudyData) -> None:
     table = study.refine
     assert table is not None
     key = "points" if table.tolerance is None else "tolerance"
-    found = lattice(study)
-    for (name, values), places in zip(found.axes.items(), found.sizes, strict=True):
-        step = np.diff(values).min() / 2.0**found.depth
+    grid = lattice(study)
+    for (name, values), places in zip(grid.axes.items(), grid.sizes, strict=True):
+        step = np.diff(values).min() / 2.0**grid.depth
         if not (places < MOST_PLACES and step > APART * np.abs(values).max()):
             why = f"the values of {name} would differ by less than their last digits: give a larger step of refinement"
             raise Misplaced(why, "refine", key)
@@ -132,5 +132,5 @@ def _lines(study: StudyData, claim: str, column: int) -> Lines:
 
 def coarse(study: StudyData) -> Dimension:
     """The cases of the coarse grid, as samples."""
-    found = lattice(study)
-    return Dimension(SAMPLE, found.values(found.coarse()))
+    grid = lattice(study)
+    return Dimension(SAMPLE, grid.values(grid.coarse()))

@@ -22,8 +22,8 @@ Mask = NDArray[np.bool_]
 def disagree(numbers: Values, steps: Values) -> Mask:
     """Whether numbers, (cells, corners, watched), differ by more than the step of any; NaN agrees with all."""
     spread = np.fmax.reduce(numbers, axis=1) - np.fmin.reduce(numbers, axis=1)
-    found: Mask = (spread > steps).any(axis=-1)
-    return found
+    differ: Mask = (spread > steps).any(axis=-1)
+    return differ
 
 
 @dataclass(eq=False)
@@ -88,7 +88,7 @@ class Refinement:
     def edges(self) -> tuple[Places, Places]:
         """Pairs of neighbouring cases: their indices, (pairs, 2), the lower first, and the axis of each, (pairs,)."""
         offsets = self._offsets()
-        found: list[Places] = []
+        parts: list[Places] = []
         for axis in range(offsets.shape[1]):
             low = np.flatnonzero(offsets[:, axis] == 0)
             high = [int(np.flatnonzero((offsets == offsets[k] + np.eye(offsets.shape[1], dtype=int)[axis]).all(1))[0])
@@ -98,8 +98,8 @@ class Refinement:
                 if level < self.lattice.depth:  # a case between the two is a nearer neighbour of both
                     middle = self.places[pairs].sum(axis=1) // 2
                     pairs = pairs[self._cases(middle) < 0]
-                found.append(np.column_stack([pairs, np.full(len(pairs), axis)]))
-        every = np.unique(np.concatenate(found), axis=0)
+                parts.append(np.column_stack([pairs, np.full(len(pairs), axis)]))
+        every = np.unique(np.concatenate(parts), axis=0)
         return every[:, :2], every[:, 2]
 
     def _offsets(self) -> Places:
@@ -155,20 +155,20 @@ class Refinement:
                     zip(new.tolist(), line.judge(self.numbers[cases, line.column]).tolist(), strict=True)
                 )
 
-    def _line(self, one: Lines, at: Places) -> Places:
+    def _line(self, line: Lines, at: Places) -> Places:
         """The places of the cases of lines, (lines, cases, 2)."""
-        along = np.arange(self.lattice.shape[one.along]) << self.lattice.depth
+        along = np.arange(self.lattice.shape[line.along]) << self.lattice.depth
         pair = np.broadcast_arrays(along[None, :], at[:, None])
-        return np.stack(pair if one.along == 0 else pair[::-1], axis=-1)
+        return np.stack(pair if line.along == 0 else pair[::-1], axis=-1)
 
     def _between(self, level: int) -> list[tuple[Lines, Places]]:
         """For each law the places of new lines, half-way between lines of a level with different verdicts."""
-        found = []
+        halves = []
         for line in self.lines:
             lower, upper = line.gaps()
             wide = upper - lower == self.size(level)
-            found.append((line, (lower[wide] + upper[wide]) // 2))
-        return found
+            halves.append((line, (lower[wide] + upper[wide]) // 2))
+        return halves
 
     def _halve(self) -> None:
         """Halve the largest of the cells and gaps that are to be halved; end where there are none, or with the budget.
@@ -186,7 +186,7 @@ class Refinement:
         thirds = np.array(list(product((0, 1, 2), repeat=cells.shape[1])), dtype=np.int64)
         groups = [*(cells[:, None, :] + thirds * half)]
         between = self._between(level)
-        groups += [line for one, at in between for line in self._line(one, at)]
+        groups += [line for law_line, at in between for line in self._line(law_line, at)]
         fits = self._add(groups)
         if fits < len(groups):
             self.ended = BUDGET
@@ -195,8 +195,8 @@ class Refinement:
         self.cells[level] = np.delete(self.cells[level], halved, axis=0)
         self.cells[level + 1] = np.concatenate([self.cells[level + 1], children])
         left = max(fits - len(cells), 0)
-        for one, at in between:
-            one.at = np.sort(np.concatenate([one.at, at[:left]]))
+        for law_line, at in between:
+            law_line.at = np.sort(np.concatenate([law_line.at, at[:left]]))
             left = max(left - at.size, 0)
         if not self.wanted:
             self._judge()
@@ -204,7 +204,7 @@ class Refinement:
     def _add(self, groups: list[Places]) -> int:
         """Add the cases of groups of places that fit into the budget, a group as a whole; the number of groups."""
         nodes = np.concatenate(groups)
-        group = np.repeat(np.arange(len(groups)), [len(one) for one in groups])
+        group = np.repeat(np.arange(len(groups)), [len(places) for places in groups])
         keys = self._keys(nodes)
         first = np.zeros(keys.size, dtype=bool)
         first[np.unique(keys, return_index=True)[1]] = True
@@ -222,12 +222,12 @@ def refinement_of(lattice: Lattice, places: Places, numbers: Values, steps: Valu
 
     places: of the cases, (cases, axes). numbers: (cases, watched).
     """
-    found = Refinement(lattice, steps, len(places))
-    found.places, found.numbers, found.ended = places, numbers, BUDGET
+    refinement = Refinement(lattice, steps, len(places))
+    refinement.places, refinement.numbers, refinement.ended = places, numbers, BUDGET
     for level in range(min(most, lattice.depth)):
-        cells, half = found.cells[level], found.size(level + 1)
-        halved = found._cases(cells + half) >= 0
-        children = cells[halved][:, None, :] + found._offsets() * half
-        found.cells[level] = cells[~halved]
-        found.cells[level + 1] = children.reshape(-1, cells.shape[1])
-    return found
+        cells, half = refinement.cells[level], refinement.size(level + 1)
+        halved = refinement._cases(cells + half) >= 0
+        children = cells[halved][:, None, :] + refinement._offsets() * half
+        refinement.cells[level] = cells[~halved]
+        refinement.cells[level + 1] = children.reshape(-1, cells.shape[1])
+    return refinement

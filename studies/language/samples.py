@@ -47,8 +47,8 @@ def _saltelli(size: int, fields: int, seed: int, second: bool = False) -> Cube:
 
     A and B are the halves of the points of a scrambled Sobol' sequence in twice as many dimensions (Saltelli 2002).
     """
-    both = _sobol(size // block_of(fields, second), 2 * fields, seed)
-    a, b = both[:, None, :fields], both[:, None, fields:]
+    cube = _sobol(size // block_of(fields, second), 2 * fields, seed)
+    a, b = cube[:, None, :fields], cube[:, None, fields:]
     mixed = np.eye(fields, dtype=bool)
     parts = [a, np.where(mixed, b, a), *([np.where(mixed, a, b)] if second else []), b]
     return np.concatenate(parts, axis=1).reshape(size, fields)
@@ -152,18 +152,18 @@ class Distribution(BaseModel):
         """The values below which these shares of the distribution lie, (n,), angles in rad."""
         low, high = self.support
         if self.distribution == "uniform":
-            found = low + (high - low) * share
+            value = low + (high - low) * share
         elif self.distribution == "log-uniform":
             a, b = np.log(abs(low)), np.log(abs(high))
-            found = np.sign(low) * np.exp(a + (b - a) * share)
+            value = np.sign(low) * np.exp(a + (b - a) * share)
         else:
             from scipy.stats import truncnorm
 
             assert self.mean is not None
             assert self.std is not None
             deviations = truncnorm.ppf(share, *self._in_deviations())
-            found = self._in_rad(self.mean) + self._in_rad(self.std) * deviations
-        return np.clip(found, low, high)
+            value = self._in_rad(self.mean) + self._in_rad(self.std) * deviations
+        return np.clip(value, low, high)
 
     def _in_rad(self, value: float) -> float:
         return float(np.deg2rad(value)) if self.unit == "deg" else value
@@ -237,12 +237,12 @@ class Sample(BaseModel):
     def points(self) -> dict[str, Values]:
         """The values of each field, (size,), angles in rad."""
         cube = METHODS[self.method][0](self.size, len(self.fields), self.seed)
-        return {name: one.values(cube[:, i]) for i, (name, one) in enumerate(self.fields.items())}
+        return {name: distribution.values(cube[:, i]) for i, (name, distribution) in enumerate(self.fields.items())}
 
     @property
     def sentence(self) -> str:
         """How the samples are drawn, in one sentence."""
-        each = "; ".join(one.words(name) for name, one in self.fields.items())
+        each = "; ".join(distribution.words(name) for name, distribution in self.fields.items())
         return f"{METHODS[self.method][1]}, seed {self.seed}: {each}"
 
     @property

@@ -99,7 +99,7 @@ class StudyData(BaseModel):
     @property
     def reactions(self) -> tuple[str, ...]:
         """What is stored of held ends besides the loads: the index, and the end angles that are found."""
-        angles = [own for own, partner in PAIRS[:2] if partner in self.held]
+        angles = [field for field, partner in PAIRS[:2] if partner in self.held]
         return ("held_index", *angles) if self.held else ()
 
     @property

@@ -56,8 +56,8 @@ def tables_of(text: str) -> dict[str, Any]:
     """The TOML as dictionaries; refuses a text beyond the limits."""
     if len(text) > MOST_TEXT:
         raise Refused(f"has {len(text)} characters; the limit is {MOST_TEXT}", of_a_key=False)
-    if found := _DEEP_KEY.search(text):
-        raise Refused(f"has a key of more than {MOST_PARTS} parts: {_show(found.group())}", of_a_key=False)
+    if match := _DEEP_KEY.search(text):
+        raise Refused(f"has a key of more than {MOST_PARTS} parts: {_show(match.group())}", of_a_key=False)
     try:
         data = tomllib.loads(text)
     except RecursionError:
@@ -68,9 +68,9 @@ def tables_of(text: str) -> dict[str, Any]:
     while tables:
         table = tables.pop()
         inner = table.values() if isinstance(table, dict) else table
-        if len(inner) > MOST_KEYS and (isinstance(table, dict) or any(isinstance(one, dict) for one in inner)):
+        if len(inner) > MOST_KEYS and (isinstance(table, dict) or any(isinstance(entry, dict) for entry in inner)):
             raise Refused(f"has a table of {len(inner)} entries; the limit is {MOST_KEYS}", of_a_key=False)
-        tables += [one for one in inner if isinstance(one, (dict, list))]
+        tables += [entry for entry in inner if isinstance(entry, (dict, list))]
     return data
 
 
@@ -79,8 +79,8 @@ def _repeat(text: str, message: str) -> str:
     if not message.startswith("Cannot overwrite a value"):
         return ""
     lines = text.rstrip().split("\n")
-    found = re.search(r"at line (\d+)", message)
-    number = int(found.group(1)) if found else len(lines)
+    match = re.search(r"at line (\d+)", message)
+    number = int(match.group(1)) if match else len(lines)
     line = lines[number - 1] if number <= len(lines) else ""
     key, header = _KEY.match(line), _HEADER.match(line)
     name = key.group(1) if key else header.group(2) if header else ""
@@ -89,7 +89,7 @@ def _repeat(text: str, message: str) -> str:
 
 def one_line(text: str) -> str:
     """A sentence on one line; characters that cannot be printed are escaped."""
-    line = "".join(one if one.isprintable() else " " if one in "\n\t" else repr(one)[1:-1] for one in text)
+    line = "".join(sign if sign.isprintable() else " " if sign in "\n\t" else repr(sign)[1:-1] for sign in text)
     return line if len(line) <= MOST_SAID else f"{line[: MOST_SAID - 3]}..."
 
 

@@ -62,7 +62,7 @@ def _check_file(path: Path) -> None:
         raise InputError(f"{path.name} has {status.st_size} bytes; the limit is {MOST_BYTES}")
 
 
-def _csv(path: Path, wanted: Sequence[str] | None, known: Sequence[str], of: str, row: str) -> dict[str, Values]:
+def _csv(path: Path, chosen: Sequence[str] | None, known: Sequence[str], of: str, row: str) -> dict[str, Values]:
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             rows = csv.reader(file, strict=True)
@@ -71,7 +71,7 @@ def _csv(path: Path, wanted: Sequence[str] | None, known: Sequence[str], of: str
                 raise InputError(f"{path.name} is empty: give a line of names, and below it a line for each {row}")
             if len(header) == 1 and ";" in header[0]:
                 raise InputError(f"{path.name}: columns are separated by commas, not semicolons, got {header[0]!r:.60}")
-            names = _choose(path, header, wanted, known, of)
+            names = _choose(path, header, chosen, known, of)
             return _numbers(path, names, [header.index(name) for name in names], len(header), rows, row)
     except UnicodeDecodeError:
         raise InputError(f"{path.name} is not a text file in UTF-8") from None
@@ -88,8 +88,8 @@ def _numbers(path: Path, names: list[str], places: list[int], width: int, rows: 
     for cells in _fill(rows):
         lines.append(rows.line_num)
         if len(cells) != width:
-            here = _here(path, lines, len(lines))
-            raise InputError(f"{here}: expected {width} cells, as the line of names has, got {len(cells)}")
+            where = _row_in_words(path, lines, len(lines))
+            raise InputError(f"{where}: expected {width} cells, as the line of names has, got {len(cells)}")
         if len(lines) > MAX_COUNT:
             raise InputError(f"{path.name} has more rows than the limit of {MAX_COUNT}")
         for place, column in zip(places, texts, strict=True):
@@ -107,10 +107,10 @@ def _column(path: Path, name: str, texts: list[str], lines: list[int]) -> Values
             return numbers
     except ValueError:
         pass
-    return np.array([_number(_here(path, lines, row), name, text) for row, text in enumerate(texts, 1)])
+    return np.array([_number(_row_in_words(path, lines, row), name, text) for row, text in enumerate(texts, 1)])
 
 
-def _here(path: Path, lines: list[int], row: int) -> str:
+def _row_in_words(path: Path, lines: list[int], row: int) -> str:
     return f"{path.name}, line {lines[row - 1]} (row {row})"
 
 
@@ -119,20 +119,20 @@ def _fill(rows: Any) -> Iterator[list[str]]:
     return (cells for cells in rows if cells)
 
 
-def _number(here: str, name: str, cell: str) -> float:
+def _number(where: str, name: str, cell: str) -> float:
     text = cell.strip()
     if not text:
-        raise InputError(f"{here}: {name} is empty; give each row a number")
+        raise InputError(f"{where}: {name} is empty; give each row a number")
     try:
         value = float(in_rad(text)) if is_angle(name.removeprefix("sigma_")) else float(text)
     except ValueError:
         value = np.nan
     if not np.isfinite(value):
-        raise InputError(f"{here}: {name} must be a finite number, got {text[:60]!r}")
+        raise InputError(f"{where}: {name} must be a finite number, got {text[:60]!r}")
     return value
 
 
-def _parquet(path: Path, wanted: Sequence[str] | None, known: Sequence[str], of: str) -> dict[str, Values]:
+def _parquet(path: Path, chosen: Sequence[str] | None, known: Sequence[str], of: str) -> dict[str, Values]:
     try:
         from pyarrow import ArrowException, parquet
     except ImportError:
@@ -141,7 +141,7 @@ def _parquet(path: Path, wanted: Sequence[str] | None, known: Sequence[str], of:
         ) from None
     try:
         header = list(parquet.read_schema(path).names)
-        names = _choose(path, header, wanted, known, of)
+        names = _choose(path, header, chosen, known, of)
         table = parquet.read_table(path, columns=names)
         columns: Mapping[str, Any] = {name: table[name].to_numpy() for name in names}
     except (ArrowException, OSError) as error:
@@ -164,9 +164,9 @@ def _check(path: Path, name: str, values: Any) -> Values:
     return numbers
 
 
-def _choose(path: Path, header: list[str], wanted: Sequence[str] | None, known: Sequence[str], of: str) -> list[str]:
+def _choose(path: Path, header: list[str], chosen: Sequence[str] | None, known: Sequence[str], of: str) -> list[str]:
     """The names of the columns to read. Raises `InputError` for one that is missing, empty or repeated."""
-    names = list(header if wanted is None else wanted)
+    names = list(header if chosen is None else chosen)
     for name in names:
         if name not in header:
             raise InputError(f"{path.name} has no column {name!r}; its columns are {choices(header)}")

@@ -42,12 +42,12 @@ class NumberLine:
 
     def missing(self) -> str:
         """How many cases have no value, in words; "" for none."""
-        some = ~np.isfinite(self.values)
+        lost = ~np.isfinite(self.values)
         none = np.logical_or.reduce([~np.isfinite(target) for target in self.targets.values()], axis=0)
-        told = [f"{int(some.sum())} of {some.size} cases have no value"] if some.any() else []
+        sentences = [f"{int(lost.sum())} of {lost.size} cases have no value"] if lost.any() else []
         if np.any(none):
-            told.append(f"the formula has no value in {int(np.sum(none))} of {some.size} cases ({self.why})")
-        return "; ".join(told)
+            sentences.append(f"the formula has no value in {int(np.sum(none))} of {lost.size} cases ({self.why})")
+        return "; ".join(sentences)
 
 
 def equals(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
@@ -58,13 +58,13 @@ def equals(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     if relative is not None:
         off = np.divide(off, np.abs(formula), out=np.where(off > 0, np.inf, off), where=formula != 0)
     allowed = rule["absolute"] if relative is None else relative
-    found, numbers = "no case has a value", {}
+    words, numbers = "no case has a value", {}
     if np.isfinite(off).any() or (off > 0).any():
         worst = int(np.nanargmax(off))
         shown = f"{off[worst]:.3g}" if relative is None else f"{100 * off[worst]:.3g} %"
-        found = f"at most {shown} off, at {line.at(worst)}"
+        words = f"at most {shown} off, at {line.at(worst)}"
         numbers = {"off": float(off[worst]), "at": float(line.along[worst])}
-    return _of_cases(line, off > allowed * (1 + ROUNDING), found, numbers)
+    return _of_cases(line, off > allowed * (1 + ROUNDING), words, numbers)
 
 
 def bound(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
@@ -74,9 +74,9 @@ def bound(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
         if key in line.targets:
             beyond = np.fmax(beyond, sign * (line.targets[key] - line.values))
     known = line.values[np.isfinite(line.values)]
-    found = f"{known.min():.4g} to {known.max():.4g}" if known.size else "no case has a value"
+    words = f"{known.min():.4g} to {known.max():.4g}" if known.size else "no case has a value"
     numbers = {"smallest": float(known.min()), "largest": float(known.max())} if known.size else {}
-    return _of_cases(line, beyond > ROUNDING * np.abs(line.values), found, numbers)
+    return _of_cases(line, beyond > ROUNDING * np.abs(line.values), words, numbers)
 
 
 def scales(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
@@ -95,13 +95,13 @@ def scales(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     exponent, half, factor = fit_power(np.abs(x), np.abs(y))
     off, within = abs(exponent - rule["exponent"]), rule["within"]
     numbers = {"exponent": exponent, "interval": half, "factor": factor * float(np.sign(y[0]))}
-    found = f"exponent {exponent:.4g} ± {half:.2g}"
+    words = f"exponent {exponent:.4g} ± {half:.2g}"
     if off - half > within:
-        return Verdict(FAILS, found=found, numbers=numbers, far=off)
+        return Verdict(FAILS, found=words, numbers=numbers, far=off)
     reason = line.missing() or _branch_changes(line)
     if off + half > within:
         reason = "; ".join(filter(None, [reason, f"the interval of the exponent reaches beyond ± {within:g}"]))
-    return Verdict(UNDECIDED if reason else HOLDS, reason=reason, found=found, numbers=numbers, far=off)
+    return Verdict(UNDECIDED if reason else HOLDS, reason=reason, found=words, numbers=numbers, far=off)
 
 
 def fit_power(x: Array, y: Array) -> tuple[float, float, float]:
@@ -124,8 +124,8 @@ def boundary(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     if not steps:
         reason = line.missing() or _branch_changes(line)
         return Verdict(UNDECIDED if reason else FAILS, reason=reason, found="it does not pass", far=np.inf)
-    told = [f"between {line.along[i]:.4g} and {line.along[j]:.4g}" for i, j in steps]
-    found = f"passes {' and '.join(told[:3])}{' and elsewhere' if len(told) > 3 else ''}"
+    gaps = [f"between {line.along[i]:.4g} and {line.along[j]:.4g}" for i, j in steps]
+    words = f"passes {' and '.join(gaps[:3])}{' and elsewhere' if len(gaps) > 3 else ''}"
     i, j = max(steps, key=lambda step: float(np.max(np.abs(place[list(step)]))))
     share = level[i] / (level[i] - level[j])
     numbers = {
@@ -135,7 +135,7 @@ def boundary(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     }
     low, high = sorted((float(place[i]), float(place[j])))
     within, far = rule["within"] * (1 + ROUNDING), max(abs(low), abs(high))
-    told_of: dict[str, Any] = {"found": found, "numbers": numbers, "far": far}
+    told_of: dict[str, Any] = {"found": words, "numbers": numbers, "far": far}
     if len(steps) > 1:
         return Verdict(FAILS, reason=f"it passes {len(steps)} times", **told_of)
     if low > within or high < -within:
@@ -155,12 +155,12 @@ def passes(level: Array, cut: NDArray[np.bool_]) -> list[tuple[int, int]]:
     ]
 
 
-def _of_cases(line: NumberLine, wrong: NDArray[np.bool_], found: str, numbers: dict[str, float]) -> Verdict:
+def _of_cases(line: NumberLine, wrong: NDArray[np.bool_], words: str, numbers: dict[str, float]) -> Verdict:
     """The verdict on cases that each agree or not."""
     exceptions = [(int(i), int(i)) for i in np.flatnonzero(wrong)]
     reason, far = line.missing(), numbers.get("off", float(len(exceptions)))
     verdict = FAILS if exceptions else UNDECIDED if reason else HOLDS
-    return Verdict(verdict, None, exceptions, reason, found, numbers, far)
+    return Verdict(verdict, None, exceptions, reason, words, numbers, far)
 
 
 def _one_sign(values: Array) -> bool:

@@ -46,30 +46,30 @@ def together(
     meant: the direction in the sentence. at: the values of the other axes where the law is decided. first: the range of
     the observable at the start of the axis.
     """
-    verdict = worst([one.verdict for one in deciding])
+    verdict = worst([line.verdict for line in deciding])
     kinds: list[str] = []
     if verdict == QUALIFIED:
         kinds.append(NOT_CONTRADICTED)
-        told = [_standing(name, meant, deciding, first)]
+        reasons = [_standing(name, meant, deciding, first)]
     else:
-        told = list(dict.fromkeys(one.reason for one in deciding if one.reason))
-        told = [*told[:MOST], *(["and so on"] if len(told) > MOST else [])]
+        reasons = list(dict.fromkeys(line.reason for line in deciding if line.reason))
+        reasons = [*reasons[:MOST], *(["and so on"] if len(reasons) > MOST else [])]
     if as_good(verdict, QUALIFIED) and not as_good(worst(every), verdict):
         kinds.append(ON_PART)
-        told.append(_part(every, verdict, at))
+        reasons.append(_part(every, verdict, at))
         verdict = QUALIFIED
-    return {"verdict": verdict, "qualifications": kinds, "reason": join(told)}
+    return {"verdict": verdict, "qualifications": kinds, "reason": join(reasons)}
 
 
 def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, Any]]) -> str:
     """What the observable of the law does, and what its failing alternatives do. row, others: their rows."""
     trend = f" as a trend, with {_wrong(row)} the wrong way" if row["exceptions"] else ""
-    told = []
+    clauses = []
     for other in others:
         reverse = other["tau"] is not None and other["tau"] <= -TREND_TAU
         does = DIRECTIONS[meant].instead if reverse else DIRECTIONS[meant].does_not
-        told.append(f"{other['observable']} {does}{f' at {_wrong(other)}' if other['exceptions'] else ''}")
-    return f"{row['observable']} {DIRECTIONS[row['direction']].does}{trend}, but {' and '.join(told)}"
+        clauses.append(f"{other['observable']} {does}{f' at {_wrong(other)}' if other['exceptions'] else ''}")
+    return f"{row['observable']} {DIRECTIONS[row['direction']].does}{trend}, but {' and '.join(clauses)}"
 
 
 def count(counts: Mapping[str, int]) -> str:
@@ -77,15 +77,15 @@ def count(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{counts[verdict]} {PLAIN[verdict]}" for verdict in VERDICTS if counts.get(verdict))
 
 
-def join(told: Sequence[str]) -> str:
+def join(texts: Sequence[str]) -> str:
     """The non-empty texts as one sentence."""
-    return "; ".join(one for one in told if one)
+    return "; ".join(text for text in texts if text)
 
 
 def _standing(name: str, meant: str, deciding: Sequence[Verdict], first: list[float] | None) -> str:
     """How the observable stays level on the lines that decide."""
     if len(deciding) > 1:
-        standing = sum(one.verdict == QUALIFIED for one in deciding)
+        standing = sum(line.verdict == QUALIFIED for line in deciding)
         how = f"stays level on {standing} of {len(deciding)} lines"
     elif deciding[0].reason and first:  # it does not change at all
         how = f"stays at {first[0]:.4g}"
@@ -96,10 +96,10 @@ def _standing(name: str, meant: str, deciding: Sequence[Verdict], first: list[fl
 
 def _part(every: Sequence[str], verdict: str, at: Mapping[str, float]) -> str:
     """In how many rows of the grid the law is as good as where it was judged, how many are worse, and where that is."""
-    here = ", ".join(f"{axis} = {value:.4g}" for axis, value in at.items())
-    agree = sum(as_good(one, verdict) for one in every)
-    left = [f", {every.count(one)} {PLAIN[one]}" for one in (TREND, UNDECIDED) if one in every and one != verdict]
-    return f"{agree} of {len(every)} rows agree{''.join(left)} (judged at {here})"
+    place = ", ".join(f"{axis} = {value:.4g}" for axis, value in at.items())
+    agree = sum(as_good(row, verdict) for row in every)
+    left = [f", {every.count(kind)} {PLAIN[kind]}" for kind in (TREND, UNDECIDED) if kind in every and kind != verdict]
+    return f"{agree} of {len(every)} rows agree{''.join(left)} (judged at {place})"
 
 
 def _wrong(row: Mapping[str, Any]) -> str:
@@ -114,8 +114,8 @@ def count_of(count: int, word: str) -> str:
 
 def tally(rows: Sequence[Mapping[str, Any]]) -> dict[str, int]:
     """How many laws have each verdict, those of no law included."""
-    found = [row["verdict"] for row in rows]
-    return {verdict: found.count(verdict) for verdict in VERDICTS}
+    verdicts = [row["verdict"] for row in rows]
+    return {verdict: verdicts.count(verdict) for verdict in VERDICTS}
 
 
 def tally_of(rows: Sequence[Mapping[str, Any]], noun: str = "law") -> str:

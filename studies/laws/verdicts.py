@@ -186,14 +186,14 @@ def targets(law: Law, shape: tuple[int, ...], known: Mapping[str, ArrayLike]) ->
 
     known: as in `decide`. Raises `InputError` for a name that is missing.
     """
-    found = {key: (np.full(shape, float(value)), np.full(shape, "")) for key, value in law.numbers.items()}
+    numbers = {key: (np.full(shape, float(value)), np.full(shape, "")) for key, value in law.numbers.items()}
     for key, formula in law.formulas.items():
         missing = [name for name in formula.names if name not in known]
         if missing:
             raise InputError(f"the law {law.claim} needs the number {missing[0]!r}; available: {choices(known)}")
         values, why = evaluate(formula, known)
-        found[key] = np.broadcast_to(values, shape), np.broadcast_to(why, shape)
-    return found
+        numbers[key] = np.broadcast_to(values, shape), np.broadcast_to(why, shape)
+    return numbers
 
 
 def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[str, Any]:
@@ -206,13 +206,13 @@ def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[s
         line = lines[where]
         verdict = judge(where)
         every.append(verdict.verdict)
-        here = {dim: float(values[i]) for (dim, values), i in zip(others.items(), where, strict=True)}
-        if any(here[dim] != value for dim, value in at.items()):
+        place = {dim: float(values[i]) for (dim, values), i in zip(others.items(), where, strict=True)}
+        if any(place[dim] != value for dim, value in at.items()):
             continue
         deciding.append(verdict)
         ends.append(line[[0, -1]])
         exceptions += [
-            {"from": float(along[i]), "to": float(along[j]), "values": line[[i, j]].tolist(), "at": here}
+            {"from": float(along[i]), "to": float(along[j]), "values": line[[i, j]].tolist(), "at": place}
             for i, j in verdict.exceptions
         ]
     return _tell(law, name, every, deciding, at, ends) | {
@@ -244,13 +244,13 @@ def _judging(
     if law.kind == MONOTONE:
         return lambda where: law.judge(name, lines[where], cut[where], name in grid.counts)
     compared = {
-        key: tuple(np.moveaxis(one, k, -1)[..., order] for one in pair)
+        key: tuple(np.moveaxis(array, k, -1)[..., order] for array in pair)
         for key, pair in targets(law, grid.shape, grid.known).items()
     }
 
     def judge(where: tuple[int, ...]) -> Verdict:
         mine = {key: values[where] for key, (values, _) in compared.items()}
-        why = "; ".join(dict.fromkeys(one for _, texts in compared.values() for one in texts[where].tolist() if one))
+        why = "; ".join(dict.fromkeys(text for _, texts in compared.values() for text in texts[where].tolist() if text))
         return law.compare(NumberLine(law.axis, along, lines[where].astype(float), cut[where], mine, why))
 
     return judge
@@ -294,9 +294,9 @@ def _cuts(crossing: ArrayLike | None, shape: tuple[int, ...], k: int) -> NDArray
     return np.moveaxis(cut, k, -1)
 
 
-def _nearest(values: NDArray[np.float64], wanted: float) -> float:
+def _nearest(values: NDArray[np.float64], value: float) -> float:
     """The value of an axis nearest to the one wanted."""
-    return values[np.abs(values - wanted).argmin()]
+    return values[np.abs(values - value).argmin()]
 
 
 def _range(values: NDArray[Any]) -> list[float] | None:

@@ -106,7 +106,7 @@ def measured(tmp_path_factory) -> list[measured_runs.Measured]:
     save = canvas.save
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(canvas, "save", lambda fig, page, dpi: save(fig, page, 40))  # few dots are soon drawn
-        return measured_runs.both(tmp_path_factory.mktemp("nothing"))
+        return measured_runs.comparisons(tmp_path_factory.mktemp("nothing"))
 
 
 @pytest.fixture(scope="module")
@@ -452,7 +452,7 @@ def test_a_run_beside_the_report_is_drawn_and_a_broken_one_gives_way(tmp_path, m
     ds = reading.read(measured_runs.SHIPPED / "trade.h5", study=False)
     writing.write(ds.isel(case=[0, 1]).assign_attrs(machine="a test"), tmp_path / "trade.h5")
     (tmp_path / "extremes.h5").write_bytes(b"no dataset")
-    extremes, trade = measured_runs.both(tmp_path)
+    extremes, trade = measured_runs.comparisons(tmp_path)
     assert "on 2 rods" in trade.shows
     assert "on a test, with" in trade.source
     assert trade.source.endswith("trade.h5 beside this report")

@@ -58,20 +58,20 @@ def sweep(
     held = name in PARTNER
     trace = trace_held if held else trace_branches
     seen = trace(case, name, [float(x) for x in values], STATIONS, lambda value: step(f"{name} = {value:.4g}"))
-    found, branch = seen.found, seen.branch
-    most = max((len(members) for members in found), default=0)
+    listed, branch = seen.found, seen.branch
+    most = max((len(members) for members in listed), default=0)
     dims = (name, "member")
     data: dict[str, Any] = {
         key: xr.Variable(dims, numbers, schema.labels(key, units))
-        for key, numbers in _numbers(found, most, laws).items()
+        for key, numbers in _numbers(listed, most, laws).items()
     }
     if not held:
-        data["count"] = xr.Variable((name,), np.array([len(members) for members in found]), COUNT)
+        data["count"] = xr.Variable((name,), np.array([len(members) for members in listed]), COUNT)
     data["branch"] = xr.Variable(dims, _pad(branch, most), {"long_name": "number of the branch, -1 for none"})
-    outcome = [[str(f[i].solution.outcome) if i < len(f) else "" for i in range(most)] for f in found]
-    solved = [[i < len(f) and bool(f[i].solution.solved) for i in range(most)] for f in found]
-    data["solved"] = xr.Variable(dims, np.array(solved, dtype=bool).reshape(len(found), most))
-    data["outcome"] = xr.Variable(dims, np.array(outcome, dtype=str).reshape(len(found), most))
+    outcome = [[str(f[i].solution.outcome) if i < len(f) else "" for i in range(most)] for f in listed]
+    solved = [[i < len(f) and bool(f[i].solution.solved) for i in range(most)] for f in listed]
+    data["solved"] = xr.Variable(dims, np.array(solved, dtype=bool).reshape(len(listed), most))
+    data["outcome"] = xr.Variable(dims, np.array(outcome, dtype=str).reshape(len(listed), most))
     chosen = default_observable(name) if show is None else show
     shown = (chosen,) if held else (chosen, "energy")
     data |= special_points(seen, name, units, shown) | follow_curves(seen, name, units, shown, (values[0], values[-1]))
@@ -103,17 +103,17 @@ def remarks(ds: xr.Dataset) -> list[str]:
     return list(json.loads(ds.attrs["remarks"]))
 
 
-def _numbers(found: Sequence[Sequence[Equilibrium]], most: int, laws: Sequence[Law]) -> dict[str, NDArray[np.float64]]:
+def _numbers(listed: Sequence[Sequence[Equilibrium]], most: int, laws: Sequence[Law]) -> dict[str, NDArray[np.float64]]:
     """The numbers of `EACH` and the observables of the laws, (values, most) each."""
     judged = list(
         dict.fromkeys(
             (*(observable for law in laws for observable in law.observables if observable not in EACH), *PUSH)
         )
     )
-    table = {key: np.full((len(found), most), np.nan) for key in (*EACH, *judged)}
-    for k, members in enumerate(found):
-        for i, one in enumerate(members):
-            numbers = {key: getattr(one, key) for key in EACH} | observe(one.solution, judged)
+    table = {key: np.full((len(listed), most), np.nan) for key in (*EACH, *judged)}
+    for k, members in enumerate(listed):
+        for i, equilibrium in enumerate(members):
+            numbers = {key: getattr(equilibrium, key) for key in EACH} | observe(equilibrium.solution, judged)
             for key, value in numbers.items():
                 table[key][k, i] = value
     return table
@@ -138,7 +138,7 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict
         k, i = np.nonzero(ds["branch"].values == piece.number)
         points = seen.curves[piece.curve].points[piece.first : piece.last + 1]
         turns = ds["turns"].values[k, i].astype(int)
-        ends = ds[name].values[k] if k.size else np.array(sorted(one.value for one in (points[0], points[-1])))
+        ends = ds[name].values[k] if k.size else np.array(sorted(point.value for point in (points[0], points[-1])))
         row: dict[str, Any] = {
             "branch": piece.number, "from": float(ends[0] * scale), "to": float(ends[-1] * scale),
             "values": len(points) if name in PARTNER else int(k.size), "index": points[len(points) // 2].index,
@@ -181,12 +181,12 @@ def dataset_of(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Da
         raise InputError(f"stations must be at least 2, got {stations}")
     units, sol, name = {**WORDS, **units}, solutions_of(branch, stations), branch.field
     dims = (POINT,)
-    found: dict[str, Any] = observe(sol, POINT_NUMBERS) | {"dbeta0": sol.dbeta[:, 0], "index": branch.index}
-    found |= {key: getattr(sol, key) for key in schema.LOADS} | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
-    data: dict[str, Any] = dataset.variables({k: value for k, value in found.items() if k != name}, dims, units)
+    numbers: dict[str, Any] = observe(sol, POINT_NUMBERS) | {"dbeta0": sol.dbeta[:, 0], "index": branch.index}
+    numbers |= {key: getattr(sol, key) for key in schema.LOADS} | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
+    data: dict[str, Any] = dataset.variables({k: value for k, value in numbers.items() if k != name}, dims, units)
     data |= dataset.variables({key: getattr(sol, key) for key in ALONG}, (POINT, "u"), units)
     kinds = np.full(len(branch), "", dtype=object)
-    kinds[[one.position for one in branch.special]] = [one.kind for one in branch.special]
+    kinds[[point.position for point in branch.special]] = [point.kind for point in branch.special]
     data["special"] = xr.Variable(dims, kinds.astype(str), {"long_name": "kind of special point, empty for none"})
     data["solved"] = xr.Variable(dims, np.asarray(sol.solved, dtype=bool))
     data["outcome"] = xr.Variable(dims, np.asarray(sol.outcome).astype(str))
@@ -209,8 +209,14 @@ def stability(case: Case) -> str:
 
 def _attributes(branch: Branch) -> dict[str, Any]:
     special = [
-        {"kind": one.kind, "value": one.value, "before": one.before, "after": one.after, "position": one.position}
-        for one in branch.special
+        {
+            "kind": point.kind,
+            "value": point.value,
+            "before": point.before,
+            "after": point.after,
+            "position": point.position,
+        }
+        for point in branch.special
     ]
     return {
         "title": f"A branch of equilibria over {quantity_of(branch.field).symbol}", "field": branch.field,

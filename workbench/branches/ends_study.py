@@ -105,11 +105,11 @@ def write_cases(study: Study, case: Case, found: Sequence[Equilibrium], folder: 
     """
     writing.check_folder(folder)
     width = len(str(len(found)))
-    for i, one in enumerate(found, 1):
-        title = f"Equilibrium {i} of {len(found)}: index {one.index}, {one.turns} bends"
+    for i, equilibrium in enumerate(found, 1):
+        title = f"Equilibrium {i} of {len(found)}: index {equilibrium.index}, {equilibrium.turns} bends"
         text = (
             f"{study_text(title, study.unit_system, field_values(case))}\n"
             f"[equilibrium] # selects one of the {len(found)}: the nearest to both values\n"
-            f"dbeta0 = {one.dbeta0!r}\nenergy = {one.energy!r}\n"
+            f"dbeta0 = {equilibrium.dbeta0!r}\nenergy = {equilibrium.energy!r}\n"
         )
         (folder / f"equilibrium_{i:0{width}d}.toml").write_text(text, encoding="utf-8")

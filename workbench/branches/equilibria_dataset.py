@@ -47,16 +47,21 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     (equilibrium), `count`; under held ends the reactions and the index under dead loads as well.
     """
     units, held = study.unit_system, held_of(case)
-    solutions = [one.solution for one in found]
+    solutions = [equilibrium.solution for equilibrium in found]
     reactions = list(solutions[0].reactions) if solutions else []
-    rows = [{**{name: getattr(one, name) for name in EACH}, **_numbers_of(one.solution)} for one in found]
+    rows = [
+        {**{name: getattr(equilibrium, name) for name in EACH}, **_numbers_of(equilibrium.solution)}
+        for equilibrium in found
+    ]
     numbers = {name: np.array([row[name] for row in rows]) for name in (*EACH, *ELASTIC, *PUSH, *reactions)}
     data: dict[str, Any] = dataset.variables(numbers, EQUILIBRIUM, units)
     if held:
         data["energy"].attrs = schema.labels("held_energy", units)  # what the number is; the name stays
-        dead = np.array([one.dead_index for one in found], dtype=np.int64)
+        dead = np.array([equilibrium.dead_index for equilibrium in found], dtype=np.int64)
         data["dead_index"] = xr.Variable(EQUILIBRIUM, dead, DEAD_INDEX)
-        data["found_by"] = xr.Variable(EQUILIBRIUM, np.array([one.found_by for one in found], dtype=str))
+        data["found_by"] = xr.Variable(
+            EQUILIBRIUM, np.array([equilibrium.found_by for equilibrium in found], dtype=str)
+        )
     data["count"] = xr.Variable((), len(found), COUNT)
     cautions_of = [str(cautions.of_cases(sol, unit=study.units.length)) for sol in solutions]
     ds = of_solutions(solutions, data, cautions_of, float(case.rod.L), units)
@@ -68,8 +73,8 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
             f"{name} from {low:.4g} to {high:.4g} {schema.labels(name, units)['units']}"
             for name, (low, high) in found.search.within.items()
         )
-        told = {"remark": found.remark, "searched": ", ".join(ranges)}
-        ds.attrs |= {"stability": f"under held ends ({choices(held)})", **told}
+        search = {"remark": found.remark, "searched": ", ".join(ranges)}
+        ds.attrs |= {"stability": f"under held ends ({choices(held)})", **search}
     return with_case(ds, case, units)
 
 

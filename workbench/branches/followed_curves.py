@@ -45,20 +45,20 @@ def check_shown(name: str) -> None:
 def special_points(seen: Traced, name: str, units: Mapping[str, str], shown: Sequence[str]) -> dict[str, Any]:
     """The folds over `fold`, and the other special points over `special`."""
     data = dict[str, Any]()
-    for dim, some in (
-        ("fold", [one for one in seen.special if one[1].kind == "fold"]),
-        ("special", [one for one in seen.special if one[1].kind != "fold"]),
+    for dim, group in (
+        ("fold", [event for event in seen.special if event[1].kind == "fold"]),
+        ("special", [event for event in seen.special if event[1].kind != "fold"]),
     ):
         keys = list(dict.fromkeys(("dbeta0", "energy", *shown)))
-        numbers = {key: [_at(branch, point.position, key) for branch, point, _ in some] for key in keys}
+        numbers = {key: [_at(branch, point.position, key) for branch, point, _ in group] for key in keys}
         for key, row in ((name, name), *((key, key) for key in keys)):
-            values = [point.value for _, point, _ in some] if key == name else numbers[key]
+            values = [point.value for _, point, _ in group] if key == name else numbers[key]
             labels = schema.labels(quantity_of(row).name if key == name else row, units)
             labels["long_name"] += (
                 " where two equilibria meet and cease to exist" if dim == "fold" else " where branches meet or end"
             )
             data[dim if key == name else f"{dim}_{key}"] = xr.Variable((dim,), np.array(values, dtype=float), labels)
-        pairs = np.array([two for _, _, two in some], dtype=np.int64).reshape(-1, 2)
+        pairs = np.array([two for _, _, two in group], dtype=np.int64).reshape(-1, 2)
         data[f"{dim}_branches"] = xr.Variable((dim, "two"), pairs, {"long_name": "the two branches that meet"})
     kinds = [point.kind for _, point, _ in seen.special if point.kind != "fold"]
     data["special_kind"] = xr.Variable(("special",), np.array(kinds, dtype=str), {"long_name": "kind of special point"})
@@ -71,9 +71,9 @@ def _at(branch: Branch, position: int, key: str) -> float:
 
 def _numbers(sol: Solution, keys: Sequence[str]) -> dict[str, Any]:
     """Observables, loads and values at the ends, one for each case."""
-    own = {"dbeta0": lambda: sol.dbeta[..., 0], "beta0": lambda: sol.beta[..., 0], "betaL": lambda: sol.beta[..., -1]}
-    own |= {name: partial(getattr, sol, name) for name in LOADS}
-    return observe(sol, [key for key in keys if key not in own]) | {key: own[key]() for key in keys if key in own}
+    ends = {"dbeta0": lambda: sol.dbeta[..., 0], "beta0": lambda: sol.beta[..., 0], "betaL": lambda: sol.beta[..., -1]}
+    ends |= {name: partial(getattr, sol, name) for name in LOADS}
+    return observe(sol, [key for key in keys if key not in ends]) | {key: ends[key]() for key in keys if key in ends}
 
 
 def follow_curves(
@@ -127,5 +127,5 @@ def _places(seen: Traced, piece: Piece, ends: tuple[float, float]) -> list[int]:
     low, high = (float(np.clip(end, values.min(), values.max())) for end in ends)
     count = max(FEW_SHAPES // len(seen.pieces), 1)
     shares = (np.arange(count) + 0.5) / count
-    wanted = low + shares * (high - low)
-    return sorted({piece.first + int(np.argmin(np.abs(values - one))) for one in wanted})
+    goals = low + shares * (high - low)
+    return sorted({piece.first + int(np.argmin(np.abs(values - goal))) for goal in goals})

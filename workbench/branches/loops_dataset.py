@@ -58,16 +58,16 @@ def dataset_of(found: Sequence[Loop], units: Mapping[str, str] | None = None) ->
         raise InputError("no loop was found: a dataset holds at least one")
     study, case = study_of(found[0], units), found[0].solution.case
     words = study.unit_system
-    solutions = [one.solution for one in found]
+    solutions = [loop.solution for loop in found]
     data: dict[str, Any] = {}
     for name, row in NUMBERS.items():
         labels = schema.labels(row, words) if isinstance(row, str) else dict(zip(LABELS, row, strict=True))
-        data[name] = xr.Variable(EQUILIBRIUM, np.array([getattr(one, name) for one in found]), labels)
+        data[name] = xr.Variable(EQUILIBRIUM, np.array([getattr(loop, name) for loop in found]), labels)
     data |= dataset.variables({"MZ": [float(sol.MZ) for sol in solutions]}, EQUILIBRIUM, words)
     data |= dataset.variables({"FZ": 0.0, "M3": 0.0}, (), words)
     scalars = {**dict(case.rod.given()), "R": case.cylinder.R, "rho": case.rho}
     data |= dataset.variables({name: float(value) for name, value in scalars.items()}, (), words)
-    ds = of_solutions(solutions, data, [caution(one) for one in found], float(case.rod.L), words)
+    ds = of_solutions(solutions, data, [caution(loop) for loop in found], float(case.rod.L), words)
     ds["equilibrium"].attrs["long_name"] = "number of the loop"
     more = {"title": "Closed rods on a cylinder", "stability": STABILITY}
     return ds.assign_attrs(attributes(study, case, "") | more | {"caution": cautions.sentence(ds)})
@@ -76,8 +76,8 @@ def dataset_of(found: Sequence[Loop], units: Mapping[str, str] | None = None) ->
 def write_cases(found: Sequence[Loop], units: Mapping[str, str], folder: Path) -> None:
     """Write each loop as a TOML study of one case. Raises `InputError` if the folder cannot be written."""
     writing.check_folder(folder)
-    for k, one in enumerate(found, 1):
-        (folder / f"loop_{k:0{len(str(len(found)))}d}.toml").write_text(study_of(one, units).text, encoding="utf-8")
+    for k, loop in enumerate(found, 1):
+        (folder / f"loop_{k:0{len(str(len(found)))}d}.toml").write_text(study_of(loop, units).text, encoding="utf-8")
 
 
 def caution(one: Loop) -> str:

@@ -69,40 +69,44 @@ def _with_case(ds: xr.Dataset, case: Case, units: dict[str, str], fields: tuple[
 
 def _of_regions(regions: list[Region], names: tuple[str, str], labels: list[Any], units: dict[str, str]) -> Any:
     """The numbers of each region, and its stable shapes, NaN beyond their number."""
-    most = max((one.stable for one in regions), default=0)
+    most = max((region.stable for region in regions), default=0)
     stations = regions[0].equilibria[0].solution.s.size if regions and regions[0].equilibria else 2
     shapes = {name: np.full((len(regions), most, stations), np.nan) for name in ALONG}
     for k, region in enumerate(regions):
-        for i, one in enumerate([equilibrium for equilibrium in region.equilibria if equilibrium.index == 0]):
+        stable = [equilibrium for equilibrium in region.equilibria if equilibrium.index == 0]
+        for i, equilibrium in enumerate(stable):
             for name in ALONG:
-                shapes[name][k, i] = getattr(one.solution, name)
+                shapes[name][k, i] = getattr(equilibrium.solution, name)
     data: dict[str, Any] = {
         f"stable_{name}": xr.Variable(("region", "stable", "u"), values, schema.labels(name, units))
         for name, values in shapes.items()
     }
     words = {"count": "number of equilibria", "count_stable": "number of stable equilibria"}
-    for name, values in (("count", [one.count for one in regions]), ("count_stable", [one.stable for one in regions])):
+    for name, values in (
+        ("count", [region.count for region in regions]),
+        ("count_stable", [region.stable for region in regions]),
+    ):
         data[name] = xr.Variable(
             ("region",), np.array(values, dtype=np.int64), {"long_name": words[name], "units": "1"}
         )
     area = {"long_name": "share of the rectangle", "units": "1"}
-    data["area"] = xr.Variable(("region",), np.array([one.area for one in regions]), area)
-    complete = np.array([one.equilibria.complete for one in regions], dtype=bool)
+    data["area"] = xr.Variable(("region",), np.array([region.area for region in regions]), area)
+    complete = np.array([region.equilibria.complete for region in regions], dtype=bool)
     data["complete"] = xr.Variable(("region",), complete, {"long_name": "whether the equilibria pass the test"})
     for k, name in enumerate(names):
         inner = {**labels[k], "long_name": f"{labels[k]['long_name']}, of the point where the equilibria were computed"}
-        data[f"region_{name}"] = xr.Variable(("region",), np.array([one.values[k] for one in regions]), inner)
+        data[f"region_{name}"] = xr.Variable(("region",), np.array([region.values[k] for region in regions]), inner)
     return data
 
 
-def _of_curves(found: RegionMap, names: tuple[str, str], labels: list[Any], units: dict[str, str]) -> Any:
+def _of_curves(region_map: RegionMap, names: tuple[str, str], labels: list[Any], units: dict[str, str]) -> Any:
     """The curves over (curve, point), NaN beyond their ends, and the cusps."""
-    curves = found.folds.curves
+    curves = region_map.folds.curves
     most = max((curve.values.shape[0] for curve in curves), default=0)
     values = np.full((3, len(curves), most), np.nan)
-    for k, one in enumerate(curves):
-        values[:2, k, : one.dbeta0.size] = one.values.T
-        values[2, k, : one.dbeta0.size] = one.dbeta0
+    for k, curve in enumerate(curves):
+        values[:2, k, : curve.dbeta0.size] = curve.values.T
+        values[2, k, : curve.dbeta0.size] = curve.dbeta0
     cusps = np.concatenate([np.zeros((0, 2)), *(curve.cusps for curve in curves)])
     slopes = np.concatenate([np.zeros(0), *(curve.cusp_dbeta0 for curve in curves)])
     owner = np.repeat(np.arange(len(curves)), [curve.cusps.shape[0] for curve in curves])

@@ -61,33 +61,33 @@ def trace_branches(
     step: called with each value before it is solved. until: by `time.monotonic`; no further branch is followed then.
     """
     low, high = min(values), max(values)
-    found, owner = [], list[list[tuple[int, int] | None]]()
+    listed, owner = [], list[list[tuple[int, int] | None]]()
     for value in values:
         step(value)
-        found.append(list(equilibria(with_field(case, name, value), stations=stations)))
-        owner.append([None] * len(found[-1]))
+        listed.append(list(equilibria(with_field(case, name, value), stations=stations)))
+        owner.append([None] * len(listed[-1]))
     curves, remarks = list[Branch](), list[str]()
     passed = np.union1d(values, np.linspace(low, high, FINE))
-    for k, members in enumerate(found):
-        for i, one in reversed([*enumerate(members)]):  # those of few bends take longest
+    for k, members in enumerate(listed):
+        for i, equilibrium in reversed([*enumerate(members)]):  # those of few bends take longest
             if owner[k][i] is None and time.monotonic() < until:
                 try:
-                    branch = follow(one.solution, points=MOST, **{name: passed})
+                    branch = follow(equilibrium.solution, points=MOST, **{name: passed})
                 except InputError as error:
                     remarks.append(f"{name} = {values[k]:.6g}: {error}")
                     continue
                 owner[k][i] = (len(curves), branch.start)
-                _claim(found, owner, branch, len(curves), values)
+                _claim(listed, owner, branch, len(curves), values)
                 curves.append(branch)
                 remarks += [
                     f"{name} = {end.value:.6g}: {end.reason}" for end in (branch.begin, branch.end)
                     if end.value not in (low, high)
                 ]  # fmt: skip
-    return number_pieces(found, owner, curves, remarks)
+    return number_pieces(listed, owner, curves, remarks)
 
 
 def _claim(
-    found: list[list[Equilibrium]], owner: list[list[tuple[int, int] | None]], branch: Branch, curve: int,
+    listed: list[list[Equilibrium]], owner: list[list[tuple[int, int] | None]], branch: Branch, curve: int,
     values: list[float],
 ) -> None:  # fmt: skip
     """Mark the equilibria on a branch."""
@@ -99,8 +99,8 @@ def _claim(
         problem = reduce(point.case)
         assert isinstance(problem, EndsProblem)
         place = LinePoint(problem)
-        for i, one in enumerate(found[k]):
-            if owner[k][i] is None and same_equilibrium(place, path_of(one.path, 0), point.path):
+        for i, equilibrium in enumerate(listed[k]):
+            if owner[k][i] is None and same_equilibrium(place, path_of(equilibrium.path, 0), point.path):
                 owner[k][i] = (curve, at)
 
 
@@ -108,28 +108,30 @@ def number_pieces(
     found: list[list[Equilibrium]], owner: list[list[tuple[int, int] | None]], curves: list[Branch], remarks: list[str]
 ) -> Traced:
     """The pieces in the order in which their equilibria appear; those without any come last."""
-    cuts = [[0, *(one.position for one in curve.special if one.kind != HELIX), len(curve) - 1] for curve in curves]
+    cuts = [
+        [0, *(point.position for point in curve.special if point.kind != HELIX), len(curve) - 1] for curve in curves
+    ]
     spans = {(c, j): span for c, cut in enumerate(cuts) for j, span in enumerate(pairwise(cut))}
 
     def piece_of(curve: int, at: int) -> tuple[int, int]:
         return curve, int(np.searchsorted(cuts[curve][1:-1], at, side="right"))
 
-    order = dict.fromkeys(piece_of(*one) for row in owner for one in row if one is not None)
+    order = dict.fromkeys(piece_of(*place) for row in owner for place in row if place is not None)
     number = {key: n for n, key in enumerate([*order, *(key for key in spans if key not in order)])}
     pieces = [Piece(n, key[0], *spans[key]) for key, n in number.items()]
-    branch = [[-1 if one is None else number[piece_of(*one)] for one in row] for row in owner]
+    branch = [[-1 if place is None else number[piece_of(*place)] for place in row] for row in owner]
     special = [
-        (curve, one, (number[c, j], number[c, j + 1]))
+        (curve, point, (number[c, j], number[c, j + 1]))
         for c, curve in enumerate(curves)
-        for j, one in enumerate(one for one in curve.special if one.kind != HELIX)
+        for j, point in enumerate(point for point in curve.special if point.kind != HELIX)
     ]
     for c, curve in enumerate(curves):
-        ends = [one for one in curve.special if one.kind == HELIX]
+        ends = [point for point in curve.special if point.kind == HELIX]
         special += [(curve, end, (number[piece_of(c, end.position)],) * 2) for end in ends]
     return Traced(found, branch, curves, pieces, special, remarks)
 
 
-PARTNER = {held: own for own, held in PAIRS}  # height -> FZ
+PARTNER = {held: field for field, held in PAIRS}  # height -> FZ
 _NEAR = 1e-6  # between the loads of one equilibrium, relative
 
 
@@ -145,22 +147,23 @@ def trace_held(case: Case, name: str, values: list[float], stations: int, step: 
     for value in (values[0], values[-1]):
         with_fields(case, {name: value})
     starts = list(equilibria(case, stations=stations))
-    own = [own_value(start.solution, name) for start in starts]
-    passed = np.union1d([*values, *own], np.linspace(values[0], values[-1], FINE))
+    begins = [own_value(start.solution, name) for start in starts]
+    passed = np.union1d([*values, *begins], np.linspace(values[0], values[-1], FINE))
     curves, remarks, known = list[Branch](), list[str](), [False] * len(starts)
-    for i, one in enumerate(starts):
+    for i, start in enumerate(starts):
         if known[i]:
             continue
-        step(own[i])
+        step(begins[i])
         try:
-            held = solve(with_fields(case, {name: own[i]}), seed=one.solution, stations=stations)
+            held = solve(with_fields(case, {name: begins[i]}), seed=start.solution, stations=stations)
             branch = follow(held, points=MOST, **{name: passed})
         except InputError as error:
-            remarks.append(f"{name} = {own[i]:.6g}: {error}")
+            remarks.append(f"{name} = {begins[i]:.6g}: {error}")
             continue
         curves.append(branch)
         known = [
-            found or _lies_on(branch, other, own[k]) for k, (found, other) in enumerate(zip(known, starts, strict=True))
+            lies or _lies_on(branch, other, begins[k])
+            for k, (lies, other) in enumerate(zip(known, starts, strict=True))
         ]
         ends = float(passed[0]), float(passed[-1])
         remarks += [
@@ -178,13 +181,13 @@ def own_value(solution: Solution, name: str) -> float:
     return float(along[-1] - along[0])
 
 
-def _lies_on(branch: Branch, one: Equilibrium, value: float) -> bool:
+def _lies_on(branch: Branch, equilibrium: Equilibrium, value: float) -> bool:
     """Whether a branch passes an equilibrium under dead loads."""
-    problem = one.solution.problem
+    problem = equilibrium.solution.problem
     for point in branch.points:
         if point.value == value:
             pairs = [(getattr(point.problem, load)[0], getattr(problem, load)[0]) for load in ("lam", "mu", "phi")]
             near = all(abs(a - b) < _NEAR * (1 + abs(b)) for a, b in pairs)
-            if near and same_equilibrium(LinePoint(point.problem), path_of(one.path, 0), point.path):
+            if near and same_equilibrium(LinePoint(point.problem), path_of(equilibrium.path, 0), point.path):
                 return True
     return False

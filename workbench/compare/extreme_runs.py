@@ -53,7 +53,7 @@ def rows_of(named: Sequence[Extreme]) -> Generator[tuple[str, dict[str, Attempt]
     known = references()
     pool = ProcessPoolExecutor(os.cpu_count(), initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN))
     try:
-        waited = {pool.submit(attempts_at, one, known[one.name]): one.name for one in named}
+        waited = {pool.submit(attempts_at, extreme, known[extreme.name]): extreme.name for extreme in named}
         for done in as_completed(waited):
             yield waited[done], done.result()
     except BaseException:
@@ -93,8 +93,8 @@ def _attempt(case: Case, method: str, known: Any, seed: Solution | None = None) 
     finite = bool(np.isfinite([sol.beta, sol.dbeta, sol.alpha, sol.z]).all())
     error = float(np.abs(sol.beta[1:] - known).max()) if finite else np.nan
     if seed is not None and finite:  # another equilibrium between the same ends is not an error
-        own = OrbitQuadrature().run(sol.problem.with_start(sol.trajectory.dbeta[:, 0]), sol.t, 1e-12).beta
-        error = min(error, float(np.abs(sol.trajectory.beta - own).max()))
+        exact = OrbitQuadrature().run(sol.problem.with_start(sol.trajectory.dbeta[:, 0]), sol.t, 1e-12).beta
+        error = min(error, float(np.abs(sol.trajectory.beta - exact).max()))
     allowed = _MARGIN * TOL * max(1.0, float(sol.condition))
     if sol.solved:
         verdict = NONFINITE if not finite else SOLVED if error <= allowed else INACCURATE
@@ -109,20 +109,22 @@ def dataset_of(found: Mapping[str, Mapping[str, Attempt]]) -> xr.Dataset:
     named, known = [extreme for extreme in extremes() if extreme.name in found], references()
     methods = list(dict.fromkeys(method for rows in found.values() for method in rows))
     full = ("extreme", "method")
-    table = [[found[one.name][method] for method in methods] for one in named]
+    table = [[found[extreme.name][method] for method in methods] for extreme in named]
     data: dict[str, Any] = {}
     for name, words in {"verdict": "result of the method", "outcome": "solved, or why not"}.items():
         data[name] = (full, [[str(getattr(row, name)) for row in line] for line in table], {"long_name": words})
     for name, (units, words) in NUMBERS.items():
         values = np.array([[getattr(row, name) for row in line] for line in table], dtype=float)
         data[name] = (full, values, {"units": units, "long_name": words})
-    problems = [solve(one.case, stations=2).problem for one in named]
+    problems = [solve(extreme.case, stations=2).problem for extreme in named]
     for name in ("lam", "mu", "phi", "span", "beta0", "dbeta0"):
         data[name] = (("extreme",), np.concatenate([getattr(p, name) for p in problems]), {"units": "1"})
-    sources = ["taylor series to 25 digits" if known[one.name].beta is not None else "orbit at 1e-12" for one in named]
+    sources = [
+        "taylor series to 25 digits" if known[extreme.name].beta is not None else "orbit at 1e-12" for extreme in named
+    ]
     data["reference"] = (("extreme",), sources, {"long_name": "what the error is measured against"})
-    data["group"] = (("extreme",), [one.group for one in named], {"long_name": "what is extreme"})
-    return xr.Dataset(data, {"extreme": [one.name for one in named], "method": methods}, _attributes())
+    data["group"] = (("extreme",), [extreme.group for extreme in named], {"long_name": "what is extreme"})
+    return xr.Dataset(data, {"extreme": [extreme.name for extreme in named], "method": methods}, _attributes())
 
 
 def _attributes() -> dict[str, Any]:

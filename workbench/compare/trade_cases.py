@@ -104,10 +104,10 @@ def choose(names: list[str]) -> dict[str, Named]:
         return CASES
     picked: dict[str, Named] = {}
     for name in names:
-        found = {k: v for k, v in CASES.items() if k == name or k.partition(" ")[0] == name}
-        if not found:
+        cases = {k: v for k, v in CASES.items() if k == name or k.partition(" ")[0] == name}
+        if not cases:
             raise no_such("case", name, CASES)
-        picked |= found
+        picked |= cases
     return picked
 
 

@@ -50,9 +50,9 @@ def rows_of(
         If no ladder solves the kind of problem of any case.
     """
     count = 0
-    for name, one in cases.items():
+    for name, entry in cases.items():
         step(name)
-        rows = measure({name: (one.case, reference(name), one.slope)}, ladders)
+        rows = measure({name: (entry.case, reference(name), entry.slope)}, ladders)
         count += len(rows)
         yield rows
     if not count:
@@ -69,12 +69,12 @@ def ladders_of(names: Sequence[str]) -> dict[str, Ladder]:
         return able
     picked: dict[str, Ladder] = {}
     for name in names:
-        found = {label: ladder for label, ladder in able.items() if name in (label, ladder.method)}
-        if not found and name in METHODS:
+        matches = {label: ladder for label, ladder in able.items() if name in (label, ladder.method)}
+        if not matches and name in METHODS:
             METHODS[name].with_knobs({})  # says that its package is not installed
-        if not found:
+        if not matches:
             raise no_such("method", name, able)
-        picked |= found
+        picked |= matches
     return picked
 
 
@@ -143,19 +143,19 @@ def advice(ds: xr.Dataset) -> list[dict[str, Any]]:
     """
     rows = []
     for kind in dict.fromkeys(ds["kind"].values.tolist()):
-        here = ds.isel(case=np.flatnonzero(ds["kind"].values == kind))
-        good = here["seconds"].where(np.char.startswith(here["outcome"].values.astype(str), "solved"))
+        of_kind = ds.isel(case=np.flatnonzero(ds["kind"].values == kind))
+        good = of_kind["seconds"].where(np.char.startswith(of_kind["outcome"].values.astype(str), "solved"))
         for level in ds["level"].values:
-            found = good.where(here["error"] <= level).min("rung").transpose("case", "ladder").values
-            reached = np.isfinite(found).sum(axis=0)
-            row = {"kind": str(kind), "level": float(level), "method": None, "reached": 0, "cases": found.shape[0],
+            seconds = good.where(of_kind["error"] <= level).min("rung").transpose("case", "ladder").values
+            reached = np.isfinite(seconds).sum(axis=0)
+            row = {"kind": str(kind), "level": float(level), "method": None, "reached": 0, "cases": seconds.shape[0],
                    "seconds": None}  # fmt: skip
             if reached.max(initial=0):
                 best = np.flatnonzero(reached == reached.max())
-                fastest = np.fmin.reduce(found[:, best], axis=1, keepdims=True)
-                one = best[np.argmin(np.nanmedian(found[:, best] / fastest, axis=0))]
-                row |= {"method": str(ds["ladder"].values[one]), "reached": int(reached[one]),
-                        "seconds": float(np.nanmedian(found[:, one]))}  # fmt: skip
+                fastest = np.fmin.reduce(seconds[:, best], axis=1, keepdims=True)
+                column = best[np.argmin(np.nanmedian(seconds[:, best] / fastest, axis=0))]
+                row |= {"method": str(ds["ladder"].values[column]), "reached": int(reached[column]),
+                        "seconds": float(np.nanmedian(seconds[:, column]))}  # fmt: skip
             rows.append(row)
     return rows
 

@@ -41,9 +41,9 @@ def columns(rod: Rod) -> list[Column]:
             "in the study), or store dbeta (in outputs)"
         )
     units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
-    one = ds.isel(rod.where)
+    case = ds.isel(rod.where)
     known = {name: values for name, values in compute(line).items() if np.isfinite(values).all()}
-    for stored, array in one.data_vars.items():
+    for stored, array in case.data_vars.items():
         name = schema.CURVES.get(str(stored), str(stored))
         if array.dims == ("u",) and name in QUANTITIES:
             known[name] = np.asarray(array.values, dtype=float)

@@ -8,9 +8,9 @@ from . import csv_table, gltf, pvd, step, surface_files, usd, vtp
 from .base import Format
 
 FORMATS = {
-    suffix: one.FORMAT
-    for one in (step, surface_files, gltf, usd, vtp, pvd, csv_table)
-    for suffix in one.FORMAT.suffixes
+    suffix: module.FORMAT
+    for module in (step, surface_files, gltf, usd, vtp, pvd, csv_table)
+    for suffix in module.FORMAT.suffixes
 }
 
 

@@ -43,7 +43,7 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
 def _with_material(tree: dict[str, Any]) -> None:
     """Not a metal, which is what the format takes a surface without a material for."""
     tree["materials"] = [MATERIAL]
-    for primitive in (one for mesh in tree["meshes"] for one in mesh["primitives"]):
+    for primitive in (part for mesh in tree["meshes"] for part in mesh["primitives"]):
         primitive["material"] = 0
 
 

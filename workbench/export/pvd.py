@@ -66,7 +66,7 @@ def check_free(path: Path, force: bool) -> None:
     folder = path.with_suffix("")
     if not folder.exists():
         return
-    other = sorted(one.name for one in folder.iterdir() if one.suffix != ".vtp") if folder.is_dir() else ["a file"]
+    other = sorted(file.name for file in folder.iterdir() if file.suffix != ".vtp") if folder.is_dir() else ["a file"]
     if other:
         raise InputError(f"{folder} is not a folder of VTP files only, it is or holds {other[0]}: choose another name")
     if not force:

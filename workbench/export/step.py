@@ -91,10 +91,10 @@ def kernel() -> Any:
     except ImportError as error:
         raise InputError(MISSING.format(why=str(error).partition("\n")[0])) from None
     modules = BRepBuilderAPI, BRepCheck, BRepGProp, BRepLib, Geom, GProp, IFSelect, Interface, Message
-    found: dict[str, Any] = {}
+    names: dict[str, Any] = {}
     for module in (*modules, STEPControl, TopAbs, TopExp, TopoDS, collections, gp):
-        found |= {key: value for key, value in vars(module).items() if not key.startswith("__")}
-    return SimpleNamespace(**found)
+        names |= {key: value for key, value in vars(module).items() if not key.startswith("__")}
+    return SimpleNamespace(**names)
 
 
 def fit(line: Centreline, tolerance: float) -> tuple[BSpline, float]:

@@ -72,10 +72,10 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
     """
     format = format_of(path)
     if options.centreline and not format.has_centreline:
-        able = [suffix for suffix, one in FORMATS.items() if one.has_centreline]
+        able = [suffix for suffix, row in FORMATS.items() if row.has_centreline]
         raise InputError(f"--centreline is for {choices(able)}, got {path.name!r}")
     if options.tolerance is not None and format.tolerance is None:
-        able = [suffix for suffix, one in FORMATS.items() if one.tolerance is not None]
+        able = [suffix for suffix, row in FORMATS.items() if row.tolerance is not None]
         raise InputError(f"--tolerance is for {choices(able)}; {path.suffix} holds the stations as they are stored")
     if options.tolerance is not None and not 0 < options.tolerance < np.inf:
         raise InputError(f"--tolerance must be positive and finite, got {options.tolerance:g}")
@@ -93,9 +93,9 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
 def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str, Any], list[str]]:
     """Write one rod; returns numbers about the file by name, and what a real rod could not do. Raises `InputError`."""
     options = rod.options
-    found = [] if format.body == "curve" or options.centreline else self_contact.findings(rod.line, rod.unit)
+    faults = [] if format.body == "curve" or options.centreline else self_contact.findings(rod.line, rod.unit)
     if format.body == "solid":
-        _refuse(found, options)
+        _refuse(faults, options)
     facts: dict[str, Any] = {}
     if format.tolerance is not None:
         tolerance = options.tolerance or format.tolerance(rod.line)
@@ -105,20 +105,20 @@ def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str,
         facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * metres(rod.unit) / metres(unit)
     written: dict[str, Any] = {}
     write_file(path, lambda aside: written.update(format.write(aside, rod)), force)
-    return {**written, **facts}, [finding.sentence for finding in found]
+    return {**written, **facts}, [finding.sentence for finding in faults]
 
 
 def _frames(ds: xr.Dataset, path: Path, options: Options, force: bool, format: Format) -> Exported:
     """Write each solved rod along an axis to a file of its own; a rod that the format cannot hold is left out."""
-    found = pvd.along(ds, path.stem, options)
-    places = [rod.where[found.axis] for rod in found.rods]
+    series = pvd.along(ds, path.stem, options)
+    places = [rod.where[series.axis] for rod in series.rods]
     files = [path.with_name(_number(path.name, i)) for i in places]
     for file in files:
         check_free(file, force)
     facts: dict[str, Any] = {}
     warnings, values = [], []
-    for file, rod, value in zip(files, found.rods, found.values, strict=True):
-        case = f"{found.axis}={value:.6g}"
+    for file, rod, value in zip(files, series.rods, series.values, strict=True):
+        case = f"{series.axis}={value:.6g}"
         try:
             facts, more = _write(file, rod, format, force)
         except InputError as error:
@@ -127,10 +127,10 @@ def _frames(ds: xr.Dataset, path: Path, options: Options, force: bool, format: F
         values.append(value)
         warnings += [f"{case}: {sentence}" for sentence in more]
     if not values:
-        raise InputError(f"no rod along {found.axis} could be written; {warnings[0]}")
+        raise InputError(f"no rod along {series.axis} could be written; {warnings[0]}")
     unit = {name: facts[name] for name in ("unit",) if name in facts}
-    about = {"axis": found.axis, "files": len(values), "unsolved": found.skipped, "values": values}
-    return Exported(path, found.at, about | unit, warnings)
+    about = {"axis": series.axis, "files": len(values), "unsolved": series.skipped, "values": values}
+    return Exported(path, series.at, about | unit, warnings)
 
 
 def _number(name: str, i: int) -> str:
@@ -143,10 +143,10 @@ def _number(name: str, i: int) -> str:
 def _series(ds: xr.Dataset, path: Path, options: Options, force: bool, format: Format) -> Exported:
     """Write the rods along one axis: an index, and a folder of files beside it."""
     pvd.check_free(path, force)
-    found = pvd.along(ds, path.stem, options)
+    series = pvd.along(ds, path.stem, options)
     written: dict[str, Any] = {}
-    write_file(path, lambda aside: written.update(format.write(aside, found)), force)
-    return Exported(path, found.at, written, [])
+    write_file(path, lambda aside: written.update(format.write(aside, series)), force)
+    return Exported(path, series.at, written, [])
 
 
 def write_file(path: Path, work: Callable[[Path], None], force: bool) -> None:
@@ -167,9 +167,9 @@ def check_free(path: Path, force: bool) -> None:
     writing.check_parent(path)
 
 
-def _refuse(found: list[self_contact.Finding], options: Options) -> None:
+def _refuse(faults: list[self_contact.Finding], options: Options) -> None:
     """Raise `InputError` where no solid can be made of the rod, or only with the option `overlap`."""
-    for finding in found:
+    for finding in faults:
         if finding.tight or not options.overlap:
             also = "" if finding.tight else ", --overlap the solid all the same"
             raise InputError(f"no solid: {finding.sentence}; --centreline writes the curve alone{also}")

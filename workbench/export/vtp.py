@@ -15,15 +15,15 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
     """Write every quantity, the frame and the radius as point data; units, title and versions as field data."""
     import pyvista as pv
 
-    found, line = columns(rod), rod.line
+    table, line = columns(rod), rod.line
     place = frames.position(line.rho, line.alpha, line.z)
     shape = pv.PolyData(place, lines=np.concatenate([[len(place)], np.arange(len(place))]))
-    for column in found:
+    for column in table:
         shape.point_data[column.name] = column.values
     shape.point_data["radius"] = np.full(len(place), line.a)  # for a tube filter
     shape.point_data["tangent"] = frames.tangent(line.alpha, line.beta)
     shape.point_data["outward"] = frames.outward(line.alpha)
-    shape.field_data["units"] = [f"{c.name}: {c.unit}" for c in found]
+    shape.field_data["units"] = [f"{c.name}: {c.unit}" for c in table]
     for name, value in (("title", rod.title), ("versions", str(rod.ds.attrs["versions"]))):
         shape.field_data[name] = [value]
     writer = pv.XMLPolyDataWriter(path, shape).writer
@@ -31,7 +31,7 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
     writer.WriteToOutputStringOn()  # on a full disk VTK would write its own report, or leave an empty file
     writer.Write()
     path.write_text(writer.GetOutputString(), encoding="ascii")
-    return {"stations": line.s.size, "quantities": len(found)}
+    return {"stations": line.s.size, "quantities": len(table)}
 
 
 FORMAT = Format((".vtp",), write)

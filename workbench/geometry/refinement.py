@@ -125,14 +125,14 @@ def _probes(line: Centreline, span: tuple[float, float], tolerance: float, turne
     size = np.concatenate([size[:1], size, size[-1:]])
     density = np.sqrt(np.maximum(size[1:], size[:-1]) / (8 * tolerance)) * PROBES
     count = np.concatenate([[0.0], np.cumsum(density * h)])
-    wanted = max(int(np.ceil(count[-1])), PROBES) + 1
-    if wanted > PROBES * MOST_TRIANGLES:
-        _refuse(line, 2 * LEAST_SIDES * wanted // PROBES)
+    number = max(int(np.ceil(count[-1])), PROBES) + 1
+    if number > PROBES * MOST_TRIANGLES:
+        _refuse(line, 2 * LEAST_SIDES * number // PROBES)
     if not count[-1]:
-        return np.linspace(low, high, wanted)
-    found = np.interp(np.linspace(0, count[-1], wanted), count, fine)
-    found[0] = low  # where the rod begins straight, `count` is 0 at several points
-    return found
+        return np.linspace(low, high, number)
+    points = np.interp(np.linspace(0, count[-1], number), count, fine)
+    points[0] = low  # where the rod begins straight, `count` is 0 at several points
+    return points
 
 
 def _errors(s: Array, place: Array, values: Array | None, at: Any, tolerance: float, colour_length: float) -> Array:
@@ -171,8 +171,8 @@ def _place(s: Array, place: Array, values: Array | None, tolerance: float, colou
         intervals = max(int(np.ceil(count[-1] * more)), 1)
         if step >= SETTLED and worst <= 1 and intervals > 0.9 * (at.size - 1):
             break
-        wanted = np.linspace(0, count[-1], intervals + 1)
-        at = np.unique(np.interp(wanted, count, np.arange(s.size)).round().astype(int))
+        levels = np.linspace(0, count[-1], intervals + 1)
+        at = np.unique(np.interp(levels, count, np.arange(s.size)).round().astype(int))
     while True:
         error = _errors(s, place, values, at, tolerance, colour_length)
         halves = (at[:-1] + at[1:]) // 2

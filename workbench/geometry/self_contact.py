@@ -44,17 +44,17 @@ def findings(line: Centreline, unit: str) -> list[Finding]:
         )
     s = np.linspace(line.s[0], line.s[-1], max(count, 8 * line.s.size))
     kappa = line.kappa(s)
-    found = []
+    faults = []
     k = int(np.argmax(kappa))
     if kappa[k] * line.a >= 1:
         bend = f"the rod bends with a radius of {1 / kappa[k]:.4g} {unit} at s = {s[k]:.4g} {unit}"
-        found.append(Finding(True, f"{bend}, less than its own radius a = {line.a:g} {unit} (kappa a >= 1)"))
+        faults.append(Finding(True, f"{bend}, less than its own radius a = {line.a:g} {unit} (kappa a >= 1)"))
     nearest = _nearest(line, np.linspace(line.s[0], line.s[-1], count))
     if nearest is not None:
-        gap, one, other = nearest
-        turns = f"the rod passes through itself: at s = {one:.4g} and s = {other:.4g} {unit} its centreline is"
-        found.append(Finding(False, f"{turns} {gap:.4g} {unit} apart, less than 2 a = {2 * line.a:g} {unit}"))
-    return found
+        gap, first, second = nearest
+        turns = f"the rod passes through itself: at s = {first:.4g} and s = {second:.4g} {unit} its centreline is"
+        faults.append(Finding(False, f"{turns} {gap:.4g} {unit} apart, less than 2 a = {2 * line.a:g} {unit}"))
+    return faults
 
 
 def places(s: Array, points: Array, a: float) -> list[tuple[float, float]] | None:

@@ -26,19 +26,19 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     missing = [name for name in needed if name not in ds]
     if missing:
         raise InputError(f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs")
-    one = ds.isel(dict(where))
-    outcome = str(one["outcome"].values)
-    along = {name: np.asarray(one[name], dtype=float) for name in ("alpha", "beta", "z")}
-    if not one["solved"] or not np.isfinite(list(along.values())).all():
+    case = ds.isel(dict(where))
+    outcome = str(case["outcome"].values)
+    along = {name: np.asarray(case[name], dtype=float) for name in ("alpha", "beta", "z")}
+    if not case["solved"] or not np.isfinite(list(along.values())).all():
         raise InputError(f"this case has no shape: {outcome}")
-    number = {name: float(one[name]) for name in needed[3:] if name != "contact"}
+    number = {name: float(case[name]) for name in needed[3:] if name != "contact"}
     A = float(schema.bending_stiffness(str(ds.attrs["stiffness"]), number))
     loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
-    s = np.asarray(one["s"].values, dtype=float)
+    s = np.asarray(case["s"].values, dtype=float)
     is_stored = "dbeta" in ds
     R, a, rho = (number[name] for name in ("R", "a", "rho"))
     if is_stored:
-        dbeta = np.asarray(one["dbeta"], dtype=float)
+        dbeta = np.asarray(case["dbeta"], dtype=float)
     elif varies:
         dbeta = np.asarray(make_interp_spline(s, along["beta"], k=min(5, s.size - 1))(s, 1))
     else:
@@ -48,7 +48,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     bore = number.get("inner_radius", 0.0)
     known = (s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side, bore, unit, is_stored)
     if varies:
-        return VaryingLine(*known, stored_contact=np.asarray(one["contact"], dtype=float))
+        return VaryingLine(*known, stored_contact=np.asarray(case["contact"], dtype=float))
     return Centreline(*known)
 
 

@@ -51,8 +51,8 @@ def mesh(frame: Frame, radius: float, sides: int, turned: Array | None = None, s
     if turned is None:
         return Mesh(points, normals, triangles(n, sides, sharp))
     _, _, out, across = frame
-    first, here = normals[: n * sides : sides], turned[:-1, None]
-    ahead = np.einsum("ij,ij->i", first[1:], np.cos(here) * across[:-1] - np.sin(here) * out[:-1]) > 0
+    first, angle = normals[: n * sides : sides], turned[:-1, None]
+    ahead = np.einsum("ij,ij->i", first[1:], np.cos(angle) * across[:-1] - np.sin(angle) * out[:-1]) > 0
     index = np.arange(n * sides).reshape(n, sides)
     return Mesh(points, normals, np.concatenate([_walls(index, ahead), _ends(n, sides, sharp)]))
 
@@ -113,9 +113,9 @@ def _walls(index: NDArray[np.int64], ahead: NDArray[np.bool_]) -> NDArray[np.int
     beside = np.roll(index, -1, axis=1)
     a, b, c, d = index[:-1], beside[:-1], beside[1:], index[1:]
     ahead = ahead[:, None]
-    one = np.stack([a, np.where(ahead, d, c), b], axis=-1)
-    two = np.stack([np.where(ahead, d, a), np.where(ahead, c, d), np.where(ahead, b, c)], axis=-1)
-    return np.stack([one, two], axis=2).reshape(-1, 3)
+    first = np.stack([a, np.where(ahead, d, c), b], axis=-1)
+    second = np.stack([np.where(ahead, d, a), np.where(ahead, c, d), np.where(ahead, b, c)], axis=-1)
+    return np.stack([first, second], axis=2).reshape(-1, 3)
 
 
 def _ends(n: int, sides: int, sharp: bool) -> NDArray[np.int64]:

@@ -63,24 +63,24 @@ def local(
         raise InputError(f"the influence is that of one case, got {solution.case.size} cases; select one")
     if not solution.solved:
         raise InputError(f"the case has no derivatives, as it is not solved: {solution.outcome}")
-    names, wanted = _fields(solution, fields), _observables(solution.case.rod, observables)
-    found = solution.sensitivity(names, wanted)
-    if not found.solved:
-        raise InputError(f"the case has no derivatives: {found.outcome}")
-    seen = observe(solution, wanted, errors=True)
-    value, error = (np.array([float(seen.get(f"{name}{end}", 0.0)) for name in wanted]) for end in ("", "_error"))
-    ds = xr.Dataset(coords={"observable": wanted, "field": names}, attrs={"relative_error": float(found.error)})
-    ds["derivative"] = ("observable", "field"), np.stack([found.observables[name] for name in wanted])
+    names, outputs = _fields(solution, fields), _observables(solution.case.rod, observables)
+    sensitivity = solution.sensitivity(names, outputs)
+    if not sensitivity.solved:
+        raise InputError(f"the case has no derivatives: {sensitivity.outcome}")
+    seen = observe(solution, outputs, errors=True)
+    value, error = (np.array([float(seen.get(f"{name}{end}", 0.0)) for name in outputs]) for end in ("", "_error"))
+    ds = xr.Dataset(coords={"observable": outputs, "field": names}, attrs={"relative_error": float(sensitivity.error)})
+    ds["derivative"] = ("observable", "field"), np.stack([sensitivity.observables[name] for name in outputs])
     ds["value"], ds["error"] = ("observable", value), ("observable", error)
     ds["at"] = "field", [value_of(solution.case, name) for name in names]
     ds["unit"], ds["field_unit"] = (
-        (dim, [unit_of(name, units) for name in own]) for dim, own in (("observable", wanted), ("field", names))
+        (dim, [unit_of(name, units) for name in listed]) for dim, listed in (("observable", outputs), ("field", names))
     )
     ds["derivative_unit"] = (
         ("observable", "field"),
         [[_quotient(o, f) for f in ds["field_unit"].values.tolist()] for o in ds["unit"].values.tolist()],
     )
-    ds["remark"] = "observable", [str(found.remarks[name]) for name in wanted]
+    ds["remark"] = "observable", [str(sensitivity.remarks[name]) for name in outputs]
     return _with_effects(ds, solution, units)
 
 
@@ -115,12 +115,14 @@ def sentences(table: xr.Dataset) -> list[str]:
         said.append(f"The zero of an angle is a choice: {', '.join(angles)} {_are(angles)} changed by 1 deg.")
     zero = {name: amount for name, amount in fields.items() if amount not in ("1 %", "1 deg")}
     if zero:
-        told = ", ".join(f"{name} by {amount}" for name, amount in zero.items())
-        said.append(f"A field that is 0 is changed by 1 % of the largest field of its unit: {told}.")
-    own = [str(name) for name in table["observable"].values if table["effect_unit"].sel(observable=name) != PERCENT]
-    if own:
-        told = ", ".join(f"{name} [{table['effect_unit'].sel(observable=name).values!s}]" for name in own)
-        said.append(f"An observable that is 0, or an angle, changes by an amount and not by a share: {told}.")
+        changes = ", ".join(f"{name} by {amount}" for name, amount in zero.items())
+        said.append(f"A field that is 0 is changed by 1 % of the largest field of its unit: {changes}.")
+    absolute = [
+        str(name) for name in table["observable"].values if table["effect_unit"].sel(observable=name) != PERCENT
+    ]
+    if absolute:
+        changes = ", ".join(f"{name} [{table['effect_unit'].sel(observable=name).values!s}]" for name in absolute)
+        said.append(f"An observable that is 0, or an angle, changes by an amount and not by a share: {changes}.")
     if none := without_effect(table):
         said.append(f"No observable here depends on {', '.join(none)}.")
     for name, remark in zip(table["observable"].values, table["remark"].values, strict=True):
@@ -152,21 +154,23 @@ def _fields(solution: Solution, names: Iterable[str] | None) -> list[str]:
     known = fields_of(solution.case)
     if names is None:
         return list(known)
-    wanted = [schema.dimension(name) if name in FIELDS and name not in WORDS else name for name in names]
-    for name in wanted:
+    fields = [schema.dimension(name) if name in FIELDS and name not in WORDS else name for name in names]
+    for name in fields:
         if name not in known:
             raise no_such("field", name, known)
-    return wanted
+    return fields
 
 
 def _observables(rod: Rod, names: Iterable[str] | None) -> list[str]:
-    wanted = [name for name in observables_of(rod) if name in REAL] if names is None else list(dict.fromkeys(names))
-    for name in wanted:
+    observables = (
+        [name for name in observables_of(rod) if name in REAL] if names is None else list(dict.fromkeys(names))
+    )
+    for name in observables:
         if name not in OBSERVABLES:
             raise no_such("observable", name, REAL)
         if is_count(name):
             raise InputError(f"{name} is a whole number, whose derivative is 0; choose from {', '.join(REAL)}")
-    return wanted
+    return observables
 
 
 def _amount(solution: Solution, name: str, units: Mapping[str, str]) -> tuple[float, str]:

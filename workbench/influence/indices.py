@@ -70,26 +70,26 @@ def sobol(
     if SAMPLE in (at or {}):
         raise InputError("sample is not held: the indices are those of all samples")
     held = {axis: i for axis, i in selection.case(ds, at).items() if axis != SAMPLE}
-    here = ds.isel(held)
-    names = selection.names_of(here, observables) if observables else schema.observables_of(here)
+    section = ds.isel(held)
+    names = selection.names_of(section, observables) if observables else schema.observables_of(section)
     if not names:
         raise InputError("the file stores no observable: give the study observables, and run it again")
-    solved = here["solved"].values.astype(bool)
-    values = np.stack([np.where(solved, here[name].values.astype(float), np.nan) for name in names], axis=1)
-    found = analyse(design, values, fields, names, confidence, seed)
+    solved = section["solved"].values.astype(bool)
+    values = np.stack([np.where(solved, section[name].values.astype(float), np.nan) for name in names], axis=1)
+    result = analyse(design, values, fields, names, confidence, seed)
     labels = {str(name): _labels(ds[name]) for name in [*fields, *names]}
-    told = {
+    attributes = {
         "title": ds.attrs["title"],
         "reading": ds.attrs.get("reading", ""),
         "sampling": ds.attrs.get("sampling", ""),
     }
-    told |= {f"at {axis}": float(ds[axis][i]) for axis, i in held.items()}
+    attributes |= {f"at {axis}": float(ds[axis][i]) for axis, i in held.items()}
     words = {"unsolved": int((~solved).sum()), "samples": samples.shape[0]}
     texts = {key: ("observable", [labels[name][key] for name in names]) for key in ("symbol", "units")}
     return (
-        found.assign(texts)
+        result.assign(texts)
         .assign_coords(field_symbol=("field", [labels[n]["symbol"] for n in fields]))
-        .assign_attrs({**told, **words})
+        .assign_attrs({**attributes, **words})
     )
 
 
@@ -161,8 +161,8 @@ def analyse(
         if np.ptp(kept) == 0:
             remarks[i] = "no index: the observable has one value on all samples"
             continue
-        for key, found in _indices(design, kept, confidence, seed).items():
-            (pairs if key in pairs else columns)[key][i] = found
+        for key, index in _indices(design, kept, confidence, seed).items():
+            (pairs if key in pairs else columns)[key][i] = index
     rows: dict[str, Any] = {key: (("observable", "field"), value) for key, value in columns.items()}
     rows |= {key: (("observable", "field", "other"), value) for key, value in pairs.items()}
     rows |= {"blocks": ("observable", blocks), "lost": ("observable", lost), "remark": ("observable", remarks)}
@@ -210,12 +210,12 @@ def _indices(design: Design, blocks: Values, confidence: float, seed: int) -> di
     problem = {"num_vars": design.fields, "names": [str(i) for i in range(design.fields)]}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # where a resample has one value: its index is 0
-        found = analyze(
+        answer = analyze(
             problem, blocks.reshape(-1), design.second, _resamples(len(blocks)), confidence, seed=seed
         )  # fmt: skip
     names = {"first": "S1", "first_conf": "S1_conf", "total": "ST", "total_conf": "ST_conf"}
     names |= {"second": "S2", "second_conf": "S2_conf"} if design.second else {}
-    return {name: np.asarray(found[key], dtype=float) for name, key in names.items()}
+    return {name: np.asarray(answer[key], dtype=float) for name, key in names.items()}
 
 
 def sentences(found: xr.Dataset) -> list[str]:

@@ -24,27 +24,27 @@ def pairs(ds: xr.Dataset) -> list[dict[str, Any]]:
     """A row for each observable and pair of fields; none where the design does not tell pairs apart."""
     if "second" not in ds:
         return []
-    found = _rows(ds[["second", "second_conf"]], _PAIRS, ("observable", "field", "other"))
+    every = _rows(ds[["second", "second_conf"]], _PAIRS, ("observable", "field", "other"))
     order = {name: i for i, name in enumerate(ds["field"].values.tolist())}
-    return [row for row in found if order[row["field"]] < order[row["other"]]]
+    return [row for row in every if order[row["field"]] < order[row["other"]]]
 
 
 def plain(ds: xr.Dataset) -> dict[str, Any]:
     """Rows, pairs and attributes as plain data."""
-    found: dict[str, Any] = {**ds.attrs, "rows": rows(ds)}
-    return {**found, "pairs": pairs(ds)} if "second" in ds else found
+    table: dict[str, Any] = {**ds.attrs, "rows": rows(ds)}
+    return {**table, "pairs": pairs(ds)} if "second" in ds else table
 
 
 def write(ds: xr.Dataset, path: Path) -> None:
     """Write the rows as CSV in full precision; those of pairs follow in the columns other, second, second_conf."""
-    found = [*rows(ds), *pairs(ds)]
-    columns = list(dict.fromkeys(name for row in found for name in row))
+    lines = [*rows(ds), *pairs(ds)]
+    columns = list(dict.fromkeys(name for row in lines for name in row))
 
     def work(aside: Path) -> None:
         with aside.open("w", encoding="utf-8", newline="") as file:
             writer = csv.DictWriter(file, columns, restval="")
             writer.writeheader()
-            writer.writerows(found)
+            writer.writerows(lines)
 
     atomic.write(path, work)
 

@@ -51,7 +51,7 @@ class Beginning:
     @cached_property
     def beta(self) -> Array:
         """The angle from the axis, (n,) [rad], of cubic splines through the points."""
-        across, along = (CubicSpline(self.s, one)(self.s, 1) for one in (self.rho * self.alpha, self.z))
+        across, along = (CubicSpline(self.s, values)(self.s, 1) for values in (self.rho * self.alpha, self.z))
         return np.asarray(np.arctan2(across, along))
 
     @property
@@ -112,7 +112,7 @@ def case_of(rod: Any, cylinder: Any) -> Case:
     if np.hypot(force[0], force[1]) > ALONG * max(abs(force[2]), 1e-300):
         raise NotImplementedError("a load must be along the axis")
     material = rod.material
-    own = Rod(
+    elastic_rod = Rod(
         a=rod.radius, L=rod.length, EI=material.youngs_modulus * rod.second_moment_of_area,
         GJ=2 * material.shear_modulus * rod.second_moment_of_area,
     )  # fmt: skip
@@ -120,7 +120,7 @@ def case_of(rod: Any, cylinder: Any) -> Case:
     ends = Ends(
         beta0=float(beta[0]), betaL=float(beta[-1]), azimuth=azimuth, rotation=began.untwisted, **axial
     )  # fmt: skip
-    return Case(own, Cylinder(R=cylinder.radius, side="outside"), ends)
+    return Case(elastic_rod, Cylinder(R=cylinder.radius, side="outside"), ends)
 
 
 def _move(motion: Any, frame: Axes) -> tuple[Array, float, bool]:

@@ -29,9 +29,9 @@ class Equilibrium:
     z0: float
 
     def _curve(self, s: Array) -> tuple[Array, Array]:
-        found, rho = self.solution, self.solution.case.rho
-        alpha = CubicHermiteSpline(found.s, found.alpha - found.alpha[0], np.sin(found.beta) / rho)(s)
-        z = CubicHermiteSpline(found.s, found.z - found.z[0], np.cos(found.beta))(s)
+        sol, rho = self.solution, self.solution.case.rho
+        alpha = CubicHermiteSpline(sol.s, sol.alpha - sol.alpha[0], np.sin(sol.beta) / rho)(s)
+        z = CubicHermiteSpline(sol.s, sol.z - sol.z[0], np.cos(sol.beta))(s)
         return alpha + self.alpha0, z + self.z0
 
     def beta(self, s: Array) -> Array:
@@ -47,9 +47,9 @@ class Equilibrium:
         alpha, beta = self._curve(s)[0], self.beta(s)
         first = frames.material(np.array(self.alpha0), self.solution.beta[0], np.array(0.0))
         began = first @ self.frame.rows @ normal
-        found, case = self.solution, self.solution.case
-        rate = found.M3 / case.rod.torsional_stiffness - np.sin(2 * found.beta) / (2 * case.rho)
-        gamma = CubicHermiteSpline(found.s, found.gamma - found.gamma[0], rate)(s)
+        sol, case = self.solution, self.solution.case
+        rate = sol.M3 / case.rod.torsional_stiffness - np.sin(2 * sol.beta) / (2 * case.rho)
+        gamma = CubicHermiteSpline(sol.s, sol.gamma - sol.gamma[0], rate)(s)
         d1 = frames.material(alpha, beta, gamma + np.arctan2(began[1], began[0]))[:, 0]
         return np.asarray(d1 @ self.frame.rows)
 
@@ -75,17 +75,17 @@ def equilibrium(scenario: Scenario) -> Equilibrium:
     """
     rod, cylinder = one_of_each(scenario)
     try:
-        found = solve(case_of(rod, cylinder), stations=STATIONS)
+        solution = solve(case_of(rod, cylinder), stations=STATIONS)
     except InputError as error:
         raise NotImplementedError(str(error)) from None
-    if not found.solved:
-        raise NotImplementedError(f"no equilibrium on the cylinder was found: {found.outcome}")
-    if found.held_index != 0:
-        raise NotImplementedError(f"the equilibrium on the cylinder is not stable: index {found.held_index:g}")
-    if found.push.min() < 0:
+    if not solution.solved:
+        raise NotImplementedError(f"no equilibrium on the cylinder was found: {solution.outcome}")
+    if solution.held_index != 0:
+        raise NotImplementedError(f"the equilibrium on the cylinder is not stable: index {solution.held_index:g}")
+    if solution.push.min() < 0:
         raise NotImplementedError("the equilibrium leaves the cylinder: the cylinder would have to pull")
     began = beginning(rod, cylinder)
-    return Equilibrium(found, axes(cylinder), float(began.alpha[0]), float(began.z[0]))
+    return Equilibrium(solution, axes(cylinder), float(began.alpha[0]), float(began.z[0]))
 
 
 class RodOnCylinder:

@@ -27,7 +27,7 @@ def is_study(file: Path) -> bool:
 def outline(study: Study) -> xr.Dataset:
     """A dataset of the study's dimensions without any result, in which a case is chosen as in a stored one."""
     over = study.dimensions()
-    coords = {schema.dimension(one.name): one.coordinate.astype(float) for one in over.each}
+    coords = {schema.dimension(dimension.name): dimension.coordinate.astype(float) for dimension in over.each}
     dims = tuple(coords)
     ds = xr.Dataset({"outcome": (dims, np.broadcast_to(np.array("", dtype=object), over.shape))}, coords)
     return ds.assign_attrs(laws=schema.laws_text(study), reading=study.reading or "", sampled=" ".join(study.sampled))
@@ -42,8 +42,8 @@ def place_of(study: Study, at: Mapping[str, selection.Value] | None = None) -> d
 
 def of_dataset(ds: xr.Dataset, at: Mapping[str, selection.Value] | None = None) -> Solution:
     """A case of a study's dataset, solved again as it was run; at: as of `selection.case`. Raises `InputError`."""
-    one = ds.isel(selection.case(ds, at))
-    return stored_case.solve_at(one, stored_case.study_of(one), {})
+    case = ds.isel(selection.case(ds, at))
+    return stored_case.solve_at(case, stored_case.study_of(case), {})
 
 
 def of_study(study: Study, at: Mapping[str, selection.Value] | None = None) -> Solution:

@@ -89,8 +89,8 @@ def holding(texts: Any, key: str) -> Any:
     """Whether a key is among those of each caution, (*cases) of bool."""
     texts = np.asarray(texts)
     each = texts.astype(str).ravel().tolist()
-    there = {text: key in keys(text) for text in set(each)}
-    return np.array([there[text] for text in each], dtype=bool).reshape(texts.shape)
+    holds = {text: key in keys(text) for text in set(each)}
+    return np.array([holds[text] for text in each], dtype=bool).reshape(texts.shape)
 
 
 def phrase(part: str) -> str:

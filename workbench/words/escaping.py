@@ -14,7 +14,7 @@ def lines(text: str) -> str:
 
     Line breaks stay; a line beyond `LONGEST` is cut.
     """
-    safe = _COMMANDS.sub(lambda found: found[0] if found[0].isprintable() else repr(found[0])[1:-1], text)
+    safe = _COMMANDS.sub(lambda match: match[0] if match[0].isprintable() else repr(match[0])[1:-1], text)
     if len(safe) <= LONGEST:
         return safe
     return "\n".join(line if len(line) <= LONGEST else f"{line[:LONGEST]}..." for line in safe.split("\n"))
@@ -32,7 +32,7 @@ def is_line(text: str, longest: int) -> bool:
 
 def in_json(text: str) -> str:
     """JSON text in which unprintable characters are escaped; letters of every language stay."""
-    return _COMMANDS.sub(lambda found: found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1], text)
+    return _COMMANDS.sub(lambda match: match[0] if match[0].isprintable() else json.dumps(match[0])[1:-1], text)
 
 
 def finite(data: Any) -> Any:

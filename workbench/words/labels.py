@@ -53,12 +53,12 @@ def value(number_: float, array: xr.DataArray, digits: int = 4) -> str:
 
 def distinct(array: xr.DataArray, values: Any) -> list[str]:
     """Values of a variable with their unit, as `value`, with as many digits as it takes to tell them apart."""
-    values = [float(one) for one in values]
+    values = [float(entry) for entry in values]
     for digits in (4, 5, 6, 8):
-        texts = [value(one, array, digits) for one in values]
+        texts = [value(entry, array, digits) for entry in values]
         if len(set(texts)) == len(set(values)):
             return texts
-    return [value(one, array, 12) for one in values]
+    return [value(entry, array, 12) for entry in values]
 
 
 def axis_symbol(axis: str) -> str:
@@ -135,8 +135,8 @@ def typeset(text: str) -> str:
 def powers_of_ten(text: str) -> str:
     """The text with powers of ten in print: ``1.3e-05`` as ``1.3·10⁻⁵``, ``1e+06`` as ``10⁶``."""
 
-    def power(found: re.Match[str]) -> str:
-        digits, ten = found[1], f"10{str(int(found[2])).translate(SUPERSCRIPTS)}"
+    def power(match: re.Match[str]) -> str:
+        digits, ten = match[1], f"10{str(int(match[2])).translate(SUPERSCRIPTS)}"
         return ten if digits == "1" else f"{digits}·{ten}"
 
     return re.sub(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?!\w)", power, text)
@@ -144,7 +144,7 @@ def powers_of_ten(text: str) -> str:
 
 def law_text(row: Mapping[str, Any], text: str) -> str:
     """A text about a law (a row of `law_verdicts.verdicts`), with symbols for the names of its observables and axes."""
-    letters = {one["observable"]: noun_of(one["observable"]) for one in (row, *row.get("also", ()))}
+    letters = {law["observable"]: noun_of(law["observable"]) for law in (row, *row.get("also", ()))}
     letters |= {axis: axis_symbol(axis) for axis in (row.get("axis"), *row["at"]) if axis}
     return typeset(re.sub(r"\w+", lambda word: letters.get(word[0], word[0]), text))
 

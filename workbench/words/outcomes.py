@@ -44,9 +44,9 @@ def check_any_solved(ds: "xr.Dataset") -> None:
     cases = sum(counts.values())
     if cases == 1:
         raise InputError(f"nothing to draw: {next(iter(counts))}")
-    told = "; ".join(f"{count} x {text}" for text, count in counts.most_common(MOST_TOLD))
+    reasons = "; ".join(f"{count} x {text}" for text, count in counts.most_common(MOST_TOLD))
     more = f"; and {len(counts) - MOST_TOLD} other outcomes" if len(counts) > MOST_TOLD else ""
-    raise InputError(f"nothing to draw: none of the {cases} cases is solved: {told}{more}")
+    raise InputError(f"nothing to draw: none of the {cases} cases is solved: {reasons}{more}")
 
 
 def _together(texts: list[str]) -> str:
@@ -57,11 +57,11 @@ def _together(texts: list[str]) -> str:
     return _NUMBERS.sub(lambda _: next(ranges), texts[0])
 
 
-def _range(found: tuple[str, ...]) -> str:
+def _range(texts: tuple[str, ...]) -> str:
     """The least and the greatest of numbers and ranges, as they are written; the number where all are the same."""
-    if UNKNOWN in found:
+    if UNKNOWN in texts:
         return UNKNOWN
-    each = sorted({(float(number), number) for text in found for number in text.split(" to ")})
+    each = sorted({(float(number), number) for text in texts for number in text.split(" to ")})
     low, high = each[0], each[-1]
     return low[1] if low[0] == high[0] else f"{low[1]} to {high[1]}"
 
@@ -79,8 +79,8 @@ def number_branches(branch: NDArray[np.int64], every: Iterable[int]) -> NDArray[
 def count_branches(branch: NDArray[Any]) -> dict[int, int]:
     """How many cases each branch has; NaN counts as `NO_BRANCH`."""
     known = np.nan_to_num(np.asarray(branch, dtype=float), nan=NO_BRANCH, posinf=NO_BRANCH, neginf=NO_BRANCH)
-    found, counts = np.unique(known, return_counts=True)
-    return {int(one): int(count) for one, count in zip(found, counts, strict=True)}
+    numbers, counts = np.unique(known, return_counts=True)
+    return {int(number): int(count) for number, count in zip(numbers, counts, strict=True)}
 
 
 def branch_sentence(counts: Mapping[int, int]) -> str:

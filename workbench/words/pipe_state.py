@@ -154,9 +154,9 @@ def _long_pipe(sol: "Solution", force: str) -> list[str]:
     unit = math.sqrt(float(sol.case.rod.bending_stiffness) * pipe_numbers.weight_across(sol.case) / float(sol.case.rho))
     if not unit:
         return []
-    one, two, three, four = (f"{x * unit:.4g}" for x in (SINUSOID, PRESSED, 2 + EQUAL, 2 + LIFTED))
+    sinusoid, pressed, equal, lifted = (f"{x * unit:.4g}" for x in (SINUSOID, PRESSED, 2 + EQUAL, 2 + LIFTED))
     return [
-        f"local compression (-FZ) in a long pipe without torque or friction: straight below {one} {force}; from {two} "
-        f"a helix can stay, from {three} it has less energy than the sinusoid; above {four} the sinusoid lifts off "
-        "the wall: expect a helix"
+        f"local compression (-FZ) in a long pipe without torque or friction: straight below {sinusoid} {force}; "
+        f"from {pressed} a helix can stay, from {equal} it has less energy than the sinusoid; above {lifted} "
+        "the sinusoid lifts off the wall: expect a helix"
     ]

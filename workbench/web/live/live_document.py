@@ -44,7 +44,7 @@ def text(presets: Sequence[Preset], served: bool, style: str = "") -> str:
         "style": style, "core": core, "program": program, "data": _json(_data(presets, served)),
         "policy": policy(style, core, program, served),
     }  # fmt: skip
-    return re.sub(r"{{ (\w+) }}", lambda found: parts[found[1]], read("index.html"))
+    return re.sub(r"{{ (\w+) }}", lambda match: parts[match[1]], read("index.html"))
 
 
 def core_text() -> str:
@@ -79,17 +79,17 @@ def bundle(first: str = FIRST) -> str:
 
 
 def _module(name: str, source: str) -> str:
-    exported = ", ".join(found for _, found in _EXPORT.findall(source))
+    exported = ", ".join(export for _, export in _EXPORT.findall(source))
     body = _EXPORT.sub(r"\1", _IMPORT.sub(r"const \1 = module_\2;", source))
     return f"const module_{name} = (() => {{\n{body}return {{ {exported} }};\n}})();"
 
 
 def policy(style: str, core: str, program: str, served: bool) -> str:
     """The content security policy: the scripts and the style of this text, WebAssembly, and at most its own server."""
-    scripts, own = " ".join(_hash(script) for script in (core, program)), "'self'" if served else "'none'"
+    scripts, server = " ".join(_hash(script) for script in (core, program)), "'self'" if served else "'none'"
     return (
         f"default-src 'none'; script-src {scripts} 'wasm-unsafe-eval'; style-src {_hash(style)}; img-src data: blob:; "
-        f"connect-src {own}; base-uri 'none'; form-action 'none'"
+        f"connect-src {server}; base-uri 'none'; form-action 'none'"
     )
 
 

@@ -73,10 +73,10 @@ def _plain(name: object, value: Any) -> Any:
 
 def field_of(message: str) -> str:
     """The field that an error message is about, or nothing: ``Rod.E must be ...`` is about E."""
-    found = re.match(r"(?:Rod|Cylinder|Start|Ends|base)\.(\w+)", message) or re.match(
+    match = re.match(r"(?:Rod|Cylinder|Start|Ends|base)\.(\w+)", message) or re.match(
         r"(\w+) must be a number", message
     )
-    return found[1] if found else ""
+    return match[1] if match else ""
 
 
 def stations(one: Shape) -> dict[str, Any]:
@@ -88,10 +88,10 @@ def stations(one: Shape) -> dict[str, Any]:
     names = {name: name for name in ("s", "beta", "dbeta", "alpha", "z")}
     if sol.case.varies:
         names |= {"push": "push", "kappa": "kappa", "tension": "F3"}
-    found = {name: np.asarray(getattr(sol, of), dtype=float) for name, of in names.items()}
+    arrays = {name: np.asarray(getattr(sol, of), dtype=float) for name, of in names.items()}
     if sol.case.varies:
-        found["axial"] = pipe_numbers.axial_force(sol)
-    return found
+        arrays["axial"] = pipe_numbers.axial_force(sol)
+    return arrays
 
 
 def facts(one: Shape) -> dict[str, Any]:
@@ -125,13 +125,13 @@ def _which(sol: Solution) -> dict[str, float]:
 def numbers(one: Shape) -> dict[str, Any]:
     """Loads and every observable as a row, in the units of the study and rad, and what a real rod could not do."""
     sol = one.sol
-    found = {name: float(getattr(sol, name)) for name in ("FZ", "MZ", "M3")}
-    found |= observe(sol, observables_of(sol.case.rod))
+    observed = {name: float(getattr(sol, name)) for name in ("FZ", "MZ", "M3")}
+    observed |= observe(sol, observables_of(sol.case.rod))
     caution = str(cautions.of_cases(sol))
     if sol.method == "difference":  # followed to 1e-6 only: where beta is level, bends may be errors
-        found |= dict.fromkeys(COUNTS, np.nan)
+        observed |= dict.fromkeys(COUNTS, np.nan)
     return {
-        "rows": [{"name": name, "value": np.asarray(value).item()} for name, value in found.items()],
+        "rows": [{"name": name, "value": np.asarray(value).item()} for name, value in observed.items()],
         "warnings": [f"The rod {cautions.phrase(part)}." for part in cautions.parts(caution)],
     }
 
@@ -142,14 +142,14 @@ def list_equilibria(study: Study) -> list[dict[str, Any]]:
     if not isinstance(case.given, Ends):
         raise InputError("a start problem has one solution only; hold both ends to list equilibria")
     refuse_many(case)
-    found: list[Equilibrium] = equilibria(case, TOL, STATIONS)
-    return [_list_row(one, float(case.rho)) for one in found]
+    listed: list[Equilibrium] = equilibria(case, TOL, STATIONS)
+    return [_list_row(equilibrium, float(case.rho)) for equilibrium in listed]
 
 
-def _list_row(one: Equilibrium, rho: float) -> dict[str, Any]:
+def _list_row(equilibrium: Equilibrium, rho: float) -> dict[str, Any]:
     """The numbers of an equilibrium, with what a branch diagram shows of it, and its small picture."""
-    shown = {name: np.asarray(value).item() for name, value in observe(one.solution, SHOWN).items()}
-    return equilibrium_row(one) | shown | {"line": _line(one.solution, rho)}
+    shown = {name: np.asarray(value).item() for name, value in observe(equilibrium.solution, SHOWN).items()}
+    return equilibrium_row(equilibrium) | shown | {"line": _line(equilibrium.solution, rho)}
 
 
 def _line(sol: Solution, rho: float) -> dict[str, list[float]]:

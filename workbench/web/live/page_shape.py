@@ -135,25 +135,25 @@ def _between(study: Study, case: Case, lost: bool) -> Solution:
     rule = NEAREST if which is None or which.rule is None else which.rule
     if half_periods > MOST_LISTED:
         return _of_many(case, which, rule, half_periods)
-    found = equilibria(case, TOL, BETWEEN)
-    if not found:
+    listed = equilibria(case, TOL, BETWEEN)
+    if not listed:
         raise InputError("no equilibrium has these end angles under these loads")
     if which is not None and which.dbeta0 is not None and which.energy is not None:
-        return nearest(found, which.dbeta0, which.energy).solution
-    one = meant(found, rule)
-    if one is None:
-        raise InputError(f"none of the {len(found)} equilibria has index {rule}")
-    return one.solution
+        return nearest(listed, which.dbeta0, which.energy).solution
+    equilibrium = meant(listed, rule)
+    if equilibrium is None:
+        raise InputError(f"none of the {len(listed)} equilibria has index {rule}")
+    return equilibrium.solution
 
 
 def _follow(study: Study, case: Case, near: Solution) -> Solution | None:
     """The solution next to another by Newton's method, in one step or in more; None where a step fails."""
     before, after = field_values(near.case), field_values(case)
-    both = [name for name in FOLLOWED if name in before and name in after]
+    names = [name for name in FOLLOWED if name in before and name in after]
     for steps in STEPS:
         sol: Solution = near
         for k in range(1, steps):
-            part = {name: before[name] + (after[name] - before[name]) * k / steps for name in both}
+            part = {name: before[name] + (after[name] - before[name]) * k / steps for name in names}
             sol = solve(study.case_of(part), NEAR, "difference", BETWEEN, seed=sol)
             if not sol.solved:
                 break
@@ -181,8 +181,8 @@ def _of_many(case: Case, which: Which | None, rule: str | int, half_periods: flo
 
 def _same(sol: Solution, which: Which) -> bool:
     assert which.dbeta0 is not None
-    found, rho = float(sol.dbeta[0]), float(sol.case.rho)
-    return abs(found - which.dbeta0) <= SAME * max(abs(which.dbeta0), NEAR / rho)
+    slope, rho = float(sol.dbeta[0]), float(sol.case.rho)
+    return abs(slope - which.dbeta0) <= SAME * max(abs(which.dbeta0), NEAR / rho)
 
 
 def refuse_many(case: Case) -> None:

@@ -140,11 +140,11 @@ class Context:
     async def shape(self, state: Any, near: page_shape.Shape | None = None) -> page_shape.Shape:
         """The rod of a state: followed from another or a start problem, else searched."""
         study = await self.in_thread(page_model.study_of, state)
-        found = await self.in_thread(page_shape.without_search, study, near.sol if near else None)
-        if found is None:
+        shape = await self.in_thread(page_shape.without_search, study, near.sol if near else None)
+        if shape is None:
             lost = near is not None and near.sol.problem.kind == "ends"
-            found = await self.search(page_shape.search, study, lost)
-        return found
+            shape = await self.search(page_shape.search, study, lost)
+        return shape
 
     async def again(self, asked: dict[str, Any]) -> page_shape.Shape:
         """The rod of a ticket; solved again where it is not kept."""
@@ -164,7 +164,7 @@ def _handler_of(
 
     async def handler(request: web.Request) -> web.StreamResponse:
         try:
-            asked = await request.json()
+            data = await request.json()
         except (ValueError, RecursionError):  # a number of 5000 digits is a ValueError too
             return _refusal("the request is not valid JSON", status=400)
 
@@ -172,9 +172,9 @@ def _handler_of(
             return request.transport is not None and not request.transport.is_closing()
 
         try:
-            if not isinstance(asked, dict):
+            if not isinstance(data, dict):
                 raise InputError("the request must be a table")
-            return await work(asked, Context(shapes, few, tasks, is_wanted))
+            return await work(data, Context(shapes, few, tasks, is_wanted))
         except ArithmeticError:  # a radius of 5e-324, say
             return _refusal(search_processes.NO_FLOAT)
         except InputError as error:
@@ -195,17 +195,17 @@ def _refusal(sentence: str, field: str = "", status: int = 200) -> web.Response:
 async def _shape(asked: dict[str, Any], at: Context) -> web.Response:
     """The rod at its stations, and what is known of it."""
     start = time.perf_counter()
-    one = await at.shape(asked.get("state"), at.shapes.find(asked.get("near")))
-    body = await at.in_thread(_tell, one, at.shapes, time.perf_counter() - start)
+    rod = await at.shape(asked.get("state"), at.shapes.find(asked.get("near")))
+    body = await at.in_thread(_tell, rod, at.shapes, time.perf_counter() - start)
     return web.Response(body=body, content_type="application/octet-stream")
 
 
-def _tell(one: page_shape.Shape, shapes: Shapes, solving: float) -> bytes:
+def _tell(rod: page_shape.Shape, shapes: Shapes, solving: float) -> bytes:
     head = {
-        **page_model.facts(one), "ticket": shapes.keep(page_shape.bare(one)), "problem": one.sol.problem.kind,
+        **page_model.facts(rod), "ticket": shapes.keep(page_shape.bare(rod)), "problem": rod.sol.problem.kind,
         "seconds": {"solve": solving},
     }  # fmt: skip
-    return pack_arrays(head, page_model.stations(one))
+    return pack_arrays(head, page_model.stations(rod))
 
 
 def pack_arrays(head: dict[str, Any], arrays: dict[str, Any]) -> bytes:
@@ -246,5 +246,5 @@ async def _download(asked: dict[str, Any], at: Context) -> web.Response:
     kind = asked.get("kind")
     if not isinstance(kind, str) or kind not in DOWNLOADS:
         raise InputError(f"no download {str(kind)[:40]!r}; choose from {', '.join(DOWNLOADS)}")
-    one = page_shape.portable(await at.again(asked))
-    return web.Response(body=await at.search(page_model.file, one, kind), content_type=DOWNLOADS[kind])
+    rod = page_shape.portable(await at.again(asked))
+    return web.Response(body=await at.search(page_model.file, rod, kind), content_type=DOWNLOADS[kind])

@@ -39,7 +39,7 @@ FLAGS = (
 
 def browser() -> str | None:
     """The path of a Chromium that PATH names; None without one."""
-    return next((found for name in BROWSERS if (found := shutil.which(name))), None)
+    return next((path for name in BROWSERS if (path := shutil.which(name))), None)
 
 
 def take(path: Path) -> str:
@@ -47,8 +47,8 @@ def take(path: Path) -> str:
 
     Raises `InputError` where the file cannot be written.
     """
-    found = browser()
-    if found is None:
+    program = browser()
+    if program is None:
         return f"no browser was found on PATH (looked for {', '.join(BROWSERS)})"
     with (
         atomic.refusing(path),
@@ -57,17 +57,17 @@ def take(path: Path) -> str:
         folder = Path(name).resolve()
         (folder / "page.html").write_text(live_document.text(PRESETS, False, STYLE), encoding="utf-8")
         (folder / "frame.html").write_text(FRAME.format(*SIZE), encoding="utf-8")
-        shot, own = folder / "shot.png", [f"--user-data-dir={folder / 'profile'}"]
+        shot, options = folder / "shot.png", [f"--user-data-dir={folder / 'profile'}"]
         if hasattr(os, "geteuid") and os.geteuid() == 0:
-            own.append("--no-sandbox")  # Chromium refuses root otherwise
-        command = [found, *FLAGS, *own, f"--screenshot={shot}", (folder / "frame.html").as_uri()]
+            options.append("--no-sandbox")  # Chromium refuses root otherwise
+        command = [program, *FLAGS, *options, f"--screenshot={shot}", (folder / "frame.html").as_uri()]
         try:
             subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=PATIENCE, check=False)
         except subprocess.TimeoutExpired:
-            return f"{found} took no picture within {PATIENCE} s"
+            return f"{program} took no picture within {PATIENCE} s"
         except OSError as error:
-            return f"{found} did not start: {error.strerror or error}"
+            return f"{program} did not start: {error.strerror or error}"
         if not shot.exists():
-            return f"{found} took no picture"
+            return f"{program} took no picture"
         atomic.write(path, lambda aside: shutil.copyfile(shot, aside))
     return ""

@@ -95,5 +95,5 @@ def mark_up(text: str) -> str:
 
 def _term(word: str) -> str:
     """A word, or a formula, whose spaces are written as `~`."""
-    raised = re.sub(r"([_^])\{([^}]*)\}", lambda found: f"<{RAISED[found[1]]}>{found[2]}</{RAISED[found[1]]}>", word)
+    raised = re.sub(r"([_^])\{([^}]*)\}", lambda match: f"<{RAISED[match[1]]}>{match[2]}</{RAISED[match[1]]}>", word)
     return f'<span class="term">{raised.replace("~", " ")}</span>' if re.search(r"[~_^/]", word) else raised

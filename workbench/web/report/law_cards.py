@@ -69,7 +69,7 @@ def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
             claim = claims.setdefault(law["claim"], {**section, **law, "laws": []})
             claim["laws"].append(law)
             verdict = worst([law["verdict"], claim["verdict"]])
-            claim["judged"] = " and ".join(dict.fromkeys(_criterion(one) for one in claim["laws"]))
+            claim["judged"] = " and ".join(dict.fromkeys(_criterion(row) for row in claim["laws"]))
             claim |= {"verdict": verdict, "class": CLASSES[verdict], "plain": verdict_words.PLAIN[verdict].capitalize()}
     return list(claims.values())
 
@@ -85,12 +85,12 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
     if readings is None:
         return None
     claims = [str(claim) for claim in readings["claim"].values]
-    found = json.loads(readings.attrs["rows"])
+    by_reading = json.loads(readings.attrs["rows"])
     table = []
     for reading in map(str, readings["reading"].values):
         cells = []
         for claim in claims:
-            laws = [row for row in found[reading] if row["claim"] == claim]
+            laws = [row for row in by_reading[reading] if row["claim"] == claim]
             verdict = worst([row["verdict"] for row in laws])
             measured = [
                 f"{labels.symbol_of(row['observable'])} {labels.minus_signs(verdict_words.measure(row))}"
@@ -124,7 +124,7 @@ def in_degrees(text: str) -> str:
     """The text with its angles in degrees: ``0.6 rad (34.38 deg)`` as ``34.38 deg``; a rate in rad per length stays."""
     return re.sub(
         r"(?<![\w.])([-−]?\d[\d.]*(?:e[-+]?\d+)?) rad\b(?!/)(?: \([^)]*deg\))?",
-        lambda found: f"{np.degrees(float(found[1].replace('−', '-'))):.4g} deg",
+        lambda match: f"{np.degrees(float(match[1].replace('−', '-'))):.4g} deg",
         text,
     )
 

@@ -29,12 +29,12 @@ class Measured:
     source: str
 
 
-def both(folder: Path) -> list[Measured]:
+def comparisons(folder: Path) -> list[Measured]:
     """Extremes and trade, of the runs stored in the folder; default: of those that are shipped."""
-    return [one(folder, "extremes", _extremes), one(folder, "trade", _trade)]
+    return [comparison(folder, "extremes", _extremes), comparison(folder, "trade", _trade)]
 
 
-def one(folder: Path, name: str, shows: Callable[[xr.Dataset], str]) -> Measured:
+def comparison(folder: Path, name: str, shows: Callable[[xr.Dataset], str]) -> Measured:
     """The diagram of `name`.h5; of the shipped run where that cannot be drawn, with the reason."""
     beside, why = Path(folder) / f"{name}.h5", ""
     try:
@@ -82,8 +82,8 @@ def _extremes(ds: xr.Dataset) -> str:
     left = [name for name in available() if name not in ds["method"].values]
     without = f" (not in this run: {', '.join(left)})" if left else ""
     methods = f"{ds.sizes['method']} methods{without}"
-    told = f"{ds.sizes['extreme']} named extremes by {methods}. {counts}. Each unsolved case has a reason"
-    return labels.typeset(told)
+    sentence = f"{ds.sizes['extreme']} named extremes by {methods}. {counts}. Each unsolved case has a reason"
+    return labels.typeset(sentence)
 
 
 def _vague(ds: xr.Dataset) -> str:

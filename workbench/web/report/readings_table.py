@@ -37,19 +37,19 @@ def run(
     rows: list[list[dict[str, Any]]] = []
     unsolved = []
     for reading in readings:
-        found: list[dict[str, Any]] = []
+        of_reading: list[dict[str, Any]] = []
         missing = []
         for study in studies:
             step(f"{study.name} {reading}")
             try:
                 ds = in_memory.run(study.under(reading))
             except InputError as error:  # for example where the base rod already ends beyond a followed axis's limit
-                found += [refusal(law, str(error)) for law in study.laws]
+                of_reading += [refusal(law, str(error)) for law in study.laws]
                 missing.append(study.size)
                 continue
-            found += law_verdicts.verdicts(ds)
+            of_reading += law_verdicts.verdicts(ds)
             missing.append(law_verdicts.unsolved(ds))
-        rows.append(found)
+        rows.append(of_reading)
         unsolved.append(missing)
     return _dataset_of_rows(studies, readings, rows, unsolved)
 
@@ -60,7 +60,7 @@ def _dataset_of_rows(
     rows: list[list[dict[str, Any]]],
     unsolved: list[list[int]],
 ) -> xr.Dataset:
-    both = ("reading", "law")
+    dims = ("reading", "law")
     laws = [
         f"{row['claim']} {row['observable']} {row['direction'] or row['does']} along {row['axis']}" for row in rows[0]
     ]
@@ -73,14 +73,14 @@ def _dataset_of_rows(
         return float(np.mean(ends)) if ends else np.nan
 
     data = {
-        "verdict": (both, table("verdict"), {"long_name": "verdict of the law"}),
-        "reason": (both, table("reason"), {"long_name": "why it is qualified, not decided or fails"}),
-        "tau": (both, np.array(table("tau"), dtype=float), _number("Kendall's tau in the law's direction")),
-        "lines": (both, table("lines"), _number("lines of the grid along the law's axis")),
-        "lines_hold": (both, table("lines_hold"), _number("lines on which the law holds")),
-        "exceptions": (both, table("exceptions", len), _number("steps the wrong way")),
-        "first": (both, table("first", middle), {"long_name": "observable at the axis's start"}),
-        "last": (both, table("last", middle), {"long_name": "observable at the axis's end"}),
+        "verdict": (dims, table("verdict"), {"long_name": "verdict of the law"}),
+        "reason": (dims, table("reason"), {"long_name": "why it is qualified, not decided or fails"}),
+        "tau": (dims, np.array(table("tau"), dtype=float), _number("Kendall's tau in the law's direction")),
+        "lines": (dims, table("lines"), _number("lines of the grid along the law's axis")),
+        "lines_hold": (dims, table("lines_hold"), _number("lines on which the law holds")),
+        "exceptions": (dims, table("exceptions", len), _number("steps the wrong way")),
+        "first": (dims, table("first", middle), {"long_name": "observable at the axis's start"}),
+        "last": (dims, table("last", middle), {"long_name": "observable at the axis's end"}),
         "claim_verdict": (
             ("reading", "claim"),
             [[worst([r["verdict"] for r in line if r["claim"] == c]) for c in claims] for line in rows],

@@ -59,7 +59,7 @@ def write(
     why. equilibria: the dataset of `sisters.run` and its pictures. story: the figure of the whole story. Raises
     `InputError` where it cannot be written.
     """
-    text = html(results, readings, refusals, measured_runs.both(Path(out)), equilibria, story)
+    text = html(results, readings, refusals, measured_runs.comparisons(Path(out)), equilibria, story)
     return atomic.write(Path(out) / NAME, lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
@@ -110,7 +110,7 @@ def html(
         program=program,
         policy=policy(style_, program, "", served=False),
         data=turntable_page.data(figures),
-        measured=[_measure(one) for one in measured],
+        measured=[_measure(run) for run in measured],
         story=[] if story is None else [_picture(story, STORY, DRAWING) | _column(story)],
         left_out=cautions.LEFT_OUT,
         equilibria=_equilibria(*equilibria) if equilibria else None,
@@ -128,9 +128,9 @@ def column_of(story: Path) -> Path:
     return story.with_stem(f"{story.stem}_column")
 
 
-def _measure(one: Measured) -> dict[str, Any]:
-    picture = _picture(BytesIO(one.picture), f"{TITLES[one.name]}: {one.shows}", DRAWING)
-    return {"name": one.name, "title": TITLES[one.name], "shows": one.shows, "source": one.source, "picture": picture}
+def _measure(run: Measured) -> dict[str, Any]:
+    picture = _picture(BytesIO(run.picture), f"{TITLES[run.name]}: {run.shows}", DRAWING)
+    return {"name": run.name, "title": TITLES[run.name], "shows": run.shows, "source": run.source, "picture": picture}
 
 
 def _equilibria(ds: xr.Dataset, files: Mapping[str, Path]) -> dict[str, Any] | None:

@@ -24,9 +24,9 @@ def run(study: Study) -> xr.Dataset:
     equilibrium that `solve` takes between these ends; 0 where there is none. Raises `InputError` as of `ends_problem`.
     """
     case = ends_problem(study)
-    own, every, default = solve(study.case(), stations=2), equilibria(case), solve(case, stations=2)
+    solution, every, default = solve(study.case(), stations=2), equilibria(case), solve(case, stations=2)
     slopes = np.array([equilibrium.dbeta0 for equilibrium in every])
-    ranks = {OWN: _rank(slopes, float(own.dbeta[0])), STABLE: 0}
+    ranks = {OWN: _rank(slopes, float(solution.dbeta[0])), STABLE: 0}
     if any(equilibrium.index == 0 for equilibrium in every):
         ranks[STABLE] = _rank(slopes, float(default.dbeta[0]))
     return dataset_of(study, case, every).assign_attrs(ranks)
@@ -45,8 +45,8 @@ def rows(ds: xr.Dataset, pictures: Sequence[Mapping[str, Any]]) -> dict[str, Any
     """Return what the report says of them; None where the study's own rod is not among them."""
     if not ds.attrs[OWN]:
         return None
-    own = ds.isel(equilibrium=ds.attrs[OWN] - 1)
-    index, stable = int(own["index"]), ds.attrs[STABLE]
+    case = ds.isel(equilibrium=ds.attrs[OWN] - 1)
+    index, stable = int(case["index"]), ds.attrs[STABLE]
     return {
         "count": ds.sizes["equilibrium"],
         "rank": ds.attrs[OWN],

@@ -37,11 +37,11 @@ def row(result: StudyResult) -> dict[str, Any]:
 
 def versions(datasets: Sequence[xr.Dataset]) -> list[tuple[str, str]]:
     """Every package that the datasets name, with its version; where they differ, with each version and its studies."""
-    found: dict[str, dict[str, list[str]]] = {}
+    packages: dict[str, dict[str, list[str]]] = {}
     for ds in datasets:
         for package, version in json.loads(ds.attrs["versions"]).items():
-            found.setdefault(package, {}).setdefault(version, []).append(str(ds.attrs["study_name"]))
-    return [(package, _each(of)) for package, of in found.items()]
+            packages.setdefault(package, {}).setdefault(version, []).append(str(ds.attrs["study_name"]))
+    return [(package, _each(of)) for package, of in packages.items()]
 
 
 def version(datasets: Sequence[xr.Dataset]) -> str:
@@ -53,7 +53,7 @@ def _each(of: dict[str, list[str]]) -> str:
     """``0.2.0``, or ``0.1.0 (fig6) and 0.2.0 (fig7_1_modulus, readings)``."""
     if len(of) == 1:
         return next(iter(of))
-    return " and ".join(f"{one} ({', '.join(studies)})" for one, studies in of.items())
+    return " and ".join(f"{version} ({', '.join(studies)})" for version, studies in of.items())
 
 
 TITLE = (

@@ -77,7 +77,7 @@ def turntable_of_dataset(
         raise InputError("a page of turning rods needs rods without weight and friction: make a picture, a .png")
     n = ds.sizes["u"]
     chosen = _choose({name: ds.sizes[name] for name in free}, base, most_bytes // (ROWS * BYTES * n))
-    wheres = [base | dict(zip(free, one, strict=True)) for one in product(*chosen.values())]
+    wheres = [base | dict(zip(free, place, strict=True)) for place in product(*chosen.values())]
     lines = [_line(ds, where) for where in wheres]
     solved = [line for line in lines if line is not None]
     if not solved:
@@ -126,14 +126,14 @@ def _choose(sizes: dict[str, int], base: Mapping[str, int], most: int) -> dict[s
                 "with --at, or store the study with fewer stations"
             )
         counts[widest] -= 1
-    found = {}
+    indices = {}
     for name, count in counts.items():
         rows = np.unique(np.linspace(0, sizes[name] - 1, count).round().astype(int))
         if base[name] not in rows and count > 2:
             inner = 1 + int(np.abs(rows[1:-1] - base[name]).argmin())
             rows[inner] = base[name]
-        found[name] = sorted(int(row) for row in rows)
-    return found
+        indices[name] = sorted(int(row) for row in rows)
+    return indices
 
 
 def _line(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline | None:

@@ -34,19 +34,19 @@ def html(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> str:
     InputError
         As of `stored`.
     """
-    found = turntable_of_dataset(ds, at)
+    stored = turntable_of_dataset(ds, at)
     style, script = look() + read("page.css"), program()
-    sliders = len(found.data["axes"])
+    sliders = len(stored.data["axes"])
     return render(
         "page.html.j2",
         title=str(ds.attrs["title"]),
         lead=". ".join(part for part in (labels.reading(ds), _held(ds, at or {})) if part),
         figure=figure("rod", "The rod on its cylinder", reset=bool(sliders)),
         sliders=sliders,
-        left_out=found.left_out,
+        left_out=stored.left_out,
         style=style,
         program=script,
-        data=data({"rod": found.data}),
+        data=data({"rod": stored.data}),
         policy=live_document.policy(style, script, "", served=False),
     )
 
