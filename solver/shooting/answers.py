@@ -35,6 +35,7 @@ TOO_FINE = "the shape of this rod may change {:.3g} times along it, and at most 
 USE_ENDS = "; a long rod with weight is an ends problem: give Ends in place of Start"
 
 
+@np.errstate(over="ignore", divide="ignore", invalid="ignore")  # what is out of range is said in the outcome
 def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Trajectory]:
     """The start problems at stations t (B, n); the problem has the loads of the far end.
 

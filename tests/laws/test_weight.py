@@ -1,6 +1,7 @@
 """Rods with weight and friction: balance in space, exact limits, and the Morse index."""
 
 import re
+import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -779,6 +780,14 @@ def test_extreme_rods_between_ends_are_answered_in_words(rod: Any, wall: Any, wo
     usual = {"EI": 1.0, "GJ": 0.8, "a": 0.2, "L": 5.0, "weight": 0.5} | rod
     cylinder = Cylinder(**{"R": 1.0, "side": "outside" if "a" in rod else "inside", "inclination": 1.2} | wall)
     assert words in str(solve(Case(Rod(**usual), cylinder, Ends(beta0=0.0, betaL=0.0, azimuth=0.0, FZ=-2.0))).outcome)
+
+
+@pytest.mark.parametrize("rod", [{"weight": 1e300}, {"L": 1e-300}, {"a": 1e100}])
+def test_extreme_start_problems_with_weight_fail_without_a_warning(rod: Any) -> None:
+    case = Case(Rod(**ROD | rod), Cylinder(R=0.75, inclination=1.2), Start(0.3, 0.1, F3=-1.0, M3=0.1))
+    with warnings.catch_warnings(action="error"):
+        sol = solve(case)
+    assert sol.solved or str(sol.outcome).startswith("failed")
 
 
 @pytest.mark.parametrize("sign", [1, -1])
