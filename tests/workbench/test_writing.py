@@ -30,6 +30,13 @@ def test_what_is_stored_is_what_is_read(ds, tmp_path) -> None:
     xr.testing.assert_identical(reading.read(path), ds)
 
 
+def test_a_text_that_grew_since_it_was_read_is_stored_whole(ds, tmp_path) -> None:
+    longer = reading.read(writing.write(ds, tmp_path / "small.h5"))
+    sentence = "failed: a sentence that is longer than all that were stored before"
+    longer["outcome"] = longer["outcome"].copy(data=np.full(longer["outcome"].shape, sentence))
+    assert set(reading.read(writing.write(longer, tmp_path / "longer.h5"))["outcome"].values.ravel()) == {sentence}
+
+
 def test_a_file_is_written_and_opened_as_xarray_alone_does(ds, tmp_path) -> None:
     ds.to_netcdf(tmp_path / "theirs.h5", engine="h5netcdf", encoding=writing.encoding(ds))
     netcdf.write(ds, tmp_path / "ours.h5", writing.encoding(ds))

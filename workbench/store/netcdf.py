@@ -60,6 +60,9 @@ def open_file(path: str | Path, **options: Any) -> xr.Dataset:
 
 
 def write(ds: xr.Dataset, path: str | Path | BytesIO, encoding: Mapping[str, Mapping[str, Any]]) -> None:
-    """Write a dataset to a new file, as `Dataset.to_netcdf` does. encoding: how each variable is packed."""
+    """Write a dataset to a new file, as `Dataset.to_netcdf` does. encoding: how each variable is packed.
+
+    How a file was packed that it was read from does not count: a longer text would be cut to the length of that file.
+    """
     with file(path, "w") as made:
-        ds.dump_to_store(H5NetCDFStore(made, mode="w"), encoding=encoding)
+        ds.drop_encoding().dump_to_store(H5NetCDFStore(made, mode="w"), encoding=encoding)
