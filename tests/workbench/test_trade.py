@@ -140,6 +140,8 @@ def test_a_diagram_needs_no_more_than_the_file(ds, tmp_path) -> None:
     for cost in ("seconds", "evaluations"):
         canvas.save(work_precision.figure(ds, cost), tmp_path / f"{cost}.svg")
         assert (tmp_path / f"{cost}.svg").stat().st_size > 10_000
+    with pytest.raises(InputError, match="no cost 'evaluations'; choose from seconds"):
+        work_precision.figure(ds.drop_vars("evaluations"), "evaluations")
     with pytest.raises(InputError, match="no cost 'joules'; choose from seconds, evaluations"):
         work_precision.figure(ds, "joules")
     with pytest.raises(InputError, match="no case 'long'; choose from elliptic"):
