@@ -48,11 +48,16 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
 
 
 def _without_end_turns(found: list[State]) -> list[State]:
-    """The stretches, whose first bends are straight if they die away and straight ones follow."""
+    """The stretches, whose first bends are straight if they die away and straight ones follow.
+
+    A straight stretch at the end itself that is shorter than the bend after it is a part of the turn.
+    """
     words = [one.word for one in found]
-    bends = words.index(STRAIGHT) if STRAIGHT in words else 0
-    die = all(later.turned <= DYING * one.turned for one, later in pairwise(found[:bends]))
-    if set(words[:bends]) != {SINUSOIDAL} or not die:
+    lengths = [one.end - one.begin for one in found]
+    first = int(words[:2] == [STRAIGHT, SINUSOIDAL] and lengths[0] < lengths[1])
+    bends = words.index(STRAIGHT, first) if STRAIGHT in words[first:] else 0
+    die = all(later.turned <= DYING * one.turned for one, later in pairwise(found[first:bends]))
+    if set(words[first:bends]) != {SINUSOIDAL} or not die:
         return found
     return [one._replace(word=STRAIGHT) for one in found[:bends]] + found[bends:]
 

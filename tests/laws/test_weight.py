@@ -308,6 +308,7 @@ def test_a_pipe_of_5_km_buckles_into_a_stable_shape(load: float) -> None:
     ("wall", "alpha", "words"),
     (
         ({"friction": 0.25, "sliding": "rotating"}, {}, ["straight"]),  # it turns from its ends to where it lies
+        ({"friction": 0.25, "sliding": "rotating", "inclination": "120deg"}, {"FZ": 100e3}, ["straight"]),
         ({}, {"azimuth": 0.4}, ["straight"]),
         ({}, {"FZ": -200e3}, ["sinusoidal"]),
         ({"inclination": "40deg"}, {"FZ": -130e3}, ["sinusoidal", "straight"]),

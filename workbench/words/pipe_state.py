@@ -21,6 +21,7 @@ WAYS = {
     "axial-forward": "moves as a whole along the hole, towards s = L",
     "axial-backward": "moves as a whole along the hole, towards s = 0",
 }
+TENSION = "in tension all along: a compression, as by a weight on the bit, is a negative FZ"
 YIELD = 0.0025  # strain at which steel of grade E-75 yields: 517 MPa over 206 GPa
 
 
@@ -46,6 +47,8 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     begun = str(sol.begun or "")
     news = next((begun[begun.index(words) :] for words in NEWS if words in begun), "")
     said += [f"on the way to these loads the rod {news}"] * bool(news)
+    if sol.case.cylinder.side == "inside" and min(pipe_numbers.axial_force(sol)) > 0:
+        said.append(TENSION)
     said += [*_friction(sol, force), *_buckling(sol, force), *_long_pipe(sol, force)]
     return [*said, pipe_numbers.lower_end(sol)]
 
