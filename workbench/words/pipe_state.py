@@ -22,6 +22,8 @@ WAYS = {
     "axial-backward": "moves as a whole along the hole, towards s = 0",
 }
 TENSION = "in tension all along: a compression, as by a weight on the bit, is a negative FZ"
+STIFFEST, DENSEST = 1.3e6, 23e3  # MPa, kg/m3: above diamond and osmium
+GRAVITY = 9.81  # m/s2
 YIELD = 0.0025  # strain at which steel of grade E-75 yields: 517 MPa over 206 GPa
 
 
@@ -88,8 +90,8 @@ def _friction(sol: "Solution", force: str) -> list[str]:
 def warnings(sol: "Solution", units: dict[str, str], rows: list[Row]) -> list[str]:
     """What to mind about the shape and the rows of a rod with weight or friction: what a real rod does otherwise."""
     if not rows:
-        return []
-    said = [*_lift_offs(sol, units["length"]), *_clamps(sol, rows[1])]
+        return _wrong_units(sol, units) if sol.case.varies else []
+    said = [*_wrong_units(sol, units), *_lift_offs(sol, units["length"]), *_clamps(sol, rows[1])]
     if sol.case.rod.E is not None:
         strain = rows[-1].largest / (float(sol.case.rod.E) * pipe_numbers.stress_unit(units)[1])
         if strain > YIELD:
@@ -100,6 +102,24 @@ def warnings(sol: "Solution", units: dict[str, str], rows: list[Row]) -> list[st
     text = str(cautions.of_cases(sol))
     others = cautions.said(", ".join(part for part in cautions.parts(text) if not part.startswith(cautions.PULLED)))
     return said + [f"caution: {others.removesuffix('.')}"] * bool(others)
+
+
+def _wrong_units(sol: "Solution", units: dict[str, str]) -> list[str]:
+    """That no material is so stiff or so heavy: a number was meant in another unit."""
+    rod, (unit, megapascals) = sol.case.rod, pipe_numbers.stress_unit(units)
+    if unit != "MPa":
+        return []
+    stiffness = float(rod.E or 0) * megapascals
+    density = float(rod.weight or 0) * megapascals * 1e6 / (GRAVITY * math.pi * float(rod.a) ** 2)
+    said = []
+    if stiffness > STIFFEST:
+        said.append(
+            f"caution: E is {stiffness:.3g} MPa, and no material has more than {STIFFEST:.3g}: is its unit right?"
+        )
+    if density > DENSEST:
+        most = f"no material has more than {DENSEST:.3g}"
+        said.append(f"caution: the weight is that of a rod of {density:.3g} kg/m3, and {most}: is its unit right?")
+    return said
 
 
 def _lift_offs(sol: "Solution", length: str) -> list[str]:
