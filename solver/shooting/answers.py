@@ -167,7 +167,7 @@ def path_to(rod: LoadedRod, seed: Any, i: int) -> Path:
 def failure(path: Path, size: float, friction: float) -> str:
     """Why a rod has no shape, and with which load or friction it has one. size: of forces."""
     said = f"failed: {path.why}"
-    less = f"with friction {path.share * friction:.3g}" if path.share else ""
+    less = f"with friction {path.share * friction:.3g}, the most that the way from none reaches" if path.share else ""
     if path.limit is None:
         return f"{said}; this rod has an answer {less}" if less else said
     load = round_up(path.limit * size)
