@@ -36,6 +36,7 @@ def trade(
     from .option_checks import names
 
     named, ladders = choose(names(cases)), comparison.ladders_of(names(methods))
+    comparison.check_kinds(named, ladders)
     writing.check_folder(out)
     writing.check_free(out / "trade.h5", "trade")
     rows: list[Row] = []

@@ -43,19 +43,16 @@ def rows_of(
         By name; a ladder of the other kind of problem gives no row.
     step
         Called with the name of each case before it is measured.
-
-    Raises
-    ------
-    InputError
-        If no ladder solves the kind of problem of any case.
     """
-    count = 0
     for name, entry in cases.items():
         step(name)
-        rows = measure({name: (entry.case, reference(name), entry.slope)}, ladders)
-        count += len(rows)
-        yield rows
-    if not count:
+        yield measure({name: (entry.case, reference(name), entry.slope)}, ladders)
+
+
+def check_kinds(cases: Mapping[str, Named], ladders: Mapping[str, Ladder]) -> None:
+    """Raise `InputError` if no ladder solves the kind of problem of any case."""
+    kinds = {entry.case.kind for entry in cases.values()}
+    if not any(kinds & set(METHODS[ladder.method].problems) for ladder in ladders.values()):
         raise InputError(f"none of {choices(ladders)} solves problems of the kind of {choices(cases)}")
 
 
