@@ -141,7 +141,7 @@ def answer(row: Row) -> Row:
 def differences(row: Row, now: Row | None = None) -> list[str]:
     """What differs from the stored answer, a line each."""
     then, now = row["answer"], answer(row) if now is None else now
-    relative = max(RELATIVE, ROUNDING * (then.get("condition") or 1.0)) if row["kind"] != "fit" else 1e-5
+    relative = max(RELATIVE, ROUNDING * min(then.get("condition") or 1.0, 1e13)) if row["kind"] != "fit" else 1e-5
     return list(_differences(then, json.loads(json.dumps(now)), relative, ""))
 
 

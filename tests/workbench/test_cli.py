@@ -216,7 +216,7 @@ def test_a_full_disk_behind_stdout_and_stderr_leaves_the_status(tmp_path) -> Non
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent otherwise there")
 @pytest.mark.slow
-def test_an_interrupted_run_says_so_and_leaves_no_half_file(crowded, tmp_path) -> None:
+def test_an_interrupted_run_says_so_and_leaves_no_half_file(tmp_path) -> None:
     study = small.TEXT[: small.TEXT.index("[axes.E]")].replace("stations = 21", "stations = 2001")
     (tmp_path / "long.toml").write_text(study + "[axes.E]\nfrom = 1e4\nto = 2e4\ncount = 2000\n")
     command = [sys.executable, "-c", INTERRUPTIBLE, "run", "long.toml", "--method", "dop853"]
