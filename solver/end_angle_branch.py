@@ -15,9 +15,7 @@ from .problem.errors import InputError
 from .solution import Solution
 from .solve import between_ends, solve
 
-_BEFORE = (
-    1e-10  # of the way to the fold: at the fold itself no condition number is finite, and half the digits are lost
-)
+_BEFORE = 1e-10  # of the way to the fold: at the fold the condition number is infinite, and half the digits are lost
 
 
 @dataclass(frozen=True, eq=False)

@@ -110,7 +110,8 @@ def _wrong_units(sol: "Solution", units: dict[str, str]) -> list[str]:
     if unit != "MPa":
         return []
     stiffness = float(rod.E or 0) * megapascals
-    density = float(rod.weight or 0) * megapascals * 1e6 / (GRAVITY * math.pi * float(rod.a) ** 2)
+    section = math.pi * float(rod.a) ** 2  # it may leave the range of floats
+    density = float(rod.weight or 0) * megapascals * 1e6 / (GRAVITY * section) if section else 0.0
     said = []
     if stiffness > STIFFEST:
         said.append(
