@@ -17,7 +17,8 @@ import numpy as np
 from scipy.integrate import solve_bvp
 
 from solver import Case, Ends, Solution, equilibria, follow, solve
-from solver.problem.case_fields import numbers_over, with_field
+from solver.problem.case_fields import with_field
+from solver.problem.reduced import numbers_over
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from tests.cases import TABLE_1
@@ -66,7 +67,7 @@ def by_collocation(solution: Solution, values: np.ndarray) -> int:
     numbers, case = numbers_over(solution.case, "FZ"), solution.case
     s, shape = solution.s / float(case.rho), np.stack([solution.beta, solution.dbeta * float(case.rho)])
     for value in values:
-        lam, mu, phi, _, beta0, far = numbers(float(value))
+        beta0, far, phi, lam, mu, *_ = numbers(float(value))
         rates = partial(collocated, loads=(lam, mu, phi))
         ends = partial(apart, wanted=(beta0, far))
         found = solve_bvp(rates, ends, s, shape, tol=1e-8, max_nodes=20_000)

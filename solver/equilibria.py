@@ -14,9 +14,8 @@ from .numerics.arrays import Array
 from .observe import observe
 from .problem.case import Case, Ends, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, whole_number
-from .problem.held_ends import held_of
 from .problem.limits import OUT_OF_RANGE, TOO_LARGE, TOO_LONG, beyond, dimensionless, not_too_long, representable
-from .problem.reduced import EndsProblem, reduce
+from .problem.reduced import EndsProblem, held_of, reduce
 from .problem.trajectory import Trajectory
 from .solution import Solution
 

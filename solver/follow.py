@@ -15,8 +15,7 @@ from .problem.case import ANGLES, PAIRS, Case, Ends
 from .problem.case_fields import fields_of, value_of, with_field
 from .problem.errors import InputError, choices, no_such, show
 from .problem.field_values import in_rad
-from .problem.held_ends import held_of, reduce_held
-from .problem.reduced import EndsProblem
+from .problem.reduced import EndsProblem, held_of, reduce_held
 from .problem.trajectory import Trajectory
 from .solution import Solution
 from .solve import between_ends, seed_of

@@ -15,8 +15,8 @@ from .held.held_starts import Reached
 from .observe import observe
 from .problem.case import PAIRS, Case, Ends
 from .problem.errors import InputError, no_such, show
-from .problem.held_ends import NUMBER_OF, held_of, reduce_held
 from .problem.limits import OUT_OF_RANGE, beyond, beyond_limits, units_held
+from .problem.reduced import NUMBER_OF, held_of, reduce_held, value_of_number
 from .solution import Solution
 
 TRIES, MOST_SWINGS = 10, 8
@@ -57,7 +57,7 @@ def held_equilibria(
 def _sizes(case: Case) -> dict[str, float]:
     """The unit of each dimensionless load and angle in those of the case."""
     A, rho = float(case.rod.bending_stiffness), float(case.rho)
-    return {"FZ": A / rho / rho, "MZ": A / rho, "M3": A / rho, "beta0": 1.0, "betaL": 1.0}
+    return {name: value_of_number(name, 1.0, A, rho) for name, _ in PAIRS}
 
 
 def _ranges(case: Case, within: dict[str, Any]) -> dict[str, tuple[float, float]]:

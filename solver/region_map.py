@@ -13,7 +13,7 @@ from .folds.parameter_plane import parameter_plane
 from .numerics.arrays import Array, Booleans, Integers
 from .problem.case import Case
 from .problem.errors import InputError
-from .problem.held_ends import held_of
+from .problem.reduced import held_of
 from .traced_folds import search_held, search_varying
 
 PIXELS = 240  # of the raster along each field

@@ -11,8 +11,7 @@ from .mechanics.potential import Loads, dimensional_slope, potential
 from .mechanics.statics import contact_force, push_from, with_weight
 from .numerics.arrays import Array
 from .problem.case import PAIRS, Case
-from .problem.held_ends import held_of, loads_of
-from .problem.reduced import EndsProblem, StartProblem, flat
+from .problem.reduced import EndsProblem, StartProblem, flat, held_of, loads_of
 from .problem.trajectory import DeadStart, Trajectory
 
 _quiet = np.errstate(all="ignore")  # the numbers of an unsolved case may overflow

@@ -9,7 +9,6 @@ from .choose.selection import NEAREST, Choose, check
 from .numerics.arrays import Array
 from .problem.case import Case, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
-from .problem.held_ends import HeldProblem, held_of, reduce_held
 from .problem.limits import (
     OUT_OF_RANGE,
     TOO_LARGE,
@@ -21,7 +20,7 @@ from .problem.limits import (
     representable,
     units_held,
 )
-from .problem.reduced import EndsProblem, Reduced, StartProblem, flat, reduce
+from .problem.reduced import EndsProblem, HeldProblem, Reduced, StartProblem, flat, held_of, reduce, reduce_held
 from .problem.trajectory import Seed, Trajectory, blank, stood_in
 from .solution import Solution
 

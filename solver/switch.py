@@ -11,7 +11,7 @@ from .numerics.arclength import FOLD
 from .numerics.arrays import Array
 from .problem.case_fields import with_field
 from .problem.errors import InputError, choices
-from .problem.held_ends import held_of
+from .problem.reduced import held_of
 from .solution import Solution
 
 _BESIDE = (1e-3, 1e-4, 1e-2)  # of the range of the branch: distances from the special point, tried in this order

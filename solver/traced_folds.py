@@ -18,7 +18,7 @@ from .numerics.arclength import FOLD
 from .numerics.arrays import Array
 from .problem.case_fields import value_of
 from .problem.errors import InputError, choices
-from .problem.held_ends import given_numbers
+from .problem.reduced import given_numbers
 from .shooting.descent import index_at, on_nodes
 from .shooting.loaded_rod import LoadedRod
 from .shooting.numbers import rods_of

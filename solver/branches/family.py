@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -14,10 +15,18 @@ from ..levels.line_point import LinePoint, Path
 from ..levels.transit_times import CUTTING, NODES
 from ..orbit.variations import POINTS
 from ..problem.case import PAIRS, Case
-from ..problem.case_fields import numbers_over, unchecked_with_field, value_of, with_field
+from ..problem.case_fields import unchecked_with_field, value_of, with_field
 from ..problem.errors import InputError
-from ..problem.held_ends import given_numbers, held_numbers_over, held_of, reduce_held
-from ..problem.reduced import EndsProblem, reduce
+from ..problem.reduced import (
+    NUMBER_OF,
+    EndsProblem,
+    given_numbers,
+    held_of,
+    numbers_over,
+    reduce,
+    reduce_held,
+    value_of_number,
+)
 
 _KEPT = 6  # problems kept, as one is needed several times in a step
 
@@ -136,7 +145,7 @@ def family_of(case: Case, name: str, begun: EndsProblem, bounds: Bounds) -> Fami
         found = _case(case, name, bounds, value) if abs(value - own) <= 2 * reach else None
         return None if found is None else given_of(found)
 
-    inside = (held_numbers_over if held_of(case) else numbers_over)(case, name)
+    inside = numbers_over(case, name) if held_of(case) else partial(dead_numbers, numbers_over(case, name))
     here = given(own)
     assert here is not None
     numbers = partial(_numbers, inside, partial(numbers_at, given), bounds)
@@ -153,7 +162,7 @@ def given_of(case: Case) -> Given | None:
 
 def given_over(case: Case, *names: str) -> Callable[..., Given]:
     """The same over some fields, for valid values, many times as fast."""
-    numbers, order = held_numbers_over(case, *names), given_numbers(case)
+    numbers, order = numbers_over(case, *names), given_numbers(case)
     names_of = order if held_of(case) else FREE
     picked = [order.index(name) for name in names_of]
 
@@ -162,6 +171,12 @@ def given_over(case: Case, *names: str) -> Callable[..., Given]:
         return Given(names_of, np.array([float(fixed[k]) for k in picked]), float(span), float(ratio))
 
     return given
+
+
+def dead_numbers(numbers: Callable[..., tuple[float, ...]], *values: float) -> tuple[float, ...]:
+    """lam, mu, phi, span, beta(0) and beta(L) at values of some fields; numbers: `numbers_over` of these."""
+    beta0, betaL, phi, lam, mu, span, _ = numbers(*values)
+    return lam, mu, phi, span, beta0, betaL
 
 
 def numbers_at(given: Callable[[float], Given | None], value: float) -> Sequence[float] | None:
@@ -202,18 +217,11 @@ def exchange(case: Case, problem: EndsProblem, path: Path, name: str) -> Case:
     """
     rho, A = float(case.rho), float(case.rod.bending_stiffness)
     rates = orbit_rates(problem, [path])
-    number, length = dict(zip(NUMBERS, rates.values[0].tolist(), strict=True)), float(rates.length[0])
-    reach = float(case.rod.L)
-    values = {
-        "beta0": float(problem.beta0[0]),
-        "betaL": float(problem.betaL[0]),
-        "M10": number["dbeta0"] * A / rho,
-        "M1L": number["dbetaL"] * A / rho,
-        "FZ": float(problem.phi[0]) * A / rho / rho,
-        "MZ": float(problem.lam[0]) * A / rho,
-        "M3": float(problem.mu[0]) * A / rho,
-        "height": float(np.clip(number["z"] * rho, -reach, reach)),
-        "azimuth": float(np.clip(number["alpha"], -reach / rho, reach / rho)),
-        "rotation": float(case.rod.stiffness_ratio) * number["mu"] * length - number["swirl"],
-    }
-    return replace(case, given=replace(case.given, **{PARTNER[name]: None, name: values[name]}))
+    number = dict(zip(NUMBERS, rates.values[0].tolist(), strict=True))
+    number |= {name: float(getattr(problem, name)[0]) for name in FREE}
+    number["turn"] = float(case.rod.stiffness_ratio) * number["mu"] * float(rates.length[0]) - number["swirl"]
+    value = value_of_number(name, number[NUMBER_OF[name]], A, rho)
+    reach = {"height": float(case.rod.L), "azimuth": float(case.rod.L) / rho}.get(name, np.inf)
+    value = float(np.clip(value, -reach, reach))  # a taut rod reaches no farther but for rounding
+    given: dict[str, Any] = {PARTNER[name]: None, name: value}
+    return replace(case, given=replace(case.given, **given))

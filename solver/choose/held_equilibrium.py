@@ -18,9 +18,8 @@ from ..levels.path_orbits import orbit_of, variations_of
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
-from ..problem.held_ends import HeldProblem
 from ..problem.limits import TAUT, beyond_limits, is_taut
-from ..problem.reduced import EndsProblem
+from ..problem.reduced import EndsProblem, HeldProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, verdicts
 from .each_equilibrium import path_of_seed, together
 

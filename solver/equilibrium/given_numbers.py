@@ -13,8 +13,7 @@ from ..levels.line_point import LinePoint, Path
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..numerics.roots import solve
-from ..problem.held_ends import HeldProblem
-from ..problem.reduced import EndsProblem
+from ..problem.reduced import EndsProblem, HeldProblem
 from .charts import CORNER, Chart, coordinate, path_at
 from .orbit_rates import NUMBERS, OrbitRates, orbit_rates
 

@@ -29,7 +29,7 @@ _FLAT = 1e-9  # of half a turn of the phase: nearer to the condition at the far 
 def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], leaving: Array, turns: Array) -> Array:
     """The index of B equilibria that are no helices under held ends, (B,) of floats; NaN where it is not decided.
 
-    names: the five given numbers (`problem.held_ends.HeldProblem.numbers`). leaving, turns: (B,), of their paths.
+    names: the five given numbers (`problem.reduced.HeldProblem.numbers`). leaving, turns: (B,), of their paths.
     """
     ends = tuple(name for name in names if name.endswith(_ANGLES))
     held = [k for k, name in enumerate(_DISPLACEMENTS) if name in names]

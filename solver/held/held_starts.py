@@ -24,8 +24,7 @@ from ..levels.morse_index import jacobi_zeros
 from ..levels.path_orbits import orbit_of
 from ..mechanics.potential import TAU
 from ..orbit.critical_points import critical_points
-from ..problem.held_ends import HeldProblem
-from ..problem.reduced import EndsProblem
+from ..problem.reduced import EndsProblem, HeldProblem
 from ..problem.trajectory import DeadStart
 from .held_alternatives import said_of_seed
 

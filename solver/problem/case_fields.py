@@ -1,6 +1,6 @@
 """The numeric fields of a case by the names of their quantities, and a case with another value of one of them."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import fields, replace
 from typing import Any
 
@@ -50,21 +50,6 @@ def unchecked_with_field(case: Case, name: str, value: Any) -> Case:
     """The same for a valid value, several times as fast."""
     part, field = _place_of(case, name)
     return _copy(case, {part: _copy(getattr(case, part), {field: value})})
-
-
-def numbers_over(case: Case, name: str) -> Callable[[float], tuple[float, ...]]:
-    """lam, mu, phi, span, beta(0) and beta(L) of an ends problem over one of its fields: those of `reduced.reduce`."""
-    given, rod = case.given, case.rod
-    ends = {field: getattr(given, field) for field in ("MZ", "M3", "FZ", "beta0", "betaL")}
-    alters_section = name != "L" and not hasattr(given, name)
-
-    def numbers(value: float) -> tuple[float, ...]:
-        moved = unchecked_with_field(case, name, value) if alters_section else case
-        A, rho, L = moved.rod.bending_stiffness, moved.rho, value if name == "L" else rod.L
-        MZ, M3, FZ, beta0, betaL = (value if key == name else known for key, known in ends.items())
-        return MZ / A * rho, M3 / A * rho, FZ / A * rho * rho, L / rho, beta0, betaL
-
-    return numbers
 
 
 def _copy(value: Any, changes: dict[str, Any]) -> Any:

@@ -1,7 +1,7 @@
 """The chain rule: how the dimensionless numbers of a case answer a change of each of its fields.
 
 Each derivative is the imaginary part that an imaginary change of the field makes of a number. Nothing is subtracted, so
-it is exact to rounding, and the formulas of `Case`, `reduced` and `held_ends` stand nowhere else.
+it is exact to rounding, and the formulas of `Case` and `reduced` stand nowhere else.
 """
 
 from collections.abc import Sequence
@@ -13,8 +13,7 @@ from ..numerics.arrays import Array
 from .case import Case, Ends
 from .case_fields import unchecked_with_field, values_of
 from .errors import InputError
-from .held_ends import held_problem
-from .reduced import dimensionless_problem, flat
+from .reduced import dimensionless_problem, flat, held_problem
 
 ACTING = ("lam", "mu", "phi", "span", "beta0", "end")  # the numbers on which a shape depends
 _OTHERS = ("A", "rho", "ratio", "alpha", "gamma")
@@ -28,7 +27,7 @@ class FieldRates:
 
     lam, mu, phi, span, beta0: as in `Reduced`. end: of beta_t(0) of a start problem, of beta(L) of an ends problem. A,
     rho: as in `Case`. ratio: A/C. alpha, gamma: at the start. given: (B, 5, F), of the five numbers that the ends of an
-    ends problem give, in the order of `held_ends.given_numbers`; None for a start problem. Numbers that are not given
+    ends problem give, in the order of `reduced.given_numbers`; None for a start problem. Numbers that are not given
     have 0.
     """
 

@@ -2,17 +2,48 @@
 
 In units of rho (t = s/rho, lam = l rho, mu = m rho, phi = p rho^2) every case leaves three numbers and its ends. E is
 in none of them: doubling E and every load changes no bit.
+
+Each dead load has a displacement that does its work: FZ the height, MZ the azimuth, M3 the rotation, and the bending
+moment M1 at an end the angle there. An ends problem takes one of each pair; the other one is an unknown. Under dead
+loads, which both angles and all three loads determine, it is an `EndsProblem`; with any five given it is a
+`HeldProblem`.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from ..numerics.arrays import Array
-from .case import Case, Ends
+from .case import PAIRS, Case, Ends
+from .case_fields import unchecked_with_field
 from .errors import InputError
+
+# The number (`equilibrium.orbit_rates`, and the rotation "turn") that each field of Ends fixes, in the order of PAIRS.
+NUMBER_OF = {
+    "beta0": "beta0", "M10": "dbeta0", "betaL": "betaL", "M1L": "dbetaL",
+    "FZ": "phi", "height": "z", "MZ": "lam", "azimuth": "alpha", "M3": "mu", "rotation": "turn",
+}  # fmt: skip
+
+
+def number_of(field: str, value: Any, A: Any, rho: Any) -> Any:
+    """The number that a value of a field of `Ends` fixes."""
+    if field == "FZ":
+        return value / A * rho * rho
+    if field in ("MZ", "M3", "M10", "M1L"):
+        return value / A * rho
+    return value / rho if field == "height" else value
+
+
+def value_of_number(field: str, number: Any, A: Any, rho: Any) -> Any:
+    """The value of a field of `Ends` that fixes a number: the inverse of `number_of`."""
+    if field == "FZ":
+        return number * A / rho / rho
+    if field in ("MZ", "M3", "M10", "M1L"):
+        return number * A / rho
+    return number * rho if field == "height" else number
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +93,55 @@ class EndsProblem(Reduced):
     kind: ClassVar[str] = "ends"
 
 
+@dataclass(frozen=True, eq=False)
+class HeldProblem:
+    """B ends problems, each with five given numbers.
+
+    given: the names of the five fields, one of each of `PAIRS`. values: (B, 5), the numbers of `NUMBER_OF` that they
+    fix: angles, beta_t = M1 rho/A, phi, z/rho, lam, azimuth, mu, rotation. span: L/rho, (B,). ratio: A/C, (B,).
+    """
+
+    given: tuple[str, ...]
+    values: Array
+    span: Array
+    ratio: Array
+
+    @property
+    def size(self) -> int:
+        """The number of problems."""
+        return self.span.size
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """The names of the five numbers."""
+        return tuple(NUMBER_OF[name] for name in self.given)
+
+    def take(self, index: Any) -> "HeldProblem":
+        """The problems that an index array, a mask or a slice selects."""
+        return HeldProblem(self.given, self.values[index], self.span[index], self.ratio[index])
+
+    def known(self, number: str) -> Array | None:
+        """The given values of a number, (B,); None where it is unknown."""
+        return self.values[:, self.numbers.index(number)] if number in self.numbers else None
+
+
+def held_of(case: Case) -> tuple[str, ...]:
+    """The fields of a case that replace a dead load or an end angle; empty for dead loads and for a start problem."""
+    if not isinstance(case.given, Ends):
+        return ()
+    return tuple(partner for _, partner in PAIRS if getattr(case.given, partner) is not None)
+
+
+def given_fields(case: Case) -> tuple[str, ...]:
+    """The five fields of `Ends` that a case gives, one of each of `PAIRS`."""
+    return tuple(field if getattr(case.given, field) is not None else partner for field, partner in PAIRS)
+
+
+def given_numbers(case: Case) -> tuple[str, ...]:
+    """The names of the five numbers that the ends of a case give."""
+    return tuple(NUMBER_OF[name] for name in given_fields(case))
+
+
 def reduce(case: Case) -> StartProblem | EndsProblem:
     """The dimensionless problems of a case; section 2 of the physics notes.
 
@@ -77,8 +157,8 @@ def dimensionless_problem(case: Case, kind: type = float) -> StartProblem | Ends
     rho, A, given = case.rho, case.rod.bending_stiffness, case.given
     numbers: Array = np.empty((6, *case.shape), kind)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        numbers[0], numbers[1], numbers[2] = MZ / A * rho, M3 / A * rho, FZ / A * rho * rho
-        numbers[3] = case.rod.L / rho
+        numbers[0], numbers[1] = number_of("MZ", MZ, A, rho), number_of("M3", M3, A, rho)
+        numbers[2], numbers[3] = number_of("FZ", FZ, A, rho), case.rod.L / rho
         if isinstance(given, Ends):
             numbers[4], numbers[5] = given.beta0, given.betaL
             return EndsProblem(*numbers.reshape(6, -1))
@@ -104,3 +184,46 @@ def flat(value: Any, shape: tuple[int, ...]) -> Array:
     if value.ndim == 0:
         return np.full(math.prod(shape), value)
     return np.ascontiguousarray(np.broadcast_to(value, shape)).reshape(-1)
+
+
+def reduce_held(case: Case) -> HeldProblem:
+    """The five given numbers of a case with Ends. Raises `InputError` where loads vary along the rod."""
+    refuse_varying(case)
+    return held_problem(case)
+
+
+def held_problem(case: Case) -> HeldProblem:
+    """The same of any case with Ends; where loads vary along the rod, its loads are those of the far end."""
+    given, A, rho, fields = case.given, case.rod.bending_stiffness, case.rho, given_fields(case)
+    with np.errstate(all="ignore"):  # overflow is reported in the outcome
+        columns = [flat(number_of(name, getattr(given, name), A, rho), case.shape) for name in fields]
+        span, ratio = flat(case.rod.L / rho, case.shape), flat(case.rod.stiffness_ratio, case.shape)
+    return HeldProblem(fields, np.stack(columns, axis=1), span, ratio)
+
+
+def numbers_over(case: Case, *names: str) -> Callable[..., tuple[float, ...]]:
+    """The five given numbers, L/rho and A/C of one ends problem over some fields: those of `held_problem`, for valid
+    values, many times as fast."""
+    given = given_fields(case)
+    alters_rod = any(not hasattr(case.given, name) for name in names)
+
+    def numbers(*values: float) -> tuple[float, ...]:
+        new, moved = dict(zip(names, values, strict=True)), case
+        for name, value in new.items() if alters_rod else ():
+            moved = unchecked_with_field(moved, name, value)
+        A, rho = moved.rod.bending_stiffness, moved.rho
+        fixed = [number_of(name, new[name] if name in new else getattr(case.given, name), A, rho) for name in given]
+        return (*fixed, moved.rod.L / rho, moved.rod.stiffness_ratio)
+
+    return numbers
+
+
+def loads_of(problem: Reduced, A: Any, rho: Any, shape: tuple[int, ...]) -> tuple[Array, Array, Array]:
+    """FZ, MZ and M3 of B problems, (B,) each."""
+    A, rho = flat(A, shape), flat(rho, shape)
+    with np.errstate(all="ignore"):
+        return (
+            value_of_number("FZ", problem.phi, A, rho),
+            value_of_number("MZ", problem.lam, A, rho),
+            value_of_number("M3", problem.mu, A, rho),
+        )

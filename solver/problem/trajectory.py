@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.arrays import Array
-from .reduced import EndsProblem, Reduced
+from .reduced import EndsProblem, Reduced, value_of_number
 
 SOLVED = "solved"
 FEWER = "fewer digits"  # the remark on a case whose error is above the tolerance as its condition number is large
@@ -38,7 +38,7 @@ class DeadStart:
 
     def said(self, A: float, rho: float) -> str:
         """The equilibrium in words, for a rod of bending stiffness A at the distance rho from the axis."""
-        loads = {"FZ": self.FZ * A / rho**2, "MZ": self.MZ * A / rho, "M3": self.M3 * A / rho}
+        loads = {name: value_of_number(name, getattr(self, name), A, rho) for name in ("FZ", "MZ", "M3")}
         numbers = ", ".join(f"{name} = {value:.6g}" for name, value in loads.items())
         angles = f"beta0 = {self.beta0:.6g} rad, betaL = {self.betaL:.6g} rad"
         return f"an equilibrium under dead loads, which has {numbers}, {angles} and the index {self.index}"

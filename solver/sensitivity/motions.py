@@ -20,8 +20,7 @@ from ..orbit import helix_variations
 from ..orbit.periodic_orbit import Orbit
 from ..orbit.pieces import HELIX
 from ..orbit.variations import Change, Place, Variations, directions, orbits_to_vary, variations_on
-from ..problem.held_ends import given_numbers
-from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat
+from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat, given_numbers
 from ..shape import Shape
 
 NO_PATH = "failed: no orbit with beta(0) and beta'(0) of this solution ends at beta(L), so it has no derivatives"

@@ -14,8 +14,7 @@ from ..mechanics.potential import Loads, slope
 from ..numerics.arrays import EPS, Array
 from ..problem.case_fields import check_fields
 from ..problem.field_rates import FieldRates, field_rates
-from ..problem.held_ends import given_numbers
-from ..problem.reduced import EndsProblem, flat
+from ..problem.reduced import EndsProblem, flat, given_numbers
 from ..problem.trajectory import SHAPELESS, SOLVED
 from ..shape import Shape
 from .motions import Motion, motions

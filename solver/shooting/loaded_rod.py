@@ -10,15 +10,15 @@ from ..numerics.arrays import Array
 from ..problem.case import IN_PLACE
 
 BETA, SPEED, ALPHA, Q, PHI, MU, SHORT, ROUND = range(SIZE)
-FAR = ("beta", "azimuth", "height", "rotation")  # what the far end can hold, in the order of its four conditions
+HELD = frozenset({"beta0", "betaL", "azimuth", "height", "rotation"})  # what the ends can hold
 
 
 @dataclass(frozen=True, eq=False)
 class LoadedRod:
     """A rod between its ends.
 
-    numbers: (7,), as of `core.varying_loads.march`. span: L/rho. held: names of the held numbers: "beta0", "betaL",
-    "height", "azimuth", "rotation"; for any other one its partner is given: beta_t, phi, lam or mu. near: (2,), beta0
+    numbers: (7,), as of `core.varying_loads.march`. span: L/rho. held: those of `HELD` that are given;
+    for any other one its partner is: beta_t, lam, phi or mu. near: (2,), beta0
     or beta_t(0), and alpha(0). far: (4,), beta or beta_t, lam or azimuth, phi or z/rho, mu or rotation, at the far end.
     """
 

@@ -5,11 +5,8 @@ import numpy as np
 from ..core.varying_loads import SIZE
 from ..numerics.arrays import Array
 from ..problem.case import Case
-from ..problem.held_ends import HeldProblem, held_problem
-from ..problem.reduced import StartProblem, dimensionless_problem, flat
-from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
-
-NAME_OF = {"beta0": "beta0", "betaL": "betaL", "z": "height", "alpha": "azimuth", "turn": "rotation"}
+from ..problem.reduced import HeldProblem, StartProblem, dimensionless_problem, flat, held_problem
+from .loaded_rod import ALPHA, BETA, HELD, MU, PHI, SPEED, LoadedRod, Q
 
 
 def numbers_of(case: Case) -> Array:
@@ -45,7 +42,7 @@ def rods_of(case: Case) -> tuple[HeldProblem, list[LoadedRod]]:
     """The ends problems of a case, one by one."""
     problem, numbers = held_problem(case), numbers_of(case)
     alpha0 = flat(case.given.alpha, case.shape)
-    held = frozenset(NAME_OF[name] for name in problem.numbers if name in NAME_OF)
+    held = frozenset(problem.given) & HELD
     rods = []
     for i in range(problem.size):
         values = dict(zip(("beta0", "betaL", "axial", "round", "twist"), problem.values[i], strict=True))

@@ -17,8 +17,7 @@ from solver.levels.level_search import Found, search_levels
 from solver.levels.line_point import path_of
 from solver.numerics.arrays import Array
 from solver.observe import observe
-from solver.problem.held_ends import reduce_held
-from solver.problem.reduced import EndsProblem
+from solver.problem.reduced import EndsProblem, reduce_held
 from tests.laws.test_held_ends import discrete_index
 
 SHORT, DRUM = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(0.75)  # rho = 1

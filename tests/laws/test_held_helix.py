@@ -7,7 +7,7 @@ from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solv
 from solver.branches.held_helices import helices_of
 from solver.equilibrium.given_numbers import Given
 from solver.problem.case_fields import value_of, with_field
-from solver.problem.held_ends import reduce_held
+from solver.problem.reduced import reduce_held
 from tests.cases import ends_in_units_of_rho, start_of
 
 HELICES = {  # lam, mu, L, beta; phi follows from them

@@ -1,6 +1,7 @@
 """Steps along branches by the compiled core: the branches of the steps in Python, and no crash on odd numbers."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from solver import Case, Cylinder, Ends, Rod, equilibria, follow, solve
 from solver.branches.branch_following import trace_branch
 from solver.branches.branch_states import Place
-from solver.branches.family import Bounds, Family
+from solver.branches.family import Bounds, Family, dead_numbers
 from solver.choose.each_equilibrium import path_of_seed
 from solver.core.branches import RECORD, Point, Steps, chart_of
 from solver.core.varied_orbits import orbit_rates
@@ -19,9 +20,8 @@ from solver.equilibrium.orbit_rates import HOW
 from solver.levels.line_point import Path
 from solver.levels.transit_times import CUTTING, NODES
 from solver.orbit.variations import POINTS
-from solver.problem.case_fields import numbers_over, unchecked_with_field, value_of
-from solver.problem.held_ends import held_numbers_over, reduce_held
-from solver.problem.reduced import reduce
+from solver.problem.case_fields import unchecked_with_field, value_of
+from solver.problem.reduced import numbers_over, reduce, reduce_held
 from solver.solve import between_ends, seed_of
 from tests.numerics.test_core_fuzz import ODD, odd
 
@@ -40,7 +40,9 @@ def test_numbers_over_a_field_are_those_of_the_reduced_problem_to_the_bit(case: 
         for factor in (1.0, 1.0173):
             value = factor * value_of(case, name)
             problem = reduce(unchecked_with_field(case, name, value))
-            assert list(numbers_over(case, name)(value)) == [float(v[0]) for v in vars(problem).values()], name
+            assert list(dead_numbers(numbers_over(case, name), value)) == [
+                float(v[0]) for v in vars(problem).values()
+            ], name
 
 
 def test_held_numbers_over_a_field_are_those_of_the_held_problem_to_the_bit() -> None:
@@ -49,7 +51,7 @@ def test_held_numbers_over_a_field_are_those_of_the_held_problem_to_the_bit() ->
         value = 1.0173 * value_of(case, name)
         held = reduce_held(unchecked_with_field(case, name, value))
         wanted = [*held.values[0].tolist(), float(held.span[0]), float(held.ratio[0])]
-        assert list(held_numbers_over(case, name)(value)) == wanted, name
+        assert list(numbers_over(case, name)(value)) == wanted, name
 
 
 def same_branch(one: list[Place], other: list[Place], wanted: list[float]) -> None:
@@ -68,7 +70,7 @@ def same_branch(one: list[Place], other: list[Place], wanted: list[float]) -> No
 def test_branches_under_dead_loads_are_those_of_the_steps_in_python(which: slice) -> None:
     wanted = np.linspace(-8.66, 0.0, 9).tolist()
     bounds, many = Bounds(-8.66, 0.0, tuple(wanted), 400), 0
-    fast = numbers_over(DEAD, "FZ")
+    fast = partial(dead_numbers, numbers_over(DEAD, "FZ"))
 
     def given(value: float) -> Given:
         return Given.dead(reduce(unchecked_with_field(DEAD, "FZ", value)))
@@ -106,7 +108,7 @@ def test_branches_with_held_ends_are_those_of_the_steps_in_python(held: tuple[st
 
     names = numbers(high).names
     families = (
-        Family(numbers, begun, 1.0, names, held_numbers_over(case, held[0])),
+        Family(numbers, begun, 1.0, names, numbers_over(case, held[0])),
         Family(numbers, begun, 1.0, names),
     )
     bounds = Bounds(low, high, tuple(wanted), 60)

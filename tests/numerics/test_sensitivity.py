@@ -12,8 +12,7 @@ import pytest
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, observe, solve
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.case_fields import check_fields, fields_of
-from solver.problem.held_ends import given_numbers
-from solver.problem.reduced import StartProblem, reduce
+from solver.problem.reduced import StartProblem, given_numbers, reduce
 from solver.sensitivity.motions import motions
 from tests.cases import START, ends_in_units_of_rho
 from tests.slow import slow_but

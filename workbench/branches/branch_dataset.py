@@ -13,7 +13,7 @@ from solver.equilibria import Equilibrium
 from solver.follow import solutions_of
 from solver.observe.observables import OBSERVABLES, observe
 from solver.problem.errors import no_such
-from solver.problem.held_ends import held_of
+from solver.problem.reduced import held_of
 from studies import Study
 from studies.grammar.axes import quantity_of
 from studies.laws.law import Law

@@ -7,7 +7,7 @@ from typing import Any
 from solver import Case, Ends, InputError, Solution, observe, solve
 from solver.equilibria import Equilibrium
 from solver.problem.errors import choices
-from solver.problem.held_ends import held_of
+from solver.problem.reduced import held_of
 from studies import Study, load
 from studies.language.loader import loads
 from studies.language.readings import TABLE_UNITS

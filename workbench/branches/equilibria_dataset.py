@@ -13,7 +13,7 @@ from solver.equilibrium_list import HeldEquilibria
 from solver.observe.observables import observe
 from solver.problem.case import PAIRS
 from solver.problem.errors import choices
-from solver.problem.held_ends import held_of
+from solver.problem.reduced import held_of
 from studies import Study
 
 from ..store import dataset, schema

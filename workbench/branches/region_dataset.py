@@ -8,7 +8,7 @@ import xarray as xr
 
 from solver import Case
 from solver.problem.case_fields import value_of
-from solver.problem.held_ends import held_of
+from solver.problem.reduced import held_of
 from solver.region_map import Region, RegionMap
 from studies import Study
 

@@ -92,7 +92,7 @@ def equilibria(
     Angles: a number in rad, or a form like 30deg or pi/6.
     """
     from solver import equilibria as all_equilibria
-    from solver.problem.held_ends import held_of
+    from solver.problem.reduced import held_of
 
     from ..branches.ends_study import study_and_case, write_cases
     from ..store import writing
@@ -121,7 +121,7 @@ def _check(case: "Case", axis: str | None, show: str | None, export: Path | None
     """Raise `InputError` for options that exclude each other."""
     from solver import InputError
     from solver.problem.errors import choices
-    from solver.problem.held_ends import held_of
+    from solver.problem.reduced import held_of
 
     from ..branches.followed_curves import check_shown
 
@@ -142,7 +142,7 @@ def _search(
 ) -> dict[str, Any]:
     """The options of the search of held ends that are given. Raises `InputError` where nothing is held."""
     from solver import InputError
-    from solver.problem.held_ends import held_of
+    from solver.problem.reduced import held_of
 
     every = {"within": within, "values": values, "tries": tries}
     said = {name: value for name, value in every.items() if value is not None}
@@ -209,7 +209,7 @@ def _print_list(
 ) -> None:
     """Print the table of a list, how many are stable, and whether it is complete."""
     from solver.problem.errors import choices
-    from solver.problem.held_ends import held_of
+    from solver.problem.reduced import held_of
 
     _print_table(study, rows, reactions)
     if rows:

@@ -14,8 +14,7 @@ from solver import Case, Ends, Solution, equilibria, solve
 from solver.choose.selection import NEAREST
 from solver.equilibria import meant, nearest
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices
-from solver.problem.held_ends import held_of
-from solver.problem.reduced import reduce
+from solver.problem.reduced import held_of, reduce
 from solver.shooting.numbers import rods_of
 from studies import Study
 from studies.grammar.axes import Which
