@@ -97,16 +97,18 @@ def test_a_film_that_cannot_be_drawn_leaves_nothing(tmp_path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_scene_makes_a_film_and_the_old_command_names_it(monkeypatch, capsys) -> None:
+def test_scene_makes_a_film(monkeypatch) -> None:
     asked = []
-    monkeypatch.setattr(animate, "animate_file", lambda *given, **more: asked.append((*given, *more.values())) or 0)
-    for words in (
-        ["scene", "a.h5", "--along", "E", "--out", "E.mp4"],
-        ["animate", "a.h5", "--axis", "E", "-o", "E.mp4"],
-    ):
-        assert exit_status(*words) == 0
-    assert asked[0] == asked[1]
-    assert capsys.readouterr().err == "workbench: animate will go: use scene --out film.mp4\n"
+    monkeypatch.setattr(animate, "animate", lambda *given, **more: asked.append((given, more)) or 0)
+    assert exit_status("scene", "a.h5", "--along", "E", "--out", "E.mp4") == 0
+    assert asked == [((Path("a.h5"), "E", [], "contact"), {"out": [Path("E.mp4")], "force": False})]
+
+
+def test_the_old_command_names_the_new_one(ds, tmp_path, monkeypatch, capsys) -> None:
+    writing.write(ds, tmp_path / "one.h5")
+    monkeypatch.setattr(opengl, "probe", lambda: (False, "no OpenGL here"))
+    assert exit_status("animate", tmp_path / "one.h5", "-o", tmp_path / "E.mp4") == 1
+    assert capsys.readouterr().err.endswith("workbench: animate will go: use scene --out film.mp4\n")
 
 
 def test_a_frame_has_even_sides() -> None:
@@ -138,7 +140,7 @@ def test_what_cannot_be_a_film_is_refused_in_a_sentence(asked, sentence, tmp_pat
     writing.write(in_memory.run(small.grid()), "grid.h5")
     given = {"axis": "E", "at": [], "kind": "contact", "show": None, "out": [], "fps": 3.0, **asked}
     with pytest.raises(InputError, match=sentence):
-        animate.animate_file(Path("grid.h5"), **given, pixel_error=0.5, dpi=DPI, force=False)
+        animate.animate(Path("grid.h5"), **given, dpi=DPI)
     assert [path.name for path in tmp_path.iterdir()] == ["grid.h5"]
 
 
@@ -146,9 +148,7 @@ def test_what_is_missing_is_said_before_anything_is_drawn(ds, tmp_path, monkeypa
     writing.write(ds, tmp_path / "one.h5")
 
     def made(name: str) -> int:
-        return animate.animate_file(
-            tmp_path / "one.h5", None, [], "contact", None, [tmp_path / name], 3.0, 0.5, DPI, False
-        )
+        return animate.animate(tmp_path / "one.h5", out=[tmp_path / name], fps=3.0, dpi=DPI)
 
     monkeypatch.setattr(film, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"imageio-ffmpeg, which is not installed.*\.gif and \.webp do not"):

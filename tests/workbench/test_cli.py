@@ -104,7 +104,7 @@ def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stor
     monkeypatch.setitem(sys.modules, "workbench.scene.layout", scenes)
     monkeypatch.setattr("workbench.scene.layout", scenes, raising=False)
     for at in ([], ["E=1e4"], ["E=2e4", "R=0.75"]):
-        assert scene.scene_file(stored, at, None) == 0
+        assert scene.scene(stored, at) == 0
     assert [path.name for path in drawn] == [
         "small_scene.png", "small_scene_E=10000.png", "small_scene_E=20000_R=0.75.png",
     ]  # fmt: skip

@@ -8,7 +8,7 @@ from rich.console import Console
 
 from tests.workbench.command import exit_status
 from workbench import cli
-from workbench.commands import console, help_pages
+from workbench.commands import console, help_pages, tables
 
 
 def told(capsys, *args: str) -> str:
@@ -79,17 +79,17 @@ def test_on_a_terminal_lines_break_between_words_and_a_name_stays_beside_its_val
 
 def test_numbers_stand_at_the_right_of_their_column(capsys, monkeypatch) -> None:
     monkeypatch.setattr(console, "out", lambda: Console(width=60))
-    console.print_table(["name", "value"], [["a", "5"], ["b", "12.5"], ["c", ""], ["d", "-1e-09"]])
+    tables.print_table(["name", "value"], [["a", "5"], ["b", "12.5"], ["c", ""], ["d", "-1e-09"]])
     lines = capsys.readouterr().out.splitlines()
     assert [line.rstrip() for line in lines] == ["name   value", "a          5", "b       12.5", "c", "d     -1e-09"]
 
 
 def test_a_narrow_terminal_cuts_no_cell_and_drops_no_column(capsys, monkeypatch) -> None:
     monkeypatch.setattr(console, "out", lambda: Console(width=25))
-    console.print_table(["", "value"], [])  # a list may be empty
+    tables.print_table(["", "value"], [])  # a list may be empty
     assert capsys.readouterr().out.split() == ["value"]
-    heads = ["", console.heading("bending energy", "N cm"), "words", "stray"]
-    console.print_table(heads, [["1 *", 140.2331, "two words", 3.890574]])
+    heads = ["", tables.heading("bending energy", "N cm"), "words", "stray"]
+    tables.print_table(heads, [["1 *", 140.2331, "two words", 3.890574]])
     lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
     assert lines == ["       bending", "        energy", "        (N cm)  words", "1 *    140.233  two words", "",
                      "       stray", "1 *  3.89057"]  # fmt: skip
@@ -111,7 +111,7 @@ def test_an_unknown_name_is_answered_with_the_nearest(args: list[str], meant: st
 
 def test_a_cell_of_several_lines_has_them_below_one_another_and_escapes_commands(capsys, monkeypatch) -> None:
     monkeypatch.setattr(console, "out", lambda: Console(width=60))
-    console.print_table(["study", "laws"], [["a", "one\ntwo\x1b[2J"], ["b", "three"]])
+    tables.print_table(["study", "laws"], [["a", "one\ntwo\x1b[2J"], ["b", "three"]])
     lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
     assert lines[1:] == ["a      one", "       two\\x1b[2J", "b      three"]
 

@@ -244,10 +244,10 @@ def test_a_row_in_the_table_is_all_that_a_new_kind_needs(fig6, tmp_path, monkeyp
     toy = scene_kinds.Kind("toy", "the rod in red", "one", paint=red, legend=(("#ff0000", "a toy"),))
     monkeypatch.setitem(KINDS, "toy", toy)
     file = writing.write(fig6, tmp_path / "fig6.h5")
-    assert scene.scene_file(file, [], None, kind="toy", dpi=60) == 0
+    assert scene.scene(file, kind="toy", dpi=60) == 0
     assert share_of_hue(pixels(tmp_path / "fig6_scene_toy.png"), "#ff0000") > 0.02
     with pytest.raises(InputError, match=r"no kind of scene 'none'.*toy"):
-        scene.scene_file(file, [], None, kind="none")
+        scene.scene(file, kind="none")
 
 
 @draws
@@ -474,15 +474,15 @@ def test_each_cylinder_is_as_long_as_its_rod_and_all_words_stay_on_the_page() ->
 def test_a_look_that_does_not_fit_the_kind_or_the_page_is_refused(kind, look, sentence, fig6, tmp_path) -> None:
     file = writing.write(fig6, tmp_path / "fig6.h5")
     with pytest.raises(InputError, match=sentence):
-        scene.scene_file(file, [], tmp_path / "out.png", kind=kind, look=scene.Look(**look))
+        scene.scene(file, kind=kind, out=tmp_path / "out.png", **look)
     assert not (tmp_path / "out.png").exists()
 
 
 @draws
 def test_a_look_chooses_side_colours_size_and_what_is_left_out(fig6, tmp_path) -> None:
     file = writing.write(fig6, tmp_path / "fig6.h5")
-    look = scene.Look("front", "0,50", bare=True, transparent=True, size="640x300")
-    assert scene.scene_file(file, [], tmp_path / "out.png", dpi=80, look=look) == 0
+    look = {"camera": "front", "color_range": "0,50", "bare": True, "transparent": True, "size": "640x300"}
+    assert scene.scene(file, out=tmp_path / "out.png", dpi=80, **look) == 0
     with Image.open(tmp_path / "out.png") as picture:
         assert (picture.size, picture.mode) == ((640, 300), "RGBA")
         seen = np.asarray(picture) / 255.0

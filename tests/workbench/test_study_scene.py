@@ -81,7 +81,7 @@ def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
 def test_a_study_is_drawn_as_its_file_is_and_finer_takes_more_stations(file, solved, tmp_path, capsys) -> None:
     def draw(what: Path, name: str, error: float) -> np.ndarray:
         out = tmp_path / name
-        assert scene.scene_file(what, ["E=2e4", "F1=4"], out, kind="plain", pixel_error=error, dpi=60) == 0
+        assert scene.scene(what, ["E=2e4", "F1=4"], "plain", pixel_error=error, dpi=60, out=out) == 0
         return (255 * pixels(out)).round().astype(int)
 
     stored = tmp_path / "stored.h5"
@@ -107,7 +107,7 @@ def test_a_file_with_too_few_stations_is_solved_again_and_without_a_study_refuse
     ds = in_memory.run(loads(WOUND, default_name="wound"))
     stored, out = tmp_path / "wound.h5", tmp_path / f"wound{suffix}"
     writing.write(ds, stored)
-    assert scene.scene_file(stored, [], out, dpi=60) == 0
+    assert scene.scene(stored, out=out, dpi=60) == 0
     assert suffix == ".html" or "solved at" in capsys.readouterr().out
     few = ds.assign_attrs(study="")
     with pytest.raises(InputError, match="201 stations are too few"):
@@ -145,6 +145,6 @@ def test_a_study_of_too_many_cases_is_refused_before_it_is_solved(tmp_path, solv
 def test_a_name_that_is_no_study_is_told_the_studies(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match="no study 'fig7_1', did you mean 'fig7_1_modulus'; choose from capstan"):
-        scene.scene_file(Path("fig7_1"), [], None)
+        scene.scene(Path("fig7_1"))
     with pytest.raises(InputError, match=r"file not found: fig7_1\.h5"):
-        scene.scene_file(Path("fig7_1.h5"), [], None)
+        scene.scene(Path("fig7_1.h5"))

@@ -1,6 +1,5 @@
 """The command animate: a film of the cases along an axis."""
 
-import inspect
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -13,67 +12,11 @@ MOST = 480  # frames that are solved for a film
 STAYS = 1 / 3  # seconds for which a stored case stays where no others can be solved
 
 
-def animate_file(
-    file: Path, axis: str | None, at: list[str], kind: str, show: str | None, out: list[Path], fps: float,
-    pixel_error: float, dpi: int, force: bool, stored: bool = False,
-) -> int:  # fmt: skip
-    """Write the film of a stored dataset; 0, or 1 where this machine cannot draw. Raises `InputError`."""
-    from solver.problem.errors import InputError, choices
-
-    from ..scene import film, opengl
-    from ..scene.scene_kinds import kind_of
-    from ..store import reading, schema
-    from ..words import outcomes
-    from . import option_checks, study_scene
-
-    ds = reading.read(file)
-    outcomes.check_any_solved(ds)
-    axes = schema.axes_of(ds)
-    if not axes:
-        raise InputError(f"{file} has one case and no axis, so nothing changes from frame to frame")
-    if axis is None and len(axes) > 1:
-        raise InputError(f"{file} has several axes: choose one with --axis from {choices(axes)}")
-    axis = axis or axes[0]
-    where = option_checks.axis_values(ds, at)
-    if axis in where:
-        raise InputError(f"--at {axis}: the film runs along {axis}, so that axis takes no value")
-    shown = film.Film(axis, where, film.observable_of(ds, axis, show), kind, pixel_error, dpi)
-    default = file.with_name(f"{file.stem}_{axis}.mp4")
-    paths = [option_checks.check(path, film.SUFFIXES, force) for path in out or [default]]
-    cases = film.cases_of(ds, shown)
-    if not RATES[0] <= fps <= RATES[1]:
-        raise InputError(f"--fps must be between {RATES[0]:g} and {RATES[1]:g}, got {fps:g}")
-    film.check_writers(paths)
-    able, advice = opengl.probe()
-    if not able:
-        console.warn(advice)
-        return 1
-    solving = ds, axis, where, kind_of(kind), str(shown.observable), MOST
-    more = None if stored else study_scene.film_cases(*solving)
-    if more is not None:
-        ds, shown, cases = more, replace(shown, at={}), film.cases_of(more, replace(shown, at={}))
-    each = 1 if more is not None else max(round(STAYS * fps), 1)
-    with console.progress(len(cases), lines=True) as step:
-        film.write(paths, film.frames(ds, shown, step), fps, each)
-    solved = "stored cases" if more is None else "cases, solved for this film"
-    for path in paths:
-        console.say(f"{path}: {len(cases)} {solved}, {fps:g} frames per second")
-    return 0
-
-
 def is_film(out: Path) -> bool:
     """Whether the name of a file is that of a film."""
     from ..scene import film
 
     return out.suffix.lower() in film.SUFFIXES
-
-
-def film_of(file: Path, at: list[str], out: Path, force: bool, kind: str | None, along: str | None) -> int:
-    """Write the film that `scene` asks for, with the rate and size of `animate`."""
-    usual = inspect.signature(animate).parameters
-    rest = {name: usual[name].default for name in ("fps", "pixel_error", "dpi")}
-    kind = kind or usual["kind"].default
-    return animate_file(file, along, at, kind, None, [out], **rest, force=force, stored=usual["stored"].default)
 
 
 def animate(
@@ -99,4 +42,44 @@ def animate(
     Each frame shows the rod and the curve of an observable up to that case. Between the stored cases others are solved,
     as many as let the rod move smoothly. Exit status 1 if OpenGL does not work on this machine.
     """
-    return animate_file(file, axis, at or [], kind, show, out or [], fps, pixel_error, dpi, force, stored)
+    from solver.problem.errors import InputError, choices
+
+    from ..scene import film, opengl
+    from ..scene.scene_kinds import kind_of
+    from ..store import reading, schema
+    from ..words import outcomes
+    from . import option_checks, study_scene
+
+    ds = reading.read(file)
+    outcomes.check_any_solved(ds)
+    axes = schema.axes_of(ds)
+    if not axes:
+        raise InputError(f"{file} has one case and no axis, so nothing changes from frame to frame")
+    if axis is None and len(axes) > 1:
+        raise InputError(f"{file} has several axes: choose one with --axis from {choices(axes)}")
+    axis = axis or axes[0]
+    where = option_checks.axis_values(ds, at or [])
+    if axis in where:
+        raise InputError(f"--at {axis}: the film runs along {axis}, so that axis takes no value")
+    shown = film.Film(axis, where, film.observable_of(ds, axis, show), kind, pixel_error, dpi)
+    default = file.with_name(f"{file.stem}_{axis}.mp4")
+    paths = [option_checks.check(path, film.SUFFIXES, force) for path in out or [default]]
+    cases = film.cases_of(ds, shown)
+    if not RATES[0] <= fps <= RATES[1]:
+        raise InputError(f"--fps must be between {RATES[0]:g} and {RATES[1]:g}, got {fps:g}")
+    film.check_writers(paths)
+    able, advice = opengl.probe()
+    if not able:
+        console.warn(advice)
+        return 1
+    solving = ds, axis, where, kind_of(kind), str(shown.observable), MOST
+    more = None if stored else study_scene.film_cases(*solving)
+    if more is not None:
+        ds, shown, cases = more, replace(shown, at={}), film.cases_of(more, replace(shown, at={}))
+    each = 1 if more is not None else max(round(STAYS * fps), 1)
+    with console.progress(len(cases), lines=True) as step:
+        film.write(paths, film.frames(ds, shown, step), fps, each)
+    solved = "stored cases" if more is None else "cases, solved for this film"
+    for path in paths:
+        console.say(f"{path}: {len(cases)} {solved}, {fps:g} frames per second")
+    return 0

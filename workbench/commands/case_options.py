@@ -8,9 +8,11 @@ import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import wraps
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from .options import angle_of, number_option, option
+
+T = TypeVar("T")  # what a command returns
 
 
 @dataclass(frozen=True)
@@ -114,13 +116,13 @@ ENDS_FIELDS = tuple(
 ROD_FIELDS = tuple(name for name, field in FIELDS.items() if not field.problem and name not in ("alpha", "gamma"))
 
 
-def takes_case(names: Sequence[str] = (*FIELDS, *WINDING)) -> Callable[[Callable[..., int]], Callable[..., int]]:
+def takes_case(names: Sequence[str] = (*FIELDS, *WINDING)) -> Callable[[Callable[..., T]], Callable[..., T]]:
     """Decorate a command: its keyword `given` becomes the options of these fields and of the two units."""
     whole = set(names) > set(FIELDS)
 
-    def decorate(command: Callable[..., int]) -> Callable[..., int]:
+    def decorate(command: Callable[..., T]) -> Callable[..., T]:
         @wraps(command)
-        def parse(**options: Any) -> int:
+        def parse(**options: Any) -> T:
             values = {name: options.pop(name) for name in names}
             units = {kind: options.pop(f"{kind}_unit") for kind in ("length", "force")}
             given = Given(*({k: v for k, v in said.items() if v is not None} for said in (values, units)))

@@ -1,10 +1,12 @@
 """The command check: judge the laws of a stored study."""
 
-from .options import File, Json
-from .study_result import print_result
+from .options import File
+from .present import Result, presents
+from .study_result import result_of
 
 
-def check(file: File, json: Json = False) -> int:
+@presents()
+def check(file: File) -> Result:
     """Judge the laws of a stored study.
 
     Exit status 1 if a case is unsolved, or if a law fails, is not decided or is qualified.
@@ -21,4 +23,4 @@ def check(file: File, json: Json = False) -> int:
         text = str(ds.attrs.get("study", ""))
     for sentence in notices(text, f"{file.name}, its study"):
         angles.warn(sentence)
-    return print_result(found, json)
+    return result_of(found)

@@ -1,9 +1,8 @@
-"""Console output: tables for people, JSON for programs, progress bars on a terminal."""
+"""Console output: sentences for people, JSON for programs, progress bars on a terminal; tables are in `tables`."""
 
 import json
-import re
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -19,12 +18,8 @@ if TYPE_CHECKING:  # --help does not import rich
     from ..store.tally import Meter
 
 
-COLOURS = {  # verdict -> colour
-    "true": "green", "true as a trend": "cyan", "true in part": "yellow", "not decided": "magenta", "false": "red",
-}  # fmt: skip
 HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 EVERY = 5.0  # seconds between two lines of progress
-GAP = 2  # characters between the columns of a table
 WHOLE: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 
@@ -75,85 +70,6 @@ def at_words(text: str, console: "Console") -> str:
         held = line.replace(" = ", HELD)  # a name stays beside its value
         lines += wrap(held, console.width, subsequent_indent=indent, **WHOLE) or [""]
     return "\n".join(lines).replace(HELD, " = ")
-
-
-def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str | None = None) -> None:
-    """Print a table; a cell that begins with a verdict has the verdict's colour.
-
-    Where the terminal is too narrow, headings and texts break between words, and columns that still do not fit follow
-    below, behind the first column again; no cell is cut.
-    """
-    cells = [[_cell(value) for value in row] for row in rows]
-    texts = [[head, *(row[i].plain for row in cells)] for i, head in enumerate(columns)]
-    low = [_narrowest(column) for column in texts]
-    high = [max(len(line) for text in column for line in text.split("\n")) or 1 for column in texts]
-    for k, block in enumerate(_blocks(low, out().width)):
-        if k:
-            say("")
-        widths = _widths([low[i] for i in block], [high[i] for i in block], out().width)
-        _print_block([columns[i] for i in block], [[row[i] for i in block] for row in cells], widths, title)
-        title = None
-
-
-def heading(name: str, unit: str) -> str:
-    """The heading of a column with its unit, which stays on one line."""
-    return f"{name} ({unit.replace(' ', chr(0xA0))})" if unit else name
-
-
-def _narrowest(texts: Sequence[str]) -> int:
-    """The smallest width of a column with this heading and these cells: a column of numbers or names stays whole."""
-    head, *cells = texts
-    whole = not any(" " in text for text in cells)
-    each = [*head.split(" "), *(cells if whole else " ".join(cells).split())]
-    return max(map(len, each), default=0) or 1
-
-
-def _blocks(low: Sequence[int], width: int) -> list[list[int]]:
-    """The columns in as many blocks as it takes to fit into the width, each with the first column."""
-    blocks, used = [[0]], low[0]
-    for i in range(1, len(low)):
-        if used + GAP + low[i] > width and len(blocks[-1]) > 1:
-            blocks.append([0])
-            used = low[0]
-        blocks[-1].append(i)
-        used += GAP + low[i]
-    return blocks
-
-
-def _widths(low: Sequence[int], high: Sequence[int], width: int) -> list[int]:
-    """The width of each column, from its smallest to its largest: the widest give way first."""
-    room, limit = width - GAP * (len(low) - 1), max(high)
-    while limit > 0 and sum(max(least, min(most, limit)) for least, most in zip(low, high, strict=True)) > room:
-        limit -= 1
-    return [max(least, min(most, limit)) for least, most in zip(low, high, strict=True)]
-
-
-def _print_block(columns: Sequence[str], cells: Sequence[Any], widths: Sequence[int], title: str | None) -> None:
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left", box=None, padding=(0, GAP, 0, 0), pad_edge=False,
-                  header_style="bold")  # fmt: skip
-    for i, (column, width) in enumerate(zip(columns, widths, strict=True)):
-        texts = [row[i].plain for row in cells]
-        right = any(texts) and all(map(_is_number, texts))
-        head = "\n".join(wrap(column, width, **WHOLE)).replace("\N{NO-BREAK SPACE}", " ")
-        table.add_column(head, justify="right" if right else "left", width=width)
-    for row in cells:
-        table.add_row(*row)
-    out().print(table, soft_wrap=False)
-
-
-def _is_number(text: str) -> bool:
-    """Whether a cell is a number, or empty, or a dash in the place of one."""
-    return text in ("", "-") or bool(re.fullmatch(r"[-+\u2212]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|nan|inf", text))
-
-
-def _cell(value: Any) -> Any:
-    from rich.text import Text
-
-    text = f"{value:.6g}" if isinstance(value, float) else "\n".join(map(escaping.line, str(value).split("\n")))
-    word = next((word for word in sorted(COLOURS, key=len, reverse=True) if text.startswith(word)), None)
-    return Text(text, style=COLOURS[word] if word else "")
 
 
 def print_json(data: Any) -> None:

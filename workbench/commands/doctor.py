@@ -6,9 +6,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from . import console
-from .options import Json
-from .present import Result, present
+from . import console, tables
+from .present import Result, presents
 
 
 @dataclass(frozen=True)
@@ -22,7 +21,8 @@ class Extra:
     use: str
 
 
-def doctor(json: Json = False) -> int:
+@presents()
+def doctor() -> Result:
     """Check what works on this machine.
 
     Tries HDF5, OpenGL, fonts, optional parts and Chromium, and prints versions. Exit status is always 0.
@@ -34,16 +34,15 @@ def doctor(json: Json = False) -> int:
     findings = examine()
     packages = {**dataset.versions(), **_drawing_versions()}
     found = {"system": platform.platform(), "checks": findings, "versions": packages}
-    present(Result(lambda: found, lambda: _print(found)), json)
-    return 0
+    return Result(lambda: found, lambda: _print(found))
 
 
 def _print(found: dict[str, Any]) -> None:
     words = {True: "works", False: "does not work", None: "not installed"}
     rows = [[f["what"], words[f["works"] if f["installed"] else None], f["said"]] for f in found["checks"]]
-    console.print_table(["", "", ""], rows)
+    tables.print_table(["", "", ""], rows)
     console.say("")
-    console.print_table(["version", ""], [["system", found["system"]], *map(list, found["versions"].items())])
+    tables.print_table(["version", ""], [["system", found["system"]], *map(list, found["versions"].items())])
 
 
 def examine(extras: "Sequence[Extra] | None" = None, opengl: bool = True) -> list[dict[str, Any]]:

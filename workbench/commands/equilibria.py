@@ -6,10 +6,11 @@ from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from . import console
+from . import console, tables
 from .case_options import ENDS_FIELDS, HELD, Given, takes_case
 from .option_checks import parse_axis, parse_choose, ranges
-from .options import Choose, Json, NoTitle, OneCase, Style, Width, flag, option
+from .options import Choose, OneCase, option
+from .present import Result, presents
 
 if TYPE_CHECKING:
     import numpy as np
@@ -18,13 +19,17 @@ if TYPE_CHECKING:
     from solver.equilibria import Equilibria
     from studies import Study
 
-    from ..figures.sheet import Sheet
-    from .present import Files, Result
 
 HEADS = {"turns": "bends", "stray": "overshoot"}  # of columns that are not named as in files
 COLUMNS = ("dbeta0", "energy", "bending_energy", "turns", "index", "stray", "attached")
 
 
+@presents(
+    "Picture, .png, .pdf or .svg: curves and energies; with --axis branches and folds.",
+    "HDF5 file of the equilibria, or with --axis of the branches.",
+    kind="equilibria",
+    force="Replace an existing picture, and the file of --out even if it holds no equilibria.",
+)
 @takes_case((*ENDS_FIELDS, *HELD))
 def equilibria(
     file: OneCase = None,
@@ -58,22 +63,11 @@ def equilibria(
         int | None,
         option("COUNT", "Deflations without a new equilibrium after which a search of held ends stops; default: 10."),
     ] = None,
-    plot: Annotated[
-        Path | None, option("FILE", "Picture, .png, .pdf or .svg: curves and energies; with --axis branches and folds.")
-    ] = None,
-    out: Annotated[Path | None, option("FILE", "HDF5 file of the equilibria, or with --axis of the branches.")] = None,
     export: Annotated[
         Path | None, option("FOLDER", "Folder for one TOML file per equilibrium, which the command solve reads.")
     ] = None,
-    style: Style = "screen",
-    width: Width = None,
-    no_title: NoTitle = False,
-    force: Annotated[
-        bool, flag("Replace an existing picture, and the file of --out even if it holds no equilibria.", "--force")
-    ] = False,
     choose: Choose = None,
-    json: Json = False,
-) -> int:
+) -> Result:
     """List all equilibria between two end angles under dead loads, or those of held ends that a search finds.
 
     The list is sorted by energy, lowest first, and gives the Morse index (0: stable). Exit status 1 if there is none
@@ -92,29 +86,21 @@ def equilibria(
     Angles: a number in rad, or a form like 30deg or pi/6.
     """
     from solver import equilibria as all_equilibria
-    from solver.problem.reduced import held_of
 
     from ..branches.ends_study import study_and_case, write_cases
     from ..store import writing
-    from . import option_checks
-    from .present import files, present
 
     study, case = study_and_case(file, given.values, given.units, held=axis is None)
     search = _search(case, axis, within, values, tries)
     _check(case, axis, show, export)
-    sheet = option_checks.page(plot, style, width, no_title)
-    asked = files(plot, out, force, "equilibria")
     if export is not None:
         writing.check_folder(export)
     if axis is not None:
-        return _over_axis(study, case, parse_axis(axis), asked, json, show, sheet)
+        return _over_axis(study, case, *parse_axis(axis), show)
     found = all_equilibria(case, **search)
-    present(_list(study, case, found, choose, _source(study, file, given)), json, asked, sheet=sheet)
     if export:
         write_cases(study, case, found, export)
-        if not json:
-            console.say(f"{len(found)} cases in {export}")
-    return 0 if found and (found.complete or held_of(case)) else 1
+    return _list(study, case, found, choose, _source(study, file, given), export)
 
 
 def _check(case: "Case", axis: str | None, show: str | None, export: Path | None) -> None:
@@ -161,20 +147,22 @@ def _source(study: "Study", file: Path | None, given: Given) -> str:
     return f"{study.title if file else f'Table 1{own}'}{changed}"
 
 
-def _list(study: "Study", case: "Case", found: "Equilibria", choose: str | None, source: str) -> "Result":
+def _list(
+    study: "Study", case: "Case", found: "Equilibria", choose: str | None, source: str, export: Path | None
+) -> Result:
     """The equilibria and which of them the rule selects, as they are handed over."""
     import numpy as np
 
     from solver.choose.selection import selection
     from solver.equilibria import meant
     from solver.equilibrium_list import HeldEquilibria
+    from solver.problem.reduced import held_of
 
     from ..branches.ends_study import row
     from ..branches.equilibria_dataset import dataset_of
     from ..store.case_input import field_values, with_unit
     from ..store.case_solutions import rule_of
     from ..words.cautions import LEFT_OUT
-    from .present import Result
 
     rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule
     assert rule is not None
@@ -194,6 +182,8 @@ def _list(study: "Study", case: "Case", found: "Equilibria", choose: str | None,
         console.say_units(study.unit_system)
         if case.cylinder.side == "inside":
             console.say(LEFT_OUT)
+        if export:
+            console.say(f"{len(found)} cases in {export}")
 
     def data() -> dict[str, Any]:
         return {
@@ -201,7 +191,8 @@ def _list(study: "Study", case: "Case", found: "Equilibria", choose: str | None,
             "equilibria": rows, "complete": found.complete, "remark": remark, **search,
         }  # fmt: skip
 
-    return Result(data, show, lambda: dataset_of(study, case, found))
+    status = 0 if found and (found.complete or held_of(case)) else 1
+    return Result(data, show, status, lambda: dataset_of(study, case, found))
 
 
 def _print_list(
@@ -234,11 +225,13 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     shown = [*reactions, *COLUMNS[:5], *(["dead_index"] if reactions else []), *COLUMNS[5:]]
     if reactions:
         shown[shown.index("energy")] = "held_energy"
-    heads = [console.heading(HEADS.get(name, name).replace("_", " "), units.get(name, "")) for name in shown]
-    marks = [f"{i} *" if r["taken"] else f"{i}" for i, r in enumerate(rows, 1)]
-    every = [{**r, **r.get("reactions", {})} for r in rows]
-    cells = [[degrees(r[name]) if units.get(name) == "deg" else r[name] for name in shown] for r in every]
-    console.print_table(["", *heads], [[mark, *row] for mark, row in zip(marks, cells, strict=True)])
+    heads = {name: tables.heading(HEADS.get(name, name).replace("_", " "), units.get(name, "")) for name in shown}
+    table = []
+    for i, row in enumerate(rows, 1):
+        every = {**row, **row.get("reactions", {})}
+        angles = {name: degrees(every[name]) for name in shown if units.get(name) == "deg"}
+        table.append({"": f"{i} *" if row["taken"] else f"{i}", **every, **angles})
+    tables.print_rows(table, {"": "", **heads})
 
 
 def _energy_in_words(rows: Sequence[dict[str, Any]], held: Sequence[str], unit: str) -> str:
@@ -251,20 +244,10 @@ def _energy_in_words(rows: Sequence[dict[str, Any]], held: Sequence[str], unit: 
     return f"{'held ' if held else ''}energy = bending energy + {part} - work of {loads}"
 
 
-def _over_axis(
-    study: "Study",
-    case: "Case",
-    axis: "tuple[str, np.ndarray]",
-    asked: "Files",
-    as_json: bool,
-    show: str | None,
-    sheet: "Sheet | None",
-) -> int:
-    """Hand over the branches of equilibria over an axis; 0, or 1 if there is none."""
+def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", show: str | None) -> Result:
+    """The branches of equilibria over an axis; status 1 if there is none."""
     from ..branches import branch_dataset
-    from .present import Result, present
 
-    name, values = axis
     with console.progress(values.size) as step:
         ds = branch_dataset.sweep(study, case, name, values, step, show)
     rows, folds, remarks = branch_dataset.branches(ds), branch_dataset.folds(ds), branch_dataset.remarks(ds)
@@ -276,13 +259,12 @@ def _over_axis(
     def tell() -> None:
         unit = "deg" if ds[name].attrs["units"] == "rad" else ds[name].attrs["units"]
         keys = list(rows[0]) if rows else ["branch"]
-        heads = [console.heading(key, unit if key in ("from", "to") else "") for key in keys]
-        console.print_table(heads, [[r["branch"] + 1, *list(r.values())[1:]] for r in rows])
+        heads = {key: tables.heading(key, unit if key in ("from", "to") else "") for key in keys}
+        tables.print_rows([{**row, "branch": row["branch"] + 1} for row in rows], heads)
         some = f"{len(rows)} branch{'es' * (len(rows) != 1)}, {len(folds)} fold{'s' * (len(folds) != 1)}"
         console.say(f"{some} over {values.size} values of {name}")
         console.say_units(study.unit_system)
         for remark in remarks:
             console.say(f"a branch stops at {remark}")
 
-    present(Result(data, tell, lambda: ds), as_json, asked, sheet=sheet)
-    return 0 if rows else 1
+    return Result(data, tell, 0 if rows else 1, lambda: ds)

@@ -4,47 +4,13 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from . import console
-from .options import AT, File, ForceOutput, Json, flag, number_option, option
-from .present import Result, present
+from .options import AT, File, ForceOutput, flag, number_option, option
+from .present import Result, presents
 
 SUFFIXES = ".step .stp .stl .obj .glb .gltf .usda .vtp .pvd .csv"  # of `formats.FORMATS`, which --help does not import
 
 
-def export_file(
-    file: Path, at: list[str], out: Path, tolerance: float | None, line: bool, overlap: bool, force: bool, json: bool
-) -> int:
-    """Export a case, or those along an axis; 0, or 1 where a real rod could not have its shape. Raises `InputError`."""
-    from ..export import stored_rod
-    from ..export.base import Options
-    from ..export.formats import format_of
-    from ..store import reading
-    from . import option_checks
-
-    format_of(out)  # before a large file is read
-    ds = reading.read(file)
-    done = stored_rod.export(ds, out, Options(option_checks.axis_values(ds, at), tolerance, line, overlap), force)
-    status = 1 if done.warnings else 0
-    for warning in done.warnings:
-        console.warn(warning)
-
-    def show() -> None:
-        where = ", ".join(f"{name}={value:g}" for name, value in done.at.items())
-        unit = str(ds.attrs["length_unit"])
-        facts = ", ".join(_fact(key, value, unit) for key, value in done.facts.items() if key != "values")
-        console.say(f"{done.path}{f' at {where}' if where else ''}: {facts}")
-
-    data = {"file": str(done.path), "at": done.at, **done.facts, "warnings": done.warnings, "status": status}
-    present(Result(lambda: data, show), json)
-    return status
-
-
-def _fact(name: str, value: Any, unit: str) -> str:
-    """A number about a file in words; unit: that of length in the study, which is that of the tolerance."""
-    text = f"{value:g}" if isinstance(value, float) else str(value)
-    words = {"tolerance": f"tolerance {text} {unit}", "R": f"without the cylinder of radius {text}"}
-    return words.get(name, f"{name} {text}")
-
-
+@presents()
 def export(
     file: File,
     out: Annotated[
@@ -72,11 +38,36 @@ def export(
         bool, flag("Write a solid to STEP even if the rod intersects itself.", "--overlap")
     ] = False,
     force: ForceOutput = False,
-    json: Json = False,
-) -> int:  # fmt: skip
+) -> Result:  # fmt: skip
     """Export one stored rod to CAD, mesh, curve or table formats; the rods along an axis to .pvd, or to one file each.
 
     A name with a number in braces, such as frame_{:03d}.stl, writes each rod along the axis that --at does not name.
     Exit status 1 if a rod intersects itself or is bent tighter than its own radius, or is left out for such a reason.
     """
-    return export_file(file, at or [], out, tolerance, centreline, overlap, force, json)
+    from ..export import stored_rod
+    from ..export.base import Options
+    from ..export.formats import format_of
+    from ..store import reading
+    from . import option_checks
+
+    format_of(out)  # before a large file is read
+    ds = reading.read(file)
+    asked = Options(option_checks.axis_values(ds, at or []), tolerance, centreline, overlap)
+    done = stored_rod.export(ds, out, asked, force)
+    status = 1 if done.warnings else 0
+
+    def show() -> None:
+        where = ", ".join(f"{name}={value:g}" for name, value in done.at.items())
+        unit = str(ds.attrs["length_unit"])
+        facts = ", ".join(_fact(key, value, unit) for key, value in done.facts.items() if key != "values")
+        console.say(f"{done.path}{f' at {where}' if where else ''}: {facts}")
+
+    data = {"file": str(done.path), "at": done.at, **done.facts, "warnings": done.warnings, "status": status}
+    return Result(lambda: data, show, status, warnings=done.warnings)
+
+
+def _fact(name: str, value: Any, unit: str) -> str:
+    """A number about a file in words; unit: that of length in the study, which is that of the tolerance."""
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    words = {"tolerance": f"tolerance {text} {unit}", "R": f"without the cylinder of radius {text}"}
+    return words.get(name, f"{name} {text}")

@@ -5,9 +5,9 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from . import console
-from .options import Json, option
-from .present import Result, present
+from . import console, tables
+from .options import option
+from .present import Result, presents
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -15,9 +15,10 @@ if TYPE_CHECKING:
     from ..compare.extreme_runs import Attempt
 
 
+@presents()
 def extremes(
-    out: Annotated[Path, option("FOLDER", "Folder for extremes.h5 and its map.")] = Path("extremes"), json: Json = False
-) -> int:
+    out: Annotated[Path, option("FOLDER", "Folder for extremes.h5 and its map.")] = Path("extremes"),
+) -> Result:
     """Test the robustness of every method at extreme parameters.
 
     The folder receives extremes.h5 and extremes.png, a map of methods against extremes. Exit status 1 if a method
@@ -51,12 +52,12 @@ def extremes(
 
     def show() -> None:
         rows = [[method, *map(str, row.values())] for method, row in counts.items()]
-        console.print_table(["method", *VERDICTS], rows, str(ds.attrs["title"]))
+        tables.print_table(["method", *VERDICTS], rows, str(ds.attrs["title"]))
         for file in files:
             console.say(str(file))
 
-    present(Result(lambda: {"methods": counts, "files": [str(file) for file in files]}, show), json)
-    return 1 if any(row[INACCURATE] for row in counts.values()) else 0
+    status = 1 if any(row[INACCURATE] for row in counts.values()) else 0
+    return Result(lambda: {"methods": counts, "files": [str(file) for file in files]}, show, status)
 
 
 def _store(found: "Mapping[str, Mapping[str, Attempt]]", out: Path, name: str) -> "tuple[xr.Dataset, list[Path]]":

@@ -4,7 +4,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from .case_options import Given, takes_case
-from .options import At, Choose, Dpi, ForceOutput, Json, NoTitle, Reading, Style, Table1, Width, argument, flag, option
+from .options import At, Choose, Reading, Table1, argument, flag, option
+from .present import Result, presents
 
 if TYPE_CHECKING:
     from ..store.case_input import CaseInput
@@ -39,14 +40,13 @@ Sigma = Annotated[
         "the intervals use the residuals.",
     ),
 ]
-Out = Annotated[
-    Path | None, option("FILE", "The fitted case as a .toml file for solve, or the fitted values as a .csv table.")
-]
-Picture = Annotated[
-    Path | None, option("FILE", "Picture, .png, .pdf or .svg: curve and points, region, which data decide.")
-]
 
 
+@presents(
+    "Picture, .png, .pdf or .svg: curve and points, region, which data decide.",
+    "The fitted case as a .toml file for solve, or the fitted values as a .csv table.",
+    suffixes=OUT,
+)
 @takes_case()
 def fit(
     file: Study = None,
@@ -64,15 +64,7 @@ def fit(
     *,
     given: Given,
     choose: Choose = None,
-    out: Out = None,
-    plot: Picture = None,
-    style: Style = "screen",
-    width: Width = None,
-    no_title: NoTitle = False,
-    dpi: Dpi = 200,
-    force: ForceOutput = False,
-    json: Json = False,
-) -> int:
+) -> Result:
     """Find values of fields that give wanted observables or fit measured points, with their intervals.
 
     The search starts from the values of the case and from Sobol' points, and uses exact derivatives. It prints 95 %
@@ -86,10 +78,7 @@ def fit(
     from .. import fitting
     from . import option_checks
     from .fit_report import as_data, say
-    from .present import NO_FILES, Result, files, present
 
-    sheet = option_checks.page(plot, style, width, no_title)
-    written = files(plot, out, force, suffixes=OUT)
     targets = option_checks.numbers("--target", target or [])
     read, sigmas = fitting.read_points(points) if points is not None else (None, {})
     asked = _case(file, at or [], given, table1, reading)
@@ -106,15 +95,17 @@ def fit(
     )
     if not found.reached:
         raise InputError(found.outcome.removeprefix("failed: "))
-    result = Result(
+    status = 0 if found.solved else 1
+    if found.solution is None:
+        return Result(lambda: as_data(found, asked), lambda: say(found, asked), status)
+    return Result(
         lambda: as_data(found, asked),
         lambda: say(found, asked),
+        status,
         lambda: fitting.dataset_of(found, asked.units, read, wrapped),
         lambda path: fitting.write(found, asked, path),
         "fit",
     )
-    present(result, json, written if found.solution is not None else NO_FILES, dpi, sheet)
-    return 0 if found.solved else 1
 
 
 def _case(file: Path | None, at: list[str], given: Given, table1: bool, reading: str | None) -> "CaseInput":

@@ -8,7 +8,7 @@ import numpy as np
 from studies.grammar.axes import is_angle
 
 from ..fitting import UNDETERMINED
-from . import console
+from . import console, tables
 
 if TYPE_CHECKING:
     from solver.inverse.fit_result import Fit
@@ -84,7 +84,7 @@ def _values(found: "Fit", asked: "CaseInput") -> None:
         low, high = (_number(name, end) for end in found.intervals[name])
         known = "unknown" if math.isnan(low) else UNDETERMINED if math.isinf(high) else f"{low:.6g} to {high:.6g}"
         rows.append([name, _number(name, value), known, _unit(name, asked), _long(name)])
-    console.print_table(["fitted", "value", "95 % interval", "unit", ""], rows)
+    tables.print_table(["fitted", "value", "95 % interval", "unit", ""], rows)
 
 
 def _data(found: "Fit", asked: "CaseInput") -> None:
@@ -101,7 +101,7 @@ def _data(found: "Fit", asked: "CaseInput") -> None:
             rows.append([label, *([""] * 3 if targets else []), off, *told])
     pair = ["wanted", "fitted", "unit"] if targets else []
     heads = ["datum", *pair, "residual", *(f"share in {name}" for name in found.values)]
-    console.print_table(heads, rows)
+    tables.print_table(heads, rows)
     size = "standard deviations" if found.rule.endswith("normal distribution") else "units of the target, or of rho"
     console.say(f"residual: root mean square in {size}; share: of the field's variance, all fields fitted together")
     console.say("")
@@ -156,7 +156,7 @@ def _minima(found: "Fit", asked: "CaseInput") -> None:
     heads = [f"{name} ({_unit(name, asked)})" if _unit(name, asked) else name for name in names]
     console.say("")
     judged = f"reaches the {_goal(found)}" if found.exact else "excluded by the data"
-    console.print_table(["sum of squares", *heads, judged], rows, title="other minima")
+    tables.print_table(["sum of squares", *heads, judged], rows, title="other minima")
     console.say(f"sum of squares of the fit: {_sum(found, found.cost)}")
 
 

@@ -1,12 +1,12 @@
 """The command folds: fold curves over two fields of an ends problem, and the equilibria in the regions between them."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from . import console
+from . import console, tables
 from .case_options import ENDS_FIELDS, HELD, Given, takes_case
 from .option_checks import ENDS_NUMBERS, read_range
-from .options import Dpi, ForceOutput, Json, NoTitle, OneCase, Style, Width, option
+from .options import OneCase, option
+from .present import Result, presents
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 MOST_POINTS = 100_000  # as of `RegionMap.checked`
 
 
+@presents("Picture, .png, .pdf or .svg: the map.", "HDF5 file of the curves and regions.", kind="folds")
 @takes_case((*ENDS_FIELDS, *HELD))
 def folds(
     file: OneCase = None,
@@ -39,15 +40,7 @@ def folds(
     points: Annotated[
         int, option("COUNT", "Random points at which the map is checked by all equilibria there.", "--check", min=0)
     ] = 0,
-    plot: Annotated[Path | None, option("FILE", "Picture, .png, .pdf or .svg: the map.")] = None,
-    out: Annotated[Path | None, option("FILE", "HDF5 file of the curves and regions.")] = None,
-    style: Style = "screen",
-    width: Width = None,
-    no_title: NoTitle = False,
-    dpi: Dpi = 200,
-    force: ForceOutput = False,
-    json: Json = False,
-) -> int:
+) -> Result:
     """Map where equilibria appear and disappear over two fields.
 
     Fold curves divide the rectangle of the two fields into regions; in each the number of equilibria and of stable ones
@@ -61,8 +54,6 @@ def folds(
 
     from ..branches.ends_study import study_and_case
     from ..branches.region_dataset import dataset_of
-    from ..figures.sheet import sheet
-    from .present import Result, files, present
 
     study, case = study_and_case(file, given.values, given.units, held=True)
     read = [read_range("--axis", text, (*ENDS_NUMBERS, *HELD)) for text in axis or []]
@@ -72,8 +63,6 @@ def folds(
         raise InputError(f"folds takes --axis NAME=FROM:TO twice, with two different fields, got {said}")
     if points > MOST_POINTS:
         raise InputError(f"--check takes at most {MOST_POINTS} points, got {points}")
-    page = sheet(style, width, not no_title)
-    asked = files(plot, out, force, "folds")
     found = region_map(case, lattice=lattice, **ranges)
     wrong = found.check(points) if points else []
 
@@ -85,8 +74,8 @@ def folds(
         _print(found, points, wrong)
         console.say_units(study.unit_system)
 
-    present(Result(lambda: _as_data(found, points, wrong), show, dataset), json, asked, dpi, page)
-    return 1 if found.remark or wrong else 0
+    status = 1 if found.remark or wrong else 0
+    return Result(lambda: _as_data(found, points, wrong), show, status, dataset)
 
 
 def _curves(found: "RegionMap") -> list[dict[str, Any]]:
@@ -118,9 +107,8 @@ def _as_data(found: "RegionMap", points: int, wrong: list[str]) -> dict[str, Any
 def _print(found: "RegionMap", points: int, wrong: list[str]) -> None:
     """Print the curves, the regions, and what the check says."""
     curves, regions = _curves(found), _regions(found)
-    for rows in (curves, regions):
-        if rows:
-            console.print_table(list(rows[0]), [list(row.values()) for row in rows])
+    tables.print_rows(curves)
+    tables.print_rows(regions)
     cusps = sum(row["cusps"] for row in curves)
     console.say(f"{len(curves)} curves, {cusps} cusps, {len(regions)} regions")
     if points:

@@ -2,20 +2,18 @@
 
 from typing import TYPE_CHECKING, Any
 
-from . import console
-from .options import Json
-from .present import Result, present
+from . import tables
+from .present import Result, presents
 
 if TYPE_CHECKING:
     from studies.grammar.axes import Axis
 
 
-def list_studies(json: Json = False) -> int:
+@presents()
+def list_studies() -> Result:
     """List the shipped studies with their axes and laws."""
-
     rows = _list()
-    present(Result(lambda: rows, lambda: _print(rows)), json)
-    return 0
+    return Result(lambda: rows, lambda: _print(rows))
 
 
 def _print(rows: list[dict[str, Any]]) -> None:
@@ -27,7 +25,7 @@ def _print(rows: list[dict[str, Any]]) -> None:
         axes = "\n".join([*sampled, *map(_range, row["axes"]), *(["refined"] if row["refined"] else [])])
         laws = "\n".join(f"{law['claim']}: {verdict_words.law_in_words(law)}" for law in row["laws"])
         table.append([row["study"], row["title"], axes or "-", laws or "-"])
-    console.print_table(["study", "title", "axes", "laws"], table)
+    tables.print_table(["study", "title", "axes", "laws"], table)
 
 
 def _list() -> list[dict[str, Any]]:

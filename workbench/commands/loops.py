@@ -3,9 +3,10 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from . import console
+from . import console, tables
 from .case_options import ROD_FIELDS, Given, takes_case
-from .options import Json, NoTitle, Style, Width, argument, flag, option
+from .options import argument, flag, option
+from .present import Result, presents
 
 if TYPE_CHECKING:
     from solver import Cylinder, Loop, Rod
@@ -14,6 +15,13 @@ MOST_FOLDS = 50
 COLUMNS = ("wraps", "folds", "about", "lam", "energy", "index", "push_min", "push_max", "attached")
 
 
+@presents(
+    "Picture of the unrolled views, .png, .pdf or .svg.",
+    "HDF5 file of the loops, which scene and export read.",
+    kind="equilibria",
+    force="Replace an existing picture, and the file of --out even if it holds no loops.",
+    short="plot",
+)
 @takes_case(ROD_FIELDS)
 def loops(
     file: Annotated[Path | None, argument("FILE", "TOML study of one rod; default: the rod of Table 1.")] = None,
@@ -26,21 +34,10 @@ def loops(
     all_of_them: Annotated[
         bool, flag("List also the loops that oscillate about -pi/2; they intersect themselves.", "--all")
     ] = False,
-    picture: Annotated[
-        Path | None, option("FILE", "Picture of the unrolled views, .png, .pdf or .svg.", "--plot", "-o")
-    ] = None,
-    out: Annotated[Path | None, option("FILE", "HDF5 file of the loops, which scene and export read.", "--out")] = None,
     export: Annotated[
         Path | None, option("FOLDER", "Folder for one TOML file per loop, a start problem that run and solve read.")
     ] = None,
-    style: Style = "screen",
-    width: Width = None,
-    no_title: NoTitle = False,
-    force: Annotated[
-        bool, flag("Replace an existing picture, and the file of --out even if it holds no loops.", "--force")
-    ] = False,
-    json: Json = False,
-) -> int:
+) -> Result:
     """List the shapes of a closed rod on the cylinder.
 
     A closed rod comes back to its start in position and direction, and carries no axial force and no twist. It goes
@@ -55,13 +52,9 @@ def loops(
     from solver import loops as closed_rods
 
     from ..branches import loops_dataset
-    from . import option_checks
-    from .present import NO_FILES, Result, files, present
 
     rod, cylinder, units = _rod(file, given)
     counts = parse_folds(folds)
-    sheet = option_checks.page(picture, style, width, no_title)
-    asked = files(picture, out, force, "equilibria")
     found, remarks = [], []
     for count in counts:
         some = closed_rods(rod, cylinder, wraps, count)
@@ -76,9 +69,8 @@ def loops(
         rows = [row(one) for one in found]
         return {"units": units, "loops": rows, "complete": complete, "remarks": remarks}
 
-    result = Result(data, lambda: _print(found, remarks, units), lambda: loops_dataset.dataset_of(found, units))
-    present(result, json, asked if found else NO_FILES, sheet=sheet)
-    return 0 if complete else 1
+    dataset = (lambda: loops_dataset.dataset_of(found, units)) if found else None
+    return Result(data, lambda: _print(found, remarks, units), 0 if complete else 1, dataset)
 
 
 def parse_folds(text: str) -> list[int]:
@@ -117,9 +109,9 @@ def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str]) -> No
     force, length = units["force"], units["length"]
     words = {"about": "rad", "energy": f"{force} {length}", "push_min": f"{force}/{length}"}
     words["push_max"] = words["push_min"]
-    heads = [console.heading(name, words.get(name, "")) for name in COLUMNS]
-    table = [[i, *(r[name] for name in COLUMNS), r["self_intersection"]] for i, r in enumerate(rows, 1)]
-    console.print_table(["", *heads, "self-intersection"], table)
+    heads = {name: tables.heading(name, words.get(name, "")) for name in COLUMNS}
+    numbered = [{"": i, **r} for i, r in enumerate(rows, 1)]
+    tables.print_rows(numbered, {"": "", **heads, "self_intersection": "self-intersection"})
     stable = sum(r["index"] == 0 for r in rows)
     console.say(f"{len(rows)} loops, {stable} stable as closed rods on the surface, the section free to turn")
     pulled = [str(i) for i, r in enumerate(rows, 1) if r["lifts_off"]]

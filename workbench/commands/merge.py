@@ -4,19 +4,19 @@ from pathlib import Path
 from typing import Annotated
 
 from . import console
-from .options import ForceStudy, Json, argument, option
-from .present import Result, present
+from .options import ForceStudy, argument, option
+from .present import Result, presents
 from .study_result import print_verdicts
 
 
+@presents()
 def merge(
     files: Annotated[
         list[Path], argument("FILE...", "Two or more stored studies that differ in the values of one axis only.")
     ],
     out: Annotated[Path, option("FILE", "File of the joined study.", "--out", "-o")],
     force: ForceStudy = False,
-    json: Json = False,
-) -> int:
+) -> Result:
     """Join stored studies that extend each other along one axis.
 
     Exit status 1 if a case is unsolved, or if a law fails, is not decided or is qualified.
@@ -35,5 +35,4 @@ def merge(
         if done["caution"]:
             console.say(f"caution: {done['caution']}")
 
-    present(Result(lambda: {**done, "status": status}, show), json)
-    return status
+    return Result(lambda: {**done, "status": status}, show, status)

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from . import console
+from . import console, tables
 from .options import Reading, option
 from .study_result import print_verdicts
 
@@ -140,7 +140,7 @@ def _print(results: "list[StudyResult]", readings: "xr.Dataset", out: Path, advi
     print_verdicts(verdicts, title=f"Table 1 read {results[0].ds.attrs['reading']}")
     console.say("")
     claims = [str(claim) for claim in readings["claim"].values]
-    console.print_table(["reading", *claims], _verdict_rows(readings), title="The claims in each reading")
+    tables.print_table(["reading", *claims], _verdict_rows(readings), title="The claims in each reading")
     unsolved = sum(law_verdicts.unsolved(result.ds) for result in results)
     cases = sum(result.ds["outcome"].size for result in results)
     console.say("")

@@ -6,9 +6,11 @@ from typing import Annotated
 
 from . import console
 from .options import Fidelity, ForceStudy, Json, Method, Reading, Tol, argument, flag, option
-from .study_result import print_result
+from .present import Result, presents
+from .study_result import result_of
 
 
+@presents()
 def run(
     study: Annotated[str, argument("STUDY", "Name of a shipped study (see list) or TOML file.")],
     out: Annotated[Path | None, option("FILE", "File of the stored study; default: STUDY.h5.")] = None,
@@ -34,7 +36,7 @@ def run(
     ] = False,
     force: ForceStudy = False,
     json: Json = False,
-) -> int:
+) -> Result:
     """Solve and store every case of a study and judge its laws.
 
     An interrupted run is resumed. If values were added to an axis of a complete study, only the new cases are solved.
@@ -63,7 +65,7 @@ def run(
     say = (lambda text: None) if json else _say
     ran = run_to_file(chosen, path, options, say, partial(console.progress_bar, as_json=json))
     found = {"title": chosen.title, "study": chosen.name, "reading": chosen.reading or "", "file": str(path)}
-    return print_result({**found, **ran.statistics}, json, ran)
+    return result_of({**found, **ran.statistics}, ran)
 
 
 def _say(text: str) -> None:

@@ -1,6 +1,6 @@
 """The command scene: a stored dataset, or a study, drawn in three dimensions."""
 
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,106 +11,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ..scene.composition import Picture
-    from ..scene.settings import Settings
 
 SUFFIXES = (".png", ".jpg")
-
-
-@dataclass(frozen=True)
-class Look:
-    """The options for the look of a scene, as they are written."""
-
-    camera: str | None = None
-    color_range: str | None = None
-    bare: bool = False
-    transparent: bool = False
-    size: str | None = None
-
-    def settings(self, pixel_error: float, dpi: int) -> "Settings":
-        """The settings that they mean. Raises `InputError`."""
-        from ..scene.settings import Settings, color_range_of, size_of
-
-        return Settings(
-            pixel_error, dpi, camera=self.camera, color_range=color_range_of(self.color_range), bare=self.bare,
-            transparent=self.transparent, size=size_of(self.size),
-        )  # fmt: skip
-
-
-def scene_file(
-    file: Path, at: list[str], out: Path | None, force: bool = False, kind: str | None = None,
-    axes: list[str] | None = None, along: str | None = None, span: tuple[float | None, float | None] = (None, None),
-    pixel_error: float = 0.5, dpi: int = 200, look: "Look | None" = None,
-) -> int:  # fmt: skip
-    """Draw a scene of a dataset or a study; 0, or 1 where OpenGL is missing or the stations are too few.
-
-    file: of a dataset, or the name or TOML file of a study, which is then solved at the stations that the picture
-    needs. kind: a name of `scene_kinds.KINDS`; default: equilibria for a dataset of them, else contact.
-    Raises `InputError`.
-    """
-    from dataclasses import replace
-
-    from ..scene import opengl, scene_kinds
-    from ..scene.settings import check, check_name
-    from ..store import schema, selection
-    from ..store.one_case import is_study
-    from . import option_checks, scene_page, study_scene
-
-    if out is not None and scene_page.is_page(out):
-        others = bool(axes or along or span != (None, None) or (look and look != Look()))
-        return scene_page.write(file, at, out, force, kind, others)
-
-    asked = (look or Look()).settings(pixel_error, dpi)
-    check(asked)
-    study = None
-    if is_study(file):
-        study, ds = study_scene.two_stations(file)
-        file = Path(f"{study.name}.h5")
-    else:
-        ds = study_scene.read_dataset(file)
-    found = scene_kinds.kind_of(kind or ("equilibria" if schema.axes_of(ds) == ["equilibrium"] else "contact"))
-    where = option_checks.axis_values(ds, at)
-    case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
-    named = [] if found.name in ("contact", "equilibria") else [found.name, *(axes or [])]
-    default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
-    path = option_checks.check(out or default, SUFFIXES, force)
-    check_name(path, asked)
-    able, advice = opengl.probe()
-    if not able:
-        console.warn(advice)
-        return 1
-    from ..scene import layout
-
-    part = part_of(ds, span)
-
-    def draw(ds: "xr.Dataset", strict: bool) -> "Picture":
-        settings = replace(asked, span=part, strict=strict)
-        return layout.render(ds, path, where or None, found.name, axes or [], along, settings)
-
-    if found.cells == "one":  # the case is named also where --at was not given
-        indices = selection.case(ds, where).items()
-        case = [f"{name}={selection.write(name, float(ds[name].values[i]))}" for name, i in indices]
-    shown = [*(axes or ([] if found.cells == "one" else schema.axes_of(ds)[:1])), *([along] if along else [])]
-    if study is None:
-        solve = study_scene.solver_of_file(ds, where, shown)
-    else:
-        solve = study_scene.solver_of_study(study_scene.needed_cases(study, ds, found, where, shown))
-        ds = solve(study_scene.FIRST)
-    picture, stations = study_scene.at_needed_stations(ds, solve, draw)
-    solved = f", solved at {stations} stations" if study or stations != ds.sizes["u"] else ""
-    console.say(" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved)
-    if picture.error > pixel_error * (1 + 1e-9):
-        reached = f"{picture.error:.1f} pixels, not {pixel_error:g}: {stations} stations are too few for that"
-        console.warn(f"drawn to within {reached}, about {picture.stations} are needed")
-        return 1
-    return 0
-
-
-def part_of(ds: "xr.Dataset", span: tuple[float | None, float | None]) -> tuple[float, float] | None:
-    """The arc lengths that --from and --to give, or None where neither is given."""
-    if span == (None, None):
-        return None
-    low, high = span
-    return (low or 0.0, float(ds["s"].max()) if high is None else high)
 
 
 def scene(
@@ -174,9 +76,70 @@ def scene(
     A stored study with too few stations is solved again. Exit status 1 if OpenGL does not work on this machine, or if a
     file without a study has too few stations for --pixel-error.
     """
-    from . import animate
+    from ..scene import opengl, scene_kinds
+    from ..scene.settings import Settings, check, check_name, color_range_of, size_of
+    from ..store import schema, selection
+    from ..store.one_case import is_study
+    from . import animate, option_checks, scene_page, study_scene
 
+    at, axes, span = at or [], axis or [], (low, high)
     if out is not None and animate.is_film(out):
-        return animate.film_of(file, at or [], out, force, kind, along)
-    look = Look(camera, color_range, bare, transparent, size)
-    return scene_file(file, at or [], out, force, kind, axis, along, (low, high), pixel_error, dpi, look)
+        return animate.animate(file, along, at, kind or "contact", out=[out], force=force)
+    if out is not None and scene_page.is_page(out):
+        others = [axes, along, low is not None, high is not None, camera, color_range, bare, transparent, size]
+        return scene_page.write(file, at, out, force, kind, any(others))
+    asked = Settings(
+        pixel_error, dpi, camera=camera, color_range=color_range_of(color_range), bare=bare, transparent=transparent,
+        size=size_of(size),
+    )  # fmt: skip
+    check(asked)
+    study = None
+    if is_study(file):
+        study, ds = study_scene.two_stations(file)
+        file = Path(f"{study.name}.h5")
+    else:
+        ds = study_scene.read_dataset(file)
+    found = scene_kinds.kind_of(kind or ("equilibria" if schema.axes_of(ds) == ["equilibrium"] else "contact"))
+    where = option_checks.axis_values(ds, at)
+    case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
+    named = [] if found.name in ("contact", "equilibria") else [found.name, *axes]
+    default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
+    path = option_checks.check(out or default, SUFFIXES, force)
+    check_name(path, asked)
+    able, advice = opengl.probe()
+    if not able:
+        console.warn(advice)
+        return 1
+    from ..scene import layout
+
+    part = _part_of(ds, span)
+
+    def draw(ds: "xr.Dataset", strict: bool) -> "Picture":
+        settings = replace(asked, span=part, strict=strict)
+        return layout.render(ds, path, where or None, found.name, axes, along, settings)
+
+    if found.cells == "one":  # the case is named also where --at was not given
+        indices = selection.case(ds, where).items()
+        case = [f"{name}={selection.write(name, float(ds[name].values[i]))}" for name, i in indices]
+    shown = [*(axes or ([] if found.cells == "one" else schema.axes_of(ds)[:1])), *([along] if along else [])]
+    if study is None:
+        solve = study_scene.solver_of_file(ds, where, shown)
+    else:
+        solve = study_scene.solver_of_study(study_scene.needed_cases(study, ds, found, where, shown))
+        ds = solve(study_scene.FIRST)
+    picture, stations = study_scene.at_needed_stations(ds, solve, draw)
+    solved = f", solved at {stations} stations" if study or stations != ds.sizes["u"] else ""
+    console.say(" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved)
+    if picture.error > pixel_error * (1 + 1e-9):
+        reached = f"{picture.error:.1f} pixels, not {pixel_error:g}: {stations} stations are too few for that"
+        console.warn(f"drawn to within {reached}, about {picture.stations} are needed")
+        return 1
+    return 0
+
+
+def _part_of(ds: "xr.Dataset", span: tuple[float | None, float | None]) -> tuple[float, float] | None:
+    """The arc lengths that --from and --to give, or None where neither is given."""
+    if span == (None, None):
+        return None
+    low, high = span
+    return (low or 0.0, float(ds["s"].max()) if high is None else high)

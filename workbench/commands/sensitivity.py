@@ -3,8 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from . import console
-from .options import At, Dpi, ForceOutput, Json, NoTitle, Style, Width, argument, flag, number, option
+from . import console, tables
+from .options import At, argument, flag, number, option
+from .present import Result, presents
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -13,6 +14,12 @@ CSV = (".csv",)
 Study = Annotated[Path, argument("STUDY", "Shipped study, TOML file, or stored study: a file that run wrote.")]
 
 
+@presents(
+    "Diagram: tornado diagrams, with --global the indices; .png, .pdf or .svg.",
+    "Table, .csv, in full precision.",
+    suffixes=CSV,
+    short="out",
+)
 def sensitivity(
     study: Study,
     at: At = None,
@@ -30,17 +37,7 @@ def sensitivity(
     confidence: Annotated[
         float | None, option("SHARE", "Confidence of the intervals of --global; default: 0.95.", parser=number)
     ] = None,
-    plot: Annotated[
-        Path | None, option("FILE", "Diagram: tornado diagrams, with --global the indices; .png, .pdf or .svg.")
-    ] = None,
-    out: Annotated[Path | None, option("FILE", "Table, .csv, in full precision.", "--out", "-o")] = None,
-    style: Style = "screen",
-    width: Width = None,
-    no_title: NoTitle = False,
-    dpi: Dpi = 200,
-    force: ForceOutput = False,
-    json: Json = False,
-) -> int:  # fmt: skip
+) -> Result:  # fmt: skip
     """Tell what matters: how the observables answer the fields.
 
     Of one case: the exact derivatives, as elasticities, the change in percent for 1 % of a field. --at chooses the case
@@ -48,13 +45,9 @@ def sensitivity(
     """
     from solver.problem.errors import InputError
 
-    from ..figures import legend
-    from ..influence import tables
+    from ..influence import plain_rows
     from . import option_checks
-    from .present import Result, files, present
 
-    sheet = option_checks.page(plot, style, width, no_title)
-    written = files(plot, out, force, suffixes=CSV)
     if whole and fields:
         raise InputError("--fields is an option of the derivatives of one case; --global tells all sampled fields")
     if confidence is not None and not whole:
@@ -63,20 +56,14 @@ def sensitivity(
         table, said = _indices(study, at or [], option_checks.names(show), confidence)
     else:
         table, said = _local(study, at or [], option_checks.names(fields) or None, option_checks.names(show) or None)
-    result = Result(
-        lambda: {**tables.plain(table), "notes": said},
+    return Result(
+        lambda: {**plain_rows.plain(table), "notes": said},
         lambda: _print(table, said),
-        lambda: table,
-        lambda path: tables.write(table, path),
-        "indices" if whole else "tornado",
+        dataset=lambda: table,
+        write=lambda path: plain_rows.write(table, path),
+        figure="indices" if whole else "tornado",
+        names_files=True,
     )
-    drawn = present(result, json, written, dpi, sheet)
-    for note in legend.notes_of(drawn) if drawn and not json else ():
-        console.say(note)
-    for path in (out, plot):
-        if path is not None and not json:
-            console.say(str(path))
-    return 0
 
 
 def _local(
@@ -140,12 +127,12 @@ def _print_local(table: "xr.Dataset") -> None:
 
     names = [str(name) for name in table["field"].values]
     rows = [[name, float(table["at"][i]), str(table["field_unit"].values[i])] for i, name in enumerate(names)]
-    console.print_table(["field", "value", "unit"], [[a, b, "" if c == "1" else c] for a, b, c in rows])
+    tables.print_table(["field", "value", "unit"], [[a, b, "" if c == "1" else c] for a, b, c in rows])
     names = [name for name in names if name not in derivatives.without_effect(table)]
-    heads = [console.heading(name, str(table["amount"].sel(field=name).values)) for name in names]
+    heads = [tables.heading(name, str(table["amount"].sel(field=name).values)) for name in names]
     console.say("")
     cells = [_effects(table, i, names) for i in range(table.sizes["observable"])]
-    console.print_table(["observable", "value", "unit", "in", *heads], cells)
+    tables.print_table(["observable", "value", "unit", "in", *heads], cells)
 
 
 def _effects(table: "xr.Dataset", i: int, fields: list[str]) -> list[str]:
@@ -158,17 +145,17 @@ def _effects(table: "xr.Dataset", i: int, fields: list[str]) -> list[str]:
 
 
 def _print_indices(table: "xr.Dataset") -> None:
-    from ..influence import tables
+    from ..influence import plain_rows
 
     rows = []
-    for row in tables.rows(table):
+    for row in plain_rows.rows(table):
         first, total = (_index(row, key) for key in ("first", "total"))
         rows.append([row["observable"], row["field"], first, total])
-    console.print_table(["observable", "field", "first", "total"], rows)
-    if found := tables.pairs(table):
+    tables.print_table(["observable", "field", "first", "total"], rows)
+    if found := plain_rows.pairs(table):
         console.say("")
         cells = [[row["observable"], f"{row['field']} and {row['other']}", _index(row, "second")] for row in found]
-        console.print_table(["observable", "pair", "second"], cells)
+        tables.print_table(["observable", "pair", "second"], cells)
 
 
 def _index(row: "dict[str, Any]", key: str) -> str:

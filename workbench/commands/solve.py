@@ -4,11 +4,11 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
 
-from . import console
+from . import console, tables
 from .case_options import Given, takes_case
 from .option_checks import parse_choose
 from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Table1, Tol, flag
-from .present import Result, present
+from .present import Result, presents
 
 if TYPE_CHECKING:
     from solver import Solution
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 LOADS = ("FZ", "MZ", "M3")
 
 
+@presents()
 @takes_case()
 def solve(
     file: CaseFile = None,
@@ -32,7 +33,7 @@ def solve(
     choose: Choose = None,
     every: Annotated[bool, flag("Print every number that is found, not only ten.", "--all")] = False,
     json: Json = False,
-) -> int:
+) -> Result:
     """Solve one case and print it.
 
     The case comes from a TOML file, from Table 1 (--table1, --reading, or no option at all), or from options alone.
@@ -81,8 +82,7 @@ def solve(
         "warnings": pipe_state.warnings(sol, asked.units, rows),
         "lift_offs": sol.lift_offs,
     }
-    present(Result(lambda: found, lambda: print_case(found, every, whole)), json)
-    return 0 if sol.solved else 1
+    return Result(lambda: found, lambda: print_case(found, every, whole), 0 if sol.solved else 1)
 
 
 def _which(sol: "Solution", wound: bool) -> str:
@@ -189,7 +189,7 @@ def _print_profile(found: dict[str, Any]) -> None:
     heads = ["", "unit", "s = 0", "middle", "largest", f"at s ({found['units']['length']})", "s = L"]
     rows = [[row["name"], row["unit"], *(f"{row[name]:.4g}" for name in PROFILE)] for row in found["profile"]]
     console.say("")
-    console.print_table(heads, rows)
+    tables.print_table(heads, rows)
     console.say("middle: the mean of the middle third\n")
 
 
@@ -218,12 +218,12 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
         degrees = f" ({turned:.6g} deg)" if turned and math.isfinite(turned) else ""
         shown = f"{value:.10g}" if isinstance(value, float) else value
         rows.append([name, shown, unit, f"{row.long_name}{degrees}" if row else ""])
-    console.print_table(["given", "value", "unit", ""], rows)
+    tables.print_table(["given", "value", "unit", ""], rows)
     console.say("")
     if results := _results(found):
         plain = set(found["observables"]) | set(found["case"]) - set(HEADLINES)  # a load that is given stands above
         shown = [name for name in results if every or name in HEADLINES or name not in plain]
-        console.print_table(
+        tables.print_table(
             ["found", "value", "unit", ""],
             [[name, results[name], _unit(name, found), quantity(name).long_name] for name in shown],
         )

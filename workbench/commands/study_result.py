@@ -1,17 +1,18 @@
-"""Print the outcomes and verdicts of a stored study, for run, check, merge and reproduce."""
+"""The outcomes and verdicts of a stored study, as run, check, merge and reproduce print them."""
 
 from collections.abc import Mapping, Sequence
 from math import floor, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import console
+from . import console, tables
+from .present import Result
 
 if TYPE_CHECKING:
     from ..store.study_store import Ran
 
 
-TOLD = ("sampling", "sampling_caution", "refinement", "equilibria", "branches")  # sentences that a study may have
+SENTENCES = ("sampling", "sampling_caution", "refinement", "equilibria", "branches")  # that a study may have
 
 
 def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None, alternatives: bool = False) -> None:
@@ -34,7 +35,7 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
                          verdict_words.measure(also)])  # fmt: skip
             if detail := verdict_words.detail(also):
                 reasons.append(f"{row['claim']}, {also['observable']}: {detail}")
-    console.print_table(["verdict", "claim", "law", "measured"], rows, title=title)
+    tables.print_table(["verdict", "claim", "law", "measured"], rows, title=title)
     for reason in reasons:
         console.say(reason)
 
@@ -48,11 +49,8 @@ def print_sampling(found: Mapping[str, Any]) -> None:
         console.say(f"caution: {found['sampling_caution']}")
 
 
-def print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
-    """Print how often each outcome occurs but the plain one; of cases with fewer digits also which is the worst.
-
-    How many cases were selected from a list that may be incomplete is said on stderr.
-    """
+def _print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
+    """Print how often each outcome occurs but the plain one; of cases with fewer digits also which is the worst."""
     from solver.choose.selection import INCOMPLETE
     from solver.problem.trajectory import FEWER
 
@@ -68,19 +66,18 @@ def print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
             console.say(f"  {count} x {text}")
     if fewer:
         console.say(f"  {_fewer_digits(fewer, file)}")
-    warn_of_incomplete(outcomes, file)
 
 
-def warn_of_incomplete(outcomes: Mapping[str, int], file: Path) -> None:
-    """Say on stderr in how many cases the list of equilibria may be incomplete, and where this is stored."""
+def _warnings(outcomes: Mapping[str, int], file: Path) -> list[str]:
+    """In how many cases the list of equilibria may be incomplete, and where this is stored."""
     from solver.choose.selection import INCOMPLETE
 
     count = sum(cases for text, cases in outcomes.items() if INCOMPLETE in text)
-    if count:
-        console.warn(
-            f"in {count} of {sum(outcomes.values())} cases the equilibrium was {INCOMPLETE}, so the number of "
-            f"equilibria there is a lower bound; the outcome of each of these cases in {file} says so"
-        )
+    said = (
+        f"in {count} of {sum(outcomes.values())} cases the equilibrium was {INCOMPLETE}, so the number of "
+        f"equilibria there is a lower bound; the outcome of each of these cases in {file} says so"
+    )
+    return [said] if count else []
 
 
 def _fewer_digits(count: int, file: Path) -> str:
@@ -103,39 +100,39 @@ def _fewer_digits(count: int, file: Path) -> str:
     )
 
 
-def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None) -> int:
-    """Print what a stored study holds, and after a run what the run did.
-
-    Returns the exit status of the command check: 0, or 1 if a case is unsolved or a law does not hold.
-    """
+def result_of(found: dict[str, Any], ran: "Ran | None" = None) -> Result:
+    """What a stored study holds, and after a run what the run did; status 1 if a case is unsolved or a law fails."""
     from studies.laws import verdict_words
 
     from ..store import law_verdicts
     from ..words import cautions
 
-    outcomes, cases, unsolved = found["outcomes"], sum(found["outcomes"].values()), found["unsolved"]
+    outcomes, file = found["outcomes"], Path(found["file"])
+    cases, unsolved = sum(outcomes.values()), found["unsolved"]
     status = law_verdicts.status(unsolved, found["laws"])
     caution = cautions.tell(found["cautions"])
-    if as_json:
+
+    def data() -> dict[str, Any]:
         counts = {"cases": cases, "unsolved": unsolved, "outcomes": sorted(outcomes), "caution": caution}
         run = {} if ran is None else {"solved_now": ran.solved, "seconds": ran.seconds}
         named = {name: found[name] for name in ("study", "reading", "file")}
-        named |= {name: found[name] for name in TOLD if found.get(name)}
+        named |= {name: found[name] for name in SENTENCES if found.get(name)}
         laws = {"verdicts": verdict_words.tally(found["laws"]), "laws": found["laws"]}
-        console.print_json({**named, **counts, **run, **laws, "status": status})
-        warn_of_incomplete(outcomes, Path(found["file"]))
-        return status
-    console.say(f"{found['title']}, {found['reading']}" if found["reading"] else found["title"])
-    if found["laws"]:
-        print_verdicts(found["laws"], alternatives=True)
-    console.say(f"{found['file']}: {verdict_words.count_of(cases, 'case')}, {unsolved} unsolved")
-    print_outcomes(outcomes, Path(found["file"]))
-    print_sampling(found)
-    for name in ("equilibria", "branches"):
-        if found.get(name):
-            console.say(found[name])
-    if caution:
-        console.say(f"caution: {caution}")
-    if ran is not None and ran.finished_before:
-        console.say("already complete; use --restart to solve again")
-    return status
+        return {**named, **counts, **run, **laws, "status": status}
+
+    def show() -> None:
+        console.say(f"{found['title']}, {found['reading']}" if found["reading"] else found["title"])
+        if found["laws"]:
+            print_verdicts(found["laws"], alternatives=True)
+        console.say(f"{file}: {verdict_words.count_of(cases, 'case')}, {unsolved} unsolved")
+        _print_outcomes(outcomes, file)
+        print_sampling(found)
+        for name in ("equilibria", "branches"):
+            if found.get(name):
+                console.say(found[name])
+        if caution:
+            console.say(f"caution: {caution}")
+        if ran is not None and ran.finished_before:
+            console.say("already complete; use --restart to solve again")
+
+    return Result(data, show, status, warnings=_warnings(outcomes, file))

@@ -4,14 +4,16 @@ from collections.abc import Mapping
 from math import degrees, floor, log10
 from typing import Any
 
-from . import console, study_result
-from .options import File, Json
-from .present import Result, present
+from . import console, study_result, tables
+from .options import File
+from .present import Result, presents
 
+SPREAD = {name: name for name in ("min", "median", "max", "units")}  # columns of a table
 NUMBERS = ("from", "to", "min", "median", "max", "half_width", "at")  # of a row, in its units
 
 
-def summary(file: File, json: Json = False) -> int:
+@presents()
+def summary(file: File) -> Result:
     """Summarise a stored study, or another file that the workbench stored.
 
     Prints its axes, observables, outcomes, laws and versions, and the cases of the largest error and condition number;
@@ -24,8 +26,7 @@ def summary(file: File, json: Json = False) -> int:
     with reading.raw(file) as ds:
         is_study = file_kinds.kind_of(ds) is file_kinds.STUDY
     found = summarise(file) if is_study else contents(file)
-    present(Result(lambda: found, lambda: (_print if is_study else _print_contents)(found)), json)
-    return 0
+    return Result(lambda: found, lambda: (_print if is_study else _print_contents)(found))
 
 
 def _print_contents(found: dict[str, Any]) -> None:
@@ -35,13 +36,9 @@ def _print_contents(found: dict[str, Any]) -> None:
     console.say(", ".join(f"{name} {size}" for name, size in found["sizes"].items()))
     console.say(f"along the rod: {', '.join(found['along']) or 'nothing'}")
     console.say("")
-    rows = [
-        [_cell(row[key]) for key in ("name", "over", "min", "median", "max", "units")]
-        for row in map(in_degrees, found["numbers"])
-    ]
-    console.print_table(["number", "over", "min", "median", "max", "units"], rows)
+    tables.print_rows(map(in_degrees, found["numbers"]), {"name": "number", "over": "over", **SPREAD})
     given = (
-        f"{row['name']} = {_cell(row['min'])} {'' if row['units'] == '1' else row['units']}"
+        f"{row['name']} = {tables.text_of(row['min'])} {'' if row['units'] == '1' else row['units']}"
         for row in map(in_degrees, found["fields"])
     )
     console.say(", ".join(text.strip() for text in given))
@@ -78,23 +75,19 @@ def _print(found: dict[str, Any]) -> None:
             row = in_degrees(one)
             name = f"{'' if one is axis else '  '}{one['name']}"
             rows.append([name, one["count"] if one is axis else "", *(row[key] for key in ("from", "to", "units"))])
-    console.print_table(["axis", "values", "from", "to", "units"], rows or [["(none)", "", "", "", ""]])
+    tables.print_table(["axis", "values", "from", "to", "units"], rows or [["(none)", "", "", "", ""]])
     study_result.print_sampling(found)
     _print_boundaries(found["boundaries"])
     console.say("")
     if found["observables"]:
-        rows = [
-            [_cell(o[key]) for key in ("name", "min", "median", "max", "units")]
-            for o in map(in_degrees, found["observables"])
-        ]
-        console.print_table(["observable", "min", "median", "max", "units"], rows)
+        tables.print_rows(map(in_degrees, found["observables"]), {"name": "observable", **SPREAD})
         console.say("")
     console.say(f"{found['cases']} cases, {found['unsolved']} unsolved")
     for text, count in found["outcomes"].items():
         console.say(f"  {count} x {text}")
     for worst in found["worst"]:
         at = ", ".join(in_words(name, value) for name, value in worst["at"].items())
-        console.say(f"largest {worst['name']}: {_cell(worst['value'])}{f' at {at}' if at else ''}")
+        console.say(f"largest {worst['name']}: {tables.text_of(worst['value'])}{f' at {at}' if at else ''}")
     for name in ("equilibria", "branches"):
         if found[name]:
             console.say(found[name])
@@ -112,14 +105,15 @@ def _print_boundaries(rows: list[dict[str, Any]]) -> None:
     if not rows:
         return
     console.say("")
+    heads = {"name": "boundary of", "axis": "along", "half_width": "half width"}
     keys = ("name", "axis", "pairs", "from", "to", "half_width", "units")
-    heads = ["boundary of", "along", "pairs", "from", "to", "half width", "units"]
-    console.print_table(heads, [[_cell(row[key]) for key in keys] for row in rows])
+    tables.print_rows(rows, {key: heads.get(key, key) for key in keys})
     for row in rows:
         for place in row["places"]:
             digits = max(1 - floor(log10(place["half_width"])), 0)
             at = f"{row['axis']} = {place['at']:.{digits}f} +- {place['half_width']:.{digits}f} {row['units']}".rstrip()
-            console.say(f"  {row['name']}: {_cell(place['before'])} to {_cell(place['after'])} at {at}")
+            before, after = (tables.text_of(place[key]) for key in ("before", "after"))
+            console.say(f"  {row['name']}: {before} to {after} at {at}")
     for name, unknown in {row["name"]: row["unknown"] for row in rows if row["unknown"]}.items():
         console.say(f"{unknown} pairs of neighbours are not compared: one of the two cases has no number of {name}")
 
@@ -130,7 +124,3 @@ def in_degrees(row: Mapping[str, Any]) -> dict[str, Any]:
         return dict(row)
     shown = {key: degrees(row[key]) for key in NUMBERS if isinstance(row.get(key), float)}
     return {**row, **shown, "units": "deg"}
-
-
-def _cell(value: Any) -> Any:
-    return "-" if value is None else f"{value:.6g}" if isinstance(value, float) else value

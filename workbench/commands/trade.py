@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from . import console
-from .options import Json, option
-from .present import Result, present
+from . import console, tables
+from .options import option
+from .present import Result, presents
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from solver.methods.base import Ladder
 
 
+@presents()
 def trade(
     cases: Annotated[list[str] | None, option("NAMES", "Cases to measure, separated by commas; default: all.")] = None,
     methods: Annotated[
         list[str] | None, option("NAMES", "Methods to measure, separated by commas; default: all.")
     ] = None,
     out: Annotated[Path, option("FOLDER", "Folder for trade.h5 and its pictures.")] = Path("trade"),
-    json: Json = False,
-) -> int:
+) -> Result:
     """Measure the accuracy and the cost of every method.
 
     Each method solves cases with a known solution, at several values of its own setting of accuracy (steps, nodes or
@@ -51,8 +51,7 @@ def trade(
     ds, files = _store(rows, ladders, out, "trade")
     found = comparison.summary_of(ds)
     stored = {"file": str(files[0]), "pictures": [str(picture) for picture in files[1:]]}
-    present(Result(lambda: found | stored, lambda: _print(found, files)), json)
-    return 0
+    return Result(lambda: found | stored, lambda: _print(found, files))
 
 
 def _store(
@@ -81,7 +80,7 @@ def _print(found: Mapping[str, Any], files: Sequence[Path]) -> None:
         for row in found["table"]
     ]
     levels = [f"{best['level']:.0e}" for best in found["table"][0]["cheapest"]]
-    console.print_table(["cheapest method for", *levels], rows)
+    tables.print_table(["cheapest method for", *levels], rows)
     console.say("")
     counts = f"{found['solved']} runs solved, {found['failed']} failed, {found['not run']} omitted as too slow"
     console.say(f"{counts}; {found['machine']}")
