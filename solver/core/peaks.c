@@ -1,8 +1,10 @@
-/* Where a density is largest along a rod: the first place, how far the others are that may be larger, and all places. */
+/* Where a density is largest along a rod: the first place, how far the others are that may be larger, and all places.
+   Where densities turn and change their sign. */
 
 #include "stretches.h"
 
 enum { MOST_ON_A_PART = AT + 1 };
+#define FAINT 1e-9 /* of the largest value: a density that changes by less on a part has no landmark there */
 
 static double begin_of(const workspace *w)
 {
@@ -29,16 +31,23 @@ static double least_of(const workspace *w)
     return least;
 }
 
+/* Adds the places in [-1, 1] where a density stops to rise, or with the sign -1 to fall; returns their number. */
+static int turns_on(const workspace *w, const stretch *p, const double *rate, double sign, double *x)
+{
+    const double *nodes = w->by.nodes;
+    int count = 0;
+    for (int k = 0; k + 1 < AT; k++)
+        if (sign * rate[k] > 0 && sign * rate[k + 1] <= 0)
+            x[count++] = rod_turning_place(p->series, -sign, nodes[k], nodes[k + 1]);
+    return count;
+}
+
 /* Adds the local maxima of a part; returns their number. */
 static int maxima_on(const workspace *w, const stretch *p, double begin, maximum *out)
 {
-    const double *nodes = w->by.nodes;
     double rate[AT], x[MOST_ON_A_PART];
-    int count = 0;
     w->use.through(p->series, w->by.differentiate, rate);
-    for (int k = 0; k + 1 < AT; k++)
-        if (rate[k] > 0 && rate[k + 1] <= 0)
-            x[count++] = rod_turning_place(p->series, -1, nodes[k], nodes[k + 1]);
+    int count = turns_on(w, p, rate, 1, x);
     if (rate[0] <= 0 || p->begin <= begin)
         x[count++] = -1;
     if (rate[AT - 1] >= 0)
@@ -164,4 +173,47 @@ int rod_extremes(const rods *all, int kind, int turned, const double *until, dou
     }
     rod_workspace_free(w);
     return failed;
+}
+
+/* The places in [-1, 1] of a part where the density turns, or, where it is the push, vanishes; returns their number. top: of the
+   density along the rod. */
+static int landmarks_on(const workspace *w, const stretch *p, double top, int push, double *x)
+{
+    double rate[AT];
+    int count = 0;
+    if (range_of(p->series) > FAINT * top) {
+        w->use.through(p->series, w->by.differentiate, rate);
+        count = turns_on(w, p, rate, 1, x);
+        count += turns_on(w, p, rate, -1, x + count);
+    }
+    if (push && fabs(p->series[0]) - range_of(p->series) <= 0 && top > FAINT * highest(p->of.size)) {
+        sign_changes found;
+        rod_changes(w, p->of.values, p->series, &found);
+        for (int k = 0; k < found.count; k++)
+            x[count++] = found.x[k];
+    }
+    return count;
+}
+
+/* The times at which beta, the curvature and the push of one rod turn and the push changes its sign: t (most,), as many as
+   there is room for. Returns their number, or -1 if there is no memory. The others: as of rod_measure. */
+int64_t rod_landmarks(const rods *all, int64_t most, double *t, int lanes)
+{
+    static const int kinds[3] = {ANGLE, CURVATURE, OUTWARD};
+    workspace *w = rod_workspace(all, lanes);
+    int64_t count = 0;
+    int failed = !w || rod_angles(w, 0);
+    for (int k = 0; k < 3 && !failed; k++) {
+        failed = rod_resolved(w, 0, kinds[k], SIGNS, all->goal);
+        const double top = failed ? 0 : larger(rod_largest(w, 1), rod_largest(w, -1));
+        for (int64_t i = 0; i < w->count && !failed; i++) {
+            const stretch *p = &w->parts[i];
+            double x[2 * AT + CROSSINGS];
+            const int found = landmarks_on(w, p, top, kinds[k] == OUTWARD, x);
+            for (int j = 0; j < found && count < most; j++)
+                t[count++] = p->begin + (1 + x[j]) / 2 * p->time;
+        }
+    }
+    rod_workspace_free(w);
+    return failed ? -1 : count;
 }

@@ -14,8 +14,9 @@
    `between` gives the rod between two end angles that Newton's method reaches from another shape, given at times t; or
    null; a third argument: how many nodes it has, beside the usual number. It has error (of beta), nodes t with their beta,
    rate, alpha and z, and at(times): these at other times. `through(problem, nodes)` is such a function for nodes that are
-   known, `forces(problem, sign, beta, rate)` gives push, curvature and tension, and `measure(problem, sign, error, rod)`
-   the integrals and extremes along a rod, all in units of A and rho. */
+   known, `forces(problem, sign, beta, rate)` gives push, curvature and tension, `measure(problem, sign, error, rod)` the
+   integrals and extremes along a rod, and `landmarks(problem, sign, rod, most)` where it has them, all in units of A and
+   rho. */
 "use strict";
 const RodCore = (() => {
   const ENDS = ["lost", "turns", "goes round"];
@@ -25,7 +26,7 @@ const RodCore = (() => {
   const CURVATURE = 1, OUTWARD = 4, TENSION = 5, ROWS = 7; // kinds of densities in densities.h; rows of one
   const MEASURED = ["low", "high", "curvature", "tightest", "bending", "potential", "pushed", "pulled", "share", "least",
                     "most", "push", "lifts", "tension", "turned", "risen", "peak"]; // NUMBERS of core/measures.py
-  const SERIES = 1e-11; // error that a series of a density may have, relative
+  const SERIES = 1e-11, FINE = 1e-7; // error that a series of a density may have, relative: measured, and of landmarks
   const BY_ANGLE = 2, ORDER = 20; // columns of derivatives; order of their series
   const NEWTON = {columns: BY_ANGLE, deep: 13}; // for Newton's method
   const LEFT_OUT = 1e-17, ROUGH = 1e-12; // of the scales, by a step of a march; by one for Newton's method
@@ -42,20 +43,20 @@ const RodCore = (() => {
     if (own._initialize) own._initialize();
     let room = {at: 0, bytes: 0};
 
-    /* Memory for so many numbers; it is kept for the next call. */
-    function reserve(numbers) {
-      const bytes = 8 * numbers;
+    /* Memory for arrays of so many numbers: where each begins. It is kept for the next call. */
+    function reserve(...sizes) {
+      const bytes = 8 * sizes.reduce((sum, size) => sum + size, 0);
       if (bytes > room.bytes) {
         if (room.at) own.free(room.at);
         room = {at: own.malloc(bytes), bytes};
         if (!room.at) throw new Error(`no memory for ${bytes} bytes`);
       }
-      return room.at;
+      let place = room.at;
+      return sizes.map(size => (place += 8 * size) - 8 * size);
     }
 
     function solve(problem, tol, times) {
-      const n = times.length, at = reserve(6 + ORBIT / 8 + 6 * n);
-      const orbit = at + 48, t = orbit + ORBIT, rows = [1, 2, 3, 4, 5].map(k => t + 8 * n * k);
+      const n = times.length, [at, orbit, t, ...rows] = reserve(6, ORBIT / 8, ...Array(6).fill(n));
       let numbers = new Float64Array(own.memory.buffer);
       numbers.set(["lam", "mu", "phi", "span", "beta0", "dbeta0"].map(name => problem[name]), at / 8);
       numbers.set(times, t / 8);
@@ -78,11 +79,9 @@ const RodCore = (() => {
     function march(problem, begin, lengths, how) {
       const {columns = 0, deep = ORDER, judged = false, shorter = 1, leftOut = LEFT_OUT, first = null, stations = []} = how;
       const n = lengths.length, m = stations.length, {lam, mu, phi} = problem;
-      const sizes = [PARAMETERS, STATES, STATES * n, n, STATES * n, STATES * n * columns, 6 * n, 2 * n, n, n + 1, m,
-                     STATES / 2, STATES * m];
-      let place = reserve(sizes.reduce((sum, size) => sum + size, 0));
       const [rod, goal, state, length, end, derived, growth, errors, steps, from, times, rows, out] =
-        sizes.map(size => (place += 8 * size) - 8 * size);
+        reserve(PARAMETERS, STATES, STATES * n, n, STATES * n, STATES * n * columns, 6 * n, 2 * n, n, n + 1, m, STATES / 2,
+                STATES * m);
       const numbers = new Float64Array(own.memory.buffer);
       numbers.set([1, 0, 0, 0, 0, 0, 1], rod / 8); // neither weight nor friction; gamma is not read
       numbers.set(scaleOf(problem).map(size => size * leftOut), goal / 8);
@@ -176,31 +175,46 @@ const RodCore = (() => {
 
     /* Push, curvature and tension, [1/rho], at as many points as beta and rate; sign: 1 outside the cylinder, -1 inside. */
     function forces({lam, mu, phi}, sign, beta, rate) {
-      const n = beta.length, loads = reserve(4 + (2 + ROWS) * n), [angle, speed, out] = [0, 1, 2].map(k => loads / 8 + 4 + k * n);
+      const n = beta.length, [loads, angle, speed, out] = reserve(4, n, n, ROWS * n);
       const numbers = new Float64Array(own.memory.buffer);
-      numbers.set([lam, mu, phi, sign], loads / 8), numbers.set(beta, angle), numbers.set(rate, speed);
+      numbers.set([lam, mu, phi, sign], loads / 8), numbers.set(beta, angle / 8), numbers.set(rate, speed / 8);
       const values = kind => {
-        own.rod_densities(kind, 1n, BigInt(n), loads, 8 * angle, 8 * speed, 8 * out);
-        return numbers.slice(out, out + n);
+        own.rod_densities(kind, 1n, BigInt(n), loads, angle, speed, out);
+        return numbers.slice(out / 8, out / 8 + n);
       };
       return {push: values(OUTWARD), curvature: values(CURVATURE), tension: values(TENSION)};
     }
 
-    /* What is measured along a rod that is known at times that rise, {t, beta, rate}: the numbers of `MEASURED`. error: of
-       beta. */
-    function measure({lam, mu, phi}, sign, error, {t, beta, rate}) {
-      const n = t.length, sizes = [5, n, n, n, 18 * n, 2 * MEASURED.length];
-      let place = reserve(sizes.reduce((sum, size) => sum + size, 0));
-      const [given, times, angle, speed, room, out] = sizes.map(size => (place += 8 * size) - 8 * size);
+    /* What a function of the core writes of a rod that is known at times that rise, {t, beta, rate}: at most so many numbers.
+       error: of beta. call(n, the rod, memory): of the core. */
+    function along({lam, mu, phi}, sign, error, {t, beta, rate}, size, call) {
+      const n = t.length, [given, times, angle, speed, memory, out] = reserve(6, n, n, n, 18 * n + 2, size);
       const numbers = new Float64Array(own.memory.buffer);
-      numbers.set([lam, mu, phi, sign, error], given / 8);
+      numbers.set([lam, mu, phi, sign, error, t[n - 1] - t[0]], given / 8);
       numbers.set(t, times / 8), numbers.set(beta, angle / 8), numbers.set(rate, speed / 8);
-      if (own.rod_measure_stations(BigInt(n), given, times, angle, speed, SERIES, room, out)) throw new Error("no memory");
-      const values = new Float64Array(own.memory.buffer, out, MEASURED.length); // the call may have moved the memory
+      const count = call(BigInt(n), [given, times, angle, speed], memory, out);
+      return new Float64Array(own.memory.buffer, out, size).slice(0, count); // the call may have moved the memory
+    }
+
+    /* What is measured along it: the numbers of `MEASURED`. */
+    function measure(problem, sign, error, rod) {
+      const values = along(problem, sign, error, rod, 2 * MEASURED.length, (n, known, memory, out) => {
+        if (own.rod_measure_stations(n, ...known, SERIES, memory, out)) throw new Error("no memory");
+        return MEASURED.length;
+      });
       return Object.fromEntries(MEASURED.map((name, k) => [name, values[k]]));
     }
 
-    return {solve, between, through, forces, measure};
+    /* The times at which its angle, curvature and push are largest or least, or its push changes sign: at most so many. */
+    function landmarks(problem, sign, rod, most) {
+      return along(problem, sign, 0, rod, most, (n, known, memory, out) => {
+        const count = Number(own.rod_landmarks_of_stations(n, ...known, FINE, memory, BigInt(most), out));
+        if (count < 0) throw new Error("no memory");
+        return count;
+      });
+    }
+
+    return {solve, between, through, forces, measure, landmarks};
   }
 
   /* The sizes of the states, by which the errors of steps are judged; the sixth is 1 over the length on which the shape

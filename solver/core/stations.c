@@ -46,27 +46,41 @@ void rod_station_series(int64_t rods, int64_t n, const double *loads, const doub
         }
 }
 
-/* All numbers of one rod that is known at n stations, as `rod_measure` gives them; for browsers, which have no Python to
-   make pieces.
+/* The pieces of one rod between n stations, for browsers, which have no Python to make them. They stand in `room`, (18 n + 2,).
 
-   given: lam, mu, phi, the sign of the push and the error of beta. room: (18 n,), for what is made. out: (2, NUMBERS). */
+   given: lam, mu, phi, the sign of the push, the error of beta and the span. goal: allowed error of series, relative. */
+static rods pieces_of(int64_t n, const double *given, const double *t, const double *beta, const double *rate, double goal,
+                      double *room)
+{
+    double *series = room, *ends = room + 12 * n, *time = ends + 2 * n, *begin = time + n, *row = begin + n;
+    double *count = row + n, *first = count + n;
+    int64_t *firsts = (int64_t *)first, *rows = (int64_t *)row;
+    rod_station_series(1, n, given, t, beta, rate, series);
+    firsts[0] = firsts[1] = 0;
+    for (int64_t i = 0; i + 1 < n; i++) {
+        const int64_t k = firsts[1];
+        ends[k] = -1, ends[n + k] = 1, time[k] = t[i + 1] - t[i], begin[k] = t[i], rows[k] = i, count[k] = 1;
+        firsts[1] += time[k] > 0; /* two stations may be one */
+    }
+    return (rods){
+        .coefficients = QUINTIC, .kinds = 2, .groups = -1, .goal = goal, .series = series, .first = firsts, .row = rows,
+        .low = ends, .high = ends + n, .time = time, .count = count, .begin = begin, .lam = given, .mu = given + 1,
+        .phi = given + 2, .span = given + 5, .beta0 = beta, .sign = given + 3, .error = given + 4,
+    };
+}
+
+/* All numbers of one rod that is known at stations, as `rod_measure` gives them, (2, NUMBERS). */
 int rod_measure_stations(int64_t n, const double *given, const double *t, const double *beta, const double *rate,
                          double goal, double *room, void *out)
 {
-    double *series = room, *ends = room + 12 * n, *time = ends + 2 * n, *begin = time + n, *row = begin + n;
-    const double loads[3] = {given[0], given[1], given[2]}, span = t[n - 1] - t[0];
-    int64_t first[2] = {0, 0}, *rows = (int64_t *)row;
-    double *count = row + n;
-    rod_station_series(1, n, loads, t, beta, rate, series);
-    for (int64_t i = 0; i + 1 < n; i++) {
-        const int64_t k = first[1];
-        ends[k] = -1, ends[n + k] = 1, time[k] = t[i + 1] - t[i], begin[k] = t[i], rows[k] = i, count[k] = 1;
-        first[1] += time[k] > 0; /* two stations may be one */
-    }
-    const rods one = {
-        .coefficients = QUINTIC, .kinds = 2, .groups = -1, .goal = goal, .series = series, .first = first, .row = rows,
-        .low = ends, .high = ends + n, .time = time, .count = count, .begin = begin, .lam = given, .mu = given + 1,
-        .phi = given + 2, .span = &span, .beta0 = beta, .sign = given + 3, .error = given + 4,
-    };
+    const rods one = pieces_of(n, given, t, beta, rate, goal, room);
     return rod_measure(&one, out, 0, 1, 1);
+}
+
+/* The landmarks of one rod that is known at stations, as `rod_landmarks` gives them. */
+int64_t rod_landmarks_of_stations(int64_t n, const double *given, const double *t, const double *beta, const double *rate,
+                                  double goal, double *room, int64_t most, double *out)
+{
+    const rods one = pieces_of(n, given, t, beta, rate, goal, room);
+    return rod_landmarks(&one, most, out, 1);
 }

@@ -125,5 +125,6 @@ int rod_measure(const rods *, numbers *out, int64_t begin, int64_t end, int lane
 
 /* peaks.c */
 int rod_first_peak(workspace *, double doubt, double span, double barely, double *value, double *error);
+int64_t rod_landmarks(const rods *, int64_t most, double *t, int lanes);
 
 #endif

@@ -171,7 +171,7 @@ def test_a_rod_is_ringed_where_the_stills_ring_it() -> None:
     assert away.min(axis=0).max() < 0.2 * line.a
 
 
-def test_the_peaks_of_the_push_are_stations_so_that_equal_peaks_are_drawn_equal() -> None:
+def test_peaks_and_zeros_of_the_push_are_stations_so_that_equal_peaks_are_drawn_equal() -> None:
     script = (
         SHAPE + "const [{ y }] = curves.diagrams(shape, given.units).filter(({ key }) => key === 'push'); answer(y);"
     )
@@ -180,7 +180,11 @@ def test_the_peaks_of_the_push_are_stations_so_that_equal_peaks_are_drawn_equal(
     peaks = inner[(inner > push[:-2]) & (inner > push[2:]) & (inner > 100)]
     highest = peaks[peaks > 170]
     assert len(highest) == 6
-    assert np.ptp(highest) < 1e-4 * highest.max()
+    np.testing.assert_allclose(highest, observe(solve(case_of(state())), ["push_max"])["push_max"], rtol=1e-8)
+    change = np.flatnonzero(np.diff(np.sign(push)))
+    assert len(change) == 18
+    # a zero is found on quintics between every third station
+    assert np.minimum(np.abs(push[change]), np.abs(push[change + 1])).max() < 1e-5 * highest.max()
 
 
 def test_beside_an_unstable_equilibrium_the_shape_is_marched_whole() -> None:

@@ -1,5 +1,6 @@
 // Observables of a shape, in its units, of what the core measures along the rod.
 
+import { every } from "./rod_shape.mjs";
 import { crossings } from "./self_contact.mjs";
 
 const STEP = 2; // every second station is enough for polynomials of order five
@@ -11,9 +12,7 @@ export function observables(shape) {
     { A, C, rho, L } = one,
     last = s.length - 1;
   if (one.varies) return shape.numbers;
-  const thin = (row, scale) => row.filter((_, i) => i % STEP === 0 || i === row.length - 1).map((v) => v * scale),
-    rod = { t: thin(even.s, 1 / rho), beta: thin(even.beta, 1), rate: thin(even.dbeta, rho) },
-    read = shape.core.measure(shape.problem, one.sign, shape.error || 0, rod);
+  const read = shape.core.measure(shape.problem, one.sign, shape.error || 0, every(even, STEP, one));
   const noise = Math.max(ROUNDING, 10 * shape.error),
     steady = read.high - read.low < noise,
     unit = A / (rho * rho * L),

@@ -7,7 +7,7 @@ const LEAST = 301,
   MOST = 8001; // stations of a shape
 const A_HALF_PERIOD = 40; // stations that each half period of beta has at least
 const TURN = 0.09; // rad by which beta or the azimuth may change between two stations
-const ZERO_ROUNDS = 3;
+const THINNED = 3; // stations of which one is enough to find landmarks between them
 const ROUGHER = 2.7; // times these distances, where MOST stations are too few; a still longer rod is shown in part
 const SERVED = ["beta", "dbeta", "alpha", "z", "push", "kappa", "tension", "axial"]; // of a rod whose loads vary
 const LARGEST = 1e12; // a number of the dimensionless problem
@@ -159,69 +159,22 @@ function along(core, one, problem, orbit) {
 
 /* The arrays over s, with the extremes of beta, push and curvature and the zeros of the push as further stations. */
 function made(core, one, at, s, facts) {
-  const even = at(s);
-  const peaks = ["beta", "push", "kappa"].flatMap((name) =>
-    sharpened(peaksOf(s, even[name]), name, s[1] / 10, at),
-  );
-  const more = at(Float64Array.from([...peaks, ...zerosOf(even, at)]).sort());
-  return { core, one, at, even, ...(more.s.length ? merged(even, more) : even), ...facts };
+  const even = at(s),
+    all = one.varies ? even : merged(even, at(landmarksOf(core, one, even, facts.problem)));
+  return { core, one, at, even, ...all, ...facts };
 }
 
-/* Extremes again, by the parabola through values a little before and after each. */
-function sharpened(peaks, name, h, at) {
-  if (!peaks.length) return peaks;
-  const near = Float64Array.from(peaks.flatMap((s) => [s - h, s, s + h])),
-    values = at(near)[name];
-  return peaks.map((s, k) => {
-    const left = values[3 * k + 1] - values[3 * k],
-      right = values[3 * k + 2] - values[3 * k + 1];
-    const off = left === right ? 0 : (left + right) / (left - right) / 2;
-    return Math.abs(off) < 5 ? s + h * off : s;
-  });
+/* Where they are; those of a rod whose loads vary are not known between its stations. */
+function landmarksOf(core, one, even, problem) {
+  const few = every(even, THINNED, one);
+  return core.landmarks(problem, one.sign, few, 2 * even.s.length).map((t) => t * one.rho).sort();
 }
 
-/* Where a row of values has its inner extremes: the vertex of the parabola through three stations. */
-export function peaksOf(s, values) {
-  const found = [];
-  let size = 0;
-  for (const v of values) size = Math.max(size, Math.abs(v));
-  for (let i = 1; i < s.length - 1; i++) {
-    const left = values[i] - values[i - 1],
-      right = values[i + 1] - values[i];
-    if (!(left * right < 0) || Math.abs(left) + Math.abs(right) < 1e-9 * size) continue;
-    found.push(
-      Math.min(
-        Math.max(s[i] + ((s[i + 1] - s[i]) / 2) * ((left + right) / (left - right)), (s[i - 1] + s[i]) / 2),
-        (s[i] + s[i + 1]) / 2,
-      ),
-    );
-  }
-  return found;
+/* Every so many of the stations and the last, dimensionless. */
+export function every(even, step, { rho }) {
+  const thin = (row, scale) => row.filter((_, i) => i % step === 0 || i === row.length - 1).map((v) => v * scale);
+  return { t: thin(even.s, 1 / rho), beta: thin(even.beta, 1), rate: thin(even.dbeta, rho) };
 }
-
-/* Where the push changes its sign: bracketed by two stations and found by the Illinois rule. */
-function zerosOf({ s, push }, at) {
-  const ends = [];
-  for (let i = 1; i < s.length; i++)
-    if (push[i - 1] < 0 !== push[i] < 0)
-      ends.push({ low: s[i - 1], high: s[i], fLow: push[i - 1], fHigh: push[i], side: 0 });
-  for (let round = 0; round < ZERO_ROUNDS && ends.length; round++) {
-    const values = at(Float64Array.from(ends, chordZero)).push;
-    ends.forEach((e, k) => {
-      const where = chordZero(e);
-      if (values[k] < 0 === e.fLow < 0) {
-        e.fHigh *= e.side === -1 ? 0.5 : 1;
-        Object.assign(e, { low: where, fLow: values[k], side: -1 });
-      } else {
-        e.fLow *= e.side === 1 ? 0.5 : 1;
-        Object.assign(e, { high: where, fHigh: values[k], side: 1 });
-      }
-    });
-  }
-  return ends.map(chordZero);
-}
-
-const chordZero = ({ low, high, fLow, fHigh }) => (fLow === fHigh ? low : low - (fLow * (high - low)) / (fHigh - fLow));
 
 /* Two sets of arrays over s as one, in order of s. */
 function merged(first, second) {
