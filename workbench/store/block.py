@@ -22,7 +22,7 @@ from ..words.outcomes import NO_BRANCH
 from .case_solutions import State, show, solve_one
 from .schema import LOADS, Columns, inner_shape
 from .shards import encode
-from .sweep import grid_of, walk_states
+from .sweep import states_of_block
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ def join(parts: list[Columns]) -> Columns:
 def block_of(study: Study, part: Chunk) -> Columns:
     """The columns of one block."""
     if study.sweeps:
-        states = walk_states(study, grid_of(study, part.shape), part.values, part.start, part.states)
+        states = states_of_block(study, part.shape, part.values, part.start, part.states)
         return join([_columns_of(study, state) for state in states])
     case = study.case_of(part.values)
     sol = solve_one(case, study.equilibrium, study.tol, study.method, study.stations)

@@ -9,8 +9,9 @@ at the cases that came with its block, so the bits do not depend on which worker
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,34 +77,18 @@ def block_size(shape: tuple[int, ...], most: int) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class Spine:
-    """The cases from which blocks begin, each compared with those before it when it is first needed."""
+class States:
+    """The states of the cases of a sweep, each found when it is first needed, after the case that it continues from.
+
+    values: the fields that vary of a case, by its place. keeps: whether the state of a case is kept, by its place.
+    known: those that are.
+    """
 
     study: Study
-    coordinates: Mapping[str, NDArray[np.float64]]
-    block: int
+    grid: Grid
+    values: Callable[[int], dict[str, float]]
+    keeps: Callable[[int], bool]
     known: dict[int, State] = field(default_factory=dict)
-
-    @property
-    def grid(self) -> Grid:
-        return grid_of(self.study, tuple(values.size for values in self.coordinates.values()))
-
-    def first(self) -> State:
-        """The state of the first case."""
-        return self.state(self.grid.place(self.grid.first))
-
-    def hand_over(self, start: int, stop: int) -> dict[int, State]:
-        """The states that the blocks of the cases `start` to `stop` begin with."""
-        wanted: list[int] = []
-        for a in range(start, stop, self.block):
-            b = min(a + self.block, stop)
-            wanted += range(a, b) if self._keeps_all else [entry for _, _, entry in self.grid.pieces(a, b)]
-        return {place: self.state(place) for place in wanted}
-
-    def nearest(self, values: Mapping[str, float]) -> State:
-        """The state of the case nearest to these values of the axes."""
-        rows = self.coordinates.items()
-        return self.state(self.grid.place(tuple(int(np.abs(row - values[name]).argmin()) for name, row in rows)))
 
     def state(self, place: int) -> State:
         """The state of one case."""
@@ -115,18 +100,54 @@ class Spine:
             at = None if parent is None else parent[0]
         state = None if at is None else self.known[at]
         for here, parent in reversed(way):
-            state = self._solve_place(here, parent, state)
-            if self._keeps(here):
+            state = self._continue(here, parent, state)
+            if self.keeps(here):
                 self.known[here] = state
         assert state is not None
         return state
 
-    def _solve_place(self, place: int, parent: tuple[int, int] | None, before: State | None) -> State:
-        case = self.study.case_of(self._values(place))
+    def _continue(self, place: int, parent: tuple[int, int] | None, before: State | None) -> State:
+        case = self.study.case_of(self.values(place))
         if parent is None or before is None:
             return state_of(select(self.study, case), 0)
-        name = list(self.coordinates)[parent[1]]
-        return step(self.study, case, before, place, name, self._values(parent[0])[name])
+        neighbour, axis = self.values(parent[0]), parent[1]
+        name = list(neighbour)[axis]
+        return step(self.study, case, before, place, name, neighbour[name])
+
+
+@dataclass(frozen=True, eq=False)
+class Spine:
+    """The cases from which the blocks of a sweep begin. coordinates: of each axis. block: cases in a block."""
+
+    study: Study
+    coordinates: Mapping[str, NDArray[np.float64]]
+    block: int
+
+    @property
+    def grid(self) -> Grid:
+        return Grid(tuple(values.size for values in self.coordinates.values()), self.study.followed is not None)
+
+    @cached_property
+    def _states(self) -> States:
+        return States(self.study, self.grid, self._values, self._keeps)
+
+    def first(self) -> State:
+        """The state of the first case."""
+        return self._states.state(self.grid.place(self.grid.first))
+
+    def hand_over(self, start: int, stop: int) -> dict[int, State]:
+        """The states that the blocks of the cases `start` to `stop` begin with."""
+        wanted: list[int] = []
+        for a in range(start, stop, self.block):
+            b = min(a + self.block, stop)
+            wanted += range(a, b) if self._keeps_all else [entry for _, _, entry in self.grid.pieces(a, b)]
+        return {place: self._states.state(place) for place in wanted}
+
+    def nearest(self, values: Mapping[str, float]) -> State:
+        """The state of the case nearest to these values of the axes."""
+        rows = self.coordinates.items()
+        cell = tuple(int(np.abs(row - values[name]).argmin()) for name, row in rows)
+        return self._states.state(self.grid.place(cell))
 
     def _values(self, place: int) -> dict[str, float]:
         cell = self.grid.cell(place)
@@ -146,29 +167,17 @@ class Spine:
         return any(place == entry for _, _, entry in grid.pieces(start, stop))
 
 
-def grid_of(study: Study, shape: tuple[int, ...]) -> Grid:
-    """The order of the cases of a study."""
-    return Grid(shape, study.followed is not None)
-
-
-def walk_states(
-    study: Study, grid: Grid, values: Mapping[str, NDArray[np.float64]], start: int, known: Mapping[int, State]
-) -> list[State]:
+def states_of_block(
+    study: Study, shape: tuple[int, ...], values: Mapping[str, NDArray[np.float64]], start: int,
+    known: Mapping[int, State],
+) -> Iterator[State]:  # fmt: skip
     """The states of the cases from `start` on, in order, each after one of those known.
 
-    values: of each axis, (cases,).
+    shape: of the grid. values: of each axis, (cases,).
     """
-    cases = next(iter(values.values())).size
-    name = list(values)[-1]
-    found: dict[int, State] = {}
-    for a, b, entry in grid.pieces(start, start + cases):
-        found[entry] = known[entry]
-        for way, last in ((1, b), (-1, a - 1)):
-            for place in range(entry + way, last, way):
-                if place in known:
-                    found[place] = known[place]
-                    continue
-                case = study.case_of({axis: row[place - start] for axis, row in values.items()})
-                neighbour = float(values[name][place - way - start])
-                found[place] = step(study, case, found[place - way], place, name, neighbour)
-    return [found[start + i] for i in range(cases)]
+
+    def place_values(place: int) -> dict[str, float]:
+        return {name: float(row[place - start]) for name, row in values.items()}
+
+    states = States(study, Grid(shape, study.followed is not None), place_values, lambda place: True, dict(known))
+    return (states.state(start + i) for i in range(next(iter(values.values())).size))
