@@ -21,7 +21,7 @@ from tests.workbench import forked, runs, small
 from tests.workbench.command import exit_status
 from workbench.figures import canvas, study_figure
 from workbench.scene import opengl
-from workbench.store import checksums, in_memory, reading, schema, stored_run, writing
+from workbench.store import checksums, growth, in_memory, reading, schema, writing
 from workbench.store.study_store import run_to_file
 from workbench.words import escaping
 
@@ -203,12 +203,12 @@ def test_an_output_that_is_there_is_looked_at_with_the_same_care(tmp_path: Path)
     path, other = tmp_path / "many.h5", tmp_path / "other.h5"
     study = load(str(runs.study(tmp_path, runs.grid(2, 2))))
     run_to_file(study, path)
-    assert stored_run.look(path) is not None
+    assert growth.look(path) is not None
     shutil.copy(path, other)
     with h5py.File(path, "a") as file:
         del file["E"]
         file["E"] = h5py.ExternalLink("other.h5", "/E")  # the very same values
-    assert stored_run.look(path) is None
+    assert growth.look(path) is None
 
 
 AS_NOBODY = """

@@ -18,7 +18,7 @@ from tests.workbench import runs, small
 from tests.workbench.command import run
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench.figures import canvas, kinds, map_figure, study_figure, thumbnails
-from workbench.store import block, file_merge, in_memory, law_verdicts, reading, refined, writing
+from workbench.store import block, file_merge, in_memory, law_verdicts, reading, recipe, refined, writing
 from workbench.store.boundary import boundary, boundary_of_law
 from workbench.store.file_summary import summary
 from workbench.store.study_store import Options, run_to_file
@@ -237,6 +237,15 @@ def test_a_larger_budget_continues_where_the_smaller_one_ended(stored: Path, tmp
             np.testing.assert_allclose(ds[name], whole[name], rtol=1e-9)
     done = run_to_file(work, path, Options(workers=1))  # a smaller one is another refinement
     assert done.solved == first.size
+
+
+def test_a_complete_file_of_other_code_is_replaced_as_that_of_a_grid(stored: Path, tmp_path, monkeypatch) -> None:
+    path, said = tmp_path / "small.h5", list[str]()
+    path.write_bytes(stored.read_bytes())
+    monkeypatch.setattr(recipe, "code_version", lambda: "0.2.0+new")
+    done = run_to_file(study(PLANE + LAW), path, Options(workers=1), said.append)
+    assert done.solved == reading.open_study(stored).sizes["sample"]
+    assert re.match(r"replaces the results in .*small\.h5, which differ: code was [^;]*, now 0\.2\.0\+new$", said[0])
 
 
 def test_another_watched_number_is_another_run(stored: Path, tmp_path) -> None:

@@ -297,9 +297,9 @@ def test_shards_of_other_code_or_a_newer_format_are_refused(tmp_path, monkeypatc
     for old, new, sentence in (
         (f'"numpy": "{np.__version__}"', '"numpy": "1.0"', f"numpy was 1.0, now {np.__version__}"),
         (recipe.code_version(), "0.0.1+abc", r"code was 0\.0\.1\+abc, now"),
-        ('"format": 2', '"format": 3', "is of format 3, but this version reads format 2"),
-        ('"format": 2', '"format": 1', "is of format 1, .* reads format 2; use --restart to discard it"),
-        ('"format": 2', '"form": 2', "is damaged; use --restart to discard"),
+        ('"format": 3', '"format": 4', "is of format 4, but this version reads format 3"),
+        ('"format": 3', '"format": 2', "is of format 2, .* reads format 3; use --restart to discard it"),
+        ('"format": 3', '"form": 2', "is damaged; use --restart to discard"),
         (text, "{", "is damaged; use --restart to discard"),
     ):
         assert old in text

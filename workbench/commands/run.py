@@ -80,7 +80,7 @@ def _say(text: str) -> None:
 
 def _check_free(path: Path, name: str, force: bool) -> None:
     """Raise `InputError` if `path` holds something that may not be replaced; imports xarray only if it must look."""
-    from ..store.stored_run import look
+    from ..store.growth import look
 
     there = look(path)
     if force or (there is not None and there.name == name):

@@ -20,8 +20,8 @@ from studies.language import expressions
 from ..words import cautions
 from ..words.outcomes import NO_BRANCH
 from .case_solutions import State, show, solve_one
-from .schema import LOADS, Columns, inner_shape
-from .shards import encode
+from .schema import JUDGED, LOADS, Columns, curve_name, inner_shape
+from .shards import encode, join
 from .sweep import states_of_block
 
 
@@ -58,11 +58,6 @@ def solve_chunk(study: Study, chunk: Chunk, block: int) -> bytes:
     return encode(join([block_of(study, part) for part in chunk.blocks(block)]))
 
 
-def join(parts: list[Columns]) -> Columns:
-    """Columns concatenated."""
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-
-
 def block_of(study: Study, part: Chunk) -> Columns:
     """The columns of one block."""
     if study.sweeps:
@@ -91,7 +86,8 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
     mine = np.asarray(sol.solved).reshape(-1)
     found: Columns = {}
     for name in study.outputs:
-        found[name] = _where(mine, np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *inner_shape(name)))
+        along = np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *inner_shape(name))
+        found[curve_name(name)] = _where(mine, along)
     # in one call, as several observables share what they are measured from
     observed, remarks = expressions.observables_of(study, sol, (*study.wanted, *cautions.JUDGED), given or {})
     for name in study.recorded:
@@ -101,7 +97,7 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
     found["outcome"] = _with_remarks(outcomes, np.where(mine, _incomplete(sol), ""))
     caution = cautions.of_cases(sol, observed, study.units.length)
     found["caution"] = np.asarray(caution).reshape(-1)
-    for name in ("error", "condition", *(name for name in LOADS if name not in study.varied)):
+    for name in (*JUDGED, *(name for name in LOADS if name not in study.varied)):
         found[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)
     for name in study.reactions:
         found[name] = np.asarray(sol.held_index if name == "held_index" else sol.reactions[name], float).reshape(-1)
@@ -123,10 +119,11 @@ def _with_remarks(outcomes: NDArray[Any], remarks: NDArray[Any]) -> NDArray[Any]
 
 def unsolved(study: Study, cases: int, outcome: str) -> Columns:
     """The columns of cases that were not solved, with that outcome."""
-    found = {name: np.full((cases, study.stations, *inner_shape(name)), np.nan) for name in study.outputs}
+    along = {curve_name(name): (cases, study.stations, *inner_shape(name)) for name in study.outputs}
+    found = {name: np.full(shape, np.nan) for name, shape in along.items()}
     for name in (*study.recorded, *study.reactions, *(name for name in LOADS if name not in study.varied)):
         found[name] = np.full(cases, np.nan)
-    found |= {name: np.full(cases, np.inf) for name in ("error", "condition")}
+    found |= {name: np.full(cases, np.inf) for name in JUDGED}
     found |= {"branch": np.full(cases, NO_BRANCH)} if study.sweeps else {}
     solved = np.zeros(cases, dtype=bool)
     return {**found, "solved": solved, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}

@@ -4,7 +4,6 @@ import json
 import os
 import platform
 from collections.abc import Mapping
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 
@@ -27,10 +26,9 @@ from .schema import (
     LOADS,
     Columns,
     attributes_of_case,
-    curve_name,
+    case_variables,
     dimension,
     labels,
-    labels_in,
     laws_text,
     numbers_of_case,
     version_of,
@@ -46,53 +44,25 @@ AT_STATIONS = (
 MOST_LENGTHS = 10_000  # lengths of rods of which s is stored where no array along the rod is
 
 
-@dataclass(frozen=True)
-class Stored:
-    """A variable over the axes: its column, its name in the file, its dimensions and its quantity."""
-
-    column: str
-    name: str
-    dims: tuple[str, ...]
-    row: str
-
-
-def store(study: Study, over: Dimensions) -> list[Stored]:
-    """Every variable that is stored of each case, in order. over: the samples and axes of the study."""
-    axes, varied = tuple(map(dimension, over.names)), set(map(dimension, over.fields))
-    rows = []
-    for name in study.outputs:
-        rows.append(Stored(name, curve_name(name), (*axes, "u", *INNER.get(name, ())), name))
-    for name in (
-        *study.recorded,
-        "solved",
-        "outcome",
-        "caution",
-        *(["branch"] if study.sweeps else []),
-        "error",
-        "condition",
-        *(load for load in LOADS if load not in (*varied, *study.recorded)),
-        *study.reactions,
-    ):
-        rows.append(Stored(name, name, axes, name))
-    return rows
-
-
-def make(study: Study, over: Dimensions, columns: Columns, first: str = "", case: Case | None = None) -> xr.Dataset:
+def make(
+    study: Study, over: Dimensions, columns: Columns, remarks: Mapping[str, str] | None = None, case: Case | None = None
+) -> xr.Dataset:
     """The dataset of a study as it was run, from its columns (`store.block.columns`) in the order of the grid.
 
-    over: its samples and axes. first: how the equilibrium of a sweep's first case was taken.
-    case: the grid as one case, where the study does not know it.
+    over: its samples and axes. remarks: attributes on how it was run (`plan.remarks`). case: the grid as one case,
+    where the study does not know it.
     """
     data = {}
-    for row in store(study, over):
-        values = columns[row.column]
-        values = values.reshape((*over.shape, *values.shape[1:]))
-        data[row.name] = xr.Variable(row.dims, values, labels_in(study, row.row))
-    ds = frame(study, over, first, case).assign(data)  # all at once: xarray aligns at each assignment
+    for one in case_variables(study, over):
+        values = columns[one.name]
+        data[one.name] = xr.Variable(one.dims, values.reshape((*over.shape, *values.shape[1:])), one.attrs)
+    ds = frame(study, over, remarks, case).assign(data)  # all at once: xarray aligns at each assignment
     return ds.assign_attrs(caution=cautions.sentence(ds))
 
 
-def frame(study: Study, over: Dimensions, first: str = "", case: Case | None = None) -> xr.Dataset:
+def frame(
+    study: Study, over: Dimensions, remarks: Mapping[str, str] | None = None, case: Case | None = None
+) -> xr.Dataset:
     """The dataset without the variables of each case: coordinates, fields of the case, attributes."""
     axes = tuple(map(dimension, over.names))
     units = study.unit_system
@@ -112,7 +82,7 @@ def frame(study: Study, over: Dimensions, first: str = "", case: Case | None = N
         coords["s"] = xr.Variable((*dims, "u"), length[..., None] * u, labels("s", units))
     if any(name in INNER for name in study.outputs):
         coords["xyz"] = xr.Variable(("xyz",), list(COMPONENTS["xyz"]), {"long_name": "component; z is the axis"})
-    ds = xr.Dataset(coords=coords, attrs=_attributes(study, case) | ({"equilibria": first} if first else {}))
+    ds = xr.Dataset(coords=coords, attrs={**_attributes(study, case), **(remarks or {})})
     return ds.assign(data)  # the axes come first, in order
 
 

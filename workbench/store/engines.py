@@ -24,14 +24,32 @@ from .worker_processes import Worker
 
 Results = Iterator[tuple[Chunk, bytes | str]]
 
+WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker
 DEATHS = 2  # of workers at one block, after which it is given up
 KILLED = "failed: the process that solved it ended twice without an answer"
 
 
-def serial(study: Study, chunks: Iterable[Chunk], block: int) -> Results:
-    """In this process, one after the other."""
-    for chunk in chunks:
-        yield chunk, solve_chunk(study, chunk, block)
+def solve(
+    work: Plan, missing: list[tuple[int, int]], workers: int | None, scheduler: str | None, chunk: int | None
+) -> Results:
+    """Solve the missing cases of a plan; workers, scheduler, chunk: as of `study_store.Options`."""
+    if not missing:
+        return iter(())
+    if scheduler is not None:
+        return cluster(work, missing, scheduler, chunk)
+    count = count_workers(work, sum(stop - start for start, stop in missing), workers)
+    chunks = work.chunks(missing, work.chunk_size(count, chunk))
+    if count == 1:
+        return ((chunk, solve_chunk(work.light, chunk, work.block)) for chunk in chunks)
+    return pool(work.light, chunks, work.block, count)
+
+
+def count_workers(work: Plan, cases: int, asked: int | None) -> int:
+    """How many workers of this machine are worth starting for so many cases, unless as many are asked for."""
+    if asked is not None:
+        return asked
+    blocks = WORTH_TOGETHER if work.batched else WORTH
+    return max(1, min(cores(), cases // (blocks * work.block)))
 
 
 def cores() -> int:

@@ -89,11 +89,11 @@ def _bytes_a_case(variable: xr.DataArray, axes: int) -> int:
     return prod(variable.shape[axes:]) * (8 if variable.dtype.kind in "biuf" else TEXT_BYTES)
 
 
-def _case_variable(name: str, files: Sequence[xr.Dataset]) -> writing.CaseVariable:
+def _case_variable(name: str, files: Sequence[xr.Dataset]) -> schema.CaseVariable:
     """A variable of each case, labelled as in the first file; whole numbers stay whole where all are."""
     first, kinds = files[0][name], [ds[name].dtype for ds in files]
     dtype = None if any(kind.kind not in "biuf" for kind in kinds) else np.result_type(*kinds)
-    return writing.CaseVariable(name, tuple(map(str, first.dims)), first.attrs, dtype)
+    return schema.CaseVariable(name, tuple(map(str, first.dims)), first.attrs, dtype)
 
 
 def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence[str]) -> concatenation.Union:

@@ -14,11 +14,12 @@ from studies.grammar.axes import is_angle, quantity_of
 from studies.grammar.dimensions import Dimensions
 
 from ..words import outcomes
-from . import dataset, law_verdicts, refined, schema
-from .block import block_of, columns, join
-from .plan import Plan, bytes_a_case, first_of, plan
-from .rounds import Rounds
+from . import dataset, law_verdicts, schema
+from .block import block_of, columns
+from .growth import Growth, rounds
+from .plan import bytes_a_case, plan, remarks
 from .schema import Columns
+from .shards import join
 
 MOST_IN_MEMORY = 2_000_000_000
 
@@ -77,28 +78,15 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
             f"{work.size} cases take {needed / 1e9:.3g} GB in memory, more than the limit of {MOST_IN_MEMORY / 1e9:g} "
             "GB; workbench run stores them as they are solved"
         )
-    if study.refine is not None:
-        return _refine(work)
-    found = _columns(work, 0)
+    parts: list[Columns] = []
+    growth = Growth(work)
+    for work, start, stop in rounds(growth, None, lambda *_: parts[-1]):
+        if start < stop:
+            parts.append(join([block_of(work.study, part) for part in work.chunk(start, stop).blocks(work.block)]))
+    found = join(parts)
     if work.study.sweeps:
         found["branch"] = outcomes.number_branches(found["branch"], found["branch"])
-    return dataset.make(work.study, work.dimensions, found, first_of(work))
-
-
-def _columns(work: Plan, first: int) -> Columns:
-    """The columns of the cases from `first` on."""
-    return join([block_of(work.study, part) for part in work.chunk(first, work.size).blocks(work.block)])
-
-
-def _refine(work: Plan) -> xr.Dataset:
-    """The dataset of a refined study."""
-    rounds, parts = Rounds(work.study), []
-    for part, start, _ in rounds:
-        parts.append(_columns(part, start))
-        rounds.take(parts[-1])
-    whole = rounds.plan()
-    ds = dataset.make(whole.study, whole.dimensions, join(parts))
-    return ds.assign_attrs(refined.attributes(whole.study, rounds.refinement))
+    return dataset.make(work.study, work.dimensions, found, remarks(work))
 
 
 def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:

@@ -18,7 +18,7 @@ from studies.grammar.dimensions import SAMPLE, Dimension, Dimensions
 from studies.language.paired import SOURCES
 from studies.language.refinement import Refinement
 
-from . import shards, sweep
+from . import refined, shards, sweep
 from .block import Chunk
 from .case_solutions import State
 from .recipe import recipe_of
@@ -153,10 +153,15 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
     return Plan(study.model_copy(update={"tol": tol, "method": name}), dimensions)
 
 
-def first_of(plan: Plan) -> str:
-    """How the equilibrium of the first case of a sweep was selected, in one sentence; empty for other studies."""
-    if not plan.study.sweeps:
-        return ""
+def remarks(plan: Plan) -> dict[str, str]:
+    """Attributes on how a study was run: the first case of a sweep, what ended a refinement; none for other studies."""
+    if plan.refinement is not None:
+        return refined.attributes(plan.study, plan.refinement)
+    return {"equilibria": _first_of(plan)} if plan.study.sweeps else {}
+
+
+def _first_of(plan: Plan) -> str:
+    """How the equilibrium of the first case of a sweep was selected, in one sentence."""
     spine = plan.study.whole or plan.spine
     first, cell = spine.first().solution, spine.grid.first
     row = zip(spine.coordinates.items(), cell, strict=True)

@@ -81,6 +81,11 @@ def check_worker(study: Study, code: str) -> None:
         raise InputError(f"a worker has no method {study.method!r}: install there what is installed here")
 
 
+def versions_of_code() -> set[str]:
+    """The keys of a recipe that are not the study: code, packages, block."""
+    return {"code", "numpy", "scipy", "block", *(method.requires for method in METHODS.values())}
+
+
 def _requirements(method: str) -> list[str]:
     """The package whose version decides the last bits of a method, if there is one."""
     return [METHODS[method].requires] if method in METHODS and METHODS[method].requires else []

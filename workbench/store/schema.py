@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
@@ -24,15 +25,17 @@ if TYPE_CHECKING:
 
     from solver import Case
     from studies import Study
+    from studies.grammar.dimensions import Dimensions
 
 
 FORMAT = 2  # of the file; any other is refused
 CONVENTIONS = "CF-1.11"  # of units, names and missing values; every file says so
 
-Columns = dict[str, NDArray[Any]]  # name -> (cases, ...), as named in `Solution` and `OBSERVABLES`
+Columns = dict[str, NDArray[Any]]  # name in the file -> (cases, ...)
 
 LOADS = ("FZ", "MZ", "M3")
 TEXTS = ("outcome", "caution")  # of each case
+JUDGED = ("error", "condition")  # of each case
 SAMPLING = ("sampling", "sampling_caution", "refinement")  # sentences on the samples of a file
 SECTION = ("E", "nu", "inner_radius", "EI", "GJ")  # the fields of a rod's section: a file stores those that it has
 VARYING = ("weight", "friction")  # fields with which loads vary along the rod
@@ -42,6 +45,27 @@ INNER = {"position": ("xyz",)}  # dimensions after u, of an output that is not o
 # The name in the file -> the output. Forces along the rod never take the name of an axis: F1 is the force at the start.
 CURVES = {f"{name}_along" if name in ("F1", "F2", "F3") else name: name for name in OUTPUTS}
 PACKED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+
+
+@dataclass(frozen=True)
+class CaseVariable:
+    """A variable over all axes: its dimensions and attributes; dtype: None for that of its first values."""
+
+    name: str
+    dims: tuple[str, ...]
+    attrs: Mapping[str, Any]
+    dtype: Any = None
+
+
+def case_variables(study: "Study", over: "Dimensions") -> list[CaseVariable]:
+    """Every variable that is stored of each case, in order. over: the samples and axes of the study."""
+    axes = tuple(map(dimension, over.names))
+    along = [(name, curve_name(name), (*axes, "u", *INNER.get(name, ()))) for name in study.outputs]
+    branch = ["branch"] if study.sweeps else []
+    loads = [load for load in LOADS if load not in (*study.varied, *study.recorded)]
+    of_case = [*study.recorded, "solved", *TEXTS, *branch, *JUDGED, *loads, *study.reactions]
+    rows = [*along, *((name, name, axes) for name in of_case)]
+    return [CaseVariable(name, dims, labels_in(study, row)) for row, name, dims in rows]
 
 
 def numbers_of_case(case: "Case") -> dict[str, Any]:

@@ -12,7 +12,7 @@ import re
 import shutil
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from datetime import datetime
@@ -29,7 +29,7 @@ from .recipe import differences
 from .schema import Columns
 
 MOST = 10**12 - 1  # cases that the name of a shard can count
-FORMAT = 2  # of the folder and its shards
+FORMAT = 3  # of the folder and its shards
 _CHECKSUM = 32  # bytes
 _SHARD = re.compile(r"(\d{12})-(\d{12})\.shard")
 _LOCK, _OWNER, _MANIFEST = "lock", "owner", "manifest.json"
@@ -38,7 +38,7 @@ _FOREIGN = ".not-a-shard"  # suffix of a folder that stands where a shard belong
 
 
 class Damaged(Exception):
-    """A shard is not what was written: its checksum is wrong."""
+    """A shard is not what was written: its checksum is wrong, or it is gone."""
 
 
 def encode(found: Columns) -> bytes:
@@ -66,6 +66,11 @@ def decode(content: bytes | memoryview) -> Columns:
         elif part == "texts":
             found[plain] = values[packed[f"{plain}:which"]]
     return found
+
+
+def join(parts: Sequence[Columns]) -> Columns:
+    """Columns concatenated."""
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def folder_of(output: Path) -> Path:
@@ -102,6 +107,8 @@ def lock(folder: Path) -> Iterator[None]:
         (folder / _OWNER).write_text(owner, encoding="utf-8")
         yield
     finally:
+        if is_empty(folder):
+            clear(folder)  # there is nothing that a later run could use
         if _owner(folder) == owner:  # not that of a run that has begun since `clear` removed the lock
             (folder / _OWNER).unlink(missing_ok=True)
         lock.release()
@@ -154,12 +161,24 @@ def is_left_over(folder: Path, recipe: dict[str, Any]) -> bool:
         return False
 
 
-@dataclass(frozen=True)
+def begin(folder: Path, recipe: dict[str, Any], restart: bool) -> "Shards":
+    """The shards of a run of that recipe, those that an earlier run has kept among them; restart: without these.
+
+    Raises `InputError` where those kept are of another run.
+    """
+    if restart:
+        clear(folder, keep_lock=True)
+    clear_asides(folder)
+    return Shards(folder, check_recipe(folder, recipe))
+
+
+@dataclass(eq=False)
 class Shards:
-    """The shards of one run. recipe: its digest (`check_recipe`)."""
+    """The shards of one run, of which one is held at a time. recipe: its digest (`check_recipe`)."""
 
     folder: Path
     recipe: str
+    _held: tuple[tuple[int, int], Columns] = ((0, 0), {})
 
     def store(self, start: int, stop: int, content: bytes) -> None:
         """Store the packed results of cases `start` to `stop`. Raises `OSError`."""
@@ -181,13 +200,19 @@ class Shards:
         raise Damaged
 
     def read_cases(self, start: int, stop: int) -> Columns:
-        """The results of the cases `start` to `stop`, all of which have shards. Raises `Damaged`."""
-        pieces = []
-        for a, b in shard_ranges(self.folder, MOST):
-            if a < stop and b > start:
-                columns = self.read(a, b)
-                pieces.append({name: values[max(start - a, 0) : stop - a] for name, values in columns.items()})
-        return {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
+        """The results of the cases `start` to `stop`, from several shards. Raises `Damaged`, also where one is gone."""
+        pieces, cases = [], 0
+        for ends in shard_ranges(self.folder, MOST):
+            first, last = max(start, ends[0]), min(stop, ends[1])
+            if first < last:
+                if ends != self._held[0]:
+                    self._held = ends, self.read(*ends)
+                mine = slice(first - ends[0], last - ends[0])
+                pieces.append({name: values[mine] for name, values in self._held[1].items()})
+                cases += last - first
+        if cases < stop - start:
+            raise Damaged
+        return join(pieces)
 
     def _checksum(self, start: int, stop: int, content: bytes | memoryview) -> bytes:
         """Of the columns, the range of cases and the recipe: a shard of another place or run has another one."""
@@ -210,10 +235,10 @@ def is_empty(folder: Path) -> bool:
     return not _shards(folder)
 
 
-def missing_ranges(stored: list[tuple[int, int]], cases: int) -> list[tuple[int, int]]:
-    """The ranges of cases between those that have shards."""
-    ends = [0, *(stop for _, stop in stored)]
-    starts = [*(start for start, _ in stored), cases]
+def missing_ranges(stored: list[tuple[int, int]], start: int, stop: int) -> list[tuple[int, int]]:
+    """The ranges of the cases `start` to `stop` between those that have shards."""
+    ends = [start, *(max(start, after) for _, after in stored)]
+    starts = [*(min(first, stop) for first, _ in stored), stop]
     return [(a, b) for a, b in zip(ends, starts, strict=True) if a < b]
 
 

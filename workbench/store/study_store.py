@@ -13,13 +13,10 @@ from studies import Study
 
 from . import engines, shards, worker_processes
 from .block import unsolved
+from .growth import Growth, compare, rounds
 from .plan import Plan, plan, room
-from .rounds import Rounds
 from .shards import Damaged, Shards, decode, encode
-from .stored_run import StoredRun, grow, is_finished, look, replace
 from .tally import Meter, Progress, Tally, count, statistics, tally_of, unshown
-
-WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker
 
 
 @dataclass(frozen=True)
@@ -105,34 +102,27 @@ def run_to_file(
     if options.workers is not None and options.scheduler is not None:
         raise InputError("--workers is for this machine, --scheduler for a cluster: give one of them")
     work = plan(study)
-    if (finished := _finish(work, output, options)) is not None:
+    growth = compare(output, work, options.restart)
+    if growth.is_finished:
         _tidy(work, output)
-        return finished
+        return _already(growth)
     if study.follow is not None:
-        if told := replace(_store(output, options), work, output):
-            say(told)
+        if growth.replaced:
+            say(growth.replaced)
         return _follow(work, output)
-    if options.scheduler is None and _workers(work, work.todo, options) > 1:
+    if options.scheduler is None and engines.count_workers(work, work.todo, options.workers) > 1:
         worker_processes.get_ready()  # while this process reads xarray
     from .writing import check_parent
 
     check_parent(output)
     folder = shards.folder_of(output)
     with _refusing_disk(output), shards.lock(folder):
-        try:
-            if (finished := _finish(work, output, options)) is not None:  # by the run that held the lock
-                return finished
-            there, work = _growth(work, output, options)
-            if there is None and (told := replace(_store(output, options), work, output)):
-                say(told)
-            if options.restart:
-                shards.clear(folder, keep_lock=True)
-            shards.clear_asides(folder)
-            digest = shards.check_recipe(folder, {**work.recipe, **_grows(there)})
-            return _run(work, output, Shards(folder, digest), there, options, say, progress)
-        finally:
-            if shards.is_empty(folder):
-                shards.clear(folder)  # there is nothing that a later run could use
+        growth = compare(output, work, options.restart)
+        if growth.is_finished:  # by the run that held the lock
+            return _already(growth)
+        if growth.replaced:
+            say(growth.replaced)
+        return _run(growth, shards.begin(folder, growth.recipe, options.restart), output, options, say, progress)
 
 
 def _follow(work: Plan, output: Path) -> Ran:
@@ -148,17 +138,9 @@ def _follow(work: Plan, output: Path) -> Ran:
     return Ran(found, ds["outcome"].size, time.monotonic() - began)
 
 
-def _store(output: Path, options: Options) -> StoredRun | None:
-    """The run that stored the existing file, unless its results are to be discarded."""
-    return None if options.restart else look(output)
-
-
-def _finish(work: Plan, output: Path, options: Options) -> Ran | None:
-    there = _store(output, options)
-    if there is None:
-        return None
-    work = grow(there, work) or work
-    return Ran(there.statistics, 0, 0.0, True) if is_finished(there, work) else None
+def _already(growth: Growth) -> Ran:
+    assert growth.stored is not None
+    return Ran(growth.stored.statistics, 0, 0.0, True)
 
 
 def _tidy(work: Plan, output: Path) -> None:
@@ -171,43 +153,27 @@ def _tidy(work: Plan, output: Path) -> None:
             shards.clear(folder)
 
 
-def _growth(work: Plan, output: Path, options: Options) -> tuple[StoredRun | None, Plan]:
-    """The existing file that the study extends, if any, and the plan of the remaining cases."""
-    there = _store(output, options)
-    larger = grow(there, work) if there is not None else None
-    return (there, larger) if larger is not None and larger.new is not None else (None, work)
-
-
-def _grows(there: StoredRun | None) -> dict[str, Any]:
-    return {} if there is None else {"grows": there.recipe["axes"]}
-
-
 def _run(
-    work: Plan,
-    output: Path,
-    parts: Shards,
-    there: StoredRun | None,
-    options: Options,
-    say: Callable[[str], None],
-    progress: Progress,
+    growth: Growth, parts: Shards, output: Path, options: Options, say: Callable[[str], None], progress: Progress
 ) -> Ran:
     from .assembly import assemble
 
-    tally = tally_of(there)
+    work, tally = growth.work, tally_of(growth.stored)
     kept = _count_kept(work, parts, tally)
     say(room(work, parts.folder, kept))
-    held = work.size - work.todo
+    held, statistics = work.size - work.todo, None
     with progress(max(work.size, held + kept), held + kept) as meter:
-        told = None
-        while told is None:
+        while statistics is None:
             try:
-                work = _solve_missing(work, parts, output, there, options, meter, tally)
-                told = assemble(work, parts, output, there, tally)
+                for work, start, stop in rounds(growth, output, parts.read_cases):
+                    meter.total = max(meter.total, work.size)
+                    _solve(work, parts, options, meter, tally, start, stop)
+                statistics = assemble(work, parts, output, growth.stored, tally)
             except Damaged:  # by another program since it was read: its cases are solved again
-                tally = tally_of(there)
-                meter.done = held + _count_kept(work, parts, tally)
+                tally = tally_of(growth.stored)
+                meter.done = held + _count_kept(growth.work, parts, tally)
     shards.clear(parts.folder)
-    return Ran(told, work.todo - kept, meter.seconds)
+    return Ran(statistics, work.todo - kept, meter.seconds)
 
 
 def _count_kept(work: Plan, parts: Shards, tally: Tally) -> int:
@@ -223,29 +189,11 @@ def _count_kept(work: Plan, parts: Shards, tally: Tally) -> int:
     return kept
 
 
-def _solve_missing(
-    work: Plan, parts: Shards, output: Path, there: StoredRun | None, options: Options, meter: Meter, tally: Tally
-) -> Plan:
-    """Solve the missing cases, of a refined study round by round; the plan of all cases. Raises `Damaged`."""
-    if work.study.refine is None:
-        _solve(work, parts, options, meter, tally)
-        return work
-    rounds = Rounds(work.study, there, output)
-    for part, start, stop in rounds:
-        meter.total = max(meter.total, part.size)
-        _solve(part, parts, options, meter, tally, start)
-        rounds.take(parts.read_cases(start, stop) if start < stop else None)
-    return rounds.plan()
-
-
-def _solve(work: Plan, parts: Shards, options: Options, meter: Meter, tally: Tally, first: int = 0) -> None:
-    """Solve the missing cases from `first` on and store their shards."""
-    missing = shards.missing_ranges(shards.shard_ranges(parts.folder, work.todo), work.todo)
-    missing = [(max(start, first), stop) for start, stop in missing if stop > first]
-    if not missing:
-        return
+def _solve(work: Plan, parts: Shards, options: Options, meter: Meter, tally: Tally, start: int, stop: int) -> None:
+    """Solve those of the cases `start` to `stop` that have no shard, and store theirs."""
+    missing = shards.missing_ranges(shards.shard_ranges(parts.folder, work.todo), start, stop)
     try:
-        for chunk, results in _engine(work, missing, options):
+        for chunk, results in engines.solve(work, missing, options.workers, options.scheduler, options.chunk):
             if isinstance(results, str):
                 results = encode(unsolved(work.study, chunk.cases, results))
             parts.store(chunk.start, chunk.stop, results)
@@ -256,29 +204,10 @@ def _solve(work: Plan, parts: Shards, options: Options, meter: Meter, tally: Tal
 
 def _keep(work: Plan, folder: Path) -> str:
     """How to continue; counted from the shards, as the interruption may come between a shard and the meter."""
-    missing = shards.missing_ranges(shards.shard_ranges(folder, work.todo), work.todo)
+    missing = shards.missing_ranges(shards.shard_ranges(folder, work.todo), 0, work.todo)
     done = work.size - sum(stop - start for start, stop in missing)
     kept = f"{done} of {work.size} cases are kept in {folder}; run the same command again to continue"
     return f"interrupted; {kept if done else 'no case was finished yet'}"
-
-
-def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> engines.Results:
-    left = sum(stop - start for start, stop in missing)
-    if options.scheduler is not None:
-        return engines.cluster(work, missing, options.scheduler, options.chunk)
-    workers = _workers(work, left, options)
-    chunks = work.chunks(missing, work.chunk_size(workers, options.chunk))
-    if workers == 1:
-        return engines.serial(work.light, chunks, work.block)
-    return engines.pool(work.light, chunks, work.block, workers)
-
-
-def _workers(work: Plan, left: int, options: Options) -> int:
-    """How many workers are worth starting for so many cases."""
-    if options.workers is not None:
-        return options.workers
-    blocks = WORTH_TOGETHER if work.batched else WORTH
-    return max(1, min(engines.cores(), left // (blocks * work.block)))
 
 
 @contextmanager

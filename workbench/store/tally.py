@@ -11,8 +11,8 @@ import numpy as np
 from ..words import outcomes
 from . import law_verdicts
 from .grid_io import blocks
+from .growth import StoredRun
 from .schema import SAMPLING, TEXTS, Columns
-from .stored_run import StoredRun
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,11 +23,11 @@ Tally = Mapping[str, Counter[Any]]
 BLOCK = 100_000  # cases that are read at a time
 
 
-def tally_of(there: StoredRun | None) -> Tally:
+def tally_of(stored: StoredRun | None) -> Tally:
     """The tally of an existing file, or an empty one. A sweep is never extended, so it has no branches."""
-    if there is None:
+    if stored is None:
         return {name: Counter() for name in ("solved", *TEXTS, "branch")}
-    found = there.statistics
+    found = stored.statistics
     texts = {"outcome": Counter(found["outcomes"]), "caution": Counter(found["cautions"])}
     return {"solved": Counter({False: found["unsolved"]}), **texts, "branch": Counter()}
 

@@ -23,11 +23,10 @@ from ..words import escaping
 from . import schema
 from .file_checks import show
 from .grid_io import blocks
-from .schema import CURVES, LOADS, SECTION, TEXTS
+from .schema import CURVES, JUDGED, LOADS, SECTION, TEXTS
 
 LINE, LABEL = LONGEST_LINE, 1000  # characters of an attribute of the file, and of a variable
 LONG = ("study", "laws", "versions", "recipe", "statistics", "branches", "rows")  # of many lines, or JSON; not printed
-JUDGED = ("error", "condition")  # of each case
 BLOCK = 100_000  # cases that are read at a time
 BLOCK_ALONG = 2**20  # stations of their curves
 COUNTED = ("held_index", "branch")  # whole numbers of each case that are no observables

@@ -1,9 +1,8 @@
 """Datasets written to HDF5 (netCDF4-compatible) by an atomic replacement."""
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -51,18 +50,8 @@ def append_to(frame: xr.Dataset, path: Path, size: int) -> Iterator[netcdf.File]
         raise OSError(f"HDF5: {error}") from None
 
 
-@dataclass(frozen=True)
-class CaseVariable:
-    """A variable over all axes: its dimensions and attributes; dtype: None for that of its first values."""
-
-    name: str
-    dims: tuple[str, ...]
-    attrs: Mapping[str, Any]
-    dtype: Any = None
-
-
 def write_cases(
-    file: netcdf.File, variables: Sequence[CaseVariable], shape: tuple[int, ...],
+    file: netcdf.File, variables: Sequence[schema.CaseVariable], shape: tuple[int, ...],
     windows: Iterable[tuple[int, schema.Columns]],
 ) -> None:  # fmt: skip
     """Write the variables over the axes into an open file, window by window; shape: of the grid."""
@@ -80,7 +69,7 @@ def write_cases(
             grid_io.write(created[variable.name], shape, start, values)
 
 
-def _create(file: netcdf.File, one: CaseVariable, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Any:
+def _create(file: netcdf.File, one: schema.CaseVariable, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Any:
     kind: dict[str, Any] = {"dtype": {"U": h5py.string_dtype(), "b": np.dtype(np.int8)}.get(dtype.kind, dtype)}
     if dtype.kind == "f":
         kind["fillvalue"] = np.nan
