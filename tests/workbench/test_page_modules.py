@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from benchmarks import make_page_formulas
 from solver import Case, Cylinder, Ends, Rod, Start, solve
 from solver.mechanics import frames
 from solver.mechanics.potential import potential
@@ -53,6 +54,10 @@ STARTS = [
         "E": 2e9, "nu": 0.3, "a": 0.01, "L": 3.0, "R": 0.1, "stiffness": "paper", "beta": -2.0, "dbeta": 4.0,
         "M3": -3.0,         "F2": 2.0, "F3": -40.0, "alpha": 0.7}},
 ]  # fmt: skip
+
+
+def test_the_formulas_of_the_page_are_those_that_the_solver_writes_now() -> None:
+    assert make_page_formulas.FILE.read_text(encoding="utf-8") == make_page_formulas.text()
 
 
 def test_the_loads_of_every_reading_are_those_of_the_solver() -> None:

@@ -1,5 +1,6 @@
 // What the diagrams beside the rod show of a shape: plain rows of numbers with their labels.
 
+import { potential } from "./formulas.mjs";
 import { intervalOf } from "./rod_shape.mjs";
 import { range } from "./range.mjs";
 
@@ -53,13 +54,6 @@ export function diagrams(shape, units) {
     },
     one.varies ? axialForce(shape, units) : well(shape, length),
   ];
-}
-
-/* G(beta) in units of 1/rho^2; eq. (32), corrected. */
-function potential({ lam, mu, phi }, beta) {
-  const s = Math.sin(beta),
-    c = Math.cos(beta);
-  return (2 * (lam - mu * c) - s ** 3) * s + 2 * phi * c;
 }
 
 /* The axial force of a rod whose loads vary: there is no potential. */

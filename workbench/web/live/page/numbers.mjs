@@ -1,5 +1,6 @@
 // Observables of a shape, in its units, of what the core measures along the rod.
 
+import { OBSERVED } from "./formulas.mjs";
 import { every } from "./rod_shape.mjs";
 import { crossings } from "./self_contact.mjs";
 
@@ -8,40 +9,16 @@ const ROUNDING = 1e-9; // rad: beta of a helix changes by no more
 
 /* Observables by name, in the units of the state. Those of a rod whose loads vary are the server's. */
 export function observables(shape) {
-  const { one, beta, s, z, alpha, even } = shape,
-    { A, C, rho, L } = one,
-    last = s.length - 1;
+  const { one, beta, even, problem, halfPeriod } = shape;
   if (one.varies) return shape.numbers;
-  const read = shape.core.measure(shape.problem, one.sign, shape.error || 0, every(even, STEP, one));
+  const read = shape.core.measure(problem, one.sign, shape.error || 0, every(even, STEP, one)),
+    known = { ...one, ...problem, ...read };
+  const rows = Object.entries(OBSERVED).map(([name, formula]) => [name, formula(known)]),
+    { FZ, MZ, M3, ...others } = Object.fromEntries(rows.filter(([, value]) => !Number.isNaN(value)));
   const noise = Math.max(ROUNDING, 10 * shape.error),
     steady = read.high - read.low < noise,
-    unit = A / (rho * rho * L),
-    force = A / rho ** 3,
-    twist = (one.M3 ** 2 * L) / (2 * C);
-  return {
-    FZ: one.FZ,
-    MZ: one.MZ,
-    M3: one.M3,
-    turns: bends(beta, noise),
-    bend_number: shape.halfPeriod === undefined ? NaN : shape.halfPeriod && !steady ? L / shape.halfPeriod : 0,
-    amplitude: read.high - read.low,
-    wraps: (alpha[last] - alpha[0]) / (2 * Math.PI),
-    height: z[last] - z[0],
-    kappa_mean: read.curvature / L,
-    kappa_max: read.tightest / rho,
-    push_mean: read.pushed * unit,
-    pull_mean: read.pulled * unit,
-    push_min: read.least * force,
-    push_max: read.most * force,
-    attached: (read.share * rho) / L,
-    lift_off_at: read.lifts * rho,
-    F3_size_max: (read.tension * A) / rho ** 2,
-    bending_moment_max: (read.tightest * A) / rho,
-    ...(one.E === undefined ? {} : { bending_stress_max: (one.E * one.a * read.tightest) / rho }),
-    energy: (read.potential * A) / rho - twist,
-    bending_energy: (read.bending * A) / rho,
-    twist_energy: twist,
-  };
+    bend_number = halfPeriod === undefined ? NaN : halfPeriod && !steady ? one.L / halfPeriod : 0;
+  return { FZ, MZ, M3, turns: bends(beta, noise), bend_number, ...others };
 }
 
 /* What a real rod could not do, as sentences; found: the observables; crossed: where it passes through itself. */

@@ -1,7 +1,8 @@
-// A case from the state of the page: validation, loads, the dimensionless problem. As solver/problem does it.
+// A case from the state of the page: validation, and the solver's formulas of loads and of the dimensionless problem.
+
+import { BENDING, LOADS, RHO, TORSION, problemOf } from "./formulas.mjs";
 
 export const DEGREE = Math.PI / 180;
-const STIFFNESS = { solid: Math.PI / 4, paper: Math.PI / 16 }; // A/(E (a^4 - inner_radius^4))
 const SIDE = { outside: 1, inside: -1 };
 const TWISTS = ["F1", "dgamma", "M3"];
 const DIRECT = ["EI", "GJ"];
@@ -41,7 +42,7 @@ export function isState({ base, units, reading, equilibrium, title = "" }, readi
   if (!base || !units || !isText(units.length) || !isText(units.force) || !isText(title)) return false;
   if (reading !== undefined && !readings.includes(reading)) return false;
   if (equilibrium && !Object.values(equilibrium).every(Number.isFinite)) return false;
-  return (base.side || "outside") in SIDE && (base.stiffness || "solid") in STIFFNESS;
+  return (base.side || "outside") in SIDE && (base.stiffness || "solid") in BENDING;
 }
 
 /* The names of the numbers of a state that the page shows, in order. */
@@ -83,6 +84,7 @@ export function caseOf(state, symbols) {
     values[name] = checked(name, base[name] ?? (OPTIONAL.includes(name) ? 0 : null), symbols);
   const reading = state.reading === undefined ? null : state.reading.split("/");
   const one = {
+    inner_radius: 0,
     ...values,
     side: base.side || "outside",
     alpha: base.alpha || 0,
@@ -91,11 +93,12 @@ export function caseOf(state, symbols) {
   one.sign = SIDE[one.side];
   if (one.sign < 0 && one.R <= one.a)
     throw new Refused("The cylinder is too narrow: R must be greater than a where the rod lies inside.", "R");
-  one.rho = one.R + one.sign * one.a;
-  const { inner_radius: bore = 0 } = one;
-  if (bore >= one.a) throw new Refused("The tube has no wall: its inner radius must be less than a.", "inner_radius");
-  one.A = one.EI ?? STIFFNESS[one.stiffness] * one.E * (bore ? one.a ** 4 - bore ** 4 : one.a ** 4);
-  one.C = one.GJ ?? one.A / (1 + one.nu);
+  if (one.inner_radius >= one.a)
+    throw new Refused("The tube has no wall: its inner radius must be less than a.", "inner_radius");
+  const section = "EI" in one ? "given" : one.stiffness;
+  one.rho = RHO[one.side](one);
+  one.A = BENDING[section](one);
+  one.C = TORSION[section](one);
   one.kind = isEnds(state) ? "ends" : "start";
   if (varies(state)) return { ...one, varies: true, FZ: one.FZ ?? 0, MZ: one.MZ ?? 0, M3: one.M3 ?? 0 };
   return {
@@ -128,35 +131,16 @@ function given(one, reading) {
   };
 }
 
-/* FZ, MZ and M3 of a start problem; eqs. (24), (25), (30), (33). */
+/* FZ, MZ and M3 of a start problem. */
 function startLoads(one, { F2, F3, twist }) {
-  const { A, C, rho, beta, dbeta } = one,
-    s = Math.sin(beta),
-    c = Math.cos(beta);
-  if (twist === "F1" && dbeta === 0)
+  if (twist === "F1" && one.dbeta === 0)
     throw new Refused("F₁ does not fix the twist where β₀′ is 0: give β₀′ another value.", "dbeta");
-  const m = {
-    M3: () => one.M3 / A,
-    dgamma: () => (one.dgamma + (s * c) / rho) * (C / A),
-    F1: () => one.F1 / (A * dbeta) + (3 * s * c) / rho,
-  }[twist]();
-  const FY = -F2 * c + F3 * s,
-    FZ = F2 * s + F3 * c;
-  return { FZ, MZ: rho * FY + A * (m * c + s ** 3 / rho), M3: A * m };
+  return LOADS[twist]({ ...one, F2, F3 });
 }
 
 /* The dimensionless problem of a case that begins with the slope dbeta0 [1/length]. */
-export function reduced(one, dbeta0 = one.dbeta) {
-  const { A, rho } = one;
-  return {
-    lam: (one.MZ / A) * rho,
-    mu: (one.M3 / A) * rho,
-    phi: (one.FZ / A) * rho * rho,
-    span: one.L / rho,
-    beta0: one.kind === "ends" ? one.beta0 : one.beta,
-    dbeta0: dbeta0 * rho,
-  };
-}
+export const reduced = (one, dbeta0 = one.dbeta) =>
+  problemOf({ ...one, beta: one.kind === "ends" ? one.beta0 : one.beta, dbeta: dbeta0 });
 
 /* The state of the ends problem with the loads and the end angles of a solved start problem. */
 export function heldState(state, one, betaL, equilibrium) {

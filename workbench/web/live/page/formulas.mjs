@@ -1,0 +1,73 @@
+// Formulas of the solver, written by benchmarks/make_page_formulas.py: change them there.
+// v: fields of a case by name; A, C, rho, and the loads FZ, MZ and M3; the numbers of its problem; what is measured.
+
+export const RHO = {
+  outside: (v) => v.R + (1 * v.a),
+  inside: (v) => v.R + (-1 * v.a),
+};
+
+export const BENDING = {
+  solid: (v) => (0.7853981633974483 * v.E) * (((v.a - v.inner_radius) * (v.a + v.inner_radius)) * ((v.a * v.a) + (v.inner_radius * v.inner_radius))),
+  paper: (v) => (0.19634954084936207 * v.E) * (((v.a - v.inner_radius) * (v.a + v.inner_radius)) * ((v.a * v.a) + (v.inner_radius * v.inner_radius))),
+  given: (v) => v.EI,
+};
+
+export const TORSION = {
+  solid: (v) => v.A / (1 + v.nu),
+  paper: (v) => v.A / (1 + v.nu),
+  given: (v) => v.GJ,
+};
+
+export const LOADS = {
+  F1: (v) => ({
+    FZ: (v.F2 * Math.sin(v.beta)) + (v.F3 * Math.cos(v.beta)),
+    MZ: (v.rho * (((-v.F2) * Math.cos(v.beta)) + (v.F3 * Math.sin(v.beta)))) + (v.A * ((((v.F1 / (v.A * v.dbeta)) + (((3 * Math.sin(v.beta)) * Math.cos(v.beta)) / v.rho)) * Math.cos(v.beta)) + (Math.sin(v.beta) ** 3 / v.rho))),
+    M3: v.A * ((v.F1 / (v.A * v.dbeta)) + (((3 * Math.sin(v.beta)) * Math.cos(v.beta)) / v.rho)),
+  }),
+  dgamma: (v) => ({
+    FZ: (v.F2 * Math.sin(v.beta)) + (v.F3 * Math.cos(v.beta)),
+    MZ: (v.rho * (((-v.F2) * Math.cos(v.beta)) + (v.F3 * Math.sin(v.beta)))) + (v.A * ((((v.dgamma + ((Math.sin(v.beta) * Math.cos(v.beta)) / v.rho)) / (v.A / v.C)) * Math.cos(v.beta)) + (Math.sin(v.beta) ** 3 / v.rho))),
+    M3: v.A * ((v.dgamma + ((Math.sin(v.beta) * Math.cos(v.beta)) / v.rho)) / (v.A / v.C)),
+  }),
+  M3: (v) => ({
+    FZ: (v.F2 * Math.sin(v.beta)) + (v.F3 * Math.cos(v.beta)),
+    MZ: (v.rho * (((-v.F2) * Math.cos(v.beta)) + (v.F3 * Math.sin(v.beta)))) + (v.A * (((v.M3 / v.A) * Math.cos(v.beta)) + (Math.sin(v.beta) ** 3 / v.rho))),
+    M3: v.M3,
+  }),
+};
+
+export const OBSERVED = {
+  FZ: (v) => v.FZ,
+  MZ: (v) => v.MZ,
+  M3: (v) => v.M3,
+  amplitude: (v) => v.high - v.low,
+  wraps: (v) => v.turned / 6.283185307179586,
+  height: (v) => v.risen * v.rho,
+  kappa_mean: (v) => v.curvature * (1 / (v.span * v.rho)),
+  kappa_max: (v) => v.tightest * (1 / v.rho),
+  contact_size_mean: (v) => (v.pushed * (v.A / (v.rho ** 3 * v.span))) + (v.pulled * (v.A / (v.rho ** 3 * v.span))),
+  push_mean: (v) => v.pushed * (v.A / (v.rho ** 3 * v.span)),
+  pull_mean: (v) => v.pulled * (v.A / (v.rho ** 3 * v.span)),
+  push_min: (v) => v.least * (v.A / v.rho ** 3),
+  push_max: (v) => v.most * (v.A / v.rho ** 3),
+  push_max_at: (v) => v.peak * v.rho,
+  attached: (v) => v.share * (1 / v.span),
+  lift_off_at: (v) => v.lifts * v.rho,
+  F3_size_max: (v) => v.tension * (v.A / v.rho ** 2),
+  bending_moment_max: (v) => v.tightest * (v.A / v.rho),
+  bending_stress_max: (v) => v.tightest * ((v.E * v.a) / v.rho),
+  energy: (v) => (v.potential * (v.A / v.rho)) - (((v.A / v.rho) * ((v.mu ** 2 * (v.A / v.C)) / 2)) * v.span),
+  bending_energy: (v) => v.bending * (v.A / v.rho),
+  twist_energy: (v) => ((v.A / v.rho) * ((v.mu ** 2 * (v.A / v.C)) / 2)) * v.span,
+};
+
+export const problemOf = (v) => ({
+  lam: (v.MZ / v.A) * v.rho,
+  mu: (v.M3 / v.A) * v.rho,
+  phi: ((v.FZ / v.A) * v.rho) * v.rho,
+  span: v.L / v.rho,
+  beta0: v.beta,
+  dbeta0: v.dbeta * v.rho,
+});
+
+export const potential = (v, beta) => (((2 * (v.lam - (v.mu * Math.cos(beta)))) - Math.sin(beta) ** 3) * Math.sin(beta)) + ((2 * v.phi) * Math.cos(beta));
