@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq, minimize_scalar
 
 from solver import Case, Cylinder, Ends, Rod, Solution, observe, solve
-from workbench.figures import canvas, style
+from workbench.figures import canvas, colours, style
 from workbench.figures.sheet import sheet
 
 WEIGHT = 1e-14  # w rho^3/A
@@ -146,19 +146,21 @@ def draw(found: dict[str, float], path: Path = PICTURE) -> None:
 
     def diagram(figure: Figure) -> None:
         axes = figure.add_subplot()
-        axes.plot([1.8, loads[0]], [0, 0], color=style.SOFT, lw=2.5)
-        axes.plot([loads[0], 3.9], [0, 0], color=style.SOFT, lw=0.8)
-        for rows, colour in ((rising, style.PAIR[1]), (wound, style.PAIR[0])):
+        axes.plot([1.8, loads[0]], [0, 0], color=colours.SOFT, lw=2.5)
+        axes.plot([loads[0], 3.9], [0, 0], color=colours.SOFT, lw=0.8)
+        for rows, colour in ((rising, colours.PAIR[1]), (wound, colours.PAIR[0])):
             force, height, push = np.array(rows).T
             axes.plot(force, height, color=colour, lw=0.8)
             axes.plot(np.where(push >= -1e-5, force, np.nan), height, color=colour, lw=2.5)
         for number, (force, height) in enumerate(zip(loads, heights, strict=False), 1):
-            axes.plot(force, height, "o", color=style.INK, ms=4)
+            axes.plot(force, height, "o", color=colours.INK, ms=4)
             axes.annotate(f"{number}: {force:.4g}", (force, height), (6, 6), textcoords="offset points",
                           size=style.small())  # fmt: skip
-        for text, place, colour in (("straight", (1.83, 0.015), style.SOFT), ("sinusoid", (3.12, -0.09), style.PAIR[1]),
-                                    ("helix", (3.44, -0.46), style.PAIR[0]),
-                                    ("thick: stable and pressed on the wall", (1.83, -0.56), style.SOFT)):  # fmt: skip
+        for text, place, colour in (("straight", (1.83, 0.015), colours.SOFT),
+                                    ("sinusoid", (3.12, -0.09), colours.PAIR[1]),
+                                    ("helix", (3.44, -0.46), colours.PAIR[0]),
+                                    ("thick: stable and pressed on the wall", (1.83, -0.56),
+                                     colours.SOFT)):  # fmt: skip
             axes.text(*place, text, color=colour)
         axes.set(xlim=(1.8, 3.9), ylim=(-0.6, 0.18), xlabel="compression F, in √(EI w/ρ)",
                  ylabel="energy per length, in w ρ,\nabove that of the straight pipe")  # fmt: skip

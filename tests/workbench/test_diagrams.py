@@ -14,7 +14,7 @@ from solver.mechanics.potential import Loads, potential
 from solver.problem.errors import InputError
 from studies import load
 from tests.workbench.small import study
-from workbench.figures import along, drawn_rods, portrait, push_colours, push_scale, table, unrolled
+from workbench.figures import along, colours, drawn_rods, portrait, push_scale, table, unrolled
 from workbench.geometry.self_contact import places
 from workbench.store import in_memory, selection
 
@@ -89,11 +89,11 @@ def test_a_ridge_of_sixty_values_names_as_many_as_have_room() -> None:
 
 
 def test_the_colours_of_a_line_are_those_of_the_one_definition() -> None:
-    shares, colours = zip(*push_colours.DIVERGING, strict=True)
+    shares, shades = zip(*colours.DIVERGING, strict=True)
     norm = push_scale.scale([100.0 * np.array(shares)])
-    drawn = 255 * push_scale.ramp()(norm(100.0 * np.array(shares)))[:, :3]
+    drawn = 255 * colours.push_ramp()(norm(100.0 * np.array(shares)))[:, :3]
     far = np.array([abs(share) > 0.01 for share in shares])
-    np.testing.assert_allclose(drawn[far], np.array(colours)[far], atol=3)
+    np.testing.assert_allclose(drawn[far], np.array(shades)[far], atol=3)
     assert drawn[~far].min(axis=-1).max() > 150  # pale at 0
     assert norm(-50.0) + norm(50.0) == pytest.approx(1.0)
 

@@ -12,7 +12,7 @@ from tests.workbench import small
 from tests.workbench.command import exit_status
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench import fitting
-from workbench.figures import fit_figure, style
+from workbench.figures import colours, fit_figure
 
 ENDS = small.text({**small.ROD, "beta0": 0.5, "betaL": 0.8, "FZ": -8.5, "MZ": 1.3, "M3": 6.1})
 
@@ -49,7 +49,7 @@ def test_points_give_intervals_shares_and_a_picture(points, tmp_path, capsys) ->
                  "by the variance of the residuals and Student's t with 58 degrees of freedom"):  # fmt: skip
         assert part in said
     assert 0.02 < share_of_ink(pixels(picture)) < 0.6
-    for colour in style.PAIR:  # the rod and M3, the share of each point in E
+    for colour in colours.PAIR:  # the rod and M3, the share of each point in E
         assert share_of_hue(pixels(picture), colour) > 0.001
     header, first, _ = table.read_text().splitlines()
     assert header == "field,value,low,high,unit,covariance_E,covariance_M3"

@@ -14,7 +14,7 @@ from tests.workbench.command import exit_status
 from tests.workbench.page_faults import faults
 from tests.workbench.pictures import pixels
 from tests.workbench.small import grid, study
-from workbench.figures import canvas, kinds, map_cells, map_figure, regions, scales, study_figure, style
+from workbench.figures import canvas, colours, kinds, map_cells, map_figure, regions, scales, study_figure
 from workbench.figures import thumbnails as thumbs
 from workbench.figures.sheet import Sheet
 from workbench.store import in_memory, law_verdicts, writing
@@ -223,7 +223,7 @@ def test_a_cross_is_a_case_no_real_rod_takes_and_cells_without_a_solution_or_a_n
     points = np.stack(np.meshgrid(regimes["E"], regimes["R"], indexing="ij"), axis=-1).reshape(-1, 2)
     points = np.exp(np.log(points) * (1 - 1e-6) + 1e-6 * np.log(points).mean(axis=0))  # off the edges of the map
     np.testing.assert_array_equal(patch.get_path().contains_points(points).reshape(shape), unsolved)
-    assert to_rgb(patch.get_facecolor()) == to_rgb(style.UNSOLVED)
+    assert to_rgb(patch.get_facecolor()) == to_rgb(colours.UNSOLVED)
     (crosses,) = [line.get_xydata() for line in ax.lines if line.get_marker() == "x"]
     expected = [
         (E, R) for i, E in enumerate(regimes["E"].values) for j, R in enumerate(regimes["R"].values) if pulled[i, j]

@@ -16,10 +16,9 @@ from solver.problem.quantities import QUANTITIES, unit_of
 from studies.language.loader import loads
 from studies.language.readings import READINGS
 from tests.workbench.node import needs_node, run
-from workbench.figures import along, drawn_rods, push_colours
+from workbench.figures import along, colours, drawn_rods
 from workbench.geometry import self_contact, stored_line
-from workbench.scene import colours as scene_colours
-from workbench.scene import shading
+from workbench.scene import paint, shading
 from workbench.web.live import page_model, page_shape
 from workbench.web.live.presets import PRESETS
 from workbench.words import labels
@@ -365,9 +364,9 @@ def test_the_rings_are_where_the_rod_bends() -> None:
 
 def test_the_colours_are_those_of_the_one_table() -> None:
     values = np.linspace(-190, 190, 44)
-    data = {"code": push_colours.for_pages(), "values": values.tolist()}
+    data = {"code": colours.for_pages(), "values": values.tolist()}
     found = run("answer(given.values.map((v) => colours.pushColour(given.code, v, 172)));", data, ("colours",))
-    at, rows = zip(*push_colours.DIVERGING, strict=True)
+    at, rows = zip(*colours.DIVERGING, strict=True)
     wanted = np.stack([np.interp(values / 172, at, row) for row in np.transpose(rows)], axis=-1)
     assert np.abs(np.array(found) - wanted).max() <= 0.5 + 1e-9
     grey = np.array(found) @ [0.2126, 0.7152, 0.0722]
@@ -381,9 +380,9 @@ def test_the_scale_of_the_push_has_the_ends_and_the_words_of_the_stills() -> Non
         const scale = colours.scaleOf(given.code, rod);
         return [scale.low, scale.end, colours.wordsOf(given.code, scale, "N/cm")];
     }));"""
-    found = run(script, {"code": push_colours.for_pages(), "rods": rods}, ("colours",))
+    found = run(script, {"code": colours.for_pages(), "rods": rods}, ("colours",))
     for rod, (low, end, words) in zip(rods, found, strict=True):
-        _, bar = scene_colours.by_push({"force": "N", "length": "cm"}, rod)
+        _, bar = paint.by_push({"force": "N", "length": "cm"}, rod)
         assert ([low, end], words) == (pytest.approx([bar.low, bar.high]), bar.label) if bar else end == 0, rod
 
 
@@ -394,7 +393,7 @@ def test_the_shadow_on_the_wall_is_that_of_the_stills() -> None:
     const wall = tube.cylinder(shape, 1), look = given.look, map = light.wallLight(shape, 1, wall, look, false);
     answer([map.width, map.height, wall.low, wall.high, Array.from(map.bytes)]);"""
     )
-    look = push_colours.for_pages()
+    look = colours.for_pages()
     width, height, low, high, light = run(script, state() | {"look": look}, (*MODULES, "tube", "light"))
     sol = solve(case_of(state()), stations=4001)
     turn = 2 * np.pi * (np.arange(width) + 0.5) / width
@@ -416,7 +415,7 @@ def test_the_light_on_the_rod_beside_its_other_stretches_is_that_of_the_pictures
     around = 2 * np.pi * np.arange(12)[:, None] / 12
     normals = np.stack([np.cos(around) * p + np.sin(around) * q for p, q in ((ox, bx), (oy, by), (0 * ox, bz))])
     light = shading.on_tube(np.array(s), np.stack([x, y, z]).T, normals.T, np.stack([ox, oy, 0 * ox]).T, 0.25, True)
-    wanted = (1 - light) / push_colours.DEPTH
+    wanted = (1 - light) / colours.DEPTH
     found = np.minimum(np.reshape(covered, wanted.shape), 1)
     assert found.max() > 0.3
     assert np.abs(found - wanted).max() < 0.05
@@ -510,8 +509,8 @@ def test_push_and_pull_are_shaded_as_in_the_figures() -> None:
     along.alone(ax, drawn_rods.choose(ds, ["push"]), "push")
     bands, areas = [one.get_facecolor()[0] for one in ax.collections if one.get_label().startswith("the cylinder")]
     band, area = run("answer([diagram.BAND, diagram.AREA]);", None, ("diagram",))
-    np.testing.assert_allclose(bands, [*np.array(push_colours.PULLED) / 255, band])
-    np.testing.assert_allclose(areas, [*np.array(push_colours.PUSHED) / 255, area])
+    np.testing.assert_allclose(bands, [*np.array(colours.rgb(colours.PULLED)) / 255, band])
+    np.testing.assert_allclose(areas, [*np.array(colours.rgb(colours.PUSHED)) / 255, area])
 
 
 def test_unequal_scales_are_told_and_equal_ones_are_equal() -> None:

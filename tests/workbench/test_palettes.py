@@ -15,8 +15,8 @@ from matplotlib.colors import to_rgb
 
 import workbench
 from solver.benchmark import ladders
-from workbench.figures import bars, push_colours, push_scale, robustness, style
-from workbench.scene import colours as scene_colours
+from workbench.figures import bars, colours, push_scale, robustness
+from workbench.scene import paint
 
 WHITE = "#ffffff"
 TEXT, LINE = 4.5, 3.0
@@ -70,13 +70,13 @@ def test_the_measures_agree_with_published_values() -> None:
         np.testing.assert_allclose(np.sum(matrix, axis=1), 1, atol=2e-6, err_msg=kind)  # greys stay grey
 
 
-TEXTS = [style.INK, style.SOFT, *style.VERDICT_COLOURS.values()]
-BLUES = [np.array(rgb) / 255 for share, rgb in push_colours.DIVERGING if share >= 0]
-PULLS = [push_scale.PULL, *(np.array(rgb) / 255 for share, rgb in push_colours.DIVERGING if share < 0)]
+TEXTS = [colours.INK, colours.SOFT, *colours.VERDICTS.values()]
+BLUES = [np.array(rgb) / 255 for share, rgb in colours.DIVERGING if share >= 0]
+PULLS = [colours.PULLED, *(np.array(rgb) / 255 for share, rgb in colours.DIVERGING if share < 0)]
 LINES = {
-    "push and pull": [style.PUSHED, style.LIFTED, push_scale.PULL],
-    "marks": [style.CROSSED, style.SOFT, style.INK],
-    "curves along an axis": style.ramp_colours(9),
+    "push and pull": [colours.PUSHED, colours.PULLED],
+    "marks": [colours.CROSSED, colours.SOFT, colours.INK],
+    "curves along an axis": colours.ramp_colours(9),
     "indices": [bars.FIRST, bars.TOTAL],
 }
 
@@ -93,27 +93,27 @@ def test_the_lines_of_figures_stand_out_from_white(name: str) -> None:
 
 
 def test_a_line_in_the_colours_of_the_push_has_a_casing_that_stands_out() -> None:
-    assert contrast(style.SOFT) >= LINE  # around the pale blue of no push
+    assert contrast(colours.SOFT) >= LINE  # around the pale blue of no push
 
 
 def test_numbers_and_lines_stand_out_from_every_colour_of_a_map() -> None:
-    for colour in style.map_colours()(np.linspace(0, 1, 64)):
+    for colour in colours.map_colours()(np.linspace(0, 1, 64)):
         halo = 0.75 * np.ones(3) + 0.25 * colour[:3]  # the white halo of a number lets a quarter of the map through
-        assert contrast(style.INK, halo) >= TEXT
-        assert contrast(style.INK, colour[:3]) >= LINE  # borders and hatching
-    shades = [*robustness.COLOURS.values(), *(robustness.SOLVED(k / 8)[:3] for k in range(9))]
-    assert min(contrast(style.INK, colour) for colour in shades) >= TEXT
+        assert contrast(colours.INK, halo) >= TEXT
+        assert contrast(colours.INK, colour[:3]) >= LINE  # borders and hatching
+    shades = [*colours.EXTREMES.values(), *(robustness.SOLVED(k / 8)[:3] for k in range(9))]
+    assert min(contrast(colours.INK, colour) for colour in shades) >= TEXT
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
     "palette",
     [
-        (style.PUSHED, style.LIFTED),
-        tuple(style.VERDICT_COLOURS.values()),
-        scene_colours.SEVERAL,
-        (scene_colours.UNPAINTED, scene_colours.STRIPE),
-        (style.PUSHED, style.INK, style.SOFT),
+        (colours.PUSHED, colours.PULLED),
+        tuple(colours.VERDICTS.values()),
+        colours.SEVERAL,
+        (colours.UNPAINTED, colours.STRIPE),
+        (colours.PUSHED, colours.INK, colours.SOFT),
     ],
 )
 def test_colours_that_mean_different_things_are_apart_to_every_eye(palette, kind: str) -> None:
@@ -130,7 +130,11 @@ def test_a_pull_is_apart_from_every_push(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", ["push", "curves", "map"])
 def test_a_ramp_only_darkens_or_only_lightens_to_every_eye(name: str, kind: str) -> None:
-    ramps = {"push": BLUES, "curves": style.ramp_colours(9), "map": list(style.map_colours(12)(np.linspace(0, 1, 12)))}
+    ramps = {
+        "push": BLUES,
+        "curves": colours.ramp_colours(9),
+        "map": list(colours.map_colours(12)(np.linspace(0, 1, 12))),
+    }
     steps = np.diff([lab(colour[:3], kind)[0] for colour in ramps[name]])
     assert (steps > 1).all() or (steps < -1).all()
 
@@ -167,15 +171,15 @@ def test_text_and_lines_of_page_and_report_stand_out_in_both_schemes(path: str, 
 
 
 def test_what_is_not_solved_is_darker_than_every_colour_of_a_map() -> None:
-    assert min(contrast(style.UNSOLVED, colour[:3]) for colour in style.map_colours(12)(np.arange(12))) > 1.5
+    assert min(contrast(colours.UNSOLVED, colour[:3]) for colour in colours.map_colours(12)(np.arange(12))) > 1.5
 
 
 def test_the_push_has_the_same_limits_in_a_diagram_as_in_a_scene() -> None:
     diagram = push_scale.scale([np.array([-3.0, 12.0]), np.array([1.0, 87.0])])
-    paint, _ = scene_colours.by_push({"length": "cm", "force": "N"}, (-3.0, 87.0))
-    assert (diagram.vmin, diagram.vmax) == (paint.low, paint.high) == (-100.0, 100.0)
+    painted, _ = paint.by_push({"length": "cm", "force": "N"}, (-3.0, 87.0))
+    assert (diagram.vmin, diagram.vmax) == (painted.low, painted.high) == (-100.0, 100.0)
 
 
 def test_a_rod_stands_out_from_the_cylinder_of_a_scene() -> None:
-    for colour in (*scene_colours.SEVERAL, scene_colours.STRIPE, style.PUSHED):
-        assert contrast(colour, push_colours.SURFACE) >= 2.5  # beside the shadow that the rod throws
+    for colour in (*colours.SEVERAL, colours.STRIPE, colours.PUSHED):
+        assert contrast(colour, colours.SURFACE) >= 2.5  # beside the shadow that the rod throws

@@ -27,7 +27,7 @@ from tests import transcripts
 from tests.workbench import browser, node, small
 from tests.workbench.pictures import shares_of_push
 from tests.workbench.test_palettes import contrast
-from workbench.figures import canvas, style
+from workbench.figures import canvas, colours
 from workbench.scene import opengl
 from workbench.store import in_memory, law_verdicts, reading, writing
 from workbench.store.in_memory import StudyResult
@@ -168,7 +168,7 @@ def test_verdicts_are_words_and_colours(text, readings) -> None:
         for one in verdicts
     ]
     assert cells == wanted
-    assert list(style.VERDICT_COLOURS) == list(report_document.CLASSES)
+    assert list(colours.VERDICTS) == list(report_document.CLASSES)
 
 
 def test_a_load_that_a_reading_drops_neither_supports_nor_refutes_a_claim(readings) -> None:

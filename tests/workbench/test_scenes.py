@@ -19,12 +19,13 @@ from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench.commands import option_checks, scene
-from workbench.figures import canvas, scales, style
+from workbench.figures import canvas, colours, scales
 from workbench.geometry import refinement, self_contact, tube
 from workbench.geometry.centreline import Centreline
 from workbench.scene import body as rods
 from workbench.scene import camera as cameras
-from workbench.scene import captions, colours, hidden, long_rod, opengl, page, scene_kinds, shading
+from workbench.scene import captions, hidden, long_rod, opengl, page, scene_kinds, shading
+from workbench.scene import paint as paints
 from workbench.scene.captions import Cell
 from workbench.scene.scene_kinds import KINDS, kind_of
 from workbench.scene.views import View
@@ -107,7 +108,7 @@ def test_push_and_curvature_are_those_of_the_solution(side: str) -> None:
 def test_the_stripe_turns_with_the_material() -> None:
     ds = dataset(outputs=["beta", "alpha", "z", "gamma"])
     rod = body(ds, "twist")
-    rod = replace(rod, paint=colours.Paint("white", stripe="blue"))
+    rod = replace(rod, paint=paints.Paint("white", stripe="blue"))
     rings = rod.rings(1e-3, 0.0)
     surface = rod.surface(rings)
     mesh = surface.mesh
@@ -187,8 +188,8 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
     rod = rods.read(Counted(fig6, opened), {}, KINDS[kind])
     shown = {"contact": {"contact"}, "grid": {"contact"}, "curvature": {"kappa"}}.get(kind, set())
     low_high = rod.extremes() if shown else (0.0, 1.0)
-    ramp = style.RAMP if shown else None
-    rod = replace(rod, paint=colours.Paint(ramp=ramp, low=low_high[0], high=low_high[1]))
+    ramp = colours.ramp() if shown else None
+    rod = replace(rod, paint=paints.Paint(ramp=ramp, low=low_high[0], high=low_high[1]))
     rod.surface(rod.rings(0.01, 0.0))
     assert opened <= KINDS[kind].reads | {"solved", "outcome", "caution", "dbeta", *SECTION}
     assert set(counted) == shown
@@ -238,8 +239,8 @@ def test_a_scale_bar_is_a_round_length_that_fits() -> None:
 
 @draws
 def test_a_row_in_the_table_is_all_that_a_new_kind_needs(fig6, tmp_path, monkeypatch, capsys) -> None:
-    def red(units: dict[str, str], extremes: colours.Extremes) -> colours.Painted:
-        return colours.Paint("#ff0000"), None
+    def red(units: dict[str, str], extremes: paints.Extremes) -> paints.Painted:
+        return paints.Paint("#ff0000"), None
 
     toy = scene_kinds.Kind("toy", "the rod in red", "one", paint=red, legend=(("#ff0000", "a toy"),))
     monkeypatch.setitem(KINDS, "toy", toy)
@@ -258,8 +259,8 @@ def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> N
     assert 1599 <= picture.shape[1] <= 1600  # Matplotlib may round down
     assert 500 < picture.shape[0] <= 1200  # no emptier than its words need
     assert share_of_ink(picture) > 0.25
-    assert share_of_hue(picture, to_hex(colours.PUSH_RAMP(0.9))) > 0.01
-    assert share_of_hue(picture, to_hex(colours.PUSH_RAMP(0.2))) > 0.02
+    assert share_of_hue(picture, to_hex(paints.PUSH_RAMP(0.9))) > 0.01
+    assert share_of_hue(picture, to_hex(paints.PUSH_RAMP(0.2))) > 0.02
     edge = np.concatenate([picture[:8].ravel(), picture[-8:].ravel(), picture[:, :8].ravel(), picture[:, -8:].ravel()])
     assert (edge > 0.98).all()  # nothing is cut off
 
@@ -341,7 +342,7 @@ def helix() -> xr.Dataset:
 @draws
 def test_a_hidden_stretch_is_an_outline_and_has_no_colour_of_the_bar(helix) -> None:
     rod = body(helix, "plain")
-    rod = replace(rod, paint=colours.Paint("#ff0000"))
+    rod = replace(rod, paint=paints.Paint("#ff0000"))
     camera = before_it([rod], 600, 120, lying=True)
     view = View([rod], Cell(""))
     picture = render([Placed(view, (300.0, 60.0))], camera, (600, 120), 0.5)[0] / 255.0
@@ -488,7 +489,7 @@ def test_a_look_chooses_side_colours_size_and_what_is_left_out(fig6, tmp_path) -
         seen = np.asarray(picture) / 255.0
     assert seen[:5, :, 3].max() == 0  # no title, nothing at the edge
     # most of the pushed part is above 50 N/cm, so it has the darkest blue
-    assert share_of_hue(seen[..., :3], to_hex(colours.PUSH_RAMP(1.0))) > 0.02
+    assert share_of_hue(seen[..., :3], to_hex(paints.PUSH_RAMP(1.0))) > 0.02
 
 
 def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_two_radii_apart(fig6) -> None:
@@ -573,10 +574,10 @@ def test_the_picture_has_the_scale_of_its_bar_along_the_axis(camera, helix) -> N
 @draws
 def test_a_push_has_the_same_colours_in_neighbouring_pictures_pale_at_0_and_no_black(helix) -> None:
     units = {"length": "cm", "force": "N"}
-    paint, bar = colours.by_push(units, (-30.0, 90.0))
+    paint, bar = paints.by_push(units, (-30.0, 90.0))
     assert (paint.low, paint.high, bar.low, bar.high) == (-100.0, 100.0, -100.0, 100.0)
     assert min(to_rgb(to_hex(paint.ramp(0.5)))) > 0.8
-    one, alone = colours.by_push(units, (7.9, 8.0))
+    one, alone = paints.by_push(units, (7.9, 8.0))
     share = (8.0 - one.low) / (one.high - one.low)
     assert min(to_rgb(to_hex(one.ramp(share)))) > 0.2 or share < 0.9
     assert (alone.low, alone.high) == (0.0, 12.0)

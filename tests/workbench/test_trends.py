@@ -13,7 +13,7 @@ from studies import load
 from tests.slow import slow
 from tests.workbench.page_faults import faults
 from tests.workbench.small import grid, study
-from workbench.figures import along, canvas, drawn_rods, legend, study_figure, style, unrolled
+from workbench.figures import along, canvas, colours, drawn_rods, legend, study_figure, unrolled
 from workbench.figures.laws import panel
 from workbench.figures.sheet import sheet
 from workbench.figures.trends import trend
@@ -77,13 +77,13 @@ def test_a_panel_tells_the_verdict_and_marks_each_step_the_wrong_way(angles) -> 
 def test_the_verdict_of_a_qualified_law_has_its_colour(angles) -> None:
     ax, _ = panels(angles)[1]
     told = next(text for text in ax.get_children() if said(ax) in getattr(text, "get_text", str)())
-    assert told.get_color() == style.VERDICT_COLOURS["qualified"]
+    assert told.get_color() == colours.VERDICTS["qualified"]
 
 
 def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:
     ax, _ = panels(forces)[0]
-    faint = [line for line in ax.lines if line.get_color() == style.FAINT]
-    (strong,) = [line for line in ax.lines if line.get_color() == style.DATA and len(line.get_xdata()) == 9]
+    faint = [line for line in ax.lines if line.get_color() == colours.FAINT]
+    (strong,) = [line for line in ax.lines if line.get_color() == colours.DATA and len(line.get_xdata()) == 9]
     assert len(faint) == 9
     np.testing.assert_array_equal(strong.get_ydata(), forces["contact_size_mean"].sel(F3=10.0, method="nearest"))
     assert "F₃ = 10 N" in ax.get_xlabel()

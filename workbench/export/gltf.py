@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..figures.colours import PULLED, PUSHED, linear
 from .base import Format, Rod, metres
 from .surface_files import near, tube
 
@@ -18,13 +19,10 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
     """
     import trimesh
 
-    from ..figures.style import LIFTED, PUSHED  # they load Matplotlib
-    from ..scene.colours import linear
-
     mesh, s = tube(rod.line, rod.tolerance)
     lifted = np.interp(s, rod.line.s, rod.line.push(rod.line.s))[:, None] < 0
-    colours = np.where(lifted, linear(LIFTED), linear(PUSHED))
-    rgba = np.round(255 * np.append(colours, np.ones_like(lifted, dtype=float), axis=1)).astype(np.uint8)
+    shades = np.where(lifted, linear(PULLED), linear(PUSHED))
+    rgba = np.round(255 * np.append(shades, np.ones_like(lifted, dtype=float), axis=1)).astype(np.uint8)
     surface = trimesh.Trimesh(
         mesh.points[:, [1, 2, 0]], mesh.triangles, vertex_normals=mesh.normals[:, [1, 2, 0]], vertex_colors=rgba,
         process=False, validate=False,

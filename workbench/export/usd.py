@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..figures.colours import PULLED, PUSHED, linear
 from ..geometry.centreline import Array
 from .base import Format, Rod, metres
 from .surface_files import near
@@ -35,19 +36,16 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
 
     The numbers are in the unit of length of the dataset, which `metersPerUnit` states. The axis of the cylinder is z.
     """
-    from ..figures.style import LIFTED, PUSHED  # they load Matplotlib
-    from ..scene.colours import linear
-
     line = rod.line
     points = np.concatenate([np.swapaxes(line.cubic.c[:3], 0, 1).reshape(-1, 3), line.cubic.c[3, -1:]])
     push = line.push(line.s)
-    colours = np.where(push[:, None] < 0, linear(LIFTED), linear(PUSHED))
+    shades = np.where(push[:, None] < 0, linear(PULLED), linear(PUSHED))
     low, high = points.min(axis=0) - line.a, points.max(axis=0) + line.a
     rows = {
         "float3[] extent": _vectors(np.stack([low, high])),
         "point3f[] points": _vectors(points),
         "float[] widths": f"[{2 * line.a:.9g}] (\n            interpolation = \"constant\"\n        )",
-        "color3f[] primvars:displayColor": _varying(_vectors(colours)),
+        "color3f[] primvars:displayColor": _varying(_vectors(shades)),
         "float[] primvars:push": _varying(_numbers(push)),
         "float[] primvars:beta": _varying(_numbers(line.beta)),
         "float[] primvars:s": _varying(_numbers(line.s)),

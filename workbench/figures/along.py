@@ -26,7 +26,7 @@ from studies.laws.verdicts import NOISE
 from ..store import schema
 from ..words import labels
 from ..words.cautions import SLIGHT
-from . import canvas, drawn_rods, legend, push_scale, regions, style
+from . import canvas, colours, drawn_rods, legend, push_scale, regions, style
 from .drawn_rods import DrawnRods
 from .scales import angle_locator, round_below
 from .sheet import SCREEN, Sheet
@@ -34,9 +34,8 @@ from .sheet import SCREEN, Sheet
 PANELS = ("beta", "kappa", "push")
 STATES = "states"
 TITLES = {"beta": "angle β to the axis", "kappa": "curvature κ"}
-COLOURS = {"straight": "#8f949c", "sinusoidal": "#3f8fc4", "helical": "#123a6b"}  # of `solver.shooting.state`
 # a mark where the cylinder would have to pull
-PULLS: dict[str, Any] = {"color": push_scale.PULL, "marker": "o", "markersize": 3.5, "markeredgecolor": "white",
+PULLS: dict[str, Any] = {"color": colours.PULLED, "marker": "o", "markersize": 3.5, "markeredgecolor": "white",
                          "markeredgewidth": 0.5, "linestyle": "none"}  # fmt: skip
 NEEDED = {STATES: ("beta", "alpha", "push")}  # arrays of a panel that is no array itself
 MOST, MOST_PANELS = 60, 6
@@ -107,14 +106,16 @@ states = partial(figure, show=(STATES,))
 def entries(rods: DrawnRods, names: Sequence[str]) -> list[Artist]:
     """The legend of panels: the states, and what the colours of a push are."""
     seen = {state.word for rod in rods.solved for state in _states(rod)} if STATES in names else set()
-    found: list[Artist] = [Line2D([], [], color=colour, label=word) for word, colour in COLOURS.items() if word in seen]
+    found: list[Artist] = [
+        Line2D([], [], color=colour, label=word) for word, colour in colours.STATES.items() if word in seen
+    ]
     if "push" in names:
-        found.append(Patch(color=style.PUSHED, label=push_scale.PUSHES))
+        found.append(Patch(color=colours.PUSHED, label=push_scale.PUSHES))
     pulled = {"push", STATES} & set(names) and any(push_scale.pulls(rod["push"]) for rod in rods.solved)
     if pulled and STATES in names:
         found.append(Line2D([], [], **PULLS, label="would lift off"))
     elif pulled:
-        found.append(Patch(color=push_scale.PULL, label=push_scale.PULLS))
+        found.append(Patch(color=colours.PULLED, label=push_scale.PULLS))
     return found
 
 
@@ -207,13 +208,13 @@ def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> Axes:
     rod, (title, unit, change) = rods.solved[0], _words(rods.source, name)
     s, values = rod["s"], change(rod[name])
     if dots:
-        ax.plot(s, values, ".", color=style.DATA, markersize=3, label=rod.name)
+        ax.plot(s, values, ".", color=colours.DATA, markersize=3, label=rod.name)
     elif name == "push":
         push_scale.line(ax, s, values, values, push_scale.scale([values]), 1.6, order=3)
         _shade_pulls(ax, s, values)
     else:
-        ax.plot(s, values, color=style.DATA, linewidth=1.8, label=rod.name)
-    ax.axhline(0, color=style.SOFT, linewidth=0.8)
+        ax.plot(s, values, color=colours.DATA, linewidth=1.8, label=rod.name)
+    ax.axhline(0, color=colours.SOFT, linewidth=0.8)
     coarse = f"; dots: {rods.source.sizes.get('u', 1)} stations miss bends" if dots else ""
     ax.set_ylabel(f"{title} [{unit.strip()}]" if unit.strip() else title)
     words = {"beta": "angle from the axis to the tangent", "push": "push of the cylinder per length"}
@@ -229,20 +230,20 @@ def _shade_pulls(ax: Axes, s: Any, push: Any) -> None:
     pulled = push < -SLIGHT * np.abs(push).max()
     if not pulled.any():
         return
-    ax.fill_between(s, 0, 1, where=pulled, transform=ax.get_xaxis_transform(), color=style.LIFTED, alpha=0.28,
+    ax.fill_between(s, 0, 1, where=pulled, transform=ax.get_xaxis_transform(), color=colours.PULLED, alpha=0.28,
                     linewidth=0, label=push_scale.PULLS)  # fmt: skip
-    ax.fill_between(s, 0, push, where=~pulled, color=style.PUSHED, alpha=0.25, linewidth=0,
+    ax.fill_between(s, 0, push, where=~pulled, color=colours.PUSHED, alpha=0.25, linewidth=0,
                     label=push_scale.PUSHES)  # fmt: skip
 
 
 def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
     """The curves of all rods, each at its offset."""
     count, step, foot = len(curves.values), curves.step, curves.foot
-    colours = style.ramp_colours(count)
+    shades = colours.ramp_colours(count)
     norm = push_scale.scale([values for values in curves.values if values is not None])
     width = float(np.clip(16 / count, 0.7, 1.4))
     for k, (rod, values) in enumerate(zip(rods.rods, curves.values, strict=True)):
-        ax.axhline(k * step + foot, color=style.FAINT, linewidth=0.6, zorder=1)
+        ax.axhline(k * step + foot, color=colours.FAINT, linewidth=0.6, zorder=1)
         order = 3 + 0.9 * (count - k) / count  # the lower curve stands before the upper one
         where = Affine2D().translate(0, k * step) + ax.transData
         if values is None:
@@ -250,11 +251,11 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
         elif curves.name == STATES:
             _draw_states(ax, rod, values, where, order)
         elif curves.name == "push":
-            for side, colour in ((np.maximum(values, 0), style.PUSHED), (np.minimum(values, 0), push_scale.PULL)):
+            for side, colour in ((np.maximum(values, 0), colours.PUSHED), (np.minimum(values, 0), colours.PULLED)):
                 ax.fill_between(rod["s"], 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order)
             push_scale.line(ax, rod["s"], values, values, norm, width, rod.name, k * step, order)
         else:
-            ax.plot(rod["s"], values, color=colours[k], linewidth=1.1, transform=where, zorder=order, label=rod.name)
+            ax.plot(rod["s"], values, color=shades[k], linewidth=1.1, transform=where, zorder=order, label=rod.name)
 
 
 def _draw_states(ax: Axes, rod: drawn_rods.DrawnRod, values: Any, where: Any, order: float) -> None:
@@ -262,7 +263,7 @@ def _draw_states(ax: Axes, rod: drawn_rods.DrawnRod, values: Any, where: Any, or
     s = rod["s"]
     for state in _states(rod):
         part = (s >= state.begin) & (s <= state.end)
-        ax.plot(s[part], values[part], color=COLOURS[state.word], linewidth=1.0, transform=where, zorder=order,
+        ax.plot(s[part], values[part], color=colours.STATES[state.word], linewidth=1.0, transform=where, zorder=order,
                 label=f"{rod.name}, {state.word}")  # fmt: skip
     _, first, after = regions.runs((rod["push"] < -SLIGHT * np.abs(rod["push"]).max())[None])
     ax.plot((s[first] + s[after - 1]) / 2, np.zeros(first.size), **PULLS, transform=where, zorder=order + 0.01,
@@ -276,7 +277,7 @@ def _states(rod: drawn_rods.DrawnRod) -> Sequence[Any]:
 
 
 def _say_unsolved(ax: Axes, height: float) -> None:
-    ax.text(0.5, height, "unsolved", transform=ax.get_yaxis_transform(), ha="center", va="bottom", color=style.SOFT,
+    ax.text(0.5, height, "unsolved", transform=ax.get_yaxis_transform(), ha="center", va="bottom", color=colours.SOFT,
             size=style.small())  # fmt: skip
 
 
@@ -299,7 +300,7 @@ def _bar(ax: Axes, curves: Curves) -> None:
     length = turns[-1] if curves.unit == "°" and turns else round_below(curves.size)
     top = ax.get_ylim()[1]
     where = ax.get_yaxis_transform("grid")
-    ax.plot([1.01, 1.01], [top - length, top], color=style.INK, linewidth=1.6, solid_capstyle="butt", clip_on=False,
+    ax.plot([1.01, 1.01], [top - length, top], color=colours.INK, linewidth=1.6, solid_capstyle="butt", clip_on=False,
             transform=where)  # fmt: skip
     ax.annotate(f"{labels.number(length)}{curves.unit.replace(' 1/', '/')}", (1.01, top - length / 2), (3, 0), where,
                 "offset points", va="center", rotation=90, size=style.small(), annotation_clip=False)  # fmt: skip

@@ -15,14 +15,14 @@ from solver.problem.errors import InputError
 from solver.problem.quantities import quantity
 
 from ..words import labels
-from . import canvas, legend, style
+from . import canvas, colours, legend, style
 from .sheet import SCREEN, Sheet
 
 COLUMN = 3.4  # inches: the width of a column of a journal
 BAR, FRAME, AROUND = 0.2, 0.6, 0.8  # inches of a bar, of title and ticks of a panel, and of the legend
 MOST = 12  # bars of a panel of a tornado
 ROOM = 0.34  # share of the width that is kept for the numbers on either side
-FIRST, TOTAL = style.PAIR
+FIRST, TOTAL = colours.PAIR
 
 
 def indices(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
@@ -57,7 +57,7 @@ def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
     at = [(quantity(name).symbol, ds.sel(field=name)) for name in varied]
     values = [f"{symbol} = {_in_unit(float(row['at']), str(row['field_unit'].values))}" for symbol, row in at]
     titled = ds.assign_attrs(title=", ".join([str(ds.attrs["title"]), *values]))
-    entries = [Patch(color=style.PAIR[k], label=word) for k, word in ((1, "rises"), (0, "falls"))]
+    entries = [Patch(color=colours.PAIR[k], label=word) for k, word in ((1, "rises"), (0, "falls"))]
     notes = ["The change of each observable if a field rises by 1 %, or by the amount beside it."]
     return _panels(titled, names, most, lambda ax, name: draw_tornado(ds, ax, name), entries, notes, sheet)
 
@@ -90,8 +90,8 @@ def _look(ax: Axes, ticks: Sequence[str]) -> None:
     """The look of a panel whose bars lie at 0, 1, ... downward."""
     ax.set_yticks(range(len(ticks)), ticks)
     ax.set_ylim(len(ticks) - 0.4, -0.6)
-    ax.tick_params(axis="y", length=0, labelcolor=style.INK, labelsize=style.small())
-    ax.axvline(0, color=style.SOFT, linewidth=0.8, zorder=4)
+    ax.tick_params(axis="y", length=0, labelcolor=colours.INK, labelsize=style.small())
+    ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=4)
     ax.spines["left"].set_visible(False)
 
 
@@ -100,14 +100,14 @@ def _indices(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -
     row = ds.sel(observable=name)
     ax.set_title(str(row["symbol"].values), loc="left", pad=4)
     if not np.isfinite(row["total"].values).any():
-        ax.text(0.5, 0.5, "one value on all samples", transform=ax.transAxes, ha="center", color=style.SOFT)
+        ax.text(0.5, 0.5, "one value on all samples", transform=ax.transAxes, ha="center", color=colours.SOFT)
         ax.set(xticks=[], yticks=[])
         return
     order = np.argsort(-row["total"].values)
     at = np.arange(order.size)
     looks: list[dict[str, Any]] = [
         {"ecolor": "white", "elinewidth": 2.4},
-        {"ecolor": style.INK, "elinewidth": 1, "capsize": 2},
+        {"ecolor": colours.INK, "elinewidth": 1, "capsize": 2},
     ]
     for key, color, offset in (("first", FIRST, -0.19), ("total", TOTAL, 0.19)):
         values = row[key].values[order]
@@ -118,7 +118,7 @@ def _indices(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -
     ax.set_xlim(*limits)
     if row["lost"] > 0:
         lost = f"{100 * float(row['lost']):.2g} % of the blocks left out"
-        ax.set_title(lost, loc="right", pad=4, size=style.small(), color=style.SOFT)
+        ax.set_title(lost, loc="right", pad=4, size=style.small(), color=colours.SOFT)
 
 
 def _notes_of_errors(ds: xr.Dataset) -> list[str]:
@@ -143,11 +143,11 @@ def draw_tornado(ds: xr.Dataset, ax: Axes, name: str) -> None:
     row, found = ds.sel(observable=name), _effects(ds, name)
     shown, rest = found[:MOST], found[MOST:]
     sizes = np.array([effect for _, effect in shown])
-    ax.barh(range(sizes.size), sizes, 0.66, color=[style.PAIR[int(size > 0)] for size in sizes], zorder=3)
+    ax.barh(range(sizes.size), sizes, 0.66, color=[colours.PAIR[int(size > 0)] for size in sizes], zorder=3)
     for i, size in enumerate(sizes):
         text = f"{'+' if size > 0 else '−'}{labels.number(abs(size), 2)}"
         ax.annotate(text, (size, i), (3 if size > 0 else -3, 0), textcoords="offset points",
-                    ha="left" if size > 0 else "right", va="center", color=style.INK,
+                    ha="left" if size > 0 else "right", va="center", color=colours.INK,
                     size=style.small())  # fmt: skip
     _look(ax, [_tick(ds, field) for field, _ in shown])
     low, high = min(sizes.min(), 0.0), max(sizes.max(), 0.0)
@@ -158,10 +158,10 @@ def draw_tornado(ds: xr.Dataset, ax: Axes, name: str) -> None:
     unit = str(row["effect_unit"].values)
     ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
     change = f"change [{labels.unit(unit)}]" if unit != "1" else "change"
-    ax.set_title(change, loc="right", pad=4, size=style.small(), color=style.SOFT)
+    ax.set_title(change, loc="right", pad=4, size=style.small(), color=colours.SOFT)
     if rest:
         more = f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}"
-        ax.set_xlabel(more, size=style.small(), color=style.SOFT)
+        ax.set_xlabel(more, size=style.small(), color=colours.SOFT)
 
 
 def _effects(ds: xr.Dataset, name: str) -> list[tuple[str, float]]:

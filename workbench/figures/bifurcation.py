@@ -16,7 +16,7 @@ from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED
 
 from ..branches.branch_dataset import branches
 from ..words import labels
-from . import canvas, legend, point_numbers, shape_rows, style, unrolled
+from . import canvas, colours, legend, point_numbers, shape_rows, style, unrolled
 from .shape_rows import Shape
 from .sheet import SCREEN, Sheet
 
@@ -29,9 +29,9 @@ SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed 
 
 
 _HELD: dict[int, tuple[dict[str, Any], str]] = {
-    0: (style.UNSTABLE | {"zorder": 2}, "unstable"),
-    1: (style.STABLE | {"linewidth": 1.1, "zorder": 4}, "stable as held, unstable under a dead load"),
-    2: (style.STABLE | {"linewidth": 2.2, "zorder": 4}, "stable, also under a dead load"),
+    0: (colours.UNSTABLE | {"zorder": 2}, "unstable"),
+    1: (colours.STABLE | {"linewidth": 1.1, "zorder": 4}, "stable as held, unstable under a dead load"),
+    2: (colours.STABLE | {"linewidth": 2.2, "zorder": 4}, "stable, also under a dead load"),
 }
 
 
@@ -90,7 +90,7 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:
     for kind, mark in MARKS.items():
         x, y = _special(ds, name, key, kind)
         if x.size:
-            ax.plot(x, y, mark, color=style.INK, markersize=4.5, markerfacecolor="white", zorder=6, linestyle="none",
+            ax.plot(x, y, mark, color=colours.INK, markersize=4.5, markerfacecolor="white", zorder=6, linestyle="none",
                     label=kind)  # fmt: skip
     ax.set_xlabel(labels.axis_label(name, ds[name]))
     ax.set_ylabel(style.shorter([labels.label(ds[f"curve_{key}"], long) for long in (True, False)], inches - 0.5))
@@ -152,7 +152,7 @@ def _runs(ds: xr.Dataset, ax: Axes, on: Any, points: Any) -> list[tuple[Any, dic
         middle = (points[at - 1] + points[at]) / 2
         points, kind = np.insert(points, at, middle, axis=0), np.insert(kind, at, 2)
         if at.size:
-            ax.plot(*middle.T, "^", color=style.INK, markersize=5.5, markerfacecolor="white", zorder=6,
+            ax.plot(*middle.T, "^", color=colours.INK, markersize=5.5, markerfacecolor="white", zorder=6,
                     linestyle="none", label="fold: snaps through under a dead load")  # fmt: skip
     cuts = [0, *(np.flatnonzero(np.diff(kind)) + 1), kind.size]
     runs = []
@@ -196,18 +196,18 @@ def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     """The look of a branch, and its entry in the legend."""
     holds = _holds(row)
     stable = row["index"] == 0
-    look = (style.STABLE if stable else style.UNSTABLE) | {"zorder": 4 if stable else 3 if holds else 2}
-    return look | ({"color": style.PUSHED} if holds else {}), ("stable" if stable else "unstable") + _judge(row)
+    look = (colours.STABLE if stable else colours.UNSTABLE) | {"zorder": 4 if stable else 3 if holds else 2}
+    return look | ({"color": colours.PUSHED} if holds else {}), ("stable" if stable else "unstable") + _judge(row)
 
 
 def _look_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> dict[str, Any]:
     """Colour and width of the line of its branch, at the place of the shape."""
     if "member" in ds.sizes:
-        return style.of_line(_look(row)[0])
+        return colours.of_line(_look(row)[0])
     on = np.flatnonzero(ds["curve_branch"].values == row["branch"])
     at = on[int(np.argmin(np.abs(ds[f"curve_{name}"].values[on] - float(ds[f"shape_{name}"].values[k]))))]
     index, dead = int(ds["curve_index"].values[at]), int(ds["curve_dead_index"].values[at])
-    return style.of_line(_HELD[0 if index > 0 else 1 if dead > 0 else 2][0])
+    return colours.of_line(_HELD[0 if index > 0 else 1 if dead > 0 else 2][0])
 
 
 def _shapes(ds: xr.Dataset, count: int) -> list[Shape]:

@@ -20,9 +20,10 @@ from solver.problem.errors import InputError
 from ..store import atomic
 from ..words import labels
 from . import style
+from .colours import INK, SOFT
 from .scales import Ticks
 from .sheet import MILLIMETRES, SCREEN, Sheet
-from .style import DPI, INK, RC, SOFT
+from .style import DPI, RC
 
 # inches of a figure of one column, and of two: room for a caption stays; the share of the height that is kept
 TALLEST, TALLEST_PAGE, LEAST = 120 / MILLIMETRES, 185 / MILLIMETRES, 0.62

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from solver.mechanics.statics import push_from
 
 from ..words import cautions, labels
-from . import canvas, legend, point_numbers, push_scale, shape_rows, style, unrolled
+from . import canvas, colours, legend, point_numbers, push_scale, shape_rows, style, unrolled
 from .shape_rows import Shape
 from .sheet import SCREEN, Sheet
 
@@ -50,8 +50,8 @@ def energies(ds: xr.Dataset, ax: Axes, width: float = SCREEN.width, high: float 
     Returns what is to be said of them.
     """
     index = ds["index"].values
-    ax.scatter(ds["index"], ds["energy"], c=["white" if one else style.INK for one in index], s=20,
-               edgecolors=style.INK, linewidths=0.9, zorder=3)  # fmt: skip
+    ax.scatter(ds["index"], ds["energy"], c=["white" if one else colours.INK for one in index], s=20,
+               edgecolors=colours.INK, linewidths=0.9, zorder=3)  # fmt: skip
     ax.set_xlabel(style.break_lines("Morse index: unstable directions", width - 0.9))
     ax.set_ylabel(labels.label(ds["energy"]))
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -110,11 +110,11 @@ def _entries(indices: Any) -> list[Any]:
     """The legend of the shapes and of the dots of their energies."""
     return [
         Line2D([], [], marker="o", markersize=4.5, label=word, markerfacecolor=colour, **look(index))
-        for index, (word, colour) in enumerate((("stable", style.INK), ("unstable", "white")))
+        for index, (word, colour) in enumerate((("stable", colours.INK), ("unstable", "white")))
         if ((indices == 0) == (index == 0)).any()
     ]
 
 
 def look(index: int) -> dict[str, Any]:
     """The look of a shape: thick where it is stable."""
-    return style.of_line(style.UNSTABLE if index else style.STABLE)
+    return colours.of_line(colours.UNSTABLE if index else colours.STABLE)

@@ -11,7 +11,7 @@ from scipy import special
 from studies.grammar.axes import quantity_of
 
 from ..words import labels
-from . import canvas, legend, style, unrolled
+from . import canvas, colours, legend, style, unrolled
 from .sheet import SCREEN, Sheet
 
 LOWER = 3.4  # inches: the height of the lower panels
@@ -48,14 +48,14 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     """
     unit = labels.unit(str(ds.attrs["length_unit"]))
     line, feet, points = ([_places(ds, part + name) for name in ("z", "alpha")] for part in ("", "foot_", "measured_"))
-    ax.plot(*line, color=style.PAIR[1], linewidth=1.2, label="fitted rod")
+    ax.plot(*line, color=colours.PAIR[1], linewidth=1.2, label="fitted rod")
     if "measured_z" in ds:
         for a, b, c, d in zip(*points, *feet, strict=True):
-            ax.plot((a, c), (b, d), color=style.INK, linewidth=0.9, zorder=1)
-        ax.plot(*points, "o", color="white", markersize=4.5, markeredgecolor=style.INK, markeredgewidth=0.9,
+            ax.plot((a, c), (b, d), color=colours.INK, linewidth=0.9, zorder=1)
+        ax.plot(*points, "o", color="white", markersize=4.5, markeredgecolor=colours.INK, markeredgewidth=0.9,
                 label="measured points")  # fmt: skip
         legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, borderaxespad=0, borderpad=0.3)
-    ax.plot(line[0][0], line[1][0], "o", color=style.INK, markersize=5)
+    ax.plot(line[0][0], line[1][0], "o", color=colours.INK, markersize=5)
     ax.annotate("s = 0", (line[0][0], line[1][0]), (-6, 0), textcoords="offset points", ha="right", va="center",
                 size=style.small())  # fmt: skip
     factor = unrolled.stretch(*_extent(ds), room)
@@ -94,21 +94,21 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
     names = [labels.symbol_of(str(name)) for name in ds["field"].values[:2]]
     ax.set_xlabel(_label(ds, 0))
     ax.set_ylabel(_label(ds, 1))
-    ax.plot(*values, "o", color=style.PAIR[1], markersize=6, zorder=4)
+    ax.plot(*values, "o", color=colours.PAIR[1], markersize=6, zorder=4)
     others = ds["other_minimum"].values[:, :2]
     for other in others:
-        ax.plot(*_show(ds, other), "X", color=style.INK, markersize=7, zorder=3)
+        ax.plot(*_show(ds, other), "X", color=colours.INK, markersize=7, zorder=3)
     covariance = ds["covariance"].values[:2, :2] * np.outer(_factors(ds), _factors(ds))
     also = CROSSES[bool(ds.attrs["exact"])] if len(others) else ""
     if not np.isfinite(covariance).all() or not np.isfinite([low, high]).all():
         ax.set_title(style.wrap(f"{' and '.join(names)}: no region is known{also}", ax), loc="left")
         return ax
     around = values[:, None] + _ellipse(covariance, _size(ds))
-    ax.fill(*around, color=style.PAIR[1], alpha=0.18, linewidth=0)
-    ax.plot(*around, color=style.PAIR[1], linewidth=1.2)
+    ax.fill(*around, color=colours.PAIR[1], alpha=0.18, linewidth=0)
+    ax.plot(*around, color=colours.PAIR[1], linewidth=1.2)
     for draw, ends in ((ax.axvline, (low[0], high[0])), (ax.axhline, (low[1], high[1]))):
         for end in ends:
-            draw(end, color=style.SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
+            draw(end, color=colours.SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
     text = f"95 % region; dashed: 95 % intervals{also}"
     ax.set_title(style.wrap(text, ax), loc="left")
     return ax
@@ -118,11 +118,11 @@ def shares(ds: xr.Dataset, ax: Axes) -> Axes:
     """The share of each datum in what is known of each field: along the rod for points, else by observable."""
     names = [labels.symbol_of(str(name)) for name in ds["field"].values]
     known = [name for name, row in zip(names, ds["share"].values, strict=True) if np.isfinite(row).all()]
-    colours = [*style.PAIR, *style.ramp_colours(max(len(names) - 2, 0))]
+    shades = [*colours.PAIR, *colours.ramp_colours(max(len(names) - 2, 0))]
     if "point_share" in ds:
         s, unit = ds["foot_s"].values, labels.unit(str(ds.attrs["length_unit"]))
         order = np.argsort(s, kind="stable")
-        for name, row, colour, mark in zip(names, ds["point_share"].values, colours, MARKS * len(names), strict=False):
+        for name, row, colour, mark in zip(names, ds["point_share"].values, shades, MARKS * len(names), strict=False):
             ax.plot(s[order], 100 * row[order], color=colour, marker=mark, markersize=3, linewidth=0.9,
                     label=name if name in known else None)  # fmt: skip
         ax.set_xlabel(f"s of the point [{unit}]")
@@ -130,7 +130,7 @@ def shares(ds: xr.Dataset, ax: Axes) -> Axes:
     else:
         groups = list(dict.fromkeys(map(str, ds["group"].values)))
         sums = np.array([[row[ds["group"].values == g].sum() for g in groups] for row in ds["share"].values])
-        for k, (name, row, colour) in enumerate(zip(names, sums, colours, strict=False)):
+        for k, (name, row, colour) in enumerate(zip(names, sums, shades, strict=False)):
             place = np.arange(len(groups)) + (k - (len(names) - 1) / 2) * 0.8 / len(names)
             ax.barh(place, 100 * row, 0.8 / len(names), color=colour, label=name if name in known else None)
         ax.set_yticks(range(len(groups)), groups)

@@ -24,14 +24,14 @@ from studies.laws.verdicts import HOLDS, VERDICTS
 from ..store import law_verdicts, refined
 from ..store.schema import SAMPLING
 from ..words import labels
-from . import style
+from . import colours
 from .map_cells import Cells, Choice
 
 THICK, GAP = 0.06, 0.04  # inches of a strip of verdicts, and between strips
-DECIDES: dict[str, Any] = {"color": style.INK, "linewidth": 1.3, "linestyle": (0, (5, 2))}
+DECIDES: dict[str, Any] = {"color": colours.INK, "linewidth": 1.3, "linestyle": (0, (5, 2))}
 
 _COLOURS: dict[str, Any] = {
-    "cmap": ListedColormap([style.VERDICT_COLOURS[verdict] for verdict in VERDICTS]),
+    "cmap": ListedColormap([colours.VERDICTS[verdict] for verdict in VERDICTS]),
     "vmin": -0.5,
     "vmax": len(VERDICTS) - 0.5,
 }
@@ -109,7 +109,7 @@ def draw_map(
 def _entries(verdicts: NDArray[np.str_], all_of_them: bool = True) -> list[Artist]:
     """The legend of the verdicts that occur, without that of the rows in which the law holds if it is not drawn."""
     return [
-        Patch(facecolor=style.VERDICT_COLOURS[verdict], label=f"law {PLAIN[verdict]} on these lines")
+        Patch(facecolor=colours.VERDICTS[verdict], label=f"law {PLAIN[verdict]} on these lines")
         for verdict in VERDICTS
         if verdict in verdicts and (verdict != HOLDS or all_of_them)
     ]

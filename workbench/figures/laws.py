@@ -16,7 +16,7 @@ from studies.laws.verdict_words import PLAIN
 
 from ..store import law_verdicts, selection
 from ..words import labels
-from . import legend, style
+from . import colours, legend, style
 from .trends import trend
 
 
@@ -26,7 +26,7 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> str:
     Returns the sentence for below the figure: the law, its verdict with what was measured, the other observables.
     """
     trend(ds, ax, row["observable"], row["axis"], row["at"])
-    colour, verdict = style.VERDICT_COLOURS[row["verdict"]], PLAIN[row["verdict"]]
+    colour, verdict = colours.VERDICTS[row["verdict"]], PLAIN[row["verdict"]]
     for step in row["exceptions"]:
         if all(step["at"][name] == value for name, value in row["at"].items()):
             ends = [labels.in_label_unit(ds[row["axis"]], step[end]) for end in ("from", "to")]
@@ -111,7 +111,7 @@ def _equals(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: A
 def _allow(ax: Axes, along: Any, low: Any, high: Any) -> None:
     """Shade what a law allows, and name it where the line does not hide it."""
     seen = np.median(high - low) * style.inches(ax)[1] * 72 >= SEEN * np.ptp(ax.get_ylim())
-    ax.fill_between(along, low, high, color=style.INK, alpha=0.12, linewidth=0, zorder=0,
+    ax.fill_between(along, low, high, color=colours.INK, alpha=0.12, linewidth=0, zorder=0,
                     label="allowed" if seen else "")  # fmt: skip
 
 
@@ -141,17 +141,17 @@ def _boundary(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row:
     passed = formula(ds, law.passes, ds[law.observable])
     _line(ax, along, numbers["passes"], f"{labels.symbol(ds[law.observable])} = {passed}")
     if places.size == 1 and np.isfinite(places[0]):
-        ax.axvspan(places[0] - half, places[0] + half, color=style.INK, alpha=0.12, linewidth=0, zorder=0)
-        ax.axvline(places[0], color=style.SOFT, linewidth=1, zorder=1,
+        ax.axvspan(places[0] - half, places[0] + half, color=colours.INK, alpha=0.12, linewidth=0, zorder=0)
+        ax.axvline(places[0], color=colours.SOFT, linewidth=1, zorder=1,
                    label=f"expected: {_number(there, axis)} ± {_number(law.within or 0.0, axis)}")  # fmt: skip
         if row["numbers"]:
             at = row["numbers"]["at"]
             ax.plot(labels.in_label_unit(axis, at), numbers["passes"][0], "D", color="white", markersize=6, zorder=5,
-                    markeredgecolor=style.INK, label=f"computed: {_number(at, axis)}")  # fmt: skip
+                    markeredgecolor=colours.INK, label=f"computed: {_number(at, axis)}")  # fmt: skip
 
 
 def _line(ax: Axes, along: Any, values: Any, label: str, look: Any = DASHED) -> None:
-    ax.plot(along, values, color=style.INK, linewidth=1.0, linestyle=look, zorder=3, label=labels.minus_signs(label))
+    ax.plot(along, values, color=colours.INK, linewidth=1.0, linestyle=look, zorder=3, label=labels.minus_signs(label))
 
 
 NO_BREAK = "\N{NO-BREAK SPACE}"

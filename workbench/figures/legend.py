@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from . import style
+from .colours import SOFT
 from .sheet import SCREEN, Sheet
-from .style import SOFT
 
 
 class _Kept(Artist):

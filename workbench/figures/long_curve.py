@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..geometry import lines
 from ..words import cautions, labels
-from . import push_scale, style
+from . import colours, push_scale, style
 from .drawn_rods import DrawnRod
 
 THINNEST = 0.07  # inches of a line; below, nothing of its curve is seen
@@ -95,7 +95,7 @@ def draw(
     for k, start in enumerate(starts):
         top = k * lines.PITCH * found.wide - found.low
         left = float(np.interp(start, s, z))
-        ax.axhspan(top + found.low, top + found.low + found.wide, color=style.BAND, linewidth=0, zorder=0)
+        ax.axhspan(top + found.low, top + found.low + found.wide, color=colours.BAND, linewidth=0, zorder=0)
         for places, turn in _pieces(s, across, found, float(start)):
             x, y = np.interp(places, s, z), np.interp(places, s, across) - turn
             ends += [float(x.min()) - left, float(x.max()) - left]
@@ -105,8 +105,8 @@ def draw(
             else:
                 look: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.5} if dots else {}
                 where = Affine2D().translate(-left, top) + ax.transData
-                ax.plot(x, y, color=style.DATA, transform=where, zorder=3, label=rod.name, **look)
-    ax.plot(0, -found.low + across[0], "o", color=style.INK, markersize=4, label="s = 0", zorder=4)
+                ax.plot(x, y, color=colours.DATA, transform=where, zorder=3, label=rod.name, **look)
+    ax.plot(0, -found.low + across[0], "o", color=colours.INK, markersize=4, label="s = 0", zorder=4)
     size = max(ends) - min(ends)
     ax.set_xlim(min(ends) - 0.01 * size, max(ends) + 0.01 * size)
     ax.set_ylim((found.count - 1) * lines.PITCH * found.wide + 1.1 * found.wide, -0.1 * found.wide)

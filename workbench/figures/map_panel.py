@@ -17,7 +17,7 @@ from studies.laws.verdicts import NOISE
 
 from ..store import selection
 from ..words import labels
-from . import legend, regions, style
+from . import colours, legend, regions, style
 from .map_cells import STRAIGHT, Cells
 
 Values = NDArray[np.float64]
@@ -26,7 +26,7 @@ MOST_COLOURS = 256  # counts, each with a colour of its own
 MOST_CLASSES = 24  # of a count, with a border between each two
 MOST_SAMPLES = 2500  # points that a map shows
 BARRED = "would lift off away from its ends, or pass through itself"
-SAMPLES: Any = {"color": style.INK, "linestyle": "none", "markeredgewidth": 0.4, "alpha": 0.6}
+SAMPLES: Any = {"color": colours.INK, "linestyle": "none", "markeredgewidth": 0.4, "alpha": 0.6}
 HALO = withStroke(linewidth=2.2, foreground="white", alpha=0.75)
 
 
@@ -40,7 +40,7 @@ class Colours:
         self.low, self.high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
         size = max(abs(self.low), abs(self.high))
         self.constant = self.high - self.low <= NOISE * size  # rounding is no news
-        self.cmap: Colormap = style.map_colours()
+        self.cmap: Colormap = colours.map_colours()
         self.norm = self._norm()
 
     def _norm(self) -> Normalize:
@@ -49,7 +49,7 @@ class Colours:
             return Normalize(self.low - 1, self.high + 1)
         if self.count and self.high - self.low < MOST_COLOURS:
             levels = np.arange(self.low - 0.5, self.high + 1)
-            self.cmap = style.map_colours(levels.size - 1)
+            self.cmap = colours.map_colours(levels.size - 1)
             return BoundaryNorm(levels, levels.size - 1)
         if not self.count and self.low > 0 and self.high > DECADES * self.low:
             return LogNorm(self.low, self.high)
@@ -79,21 +79,21 @@ class Colours:
         bar.minorticks_off()
 
 
-def draw(ax: Axes, cells: Cells, name: str, colours: Colours, inches: tuple[float, float], pale: float = 1.0) -> Any:
+def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float, float], pale: float = 1.0) -> Any:
     """Draw the map of an observable on axes of that width and height in inches; returns its coloured cells.
 
     pale: the opacity of the colours; below 1 there are neither borders nor cases.
     """
     values = cells.values(name)
     x, y = cells.x.edges, cells.y.edges
-    mesh = cells.colour(ax, values, inches, cmap=colours.cmap, norm=colours.norm, alpha=pale)
+    mesh = cells.colour(ax, values, inches, cmap=scale.cmap, norm=scale.norm, alpha=pale)
     if cells.unbent(name).any():
-        ax.add_patch(PathPatch(regions.path(cells.unbent(name), x, y), facecolor=style.BAND, linewidth=0))
+        ax.add_patch(PathPatch(regions.path(cells.unbent(name), x, y), facecolor=colours.BAND, linewidth=0))
     if not cells.solved.all():
-        ax.add_patch(PathPatch(regions.path(~cells.solved, x, y), facecolor=style.UNSOLVED, linewidth=0))
-    if colours.count and not colours.constant and pale == 1:
-        classes, step = _classes(np.where(cells.unbent(name), -1.0, values), colours)
-        cells.draw_borders(ax, classes, colors=style.INK, linewidths=0.5, capstyle="projecting")
+        ax.add_patch(PathPatch(regions.path(~cells.solved, x, y), facecolor=colours.UNSOLVED, linewidth=0))
+    if scale.count and not scale.constant and pale == 1:
+        classes, step = _classes(np.where(cells.unbent(name), -1.0, values), scale)
+        cells.draw_borders(ax, classes, colors=colours.INK, linewidths=0.5, capstyle="projecting")
         _number_regions(ax, cells, classes, step, inches)
     if pale == 1:
         _show_samples(ax, cells)
@@ -114,14 +114,14 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> tuple[list[Artist], 
     ]
     if any(panel.unbent(name).any() for panel in panels for name in shown):
         label = f"β varies by less than {np.degrees(STRAIGHT):.0f}°"
-        found.append(Patch(facecolor=style.BAND, edgecolor=style.SOFT, linewidth=0.6, label=label))
+        found.append(Patch(facecolor=colours.BAND, edgecolor=colours.SOFT, linewidth=0.6, label=label))
     if not all(panel.solved.all() for panel in panels):
-        found.append(Patch(facecolor=style.UNSOLVED, label="not solved"))
+        found.append(Patch(facecolor=colours.UNSOLVED, label="not solved"))
     if any(
         (np.isnan(panel.values(name)) & panel.solved & ~panel.unbent(name)).any() for panel in panels for name in shown
     ):
         found.append(
-            Patch(facecolor=style.UNKNOWN, edgecolor=style.SOFT, linewidth=0.6, label="solved, number unknown")
+            Patch(facecolor=colours.UNKNOWN, edgecolor=colours.SOFT, linewidth=0.6, label="solved, number unknown")
         )
     notes = [f"Every rod {BARRED}."] if barred.size and barred.all() else []
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
@@ -130,9 +130,9 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> tuple[list[Artist], 
     return found, notes
 
 
-def _classes(values: Values, colours: Colours) -> tuple[Values, int]:
+def _classes(values: Values, scale: Colours) -> tuple[Values, int]:
     """The lowest count of the class of each cell, and how many counts a class has: 1, or 2, 5, 10, ... for many."""
-    span = colours.high - colours.low
+    span = scale.high - scale.low
     step = next(
         digit * 10**power for power in range(20) for digit in (1, 2, 5) if span <= MOST_CLASSES * digit * 10**power
     )
@@ -153,7 +153,7 @@ def _number_regions(ax: Axes, cells: Cells, classes: Values, step: int, inches: 
         middle = regions.place(area, (inches[1] / cells.y.values.size, inches[0] / cells.x.values.size), size)
         if middle is not None:
             ax.text(cells.x.between(middle[1]), cells.y.between(middle[0]), text, ha="center", va="center",
-                    size=style.small(), color=style.INK, path_effects=[HALO], zorder=5)  # fmt: skip
+                    size=style.small(), color=colours.INK, path_effects=[HALO], zorder=5)  # fmt: skip
 
 
 def _show_samples(ax: Axes, cells: Cells) -> None:

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from . import style
+from . import colours, style
 
 SAME = 0.03  # inches: nearer points have one text
 AWAY = (0.13, 0.2, 0.28, 0.38, 0.5, 0.64)  # inches from a point to the middle of its number
@@ -82,9 +82,9 @@ def write(
         if led:
             others.leaders.append(_along(np.stack([place, middle])))
         ax.annotate(text, dots[group[0]], 72 * (middle - place), textcoords="offset points", ha="center", va="center",
-                    size=style.small(), color=style.INK, zorder=20, annotation_clip=False,
+                    size=style.small(), color=colours.INK, zorder=20, annotation_clip=False,
                     path_effects=[withStroke(linewidth=2.0, foreground="white", alpha=0.9)],
-                    arrowprops={"arrowstyle": "-", "color": style.INK, "linewidth": 0.5, "shrinkA": 0,
+                    arrowprops={"arrowstyle": "-", "color": colours.INK, "linewidth": 0.5, "shrinkA": 0,
                                 "shrinkB": 1} if led else None)  # fmt: skip
 
 

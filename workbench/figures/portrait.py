@@ -20,7 +20,7 @@ from solver.problem.errors import InputError, no_such
 
 from ..store import schema
 from ..words import labels
-from . import canvas, drawn_rods, legend, style
+from . import canvas, colours, drawn_rods, legend, style
 from .drawn_rods import DrawnRod
 from .scales import angle_locator
 from .sheet import SCREEN, Sheet
@@ -33,7 +33,7 @@ LEVELS = 7  # level sets
 ROUNDING = 1e-12
 SPARE = 0.06  # of the window, to the left and right of what must be seen
 LEAST = np.radians(0.5)  # of a window
-SEPARATRIX: dict[str, Any] = {"color": style.INK, "linewidth": 0.9, "linestyle": (0, (4, 2)), "zorder": 3,
+SEPARATRIX: dict[str, Any] = {"color": colours.INK, "linewidth": 0.9, "linestyle": (0, (4, 2)), "zorder": 3,
                               "label": "separatrix"}  # fmt: skip
 SADDLE = "the separatrix, through a saddle (×)"
 
@@ -167,10 +167,10 @@ def _portrait(ax: Axes, one: Orbit, unit: str) -> None:
     fastest = max(float(np.abs(one.dbeta).max()), *(_height(one.G(b), G) for b in one.saddles), 1e-12)
     levels = np.linspace(float(G.min()), float(G.min()) + 1.4 * (fastest**2 + 1e-12), LEVELS + 2)[1:]
     for level in levels:
-        _level_set(ax, one, float(level), color=style.FAINT, linewidth=0.8, label="_level", zorder=1)
+        _level_set(ax, one, float(level), color=colours.FAINT, linewidth=0.8, label="_level", zorder=1)
     for level in _levels(one):
         _level_set(ax, one, level, **SEPARATRIX)
-    ax.plot(np.degrees(one.beta), one.dbeta, color=style.PUSHED, linewidth=1.4, label="rod", zorder=5)
+    ax.plot(np.degrees(one.beta), one.dbeta, color=colours.PUSHED, linewidth=1.4, label="rod", zorder=5)
     _mark(ax, one, lambda angles: 0 * angles, one.dbeta[[0, -1]])
     ax.set_ylim(-1.15 * fastest, 1.15 * fastest)
     ax.set_ylabel(f"β′ [1/{unit}]")
@@ -179,10 +179,10 @@ def _portrait(ax: Axes, one: Orbit, unit: str) -> None:
 def _mark(ax: Axes, one: Orbit, height: Callable[[Any], Any], ends: Any) -> None:
     """Mark saddles and centres at their height, and the two ends of the rod at theirs."""
     places: list[tuple[str, Any, Any, str, int, str]] = [
-        ("saddle", one.saddles, height(one.saddles), "x", 5, style.INK),
-        ("centre", one.centres, height(one.centres), "+", 6, style.SOFT),
-        ("s = 0", one.beta[:1], ends[:1], "o", 4, style.INK),
-        ("s = L", one.beta[-1:], ends[1:], "s", 4, style.INK),
+        ("saddle", one.saddles, height(one.saddles), "x", 5, colours.INK),
+        ("centre", one.centres, height(one.centres), "+", 6, colours.SOFT),
+        ("s = 0", one.beta[:1], ends[:1], "o", 4, colours.INK),
+        ("s = L", one.beta[-1:], ends[1:], "s", 4, colours.INK),
     ]
     for name, angles, heights, marker, size, colour in places:
         ax.plot(np.degrees(angles), heights, marker, color=colour, markersize=size, label=name, zorder=6)
@@ -225,9 +225,9 @@ def _potential(ax: Axes, one: Orbit, unit: str) -> None:
     """G over the angle, and the level h of the rod, where it lies above G."""
     angles = one.angles()
     G = one.G(angles)
-    ax.plot(np.degrees(angles), G, color=style.INK, linewidth=1.0, label="G", zorder=3)
+    ax.plot(np.degrees(angles), G, color=colours.INK, linewidth=1.0, label="G", zorder=3)
     reached = (float(one.beta.min()), float(one.beta.max()))
-    ax.plot(np.degrees(reached), [one.h, one.h], color=style.PUSHED, linewidth=1.4, label="h", zorder=4)
+    ax.plot(np.degrees(reached), [one.h, one.h], color=colours.PUSHED, linewidth=1.4, label="h", zorder=4)
     for level in _levels(one):
         ax.plot(np.degrees(one.window), [level, level], **SEPARATRIX)
     _mark(ax, one, one.G, [one.h, one.h])
@@ -266,12 +266,14 @@ def _entries(orbits: Sequence[Orbit], names: Sequence[str]) -> list[Artist]:
     """The legend."""
     rod = "the rod, at its level h" if "potential" in names else "the rod"
     looks: list[tuple[bool, str, dict[str, Any]]] = [
-        (True, rod, {"color": style.PUSHED, "linewidth": 1.8}),
+        (True, rod, {"color": colours.PUSHED, "linewidth": 1.8}),
         (True, "s = 0", {"marker": "o", "markersize": 4, "linestyle": "none"}),
         (True, "s = L", {"marker": "s", "markersize": 4, "linestyle": "none"}),
         (any(one.saddles.size for one in orbits), SADDLE, {"linewidth": 0.9, "linestyle": (0, (4, 2))}),
         (any(one.centres.size for one in orbits), "centre: a helix",
-         {"color": style.SOFT, "marker": "+", "markersize": 6, "linestyle": "none"}),
-        ("portrait" in names, "other level sets of β′² + G", {"color": style.FAINT, "linewidth": 1.2}),
+         {"color": colours.SOFT, "marker": "+", "markersize": 6, "linestyle": "none"}),
+        ("portrait" in names, "other level sets of β′² + G", {"color": colours.FAINT, "linewidth": 1.2}),
     ]  # fmt: skip
-    return [Line2D([], [], label=label, **({"color": style.INK} | look)) for is_drawn, label, look in looks if is_drawn]
+    return [
+        Line2D([], [], label=label, **({"color": colours.INK} | look)) for is_drawn, label, look in looks if is_drawn
+    ]

@@ -1,4 +1,4 @@
-"""Lines in the colours of the push along a rod, and the bar of these colours; see `figures.push_colours`."""
+"""Lines in the colours of the push along a rod, and the bar of these colours; see `colours`."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,31 +8,24 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
-from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from ..words import labels
 from ..words.cautions import SLIGHT
-from . import legend, push_colours, style
+from . import colours, legend, style
 from .table import CASING
 
-PULL = style.LIFTED
 PUSHES, PULLS = "the cylinder pushes", "the cylinder would have to pull: the rod would lift off"  # in a legend
 EDGE, LEAST = 1.2, 0.35  # the grey casing of a line: share of its width, and points that it adds at least
 
 
-def ramp() -> Colormap:
-    """The colours of a push, from the strongest pull to the strongest push; pale at 0."""
-    stops = [((share + 1) / 2, (r / 255, g / 255, b / 255)) for share, (r, g, b) in push_colours.DIVERGING]
-    return LinearSegmentedColormap.from_list("push", stops, 4096)  # so many that a jump from pull to push is sharp
-
-
 def scale(pushes: Sequence[Any]) -> Normalize:
-    """The scale of colours that the pushes of several rods share, as of `push_colours`, as far below 0 as above it."""
+    """The scale of colours that the pushes of several rods share, as far below 0 as above it."""
     ends = [(float(np.min(push)), float(np.max(push))) for push in pushes] or [(0.0, 0.0)]
-    end = push_colours.scale(min(low for low, _ in ends), max(high for _, high in ends))[1] or 1.0
+    end = colours.push_scale(min(low for low, _ in ends), max(high for _, high in ends))[1] or 1.0
     return Normalize(-end, end)
 
 
@@ -45,13 +38,13 @@ def line(
     where = Affine2D().translate(-left, shift) + ax.transData
     casing = max(width * EDGE, width + LEAST)
     ax.plot(
-        x, y, color=style.SOFT, linewidth=casing, solid_capstyle="round", label=CASING, zorder=order, transform=where
+        x, y, color=colours.SOFT, linewidth=casing, solid_capstyle="round", label=CASING, zorder=order, transform=where
     )
     points: NDArray[np.float64] = np.column_stack([x, y])
     middles = (points[1:] + points[:-1]) / 2
     before, after = np.vstack([points[:1], middles]), np.vstack([middles, points[-1:]])
-    drawn = LineCollection(list(np.stack([before, points, after], axis=1)), cmap=ramp(), norm=norm, linewidths=width,
-                           capstyle="round", joinstyle="round", label=label, zorder=order,
+    drawn = LineCollection(list(np.stack([before, points, after], axis=1)), cmap=colours.push_ramp(), norm=norm,
+                           linewidths=width, capstyle="round", joinstyle="round", label=label, zorder=order,
                            transform=where)  # fmt: skip
     drawn.set_array(np.asarray(push, dtype=float))
     ax.add_collection(drawn)

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..words import labels
-from . import canvas, legend, regions, style, unrolled
+from . import canvas, colours, legend, regions, style, unrolled
 from .map_panel import HALO
 from .sheet import SCREEN, Sheet
 
@@ -22,9 +22,9 @@ SHAPE, SMALL_SHAPE = 0.6, 0.4  # inches, the side of a shape, and that on a narr
 NARROW = 4.0  # inches of a map
 MOST, PAD = 4, 0.05  # shapes in a region; inches around a text
 GIVEN = ("the given rod", "the rod of Table 1")  # what the map was made of
-CUSP: dict[str, Any] = {"marker": "D", "color": "white", "markeredgecolor": style.INK, "markersize": 4,
+CUSP: dict[str, Any] = {"marker": "D", "color": "white", "markeredgecolor": colours.INK, "markersize": 4,
                         "linestyle": "none"}  # fmt: skip
-MARK: dict[str, Any] = {"marker": "P", "color": style.INK, "markeredgecolor": "white", "markersize": 8,
+MARK: dict[str, Any] = {"marker": "P", "color": colours.INK, "markeredgecolor": "white", "markersize": 8,
                         "linestyle": "none"}  # fmt: skip
 
 
@@ -38,9 +38,9 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     def draw(fig: Figure) -> None:
         ax = fig.add_subplot()
         box = sheet.width - 1.1, high - 0.6
-        notes, colours = panel(ds, ax, box)
+        notes, unnumbered = panel(ds, ax, box)
         given = [line for line in ax.lines if line.get_label() in GIVEN]
-        legend.below(fig, [*colours, *entries(ds), *given], notes, sheet)
+        legend.below(fig, [*unnumbered, *entries(ds), *given], notes, sheet)
 
     return canvas.figure((sheet.width, high + 0.5), draw, ds, sheet=sheet)
 
@@ -60,7 +60,7 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
     counts = np.append(ds["count"].values, 0)[raster].astype(float)
     counts[raster < 0] = np.nan
     known = np.unique(counts[np.isfinite(counts)])
-    ramp = ListedColormap(style.map_colours(max(known.size, 2))(np.arange(max(known.size, 1))))
+    ramp = ListedColormap(colours.map_colours(max(known.size, 2))(np.arange(max(known.size, 1))))
     ax.imshow(np.searchsorted(known, np.where(np.isnan(counts), known[:1], counts)), cmap=ramp, origin="lower",
               extent=(*edges[0], *edges[1]), aspect="auto", interpolation="nearest", alpha=0.8,
               vmin=-0.5, vmax=max(known.size, 2) - 0.5, zorder=0)  # fmt: skip
@@ -74,9 +74,9 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
     notes, left_out = _name_regions(ds, ax, inches)
     said = {int(count) for k, count in enumerate(ds["count"].values) if k not in left_out}
     unsaid = sorted({int(ds["count"].values[k]) for k in left_out} - said)
-    colours = {count: ramp(int(np.searchsorted(known, count)))[:3] for count in unsaid}
+    shades = {count: ramp(int(np.searchsorted(known, count)))[:3] for count in unsaid}
     return notes, [
-        Patch(color=(*colours[count], 0.8), label=f"{count} equilibri{'um' if count == 1 else 'a'}") for count in unsaid
+        Patch(color=(*shades[count], 0.8), label=f"{count} equilibri{'um' if count == 1 else 'a'}") for count in unsaid
     ]
 
 
@@ -109,7 +109,7 @@ def entries(ds: xr.Dataset) -> list[Artist]:
 def _look(ds: xr.Dataset, k: int) -> dict[str, Any]:
     stable = int(ds["curve_index"].values[k]) == 0
     return {
-        "color": style.INK,
+        "color": colours.INK,
         "linewidth": 1.8 if stable else 0.8,
         "linestyle": "-" if str(ds["curve_kind"].values[k]) == "fold" else (0, (4, 2)),
     }
@@ -144,7 +144,7 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
                 fewer, drawn = fewer or 0 < shapes < stable, drawn or shapes > 0
                 lift = (side / 2 + PAD) / inches[1] * bool(shapes)
                 ax.text(across, up + lift, said, transform=ax.transAxes, ha="center", va="center", size=style.small(),
-                        color=style.INK, linespacing=1.1, path_effects=[HALO], zorder=6)  # fmt: skip
+                        color=colours.INK, linespacing=1.1, path_effects=[HALO], zorder=6)  # fmt: skip
                 _draw_shapes(
                     ds, ax, k, shapes, (across, up - (line / 2 + PAD) / inches[1]), (side / inches[0], side / inches[1])
                 )

@@ -16,18 +16,17 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from ..words import labels
-from . import canvas, legend, style
+from . import canvas, colours, legend, style
 from .sheet import SCREEN, Sheet
 
 VAGUE = 0.1  # rad
-COLOURS = {"refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#f3cf8a", "vague": "#c9d8f2"}
 WORDS = {
     "refused": "refused, with a reason",
     "inaccurate": "reported as solved, but wrong",
     "non-finite": "no finite answer: overflow, or out of steps; reported",
     "vague": f"solved; ill-conditioned at this tolerance (bound > {VAGUE:g} rad)",
 }
-SOLVED = LinearSegmentedColormap.from_list("solved", ["#7fc6a6", "#cfe8dc", "#f8f7d8"])
+SOLVED = LinearSegmentedColormap.from_list("solved", list(colours.SOLVED))
 LEAST, MOST = -8.0, 1.0  # log10 of error over promise, at the ends of the colours of solved cells
 _ROW, _COLUMN, _NAMES = 0.165, 0.42, 1.75  # inches: with all methods two columns of a journal
 LEAST_WIDTH = 5.0  # inches, for the legend
@@ -42,9 +41,9 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
 
     def draw(fig: Figure) -> None:
         ax = panel(ds, fig.add_subplot())
-        colours = ScalarMappable(Normalize(LEAST, MOST), SOLVED)
+        scale = ScalarMappable(Normalize(LEAST, MOST), SOLVED)
         said = "solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error [rad]"
-        legend.colour_bar(fig, colours, said, ax=ax, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035,
+        legend.colour_bar(fig, scale, said, ax=ax, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035,
                           ticks=range(-8, 2))  # fmt: skip
 
     titled = ds.assign_attrs(title=labels.powers_of_ten(str(ds.attrs["title"])))
@@ -74,7 +73,7 @@ def panel(ds: xr.Dataset, ax: Axes) -> Axes:
     for i in range(len(names)):
         for j in range(len(methods)):
             share = (kept[i, j] - LEAST) / (MOST - LEAST)
-            colour = SOLVED(share) if kind[i, j] == "solved" else COLOURS[str(kind[i, j])]
+            colour = SOLVED(share) if kind[i, j] == "solved" else colours.EXTREMES[str(kind[i, j])]
             ax.add_patch(Rectangle((j, i), 1, 1, facecolor=colour, edgecolor="white", linewidth=1))
             _write(ax, j + 0.5, i + 0.5, _number(error[i, j]) if verdict[i, j] in ("solved", "inaccurate") else "")
         _write(ax, len(methods) + 0.5, i + 0.5, _number(_condition(ds, i)))
@@ -84,10 +83,10 @@ def panel(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_yticks(np.arange(len(names)) + 0.5, [labels.minus_signs(labels.powers_of_ten(name)) for name in names])
     ax.set_xticks(np.arange(len(methods) + 2) + 0.5, [*methods, "condition", "L/ρ"], rotation=35, ha="left",
                   rotation_mode="anchor")  # fmt: skip
-    ax.tick_params(length=0, pad=2, labelsize=style.small() - 0.5, colors=style.INK)
+    ax.tick_params(length=0, pad=2, labelsize=style.small() - 0.5, colors=colours.INK)
     ax.tick_params(top=True, labeltop=True, bottom=False, labelbottom=False)
     ax.spines[:].set_visible(False)
-    handles = [Patch(facecolor=colour, label=WORDS[name]) for name, colour in COLOURS.items()]
+    handles = [Patch(facecolor=colour, label=WORDS[name]) for name, colour in colours.EXTREMES.items()]
     ax.legend(handles=handles, loc="upper right", bbox_to_anchor=(1, -0.005), ncols=2)
     return ax
 
@@ -98,7 +97,7 @@ def _condition(ds: xr.Dataset, i: int) -> float:
 
 
 def _write(ax: Axes, x: float, y: float, text: str) -> None:
-    ax.text(x, y, text, ha="center", va="center", fontsize=LETTERS, color=style.INK)
+    ax.text(x, y, text, ha="center", va="center", fontsize=LETTERS, color=colours.INK)
 
 
 def _number(value: Any) -> str:
@@ -113,4 +112,4 @@ def _groups(ax: Axes, groups: list[str], width: float) -> None:
     """A line between groups of extremes."""
     for i in range(1, len(groups)):
         if groups[i] != groups[i - 1]:
-            ax.plot([0, width], [i, i], color=style.SOFT, linewidth=0.8)
+            ax.plot([0, width], [i, i], color=colours.SOFT, linewidth=0.8)

@@ -16,7 +16,7 @@ from studies.laws.verdicts import FAILS
 
 from ..store import schema, selection
 from ..words import labels
-from . import style
+from . import colours, style
 from .scales import WIDE, set_span
 
 ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel; of all
@@ -103,12 +103,12 @@ def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None
     else:
         size, alpha = (16, 0.75) if x.size <= FEW else (5, 0.45)
         area = size * min(room / ROW_HEIGHT, 1.0) ** 2
-        ax.scatter(x[solved], y[solved], s=area, color=style.PUSHED, alpha=alpha, linewidths=0, zorder=3)
+        ax.scatter(x[solved], y[solved], s=area, color=colours.PUSHED, alpha=alpha, linewidths=0, zorder=3)
     if not solved.all():
-        ax.plot(x[~solved], np.zeros(int((~solved).sum())), "x", color=style.VERDICT_COLOURS[FAILS], markersize=4,
+        ax.plot(x[~solved], np.zeros(int((~solved).sum())), "x", color=colours.VERDICTS[FAILS], markersize=4,
                 clip_on=False, transform=ax.get_xaxis_transform(), rasterized=x.size > MANY)  # fmt: skip
     if (found := rank_correlation(x[solved], y[solved])) is not None:
-        ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=style.small(), color=style.SOFT, pad=2)
+        ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=style.small(), color=colours.SOFT, pad=2)
     ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=selection.is_count(ds, name)))
     ax.margins(y=0.12)
 

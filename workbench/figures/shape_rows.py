@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
-from . import push_scale, style, unrolled
+from . import colours, push_scale, style, unrolled
 from .scales import round_below
 from .sheet import Sheet
 
@@ -126,11 +126,12 @@ def draw(ax: Axes, shapes: Sequence[Shape], form: Rows, unit: str) -> Any:
             drawn = push_scale.line(ax, shape.x, shape.y, **shape.look, label=name, shift=top, left=-left)
         else:
             ax.plot(shape.x, shape.y, **shape.look, solid_capstyle="round", transform=where, zorder=3, label=name)
-        ax.plot(shape.x[0], shape.y[0], "o", color=style.INK, markersize=2.8, zorder=4, transform=where, label="s = 0")
+        ax.plot(shape.x[0], shape.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where,
+                label="s = 0")  # fmt: skip
         _write(ax, shape.text, (place[0], place[1]), form)
         if len(shape.rings):
             x, y = np.transpose(shape.rings)
-            ax.scatter(x + left, y + top, s=RING**2, facecolors="none", linewidths=0.7, edgecolors=style.CROSSED,
+            ax.scatter(x + left, y + top, s=RING**2, facecolors="none", linewidths=0.7, edgecolors=colours.CROSSED,
                        label=unrolled.THROUGH, zorder=5)  # fmt: skip
     for artist in (*ax.lines, *ax.collections):
         artist.set_clip_on(False)
@@ -148,12 +149,12 @@ def _draw_key(ax: Axes, form: Rows, unit: str) -> None:
     (left, top), length = form.places[-1], round_below(ARROW / form.scale)
     _write(ax, f"{length:g} {unit}", (left, top), form)
     x, y = left / form.scale, top / form.scale
-    look: Any = {"arrowstyle": "-|>", "color": style.SOFT, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0,
+    look: Any = {"arrowstyle": "-|>", "color": colours.SOFT, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0,
                  "mutation_scale": 6}  # fmt: skip
     for tip, name, offset, beside in (
         ((x + length, y), KEY[0], (3, 0), {"ha": "left", "va": "center"}),
         ((x, y + length), KEY[1], (0, -2), {"ha": "left", "va": "top"}),
     ):
         ax.annotate("", tip, (x, y), arrowprops=look, annotation_clip=False)
-        ax.annotate(name, tip, offset, textcoords="offset points", size=form.letters, color=style.SOFT,
+        ax.annotate(name, tip, offset, textcoords="offset points", size=form.letters, color=colours.SOFT,
                     annotation_clip=False, ha=beside["ha"], va=beside["va"])  # fmt: skip

@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 from solver.mechanics import frames
 
 from ..geometry import tube
-from . import style
+from . import colours
 
 ELEVATION = np.radians(22.0)  # of the eye above the horizon
 SIDES, STRIPS = 32, 60  # of a tube, of half a cylinder
 LIGHT = np.array([-0.45, 0.55, 0.7])  # to the right, up, towards the eye
 SHADE = 0.5  # brightness of a face that looks away from the light
-SURFACE = "#e9e5dd"  # the cylinder
 VEIL = 0.86  # how much of a rod behind the cylinder is hidden
 
 Values = NDArray[np.float64]
@@ -46,15 +45,15 @@ class Eye:
         return np.stack([right, z * up - near * out, z * out + near * up], axis=-1)
 
 
-def rod(ax: Axes, eye: Eye, rod: Any, colours: Any, ends: tuple[float, float], R: float) -> None:
+def rod(ax: Axes, eye: Eye, rod: Any, shades: Any, ends: tuple[float, float], R: float) -> None:
     """Draw a rod on the outside of its cylinder.
 
     Parameters
     ----------
     rod
         alpha, beta, z along the rod, rho and a, as of `drawn_rods.DrawnRod`.
-    colours
-        Of each station, (n, 3) between 0 and 1.
+    shades
+        The colour of each station, (n, 3) between 0 and 1.
     ends
         The height at which the cylinder begins and ends [length].
     R
@@ -71,18 +70,18 @@ def rod(ax: Axes, eye: Eye, rod: Any, colours: Any, ends: tuple[float, float], R
     faces = np.stack([rings[:-1], np.roll(rings, -1, 1)[:-1], np.roll(rings, -1, 1)[1:], rings[1:]], axis=2)
     of = np.r_[0, : len(place) - 1, len(place) - 1]  # the station of each ring of faces
     behind = np.cos(alpha[of] - eye.azimuth) < 0
-    base = np.asarray(colours)[of, None].repeat(SIDES, axis=1)
+    base = np.asarray(shades)[of, None].repeat(SIDES, axis=1)
     for part, order in ((behind, 1.0), (~behind, 3.0)):
         _faces(ax, eye, faces[part], normals[part], base[part], order)
     _cylinder(ax, eye, R, ends)
 
 
-def _faces(ax: Axes, eye: Eye, faces: Values, normals: Values, colours: Values, order: float) -> None:
+def _faces(ax: Axes, eye: Eye, faces: Values, normals: Values, shades: Values, order: float) -> None:
     """Shaded faces, (..., 4, 3), the farthest first."""
     corners, seen = eye.project(faces.reshape(-1, 4, 3)), eye.project(normals.reshape(-1, 3))
     towards = seen[:, 2] > -0.05
     light = np.clip(seen @ (LIGHT / np.linalg.norm(LIGHT)), 0, 1)[:, None]
-    shaded = np.clip(colours.reshape(-1, 3) * (SHADE + (1.08 - SHADE) * light) + 0.35 * light**24, 0, 1)
+    shaded = np.clip(shades.reshape(-1, 3) * (SHADE + (1.08 - SHADE) * light) + 0.35 * light**24, 0, 1)
     first = np.argsort(corners[towards, :, 2].mean(axis=1))
     drawn = shaded[towards][first]
     ax.add_collection(PolyCollection(
@@ -95,15 +94,15 @@ def _cylinder(ax: Axes, eye: Eye, R: float, ends: tuple[float, float]) -> None:
     angle = eye.azimuth + np.linspace(-np.pi / 2, np.pi / 2, STRIPS + 1)
     low, high = (ring(R, z, angle) for z in ends)
     light = np.clip(eye.project(frames.outward((angle[1:] + angle[:-1]) / 2)) @ LIGHT, 0, 1)[:, None]
-    base = np.array([int(SURFACE[i : i + 2], 16) for i in (1, 3, 5)]) / 255
-    colours = np.clip(base * (0.8 + 0.22 * light), 0, 1)
+    base = np.array(colours.rgb(colours.SURFACE)) / 255
+    shades = np.clip(base * (0.8 + 0.22 * light), 0, 1)
     strips = np.stack([low[:-1], low[1:], high[1:], high[:-1]], axis=1)
-    ax.add_collection(PolyCollection(list(eye.to_page(strips)), facecolors=colours, linewidths=0, antialiaseds=False,
+    ax.add_collection(PolyCollection(list(eye.to_page(strips)), facecolors=shades, linewidths=0, antialiaseds=False,
                                      alpha=VEIL, zorder=2, rasterized=True))  # fmt: skip
-    ax.fill(*eye.to_page(ring(R, ends[1])).T, facecolor="#f4f1eb", edgecolor=style.SOFT, linewidth=0.5, zorder=2.1)
+    ax.fill(*eye.to_page(ring(R, ends[1])).T, facecolor="#f4f1eb", edgecolor=colours.SOFT, linewidth=0.5, zorder=2.1)
     for side in (0, -1):
-        ax.plot(*eye.to_page([low[side], high[side]]).T, color=style.SOFT, linewidth=0.5, zorder=2.1)
-    ax.plot(*eye.to_page(low).T, color=style.SOFT, linewidth=0.5, zorder=2.1)
+        ax.plot(*eye.to_page([low[side], high[side]]).T, color=colours.SOFT, linewidth=0.5, zorder=2.1)
+    ax.plot(*eye.to_page(low).T, color=colours.SOFT, linewidth=0.5, zorder=2.1)
 
 
 def ring(radius: float, z: float, angles: Any = None) -> Values:

@@ -17,7 +17,7 @@ from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
 from ..store import law_verdicts
 from ..words import labels
-from . import canvas, drawn_rods, legend, push_scale, solid, style
+from . import canvas, colours, drawn_rods, legend, push_scale, solid, style
 from .sheet import Sheet, sheet
 from .solid import Eye
 from .trends import trend
@@ -27,7 +27,6 @@ NEEDED = (ROD, ALONG, CLAIMS)
 TURNED = np.radians(38.0)  # from facing the middle of a rod: three quarters
 PART = 0.45  # of the rod with its letters: more would be small
 SHOWN = 0.42  # of its length, where the angle is drawn
-BODY = (0.36, 0.55, 0.74)
 HEADS = 56, 72  # points from the table to the heads of its columns
 # the height of the figure, and left, low, width and height of the panels a to d and of the bar of colours, in inches
 ONE, TWO = 3.5, 7.2
@@ -81,7 +80,7 @@ def letters(ds: xr.Dataset, ax: Axes) -> None:
     shown = rod.between(0.0, PART)
     low = float(shown["z"].min() - R)  # where the azimuth is drawn
     ends = low - 0.9 * R, float(shown["z"].max() + 1.2 * R)
-    solid.rod(ax, eye, shown, np.tile(BODY, (shown["s"].size, 1)), ends, R)
+    solid.rod(ax, eye, shown, np.tile(colours.LETTERED, (shown["s"].size, 1)), ends, R)
     k = int(np.argmin(np.abs(rod["s"] - SHOWN * rod["s"][-1])))
     places = frames.position(rod.rho, rod["alpha"], rod["z"])
     start, at, up = places[0], places[k], np.array([0, 0, 1.0])
@@ -92,18 +91,18 @@ def letters(ds: xr.Dataset, ax: Axes) -> None:
     around = solid.ring(R, low, np.linspace(rod["alpha"][0], rod["alpha"][k], 40))
     for foot, head in ((around[0], start), (around[-1], at)):  # the meridians of s = 0 and of the point
         way_up = [foot, [foot[0], foot[1], head[2]], head]
-        _line(ax, eye, way_up, style.INK, linestyle=(0, (1, 1.5)), zorder=4)  # on the wall, seen through the rod
-        ax.plot(*eye.to_page(head), "o", color=style.INK, markersize=3, zorder=6)
-    _line(ax, eye, around, style.INK)
-    _line(ax, eye, around[-3:], style.INK, arrow="")
-    _line(ax, eye, arc, style.INK)
-    _line(ax, eye, [at, at + 2.3 * R * up], style.INK, linestyle=(0, (3, 2)))
-    _line(ax, eye, [at, at + 2.6 * R * way], style.INK, arrow="")
+        _line(ax, eye, way_up, colours.INK, linestyle=(0, (1, 1.5)), zorder=4)  # on the wall, seen through the rod
+        ax.plot(*eye.to_page(head), "o", color=colours.INK, markersize=3, zorder=6)
+    _line(ax, eye, around, colours.INK)
+    _line(ax, eye, around[-3:], colours.INK, arrow="")
+    _line(ax, eye, arc, colours.INK)
+    _line(ax, eye, [at, at + 2.3 * R * up], colours.INK, linestyle=(0, (3, 2)))
+    _line(ax, eye, [at, at + 2.6 * R * way], colours.INK, arrow="")
     top = ends[1] * up
-    _line(ax, eye, [top, top + 1.2 * R * up], style.INK, arrow="z")
-    _line(ax, eye, [top, top + R * frames.outward(np.array(eye.azimuth - 1.0))], style.INK, arrow="R")
+    _line(ax, eye, [top, top + 1.2 * R * up], colours.INK, arrow="z")
+    _line(ax, eye, [top, top + R * frames.outward(np.array(eye.azimuth - 1.0))], colours.INK, arrow="R")
     left, height = -1.12 * R, eye.to_page(start)[1]  # beside the cylinder
-    ax.plot([left, eye.to_page(start)[0]], [height, height], color=style.INK, linewidth=0.5, zorder=5)
+    ax.plot([left, eye.to_page(start)[0]], [height, height], color=colours.INK, linewidth=0.5, zorder=5)
     _write(ax, (left, height), "s = 0", (-2, 0), ha="right")
     _write(ax, eye.to_page(at + 1.3 * (arc[20] - at)), "β", (-1, 4))
     _write(ax, eye.to_page(around[20]), "α", (0, -6))
@@ -126,14 +125,14 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
         foot = eye.to_page([0, 0, ends[0]]) - [0, 0.5 * R]
         if rod.arrays is not None:
             shown = rod.between(0.0, 1.0, 260)
-            solid.rod(ax, eye, shown, push_scale.ramp()(norm(shown["push"]))[:, :3], ends, R)
+            solid.rod(ax, eye, shown, colours.push_ramp()(norm(shown["push"]))[:, :3], ends, R)
         if k % every == 0:
             _write(ax, foot, rod.value if rod.arrays is not None else "unsolved", (0, -5))
     _frame(ax)
     ax.set_title(found.axis_label(), loc="center", size=style.small(), pad=2)
     fig = ax.get_figure(root=True)
     assert fig is not None
-    legend.colour_bar(fig, ScalarMappable(norm, push_scale.ramp()), cax=below, orientation="horizontal")
+    legend.colour_bar(fig, ScalarMappable(norm, colours.push_ramp()), cax=below, orientation="horizontal")
     said = f"push of the cylinder [{labels.unit(push_scale.unit(ds))}]\nbelow 0: the rod would lift off"
     _write(below, (0, 0.5), said, (-14, -4), xycoords="axes fraction", ha="right")
 
@@ -143,7 +142,7 @@ def law(ds: xr.Dataset, ax: Axes) -> None:
     (verdict, *_) = law_verdicts.verdicts(ds)
     trend(ds, ax, verdict["observable"], verdict["axis"], verdict["at"])
     title = f"claim {verdict['claim']}: {PLAIN[verdict['verdict']]}"
-    ax.set_title(title, loc="left", size=style.small(), color=style.VERDICT_COLOURS[verdict["verdict"]], pad=3)
+    ax.set_title(title, loc="left", size=style.small(), color=colours.VERDICTS[verdict["verdict"]], pad=3)
 
 
 def claims(ds: xr.Dataset, ax: Axes) -> None:
@@ -165,11 +164,13 @@ def claims(ds: xr.Dataset, ax: Axes) -> None:
         on = [j for j, one in enumerate(readings) if one[0] == first]
         _write(ax, (np.mean(on), 1), first, (0, HEADS[wide]), xycoords=("data", "axes fraction"), va="bottom")
         if on[0]:
-            ax.axvline(on[0] - 0.5, color=style.FAINT, linewidth=0.8)
+            ax.axvline(on[0] - 0.5, color=colours.FAINT, linewidth=0.8)
     for text, above in (("claim", 4), ("sign of the force, stiffness", 30), ("order of the loads", HEADS[wide])):
         if wide:  # what the readings of Table 1 differ in
-            _write(ax, (0, 1), text, (-14, above), xycoords="axes fraction", ha="right", va="bottom", color=style.SOFT)
-    ax.tick_params(length=0, colors=style.INK, pad=2)
+            _write(
+                ax, (0, 1), text, (-14, above), xycoords="axes fraction", ha="right", va="bottom", color=colours.SOFT
+            )
+    ax.tick_params(length=0, colors=colours.INK, pad=2)
     ax.spines[:].set_visible(False)
     handles = [Line2D([], [], label=PLAIN[mark], **_mark(mark)) for mark in MARKS if mark in verdicts]
     ax.legend(handles=handles, loc="upper right", bbox_to_anchor=(1.02, 0.0), ncols=len(handles), borderaxespad=0,
@@ -177,7 +178,7 @@ def claims(ds: xr.Dataset, ax: Axes) -> None:
 
 
 def _mark(verdict: str) -> dict[str, Any]:
-    return {"color": style.VERDICT_COLOURS[verdict], "markersize": 4.8, "linestyle": "none", "markeredgewidth": 0.8,
+    return {"color": colours.VERDICTS[verdict], "markersize": 4.8, "linestyle": "none", "markeredgewidth": 0.8,
             "markerfacecoloralt": "white", **MARKS[verdict]}  # fmt: skip
 
 

@@ -1,43 +1,20 @@
-"""The look of figures: colours, sizes of letters, Matplotlib's settings."""
+"""The letters of figures: their sizes, the room that a text takes, and Matplotlib's settings. Colours: `colours`."""
 
 import functools
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps, rcParams
+from matplotlib import rcParams
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.font_manager import FontProperties
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.textpath import TextToPath
 
-from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
+from .colours import INK, SOFT
 
-from . import push_colours
-
-PUSHED = "#{:02x}{:02x}{:02x}".format(*push_colours.PUSHED)  # the cylinder pushes
-LIFTED = "#{:02x}{:02x}{:02x}".format(*push_colours.PULLED)  # it would have to pull
-INK, SOFT, FAINT = "#1c2430", "#5b6675", "#d5dae1"
-BAND = "#f1f3f6"  # behind a line of a long rod
-# each 4.5 : 1 on white, and distinct under each kind of colour blindness
-VERDICT_COLOURS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#bb5802", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
-DATA = "#2f5f8f"  # numbers that are no push
-CROSSED = "#7d2ea0"  # rings where a rod passes through itself
-PAIR = ("#5b3f8c", "#2f9a82")  # two of a kind that is no push
-# stability is the weight of a line; red is for what fails alone
-STABLE: dict[str, Any] = {"color": INK, "linewidth": 1.7, "linestyle": "-"}
-UNSTABLE: dict[str, Any] = {"color": SOFT, "linewidth": 0.8, "linestyle": (0, (4, 1.6))}
-
-RAMP = colormaps["viridis"]
-RAMP_ENDS = (0.0, 0.59)  # of lines and dots: beyond, their contrast to white is below 3
-MAP_ENDS = (0.0, 0.88)
-
-# Maps: the same ramp mixed with white, so that ink (numbers, marks, lines) stands out from every colour of it
-WHITE_OF_MAP = 0.42
-UNSOLVED, UNKNOWN = INK, "#ffffff"  # a cell without a solution, darker than every colour of a map; one without a number
 AROUND = "distance around the cylinder"
 WAYS = f"z to the right, {AROUND} down"  # of every unrolled view
 
@@ -76,11 +53,6 @@ RC: Any = {
 }
 
 
-def of_line(look: Mapping[str, Any]) -> dict[str, Any]:
-    """Colour and width of a look."""
-    return {"color": look["color"], "linewidth": look["linewidth"]}
-
-
 def normal() -> float:
     """Points of ordinary letters on the sheet that is being drawn."""
     return _points(rcParams["font.size"])
@@ -98,18 +70,6 @@ def large() -> float:
 
 def _points(size: Any) -> float:
     return FontProperties(size=size).get_size_in_points()
-
-
-def ramp_colours(count: int, ends: tuple[float, float] = RAMP_ENDS) -> list[Any]:
-    """That many colours along the ramp, between two places on it."""
-    low, high = ends
-    return [RAMP(low + (high - low) * i / max(count - 1, 1)) for i in range(count)]
-
-
-def map_colours(count: int = 256) -> ListedColormap:
-    """The colours of a map, from its lowest value to its highest."""
-    ramp = np.array(ramp_colours(count, MAP_ENDS))
-    return ListedColormap(ramp * (1 - WHITE_OF_MAP) + WHITE_OF_MAP, name="map")
 
 
 def wrap(text: str, ax: Axes, size: float | None = None, bold: bool = False, upward: bool = False) -> str:

@@ -13,7 +13,7 @@ from studies.laws.verdicts import FAILS, NOISE
 
 from ..store import selection
 from ..words import labels
-from . import style
+from . import colours, style
 from .scales import WIDE, is_geometric, set_span
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
@@ -34,17 +34,17 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     values = lines.isel(others).values.astype(float)
     look: dict[str, Any] = {"drawstyle": "steps-mid"} if selection.is_count(ds, observable) else {}
     for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 else ():
-        ax.plot(along, line, color=style.FAINT, linewidth=1, zorder=1, **look)
-    ax.plot(*_broken(along, values, _branches(ds, order)), color=style.DATA, linewidth=1.2, zorder=2, **look)
+        ax.plot(along, line, color=colours.FAINT, linewidth=1, zorder=1, **look)
+    ax.plot(*_broken(along, values, _branches(ds, order)), color=colours.DATA, linewidth=1.2, zorder=2, **look)
     if along.size <= MOST_DOTS:
-        ax.scatter(along, values, color=style.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
+        ax.scatter(along, values, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
     unsolved = ~np.isfinite(values)
     if unsolved.any():
-        ax.plot(along[unsolved], np.zeros(unsolved.sum()), "x", color=style.VERDICT_COLOURS[FAILS], clip_on=False,
+        ax.plot(along[unsolved], np.zeros(unsolved.sum()), "x", color=colours.VERDICTS[FAILS], clip_on=False,
                 transform=ax.get_xaxis_transform(), label="unsolved")  # fmt: skip
     _scale(ax, ds, axis, along)
     if "fold" in ds and axis == ds.attrs.get("followed") and np.isfinite(ds["fold"]):
-        ax.axvline(float(np.degrees(ds["fold"])), color=style.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
+        ax.axvline(float(np.degrees(ds["fold"])), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     words = [axis_label(ds, axis, others, long) for long in (True, False)]
     ax.set_xlabel(style.wrap(style.shorter(words, style.inches(ax)[0]), ax))
     ax.set_ylabel(style.shorter([labels.label(ds[observable], long) for long in (True, False)], style.inches(ax)[1]))

@@ -27,7 +27,7 @@ from solver.problem.errors import no_such
 
 from ..geometry import self_contact
 from ..words import cautions, labels
-from . import canvas, drawn_rods, legend, long_curve, push_scale, style
+from . import canvas, colours, drawn_rods, legend, long_curve, push_scale, style
 from .drawn_rods import DrawnRod, DrawnRods
 from .scales import Ticks
 from .sheet import SCREEN, Sheet
@@ -202,13 +202,13 @@ def draw(
     for k, rod in enumerate(rods.rods):
         right, up = form.shift(k)
         corner = form.low[0] + right, form.low[1] + up
-        ax.add_patch(Rectangle(corner, *form.size, facecolor=style.BAND, linewidth=0, zorder=0))
+        ax.add_patch(Rectangle(corner, *form.size, facecolor=colours.BAND, linewidth=0, zorder=0))
         if rods.axis:
             ax.annotate(rod.name if named else rod.value, corner, (0, 2), textcoords="offset points",
                         va="bottom", size=style.small())  # fmt: skip
         if rod.arrays is None:
             middle = corner[0] + form.size[0] / 2, corner[1] + form.size[1] / 2
-            ax.text(*middle, "unsolved", ha="center", va="center", color=style.SOFT, size=style.small())
+            ax.text(*middle, "unsolved", ha="center", va="center", color=colours.SOFT, size=style.small())
             continue
         last = _draw_curve(ax, rod, form, (right, up), norm, width) or last
         if coloured:
@@ -219,7 +219,7 @@ def draw(
         across = max(size for _, size in rings)
         x, y = np.transpose([place for place, _ in rings])
         ax.scatter(x, y, s=across**2, facecolors="none", linewidths=0.8,
-                   edgecolors=style.CROSSED, label=THROUGH, zorder=5)  # fmt: skip
+                   edgecolors=colours.CROSSED, label=THROUGH, zorder=5)  # fmt: skip
     _frame(ax, rods, form, unit)
     coarse = [f"Dots: {rods.source.sizes['u']} stations miss bends."] if any(map(is_coarse, rods.solved)) else []
     above = [f"Above each curve its {rods.axis_label()}."] if rods.axis and not named else []
@@ -232,11 +232,11 @@ def _draw_curve(
     """One curve and its start; a line where the stations are close enough, else dots."""
     x, y = rod.plane_points()
     where = Affine2D().translate(*shift) + ax.transData
-    ax.plot(x[0], y[0], "o", color=style.INK, markersize=3.5, label="s = 0", zorder=4, transform=where)
+    ax.plot(x[0], y[0], "o", color=colours.INK, markersize=3.5, label="s = 0", zorder=4, transform=where)
     if is_coarse(rod):
-        ax.plot(x, y, ".", color=style.DATA, markersize=3, transform=where, label=rod.name, zorder=3)
+        ax.plot(x, y, ".", color=colours.DATA, markersize=3, transform=where, label=rod.name, zorder=3)
     elif norm is None:
-        ax.plot(x, y, color=style.DATA, linewidth=width, transform=where, label=rod.name, zorder=3)
+        ax.plot(x, y, color=colours.DATA, linewidth=width, transform=where, label=rod.name, zorder=3)
     else:
         return push_scale.line(ax, x, y, rod["push"], norm, width, rod.name, shift[1], 3.0, -shift[0])
     return None
@@ -303,7 +303,7 @@ def _frame(ax: Axes, rods: DrawnRods, form: Strips, unit: str) -> None:
         ]
         for place, text in others:
             ax.annotate(text, (place, down[0] - form.pitch[1]), (0, -2), textcoords="offset points", ha="center",
-                        va="top", size=style.small(), color=style.SOFT)  # fmt: skip
+                        va="top", size=style.small(), color=colours.SOFT)  # fmt: skip
     ax.tick_params(length=0, pad=2)
     ax.spines[:].set_visible(False)
     _label_columns(ax, form, columns, len(rods.rods), f"z [{unit}]{larger(1 / form.factor)}")
@@ -344,8 +344,8 @@ def inset(
     """
     view = ax.inset_axes((box[0], box[1], box[2], box[3]), zorder=6)
     edge = [withStroke(linewidth=2.6, foreground="white", alpha=0.8)]
-    view.plot(x, y, color=style.INK, clip_on=False, **{"linewidth": 1.1, "path_effects": edge, **look})
-    view.plot(x[0], y[0], "o", color=style.INK, markersize=2.4, clip_on=False)
+    view.plot(x, y, color=colours.INK, clip_on=False, **{"linewidth": 1.1, "path_effects": edge, **look})
+    view.plot(x[0], y[0], "o", color=colours.INK, markersize=2.4, clip_on=False)
     for set_ends, values, size in ((view.set_xlim, x, extent[0]), (view.set_ylim, y, -extent[1])):
         middle, half = (values.min() + values.max()) / 2, 0.5 * size or 0.5
         set_ends(middle - half, middle + half)
@@ -357,13 +357,13 @@ def entries(ax: Axes, rods: DrawnRods) -> list[Artist]:
     """The legend: what orange and a ring are."""
     pulled = any(push_scale.pulls(rod["push"]) for rod in rods.solved if "push" in (rod.arrays or {}))
     orange: list[Artist] = (
-        [Line2D([], [], color=push_scale.PULL, linewidth=2.2, label=push_scale.PULLS)] if pulled else []
+        [Line2D([], [], color=colours.PULLED, linewidth=2.2, label=push_scale.PULLS)] if pulled else []
     )
     return [*orange, *ring_entries(ax)]
 
 
 def ring_entries(ax: Axes) -> list[Artist]:
     """The legend of a ring, where there is one."""
-    ring = Line2D([], [], markersize=7, markerfacecolor="none", color=style.CROSSED, label=THROUGH, linestyle="none",
+    ring = Line2D([], [], markersize=7, markerfacecolor="none", color=colours.CROSSED, label=THROUGH, linestyle="none",
                   marker="o")  # fmt: skip
     return [ring] if any(collection.get_label() == THROUGH for collection in ax.collections) else []

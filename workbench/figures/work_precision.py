@@ -14,7 +14,7 @@ from matplotlib.ticker import NullFormatter
 from solver.problem.errors import no_such
 
 from ..words import labels
-from . import canvas, legend, style
+from . import canvas, colours, legend, style
 from .sheet import SCREEN, Sheet
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
             last = np.flatnonzero(good)[-1]
             ax.plot(spent[last], max(error[last], FLOOR), ">", color=colour, markersize=7, markerfacecolor="none",
                     markeredgewidth=0.9, zorder=5)  # fmt: skip
-    ax.axhline(LOST, color=style.FAINT, linewidth=1, zorder=1)
+    ax.axhline(LOST, color=colours.FAINT, linewidth=1, zorder=1)
     ax.set(xscale="log", yscale="log", ylim=(FLOOR / 2, TOP))
     ax.set_yticks([10.0**k for k in range(-15, 1, 3)])
     for axis in (ax.xaxis, ax.yaxis):
@@ -138,7 +138,7 @@ def _entries(ds: xr.Dataset) -> list[Artist]:
         looks += [
             {"marker": "h", "markersize": 4, "markerfacecolor": "white", "label": "handed over to another method"}
         ]
-    return [Line2D([], [], **{"color": style.SOFT, **look}) for look in looks]
+    return [Line2D([], [], **{"color": colours.SOFT, **look}) for look in looks]
 
 
 def _is_handed_over(ds: xr.Dataset, ladder: str) -> bool:

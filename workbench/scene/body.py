@@ -19,7 +19,7 @@ from ..geometry.refinement import Rings, rings
 from ..store import schema
 from ..store.schema import SECTION
 from . import shading
-from .colours import Paint
+from .paint import Paint
 from .scene_kinds import Kind
 
 STRIPE = 3  # one side in so many is painted

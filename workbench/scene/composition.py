@@ -13,12 +13,13 @@ from ..figures import style
 from ..geometry.centreline import APART, Array
 from ..geometry.refinement import stations_for
 from ..words import cautions, labels
-from . import colours, long_rod, page
+from . import long_rod, page
+from . import paint as paints
 from .body import Body
 from .camera import Camera
 from .captions import Cell
-from .colours import Bar
 from .page import Page, Words
+from .paint import Bar
 from .rendering import Placed, render
 from .scene_kinds import Kind
 from .settings import DEFAULT, Settings
@@ -239,7 +240,7 @@ def colour_rods(scene: Scene) -> tuple[Scene, Bar | None, list[str]]:
         if scene.kind.value is None:
             raise InputError(f"a scene of kind {scene.kind.name} has no colour bar, so it takes no --color-range")
         if bar and extremes:
-            paint, bar = colours.set_range(paint, bar, chosen)
+            paint, bar = paints.set_range(paint, bar, chosen)
             beyond = [f"up to {labels.number(extremes[1])}"] if extremes[1] > paint.high else []
             beyond += [f"down to {labels.number(extremes[0])}"] if extremes[0] < paint.low else []
             notes = [f"{bar.label if bar else ''}: {', '.join(beyond)}"] if beyond else []

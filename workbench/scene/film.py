@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from solver.problem.errors import InputError, choices, no_such
 
-from ..figures import canvas, style
+from ..figures import canvas, colours, style
 from ..figures.scales import WIDE, set_scale
 from ..store import atomic, law_verdicts, schema, selection
 from ..words import cautions, labels
@@ -158,7 +158,7 @@ def _frame(
             corner = MARGIN + (wide - picture.size[0]) / 2, low + (high - picture.size[1]) / 2
             page.place_picture(fig, picture.pixels, *(round(length * film.dpi) for length in corner))
         else:
-            ax.text(MARGIN, low + high / 2, str(ds["outcome"].isel(where).values), color=style.SOFT)
+            ax.text(MARGIN, low + high / 2, str(ds["outcome"].isel(where).values), color=colours.SOFT)
         if weight is not None:
             page.draw_weight(ax, across - 1.0, 0.27, weight)
         if bar:
@@ -169,7 +169,7 @@ def _frame(
             )
             drawn = ", ".join(long_rod.notes_on(context, str(ds.attrs["length_unit"])))
             words = f"{drawn}\n{words}" if drawn else words
-            ax.text(2.3, 0.24, words, size=style.SMALL, color=style.SOFT)
+            ax.text(2.3, 0.24, words, size=style.SMALL, color=colours.SOFT)
         if film.observable:
             box = ((0.62, FOOT + 0.3, across - 0.9, diagram[1] - 0.5) if lying else
                    (across - diagram[0] + 0.45, FOOT + 0.35, diagram[0] - 0.65, high - 0.55))  # fmt: skip
@@ -185,14 +185,14 @@ def _draw_value(ax: Axes, array: xr.DataArray, i: int, size: tuple[float, float]
     said = labels.equation(array, float(array[i]), 3)
     name = labels.long_name(array)
     ax.text(left, y, said, size=style.LARGE, va="top", weight="bold")
-    ax.text(right, y - 0.02, name[:1].upper() + name[1:], color=style.SOFT, va="top", ha="right")
+    ax.text(right, y - 0.02, name[:1].upper() + name[1:], color=colours.SOFT, va="top", ha="right")
     values = array.values
     ends = values[[0, i, -1]]
     first, at, last = np.log(ends) if values[0] > 0 and values[-1] > WIDE * values[0] else ends
     place = left + (at - first) / (last - first) * (right - left)
-    for end, colour in ((right, style.FAINT), (place, style.SOFT)):
+    for end, colour in ((right, colours.FAINT), (place, colours.SOFT)):
         ax.plot([left, end], [y - 0.34] * 2, color=colour, linewidth=2.0, solid_capstyle="round")
-    ax.plot(place, y - 0.34, "o", color=style.INK, markersize=6)
+    ax.plot(place, y - 0.34, "o", color=colours.INK, markersize=6)
 
 
 def _draw_curve(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, int]], k: int) -> None:
@@ -204,8 +204,8 @@ def _draw_curve(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, 
     logarithmic = along[0] > 0 and along[-1] > WIDE * along[0]
     set_scale(ax.xaxis, (along[0], along[-1]), logarithmic, style.inches(ax)[0])
     shape = "steps-mid" if schema.is_count(array) else "default"
-    ax.plot(along[: k + 1], values[: k + 1], color=style.INK, linewidth=1.4, drawstyle=shape)
-    ax.plot(along[k], values[k], "o", color=style.INK, markersize=5)
+    ax.plot(along[: k + 1], values[: k + 1], color=colours.INK, linewidth=1.4, drawstyle=shape)
+    ax.plot(along[k], values[k], "o", color=colours.INK, markersize=5)
     ax.set_xlabel(labels.axis_label(film.axis, axis))
     if np.isfinite(values).any():
         ax.set_ylim(np.nanmin(values) - room, np.nanmax(values) + room)

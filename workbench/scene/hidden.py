@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from ..figures.push_colours import HIDDEN_LINE, HIDDEN_SHADE, OUTLINE
+from ..figures.colours import HIDDEN_LINE, HIDDEN_SHADE, OUTLINE
 
 
 @dataclass(frozen=True)

@@ -14,19 +14,19 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from ..figures import canvas
+from ..figures import canvas, colours
 from ..geometry.centreline import Array
 from ..store import selection
 from ..store.schema import axes_of
 from ..words import labels
 from . import body as rods
 from . import camera as cameras
-from . import captions, colours, composition, long_rod, page
+from . import captions, composition, long_rod, page
 from .body import Body
 from .camera import Camera
 from .captions import Cell
-from .colours import Paint
 from .composition import DEFAULT, Picture, Scene, room
+from .paint import Paint
 from .scene_kinds import Kind, kind_of
 from .settings import Settings, check, check_name
 from .views import EDGE, View, ends_of, in_rows

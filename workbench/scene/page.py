@@ -22,13 +22,13 @@ from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..figures import canvas, legend, style
-from ..figures.push_colours import SURFACE
+from ..figures import canvas, colours, legend, style
+from ..figures.colours import SURFACE
 from ..figures.scales import round_below
 from ..store import atomic
 from ..words import labels
 from .captions import Cell
-from .colours import Bar
+from .paint import Bar
 from .views import BELOW, DOT, Arrangement
 
 Pixels = NDArray[np.uint8]
@@ -202,16 +202,16 @@ def _draw_cells(ax: Axes, page: Page, left: float, top: float) -> None:
         if cell.number is not None:
             x = middle + dot - style.width_of(cell.caption.split("\n")[0], style.NORMAL) / 2 - DOT / 2
             y = foot - style.NORMAL / 72 / 2
-            ax.add_patch(Circle((x, y), 0.075, edgecolor=style.INK, linewidth=0.9,
-                                facecolor=style.INK if cell.stable else "white"))  # fmt: skip
+            ax.add_patch(Circle((x, y), 0.075, edgecolor=colours.INK, linewidth=0.9,
+                                facecolor=colours.INK if cell.stable else "white"))  # fmt: skip
             ax.text(x, y, str(cell.number), ha="center", va="center_baseline", size=style.SMALL * (0.9 if
-                    cell.number < 10 else 0.75), color="white" if cell.stable else style.INK)  # fmt: skip
+                    cell.number < 10 else 0.75), color="white" if cell.stable else colours.INK)  # fmt: skip
         if cell.before:
             ax.text(left + box.x - 0.04, top - box.y - box.height / 2, cell.before, ha="right", va="center",
                     size=style.SMALL)  # fmt: skip
         if cell.why_empty:
             ax.text(middle, top - box.y - box.height / 2, style.break_lines(cell.why_empty, box.width, style.SMALL),
-                    color=style.SOFT, ha="center", va="center", size=style.SMALL)  # fmt: skip
+                    color=colours.SOFT, ha="center", va="center", size=style.SMALL)  # fmt: skip
 
 
 def _draw_headings(ax: Axes, page: Page, left: float, top: float) -> None:
@@ -249,14 +249,16 @@ def _draw_foot(fig: Figure, ax: Axes, page: Page, high: float) -> None:
 def _handle(colour: str, text: str) -> Artist:
     """What stands beside a text in the legend."""
     if colour == RING:
-        return Line2D([], [], color=style.INK, marker="o", markersize=7, fillstyle="none", linestyle="none", label=text)
-    face, edge = (SURFACE, style.SOFT) if colour == OUTLINE else (colour, "none")
+        return Line2D(
+            [], [], color=colours.INK, marker="o", markersize=7, fillstyle="none", linestyle="none", label=text
+        )
+    face, edge = (SURFACE, colours.SOFT) if colour == OUTLINE else (colour, "none")
     return Patch(facecolor=face, edgecolor=edge, label=text)
 
 
 def _draw_ring(ax: Axes, x: float, y: float, radius: float) -> None:
     """An open circle in ink with a white edge, seen on every colour."""
-    for colour, wide in (("white", 2.2), (style.INK, 1.0)):
+    for colour, wide in (("white", 2.2), (colours.INK, 1.0)):
         ax.add_patch(Circle((x, y), radius, fill=False, edgecolor=colour, linewidth=wide, zorder=3))
 
 
@@ -264,26 +266,26 @@ def _draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along:
     """A bar of a round length; where the axis is seen at a slant, of a length along it. per_unit: inches."""
     length = round_below(SCALE / per_unit)
     wide = length * per_unit
-    ax.errorbar(x + wide / 2, y, xerr=wide / 2, color=style.INK, linewidth=1.2, capsize=2.5, capthick=1.2)
+    ax.errorbar(x + wide / 2, y, xerr=wide / 2, color=colours.INK, linewidth=1.2, capsize=2.5, capthick=1.2)
     ax.text(x + wide / 2, y + 0.06, f"{labels.number(length)} {unit}", ha="center", va="bottom", size=style.SMALL)
     if along < 1 - 1e-9:
-        ax.text(x, y - 0.06, "along the axis", va="top", size=style.SMALL, color=style.SOFT)
+        ax.text(x, y - 0.06, "along the axis", va="top", size=style.SMALL, color=colours.SOFT)
 
 
 def _draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> None:
     """The cylinder seen along its axis, where alpha = 0, and an eye where the viewer is."""
     middle, radius = np.array([x + GLYPH / 2, y]), 0.13
-    ax.add_patch(Circle(tuple(middle), radius, facecolor=SURFACE, edgecolor=style.SOFT, linewidth=0.8))
-    ax.plot([middle[0], middle[0] + radius], [y, y], color=style.SOFT, linewidth=0.8)
+    ax.add_patch(Circle(tuple(middle), radius, facecolor=SURFACE, edgecolor=colours.SOFT, linewidth=0.8))
+    ax.plot([middle[0], middle[0] + radius], [y, y], color=colours.SOFT, linewidth=0.8)
     way = np.asarray(toward[:2]) / max(float(np.hypot(*toward[:2])), 1e-9)
     eye, across = middle + 1.75 * radius * way, np.array([-way[1], way[0]])
     t = np.linspace(-1, 1, 31)[:, None]
     lid = 0.022 * (1 - t**2) * way
     for side in (1, -1):
-        ax.plot(*(eye + 0.06 * t * across + side * lid).T, color=style.INK, linewidth=0.9)
-    ax.add_patch(Circle(tuple(eye), 0.014, facecolor=style.INK, linewidth=0))
+        ax.plot(*(eye + 0.06 * t * across + side * lid).T, color=colours.INK, linewidth=0.9)
+    ax.add_patch(Circle(tuple(eye), 0.014, facecolor=colours.INK, linewidth=0))
     if way[0] < 0.8:
-        ax.text(middle[0] + radius + 0.03, y, "α = 0", size=0.75 * style.SMALL, color=style.SOFT, va="center")
+        ax.text(middle[0] + radius + 0.03, y, "α = 0", size=0.75 * style.SMALL, color=colours.SOFT, va="center")
 
 
 def draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None:
@@ -294,9 +296,9 @@ def draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None
         "",
         tuple(middle + way),
         tuple(middle - way),
-        arrowprops={"arrowstyle": "-|>", "color": style.INK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0},
+        arrowprops={"arrowstyle": "-|>", "color": colours.INK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0},
     )
-    ax.text(x + 0.3, y, "weight", size=0.75 * style.SMALL, color=style.SOFT, va="center")
+    ax.text(x + 0.3, y, "weight", size=0.75 * style.SMALL, color=colours.SOFT, va="center")
 
 
 def draw_bar(fig: Figure, bar: Bar, corner: tuple[float, float], size: tuple[float, float]) -> None:
@@ -307,7 +309,7 @@ def draw_bar(fig: Figure, bar: Bar, corner: tuple[float, float], size: tuple[flo
     legend.colour_bar(fig, scale, cax=ax, orientation="horizontal", ticks=MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
     ax.set_xlim(bar.low, bar.high)
     ax.xaxis.set_major_formatter(lambda value, _: labels.minus_signs(labels.number(value)))
-    ax.tick_params(labelcolor=style.INK, pad=1)
+    ax.tick_params(labelcolor=colours.INK, pad=1)
     ax.set_title(bar.label, size=style.SMALL, loc="left", pad=2)
 
 

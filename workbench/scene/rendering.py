@@ -8,7 +8,7 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from ..figures import style
+from ..figures import colours
 from . import hidden, sampling, surfaces
 from .camera import Camera
 from .views import View
@@ -148,7 +148,7 @@ def _place(plotter: Any, placed: Placed, made: _Made, camera: Camera, size: tupl
     def rim(z: float) -> Any:
         beyond = 0.5 / camera.per_unit * (1 if z == ends[1] else -1)  # before the edge of the wall
         circle = surfaces.rim(first.R, z + beyond) @ turn.T + where
-        return plotter.add_mesh(pv.lines_from_points(circle), color=style.SOFT, line_width=line, lighting=False,
+        return plotter.add_mesh(pv.lines_from_points(circle), color=colours.SOFT, line_width=line, lighting=False,
                                 render=False)  # fmt: skip
 
     for part in made.tubes:

@@ -8,10 +8,12 @@ import xarray as xr
 
 from solver.problem.errors import InputError, no_such
 
+from ..figures import colours
 from ..geometry import centreline
 from ..geometry.centreline import Array, Centreline
 from ..store.schema import axes_of
-from . import captions, colours
+from . import captions
+from . import paint as paints
 from .captions import Cell
 
 CURVE = frozenset(centreline.NEEDED)
@@ -59,7 +61,7 @@ class Kind:
     cells: Literal["one", "each", "together"]
     reads: frozenset[str] = CURVE
     value: Callable[[Centreline, Array], Array] | None = None
-    paint: Callable[[dict[str, str], colours.Extremes], colours.Painted] = colours.one_colour
+    paint: Callable[[dict[str, str], paints.Extremes], paints.Painted] = paints.one_colour
     legend: tuple[tuple[str, str], ...] = ()
     cell: Callable[[xr.Dataset, list[str], dict[str, int]], Cell] = captions.value_cell
     check: Callable[[xr.Dataset], None] = accept
@@ -68,14 +70,14 @@ class Kind:
 
 
 TURNS = (colours.STRIPE, "a stripe along the material: it turns as the rod is twisted and bent")
-PUSH: dict[str, Any] = {"value": lambda line, s: line.push(s), "paint": colours.by_push}
+PUSH: dict[str, Any] = {"value": lambda line, s: line.push(s), "paint": paints.by_push}
 TABLE = (
     Kind("plain", "the rod on its cylinder", "one"),
     Kind("contact", "how hard the cylinder pushes, and where it would have to pull", "one", **PUSH),
     Kind("curvature", "how tightly the rod is bent", "one", value=lambda line, s: line.kappa(s),
-         paint=colours.by_curvature),
+         paint=paints.by_curvature),
     Kind("twist", "a stripe on the rod that turns with its material", "one", CURVE | {"gamma"},
-         paint=colours.with_stripe, legend=(TURNS,)),
+         paint=paints.with_stripe, legend=(TURNS,)),
     Kind("ghosts", "every case of an axis in one scene", "together", most=3),
     Kind("grid", "every case of one axis or two, side by side at one scale", "each", **PUSH),
     Kind("equilibria", "every equilibrium between two ends", "each", CURVE | {"energy", "index"}, **PUSH,

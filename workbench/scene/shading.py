@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ..figures.push_colours import DEPTH, REACH
+from ..figures.colours import DEPTH, REACH
 from ..geometry.centreline import Array
 
 APART = np.pi  # radii along the rod: nearer points are the same stretch

@@ -11,11 +11,11 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from ..figures.push_colours import SURFACE
+from ..figures.colours import SURFACE
 from ..geometry.centreline import Array
 from . import shading
 from .body import Body, Surface
-from .colours import Paint
+from .paint import Paint
 
 FACETS = 180  # of a cylinder
 WALL_PIXELS = 4.0  # between points of the wall at which its light is computed

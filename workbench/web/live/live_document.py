@@ -19,7 +19,7 @@ from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
 from studies.language.readings import READINGS
 
-from ...figures import push_colours
+from ...figures import colours
 from ...words import labels
 from ...words.escaping import finite
 from . import page_model, page_shape
@@ -106,7 +106,7 @@ def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
             name: [row.symbol, labels.quantity_name(row.long_name), row.dimension] for name, row in QUANTITIES.items()
         },
         "branches": {"fields": page_model.FIELDS, "shown": page_model.SHOWN},
-        "colours": push_colours.for_pages(),
+        "colours": colours.for_pages(),
         "core": core_text(),
     }
 

@@ -17,7 +17,7 @@ from PIL import Image, ImageChops
 from solver.problem.errors import InputError
 from studies.laws import verdict_words
 
-from ...figures import style
+from ...figures import colours
 from ...store import atomic, law_verdicts
 from ...store.in_memory import StudyResult
 from ...store.schema import axes_of
@@ -83,7 +83,7 @@ def html(
     sections = [_section(result, figures) for result in results]
     datasets = [*(result.ds for result in results), *([] if readings is None else [readings])]
     laws = [row for section in sections for row in section["laws"]]
-    verdicts = "".join(f" --{CLASSES[name]}: {colour};" for name, colour in style.VERDICT_COLOURS.items())
+    verdicts = "".join(f" --{CLASSES[name]}: {colour};" for name, colour in colours.VERDICTS.items())
     style_ = f":root {{{verdicts} }}\n{turntable_page.look()}{_text('report.css')}"
     program = f"{turntable_page.program()}\n{_text('enlarge.js')}"
     claims = claims_of(sections)

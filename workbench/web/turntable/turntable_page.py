@@ -9,7 +9,7 @@ from typing import Any
 import xarray as xr
 from jinja2 import Environment, StrictUndefined
 
-from ...figures import push_colours
+from ...figures import colours
 from ...store import selection
 from ...words import labels
 from ...words.escaping import finite
@@ -61,7 +61,7 @@ def figure(name: str, label: str, still: str = "", caption: str = "", reset: boo
 
 def data(figures: Mapping[str, Any]) -> str:
     """The data of all turntables of a page, and the core, as JSON that may stand inside a script element."""
-    plain = {"colours": push_colours.for_pages(), "figures": dict(figures), "core": live_document.core_text()}
+    plain = {"colours": colours.for_pages(), "figures": dict(figures), "core": live_document.core_text()}
     text = json.dumps(finite(plain), ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c")
 

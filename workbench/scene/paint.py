@@ -1,21 +1,16 @@
-"""The colours of a scene: the colour map of each quantity, the colour bar, and the look of rod and cylinder."""
+"""What a rod of a scene is painted in: one colour, or the colours of a quantity and their bar."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
-import numpy as np
-from matplotlib.colors import Colormap, to_rgb
+from matplotlib.colors import Colormap
 
 from solver.problem.errors import InputError
 
-from ..figures import push_colours, push_scale
-from ..figures.style import RAMP
+from ..figures import colours
+from ..figures.colours import NEUTRAL
 from ..words import labels
 
-NEUTRAL = "#8d96a1"  # a rod in one colour
-UNPAINTED, STRIPE = "#d9c9a3", "#5d4a72"  # the rod beside its stripe, and the stripe; no colours of the push
-SEVERAL = ("#5b2a86", "#c2457f", "#259e73")  # several rods on one cylinder
-PUSH_RAMP = push_scale.ramp()
+PUSH_RAMP = colours.push_ramp()
 
 Extremes = tuple[float, float] | None  # the least and the largest value of all rods; None without rods
 
@@ -54,17 +49,17 @@ def one_colour(units: dict[str, str], extremes: Extremes) -> Painted:
 
 def with_stripe(units: dict[str, str], extremes: Extremes) -> Painted:
     """A stripe on an unpainted rod."""
-    return Paint(UNPAINTED, stripe=STRIPE), None
+    return Paint(colours.UNPAINTED, stripe=colours.STRIPE), None
 
 
 def by_push(units: dict[str, str], extremes: Extremes) -> Painted:
     """By the cylinder's push, one scale for all rods, as far below 0 as above it and pale there."""
-    low, end = push_colours.scale(*extremes) if extremes else (0.0, 0.0)
+    low, end = colours.push_scale(*extremes) if extremes else (0.0, 0.0)
     if end == 0:
         return Paint(NEUTRAL), None
     unit = labels.unit(f"{units['force']}/{units['length']}")
     paint = Paint(ramp=PUSH_RAMP, low=-end, high=end)
-    return paint, Bar(paint, low, end, push_colours.words(unit, low))
+    return paint, Bar(paint, low, end, colours.push_words(unit, low))
 
 
 def by_curvature(units: dict[str, str], extremes: Extremes) -> Painted:
@@ -72,7 +67,7 @@ def by_curvature(units: dict[str, str], extremes: Extremes) -> Painted:
     low, high = extremes or (0.0, 0.0)
     if high - low <= 1e-9 * high:
         return Paint(NEUTRAL), None
-    paint = Paint(ramp=RAMP, low=low, high=high)
+    paint = Paint(ramp=colours.ramp(), low=low, high=high)
     return paint, Bar(paint, low, high, f"curvature κ [1/{units['length']}]")
 
 
@@ -91,9 +86,3 @@ def set_range(paint: Paint, bar: Bar, chosen: tuple[float, float]) -> Painted:
     else:
         paint = replace(paint, low=-high, high=high)
     return paint, replace(bar, paint=paint, low=low, high=high)
-
-
-def linear(colour: str) -> Any:
-    """A colour of the screen (sRGB) as the light it stands for, (3,), which is what glTF stores."""
-    c = np.array(to_rgb(colour))
-    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
