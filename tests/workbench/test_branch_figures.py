@@ -16,7 +16,7 @@ from solver import equilibria as all_equilibria
 from studies import load
 from workbench.branches import branch_dataset
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.figures import bifurcation, canvas, equilibria_figure, point_numbers, shape_rows
+from workbench.figures import bifurcation, canvas, equilibria_figure, point_numbers, unrolled
 from workbench.figures.point_numbers import Point
 
 ROD, CYLINDER = Rod(E=325.95, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
@@ -67,7 +67,7 @@ def legend_title(fig: Figure) -> str:
 
 def shapes(fig: Figure) -> list:
     """The lines of the unrolled views."""
-    (ax,) = [ax for ax in fig.axes if ax.get_label() == shape_rows.NAME]
+    (ax,) = [ax for ax in fig.axes if ax.get_label() == unrolled.VIEWS]
     return [line for line in ax.lines if line.get_label() != "s = 0"]
 
 
@@ -225,11 +225,11 @@ def test_no_number_of_a_diagram_of_branches_is_nearer_to_another_point(which, dr
 @pytest.mark.parametrize("sizes", [[(10.0, 3.0)] * 3, [(0.2, 7.0), (7.0, 0.2)], [(5.0, 0.0)] * 9])
 def test_shapes_in_rows_have_one_scale_and_neither_meet_nor_leave_the_page(sizes) -> None:
     views = [
-        shape_rows.Shape(np.linspace(1, 1 + wide, 9), np.linspace(0, tall, 9), f"{k}", {})
+        unrolled.View(np.linspace(1, 1 + wide, 9), np.linspace(0, tall, 9), f"{k}", {})
         for k, (wide, tall) in enumerate(sizes)
     ]
-    form = shape_rows.rows(views, (6.0, 3.0), 8.0)
-    low = np.array(form.places[:-1])
+    form = unrolled.plan(views, (6.0, 3.0), 8.0)
+    low = form.places[: len(sizes), :2] + [0, unrolled.words_size("1", 8.0)[1]]
     high = low + form.scale * np.array(sizes)
     assert low.min() >= 0
     assert (high - np.array(form.size)).max() <= 1e-9

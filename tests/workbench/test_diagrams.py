@@ -121,27 +121,23 @@ def test_a_crossing_is_found_where_it_is_and_neighbours_are_none() -> None:
 
 
 def test_rings_stand_on_the_rods_whose_caution_says_that_they_pass_through_themselves(ds) -> None:
-    rods = drawn_rods.choose(ds, unrolled.NAMES)
-    form = unrolled.strips(rods.rods, (8.0, 5.0))
-    ringed = [bool(unrolled._rings(rod, form)[0]) for rod in rods.rods]
+    views = unrolled.Panel(drawn_rods.choose(ds, unrolled.NAMES), (8.0, 5.0), 8.0).views
+    ringed = [bool(view.rings) for view in views]
     assert ringed == ["overlaps" in text for text in ds["caution"].values]
     assert any(ringed)
     assert not all(ringed)
 
 
-def test_strips_have_one_scale_do_not_touch_and_are_as_large_as_the_page_allows(ds) -> None:
-    rods = drawn_rods.choose(ds, unrolled.NAMES).rods
-    for room in ((8.0, 5.0), (2.9, 3.0), (8.0, 1.5)):
-        form = unrolled.strips(rods, room)
+def test_the_views_along_an_axis_have_equal_room_do_not_touch_and_are_as_large_as_the_page_allows(ds) -> None:
+    rods = drawn_rods.choose(ds, unrolled.NAMES)
+    for room in ((8.0, 5.0), (2.9, 3.0), (8.0, 1.6)):
+        panel = unrolled.Panel(rods, room, 8.0)
+        form, sizes = panel.form, np.array([view.size for view in panel.views])
         assert form.factor == 1
-        assert form.columns * form.pitch[0] * form.scale <= room[0] * (1 + 1e-9)
-        assert form.height <= room[1] * (1 + 1e-9)
-        boxes = [(np.array(form.low) + form.shift(k), np.array(form.low) + form.shift(k) + form.size) for k in range(4)]
+        assert (np.array(form.size) <= np.array(room) * (1 + 1e-9)).all()
+        assert np.isclose(form.size, room, rtol=1e-6).any()
+        boxes = [(place[:2], place[:2] + form.scale * sizes.max(axis=0)) for place in form.places[:4]]
         for k, (low, high) in enumerate(boxes):
-            x, y = rods[k].plane_points()
-            right, up = form.shift(k)
-            assert low[0] < x.min() + right <= x.max() + right < high[0]
-            assert low[1] < y.min() + up <= y.max() + up < high[1]
             assert not any((low < other[1]).all() and (high > other[0]).all() for other in boxes[:k])
 
 

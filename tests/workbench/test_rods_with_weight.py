@@ -12,7 +12,7 @@ from solver import InputError
 from studies import loads
 from tests.workbench import small
 from workbench.export import stored_rod
-from workbench.figures import along, portrait, table
+from workbench.figures import along, colours, portrait, table
 from workbench.geometry import stored_line
 from workbench.scene import body as body_of
 from workbench.scene import camera, layout, long_rod, scene_kinds
@@ -123,8 +123,8 @@ def test_a_page_of_turning_rods_with_weight_is_refused(ds: xr.Dataset) -> None:
 
 def test_the_diagram_of_states_has_the_stretches_of_the_rods_and_a_portrait_is_refused(ds: xr.Dataset) -> None:
     drawn = along.states(ds)
-    lines = [line for line in drawn.axes[0].lines if line.get_label().split(", ")[-1] in along.COLOURS]
-    assert all(line.get_color() == along.COLOURS[line.get_label().split(", ")[-1]] for line in lines)
+    lines = [line for line in drawn.axes[0].lines if line.get_label().split(", ")[-1] in colours.STATES]
+    assert all(line.get_color() == colours.STATES[line.get_label().split(", ")[-1]] for line in lines)
     assert len({line.get_label().split(", ")[0] for line in lines}) == 2  # rods, each drawn whole, in degrees
     assert sum(np.ptp(line.get_xdata()) for line in lines) == pytest.approx(2 * 60.0, rel=0.01)
     assert max(line.get_ydata().max() for line in lines) == pytest.approx(np.degrees(ds["beta"].values.max()), rel=0.01)

@@ -253,7 +253,7 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
         elif curves.name == "push":
             for side, colour in ((np.maximum(values, 0), colours.PUSHED), (np.minimum(values, 0), colours.PULLED)):
                 ax.fill_between(rod["s"], 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order)
-            push_scale.line(ax, rod["s"], values, values, norm, width, rod.name, k * step, order)
+            push_scale.line(ax, rod["s"], values, values, norm, width, rod.name, where, order)
         else:
             ax.plot(rod["s"], values, color=shades[k], linewidth=1.1, transform=where, zorder=order, label=rod.name)
 

@@ -16,11 +16,14 @@ from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED
 
 from ..branches.branch_dataset import branches
 from ..words import labels
-from . import canvas, colours, legend, point_numbers, shape_rows, style, unrolled
-from .shape_rows import Shape
+from . import canvas, colours, legend, point_numbers, style, unrolled
 from .sheet import SCREEN, Sheet
+from .unrolled import View
 
-HIGH, TALL = (0.46, 0.62), (0.62, 0.42)  # of the width: the diagram on a page and on a column; all shapes, as of `plan`
+HIGH, TALL = (
+    (0.46, 0.62),
+    (0.62, 0.42),
+)  # of the width: the diagram on a page and a column; the views, otherwise round
 MOST = 16, 8  # shapes; those on one column of a page
 MOST_INSIDE = 4  # entries of a legend that find a free place in the diagram
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
@@ -44,7 +47,8 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     """
     shown, count = str(ds.attrs["shown"]), min(ds.sizes.get("shape", 0), MOST[sheet.narrow])
     shapes, high = _shapes(ds, count), HIGH[sheet.narrow] * sheet.width
-    form = shape_rows.plan(shapes, sheet, TALL) if shapes else None
+    room = sheet.width - unrolled.BESIDE, TALL[not sheet.narrow] * sheet.width
+    form = unrolled.plan(shapes, room, sheet.small) if shapes else None
     below = form.size[1] if form is not None else 0.0
 
     def draw(fig: Figure) -> None:
@@ -57,10 +61,10 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
             key = []
         if form is not None:
             cell = fig.add_subplot(grid[1])
-            shape_rows.draw(cell, shapes, form, labels.unit(str(ds["shape_z"].attrs.get("units", "1"))))
+            unrolled.draw(cell, shapes, form, labels.unit(str(ds["shape_z"].attrs.get("units", "1"))))
             key += unrolled.ring_entries(cell)
             some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
-            notes.append(f"Unrolled views at the points: {style.WAYS}, all at one scale{some}; dot: s = 0.")
+            notes.append(unrolled.sentence(form, f", of the points with their numbers{some}"))
             notes += _alike(ds, shown)
         legend.below(fig, key, notes, sheet)
 
@@ -210,7 +214,7 @@ def _look_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> di
     return colours.of_line(_HELD[0 if index > 0 else 1 if dead > 0 else 2][0])
 
 
-def _shapes(ds: xr.Dataset, count: int) -> list[Shape]:
+def _shapes(ds: xr.Dataset, count: int) -> list[View]:
     """The unrolled views at the first numbered points, each with its number."""
     if not count:
         return []
@@ -221,7 +225,7 @@ def _shapes(ds: xr.Dataset, count: int) -> list[Shape]:
         a, L = (float(ds[key]) if not ds[key].dims else float(ds[f"shape_{key}"][k]) for key in ("a", "L"))
         rings = unrolled.crossings(np.linspace(0, L, z.size), float(rho), alpha, z, a)
         look = _look_of_shape(ds, name, rows[int(of[k])], k)
-        found.append(Shape(z, rho * (alpha - alpha[0]), number, look, [place for place, _ in rings or []]))
+        found.append(View(z, rho * (alpha - alpha[0]), number, look, rings or []))
     return found
 
 

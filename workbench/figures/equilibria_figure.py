@@ -11,13 +11,14 @@ from matplotlib.ticker import MaxNLocator
 from solver.mechanics.statics import push_from
 
 from ..words import cautions, labels
-from . import canvas, colours, legend, point_numbers, push_scale, shape_rows, style, unrolled
-from .shape_rows import Shape
+from . import canvas, colours, legend, point_numbers, push_scale, style, unrolled
 from .sheet import SCREEN, Sheet
+from .unrolled import View
 
 MOST = 8, 40  # shapes shown on one column of a page and elsewhere
 HIGH = 1.6, 1.8  # inches of the diagram of energies there
 MOST_LOOPS = 24  # closed rods shown
+TALL = 0.7, 0.6  # the height of all views over the width of a column and of other pages
 REACTIONS = ("FZ", "MZ", "M3", "beta0", "betaL")  # of held ends
 
 
@@ -29,16 +30,16 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     if reaction is not None:
         texts = [f"{text}: {labels.value(float(ds[reaction][k]), ds[reaction])}" for k, text in enumerate(texts)]
     shapes = [_shape(ds, k, texts[k], look(int(ds["index"][k]))) for k in range(count)]
-    form = shape_rows.plan(shapes, sheet)
+    form = unrolled.plan(shapes, _room(sheet), sheet.small)
 
     def draw(fig: Figure) -> None:
         grid = fig.add_gridspec(2, 1, height_ratios=[form.size[1], high])
         ax = fig.add_subplot(grid[0])
-        shape_rows.draw(ax, shapes, form, labels.unit(str(ds["z"].attrs.get("units", "1"))))
+        unrolled.draw(ax, shapes, form, labels.unit(str(ds["z"].attrs.get("units", "1"))))
         said = energies(ds, fig.add_subplot(grid[1]), sheet.width, high)
         some = f"; {count} of {ds.sizes['equilibrium']} are shown" if count < ds.sizes["equilibrium"] else ""
         beside = "" if reaction is None else f", {labels.symbol(ds[reaction])} beside the number"
-        said.append(f"Unrolled views, {style.WAYS}, all at one scale{beside}; dot: s = 0{some}.")
+        said.append(unrolled.sentence(form, f"{beside}{some}"))
         legend.below(fig, [*_entries(ds["index"].values), *unrolled.ring_entries(ax)], said, sheet)
 
     return canvas.figure((sheet.width, form.size[1] + high + 0.45), draw, ds, sheet=sheet)
@@ -82,28 +83,35 @@ def loops(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
             f"{k + 1}: {waves} wave{'s' * (waves > 1)}, {stable}\n{labels.value(float(one['energy']), one['energy'])}"
         )
         shapes.append(_shape(ds, k, text, {"push": pushes[k], "norm": norm}))
-    form = shape_rows.plan(shapes, sheet)
+    form = unrolled.plan(shapes, _room(sheet), sheet.small)
 
     def draw(fig: Figure) -> None:
         ax = fig.add_subplot()
-        drawn = shape_rows.draw(ax, shapes, form, labels.unit(str(ds.attrs["length_unit"])))
+        drawn = unrolled.draw(ax, shapes, form, labels.unit(str(ds.attrs["length_unit"])))
+        assert drawn is not None
         push_scale.bar(fig, drawn, [ax], push_scale.unit(ds), sheet.width, below=True)
         said = [
-            f"Unrolled views, {style.WAYS}, all at one scale. The rod lies {ds.attrs['side']}.",
+            unrolled.sentence(form),
+            f"The rod lies {ds.attrs['side']}.",
             "Below each number the energy. Unstable (2): in 2 ways, as a closed rod whose section is free to turn.",
         ]
         legend.below(fig, unrolled.ring_entries(ax), said, sheet)
 
-    return canvas.figure((sheet.width, form.size[1] + 0.9), draw, ds, sheet=sheet)
+    return canvas.figure((sheet.width, form.size[1] + 1.4), draw, ds, sheet=sheet)
 
 
-def _shape(ds: xr.Dataset, k: int, text: str, how: dict[str, Any]) -> Shape:
+def _room(sheet: Sheet) -> tuple[float, float]:
+    """The inches of all views."""
+    return sheet.width - unrolled.BESIDE, TALL[not sheet.narrow] * sheet.width
+
+
+def _shape(ds: xr.Dataset, k: int, text: str, how: dict[str, Any]) -> View:
     """The unrolled view of an equilibrium, with rings where its caution says that it passes through itself."""
     one = ds.isel(equilibrium=k)
     rho, alpha, z = float(one["rho"]), one["alpha"].values, one["z"].values
     crossed = "overlaps" in cautions.keys(str(one["caution"].values)) if "caution" in one else False
     rings = unrolled.crossings(one["s"].values, rho, alpha, z, float(one["a"])) if crossed else []
-    return Shape(z, rho * (alpha - alpha[0]), text, how, [place for place, _ in rings or []])
+    return View(z, rho * (alpha - alpha[0]), text, how, rings or [])
 
 
 def _entries(indices: Any) -> list[Any]:

@@ -98,13 +98,13 @@ def draw(
         ax.axhspan(top + found.low, top + found.low + found.wide, color=colours.BAND, linewidth=0, zorder=0)
         for places, turn in _pieces(s, across, found, float(start)):
             x, y = np.interp(places, s, z), np.interp(places, s, across) - turn
+            where = Affine2D().translate(-left, top) + ax.transData
             ends += [float(x.min()) - left, float(x.max()) - left]
             if norm is not None:
                 push = np.interp(places, s, rod["push"])
-                last = push_scale.line(ax, x, y, push, norm, 1.6, rod.name, top, 3.0, left)
+                last = push_scale.line(ax, x, y, push, norm, 1.6, rod.name, where, 3.0)
             else:
                 look: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.5} if dots else {}
-                where = Affine2D().translate(-left, top) + ax.transData
                 ax.plot(x, y, color=colours.DATA, transform=where, zorder=3, label=rod.name, **look)
     ax.plot(0, -found.low + across[0], "o", color=colours.INK, markersize=4, label="s = 0", zorder=4)
     size = max(ends) - min(ends)

@@ -10,7 +10,6 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from ..words import labels
@@ -30,16 +29,14 @@ def scale(pushes: Sequence[Any]) -> Normalize:
 
 
 def line(
-    ax: Axes, x: Any, y: Any, push: Any, norm: Normalize, width: float = 2.0, label: str = "", shift: float = 0.0,
-    order: float = 2.0, left: float = 0.0,
+    ax: Axes, x: Any, y: Any, push: Any, norm: Normalize, width: float = 2.0, label: str = "", where: Any = None,
+    order: float = 2.0,
 ) -> LineCollection:  # fmt: skip
-    """Draw a line whose colour at each point is that of the push there, so much higher and further to the left, with
-    its order of drawing."""
-    where = Affine2D().translate(-left, shift) + ax.transData
+    """Draw a line whose colour at each point is that of the push there; where: its transform; order: of drawing."""
+    where = where or ax.transData
     casing = max(width * EDGE, width + LEAST)
-    ax.plot(
-        x, y, color=colours.SOFT, linewidth=casing, solid_capstyle="round", label=CASING, zorder=order, transform=where
-    )
+    ax.plot(x, y, color=colours.SOFT, linewidth=casing, solid_capstyle="round", label=CASING, zorder=order,
+            transform=where)  # fmt: skip
     points: NDArray[np.float64] = np.column_stack([x, y])
     middles = (points[1:] + points[:-1]) / 2
     before, after = np.vstack([points[:1], middles]), np.vstack([middles, points[-1:]])

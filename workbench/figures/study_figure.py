@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.problem.errors import InputError, choices, no_such
@@ -17,7 +16,6 @@ from studies.grammar.dimensions import SAMPLE
 from ..store import law_verdicts, refined, schema, selection
 from ..words import cautions, labels
 from . import along, canvas, drawn_rods, legend, scatter, unrolled
-from .drawn_rods import DrawnRods
 from .laws import panel
 from .sheet import SCREEN, Sheet
 from .trends import trend
@@ -27,8 +25,8 @@ ONE_ROD = 0.55  # the share of the least height of a narrow panel of one rod
 NARROW_LAW = 1.4, 2.2  # inches of a law on a narrow sheet
 SAMPLES = "samples"  # the panel of the scatter diagrams
 BESIDE = 0.58  # the share of the width that curves have beside a law
-MOST_CURVES, STRIPS = 9, 0.42  # curves along an axis; their height as a share of the width
-LABELS = 0.65  # inches below and above curves
+MOST_CURVES, STRIPS = 9, (0.55, 0.42)  # curves along an axis; their height over a narrow and another width
+LABELS = 0.35  # inches below and above curves
 MOST_PLAIN = 4  # observables shown where there is no law
 MOST_NARROW = 3  # panels of laws on one column of a page, one less with curves
 MOST_ASKED = 12  # observables of one figure
@@ -86,18 +84,20 @@ def figure(
     panels, strips, sampled = chosen.panels, chosen.strips, chosen.sampled
     if not (panels or strips or sampled):
         raise InputError("nothing to draw: the dataset has neither observables nor the arrays alpha and z")
+    strips_high = STRIPS[not sheet.narrow] * sheet.width
     axis_of_trends = selection.axis_of(ds, x) if x else next(iter(axes), "")
     count, width = len(panels), sheet.width
     across = 1 if sheet.narrow else 3 if count == 3 and not rows else 2
     beside = 0 < count <= len(strips) and not sampled and not sheet.narrow
     law_height = min(TALL_LAW if beside else LAW_HEIGHT, max(0.7 * width / across, LEAST_LAW))
     if sheet.narrow:
-        room = canvas.TALLEST - bool(strips) * (STRIPS * width + LABELS)
+        room = canvas.TALLEST - bool(strips) * (strips_high + LABELS)
         law_height = float(np.clip(room / max(count, 1), *NARROW_LAW))
-    tallest = law_height - LABELS if beside else STRIPS * width
+    tallest = law_height - LABELS if beside else strips_high
     rods = [drawn_rods.choose(curves, ("alpha", "z"), axis, most=MOST_CURVES) for axis in strips]
-    forms = [unrolled.plan(rod, width * (BESIDE if beside else 1), tallest) for rod in rods]
-    heights = [law_height if beside and i < count else form.height + LABELS for i, form in enumerate(forms)]
+    box = width * (BESIDE if beside else 1) - unrolled.BESIDE, tallest
+    views = [unrolled.Panel(rod, box, sheet.small, coloured=False) for rod in rods]
+    heights = [law_height if beside and i < count else view.height + LABELS for i, view in enumerate(views)]
     lines = -(-count // across)
     below = 0.0 if beside else law_height * lines
     if sheet.style == "paper" and not sheet.narrow:
@@ -114,8 +114,11 @@ def figure(
         if below:
             cells = _in_rows(grid[len(strips), 0], count, across)
         said: dict[str, None] = {}
-        for i, (one, form) in enumerate(zip(rods, forms, strict=True)):
-            said |= dict.fromkeys(_draw_strips(fig.add_subplot(grid[i, 0].subgridspec(1, 1)[0]), one, form))
+        for i, (one, view) in enumerate(zip(rods, views, strict=True)):
+            ax = fig.add_subplot(grid[i, 0].subgridspec(1, 1)[0])
+            view.draw(ax)
+            ax.set_label(f"unrolled views along {one.axis}")
+            said |= dict.fromkeys([*view.notes, *one.said(), *one.notes])
         if sampled:
             scatter.scatter(ds, sampled, fig, grid[len(heights) - 1, 0], width)
             said[scatter.said(ds)] = None
@@ -135,13 +138,6 @@ def figure(
     return canvas.figure((width, 0.3 * bool(sampled) + sum(heights)), draw, ds, sheet=sheet)
 
 
-def _draw_strips(ax: Axes, rods: DrawnRods, form: Any) -> list[str]:
-    """The unrolled views of the rods along an axis; what is to be said of them."""
-    said = unrolled.draw(ax, rods, form, coloured=False)[1]
-    ax.set_label(f"unrolled views along {rods.axis}")
-    return [*said, *rods.said(), *rods.notes]
-
-
 def one_rod(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     """The angle, the push and the unrolled view of one rod; what is not stored is left out. Raises `InputError`."""
     stored = {"angle": "beta", "push": "contact", "curve": "alpha"}
@@ -150,25 +146,27 @@ def one_rod(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         raise no_such("panel", sheet.panel, stored)
     arrays = {"angle": ["beta"], "push": ["push"], "curve": ["alpha", "z"] + ["push"] * ("contact" in ds.data_vars)}
     rods = drawn_rods.choose(ds, list(dict.fromkeys(name for panel in names for name in arrays[panel])))
-    form = unrolled.plan(rods, sheet.width, STRIPS * sheet.width) if "curve" in names else None
+    room = sheet.width - unrolled.BESIDE, STRIPS[not sheet.narrow] * sheet.width
+    view = unrolled.Panel(rods, room, sheet.small, "contact" in ds.data_vars) if "curve" in names else None
     each = LEAST_LAW * max(min(sheet.width / SCREEN.width, 1.0), ONE_ROD)
-    heights = [form.height + LABELS if form and name == "curve" else each for name in names]
+    heights = [view.height + LABELS if view and name == "curve" else each for name in names]
 
     def draw(fig: Figure) -> None:
         grid, said = fig.add_gridspec(len(names), 1, height_ratios=heights), list[str]()
         for i, name in enumerate(names):
             ax = fig.add_subplot(grid[i, 0])
-            if form and name == "curve":
-                said = unrolled.draw(ax, rods, form, "contact" in ds.data_vars)[1]
+            if view and name == "curve":
+                view.draw(ax)
+                said = view.notes
             else:
-                along.alone(ax, rods, arrays[name][0], form is not None and unrolled.is_coarse(rods.rods[0]))
+                along.alone(ax, rods, arrays[name][0], view is not None and unrolled.is_coarse(rods.rods[0]))
         artists = [
             collection
             for ax in fig.axes
             for collection in ax.collections
             if str(collection.get_label()).startswith("the cylinder")
         ]
-        rings = unrolled.entries(fig.axes[-1], rods) if form and not artists else unrolled.ring_entries(fig.axes[-1])
+        rings = unrolled.entries(fig.axes[-1], rods) if view and not artists else unrolled.ring_entries(fig.axes[-1])
         legend.below(fig, [*artists, *rings], [*said, *rods.notes], sheet)
 
     return canvas.figure((sheet.width, sum(heights) + 0.5), draw, ds, sheet=sheet)
