@@ -41,7 +41,7 @@ LARGEST, SMALLEST = 8.0, 0.1  # inches of the largest view
 LEAST = 0.12  # inches of a view, below which one direction is drawn larger
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SHORT = 0.9  # of the arc: a shorter chord has turned by a right angle or more in between
-RING = 3.5  # points across
+RING = 3.5  # points across at least
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
 ARROW = 0.4  # inches of the arrows of the key at most
 VIEWS = "unrolled views"  # the label of their axes
@@ -56,8 +56,8 @@ class View:
     """An unrolled view.
 
     x, y: z and the distance around the cylinder, (n,) each [length]; none of a rod that is not solved. text: above it.
-    look: of its line; or its push and the scale of its colours. rings: the places where the rod passes through itself
-    [length]. name: of its line in a table; default: the first line of the text.
+    look: of its line; or its push and the scale of its colours. rings: as of `crossings`. name: of its line in a table;
+    default: the first line of the text.
     """
 
     x: Values
@@ -117,7 +117,7 @@ def draw(
     ax.set_label(VIEWS)
     ax.set_xlabel(f"z [{unit}]")
     ax.set_ylabel(f"{style.AROUND} [{unit}]")
-    drawn = None
+    drawn, rings = None, list[Any]()
     columns = form.boxes.shape[1]
     texts = [view.text for view in views]
     rows = [max(words_size(text, letters)[1] for text in texts[i : i + columns])
@@ -137,10 +137,12 @@ def draw(
             look = {"solid_capstyle": "round", "zorder": 3, **view.look}
             ax.plot(view.x, view.y, **look, transform=where, label=name)
         ax.plot(view.x[0], view.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where, label="s = 0")
-        if len(view.rings):
-            x, y = to_page.transform(view.rings).T
-            ax.scatter(x, y, s=RING**2, facecolors="none", linewidths=0.7, edgecolors=colours.CROSSED, label=THROUGH,
-                       zorder=5)  # fmt: skip
+        rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
+    if rings:
+        sizes = [max(72 * float(np.linalg.norm(apart)) + RING / 2, RING) for _, apart in rings]
+        x, y = np.transpose([place for place, _ in rings])
+        ax.scatter(x, y, s=np.square(sizes), facecolors="none", linewidths=0.7, edgecolors=colours.CROSSED,
+                   label=THROUGH, zorder=5)  # fmt: skip
     for artist in (*ax.lines, *ax.collections):
         artist.set_clip_on(False)
     _draw_key(ax, form, form.places[len(views)], unit, letters)
@@ -296,16 +298,17 @@ class Panel:
         return views
 
 
-def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float) -> list[Any] | None:
-    """Where a rod passes through itself on the unrolled cylinder: z and distance around, (2,) each; two places where it
-    comes back after a turn. None for a rod that is too long."""
+def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float) -> list[tuple[Any, Any]] | None:
+    """Where a rod passes through itself on the unrolled cylinder: z and distance around, and how far its two stretches
+    are apart there, (2,) each; two places where it comes back after a turn. None for a rod that is too long."""
     pairs = self_contact.places(s, frames.position(rho, alpha, z), a)
     if pairs is None:
         return None
-    found: list[Any] = []
+    found: list[tuple[Any, Any]] = []
     for pair in pairs:
         both = np.array([np.interp(pair, s, values) for values in (z, rho * (alpha - alpha[0]))]).T
-        found += [both.mean(axis=0)] if np.linalg.norm(both[1] - both[0]) < NEAR * a else list(both)
+        near = np.linalg.norm(both[1] - both[0]) < NEAR * a
+        found += [(both.mean(axis=0), both[1] - both[0])] if near else [(one, np.zeros(2)) for one in both]
     return found
 
 

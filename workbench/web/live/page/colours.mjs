@@ -1,4 +1,4 @@
-// The colours of the push; their table and the rules of their scale come from workbench/figures/push_colours.py.
+// The colours of the push; their table and the rules of their scale come from workbench/figures/colours.py.
 
 /* The drawn scale of pushes between two values: from -end, or from 0 without a pull, to a round end. */
 export function scaleOf({ ends, uniform, beyond, rounding }, [least, largest]) {
