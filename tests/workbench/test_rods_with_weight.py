@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver import InputError
+from solver import Case, Cylinder, InputError, Rod, Start, solve
 from studies import loads
 from tests.workbench import small
 from workbench.export import stored_rod
@@ -114,6 +114,20 @@ def test_a_table_of_a_rod_with_weight_has_no_force_that_is_not_known(ds: xr.Data
     assert "contact [kN/m]" in head
     assert "FY" not in head
     assert "nan" not in "".join(rows)
+
+
+@pytest.mark.parametrize("sliding, has", [("forward", True), ("rotating", False)])
+def test_a_table_of_a_rod_with_friction_holds_the_solution_s_own_arrays(sliding, has, tmp_path) -> None:
+    wall = Cylinder(R=0.3, side="inside", inclination=1.2, friction=0.3, sliding=sliding)
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.05, L=6.0, weight=0.3), wall, Start(0.2, 0.3, F3=-4.0, M3=0.1)))
+    stored_rod.export(sol.to_dataset(length="m", force="N"), tmp_path / "rod.csv")
+    with (tmp_path / "rod.csv").open(encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    names = [cell.partition(" ")[0] for cell in head]
+    assert ("F1" in names) == has  # it needs the twisting moment, which is stored of the far end alone
+    for name, column in zip(names, np.array(rows, dtype=float).T, strict=True):
+        if name not in "xyz":
+            np.testing.assert_allclose(column, getattr(sol, name), atol=1e-12, err_msg=name)
 
 
 def test_a_page_of_turning_rods_with_weight_is_refused(ds: xr.Dataset) -> None:

@@ -4,16 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.mechanics import frames, statics
-from solver.mechanics.potential import Loads, potential
-from solver.mechanics.statics import contact_force
+from solver.mechanics import frames
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES, unit_of
 
-from ..geometry.centreline import APART, Array, Centreline
+from ..geometry.centreline import APART, Array
 from ..store import schema
+from ..store.derived_arrays import StoredArrays
 from .base import Rod
 
+COMPUTED = ("kappa", "F1", "F2", "F3", "FY", "contact", "M1", "M2", "h")
 # columns before all others, whatever the study stores
 FIRST = ("s", "x", "y", "z", "alpha", "beta", "dbeta")
 
@@ -42,9 +42,12 @@ def columns(rod: Rod) -> list[Column]:
         )
     units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
     case = ds.isel(rod.where)
-    known = {name: values for name, values in compute(line).items() if np.isfinite(values).all()}
-    for stored, array in case.data_vars.items():
-        name = schema.CURVES.get(str(stored), str(stored))
+    along = {name: getattr(line, name) for name in ("s", "alpha", "beta", "dbeta", "z")}
+    stored = StoredArrays(case.assign({name: ("u", values) for name, values in along.items()}))
+    found = {name: stored.derive(name) for name in COMPUTED}
+    known = along | {name: np.asarray(array) for name, array in found.items() if array is not None}
+    for key, array in case.data_vars.items():
+        name = schema.CURVES.get(str(key), str(key))
         if array.dims == ("u",) and name in QUANTITIES:
             known[name] = np.asarray(array.values, dtype=float)
     order = [*FIRST, *(name for name in known if name not in FIRST)]
@@ -56,19 +59,3 @@ def columns(rod: Rod) -> list[Column]:
                words.get(name) or QUANTITIES[name].long_name)
         for name in order
     ]  # fmt: skip
-
-
-def compute(line: Centreline) -> dict[str, Array]:
-    """What the angles at the stations and the loads determine, (n,) each."""
-    A, l, m, p, rho, beta, dbeta = line.A, line.l, line.m, line.p, line.rho, line.beta, line.dbeta
-    FY = statics.circumferential_force(A, l, m, rho, beta)
-    F2, F3 = statics.surface_forces(FY, A * p, beta)
-    reduced = Loads(lam=l * rho, mu=m * rho, phi=p * rho**2)
-    return {
-        "s": line.s, "alpha": line.alpha, "beta": beta, "dbeta": dbeta, "z": line.z,
-        "kappa": statics.curvature(rho, beta, dbeta),
-        "F1": statics.normal_force(A, m, rho, beta, dbeta), "F2": F2, "F3": F3, "FY": FY,
-        "contact": contact_force(A, m, rho, FY, -line.bend, beta, dbeta),
-        "M1": A * dbeta, "M2": A * np.sin(beta) ** 2 / rho,
-        "h": dbeta**2 + potential(reduced, beta) / rho**2,
-    }  # fmt: skip

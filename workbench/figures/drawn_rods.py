@@ -12,7 +12,7 @@ from solver.problem.errors import InputError
 from studies.grammar.dimensions import SAMPLE
 
 from ..store import refined, schema, selection
-from ..store.derived_arrays import Stored
+from ..store.derived_arrays import StoredArrays
 from ..words import labels
 
 STATIONS = 1000  # along each rod at least, two for each pixel of a panel
@@ -149,22 +149,13 @@ def grid(ds: xr.Dataset) -> xr.Dataset:
 
 
 def _rod(one: xr.Dataset, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:
-    stored = _store(one)
+    stored = StoredArrays(one)
     names = {name: float(getattr(stored, name)) for name in ("rho", "lam", "mu", "phi")}
     told = str(one["caution"].values) if "caution" in one else ""
     text = labels.value(float(one[axis]), one[axis]) if axis else ""
     name = f"{labels.axis_symbol(axis)} = {text}" if axis else "rod"
     short = text if text.endswith("°") else text.partition(" ")[0]
     return DrawnRod(name, short, arrays, a=float(stored.constant("a")), caution=told, **names)
-
-
-def _store(some: xr.Dataset) -> Stored:
-    """What is stored of some cases; whatever would need the solver is refused."""
-
-    def refuse() -> Any:
-        raise InputError("the dataset does not store the loads of its cases")
-
-    return Stored(some, None, refuse, refuse)  # type: ignore[arg-type]  # the study is read where a case is solved
 
 
 def _arrays(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None], list[str]]:
@@ -191,7 +182,7 @@ def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list
         return None, "arrays along the rod"
     found: dict[str, Any] = {"s": some["s"]}
     for name in names:
-        array = _store(some).derive(name, ())
+        array = StoredArrays(some).derive(name)
         if array is None:
             return None, name
         found[name] = array

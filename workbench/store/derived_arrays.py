@@ -40,25 +40,12 @@ _LONG_NAMES = {
 
 
 @dataclass(frozen=True)
-class Stored:
-    """A dataset, or a selection of one, with its study; case and solution are made only when needed."""
+class StoredArrays:
+    """What a dataset, or a selection of one, stores of its cases, and what follows from it."""
 
     ds: xr.Dataset
-    study: Study
-    case: Callable[[], Case]
-    solution: Callable[[], Solution]
 
-    def array(self, name: str) -> xr.DataArray:
-        """The array of one of `ARRAYS`, (axes, u) and its components, with units. Raises `InputError`."""
-        found = self.derive(name, ())
-        if found is None:
-            found = self._values_of(name)
-        order = [*axes_left(self.ds, self.study), "u", *INNER.get(name, ())]
-        kept = {dim: list(COMPONENTS[dim]) for dim in INNER.get(name, ())}
-        result = found.transpose(*(dim for dim in order if dim in found.dims)).assign_coords(kept)
-        return result.rename(name).assign_attrs(self._labels(name))
-
-    def derive(self, name: str, above: tuple[str, ...]) -> Any:
+    def derive(self, name: str, above: tuple[str, ...] = ()) -> Any:
         """The array as stored, or computed from stored ones; None where they do not suffice.
 
         above: the arrays for which it is needed.
@@ -66,42 +53,23 @@ class Stored:
         key = schema.curve_name(name)
         if key in self.ds.data_vars:
             return self.ds[key]
-        if name not in RULES or name in above or (name in BY_LOADS and schema.loads_vary(self.ds)):
+        if name not in RULES or name in above or (name in BY_LOADS and self._varies(name)):
             return None
         needs, rule = RULES[name]
         parts = [self.derive(need, (*above, name)) for need in needs]
         return None if any(part is None for part in parts) else rule(self, *parts)
 
-    def _values_of(self, name: str) -> xr.DataArray:
-        """The array of the cases solved again, NaN where they are not solved."""
-        sol = self.solution()
-        values = np.asarray(getattr(sol, name))
-        solved = np.asarray(sol.solved)
-        values = np.where(solved.reshape(solved.shape + (1,) * (values.ndim - solved.ndim)), values, np.nan)
-        dims = [*axes_left(self.ds, self.study), "u", *INNER.get(name, ())]
-        coords = {key: value for key, value in self.ds.coords.items() if set(value.dims) <= set(dims)}
-        if "u" in self.ds.dims or "u" not in self.ds.coords:
-            return xr.DataArray(values, coords, dims)
-        return xr.DataArray(values, {k: v for k, v in coords.items() if k != "u"}, dims).isel(u=0)
-
-    def _labels(self, name: str) -> dict[str, str]:
-        units = self.study.unit_system
-        if name in OUTPUTS:
-            return schema.labels(name, units)
-        told = schema.labels("contact" if name == "push" else "u", units)
-        return {"units": told["units"], "long_name": _LONG_NAMES[name]}
+    def _varies(self, name: str) -> bool:
+        """Whether the loads of a rule vary along the rod. F1 takes M3 alone, which varies where a rod rubs in place."""
+        return schema.loads_vary(self.ds) and (name != "F1" or self.ds.attrs.get("sliding") == "rotating")
 
     # constants of each case
 
     def constant(self, name: str) -> xr.DataArray:
-        """E, a, rho, FZ, MZ or M3: read, or from the case."""
-        if name in self.ds.variables:
-            return self.ds[name]
-        case = self.case()
-        loads = dict(zip(("FZ", "MZ", "M3"), case.loads, strict=True))
-        value = {**loads, "rho": case.rho}.get(name, getattr(case.rod, name, None))
-        axes = axes_left(self.ds, self.study)
-        return xr.DataArray(np.broadcast_to(np.asarray(value, dtype=float), case.shape), dims=axes)
+        """E, a, rho, FZ, MZ or M3. Raises `InputError` where it is not stored."""
+        if name not in self.ds.variables:
+            raise InputError("the dataset does not store the loads of its cases")
+        return self.ds[name]
 
     @cached_property
     def rho(self) -> xr.DataArray:
@@ -137,18 +105,66 @@ class Stored:
         return self.lmp[2] * self.rho**2
 
 
-def _contact(at: Stored, FY: Any, beta: Any, dbeta: Any) -> Any:
+@dataclass(frozen=True)
+class Stored(StoredArrays):
+    """The same with the study; case and solution are made only when needed."""
+
+    study: Study
+    case: Callable[[], Case]
+    solution: Callable[[], Solution]
+
+    def array(self, name: str) -> xr.DataArray:
+        """The array of one of `ARRAYS`, (axes, u) and its components, with units. Raises `InputError`."""
+        found = self.derive(name)
+        if found is None:
+            found = self._values_of(name)
+        order = [*axes_left(self.ds, self.study), "u", *INNER.get(name, ())]
+        kept = {dim: list(COMPONENTS[dim]) for dim in INNER.get(name, ())}
+        result = found.transpose(*(dim for dim in order if dim in found.dims)).assign_coords(kept)
+        return result.rename(name).assign_attrs(self._labels(name))
+
+    def _values_of(self, name: str) -> xr.DataArray:
+        """The array of the cases solved again, NaN where they are not solved."""
+        sol = self.solution()
+        values = np.asarray(getattr(sol, name))
+        solved = np.asarray(sol.solved)
+        values = np.where(solved.reshape(solved.shape + (1,) * (values.ndim - solved.ndim)), values, np.nan)
+        dims = [*axes_left(self.ds, self.study), "u", *INNER.get(name, ())]
+        coords = {key: value for key, value in self.ds.coords.items() if set(value.dims) <= set(dims)}
+        if "u" in self.ds.dims or "u" not in self.ds.coords:
+            return xr.DataArray(values, coords, dims)
+        return xr.DataArray(values, {k: v for k, v in coords.items() if k != "u"}, dims).isel(u=0)
+
+    def _labels(self, name: str) -> dict[str, str]:
+        units = self.study.unit_system
+        if name in OUTPUTS:
+            return schema.labels(name, units)
+        told = schema.labels("contact" if name == "push" else "u", units)
+        return {"units": told["units"], "long_name": _LONG_NAMES[name]}
+
+    def constant(self, name: str) -> xr.DataArray:
+        """E, a, rho, FZ, MZ or M3: read, or from the case."""
+        if name in self.ds.variables:
+            return self.ds[name]
+        case = self.case()
+        loads = dict(zip(("FZ", "MZ", "M3"), case.loads, strict=True))
+        value = {**loads, "rho": case.rho}.get(name, getattr(case.rod, name, None))
+        axes = axes_left(self.ds, self.study)
+        return xr.DataArray(np.broadcast_to(np.asarray(value, dtype=float), case.shape), dims=axes)
+
+
+def _contact(at: StoredArrays, FY: Any, beta: Any, dbeta: Any) -> Any:
     l, m, p = at.lmp
     H = dimensional_slope(l, m, p, at.rho, beta)
     return contact_force(at.A, m, at.rho, FY, H, beta, dbeta)
 
 
-def _FY(at: Stored, beta: Any) -> Any:
+def _FY(at: StoredArrays, beta: Any) -> Any:
     l, m, _ = at.lmp
     return statics.circumferential_force(at.A, l, m, at.rho, beta)
 
 
-def _push(at: Stored, contact: Any) -> Any:
+def _push(at: StoredArrays, contact: Any) -> Any:
     return push_from(contact, reading.text(at.ds, "side"))
 
 
