@@ -29,8 +29,9 @@ class BranchPoint:
         The value of the field.
     index : int
         Morse index under the ends of the case; 0: stable; -1: not known. At a special point the smaller of the two.
-    path : Path, or that of `shooting.branch`
-        Its level and its path, which identify it among the equilibria of the case; with weight or friction its shape.
+    path : Path or Shape
+        Its level and its path, which identify it among the equilibria of the case; with weight or friction its shape on
+        nodes.
     """
 
     value: float

@@ -21,9 +21,7 @@ from .solution import Solution
 from .solve import between_ends, seed_of
 
 if TYPE_CHECKING:
-    from .branches.branch_following import Stop
-    from .branches.branch_states import Place
-    from .branches.family import Bounds
+    from .branches.branch_events import Bounds, Place, Stop
     from .levels.line_point import Path
 
 MOST = 1000
@@ -68,18 +66,28 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     >>> float(branch.values[-1]), branch.end.reason
     (-4.0, 'the end of the range')
     """
-    from .branches.family import Bounds, exchange
+    from .branches.branch_events import Bounds
+    from .branches.branch_following import branch_through
+    from .branches.family import exchange, family_of
 
     solution = _check(solution)
-    if solution.case.varies:
-        return _varying(solution, field, points)
-    case, path, begun = _equilibrium(solution)
-    name, goals = _field_and_values(case, field)
-    if name not in fields_of(case):
-        case = exchange(case, begun, path, name)
-    bounds = Bounds(*_range(case, name, goals), _most(points))
-    solved = _Solver(solution.tol, solution.t[0] / solution.problem.span[0])
-    return _branch(case, name, path, begun, bounds, solved)
+    case = solution.case
+    if case.varies:
+        name, goals = _field_and_values(case, field)
+        if name not in fields_of(case):
+            raise InputError(f"with weight or friction follow takes a field that the case gives, got {name}")
+        bounds = Bounds(*_range(case, name, goals), _most(points))
+        followed = _follow_shape(solution, name, bounds)
+    else:
+        case, path, begun = _equilibrium(solution)
+        name, goals = _field_and_values(case, field)
+        if name not in fields_of(case):
+            case = exchange(case, begun, path, name)
+        bounds = Bounds(*_range(case, name, goals), _most(points))
+        followed = branch_through(family_of(case, name, begun, bounds), path, value_of(case, name), bounds)
+    if isinstance(followed, str):
+        raise InputError(f"the equilibrium cannot be followed: {followed}")
+    return _branch(case, name, *followed, _Solver(solution.tol, solution.t[0] / solution.problem.span[0]))
 
 
 def _most(points: int) -> int:
@@ -99,53 +107,25 @@ def _range(case: Case, name: str, goals: Array) -> tuple[float, float, tuple[flo
     return low, high, tuple(sorted({begin, *goals.tolist()}))
 
 
-def _varying(solution: Solution, field: dict[str, ArrayLike], points: int) -> Branch:
-    """The branch of a rod with weight or friction."""
-    from .shooting.answers import path_at, shape_path
-    from .shooting.following import both_ways
+def _follow_shape(solution: Solution, name: str, bounds: "Bounds") -> "tuple[list[Place], int, Stop, Stop] | str":
+    """The branch of a rod with weight or friction, or why it cannot be followed."""
+    from .shooting.answers import path_at
+    from .shooting.following import shapes_through
 
     case = solution.case
-    if not isinstance(case.given, Ends):
-        raise InputError("with weight or friction follow takes a solution between Ends, got that of a start problem")
-    name, goals = _field_and_values(case, field)
-    if name not in fields_of(case):
-        raise InputError(f"with weight or friction follow takes a field that the case gives, got {name}")
-    low, high, every = _range(case, name, goals)
     known = solution.trajectory.shapes.of(0)
-    curve, shape = path_at(case, known, partial(with_field, case, name), low, high)
-    result = both_ways(curve, shape, value_of(case, name), low, high, np.array(every), _most(points))
-    if result is None:
-        raise InputError("the equilibrium cannot be followed: Newton's method did not converge from it")
-    stages, start, *why = result
-    tol, u = solution.tol, solution.t[0] / solution.t[0, -1]
-
-    def solve_point(point: BranchPoint) -> Solution:
-        return solutions_at([point], point.case, u, tol)
-
-    rubbed, values = shape.rod.rubbed, [float(stage.x) for stage in stages]
-    index = [-1 if rubbed else stage.index for stage in stages]
-    special = tuple(
-        SpecialPoint(stage.kind, values[i], index[i - 1] if i else -1, index[i + 1] if i + 1 < len(index) else -1, i)
-        for i, stage in enumerate(stages) if stage.kind
-    )  # fmt: skip
-    index = [min(index[max(i - 1, 0) : i + 2]) if stages[i].kind else k for i, k in enumerate(index)]
-    case_at = partial(with_field, case, name)
-    members = tuple(
-        BranchPoint(value, k, shape_path(stage.point.shape, k), None, case_at, solve_point)
-        for value, k, stage in zip(values, index, stages, strict=True)
-    )
-    kinds = {END: BORDER, CLOSED: "closed"}
-    ends = [BranchEnd(values[i], reason, kinds.get(reason, "stopped")) for i, reason in zip((0, -1), why, strict=True)]
-    return Branch(name, members, special, ends[0], ends[1], start)
+    curve, shape = path_at(case, known, partial(with_field, case, name), bounds.low, bounds.high)
+    return shapes_through(curve, shape, value_of(case, name), bounds)
 
 
-def solutions_at(points: list[BranchPoint], case: Case, u: Array, tol: float) -> Solution:
+def _solutions_at(points: list[BranchPoint], case: Case, u: Array, tol: float) -> Solution:
     """Points of a branch of rods with weight or friction as one solution of a case with as many rods, at s/L = u."""
     from .problem.reduced import flat
-    from .shooting.answers import answer_ends
+    from .shooting.answers import answer_ends, shape_path
 
     t = flat(case.rod.L / case.rho, case.shape)[:, None] * u
-    return Solution(case, *answer_ends(case, t, tol, [point.path for point in points]), t, "shooting", tol)
+    paths = [shape_path(point.path, point.index) for point in points]
+    return Solution(case, *answer_ends(case, t, tol, paths), t, "shooting", tol)
 
 
 def _check(solution: object) -> Solution:
@@ -157,6 +137,8 @@ def _check(solution: object) -> Solution:
         raise InputError(f"follow takes one solution at a time, got a grid of shape {solution.case.shape}")
     if not solution.solved:
         raise InputError(f"follow takes a solved equilibrium; this one is not solved: {solution.outcome}")
+    if solution.case.varies and not isinstance(solution.case.given, Ends):
+        raise InputError("with weight or friction follow takes a solution between Ends, got that of a start problem")
     return solution
 
 
@@ -203,6 +185,8 @@ class _Solver:
     u: Array
 
     def __call__(self, point: BranchPoint) -> Solution:
+        if point.case.varies:
+            return _solutions_at([point], point.case, self.u, self.tol)
         problem, t, shape = _shape(point, self.u, self.tol)
         return Solution(point.case, problem, shape, t, "shooting", self.tol)
 
@@ -231,25 +215,20 @@ def solutions_of(branch: Branch, stations: int) -> Solution:
     from .choose.each_equilibrium import together
 
     tol, u = branch.points[0].solution.tol, np.linspace(0, 1, stations)
-    if branch.points[0].case.varies:
-        return solutions_at(list(branch.points), with_field(branch.points[0].case, branch.field, branch.values), u, tol)
-    shapes = [_shape(point, u, tol) for point in branch.points]
     case = with_field(branch.points[0].case, branch.field, branch.values)
+    if branch.points[0].case.varies:
+        return _solutions_at(list(branch.points), case, u, tol)
+    shapes = [_shape(point, u, tol) for point in branch.points]
     t = np.concatenate([shape[1] for shape in shapes])
     each = [vars(shape[0]) for shape in shapes]
     problem = EndsProblem(**{name: np.concatenate([columns[name] for columns in each]) for name in each[0]})
     return Solution(case, problem, together([shape[2] for shape in shapes], t), t, "shooting", tol)
 
 
-def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bounds", solved: _Solver) -> Branch:
-    """The branch, followed with the field falling and rising where there is room."""
-    from .branches.branch_following import both_ways
-    from .branches.family import family_of
-
-    followed = both_ways(family_of(case, name, begun, bounds), path, value_of(case, name), bounds)
-    if isinstance(followed, str):
-        raise InputError(f"the equilibrium cannot be followed: {followed}")
-    places, start, begin, end = followed
+def _branch(
+    case: Case, name: str, places: "list[Place]", start: int, begin: "Stop", end: "Stop", solved: _Solver
+) -> Branch:
+    """The branch of the places over a field, with why there are no more at either end; start: the first one."""
     points, special = _points(places, case, name, solved)
     ends = _end(name, begin), _end(name, end)
     if ends[0].kind == HELIX:

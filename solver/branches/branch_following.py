@@ -9,7 +9,6 @@ in `continuation`.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 import scipy  # its parts are imported when used
@@ -21,10 +20,11 @@ from ..levels.line_point import Path
 from ..levels.path_orbits import orbit_of
 from ..numerics import arclength
 from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK, advance
+from .branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
 from .branch_leaps import creeps, held_leap, is_near_helix, leap_from, leap_on
-from .branch_states import BranchState, Place, begin_at, in_other_charts, rechart
+from .branch_states import BranchState, begin_at, in_other_charts, rechart
 from .branch_steps import AT_END, IS_CLOSED, OrdinarySteps, ordinary_steps
-from .family import Bounds, Family
+from .family import Family
 from .helix_branch import end_of_helix, helix_place, helix_places
 from .leaps import shape_of
 
@@ -43,16 +43,6 @@ UNBENT = "the rod is a helix and nothing bends it: helices between two hinges ar
 _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
 
 
-@dataclass(frozen=True)
-class Stop:
-    """Why and at which parameter a branch stops. helix: the parameter and the beta at which the helix ceases to exist
-    that the rod lies along; None where that is not why."""
-
-    reason: str
-    p: float
-    helix: tuple[float, float] | None = None
-
-
 def trace_branch(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
     """The equilibria after the one at p, in order, and why there are no more."""
     places, stop = _places(family, path, p, rises, bounds)
@@ -62,18 +52,13 @@ def trace_branch(family: Family, path: Path, p: float, rises: bool, bounds: Boun
     return places, replace(stop, helix=end_of_helix(family, stop.p, shape_of(orbit)[0]))
 
 
-def both_ways(family: Family, path: Path, p: float, bounds: Bounds) -> tuple[list[Place], int, Stop, Stop] | str:
+def branch_through(family: Family, path: Path, p: float, bounds: Bounds) -> tuple[list[Place], int, Stop, Stop] | str:
     """The equilibria of the branch of the one at p, the place of that one among them, and why there are no more at
     either end; or why it cannot be followed."""
     middle = own_place(family, path, p)
     if isinstance(middle, str):
         return middle
-    sides = arclength.both_senses(
-        p, bounds.low, bounds.high, lambda rises: trace_branch(family, path, p, rises, bounds), Stop(END, p),
-        lambda stop: stop.reason == CLOSED,
-    )  # fmt: skip
-    (before, begin), (after, end) = sides
-    return [*before[::-1], middle, *after], len(before), begin, end
+    return both_ways(middle, bounds, lambda rises: trace_branch(family, path, p, rises, bounds))
 
 
 def _places(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
@@ -86,7 +71,7 @@ def _places(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -
     places, last = helix_places(family, p, rises, bounds)
     if last is None:
         ended = bool(places) and bounds.is_end(places[-1].p, 1.0 if rises else -1.0)
-        return places, Stop(END if ended else _limit(bounds), places[-1].p)
+        return places, Stop(END if ended else bounds.limit, places[-1].p)
     beyond = leap_from(family, places[-1].path if places else path, last, rises, bounds)
     if beyond is None:
         return places, Stop("the rod is no helix beyond, and no equilibrium next to the helix was found", last)
@@ -122,17 +107,13 @@ def own_place(family: Family, path: Path, p: float) -> Place | str:
     return begun if isinstance(begun, str) else replace(begun.record(), p=p)
 
 
-def _limit(bounds: Bounds) -> str:
-    return f"the limit of {bounds.most} points"
-
-
 def _follow(state: BranchState, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
     """The places before, and those after a state."""
     first, most = state.record(), bounds.most - len(places)
     walk = _Walk(bounds, most, first, ordinary_steps(state.curve.family, bounds, first))
     found, reason = arclength.trace(state, walk.stride, _LENGTHS, most)
     every = [*places, *found]
-    return every, Stop(reason or _limit(bounds), every[-1].p if every else state.p)
+    return every, Stop(reason or bounds.limit, every[-1].p if every else state.p)
 
 
 @dataclass(eq=False)
@@ -190,13 +171,7 @@ class _Walk:
         self.creeps = self.creeps + 1 if creeps(state, there, self.bounds, leap) else 0
         if self.creeps > _CREEPS:
             return arclength.Stride(places, state, step, _CREEPING)
-        for place in passed:
-            places.append(replace(place, p=self.bounds.snap(place.p)))
-            if _is_same(places[-1], self.first):
-                return arclength.Stride(places, there, step, CLOSED)
-            if self.bounds.is_end(places[-1].p, there.rises):
-                return arclength.Stride(places, there, step, END)
-        return arclength.Stride(places, there, step)
+        return arrive(places, passed, state, there, step, self.bounds, partial(_is_same, self.first))
 
 
 def _step(state: BranchState, step: float, bounds: Bounds) -> BranchState | str:
@@ -214,24 +189,22 @@ def _pass(state: BranchState, there: BranchState | str, bounds: Bounds) -> tuple
     """The state after a step, or why it is refused; the special points and wanted values on the way, and its end."""
     if isinstance(there, str):
         return there, []
-    reach = float(state.node.tangent @ (there.node.w - state.node.w))
-    special = _special(state, there, reach)
-    if special is None:
-        return "a special point could not be located", []
-    places = []
-    for (low, one, _), (high, other, kind) in pairwise([(0.0, state, ""), *special, (reach, there, "")]):
-        for value in bounds.inside(one.p, other.p):
-            found = _locate(state, low, high, partial(_above, value))
-            if found is None:
-                return f"the equilibrium at {value:.10g} could not be located", []
-            places.append(replace(found[1].record(), p=value))  # located to a rounding that is wider than that of halts
-        places.append(other.record(kind))
-    return there, places
+    special = _special(state, there)
+    places = None if special is None else events_between(state, there, special, bounds, partial(_place_at, state))
+    return (there, places) if places is not None else ("what is met on the way could not be located", [])
 
 
-def _special(state: BranchState, there: BranchState, reach: float) -> list[tuple[float, BranchState, str]] | None:
+def _place_at(state: BranchState, one: BranchState, other: BranchState, value: float) -> Place | None:
+    """The equilibrium at a value of p, between two points of the step that leads from a state."""
+    low, high = (float(state.node.tangent @ (at.node.w - state.node.w)) for at in (one, other))
+    found = _locate(state, low, high, lambda at: at.p - value)
+    return None if found is None else found.record()
+
+
+def _special(state: BranchState, there: BranchState) -> list[tuple[BranchState, str]] | None:
     """Where p has an extremum, and where beta_t passes through 0 at both ends together; None: not located."""
     found, chart = [], state.curve.chart
+    reach = float(state.node.tangent @ (there.node.w - state.node.w))
     if not chart.logarithmic and chart.kind != CORNER and state.x * there.x < 0:
         at = state.curve.at(state.node.w)
         if at is not None and at[0].is_tied:
@@ -239,18 +212,12 @@ def _special(state: BranchState, there: BranchState, reach: float) -> list[tuple
             found.append((_locate(state, 0.0, reach, lambda at: at.x), BRANCH_POINT if helix else PITCHFORK))
     if state.rises * there.rises < 0 and not found:
         found.append((_locate(state, 0.0, reach, lambda at: at.rises), FOLD))
-    some = [(*place, kind) for place, kind in found if place is not None]
-    return some if len(some) == len(found) else None
+    special = [(at, kind) for at, kind in found if at is not None]
+    return special if len(special) == len(found) else None
 
 
-def _above(value: float, at: BranchState) -> float:
-    return at.p - value
-
-
-def _locate(
-    state: BranchState, low: float, high: float, zero: Callable[[BranchState], float]
-) -> tuple[float, BranchState] | None:
-    """The distance along the tangent, between two, at which a function of the state is zero, and the state there."""
+def _locate(state: BranchState, low: float, high: float, zero: Callable[[BranchState], float]) -> BranchState | None:
+    """The state where a function of it is zero, between two distances along the tangent of another one."""
 
     def at(distance: float) -> BranchState:
         if distance == 0:
@@ -263,13 +230,12 @@ def _locate(
     try:
         if zero(at(low)) * zero(at(high)) > 0:
             return None
-        distance = float(scipy.optimize.brentq(lambda one: zero(at(one)), low, high, xtol=1e-14, rtol=1e-14))
-        return distance, at(distance)
+        return at(float(scipy.optimize.brentq(lambda one: zero(at(one)), low, high, xtol=1e-14, rtol=1e-14)))
     except ArithmeticError:
         return None
 
 
-def _is_same(place: Place, first: Place) -> bool:
+def _is_same(first: Place, place: Place) -> bool:
     """Whether the branch is back where it began."""
     one, other = place.path, first.path
     same = (one.leaving, one.turns, one.sign) == (other.leaving, other.turns, other.sign)

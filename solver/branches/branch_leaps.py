@@ -11,9 +11,10 @@ from ..levels.path_orbits import orbit_of
 from ..levels.transit_times import height_scale
 from ..mechanics.potential import slope
 from ..numerics.arrays import Array
+from .branch_events import Bounds
 from .branch_states import BranchState, begin_at
 from .continuation import Stopped, carry
-from .family import Bounds, Family
+from .family import Family
 from .leaps import Line, leap, shape_of
 
 _BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix

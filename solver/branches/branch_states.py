@@ -9,7 +9,7 @@ from ..equilibrium.charts import Chart, charts, coordinate
 from ..levels.line_point import Path
 from ..numerics.arclength import LEFT, Node, correct_point, node_at
 from ..numerics.arrays import Array
-from ..problem.reduced import EndsProblem
+from .branch_events import Place
 from .equilibrium_curve import AHEAD, EquilibriumCurve, curve_through
 from .family import Family
 
@@ -18,21 +18,6 @@ _SHARE = 0.1  # of the change of p in a step, over which differences in p are ta
 _LEAST = 1e-10  # the same in scales of p
 _PARALLEL = 0.7  # smallest cosine between a tangent and the direction to the neighbouring point
 _NUDGE = 1e-4  # in scales, between the two points that give the direction of travel in another chart
-
-
-@dataclass(frozen=True)
-class Place:
-    """An equilibrium of a branch.
-
-    p: the parameter. path: of its orbit. problem: which the orbit solves under dead loads. index: Morse index, None
-    where it is not known. kind: of special point.
-    """
-
-    p: float
-    path: Path
-    problem: EndsProblem
-    index: int | None
-    kind: str = ""
 
 
 @dataclass(frozen=True, eq=False)

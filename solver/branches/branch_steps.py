@@ -13,9 +13,10 @@ from ..levels.line_point import Path
 from ..numerics.arclength import Node
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
-from .branch_states import BranchState, Place
+from .branch_events import Bounds, Place
+from .branch_states import BranchState
 from .equilibrium_curve import EquilibriumCurve
-from .family import Bounds, Family
+from .family import Family
 
 AT_END, IS_CLOSED = core.AT_END, core.IS_CLOSED
 

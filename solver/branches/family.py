@@ -27,44 +27,9 @@ from ..problem.reduced import (
     reduce_held,
     value_of_number,
 )
+from .branch_events import Bounds
 
 _KEPT = 6  # problems kept, as one is needed several times in a step
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """The range of the parameter, the values at which an equilibrium is wanted, and the largest number of points."""
-
-    low: float
-    high: float
-    wanted: tuple[float, ...]
-    most: int
-
-    def inside(self, p: float, q: float) -> list[float]:
-        """The values at which to halt strictly between two, from p to q."""
-        low, high = min(p, q) + self.rounding, max(p, q) - self.rounding
-        every = sorted(v for v in {*self.wanted, self.low, self.high} if low < v < high)
-        return every if p < q else every[::-1]
-
-    def snap(self, p: float) -> float:
-        """The value at which to halt that is p but for rounding, else p."""
-        return next((v for v in (*self.wanted, self.low, self.high) if abs(v - p) <= self.rounding), p)
-
-    @property
-    def rounding(self) -> float:
-        """Below which two parameters are one."""
-        return 4e-15 * max(abs(self.low), abs(self.high))
-
-    def is_end(self, p: float, rises: float) -> bool:
-        """Whether p is at an end of the range and moves out of it."""
-        return p >= self.high - self.rounding if rises > 0 else p <= self.low + self.rounding
-
-    def next(self, p: float, rises: bool) -> float:
-        """The next value beyond p at which to halt: a wanted one or the end of the range."""
-        gap = self.rounding
-        if rises:
-            return min((v for v in (*self.wanted, self.high) if v > p + gap), default=self.high)
-        return max((v for v in (*self.wanted, self.low) if v < p - gap), default=self.low)
 
 
 @dataclass(frozen=True, eq=False)

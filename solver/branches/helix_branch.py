@@ -13,8 +13,8 @@ from ..mechanics.potential import slope, slope_higher_rates, slope_rate
 from ..numerics.arclength import BRANCH_POINT, PITCHFORK
 from ..numerics.arrays import Array
 from ..numerics.roots import root
-from .branch_states import Place
-from .family import Bounds, Family
+from .branch_events import Bounds, Place
+from .family import Family
 
 _STEP = 0.25  # of the parameter's scale
 _SAME = 1e-9

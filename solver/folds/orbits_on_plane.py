@@ -6,10 +6,11 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ..branches.branch_following import both_ways
-from ..branches.branch_states import Place, alike, correct_state
+from ..branches.branch_events import Bounds, Place
+from ..branches.branch_following import branch_through
+from ..branches.branch_states import alike, correct_state
 from ..branches.equilibrium_curve import EquilibriumCurve, curve_through
-from ..branches.family import Bounds, Family, family_of, given_over, numbers_at
+from ..branches.family import Family, family_of, given_over, numbers_at
 from ..equilibrium.charts import charts, coordinate
 from ..equilibrium.given_numbers import Given
 from ..equilibrium.orbit_rates import NUMBERS
@@ -149,7 +150,7 @@ class OrbitsOnPlane:
         first = float(low + (high - low) * z[axis])
         bounds = Bounds(min(share_of), max(share_of), tuple(share_of), MOST)
         family = family_of(self.plane.unchecked_case_at(z), self.plane.names[axis], orbit.problem, bounds)
-        found = both_ways(family, orbit.path, first, bounds)
+        found = branch_through(family, orbit.path, first, bounds)
         if isinstance(found, str):
             return None
         places, _, *stops = found

@@ -9,9 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..branches.branch_events import Bounds
 from ..branches.branch_following import trace_branch
 from ..branches.deflation import across_fold, deflate, fold_beside, is_known, numbers_of
-from ..branches.family import Bounds, Family
+from ..branches.family import Family
 from ..equilibrium.given_numbers import Given, OrbitState
 from ..equilibrium.held_index import index_of
 from ..equilibrium.system import state_of

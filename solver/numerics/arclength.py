@@ -21,7 +21,6 @@ LEFT = "the curve ends"
 FOLD, PITCHFORK, BRANCH_POINT = "fold", "pitchfork", "branch point"  # what is met on the way
 END, CLOSED = "the end of the range", "the branch is closed"  # why there is no more of a branch
 Place = TypeVar("Place")
-End = TypeVar("End")
 State = TypeVar("State")
 
 
@@ -104,22 +103,6 @@ def trace(
             return points, move.end
         state, step = move.here, min(lengths.longest, move.step)
     return points, ""
-
-
-def both_senses(
-    x: float, low: float, high: float, side: Callable[[bool], tuple[list[Place], End]], border: End,
-    is_closed: Callable[[End], bool],
-) -> list[tuple[list[Place], End]]:  # fmt: skip
-    """The points beside one at x with x falling, and rising, and why there are no more in either sense.
-
-    side: of whether x rises. border: why there are none beyond a border at x; where the curve closed, none are traced
-    again. If only the first sense has points, it comes last: the curve begins at x.
-    """
-    sides: list[tuple[list[Place], End]] = []
-    for rises, last in ((False, low), (True, high)):
-        why = sides[0][1] if sides and is_closed(sides[0][1]) else border if x == last else None
-        sides.append(side(rises) if why is None else ([], why))
-    return sides[::-1] if sides[0][0] and not sides[1][0] else sides
 
 
 def border_distances(x: Array, rate: Array, low: Array, high: Array) -> Array:

@@ -4,14 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK, Lengths, Stride, both_senses, trace
-from ..numerics.arrays import Array
+from ..branches.branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
+from ..numerics.arclength import BRANCH_POINT, FOLD, PITCHFORK, Lengths, Stride, trace
 from ..numerics.roots import enclose
 from ..problem.errors import InputError
 from .curve import Curve, Point, inner
 from .descent import index_of_any
 from .newton import SAME, Shape, is_same
 
+UNSOLVED = "Newton's method did not converge from it"
 LOST = "Newton's method did not converge on the way"
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of x
 SHORT = 1e-3  # step, within which several branch points are one
@@ -21,144 +22,131 @@ FLAT = 1e-6  # of dx along the curve at a fold: its square is lost of x
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
-    """A point of a branch. index: as of `index_of_any`. kind: of special point, else ""."""
+class ShapeOnBranch:
+    """A point of a branch, a `branches.branch_events.Point`. index: as of `index_of_any`."""
 
     point: Point
     index: int
-    kind: str = ""
 
     @property
-    def x(self) -> float:
-        """The number that changes."""
+    def p(self) -> float:
+        """The number x that changes."""
         return self.point.x
 
+    @property
+    def rises(self) -> float:
+        """dx along the branch."""
+        return float(self.point.tangent[-1])
 
-def stage(point: Point) -> Stage:
+    def record(self, kind: str = "") -> Place:
+        """Its equilibrium."""
+        shape = self.point.shape
+        return Place(self.p, shape, None, None if shape.rod.rubbed else self.index, kind)
+
+
+def on_branch(point: Point) -> ShapeOnBranch:
     """A point with its index."""
-    return Stage(point, index_of_any(point.shape))
+    return ShapeOnBranch(point, index_of_any(point.shape))
 
 
-def begin(curve: Curve, shape: Shape, x: float) -> Stage | None:
+def begin(curve: Curve, shape: Shape, x: float) -> ShapeOnBranch | None:
     """The equilibrium at x near a shape; None where Newton's method reaches none."""
     level = np.zeros(shape.y.size + 1)
     level[-1] = 1
-    found = curve.correct(shape, x, level)
-    return None if found is None else stage(found)
+    point = curve.correct(shape, x, level)
+    return None if point is None else on_branch(point)
 
 
-def ahead(curve: Curve, here: Stage, step: float) -> Stage | None:
+def ahead(curve: Curve, before: ShapeOnBranch, step: float) -> ShapeOnBranch | None:
     """The point of the curve after a step; None where the step is too long."""
-    p = here.point
+    p = before.point
     change = step * p.tangent
     guess = Shape(p.shape.rod, p.shape.t, p.shape.y + change[:-1].reshape(p.shape.y.shape) * curve.scale)
     try:
-        found = curve.correct(guess, p.x + change[-1] * curve.size, p.tangent, most=8)
+        point = curve.correct(guess, p.x + change[-1] * curve.size, p.tangent, most=8)
     except InputError:  # no case has such a value
         return None
-    if found is None or inner(found.tangent, p.tangent) < COSINE:
+    if point is None or inner(point.tangent, p.tangent) < COSINE:
         return None
-    return stage(found)
+    return on_branch(point)
 
 
-def at_value(curve: Curve, here: Stage, there: Stage, x: float) -> Stage | None:
-    """The point at x between two neighbours of a branch."""
-    a, b = here.point, there.point
+def place_between(curve: Curve, one: ShapeOnBranch, other: ShapeOnBranch, x: float) -> Place | None:
+    """The equilibrium at x between two neighbours of a branch."""
+    a, b = one.point, other.point
     share = (x - a.x) / (b.x - a.x)
     found = begin(curve, replace(a.shape, y=a.shape.y + share * (b.shape.y - a.shape.y)), x)
-    if found is None:
-        return None
-    tangent = found.point.tangent if inner(found.point.tangent, a.tangent) >= 0 else -found.point.tangent
-    return replace(found, point=replace(found.point, x=x, tangent=tangent))
+    return None if found is None else found.record()
 
 
-def special_between(curve: Curve, here: Stage, there: Stage, step: float, narrow: float = NARROW) -> Stage | None:
-    """The special point within a step after which the index or the sense of x differs; None where it is not enclosed.
+def special_between(
+    curve: Curve, before: ShapeOnBranch, after: ShapeOnBranch, step: float, narrow: float
+) -> list[tuple[ShapeOnBranch, str]] | None:
+    """The special point within a step after which the index or the sense of x differs, and its kind; None where it is
+    not enclosed. narrow: of the step, how closely a branch point is enclosed.
 
     A change of branch has no place at which the points on both sides meet, so it is not enclosed.
     """
-    turned = here.point.tangent[-1] * there.point.tangent[-1] < 0
-    width, before, after = step, here, there
+    turned = before.rises * after.rises < 0
+    if not turned and before.index == after.index:
+        return []
+    width, low, high = step, before, after
 
-    def sense_at(place: float) -> tuple[Stage, float] | None:
-        found = ahead(curve, here, place)
+    def sense_at(place: float) -> tuple[ShapeOnBranch, float] | None:
+        found = ahead(curve, before, place)
         if found is None:
             return None
-        return found, float(found.point.tangent[-1]) if turned else 1.0 if found.index == here.index else -1.0
+        return found, found.rises if turned else 1.0 if found.index == before.index else -1.0
 
-    ends = (float(here.point.tangent[-1]), float(there.point.tangent[-1])) if turned else (1.0, -1.0)
+    ends = (before.rises, after.rises) if turned else (1.0, -1.0)
     for width, found, value in enclose(sense_at, step, ends, 60, kept=0.5 if turned else 1.0):
         if turned and abs(value) < FLAT:
-            return replace(found, kind=FOLD if here.index != there.index or found.point.shape.rod.rubbed else PITCHFORK)
-        before, after = (found, after) if value * ends[0] > 0 else (before, found)
+            is_fold = before.index != after.index or found.point.shape.rod.rubbed
+            return [(found, FOLD if is_fold else PITCHFORK)]
+        low, high = (found, high) if value * ends[0] > 0 else (low, found)
         if not turned and width < narrow * step:
             break
-    change = curve.direction_between(before.point, after.point)
-    return None if turned or inner(change, change) > (2 * width + SAME) ** 2 else replace(after, kind=BRANCH_POINT)
+    change = curve.direction_between(low.point, high.point)
+    return None if turned or inner(change, change) > (2 * width + SAME) ** 2 else [(high, BRANCH_POINT)]
 
 
-def stages(
-    curve: Curve,
-    first: Stage,
-    sense: float,
-    limits: tuple[float, float],
-    wanted: Array,
-    most: int,
-    narrow: float = NARROW,
-) -> tuple[list[Stage], str]:
-    """The points after the first one while x leaves it in a sense, 1 or -1, and why there are no more.
+def trace_shapes(
+    curve: Curve, first: ShapeOnBranch, rises: bool, bounds: Bounds, narrow: float = NARROW
+) -> tuple[list[Place], Stop]:
+    """The equilibria after the first one where x rises, or falls, from it, and why there are no more.
 
-    wanted: values at which there are points, those of the first and of both limits included. narrow: how closely a
-    branch point is enclosed, of a step.
+    narrow: how closely a branch point is enclosed, of a step.
     """
-    tangent = first.point.tangent * np.sign(first.point.tangent[-1] or 1.0) * sense
+    sense = (1.0 if rises else -1.0) * np.sign(first.rises or 1.0)
 
-    def stride(here: Stage, step: float, _: list[Stage]) -> Stride[Stage, Stage] | str:
-        there = ahead(curve, here, step)
-        if there is None or (abs(there.index - here.index) > 1 and step > SHORT):  # several branch points
+    def closes(place: Place) -> bool:
+        return place.p == bounds.snap(first.p) and is_same(place.path, first.point.shape)
+
+    def stride(before: ShapeOnBranch, step: float, _: list[Place]) -> Stride[Place, ShapeOnBranch] | str:
+        after = ahead(curve, before, step)
+        if after is None or (abs(after.index - before.index) > 1 and step > SHORT):  # several branch points
             return LOST
-        targets = [there]
-        if here.point.tangent[-1] * there.point.tangent[-1] < 0 or there.index != here.index:
-            special = special_between(curve, here, there, step, narrow)
-            if special is None:
-                return LOST
-            targets.insert(0, special)
-        points: list[Stage] = []
-        for target in targets:
-            a, b = here.x, target.x
-            inside = sorted((v for v in wanted if min(a, b) < v < max(a, b)), reverse=bool(b < a))
-            for value in inside:
-                met = at_value(curve, here, target, float(value))
-                if met is None:
-                    continue
-                points.append(met)
-                if value in limits:
-                    return Stride(points, there, step, END)
-                if value == first.x and is_same(met.point.shape, first.point.shape):
-                    return Stride(points, there, step, CLOSED)
-            points.append(target)
-            here = target
-        return Stride(points, there, step * (1.6 if there.point.shape.steps <= 4 else 1.0))
+        special = special_between(curve, before, after, step, narrow)
+        if special is None:
+            return LOST
+        places = events_between(before, after, special, bounds, lambda *between: place_between(curve, *between))
+        if places is None:
+            return LOST
+        longer = step * (1.6 if after.point.shape.steps <= 4 else 1.0)
+        return arrive([], places, before, after, longer, bounds, closes)
 
-    begun = replace(first, point=replace(first.point, tangent=tangent))
-    found, why = trace(begun, stride, LENGTHS, most)
-    return found, why or f"the limit of {most} points"
+    begun = replace(first, point=replace(first.point, tangent=sense * first.point.tangent))
+    places, why = trace(begun, stride, LENGTHS, bounds.most)
+    return places, Stop(why or bounds.limit, places[-1].p if places else first.p)
 
 
-def both_ways(
-    curve: Curve, shape: Shape, x: float, low: float, high: float, wanted: Array, most: int, narrow: float = NARROW
-) -> tuple[list[Stage], int, str, str] | None:
-    """The points of the branch of a shape at x with the place of its own, and why it stops at its begin and end.
-
-    None where the shape is no equilibrium.
-    """
+def shapes_through(
+    curve: Curve, shape: Shape, x: float, bounds: Bounds, narrow: float = NARROW
+) -> tuple[list[Place], int, Stop, Stop] | str:
+    """The equilibria of the branch of a shape at x, the place of its own, and why there are no more at either end; or
+    why it cannot be followed."""
     first = begin(curve, shape, x)
     if first is None:
-        return None
-
-    def side(rises: bool) -> tuple[list[Stage], str]:
-        return stages(curve, first, 1.0 if rises else -1.0, (low, high), wanted, most, narrow)
-
-    sides = both_senses(x, low, high, side, END, lambda why: why == CLOSED)
-    (before, why), (after, then) = sides
-    return [*before[::-1], first, *after], len(before), why, then
+        return UNSOLVED
+    middle = replace(first.record(), p=x)
+    return both_ways(middle, bounds, lambda rises: trace_shapes(curve, first, rises, bounds, narrow))

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from ..branches.branch_events import Bounds
 from ..core.varying_loads import march
 from ..numerics.arrays import Array, Booleans
 from .branch import branch_from_straight
 from .buckling import CLOSE, straight_shape
 from .curve import Curve
 from .descent import index_at, on_nodes, weakest_modes
-from .following import begin, stage, stages
+from .following import begin, on_branch, trace_shapes
 from .further_shapes import further_shapes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import Shape, correct, is_same
@@ -79,10 +80,9 @@ def shapes_from_no_weight(rod: LoadedRod, t: Array, light: Sequence[Any]) -> Ite
         first = begin(curve, light_shape(rod, t, solution), 0.0)
         if first is None or any(is_same(first.point.shape, one) for one in seen):
             continue
-        wanted = np.array([0.0, 1.0, HEAVIEST])
-        points, _ = stages(curve, first, 1.0, (0.0, HEAVIEST), wanted, MOST_POINTS)
-        seen += [point.point.shape for point in points if point.x == 0]
-        yield from (replace(point.point.shape, rod=rod) for point in points if point.x == 1)
+        places, _ = trace_shapes(curve, first, True, Bounds(0.0, HEAVIEST, (1.0,), MOST_POINTS))
+        seen += [place.path for place in places if place.p == 0]
+        yield from (replace(place.path, rod=rod) for place in places if place.p == 1)
 
 
 def light_shape(rod: LoadedRod, t: Array, solution: Any) -> Shape:
@@ -108,11 +108,11 @@ def buckling_shapes(rod: LoadedRod, t: Array) -> Iterator[Shape]:
             point = curve.correct(replace(at_load, y=at_load.y + SMALL * mode), share, curve.direction(mode, 0.0))
             if point is None:
                 continue
-            sense = 1.0 if point.tangent[-1] >= 0 else -1.0
-            points, _ = stages(curve, stage(point), sense, (0.0, 1.0), np.array([0.0, 1.0]), MOST_POINTS)
-            for one in points:
-                if one.x == 1:
-                    shape = replace(one.point.shape, rod=rod)
+            rises = bool(point.tangent[-1] >= 0)
+            places, _ = trace_shapes(curve, on_branch(point), rises, Bounds(0.0, 1.0, (), MOST_POINTS))
+            for place in places:
+                if place.p == 1:
+                    shape = replace(place.path, rod=rod)
                     yield shape
                     mirror = correct(replace(shape, y=2 * straight.y - shape.y), most=15)
                     if mirror is not None:

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..branches.branch_events import Bounds
 from ..folds.curve_points import MOST, Line, curve_points, fold_through
 from ..folds.fold_search import WholeCurve
 from ..folds.lattice_branches import Meeting, Stage, place_on
@@ -14,7 +15,7 @@ from ..numerics.arrays import Array
 from ..problem.errors import InputError
 from .curve import Curve, Point
 from .descent import index_of_any, weakest_modes
-from .following import both_ways
+from .following import shapes_through
 from .further_shapes import angles_of
 from .loaded_rod import SPEED, LoadedRod
 from .newton import Shape, is_same
@@ -82,12 +83,14 @@ class ShapesOnPlane:
         return Curve(lambda x: self.rod_at(place_on(z, axis, x)), 1.0, self.scale)
 
     def branch(self, z: Array, axis: int, shape: Shape, wanted: Array) -> tuple[list[Stage[Shape]], bool] | None:
-        found = both_ways(self.line(z, axis), shape, float(z[axis]), 0.0, 1.0, wanted, MOST_POINTS, NARROW)
-        if found is None:
+        bounds = Bounds(0.0, 1.0, tuple(wanted.tolist()), MOST_POINTS)
+        found = shapes_through(self.line(z, axis), shape, float(z[axis]), bounds, NARROW)
+        if isinstance(found, str):
             return None
-        stages, _, *why = found
-        whole = all(one in (END, CLOSED) for one in why)
-        return [Stage(one.x, one.point.shape, one.index, one.kind) for one in stages], whole
+        places, _, *stops = found
+        whole = all(stop.reason in (END, CLOSED) for stop in stops)
+        index = (-1 if place.index is None else place.index for place in places)
+        return [Stage(one.p, one.path, k, one.kind) for one, k in zip(places, index, strict=True)], whole
 
     def splits(self, z: Array, axis: int, stage: Stage[Shape]) -> list[tuple[float, Shape]]:
         shape, x, curve = stage.equilibrium, stage.x, self.line(z, axis)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, follow, solve
+from solver.branches.branch_events import Bounds, Place
 from solver.branches.branch_following import trace_branch
-from solver.branches.branch_states import Place
-from solver.branches.family import Bounds, Family, dead_numbers
+from solver.branches.family import Family, dead_numbers
 from solver.choose.each_equilibrium import path_of_seed
 from solver.core.branches import RECORD, Point, Steps, chart_of
 from solver.core.varied_orbits import orbit_rates
