@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import InputError, observe, solve
+from solver import observe, solve
 from studies.language import expressions
 from studies.language.expressions import observables_of
 from studies.language.loader import load, loads
@@ -116,16 +116,12 @@ def test_an_observable_of_the_study_and_of_a_law_may_be_an_expression() -> None:
         'lift = "attached < 0.9"', HEAD.replace("stations", 'observables = ["turns", "lift"]\nstations') + AXES + law
     )
     assert one.wanted == ["turns", "lift"]
-    with pytest.raises(InputError, match=r"no observable 'lft', did you mean 'lift'; choose from turns, .*, lift"):
-        study('lift = "attached < 0.9"', HEAD + AXES + law.replace("'lift'", "'lft'"))
 
 
 def test_a_law_stores_the_observables_that_its_formula_uses() -> None:
     law = f"{LAW}kind = 'bounded'\nobservable = 'kappa_max'\nmost = '2*kappa_mean + 0/L'\n"
     one = study('x = "turns"', HEAD.replace("stations", "observables = []\nstations") + AXES + law)
     assert set(one.wanted) == {"x", "kappa_max", "kappa_mean"}
-    with pytest.raises(InputError, match=r"line 17: '2\*height' is in cm, but kappa_max is in 1/cm"):
-        study('x = "turns"', HEAD + AXES + law.replace("2*kappa_mean + 0/L", "2*height"))
 
 
 def test_a_study_with_expressions_is_written_and_read_again() -> None:

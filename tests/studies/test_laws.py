@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.stats import kendalltau
 
-from solver import InputError
 from studies.laws.line_verdicts import DIRECTIONS, Direction, Line, Verdict
 from studies.laws.verdicts import (
     FAILS,
@@ -136,26 +135,9 @@ def test_pairs_across_a_crossing_are_not_counted_in_tau() -> None:
     assert judge(row, "rises", crossing=cut).tau == pytest.approx((left.statistic + right.statistic) / 2)
 
 
-@pytest.mark.parametrize("cut", [[True], [0, 1], [[True, False]]])
-def test_a_mask_of_steps_that_does_not_fit_is_refused(cut: object) -> None:
-    with pytest.raises(InputError, match="one bool for each of 2 steps"):
-        judge([1.0, 2.0, 3.0], "rises", crossing=cut)  # type: ignore[arg-type]
-
-
 def test_rounding_is_no_change() -> None:
     assert judge([1.0, 1.0 + 1e-14, 1.0 + 2e-14], "rises").verdict == FAILS
     assert judge([1.0, 1.0 - 1e-14, 2.0], "not-falling").verdict == HOLDS
-
-
-@pytest.mark.parametrize("values", [[], [[1.0, 2.0]], ["a", "b"], 3.0])
-def test_what_is_not_a_row_of_numbers_is_refused(values: object) -> None:
-    with pytest.raises(InputError, match="one line of numbers"):
-        judge(values, "rises")  # type: ignore[arg-type]
-
-
-def test_an_unknown_direction_is_refused_with_the_choices() -> None:
-    with pytest.raises(InputError, match="'up'; choose from rises, falls, not-falling, not-rising"):
-        judge([1, 2], "up")
 
 
 def test_the_axis_is_judged_in_rising_order_however_it_is_stored() -> None:
@@ -263,21 +245,6 @@ def test_steps_across_branches_are_left_out_along_the_laws_own_axis() -> None:
     cut = np.array([[False, True], [False, False]])
     row = decide(law, {"wraps": grid}, axes, cut)
     assert (row["verdict"], row["line_verdicts"]) == (UNDECIDED, {HOLDS: 1, UNDECIDED: 1})
-    with pytest.raises(InputError, match=r"bools of shape \(2, 2\)"):
-        decide(law, {"wraps": grid}, axes, cut.T[:1])
-
-
-@pytest.mark.parametrize(
-    ("more", "told"),
-    [
-        ({"says": "falls"}, "says = 'falls' contradicts direction = 'not-falling'"),
-        ({"fixed": "after"}, "fixed = 'after' needs fixed_note"),
-        ({"fixed": "before"}, "in advance"),
-    ],
-)
-def test_a_law_that_contradicts_itself_is_refused(more: dict[str, str], told: str) -> None:
-    with pytest.raises(ValueError, match=told):
-        Law(claim="c", observable="turns", axis="E", direction="not-falling", source="s", **more)  # type: ignore[arg-type]
 
 
 def test_other_observables_that_the_sentence_admits_get_verdicts_of_their_own() -> None:
@@ -285,13 +252,6 @@ def test_other_observables_that_the_sentence_admits_get_verdicts_of_their_own() 
     row = decide(law, {"turns": [3, 2, 1], "wraps": [1.0, 2.0, 3.0]}, {"E": [1.0, 2.0, 3.0]})
     assert row["verdict"] == HOLDS
     assert [(also["observable"], also["verdict"]) for also in row["also"]] == [("wraps", FAILS)]
-
-
-def test_a_law_on_what_is_not_there_is_refused() -> None:
-    with pytest.raises(InputError, match="needs the observable 'turns'; available: wraps"):
-        decide(LAW, {"wraps": [1.0]}, {"E": [1.0]})
-    with pytest.raises(InputError, match="no axis 'E'; choose from R"):
-        decide(LAW, {"turns": [1]}, {"R": [1.0]})
 
 
 @pytest.mark.parametrize("size", [257, 1000, 2500])
@@ -339,5 +299,3 @@ def test_the_verdicts_of_the_lines_are_those_that_the_law_counts() -> None:
     counts = decide(law, {"turns": grid}, axes)["line_verdicts"]
     assert {verdict: int((found == verdict).sum()) for verdict in counts} == counts
     assert len(counts) > 1
-    with pytest.raises(InputError, match="no axis 'E'; choose from R"):
-        by_line(law, grid[0], {"R": axes["R"], "F1": axes["F1"]})

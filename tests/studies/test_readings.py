@@ -60,18 +60,6 @@ def test_words_left_out_of_a_reading_are_those_of_the_default() -> None:
     assert parse("tension", default=parse("shear/compression/solid")).name == "shear/tension/solid"
 
 
-@pytest.mark.parametrize("text", ["", "torsion", "shear/twist-first", "force-first/tension/paper/solid", "/"])
-def test_a_word_that_is_no_reading_is_refused_with_the_choices(text: str) -> None:
-    choices = r"force-first\|twist-first\|shear / tension\|compression / paper\|solid"
-    with pytest.raises(InputError, match=choices):
-        parse(text)
-
-
-def test_a_value_that_the_table_does_not_print_is_refused() -> None:
-    with pytest.raises(InputError, match="Table 1 prints no 'F2'; choose from E, nu, R"):
-        Reading().case({"F2": 1.0})
-
-
 @pytest.mark.parametrize("length, force, missing", [
     ("m", "N", "E, R, a, L, dbeta, dgamma"),
     ("cm", "kN", "E, F1, F3"),

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from solver import InputError
 from studies.language.lattice import Lattice, Lines
 from studies.language.loader import loads
 from studies.language.refine import lattice, refinement
@@ -21,15 +20,6 @@ def study(axes: str = E + R, table: str = TABLE, head: str = ""):
     return loads(HEAD + head + UNITS + axes + table)
 
 
-def test_a_followed_axis_and_the_equilibrium_of_one_case_are_refused() -> None:
-    with pytest.raises(InputError, match="a followed axis excludes refine"):
-        study('[axes.betaL]\nto = "80deg"\ncount = 9\nfollow = true\n')
-    ends = 'title = "e"\n' + UNITS + "[base]\nnu = 0.25\na = 0.25\nL = 10.0\nR = 0.75\nbeta0 = 0.3\nbetaL = 0.8\n"
-    with pytest.raises(InputError, match="refine solves many: give choose or index"):
-        loads(ends + E + TABLE + "[equilibrium]\ndbeta0 = 0.1\nenergy = 2.0\n")
-    assert not loads(ends + E + TABLE).sweeps
-
-
 def test_a_refined_study_begins_as_its_coarse_grid_and_watches_what_it_stores() -> None:
     work = study(E + R, TABLE.replace('["turns"]', '["loops", "outcome"]'))
     assert (work.size, work.sampled, work.varied) == (20, ("E", "R"), ("E", "R"))
@@ -38,13 +28,6 @@ def test_a_refined_study_begins_as_its_coarse_grid_and_watches_what_it_stores() 
     grid = work.coarse().dimensions()
     np.testing.assert_array_equal(work.coordinates()["E"].reshape(5, 4)[:, 0], grid.fields["E"])
     assert loads(dumps(work)).model_dump() == work.model_dump()
-
-
-def test_a_whole_expression_needs_no_step_and_a_real_one_does() -> None:
-    head = '[expressions]\nlow = "attached < 0.9"\nbent = "kappa_max*a"\n'
-    study(E, TABLE.replace("turns", "low") + head)
-    with pytest.raises(InputError, match=r"bent is a real number: \[refine.steps\] needs"):
-        study(E, TABLE.replace("turns", "bent") + head)
 
 
 # the lattice

@@ -153,26 +153,9 @@ def test_the_kind_of_problem_follows_from_sampled_fields_too() -> None:
 LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "{}"\ndirection = "falls"\nsource = "x"\n'
 
 
-@pytest.mark.parametrize("axis", ["E", SAMPLE])
-def test_a_law_along_what_is_sampled_is_refused_with_what_is_possible(axis: str) -> None:
-    with pytest.raises(InputError, match=r"samples have no order .* a law needs an axis, such as \[axes\.E\]"):
-        loads(HEAD + SOBOL + LAW.format(axis))
-
-
 def test_a_law_along_an_axis_may_be_decided_at_one_sample() -> None:
     text = HEAD + SOBOL + "[axes.F1]\nvalues = [2.0, 5.0]\n" + LAW.format("F1")
     assert loads(text + "at = { sample = 17 }").laws[0].at == {SAMPLE: 17}
-    with pytest.raises(InputError, match="no other axis 'E'; choose from sample"):
-        loads(text + "at = { E = 1e4 }")
-
-
-def test_samples_of_an_ends_problem_exclude_axes_and_one_named_equilibrium() -> None:
-    text = ENDS + "[zip]\nE = [1e4, 2e4]\nbeta0 = [0.4, 0.5]\n"
-    with pytest.raises(InputError, match="compared along an axis, and those of zip have no order: give MZ"):
-        loads(text + "[axes.MZ]\nvalues = [0.1, 0.2]")
-    with pytest.raises(InputError, match="name the equilibrium of one case, and zip gives 2: give choose or index"):
-        loads(text + "[equilibrium]\ndbeta0 = 0.1\nenergy = 1.0")
-    assert loads(text + "[equilibrium]\nindex = 1").equilibrium
 
 
 # tables of cases

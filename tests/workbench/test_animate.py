@@ -11,7 +11,6 @@ from PIL import Image
 
 from solver.problem.errors import InputError
 from studies.language.loader import loads
-from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from workbench.commands import animate, console, study_scene
@@ -121,27 +120,6 @@ def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
     assert film.observable_of(grid, "R", None) == "kappa_max"  # of its law
     assert film.observable_of(grid, "E", None) in ("turns", "wraps", "kappa_max")
     assert film.observable_of(ds, "E", "height") == "height"
-
-
-@pytest.mark.parametrize(
-    "asked, sentence",
-    [
-        ({"axis": None}, "has several axes: choose one with --axis from E, R"),
-        ({"axis": "L"}, "no axis 'L'"),
-        slow({"at": ["E=1e4"]}, "--at E: the film runs along E"),
-        slow({"kind": "ghosts"}, "a frame shows one case, so --kind is one of plain, contact"),
-        slow({"show": "outcome"}, "no observable 'outcome'"),
-        slow({"out": [Path("film.avi")]}, r"cannot write 'film.avi': choose a name that ends in \.mp4"),
-        slow({"fps": 0.0}, "--fps must be between 0.1 and 60, got 0"),
-    ],
-)
-def test_what_cannot_be_a_film_is_refused_in_a_sentence(asked, sentence, tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    writing.write(in_memory.run(small.grid()), "grid.h5")
-    given = {"axis": "E", "at": [], "kind": "contact", "show": None, "out": [], "fps": 3.0, **asked}
-    with pytest.raises(InputError, match=sentence):
-        animate.animate(Path("grid.h5"), **given, dpi=DPI)
-    assert [path.name for path in tmp_path.iterdir()] == ["grid.h5"]
 
 
 def test_what_is_missing_is_said_before_anything_is_drawn(ds, tmp_path, monkeypatch) -> None:

@@ -25,18 +25,6 @@ REFINED = '[axes.E]\nvalues = [5e3, 1e4, 4e4]\n[refine]\nwatch = ["turns"]\ntole
 SAMPLES = "[sample]\nsize = 150\n[sample.E]\nfrom = 5e3\nto = 4e4\n[sample.F1]\nfrom = 1.0\nto = 9.0\n"
 
 
-@pytest.mark.parametrize("address", ["nowhere", "tcp://", "tcp://host", "tcp://host:x", "http://host:80", ""])
-def test_what_is_no_address_is_refused(address, tmp_path) -> None:
-    with pytest.raises(InputError, match="--scheduler must be tcp://host:port or tls://host:port, got "):
-        run_to_file(load(runs.study(tmp_path, GRID)), tmp_path / "many.h5", Options(scheduler=address))
-    assert [path.name for path in tmp_path.iterdir()] == ["many.toml"]
-
-
-def test_workers_of_this_machine_and_a_cluster_exclude_each_other(tmp_path) -> None:
-    with pytest.raises(InputError, match="give one of them"):
-        run_to_file(load(runs.study(tmp_path, GRID)), tmp_path / "many.h5", Options(1, "tcp://127.0.0.1:9"))
-
-
 def test_a_scheduler_that_is_not_there_is_told_in_one_sentence(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(engines, "PATIENCE", 0.3)
     with pytest.raises(InputError, match=r"^no Dask scheduler answers at tcp://127\.0\.0\.1:9: [^\n]*$"):

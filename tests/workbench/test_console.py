@@ -95,20 +95,6 @@ def test_a_narrow_terminal_cuts_no_cell_and_drops_no_column(capsys, monkeypatch)
                      "       stray", "1 *  3.89057"]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("args", "meant"),
-    [
-        (["scen"], "scene"),
-        (["plot", "x.h5", "--shaps", "5x5"], "--shapes"),
-        (["scene", "fig6", "--kind", "contakt"], "contact"),
-    ],
-)
-def test_an_unknown_name_is_answered_with_the_nearest(args: list[str], meant: str, capsys) -> None:
-    assert exit_status(*args) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert f"did you mean {meant!r}; choose from " in line
-
-
 def test_a_cell_of_several_lines_has_them_below_one_another_and_escapes_commands(capsys, monkeypatch) -> None:
     monkeypatch.setattr(console, "out", lambda: Console(width=60))
     tables.print_table(["study", "laws"], [["a", "one\ntwo\x1b[2J"], ["b", "three"]])

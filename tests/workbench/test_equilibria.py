@@ -51,19 +51,6 @@ def test_the_default_is_table_1_held_at_its_own_far_end() -> None:
     assert tuple(case.loads) == tuple(start.loads)
 
 
-def test_it_lists_every_equilibrium_lowest_energy_first(capsys) -> None:
-    status, text = run(capsys, "--json")
-    told = json.loads(text)
-    assert status == 0
-    ours = equilibria(default())
-    assert [row["dbeta0"] for row in told["equilibria"]] == [one.dbeta0 for one in ours]
-    assert set(told["equilibria"][0]) >= {"dbeta0", "energy", "turns", "index", "attached"}
-    assert any(abs(row["dbeta0"] - 0.5) < 1e-9 for row in told["equilibria"])  # Table 1's own rod
-    table = run(capsys)[1]
-    assert f"{len(ours)} equilibria" in table
-    assert "dbeta0 (rad/cm)" in table
-
-
 def test_a_list_that_is_a_part_only_says_so_and_ends_with_status_1(capsys, monkeypatch) -> None:
     monkeypatch.setattr("solver.equilibria", partial(equilibria, most_swings=1))
     status, text = run(capsys)
@@ -73,24 +60,6 @@ def test_a_list_that_is_a_part_only_says_so_and_ends_with_status_1(capsys, monke
     assert status == 1
     assert json.loads(text)["complete"] is False
     assert "at most 1" in json.loads(text)["remark"]
-
-
-def test_it_marks_the_one_that_solve_takes(capsys, tmp_path) -> None:
-    for rule in ("nearest", "lowest", "2"):
-        told = json.loads(run(capsys, "--choose", rule, "--json")[1])
-        (taken,) = [row for row in told["equilibria"] if row["taken"]]
-        sol = solve(default(), choose=int(rule) if rule.isdecimal() else rule)
-        assert taken["dbeta0"] == pytest.approx(float(sol.dbeta[0]), abs=1e-9)
-        assert told["selection"] == {
-            "count": len(told["equilibria"]), "stable": 2, "choose": 2 if rule == "2" else rule, "complete": True,
-            "rule": sol.selection.rule,
-        }  # fmt: skip
-    (tmp_path / "case.toml").write_text(CASE + "index = 1")
-    told = json.loads(run(capsys, str(tmp_path / "case.toml"), "--json")[1])
-    assert [row["index"] for row in told["equilibria"] if row["taken"]] == [1]
-    table = run(capsys)[1]
-    assert "* shown: the stable shape that swings least" in table
-    assert table.count(" *") == 1
 
 
 def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(capsys, tmp_path) -> None:
@@ -235,13 +204,6 @@ def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
         np.testing.assert_allclose(values, np.deg2rad([-30, 0, 30, 60]), atol=1e-15)  # rounding
 
 
-def test_a_study_that_names_an_equilibrium_must_be_one_case_by_its_ends(tmp_path) -> None:
-    path = tmp_path / "case.toml"
-    path.write_text(f"{small.HEAD}[equilibrium]\ndbeta0 = 1.0\nenergy = 2.0\n")
-    with pytest.raises(InputError, match=r"line 6.*a solution of an ends problem"):
-        load(path)
-
-
 def test_the_nearest_is_told_by_slope_and_energy_together() -> None:
     found = equilibria(ends_in_units_of_rho(*MANY, 40.0, np.pi / 6, np.pi / 6))
     for one in found:
@@ -267,21 +229,6 @@ def test_ends_given_as_ends_are_taken_as_they_are(tmp_path) -> None:
 
 BASE = {"E": 1e4, "nu": 0.25, "a": 0.25, "L": 10.0, "R": 0.75, "beta0": 0.5, "betaL": 0.8, "FZ": -8.0}
 CASE = small.text(BASE, "[equilibrium]\n")
-
-
-@pytest.mark.parametrize(
-    "words, said",
-    (
-        ("dbeta0 = 1.0", "dbeta0 and energy must be given together: give choose, or index, or dbeta0 and energy"),
-        ('choose = "nearest"\nindex = 1', "choose and index exclude each other"),
-        ('choose = "near"', "must be 'nearest' or 'lowest'"),
-        ("index = -1", "greater than or equal to 0"),
-        ("", "equilibrium is empty: give choose, or index, or dbeta0 and energy"),
-    ),
-)
-def test_a_study_names_its_equilibrium_in_one_way(words, said) -> None:
-    with pytest.raises(InputError, match=said):
-        loads(CASE + words)
 
 
 def test_a_study_may_name_its_equilibrium_by_a_rule_or_an_index() -> None:

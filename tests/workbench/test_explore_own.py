@@ -6,14 +6,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-import xarray as xr
 
 pytest.importorskip("workbench.web.live.server", reason="the extra explore is not installed", exc_type=ImportError)
 
 from solver import equilibria
-from solver.problem.errors import InputError
 from studies import load
 from tests.workbench import small
 from tests.workbench.command import exit_status
@@ -130,13 +127,6 @@ def test_of_a_list_of_equilibria_the_lowest_is_shown_and_named(tmp_path) -> None
     assert float(drawn.sol.dbeta[0]) == pytest.approx(found[0].dbeta0, rel=1e-6)
 
 
-def test_a_file_that_holds_no_rods_is_refused_with_what_reads_it(tmp_path) -> None:
-    made = xr.Dataset({"seconds": (("ladder", "rung"), np.ones((1, 1)))}).assign_attrs(study_name="trade")
-    stored = writing.write(made, tmp_path / "trade.h5")
-    with pytest.raises(InputError, match="is a trade of methods, which summary and plot read; explore opens studies"):
-        own_case.preset(stored, {}, {})
-
-
 def test_nothing_given_begins_with_table_1() -> None:
     assert own_case.preset(None, {}, {}) is None
 
@@ -171,9 +161,3 @@ def test_the_page_is_saved_as_one_file_that_names_no_address_and_begins_with_the
     assert data["presets"][0]["state"]["base"]["L"] == 20.0
     assert abs(data["presets"][0]["shape"]["beta"][0]) < 1e-12  # between two ends the page follows from a solved shape
     assert "opens in a browser without a server" in capsys.readouterr().out
-
-
-def test_a_unit_that_nobody_knows_is_refused() -> None:
-    options = {"E": 1.0, "nu": 0.3, "a": 0.1, "L": 1.0, "R": 1.0, "beta": 0.1, "dbeta": 0.0, "M3": 0.0}
-    with pytest.raises(InputError, match="no unit of length 'furlong'"):
-        own_case.preset(None, options, {"length": "furlong"})

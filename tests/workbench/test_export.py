@@ -526,13 +526,6 @@ def test_a_rod_that_is_no_solid_is_left_out_and_its_neighbours_are_written(kerne
     assert "E=5000 is left out: no solid: the rod bends with a radius" in done.warnings[0]
 
 
-@pytest.mark.parametrize("name", ["a_{}_{}.obj", "a_{:x.obj", "a_{{}}.obj", "a_{k}.obj", "a_{:.0e}.obj", "a_{.x}.obj"])
-def test_a_name_that_does_not_hold_one_number_is_refused(name, ds, tmp_path) -> None:
-    with pytest.raises(InputError, match=r"must hold one number in braces, such as frame_\{:03d\}\.obj"):
-        export(ds, tmp_path / name)
-    assert not list(tmp_path.iterdir())
-
-
 def test_a_solution_exports_itself_and_refuses_a_unit_that_the_format_does_not_know(tmp_path) -> None:
     sol = rod(2e4, np.linspace(0, 20, 201))
     assert sol.export(tmp_path / "rod.glb", length="cm").stat().st_size > 10_000

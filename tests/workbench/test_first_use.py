@@ -1,4 +1,4 @@
-"""What a new user types first: wrong names, numbers with units, degrees; each is answered by one clear sentence."""
+"""What a new user types first is understood from a slip, and the help names each unit; sentences: first_use.txt."""
 
 import re
 import subprocess
@@ -7,19 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from solver import Ends, InputError
-from solver.problem.case import from_fields
 from solver.problem.errors import near
 from studies.grammar.axes import Base, Units
-from studies.language.loader import loads
 from studies.language.model import Study
 from tests.slow import slow
 from tests.workbench.command import exit_status
 from workbench.commands.case_options import FIELDS
 
 ROOT = Path(__file__).parents[2]
-HEAD = 'title = "One rod"\nunits = { length = "cm", force = "N" }\n[base]\nE = 1e4\nnu = 0.25\na = 0.25\nL = 20.0\n'
-ENDS = "R = 0.75\nbeta0 = 0.5\nbetaL = 0.5\n"
 
 
 @pytest.fixture
@@ -30,22 +25,6 @@ def told(capsys):
         return exit_status(*args), *capsys.readouterr()
 
     return run
-
-
-MEANT = {
-    "FX": "FZ", "Radius": "R' or 'a", "radius": "R' or 'a", "youngs_modulus": "E", "modulus": "E", "poisson": "nu",
-    "length": "L", "r": "R", "fz": "FZ", "MX": "MZ", "inner": "inner_radius", "heigth": "height", "beta_0": "beta0",
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("typed", MEANT)
-def test_a_wrong_key_or_option_names_what_may_be_meant(typed, told) -> None:
-    with pytest.raises(InputError, match=f"no key '{typed}' in base, did you mean '{MEANT[typed]}"):
-        loads(HEAD + ENDS + f"{typed} = 1.0\n")
-    status, _, said = told("solve", f"--{typed}", "1")
-    assert status == 2
-    meant = MEANT[typed].replace(" or '", " or '--")
-    assert f"No such option: --{typed}, did you mean '--{meant}" in said
 
 
 @pytest.mark.parametrize("known", [[*Base.model_fields], [*Units.model_fields], [*Study.model_fields], [*FIELDS]])
@@ -60,41 +39,6 @@ def test_every_key_is_found_from_a_slip(known) -> None:
 def test_what_resembles_nothing_gets_no_guess() -> None:
     assert near("Q", FIELDS) == ""
     assert near("colour", FIELDS) == ""
-
-
-def test_a_field_of_the_other_problem_names_its_partner() -> None:
-    with pytest.raises(InputError, match="no field 'beta', did you mean 'beta0' or 'betaL'"):
-        loads(HEAD + ENDS.replace("beta0", "beta"))
-    with pytest.raises(InputError, match="no field 'FX' in Ends, did you mean 'FZ'"):
-        from_fields(Ends, {"beta0": 0.1, "betaL": 0.2, "FX": 1.0})
-
-
-def test_two_spellings_of_an_option_are_listed_once(told) -> None:
-    status, _, said = told("solve", "--Q", 3)
-    assert (status, said.count("inner"), "--length-unit" in said) == (2, 1, True)
-
-
-def test_a_number_with_a_unit_is_refused_with_the_place_of_units(told) -> None:
-    wanted = "line 8: base.R must be a number without a unit, got '63.5 mm': write the number alone; the table units"
-    with pytest.raises(InputError, match=re.escape(wanted)):
-        loads(HEAD + ENDS.replace("0.75", '"63.5 mm"'))
-    status, _, said = told("solve", "--R", "5mm")
-    assert (status, "'5mm' is not a number; write the number without a unit" in said) == (2, True)
-
-
-def test_a_notice_on_degrees_is_one_line_and_said_once(told, tmp_path) -> None:
-    study, stored = tmp_path / "deg.toml", tmp_path / "deg.h5"
-    study.write_text(HEAD.replace("[base]", "observables = []\noutputs = []\n[base]") + ENDS.replace("0.5", "5", 1))
-    notice = 'beta0 = 5 is read as 5 rad = 286.48 degrees; write "5 deg" if degrees are meant, or "5 rad"'
-    for words in (("solve", study), ("run", study, "--out", stored), ("check", stored), ("check", stored, "--json")):
-        status, out, said = told(*words)
-        assert (status, said.count(notice), said.count("\n")) == (0, 1, 1), (words, said)
-        assert said.startswith("workbench: notice: deg.")
-        assert notice not in out
-    assert "(286.479 deg)" in told("solve", study)[1]
-    status, out, said = told("solve", "--table1", "--beta", "45")
-    assert (status, said.startswith("workbench: notice: --beta = 45 is read as 45 rad")) == (0, True)
-    assert told("solve", "--table1", "--beta", "45 deg")[2] == ""
 
 
 @pytest.mark.parametrize("missing", ["xarray", slow("matplotlib")])

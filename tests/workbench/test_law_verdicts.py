@@ -1,16 +1,12 @@
 """Verdicts of stored datasets: steps between branches, the exit status, and the reason wherever a verdict is told."""
 
-import json
-
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
 from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 from tests.workbench import small
-from workbench import cli
-from workbench.store import file_merge, in_memory, law_verdicts, writing
+from workbench.store import in_memory, law_verdicts
 
 AXES = "[axes.E]\nvalues = [1e4, 2e4, 4e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0, 1.25]\n"
 LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
@@ -75,26 +71,3 @@ def test_the_exit_status_is_0_where_every_law_holds_in_full(verdict: str, status
     assert law_verdicts.status(0, rows) == status
     assert law_verdicts.is_refuted(0, rows) == refuted
     assert (law_verdicts.status(1, []), law_verdicts.is_refuted(1, [])) == (1, True)
-
-
-@pytest.mark.slow
-def test_every_command_tells_a_qualified_law_with_its_reason_and_counts_it(ds: xr.Dataset, tmp_path) -> None:
-    path = writing.write(ds, tmp_path / "small.h5")
-    reason = "kappa_max falls, but amplitude rises instead at 9 of 9 steps"
-    for command in ("check", "summary"):
-        shown = CliRunner().invoke(cli.app, [command, str(path)])
-        assert f"kappa_max: {reason}" in shown.stdout
-        assert "1 law: 1 true in part" in shown.stdout
-        assert shown.exit_code == (1 if command == "check" else 0)
-        told = json.loads(CliRunner().invoke(cli.app, [command, str(path), "--json"]).stdout)
-        assert told["verdicts"] == {HOLDS: 0, TREND: 0, QUALIFIED: 1, UNDECIDED: 0, FAILS: 0}
-        row = told["laws"][0]
-        assert (row["verdict"], row["reason"]) == (QUALIFIED, reason)
-        assert row["qualifications"] == ["depends on the observable"]
-    for name, values in (("soft", "1e4, 2e4"), ("stiff", "4e4, 5e4")):
-        text = small.HEAD + AXES.replace("1e4, 2e4, 4e4", values) + LAW + 'alternatives = ["amplitude"]\n'
-        (tmp_path / f"{name}.toml").write_text(text)
-        ran = CliRunner().invoke(cli.app, ["run", f"{tmp_path}/{name}.toml", "--out", f"{tmp_path}/{name}.h5"])
-        assert (ran.exit_code, "1 law: 1 true in part" in ran.stdout) == (1, True), ran.output
-    done = file_merge.merge([tmp_path / "soft.h5", tmp_path / "stiff.h5"], tmp_path / "all.h5")
-    assert (law_verdicts.status(done["unsolved"], done["laws"]), done["laws"][0]["verdict"]) == (1, QUALIFIED)

@@ -1,36 +1,10 @@
 """The command loops: its table, its files and its refusals."""
 
-import json
-from math import pi
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from solver import Cylinder, InputError, Rod, loops
-from tests.workbench.command import run
 from workbench.geometry import self_contact, stored_line
-from workbench.store import reading
-
-
-def test_the_command_prints_lists_and_stores_the_loops(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    line = "loops --a 0.05 --R 0.95 --L 9 --folds 1,2 --out loops.h5"
-    run(line)
-    told = capsys.readouterr().out
-    assert "2 loops, 1 stable as closed rods on the surface, the section free to turn" in told
-    assert "number 1, 2: the push is negative somewhere" in told
-    ds = reading.read(Path("loops.h5"), study=False)
-    assert ds["folds"].values.tolist() == [1, 2]
-    assert ds["index"].values.tolist() == [0, 2]
-    np.testing.assert_allclose(ds["z"][:, -1], 0, atol=1e-10)
-    np.testing.assert_allclose(ds["alpha"][:, -1], 2 * pi, atol=1e-10)
-    assert "overlaps" not in str(ds["caution"].values)  # the ends of a closed rod are neighbours
-    run(f"{line} --json")
-    found = json.loads(capsys.readouterr().out)
-    assert [one["self_intersection"] for one in found["loops"]] == ["no", "no"]
-    assert found["loops"][0]["lam"] == pytest.approx(float(ds["lam"][0]))
-    assert found["complete"]
 
 
 def test_a_dataset_of_loops_has_the_units_given_and_of_none_there_is_none() -> None:

@@ -7,7 +7,6 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
-from solver.problem.errors import InputError
 from studies import load
 from studies.laws.verdicts import HOLDS, VERDICTS, judge
 from tests.workbench.command import exit_status
@@ -375,27 +374,6 @@ def test_a_study_of_samples_over_two_axes_is_a_map_only_where_it_is_asked_for() 
     np.testing.assert_array_equal(
         meshes(fig)[0].get_array().reshape(2, 2), ds["wraps"].sel(sample=3).transpose("R", "E")
     )
-
-
-def test_a_study_of_one_axis_has_no_map() -> None:
-    one = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]"))
-    with pytest.raises(InputError, match="two axes with several values, and the study has only E; choose the kind li"):
-        map_figure.figure(one)
-
-
-def test_a_study_that_stores_no_curves_has_no_shapes() -> None:
-    ds = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 1.0]", "outputs = []"))
-    with pytest.raises(InputError, match='add "alpha" and "z" to its outputs'):
-        map_figure.figure(ds, shapes=thumbs.Shapes(2, 2))
-
-
-def test_more_observables_than_a_figure_has_room_for_are_refused_or_named(regimes) -> None:
-    names = ["turns", "attached", "attached_error", "error", "condition", "R", "FZ", "MZ", "M3"]
-    with pytest.raises(InputError, match="no observable 'R'"):
-        map_figure.figure(regimes, show=names)
-    more = regimes.assign({f"push_{k}": regimes["attached"] for k in range(12)})
-    with pytest.raises(InputError, match="at most 12 observables, got 13"):
-        map_figure.figure(more, show=["turns", *(f"push_{k}" for k in range(12))])
 
 
 @pytest.mark.slow

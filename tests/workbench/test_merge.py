@@ -143,38 +143,6 @@ def test_unsolved_cases_of_one_file_make_whole_numbers_of_the_other_real(tmp_pat
 
 
 E1, E2 = axis("E", [1e4, 2e4]), axis("E", [3e4])
-DIFFERENT = {
-    "the axes: E and E, R": (E1, E2 + RADII, {}),
-    "the reading: force-first/tension/paper and force-first/tension/solid": (E1, E2, {"reading": "solid"}),
-    "the tolerance: 0.001 and 0.01": (E1, E2, {"tol": 1e-2}),
-    "the method: verlet and orbit": (E1, E2, {"method": "orbit"}),
-    "base.L: 20.0 and 10.0": (E1, E2 + "[base]\nL = 10.0\n", {}),
-    "the side: outside and inside": (E1, E2 + "[base]\nside = 'inside'\n", {}),
-    "the stations: 21 and 11": (E1, E2, {"stations": 11}),
-    "what is stored: a has beta, which b has not": (E1, E2, {"head": HEAD.replace("beta", "h")}),
-    "laws: ": (E1 + LAW, E2 + LAW.replace("falls", "rises"), {}),
-    "the files differ along E and R; merge along one": (E1 + axis("R", [0.5]), E2 + axis("R", [0.6]), {}),
-    "there is nothing to merge: .* have the same values of E": (E1, E1, {}),
-    "there is nothing to merge: .* have one case each, and no axis": ("", "", {}),
-    "E = 20000.0 and 20000.00000000002 differ in their last digits only": (E1, axis("E", [20000.00000000002]), {}),
-}
-
-
-@cache
-def different(text: str, reading=None, tol=1e-3, method="verlet", stations=None, head="") -> xr.Dataset:
-    study = small.study(text, head or HEAD).under(reading)
-    return in_memory.run(study.model_copy(update={"stations": stations or study.stations}), tol, method)
-
-
-@pytest.mark.parametrize("sentence", slow_but(DIFFERENT, *[*DIFFERENT][:3], *[*DIFFERENT][-1:]))
-def test_what_is_not_alike_is_named(sentence: str, tmp_path) -> None:
-    first, second, how = DIFFERENT[sentence]
-    files = stored(tmp_path, different(first), different(second, **how))
-    sentence = sentence.replace("a has beta, which b has not", f"{files[0]} has beta, which {files[1]} has not")
-    with pytest.raises(InputError, match=sentence) as refusal:
-        file_merge.merge(files, tmp_path / "all.h5")
-    assert "\n" not in str(refusal.value)
-    assert sorted(os.listdir(tmp_path)) == ["0.h5", "1.h5"]
 
 
 def test_the_same_case_with_other_numbers_is_refused_and_nothing_is_left_behind(tmp_path) -> None:
@@ -186,22 +154,6 @@ def test_the_same_case_with_other_numbers_is_refused_and_nothing_is_left_behind(
     ):
         file_merge.merge(files, tmp_path / "all.h5")
     assert sorted(os.listdir(tmp_path)) == ["0.h5", "1.h5"]
-
-
-@pytest.mark.slow
-def test_one_file_a_followed_study_and_a_place_that_is_taken_are_refused(tmp_path) -> None:
-    files = stored(tmp_path, one_by_one(E1), one_by_one(E2))
-    with pytest.raises(InputError, match="two files or more, got 1"):
-        file_merge.merge(files[:1], tmp_path / "all.h5")
-    (tmp_path / "mine.txt").write_text("mine")
-    with pytest.raises(InputError, match="is not a study's dataset; give --force"):
-        file_merge.merge(files, tmp_path / "mine.txt")
-    with pytest.raises(InputError, match="folder not found:"):
-        file_merge.merge(files, tmp_path / "absent" / "all.h5")
-    follow = '[axes.betaL]\nfollow = true\nto = {}\ncount = 3\nunit = "deg"\n'
-    followed = [in_memory.run(small.study(follow.format(to))) for to in (50, 60)]
-    with pytest.raises(InputError, match="follows an equilibrium up to its fold"):
-        file_merge.merge(stored(tmp_path, *followed), tmp_path / "all.h5")
 
 
 def test_a_file_may_be_joined_into_itself(tmp_path) -> None:

@@ -1,8 +1,7 @@
-"""What someone who uses the commands for the first time comes upon: values too large, incomplete lists, mistakes."""
+"""What a list of equilibria says of its energies, and how much of a long formula a figure shows."""
 
 import json
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,10 +17,6 @@ from tests.workbench.command import exit_status
 from workbench.figures import laws
 from workbench.store import in_memory
 
-UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
-ROD = f"{UNITS}[base]\nE = 1.07e4\nnu = 0.25\na = 0.25\nL = 5.0\nR = 0.75\n"
-
-
 Run = Callable[..., tuple[int, str, str]]
 
 
@@ -36,32 +31,6 @@ def ran(tmp_path, monkeypatch, capsys) -> Run:
         return status, *(" ".join(text.split()) for text in capsys.readouterr())
 
     return run
-
-
-FAR = ROD.replace("L = 5.0", "L = 1.0e4")
-LONG = f'title = "long"\nobservables = ["height"]\nstations = 2\n{FAR}beta0 = 0.3\nbetaL = 0.4\n'
-SWEPT, DRAWN = (
-    "[axes.FZ]\nvalues = [-9.0, -8.9]\n",
-    "[sample]\nsize = 2\nseed = 1\n[sample.FZ]\nfrom = -9.0\nto = -8.0\n",
-)
-
-
-@pytest.mark.parametrize(("text", "count"), [(SWEPT, 2), slow(DRAWN, 2)])
-def test_a_run_says_on_stderr_where_the_list_of_equilibria_may_be_incomplete(text: str, count: int, ran: Run) -> None:
-    Path("long.toml").write_text(LONG + text)
-    status, out, err = ran("run", "long.toml")
-    assert status == 0, err
-    assert f"in {count} of 2 cases the equilibrium was selected from a list of equilibria that may be incomplete" in err
-    assert "long.h5" in err
-    with xr.open_dataset("long.h5", engine="h5netcdf") as ds:
-        assert ds["solved"].all()
-        assert int(ds["outcome"].str.endswith("a list of equilibria that may be incomplete").sum()) == count
-    status, out, err = ran("summary", "long.h5")
-    assert f"{count} x solved; selected from a list of equilibria that may be incomplete" in out
-    status, out, err = ran("run", "long.toml", "--json")
-    assert status == 0
-    assert json.loads(out)["status"] == 0
-    assert f"in {count} of 2 cases" in err
 
 
 @pytest.mark.parametrize("held", ["", slow("--height 5 --within FZ=-20:20")])

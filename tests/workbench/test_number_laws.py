@@ -96,18 +96,6 @@ def test_each_kind_of_law_is_judged_from_what_is_stored(ds: xr.Dataset) -> None:
     assert verdict_words.measure(rows["boundary"]) == "passes between 0.75 and 1"
 
 
-def test_the_file_opens_bare_and_check_and_summary_say_the_same(ds: xr.Dataset, tmp_path: Path) -> None:
-    path = writing.write(ds, tmp_path / "small.h5")
-    with xr.open_dataset(path) as bare:
-        assert bare["share"].attrs["expression"] == "kappa_mean/kappa_max"
-    status, said = run(path, "check")
-    assert status == 0
-    assert "5 laws: 5 true" in said
-    assert "2 x solved; gap has no value: division by zero" in said
-    status, said = run(path, "summary")
-    assert (status, "share " in said, "tight " in said) == (0, True, True)
-
-
 def test_a_run_to_a_file_stores_what_a_run_in_memory_gives(ds: xr.Dataset, tmp_path: Path, monkeypatch: Any) -> None:
     from workbench.store.study_store import run_to_file
 

@@ -7,12 +7,10 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from solver import InputError
 from studies import READINGS
 from tests.workbench import runs
 from workbench.cli import app
 from workbench.commands.reproduce import reproduce
-from workbench.commands.run import run
 from workbench.scene import opengl
 from workbench.web.report import readings_table
 
@@ -61,8 +59,3 @@ def test_a_followed_study_of_another_length_is_solved_again(tmp_path: Path) -> N
         study.write_text(shipped.replace("count = 9", count), encoding="utf-8")
         assert "already complete" not in ran(str(study), output)
         assert "already complete" in ran(str(study), output)
-
-
-def test_a_followed_study_refuses_a_method_for_starts_alone(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="method 'rk4' does not solve ends problems"):
-        run("fig7_4_end_angle", tmp_path / "x.h5", method="rk4")

@@ -8,17 +8,16 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver import Case, Cylinder, InputError, Rod, Start, solve
+from solver import Case, Cylinder, Rod, Start, solve
 from studies import loads
 from tests.workbench import small
 from workbench.export import stored_rod
-from workbench.figures import along, colours, portrait, table
+from workbench.figures import along, colours, table
 from workbench.geometry import stored_line
 from workbench.scene import body as body_of
 from workbench.scene import camera, layout, long_rod, scene_kinds
 from workbench.scene.settings import Settings
 from workbench.store import in_memory
-from workbench.web.turntable import stored
 from workbench.words import cautions
 
 PIPE = {"EI": 1228.0, "GJ": 945.0, "a": 0.0635, "L": 60.0, "weight": 0.242, "R": 0.10795}
@@ -130,12 +129,7 @@ def test_a_table_of_a_rod_with_friction_holds_the_solution_s_own_arrays(sliding,
             np.testing.assert_allclose(column, getattr(sol, name), atol=1e-12, err_msg=name)
 
 
-def test_a_page_of_turning_rods_with_weight_is_refused(ds: xr.Dataset) -> None:
-    with pytest.raises(InputError, match="needs rods without weight and friction: make a picture"):
-        stored.turntable_of_dataset(ds, {})
-
-
-def test_the_diagram_of_states_has_the_stretches_of_the_rods_and_a_portrait_is_refused(ds: xr.Dataset) -> None:
+def test_the_diagram_of_states_has_the_stretches_of_the_rods(ds: xr.Dataset) -> None:
     drawn = along.states(ds)
     lines = [line for line in drawn.axes[0].lines if line.get_label().split(", ")[-1] in colours.STATES]
     assert all(line.get_color() == colours.STATES[line.get_label().split(", ")[-1]] for line in lines)
@@ -144,5 +138,3 @@ def test_the_diagram_of_states_has_the_stretches_of_the_rods_and_a_portrait_is_r
     assert max(line.get_ydata().max() for line in lines) == pytest.approx(np.degrees(ds["beta"].values.max()), rel=0.01)
     listed = {row[4] for row in csv.reader(table.table(drawn).splitlines()) if row[3] == "line"}
     assert {line.get_label() for line in lines} <= listed
-    with pytest.raises(InputError, match="needs loads that are constant along the rod; choose --kind ridge or states"):
-        portrait.figure(ds)

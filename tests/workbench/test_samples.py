@@ -2,14 +2,13 @@
 
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 import xarray as xr
 from scipy.stats import spearmanr
 
 import workbench.accessor  # noqa: F401  (ds.rod)
-from solver import InputError, observe, solve
+from solver import observe, solve
 from studies import Study
 from studies.language.loader import loads
 from tests.workbench import runs, small
@@ -215,17 +214,6 @@ def test_a_merged_study_of_too_many_samples_names_a_table_and_keeps_them_as_arra
     assert file_merge.merge([tmp_path / "d.h5", paths[0]], tmp_path / "e.h5")["cases"] == 6
 
 
-@pytest.mark.slow
-def test_files_with_other_sampled_fields_or_the_same_samples_are_not_merged(stored: Path, tmp_path) -> None:
-    fewer = tmp_path / "fewer.h5"
-    writing.write(in_memory.run(small.study("[zip]\nE = [1e4]\nbeta = [0.5]\n", HEAD)), fewer)
-    with pytest.raises(InputError, match="differ in the sampled fields: E, R, beta and E, beta"):
-        file_merge.merge([stored, fewer], tmp_path / "all.h5")
-    with pytest.raises(InputError, match="there is nothing to merge"):
-        file_merge.merge([stored, stored], tmp_path / "all.h5")
-    assert not (tmp_path / "all.h5").exists()
-
-
 # what is said
 
 
@@ -298,32 +286,6 @@ def test_a_scene_of_one_sample_solves_that_sample_alone(tmp_path) -> None:
     text = captions.case_values(ds, {"sample": 17})
     assert text.startswith("sample = 17, E = ")
     assert "R = " in text
-
-
-def test_a_file_whose_samples_are_damaged_is_refused(stored: Path, tmp_path) -> None:
-    def damaged(change) -> Path:
-        path = tmp_path / "damaged.h5"
-        path.write_bytes(stored.read_bytes())
-        with h5py.File(path, "a") as file:
-            change(file)
-        return path
-
-    def missing(file: h5py.File) -> None:
-        del file.attrs["sampled"]
-
-    def nan(file: h5py.File) -> None:
-        file["beta0"][3] = np.nan
-
-    def unknown(file: h5py.File) -> None:
-        file.attrs["sampled"] = "E R Q"
-
-    for change, sentence in (
-        (missing, "the attribute sampled and the dimension sample belong together: one is missing"),
-        (nan, "the sampled field 'beta' holds values that are not finite"),
-        (unknown, "the sampled field 'Q' has no values"),
-    ):
-        with pytest.raises(InputError, match=sentence):
-            reading.open_study(damaged(change))
 
 
 # the figure

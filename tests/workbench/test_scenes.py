@@ -121,15 +121,6 @@ def test_the_stripe_turns_with_the_material() -> None:
     assert surface.striped[: -2 * rings.sides].mean() == pytest.approx(1 / 3, abs=1e-12)
 
 
-def test_what_is_not_stored_is_named() -> None:
-    with pytest.raises(InputError, match="stores no z"):
-        body(dataset().drop_vars("z"))
-    with pytest.raises(InputError, match=r"stores no gamma, which the kind twist needs"):
-        body(dataset(), "twist")
-    with pytest.raises(InputError, match=r"no kind of scene 'contct'.*contact"):
-        kind_of("contct")
-
-
 def test_a_long_rod_is_set_in_lines_that_show_all_of_it() -> None:
     rod = body(dataset(stations=20_001, L=2000.0))
     room = (1400, 960)
@@ -202,16 +193,6 @@ def test_a_row_runs_along_its_axis_with_the_others_at_table_1() -> None:
     assert float(ds["F3"][cases[0]["F3"]]) == pytest.approx(10.0)
     assert [case["F3"] for case in selection.line(ds, "F3", {"F1": 10.0})] == list(range(9))
     assert {case["F1"] for case in selection.line(ds, "F3", {"F1": 10.0})} == {8}
-
-
-def test_an_axis_or_value_that_is_not_there_is_answered_with_what_is() -> None:
-    ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n")
-    with pytest.raises(InputError, match=r"'R'.*E"):
-        selection.case(ds, {"R": 1.0})
-    with pytest.raises(InputError, match="its values are 10000, 20000"):
-        selection.case(ds, {"E": 3e4})
-    with pytest.raises(InputError, match="E = 19000 is not on the axis; its values are 10000, 20000"):
-        selection.case(ds, {"E": 1.9e4})
 
 
 def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:

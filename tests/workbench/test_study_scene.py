@@ -132,19 +132,3 @@ def test_a_file_goes_before_a_study_of_its_name(tmp_path, monkeypatch) -> None:
     Path("fig6").write_text("")
     assert not one_case.is_study(Path("fig6"))
     assert not one_case.is_study(Path("mine.h5"))
-
-
-def test_a_study_of_too_many_cases_is_refused_before_it_is_solved(tmp_path, solved) -> None:
-    path = tmp_path / "many.toml"
-    path.write_text(small.study("[axes.E]\nfrom = 1e4\nto = 2e4\ncount = 10001\n", "").text)
-    with pytest.raises(InputError, match=r"10001 cases.*workbench run"):
-        study_scene.two_stations(path)
-    assert not solved
-
-
-def test_a_name_that_is_no_study_is_told_the_studies(tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(InputError, match="no study 'fig7_1', did you mean 'fig7_1_modulus'; choose from capstan"):
-        scene.scene(Path("fig7_1"))
-    with pytest.raises(InputError, match=r"file not found: fig7_1\.h5"):
-        scene.scene(Path("fig7_1.h5"))

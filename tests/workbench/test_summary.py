@@ -1,6 +1,5 @@
 """`workbench summary`: what the file holds, told from its numbers, however it is cut into blocks."""
 
-import json
 import re
 
 import numpy as np
@@ -28,27 +27,6 @@ def file(tmp_path):
     ds["error"][1, 2] = 0.5
     ds["error"][0, 1] = 1e289  # of the unsolved case
     return writing.write(ds, tmp_path / "small.h5"), ds
-
-
-def test_it_tells_axes_observables_outcomes_the_worst_case_and_laws(file) -> None:
-    path, ds = file
-    told = file_summary.summary(path)
-    assert told["axes"] == [
-        {"name": "E", "count": 2, "from": 1e4, "to": 2e4, "units": "N/cm^2"},
-        {"name": "R", "count": 3, "from": 0.5, "to": 1.0, "units": "cm"},
-    ]
-    assert (told["cases"], told["unsolved"]) == (6, 1)
-    assert told["outcomes"] == {"solved": 5, "failed: on purpose": 1}
-    assert (told["along"], told["stations"]) == (["beta", "z"], 21)
-    (row,) = [row for row in told["observables"] if row["name"] == "kappa_max"]
-    values = ds["kappa_max"].values
-    assert (row["min"], row["median"], row["max"]) == (np.nanmin(values), np.nanmedian(values), np.nanmax(values))
-    assert (row["units"], row["missing"]) == ("1/cm", 1)
-    assert told["worst"][0] == {"name": "error", "value": 0.5, "at": {"E": 2e4, "R": 1.0}}
-    assert told["laws"][0]["verdict"] == "not decided"
-    assert told["laws"][0]["said"].startswith("not decided: 1 of 3 cases unsolved; ")
-    assert told["verdicts"] == {"holds": 0, "holds as a trend": 0, "qualified": 0, "not decided": 1, "fails": 0}
-    assert (told["tolerance"], told["method"], told["bytes"]) == (1e-8, ds.attrs["method"], path.stat().st_size)
 
 
 HELD = {**small.SHORT, "beta0": "20deg", "betaL": "20deg"}
@@ -94,11 +72,6 @@ def test_many_kinds_of_failure_are_told_together(file, tmp_path, monkeypatch) ->
     assert told["outcomes"] == {"failed: 1": 2, "failed (others)": 2, "solved": 1, "solved (others)": 1}
 
 
-def test_a_single_case_is_told_too(tmp_path) -> None:
-    told = file_summary.summary(writing.write(in_memory.run(small.study()), tmp_path / "one.h5"))
-    assert (told["axes"], told["cases"], told["worst"][0]["at"]) == ([], 1, {})
-
-
 @pytest.mark.slow
 def test_reactions_that_a_study_names_and_the_index_of_held_ends_are_listed(tmp_path, capsys) -> None:
     base = HELD | {"beta0": 0.1, "betaL": 0.2}
@@ -114,13 +87,6 @@ def test_reactions_that_a_study_names_and_the_index_of_held_ends_are_listed(tmp_
     assert re.search(r"^held_index +0 +0 +0", told, re.MULTILINE)
     nameless = writing.write(ds.assign_attrs(study=""), tmp_path / "nameless.h5")
     assert "FZ" not in [row["name"] for row in file_summary.summary(nameless)["observables"]]
-
-
-def test_the_command_prints_it_for_people_and_for_programs(file) -> None:
-    path, _ = file
-    run = CliRunner().invoke(cli.app, ["summary", str(path), "--json"])
-    assert run.exit_code == 0
-    assert json.loads(run.stdout) == json.loads(json.dumps(file_summary.summary(path)))
 
 
 def test_a_count_is_called_the_number_of_bends_in_a_sentence() -> None:

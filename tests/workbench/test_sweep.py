@@ -7,16 +7,15 @@ import pytest
 import xarray as xr
 
 import workbench.accessor  # noqa: F401  (ds.rod)
-from solver import Case, Ends, InputError, solve
+from solver import Case, Ends, solve
 from studies import Study
 from studies.language.loader import loads
 from studies.laws.verdicts import FAILS, UNDECIDED
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
-from tests.workbench.command import exit_status
 from workbench.commands import study_scene
 from workbench.scene import scene_kinds
-from workbench.store import case_solutions, file_merge, in_memory, law_verdicts, plan, sweep
+from workbench.store import case_solutions, in_memory, law_verdicts, plan, sweep
 from workbench.store.block import solve_chunk
 from workbench.store.study_store import Options, run_to_file
 from workbench.words import outcomes
@@ -265,25 +264,6 @@ def test_a_picture_of_a_study_shows_the_branch_that_the_study_is_on(tmp_path) ->
     some = study_scene.needed_cases(whole, rough, scene_kinds.kind_of("plain"), {"FZ": -60.0}, [])
     ds = in_memory.run(some.at_stations(51))
     np.testing.assert_array_equal(ds["beta"].values[0], in_memory.run(whole)["beta"].values[0])
-
-
-def test_run_check_and_summary_say_how_many_branches_there_are(tmp_path, capsys) -> None:
-    path = tmp_path / "pipe.toml"
-    path.write_text(pipe(FORCES.replace("21", "3")))
-    file = str(tmp_path / "x.h5")
-    run = ("run", str(path), "--out", file)
-    for words in (run, run, ("check", file), ("summary", file)):
-        assert exit_status(*words) == 0
-        shown = capsys.readouterr().out
-        assert "all cases lie on one branch of equilibria" in shown
-        assert "the case in the middle of the grid, FZ = -50: " in shown
-
-
-def test_two_sweeps_are_not_joined(tmp_path) -> None:
-    for name, values in (("a", "[-50.0, -49.0]"), ("b", "[-48.0, -47.0]")):
-        run_to_file(study(f"[axes.FZ]\nvalues = {values}\n"), tmp_path / f"{name}.h5")
-    with pytest.raises(InputError, match="its branches are numbered over the whole grid"):
-        file_merge.merge([tmp_path / "a.h5", tmp_path / "b.h5"], tmp_path / "out.h5")
 
 
 # branches

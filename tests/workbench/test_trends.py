@@ -8,7 +8,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from solver.problem.errors import InputError
 from studies import load
 from tests.slow import slow
 from tests.workbench.page_faults import faults
@@ -87,11 +86,6 @@ def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:
     assert len(faint) == 9
     np.testing.assert_array_equal(strong.get_ydata(), forces["contact_size_mean"].sel(F3=10.0, method="nearest"))
     assert "F₃ = 10 N" in ax.get_xlabel()
-
-
-def test_there_is_no_trend_of_an_observable_that_is_not_stored(angles) -> None:
-    with pytest.raises(InputError, match="'bends'"):
-        trend(angles, axes(), "bends", "beta0")
 
 
 @pytest.mark.slow
@@ -223,12 +217,6 @@ def test_a_rod_that_bends_between_its_stations_is_dotted_and_said_to_be_and_else
         words = " ".join(" ".join(text.get_text().split()) for text in fig.findobj(Text))
         assert (f"{stations} stations miss bends" in words) == dotted
         assert any(line.get_marker() == "." for ax in fig.axes for line in ax.lines) == dotted
-
-
-def test_a_study_without_observables_and_curves_has_nothing_to_draw() -> None:
-    ds = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]\n", "observables = []\noutputs = []"))
-    with pytest.raises(InputError, match="nothing to draw: the dataset has neither observables nor the arrays alpha"):
-        study_figure.figure(ds)
 
 
 def test_any_stored_observable_is_drawn_if_asked_for_and_what_is_left_out_is_said(angles, tmp_path) -> None:

@@ -17,7 +17,6 @@ from matplotlib import image
 
 import workbench.accessor  # noqa: F401  # registers ds.rod
 from solver import Case, Cylinder, Ends, Rod, Solution, Start, equilibria, solve
-from solver.problem.errors import InputError
 from studies import load
 from studies.language.loader import loads
 from tests.workbench import browser, node, small
@@ -136,8 +135,6 @@ def test_each_case_carries_its_caution_or_why_it_has_no_shape(ds: xr.Dataset) ->
     cases = turntable_of_dataset(broken).data["cases"]
     assert cases[1] == {"numbers": None, "note": "Not solved: failed: for the test."}
     assert "passes through itself" in " ".join(case["note"] for case in cases)
-    with pytest.raises(InputError, match=r"no case has a shape: failed: for the test"):
-        turntable_of_dataset(small.with_outcomes(ds, ["failed: for the test"] * 9))
 
 
 def test_too_many_cases_for_a_file_are_thinned_and_the_file_says_so(ds: xr.Dataset) -> None:
@@ -146,8 +143,6 @@ def test_too_many_cases_for_a_file_are_thinned_and_the_file_says_so(ds: xr.Datas
     assert found.data["axes"][0]["texts"][0] == "5000 N/cm²"
     assert found.data["axes"][0]["texts"][-1] == "40000 N/cm²"
     assert found.left_out == ["5 of the 9 values of E, evenly chosen, are in this file."]
-    with pytest.raises(InputError, match="one rod alone has too many stations"):
-        turntable_of_dataset(ds, most_bytes=100)
 
 
 def test_a_rod_inside_is_told_so() -> None:
@@ -183,8 +178,6 @@ def one() -> Solution:
 def test_a_dataset_is_shown_inline(ds: xr.Dataset, tmp_path: Path) -> None:
     assert image.imread(BytesIO(ds.rod.plot(E="10905")._repr_png_()))[..., :3].std() > 0.05
     assert ds.rod.plot().save(tmp_path / "modulus.pdf").stat().st_size > 5000
-    with pytest.raises(InputError, match="is not on the axis"):
-        ds.rod.plot(E=3.0)
 
 
 def test_a_solution_is_shown_inline_as_a_picture_and_as_a_rod_that_turns(one: Solution, tmp_path: Path) -> None:
@@ -194,10 +187,6 @@ def test_a_solution_is_shown_inline_as_a_picture_and_as_a_rod_that_turns(one: So
     assert shown._repr_html_().startswith('<iframe sandbox="allow-scripts"')
     assert data_of(shown.html)["push"] == "N/cm"
     assert shown.save(tmp_path / "rod.html").read_text(encoding="utf-8") == shown.html
-    with pytest.raises(InputError, match=r"saved as \.html, got 'rod\.png'"):
-        shown.save(tmp_path / "rod.png")
-    with pytest.raises(InputError, match="no unit 'mass'"):
-        one.scene(mass="kg")
 
 
 def test_the_table_of_a_solution_has_its_outcome_numbers_and_caution(one: Solution) -> None:
