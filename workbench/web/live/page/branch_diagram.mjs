@@ -2,7 +2,7 @@
 // that is drawn there.
 
 import { set } from "./details.mjs";
-import { frameOf, paintDiagram, spot } from "./diagram.mjs";
+import { frameOf, paintDiagram, paper, spot } from "./diagram.mjs";
 import { DEGREE, kindOf, quantityOf } from "./rod_case.mjs";
 import { minus, unitText } from "./text.mjs";
 
@@ -116,7 +116,7 @@ export function makeBranches(figure, names, quantities, theme, ask, pick) {
     const name = shows.value,
       wide = canvas.clientWidth,
       ratio = window.devicePixelRatio || 1,
-      ctx = canvas.getContext("2d"),
+      ctx = paper(canvas, wide, HIGH, ratio),
       colours = theme(),
       lines = curves.pieces.map((piece) => ({
         x: piece.field.map((value) => scaled(field.value, value)),
@@ -131,9 +131,7 @@ export function makeBranches(figure, names, quantities, theme, ask, pick) {
       xlabel: labelOf(field.value),
       ylabel: labelOf(name),
     };
-    Object.assign(canvas, { width: Math.round(wide * ratio), height: Math.round(HIGH * ratio) });
     canvas.setAttribute("aria-label", minus(`${titleOf(name)} over ${titleOf(field.value)}; the list below has the same rods`));
-    ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
     frame = frameOf(spec, wide, HIGH);
     paintDiagram(ctx, spec, frame, colours);
     for (const one of now.list) spot(ctx, spotOf({ ...one, field: now.base[field.value] }), 3.2, colours.ink);

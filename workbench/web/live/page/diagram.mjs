@@ -18,6 +18,16 @@ const LETTER = 11,
 export const BAND = 0.28,
   AREA = 0.25;
 
+/* The context of a canvas of so many pixels of the page; ratio: its own pixels for one of these. */
+export function paper(canvas, width, height, ratio) {
+  const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)],
+    ctx = canvas.getContext("2d");
+  if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, { width: w, height: h });
+  canvas.style.height = `${height}px`;
+  ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+  return ctx;
+}
+
 /* The scales of a diagram in a box of so many pixels. */
 export function frameOf(spec, width, height) {
   const w = width - LEFT - RIGHT,

@@ -10,12 +10,10 @@ import { coreOf } from "./packed_core.mjs";
 import { Refused, SLIDING, caseOf, heldState, isEnds } from "./rod_case.mjs";
 import { makePrint } from "./print.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
-import { showScale } from "./scale_bar.mjs";
 import { makeShown } from "./shown.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
 import { makeAsker, post, unpacked } from "./server.mjs";
-import { makeView } from "./rod_view.mjs";
-import { drawTriad } from "./triad.mjs";
+import { makeStage } from "./stage.mjs";
 
 const PATIENCE = { numbers: 90, more: 250, list: 500 }; // ms of rest before what is slower
 const data = JSON.parse(element("data").textContent),
@@ -34,7 +32,9 @@ let core = null,
   moves = 0;
 
 const theme = makeTheme();
-const view = makeView(element("scene"), element("mark"), data.colours, () => still.matches, true);
+const unit = () => me.state.units.length,
+  stage = makeStage(element("scene"), element("mark"), element, data.colours, () => still.matches, unit, true),
+  { view } = stage;
 const diagrams = makeDiagrams(element("diagrams"), element("unrolled"), data.colours, theme, (s) => shown.setCursor(s));
 const address = makeAddress(data.readings);
 const ask = makeAsker(() => me.shape);
@@ -49,7 +49,7 @@ const controls = makeControls(element("fields"), data.quantities, (name, value) 
 });
 
 const equilibria = makeEquilibria(me, data, context, theme, ask, update);
-const shown = makeShown(me, data, { view, diagrams, controls, context, equilibria, ask });
+const shown = makeShown(me, data, { stage, diagrams, controls, context, equilibria, ask });
 
 const presetOf = () => data.presets.find((one) => one.name === me.preset);
 
@@ -208,8 +208,6 @@ function prepare() {
   element("no-webgl").hidden = Boolean(view.scene);
   for (const button of document.querySelectorAll(".served")) button.hidden = !served;
   const acts = {
-    fit: () => view.fit(),
-    front: () => view.front(),
     reset: () => begin(me.preset),
     "by-ends": byEnds,
     picture: () => savePicture(me, view, data),
@@ -236,10 +234,6 @@ function prepare() {
     shown.setCursor((Number(event.target.value) / 1000) * me.shape.s[me.shape.s.length - 1]),
   );
   view.picked = shown.setCursor;
-  view.moved = (camera) => {
-    drawTriad(element("triad"), camera);
-    showScale(element("scale"), view, element("scene"), me.state.units.length);
-  };
   dark.addEventListener("change", () => {
     theme.forget();
     diagrams.paint();

@@ -4,9 +4,7 @@ import { hereText } from "./controls.mjs";
 import { valuesAt } from "./curves.mjs";
 import { element, set, showRows, solvedText } from "./details.mjs";
 import { observables, warnings } from "./numbers.mjs";
-import { showBar } from "./push_bar.mjs";
 import { isEnds, varies } from "./rod_case.mjs";
-import { crossings } from "./self_contact.mjs";
 import { number } from "./text.mjs";
 
 const OFFLINE =
@@ -14,7 +12,7 @@ const OFFLINE =
   "The command workbench explore starts the page with a server.";
 
 /* me: the page's state and shape; the others are parts of the page. */
-export function makeShown(me, data, { view, diagrams, controls, context, equilibria, ask }) {
+export function makeShown(me, data, { stage, diagrams, controls, context, equilibria, ask }) {
   function showState() {
     const { state, wrong, shape, head } = me,
       units = state.units;
@@ -30,10 +28,7 @@ export function makeShown(me, data, { view, diagrams, controls, context, equilib
     element("by-ends").hidden = isEnds(state) || varies(state);
     element("equilibria").hidden = !isEnds(state) || varies(state);
     if (!shape) return;
-    showBar(element("bar"), data.colours, view.drawn.scale, `${units.force}/${units.length}`);
-    const squeezed = view.drawn.squeeze < 1;
-    element("squeeze").hidden = !squeezed;
-    if (squeezed) set(element("squeeze"), `Axis compressed 1 : ${(1 / view.drawn.squeeze).toPrecision(3)}`);
+    stage.showLegend(`${units.force}/${units.length}`);
     if (me.cursor !== null) setCursor(me.cursor);
     if (!data.served) set(element("unlisted"), OFFLINE);
   }
@@ -42,9 +37,7 @@ export function makeShown(me, data, { view, diagrams, controls, context, equilib
   function showNumbers() {
     const { shape, state } = me,
       found = observables(shape),
-      crossed = crossings(shape);
-    element("crossed").hidden = !crossed.length;
-    view.setRings(crossed);
+      crossed = stage.showCrossings(shape);
     if (shape.one.kind === "ends" && !me.head.ticket)
       state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
     const known = Object.entries(found).filter(([, value]) => Number.isFinite(value));
@@ -65,7 +58,7 @@ export function makeShown(me, data, { view, diagrams, controls, context, equilib
     me.cursor = s === null || !shape ? null : Math.min(s, shape.s[shape.s.length - 1]);
     const at = me.cursor === null ? null : valuesAt(shape, me.cursor),
       slider = element("cursor");
-    view.setMark(at);
+    stage.view.setMark(at);
     diagrams.setCursor(me.cursor);
     slider.value = at ? (1000 * at.s) / shape.s[shape.s.length - 1] : 0;
     set(element("here"), at ? hereText(at, me.state.units) : "");

@@ -1,7 +1,7 @@
 // The diagrams beside the rod: their canvases, and the cursor that they share with the rod.
 
-import { cursorIn, diagrams, valuesAt } from "./curves.mjs";
-import { frameOf, paintCursor, paintDiagram } from "./diagram.mjs";
+import { diagrams, valuesAt } from "./curves.mjs";
+import { frameOf, paintCursor, paintDiagram, paper } from "./diagram.mjs";
 
 const HEIGHT = 165;
 
@@ -24,7 +24,7 @@ export function makeDiagrams(box, below, code, theme, pointed) {
       canvas.setAttribute("role", "img");
       figure.append(title, canvas);
       (spec.key === "developed" ? below : box).append(figure);
-      const one = { canvas, title, key: spec.key, spec, frame: null };
+      const one = { canvas, title, spec, frame: null };
       for (const name of ["pointerdown", "pointermove"])
         canvas.addEventListener(name, (event) => pointed(nearest(one, event.offsetX, event.offsetY)));
       canvas.addEventListener("pointerleave", (event) => event.pointerType !== "touch" && pointed(null)); // a finger may leave
@@ -53,36 +53,23 @@ export function makeDiagrams(box, below, code, theme, pointed) {
     for (const one of shown) {
       const wide = one.canvas.clientWidth || 370,
         high = one.spec.height || HEIGHT,
-        [w, h] = [Math.round(wide * ratio), Math.round(high * ratio)];
-      if (one.canvas.width !== w || one.canvas.height !== h) {
-        Object.assign(one.canvas, { width: w, height: h });
-        one.canvas.style.height = `${high}px`;
-      }
-      const ctx = (one.ctx ??= one.canvas.getContext("2d"));
-      ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+        ctx = paper(one.canvas, wide, high, ratio);
       one.frame = frameOf(one.spec, wide, high);
       paintDiagram(ctx, one.spec, one.frame, theme(), code, end);
-      if (here)
-        paintCursor(ctx, one.frame, cursorIn(one.key, shape, here), one.key === "beta" || one.key === "push", theme());
+      if (here) paintCursor(ctx, one.frame, one.spec.cursor(here), one.spec.alongRod, theme());
     }
   }
 
   /* The s that a pointer in a diagram means, or null. */
-  function nearest({ key, frame, spec }, x, y) {
-    const ends = shape.s[shape.s.length - 1];
-    if (key === "beta" || key === "push") return Math.min(Math.max(frame.back(x), 0), ends);
+  function nearest({ frame, spec }, x, y) {
+    const { s, beta, alpha, z } = shape;
+    if (spec.alongRod) return Math.min(Math.max(frame.back(x), 0), s[s.length - 1]);
     let best = null,
       least = 30 ** 2;
-    for (let i = 0; i < shape.s.length; i++) {
-      const [u, v] = cursorIn(key, shape, {
-        s: shape.s[i],
-        beta: shape.beta[i],
-        alpha: shape.alpha[i],
-        z: shape.z[i],
-        push: 0,
-      });
-      const off = (frame.px(u) - x) ** 2 + (key === "well" ? 0 : (frame.py(v) - y) ** 2);
-      if (off < least) [best, least] = [shape.s[i], off];
+    for (let i = 0; i < s.length; i++) {
+      const [u, v] = spec.cursor({ beta: beta[i], alpha: alpha[i], z: z[i] }),
+        off = (frame.px(u) - x) ** 2 + (spec.byX ? 0 : (frame.py(v) - y) ** 2);
+      if (off < least) [best, least] = [s[i], off];
     }
     return best;
   }

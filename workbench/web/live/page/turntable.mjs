@@ -1,13 +1,10 @@
 // A turntable: a rod in a figure, with sliders, a colour bar and a triad.
 
 import { scaleOf } from "./colours.mjs";
+import { set } from "./details.mjs";
 import { makePrint } from "./print.mjs";
-import { showBar } from "./push_bar.mjs";
 import { solvedSource, storedSource } from "./rod_sources.mjs";
-import { makeView } from "./rod_view.mjs";
-import { showScale } from "./scale_bar.mjs";
-import { crossings } from "./self_contact.mjs";
-import { drawTriad } from "./triad.mjs";
+import { makeStage } from "./stage.mjs";
 
 const LAP = 12, // s of one turn
   REST = 150; // ms until what is slower is computed
@@ -20,7 +17,8 @@ export function turntable(figure, data, code, core, calm) {
   const source = data.arrays ? storedSource(data, core) : solvedSource(data, core),
     scale = data.extremes ? scaleOf(code, data.extremes) : null; // one for all its rods
   figure.classList.add("live"); // now the canvas has its size
-  const view = makeView(canvas, part("spot"), code, calm);
+  const stage = makeStage(canvas, part("spot"), part, code, calm, () => data.push.split("/").pop()),
+    { view } = stage;
   if (!view.scene) {
     figure.classList.remove("live");
     part("told").textContent = "This browser offers no WebGL 2, so the rod cannot be turned here.";
@@ -44,14 +42,10 @@ export function turntable(figure, data, code, core, calm) {
     view.show(shape, { ...how, scale });
     clearTimeout(resting);
     resting = setTimeout(() => {
-      const crossed = crossings(shape);
-      view.setRings(crossed);
-      part("crossed").hidden = !crossed.length;
+      const crossed = stage.showCrossings(shape);
       if (source.facts && !note) set(part("told"), source.facts(shape, crossed));
     }, REST);
-    part("squeeze").hidden = view.drawn.squeeze >= 1;
-    set(part("squeeze"), `Axis compressed 1 : ${(1 / view.drawn.squeeze).toPrecision(3)}`);
-    showBar(part("bar"), code, view.drawn.scale, data.push);
+    stage.showLegend(data.push);
   }
 
   /* One drawing a frame, of the newest place. */
@@ -85,11 +79,7 @@ export function turntable(figure, data, code, core, calm) {
   );
   const acts = {
     spin: () => spin(part("spin").getAttribute("aria-pressed") !== "true"),
-    front: () => {
-      spin(false);
-      view.front();
-    },
-    fit: () => view.fit(),
+    front: () => spin(false),
     again: () => {
       source.reset();
       show({ refit: true });
@@ -98,10 +88,6 @@ export function turntable(figure, data, code, core, calm) {
   for (const [name, act] of Object.entries(acts)) part(name)?.addEventListener("click", act);
   canvas.addEventListener("pointerdown", () => spin(false));
   if (!part("still")) makePrint(canvas, view, NO_DIAGRAMS, NO_DIAGRAMS); // else paper gets the still picture
-  view.moved = (camera) => {
-    drawTriad(part("triad"), camera);
-    showScale(part("scale"), view, canvas, data.push.split("/").pop());
-  };
   scrollsPast(canvas);
   show({ fresh: true });
   return Object.assign(figure, { view, show, spin });
@@ -170,8 +156,4 @@ function listed(box, rows) {
   });
   box.replaceChildren(...made);
   box.hidden = !rows.length;
-}
-
-function set(box, text) {
-  if (box.textContent !== text) box.textContent = text;
 }
