@@ -17,7 +17,7 @@ from solver.numerics.dual import where
 from solver.observe.observables import OBSERVABLES, Observable
 from solver.problem.quantities import QUANTITIES, Quantity
 from studies.language.loader import loads
-from studies.laws import verdict_words
+from studies.laws import law_words
 from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, Direction, Line, Verdict
 from tests.workbench import small
 from workbench.compare.trade_runs import ladders_of
@@ -145,7 +145,7 @@ def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monke
     ds = in_memory.run(small.study(axis + law))
     (row,) = law_verdicts.verdicts(ds)
     assert (row["verdict"], len(row["exceptions"])) == (FAILS, 2)
-    assert verdict_words.law_in_words(row) == "height stays level along E"
+    assert law_words.law_in_words(row) == "height stays level along E"
     fig = study_figure.figure(ds)
     assert any(ax.get_title(loc="left") == "a: false" for ax in fig.axes)
     assert "stays level with" in " ".join(fig.legends[0].get_title().get_text().split())

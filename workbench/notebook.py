@@ -113,13 +113,13 @@ class StudyRun:
     """
 
     def __init__(self, study: "Study") -> None:
-        from studies.laws import verdict_words
+        from studies.laws import law_words
 
         from .store import in_memory, law_verdicts
 
         self.ds = in_memory.run(study)
         self._rows = law_verdicts.verdicts(self.ds)
-        self.verdicts = [(verdict_words.law_in_words(row), str(row["verdict"])) for row in self._rows]
+        self.verdicts = [(law_words.law_in_words(row), str(row["verdict"])) for row in self._rows]
 
     def plot(self, **at: Any) -> Plot:
         """The figure of the study, or of its case at these values of axes. Raises `InputError`."""
@@ -130,10 +130,10 @@ class StudyRun:
         return scene(self.ds, at)
 
     def _repr_html_(self) -> str:
-        from studies.laws import verdict_words
+        from studies.laws import law_words
 
-        title = f"{self.ds.attrs['title']}: {verdict_words.count_of(int(self.ds['solved'].size), 'case')}"
-        return of_laws(title, [(verdict_words.law_in_words(row), verdict_words.sentence(row)) for row in self._rows])
+        title = f"{self.ds.attrs['title']}: {law_words.count_of(int(self.ds['solved'].size), 'case')}"
+        return of_laws(title, [(law_words.law_in_words(row), law_words.sentence(row)) for row in self._rows])
 
 
 def plot(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Plot:

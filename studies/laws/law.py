@@ -10,6 +10,7 @@ from solver.problem.errors import InputError, choices
 
 from ..grammar.axes import Line, Misplaced, in_rad, is_angle, one_of
 from ..grammar.formulas import Formula, parse
+from . import law_words
 from .law_kinds import FORMULAS, KINDS, MONOTONE, Kind, NumberLine
 from .line_verdicts import DIRECTIONS, HOLDS, QUALIFIED, TREND, Verdict, as_good, judge
 
@@ -148,7 +149,7 @@ class Law(BaseModel):
     @property
     def does(self) -> str:
         """What the observable does, in words: ``falls``, ``is at least 0.9``."""
-        return self._kind.does(self.rule)
+        return law_words.does(self.kind, self.rule)
 
     @property
     def counted(self) -> str:

@@ -1,4 +1,4 @@
-"""The kinds of laws: the keys of each, the verdict on a line, and the words for it.
+"""The kinds of laws: the keys of each, and the verdict on a line; the words for them are in `law_words`.
 
 The verdict on one line of numbers against other numbers: a formula, bounds, an exponent, the place of a boundary.
 *holds*: every case agrees. *not decided*: cases without a value, or too few or too wide steps, leave it open.
@@ -14,7 +14,8 @@ import numpy as np
 import scipy  # its parts are imported when used
 from numpy.typing import NDArray
 
-from .line_verdicts import DIRECTIONS, FAILS, HOLDS, UNDECIDED, Verdict
+from . import law_words
+from .line_verdicts import FAILS, HOLDS, UNDECIDED, Verdict
 
 Array = NDArray[np.float64]
 CONFIDENCE = 0.95  # of the interval of an exponent
@@ -36,10 +37,6 @@ class NumberLine:
     targets: Mapping[str, Array]
     why: str = ""
 
-    def at(self, i: int) -> str:
-        """``FZ = -200``."""
-        return f"{self.axis} = {self.along[i]:.4g}"
-
     def missing(self) -> str:
         """How many cases have no value, in words; "" for none."""
         lost = ~np.isfinite(self.values)
@@ -58,13 +55,11 @@ def equals(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     if relative is not None:
         off = np.divide(off, np.abs(formula), out=np.where(off > 0, np.inf, off), where=formula != 0)
     allowed = rule["absolute"] if relative is None else relative
-    words, numbers = "no case has a value", {}
+    numbers = {}
     if np.isfinite(off).any() or (off > 0).any():
         worst = int(np.nanargmax(off))
-        shown = f"{off[worst]:.3g}" if relative is None else f"{100 * off[worst]:.3g} %"
-        words = f"at most {shown} off, at {line.at(worst)}"
         numbers = {"off": float(off[worst]), "at": float(line.along[worst])}
-    return _of_cases(line, off > allowed * (1 + ROUNDING), words, numbers)
+    return _of_cases(line, off > allowed * (1 + ROUNDING), "equals", rule, numbers)
 
 
 def bound(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
@@ -74,9 +69,8 @@ def bound(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
         if key in line.targets:
             beyond = np.fmax(beyond, sign * (line.targets[key] - line.values))
     known = line.values[np.isfinite(line.values)]
-    words = f"{known.min():.4g} to {known.max():.4g}" if known.size else "no case has a value"
     numbers = {"smallest": float(known.min()), "largest": float(known.max())} if known.size else {}
-    return _of_cases(line, beyond > ROUNDING * np.abs(line.values), words, numbers)
+    return _of_cases(line, beyond > ROUNDING * np.abs(line.values), "bounded", rule, numbers)
 
 
 def scales(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
@@ -95,7 +89,7 @@ def scales(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     exponent, half, factor = fit_power(np.abs(x), np.abs(y))
     off, within = abs(exponent - rule["exponent"]), rule["within"]
     numbers = {"exponent": exponent, "interval": half, "factor": factor * float(np.sign(y[0]))}
-    words = f"exponent {exponent:.4g} ± {half:.2g}"
+    words = law_words.finding("scales", numbers, rule, line.axis)
     if off - half > within:
         return Verdict(FAILS, found=words, numbers=numbers, far=off)
     reason = line.missing() or _branch_changes(line)
@@ -155,8 +149,11 @@ def passes(level: Array, cut: NDArray[np.bool_]) -> list[tuple[int, int]]:
     ]
 
 
-def _of_cases(line: NumberLine, wrong: NDArray[np.bool_], words: str, numbers: dict[str, float]) -> Verdict:
-    """The verdict on cases that each agree or not."""
+def _of_cases(
+    line: NumberLine, wrong: NDArray[np.bool_], kind: str, rule: Mapping[str, Any], numbers: dict[str, float]
+) -> Verdict:
+    """The verdict on cases that each agree or not. numbers: that were measured; empty where no case has a value."""
+    words = law_words.finding(kind, numbers, rule, line.axis) if numbers else "no case has a value"
     exceptions = [(int(i), int(i)) for i in np.flatnonzero(wrong)]
     reason, far = line.missing(), numbers.get("off", float(len(exceptions)))
     verdict = FAILS if exceptions else UNDECIDED if reason else HOLDS
@@ -180,12 +177,11 @@ STEPS, CASES = "steps the wrong way", "cases outside"  # what the exceptions of 
 class Kind:
     """A kind of law.
 
-    does: the words for a law of given keys. needs: the keys that a law must have. one_of: keys of which it must have
+    needs: the keys that a law must have. one_of: keys of which it must have
     one; exclusive: and no more. keys: further keys. judge: the verdict on a line; None for a direction, which
     `line_verdicts.judge` judges. exceptions: what its exceptions are.
     """
 
-    does: Callable[[Mapping[str, Any]], str]
     needs: tuple[str, ...] = ()
     one_of: tuple[str, ...] = ()
     exclusive: bool = False
@@ -199,39 +195,11 @@ class Kind:
         return (*self.needs, *self.one_of, *self.keys)
 
 
-def _equals(rule: Mapping[str, Any]) -> str:
-    relative = rule.get("relative")
-    near = f"{rule['absolute']:.4g}" if relative is None else f"{100 * relative:.4g} %"
-    return f"equals {rule['formula']} within {near}"
-
-
-def _bound(rule: Mapping[str, Any]) -> str:
-    ends = [f"{word} {_show(rule[key])}" for key, word in (("least", "at least"), ("most", "at most")) if key in rule]
-    return f"is {' and '.join(ends)}"
-
-
-def _scales(rule: Mapping[str, Any]) -> str:
-    return f"scales with the exponent {rule['exponent']:.4g} within {rule['within']:.4g}"
-
-
-def _boundary(rule: Mapping[str, Any]) -> str:
-    return f"passes {_show(rule['passes'])} at {_show(rule['x'])} within {rule['within']:.4g}"
-
-
-def _show(value: Any) -> str:
-    return value if isinstance(value, str) else f"{value:.4g}"
-
-
 KINDS: dict[str, Kind] = {
-    MONOTONE: Kind(
-        lambda rule: DIRECTIONS[rule["direction"]].does,
-        needs=("direction",),
-        keys=("says", "alternatives", "also"),
-        exceptions=STEPS,
-    ),
-    "equals": Kind(_equals, ("formula",), ("relative", "absolute"), exclusive=True, judge=equals),
-    "bounded": Kind(_bound, one_of=("least", "most"), judge=bound),
-    "scales": Kind(_scales, ("exponent", "within"), judge=scales),
-    "boundary": Kind(_boundary, ("passes", "x", "within"), judge=boundary),
+    MONOTONE: Kind(needs=("direction",), keys=("says", "alternatives", "also"), exceptions=STEPS),
+    "equals": Kind(("formula",), ("relative", "absolute"), exclusive=True, judge=equals),
+    "bounded": Kind(one_of=("least", "most"), judge=bound),
+    "scales": Kind(("exponent", "within"), judge=scales),
+    "boundary": Kind(("passes", "x", "within"), judge=boundary),
 }
 FORMULAS = ("formula", "least", "most", "passes", "x")  # keys whose value may be a formula

@@ -19,9 +19,10 @@ from numpy.typing import ArrayLike, NDArray
 from solver.problem.errors import InputError, choices, no_such
 
 from ..grammar.formulas import evaluate
-from . import verdict_words
+from . import law_words
 from .law import Law
 from .law_kinds import MONOTONE, STEPS, NumberLine
+from .law_words import ON_OBSERVABLE
 from .line_verdicts import (
     DIRECTIONS,
     FAILS,
@@ -36,7 +37,6 @@ from .line_verdicts import (
     judge,
     worst,
 )
-from .verdict_words import ON_OBSERVABLE
 
 __all__ = [
     "DIRECTIONS", "FAILS", "HOLDS", "NOISE", "QUALIFIED", "TREND", "UNDECIDED", "VERDICTS", "Law", "Verdict",
@@ -121,7 +121,7 @@ def decide(
     if others and as_good(row["verdict"], QUALIFIED):
         row["verdict"] = QUALIFIED
         row["qualifications"] = [*row["qualifications"], ON_OBSERVABLE]
-        row["reason"] = verdict_words.join([row["reason"], verdict_words.of_others(row, law.meant, others)])
+        row["reason"] = law_words.join([row["reason"], law_words.of_others(row, law.meant, others)])
     return row
 
 
@@ -269,7 +269,7 @@ def _tell(
     shown = max(deciding, key=lambda verdict: (VERDICTS.index(verdict.verdict), verdict.far))
     first, last = np.array(ends).T
     return {
-        **verdict_words.together(name, law.meant, deciding, every, at, _range(first)),
+        **law_words.together(name, law.meant, deciding, every, at, _range(first)),
         "tau": min(taus) if taus else None,
         "at": dict(at),
         "lines": len(every),

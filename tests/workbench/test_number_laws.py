@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from solver import InputError
 from studies import Study, load
-from studies.laws import verdict_words
+from studies.laws import law_words
 from studies.laws.verdicts import FAILS, HOLDS, UNDECIDED
 from tests.workbench import small
 from workbench import cli
@@ -91,9 +91,9 @@ def test_a_case_where_an_expression_divides_by_zero_says_so_and_its_neighbours_a
 def test_each_kind_of_law_is_judged_from_what_is_stored(ds: xr.Dataset) -> None:
     rows = {row["claim"]: row for row in law_verdicts.verdicts(ds)}
     assert {claim: row["verdict"] for claim, row in rows.items()} == dict.fromkeys(HEADS, HOLDS)
-    assert verdict_words.law_in_words(rows["equals"]) == "kappa_max equals kappa_mean/share within 1e-07 % along R"
-    assert verdict_words.measure(rows["scales"]).startswith("exponent 2 ± ")
-    assert verdict_words.measure(rows["boundary"]) == "passes between 0.75 and 1"
+    assert law_words.law_in_words(rows["equals"]) == "kappa_max equals kappa_mean/share within 1e-07 % along R"
+    assert law_words.measure(rows["scales"]).startswith("exponent 2 ± ")
+    assert law_words.measure(rows["boundary"]) == "passes between 0.75 and 1"
 
 
 def test_a_run_to_a_file_stores_what_a_run_in_memory_gives(ds: xr.Dataset, tmp_path: Path, monkeypatch: Any) -> None:
@@ -151,7 +151,7 @@ def test_a_panel_marks_the_cases_outside(ds: xr.Dataset) -> None:
     marks = [line for line in panels(bad)["a"].get_lines() if line.get_label() == "a case outside"]
     here = [step for step in row["exceptions"]]
     assert len(marks) == len(here)
-    assert f"{len(here)} of {row['steps']} cases outside" in verdict_words.sentence(row)
+    assert f"{len(here)} of {row['steps']} cases outside" in law_words.sentence(row)
 
 
 def test_a_law_on_an_expression_without_a_value_is_not_decided(tmp_path: Path) -> None:
@@ -178,7 +178,7 @@ def test_the_buckled_pipe_is_lubinskis_and_mitchells_up_to_the_angle_of_its_heli
 
 def test_the_report_has_a_card_for_each_kind_of_law(pipe: xr.Dataset) -> None:
     cards = {row["claim"]: law_cards.law_of(pipe, row) for row in law_verdicts.verdicts(pipe)}
-    assert cards["Lubinski"]["stated"].endswith(" equals lubinski_pitch within 1 % along FZ")
+    assert cards["Lubinski"]["stated"].endswith(" equals lubinski_pitch within 1 %, along FZ")
     assert cards["pitch"]["stated"].endswith(" rises with FZ")
     assert cards["Lubinski"]["measured"].startswith("at most 0.0182 % off, at FZ = −300")
 

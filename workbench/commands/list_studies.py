@@ -17,13 +17,13 @@ def list_studies() -> Result:
 
 
 def _print(rows: list[dict[str, Any]]) -> None:
-    from studies.laws import verdict_words
+    from studies.laws import law_words
 
     table = []
     for row in rows:
         sampled = [f"{row['samples']} samples of {', '.join(row['sampled'])}"] if row["sampled"] else []
         axes = "\n".join([*sampled, *map(_range, row["axes"]), *(["refined"] if row["refined"] else [])])
-        laws = "\n".join(f"{law['claim']}: {verdict_words.law_in_words(law)}" for law in row["laws"])
+        laws = "\n".join(f"{law['claim']}: {law_words.law_in_words(law)}" for law in row["laws"])
         table.append([row["study"], row["title"], axes or "-", laws or "-"])
     tables.print_table(["study", "title", "axes", "laws"], table)
 

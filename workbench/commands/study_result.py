@@ -20,20 +20,19 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
 
     alternatives: with the other observables of each law in the rows below it.
     """
-    from studies.laws import verdict_words
+    from studies.laws import law_words
 
-    console.say(verdict_words.tally_of(list(verdicts)))
+    console.say(law_words.tally_of(list(verdicts)))
     rows, reasons = [], []
     for row in verdicts:
-        law, measured = verdict_words.law_in_words(row), verdict_words.measure(row)
-        rows.append([verdict_words.plain(row), row["claim"], law, measured])
-        if detail := verdict_words.detail(row):
+        law, measured = law_words.law_in_words(row), law_words.measure(row)
+        rows.append([law_words.plain(row), row["claim"], law, measured])
+        if detail := law_words.detail(row):
             reasons.append(f"{row['claim']}, {row['observable']}: {detail}")
         for also in row["also"] if alternatives else ():
-            role = "alternative" if also["alternative"] else "for information"
-            rows.append([f"  {verdict_words.plain(also)}", "", f"  {role}: {also['observable']}",
-                         verdict_words.measure(also)])  # fmt: skip
-            if detail := verdict_words.detail(also):
+            role = f"  {law_words.role(also)}: {also['observable']}"
+            rows.append([f"  {law_words.plain(also)}", "", role, law_words.measure(also)])
+            if detail := law_words.detail(also):
                 reasons.append(f"{row['claim']}, {also['observable']}: {detail}")
     tables.print_table(["verdict", "claim", "law", "measured"], rows, title=title)
     for reason in reasons:
@@ -82,7 +81,7 @@ def _warnings(outcomes: Mapping[str, int], file: Path) -> list[str]:
 
 def _fewer_digits(count: int, file: Path) -> str:
     """What cases have lost whose error is above the tolerance, how many digits remain, and which case is the worst."""
-    from studies.laws import verdict_words
+    from studies.laws import law_words
 
     from ..store.file_summary import least_accurate
     from ..words import labels
@@ -91,10 +90,10 @@ def _fewer_digits(count: int, file: Path) -> str:
     digits = max(floor(-log10(worst["error"])), 0)
     at = f"at {worst['at']}" if worst["at"] else ""
     which = f"the least accurate, {at}, has" if count > 1 else f"{at} it has".strip()
-    are, told = "are" if count > 1 else "is", verdict_words.count_of(digits, "digit")
+    are, told = "are" if count > 1 else "is", law_words.count_of(digits, "digit")
     grows = labels.number(worst["condition"], 2)
     return (
-        f"{verdict_words.count_of(count, 'case')} {are} solved to fewer digits than the tolerance asks for: {which} "
+        f"{law_words.count_of(count, 'case')} {are} solved to fewer digits than the tolerance asks for: {which} "
         f"about {told} (estimated error {worst['error']:.1e}), because a small change of its data grows {grows} times "
         "along the rod"
     )
@@ -102,7 +101,7 @@ def _fewer_digits(count: int, file: Path) -> str:
 
 def result_of(found: dict[str, Any], ran: "Ran | None" = None) -> Result:
     """What a stored study holds, and after a run what the run did; status 1 if a case is unsolved or a law fails."""
-    from studies.laws import verdict_words
+    from studies.laws import law_words
 
     from ..store import law_verdicts
     from ..words import cautions
@@ -117,14 +116,14 @@ def result_of(found: dict[str, Any], ran: "Ran | None" = None) -> Result:
         run = {} if ran is None else {"solved_now": ran.solved, "seconds": ran.seconds}
         named = {name: found[name] for name in ("study", "reading", "file")}
         named |= {name: found[name] for name in SENTENCES if found.get(name)}
-        laws = {"verdicts": verdict_words.tally(found["laws"]), "laws": found["laws"]}
+        laws = {"verdicts": law_words.tally(found["laws"]), "laws": found["laws"]}
         return {**named, **counts, **run, **laws, "status": status}
 
     def show() -> None:
         console.say(f"{found['title']}, {found['reading']}" if found["reading"] else found["title"])
         if found["laws"]:
             print_verdicts(found["laws"], alternatives=True)
-        console.say(f"{file}: {verdict_words.count_of(cases, 'case')}, {unsolved} unsolved")
+        console.say(f"{file}: {law_words.count_of(cases, 'case')}, {unsolved} unsolved")
         _print_outcomes(outcomes, file)
         print_sampling(found)
         for name in ("equilibria", "branches"):

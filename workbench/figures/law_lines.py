@@ -17,8 +17,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from studies.laws import verdict_words
-from studies.laws.verdict_words import PLAIN, count
+from studies.laws import law_words
+from studies.laws.law_words import PLAIN, count
 from studies.laws.verdicts import HOLDS, VERDICTS
 
 from ..store import law_verdicts, refined
@@ -124,21 +124,21 @@ def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
     row = law.row
     at = ", ".join(labels.equation(ds[name], value) for name, value in row["at"].items())
     at = at.replace(" ", "\N{NO-BREAK SPACE}")
-    does = f"{row['does']} {'with' if row['direction'] else 'along'} {labels.axis_symbol(row['axis'])}"
-    noun = labels.noun_of(row["observable"])
+    law_text = law_words.law_in_words(row, labels.noun_of(row["observable"]), labels.axis_symbol(row["axis"]))
+    said = f"{row['claim']}: {law_text}; {PLAIN[row['verdict']]}"
     if not at:
-        return f"{row['claim']}: {noun} {does}; {PLAIN[row['verdict']]}"
+        return said
     there = {name: int(np.abs(law.lines[name].values - value).argmin())
              for name, value in row["at"].items() if name in law.lines.dims}  # fmt: skip
     decided = str(law.lines.isel(there).values)
     how = f": {PLAIN[decided]} at" if decided in VERDICTS and decided != row["verdict"] else "; judged at"
-    return f"{row['claim']}: {noun} {does}; {PLAIN[row['verdict']]}{how} {at}"
+    return f"{said}{how} {at}"
 
 
 def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The refinement of a study in words, and the verdict of each of its laws."""
     told = [
-        f"law {row['claim']}: {labels.law_text(row, verdict_words.law_in_words(row))}; {PLAIN[row['verdict']]}"
+        f"law {row['claim']}: {labels.law_text(row, law_words.law_in_words(row))}; {PLAIN[row['verdict']]}"
         for row in rows
     ]
     watched = refined.describe(ds).watch

@@ -1,18 +1,17 @@
 """The panel of a law: its observable against its axis, what the law compares it with, the verdict with its reason."""
 
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from studies.laws import verdict_words
+from studies.laws import law_words
 from studies.laws.law import Law
 from studies.laws.law_kinds import MONOTONE
-from studies.laws.verdict_words import PLAIN
+from studies.laws.law_words import PLAIN
 
 from ..store import law_verdicts, selection
 from ..words import labels
@@ -38,49 +37,27 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> str:
     draw_curve(ds, ax, row)
     ax.set_title(style.wrap(f"{row['claim']}: {verdict}", ax), loc="left", color=colour)
     legend.add(ax)
-    said = "; ".join(text for text in (verdict, _measure(ds, row), _other_observables(ds, row)) if text)
+    others = law_words.others(row, lambda name: labels.symbol(ds[name]))
+    said = "; ".join(text for text in (verdict, _measure(ds, row), others) if text)
     return f"{row['claim']}: {sentence(ds, row)}; {said.rstrip('.')}."
 
 
 def _measure(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
     """What was measured, its numbers with their units, and the reason of the verdict."""
-    numbers, axis = row["numbers"], ds[row["axis"]]
-    said = WITH_NUMBERS[row["kind"]].measured(ds, row, numbers, axis) if numbers else row["found"]
-    return labels.law_text(row, "; ".join(text for text in (said, verdict_words.detail(row)) if text))
+    said = law_words.finding_of(row, _show(ds, row))
+    return labels.law_text(row, "; ".join(text for text in (said, law_words.detail(row)) if text))
 
 
-def _off(ds: xr.Dataset, row: Mapping[str, Any], numbers: Mapping[str, float], axis: xr.DataArray) -> str:
-    off = (
-        f"{100 * numbers['off']:.3g} %" if "relative" in row["rule"] else _number(numbers["off"], ds[row["observable"]])
-    )
-    return f"at most {off} off, at {row['axis']} = {_number(numbers['at'], axis)}"
+def _show(ds: xr.Dataset, row: Mapping[str, Any]) -> law_words.Show:
+    """How a law writes a number or a formula: with units and symbols."""
+    axis = row["axis"]
+    arrays = {"observable": ds[row["observable"]], "axis": ds[axis], "place": ds[axis]}
 
+    def show(value: Any, of: str) -> str:
+        named = f"{labels.axis_symbol(axis)} = " if of == "place" else ""
+        return named + formula(ds, value, arrays[of])
 
-def _range(ds: xr.Dataset, row: Mapping[str, Any], numbers: Mapping[str, float], axis: xr.DataArray) -> str:
-    return " to ".join(_number(numbers[end], ds[row["observable"]]) for end in ("smallest", "largest"))
-
-
-def _crossing(ds: xr.Dataset, row: Mapping[str, Any], numbers: Mapping[str, float], axis: xr.DataArray) -> str:
-    if row["found"].count("between") > 1:
-        return str(row["found"])
-    return f"passes between {' and '.join(_number(numbers[end], axis) for end in ('from', 'to'))}"
-
-
-def _other_observables(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
-    """The verdicts of the other observables: the alternatives of the law, then those that decide nothing."""
-    sentences = []
-    for intro, equal in (("Alternative observables", True), ("For information only", False)):
-        some = [also for also in row["also"] if also["alternative"] == equal]
-        if some:
-            brief = "; ".join(f"{labels.symbol(ds[also['observable']])} {_brief(also)}" for also in some)
-            sentences.append(f"{intro}: {brief}.")
-    return " ".join(sentences)
-
-
-def _brief(row: Mapping[str, Any]) -> str:
-    """What an observable does, in the words of its verdict, and how many of its steps go the wrong way."""
-    wrong, does = len(row["exceptions"]), PLAIN[row["verdict"]]
-    return f"{does} ({wrong} step{'s' * (wrong > 1)} wrong)" if wrong else does
+    return show
 
 
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))  # of a curve and a lower bound; of an upper bound
@@ -98,13 +75,14 @@ def draw_curve(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
         key: values if key == "x" else labels.in_label_unit(ds[law.observable], values)
         for key, values in law_verdicts.numbers_of_line(ds, law, places).items()
     }
-    WITH_NUMBERS[law.kind].draw(ax, ds, along, numbers, law, row)
+    WITH_NUMBERS[law.kind](ax, ds, along, numbers, law, row)
 
 
 def _equals(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
     values, array = numbers["formula"], ds[law.observable]
     half = labels.in_label_unit(array, law.absolute) if law.relative is None else law.relative * np.abs(values)
-    _line(ax, along, values, f"{formula(ds, law.formula, array)} ± {_tolerance(row['rule'], array)}")
+    near = _number(law.absolute or 0.0, array) if law.relative is None else f"{100 * law.relative:.4g}{NO_BREAK}%"
+    _line(ax, along, values, f"{formula(ds, law.formula, array)} ± {near}")
     _allow(ax, along, values - half, values + half)
 
 
@@ -169,41 +147,10 @@ def sentence(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
     row
         A row of `law_verdicts.verdicts`.
     """
-    array, axis = ds[row["observable"]], labels.axis_symbol(row["axis"])
-    if row["kind"] == MONOTONE:
-        return labels.typeset(f"{labels.long_name(array)} {row['does']} with {axis}")
-    predicate = WITH_NUMBERS[row["kind"]].predicate(ds, row["rule"], array, row["axis"])
-    return labels.typeset(f"{labels.symbol(array)} {predicate}")
-
-
-def _words_of_equals(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
-    near = _tolerance(rule, array)
-    return f"equals {formula(ds, rule['formula'], array)} within {near}, along {labels.axis_symbol(axis)}"
-
-
-def _tolerance(rule: Mapping[str, Any], array: xr.DataArray) -> str:
-    return f"{100 * rule['relative']:.4g}{NO_BREAK}%" if "relative" in rule else _number(rule["absolute"], array)
-
-
-def _words_of_bounds(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
-    return f"is {bounds(ds, rule, array)}, along {labels.axis_symbol(axis)}"
-
-
-def _words_of_scales(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
-    exponent = f"{rule['exponent']:.4g} within {rule['within']:.4g}"
-    size = labels.axis_symbol(axis) if (ds[axis] >= 0).all() else f"|{labels.axis_symbol(axis)}|"
-    return f"is a power of {size}, its exponent {exponent}"
-
-
-def _words_of_boundary(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray, axis: str) -> str:
-    place = f"{formula(ds, rule['x'], ds[axis])} within {_number(rule['within'], ds[axis])}"
-    return f"passes {formula(ds, rule['passes'], array)} at {labels.axis_symbol(axis)} = {place}"
-
-
-def bounds(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray) -> str:
-    """``at least 0.9 and at most 1``."""
-    ends = (("least", "at least"), ("most", "at most"))
-    return " and ".join(f"{word} {formula(ds, rule[key], array)}" for key, word in ends if key in rule)
+    array = ds[row["observable"]]
+    noun = labels.long_name(array) if row["kind"] == MONOTONE else labels.symbol(array)
+    text = law_words.law_in_words(row, noun, labels.axis_symbol(row["axis"]), _show(ds, row))
+    return labels.typeset(text.replace(" %", f"{NO_BREAK}%"))
 
 
 def formula(ds: xr.Dataset, value: Any, array: xr.DataArray) -> str:
@@ -243,18 +190,4 @@ def _number(value: float, array: xr.DataArray) -> str:
     return labels.value(float(value), array).replace(" ", NO_BREAK)
 
 
-@dataclass(frozen=True)
-class Panel:
-    """How a kind of law with numbers is drawn, what its sentence says of the observable, and of what was measured."""
-
-    draw: Callable[..., None]
-    predicate: Callable[..., str]
-    measured: Callable[..., str]
-
-
-WITH_NUMBERS = {
-    "equals": Panel(_equals, _words_of_equals, _off),
-    "bounded": Panel(_bound, _words_of_bounds, _range),
-    "scales": Panel(_scales, _words_of_scales, lambda ds, row, numbers, axis: row["found"]),
-    "boundary": Panel(_boundary, _words_of_boundary, _crossing),
-}
+WITH_NUMBERS = {"equals": _equals, "bounded": _bound, "scales": _scales, "boundary": _boundary}  # what draws a kind

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from solver.mechanics import frames
-from studies.laws.verdict_words import PLAIN
+from studies.laws.law_words import PLAIN
 from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
 from ..store import law_verdicts

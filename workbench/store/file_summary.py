@@ -13,7 +13,7 @@ from solver.observe.observables import OBSERVABLES
 from solver.problem.case import PAIRS
 from solver.problem.errors import InputError
 from studies.grammar.dimensions import SAMPLE
-from studies.laws import verdict_words
+from studies.laws import law_words
 
 from ..words import cautions, labels, outcomes
 from . import file_checks, file_kinds, law_verdicts, reading, refined, schema, selection
@@ -52,7 +52,7 @@ def summary(path: Path) -> dict[str, Any]:
         told["observables"] = [_spread(ds[name]) for name in _observables(ds)]
         told["worst"] = [_worst(ds, name) for name in ("error", "condition")]
         rows = law_verdicts.verdicts(ds)
-        told |= {"verdicts": verdict_words.tally(rows), "laws": [_law(row) for row in rows]}
+        told |= {"verdicts": law_words.tally(rows), "laws": [_law(row) for row in rows]}
     return told
 
 
@@ -186,8 +186,8 @@ def _law(row: dict[str, Any]) -> dict[str, Any]:
     told = {key: value for key, value in row.items() if key not in ("exceptions", "also")}
     return {
         **told,
-        "stated": verdict_words.law_in_words(row),
-        "said": verdict_words.sentence(row),
+        "stated": law_words.law_in_words(row),
+        "said": law_words.sentence(row),
         "exceptions": len(row["exceptions"]),
     }
 

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from studies.laws import verdict_words
-from studies.laws.law_kinds import MONOTONE
+from studies.laws import law_words
 from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
 from ...words import labels
@@ -21,12 +20,11 @@ CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "u
 def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
     """One law and the other observables that it names, as text."""
     words = labels.long_name(ds[row["observable"]])
-    along = "with" if row["kind"] == MONOTONE else "along"
     return {
         "claim": row["claim"],
         "source": row["source"],
         "words": words,
-        "stated": labels.typeset(f"{words} {row['does']} {along} {labels.axis_symbol(row['axis'])}"),
+        "stated": labels.typeset(law_words.law_in_words(row, words, labels.axis_symbol(row["axis"]))),
         "name": row["observable"],
         **_verdict(row, ds[row["observable"]]),
         "fixed": row["fixed"] or "not stated",
@@ -35,7 +33,7 @@ def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
             {
                 "stated": labels.long_name(ds[also["observable"]]),
                 "name": also["observable"],
-                "role": "alternative:" if also["alternative"] else "for information:",
+                "role": f"{law_words.role(also)}:",
                 **_verdict({**also, "axis": row["axis"]}, ds[also["observable"]]),
             }
             for also in row["also"]
@@ -47,18 +45,18 @@ def _verdict(row: Mapping[str, Any], array: xr.DataArray) -> dict[str, str]:
     return {
         "verdict": row["verdict"],
         "class": CLASSES[row["verdict"]],
-        "plain": verdict_words.PLAIN[row["verdict"]].capitalize(),
+        "plain": law_words.PLAIN[row["verdict"]].capitalize(),
         "measured": _measure(row, array),
-        "detail": labels.law_text(row, verdict_words.detail(row)),
+        "detail": labels.law_text(row, law_words.detail(row)),
     }
 
 
 def _measure(row: Mapping[str, Any], array: xr.DataArray) -> str:
     """What was measured; the values of an angle at the two ends of the axis in degrees."""
     if not labels.is_angle(array) or row["found"]:
-        return labels.typeset(verdict_words.measure(row))
+        return labels.typeset(law_words.measure(row))
     ends = {key: np.degrees(row[key]).tolist() for key in ("first", "last") if row[key]}
-    return labels.typeset(verdict_words.measure({**row, **ends}).replace(" →", "° →") + "°")
+    return labels.typeset(law_words.measure({**row, **ends}).replace(" →", "° →") + "°")
 
 
 def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
@@ -70,7 +68,7 @@ def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
             claim["laws"].append(law)
             verdict = worst([law["verdict"], claim["verdict"]])
             claim["judged"] = " and ".join(dict.fromkeys(_criterion(row) for row in claim["laws"]))
-            claim |= {"verdict": verdict, "class": CLASSES[verdict], "plain": verdict_words.PLAIN[verdict].capitalize()}
+            claim |= {"verdict": verdict, "class": CLASSES[verdict], "plain": law_words.PLAIN[verdict].capitalize()}
     return list(claims.values())
 
 
@@ -93,23 +91,23 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
             laws = [row for row in by_reading[reading] if row["claim"] == claim]
             verdict = worst([row["verdict"] for row in laws])
             measured = [
-                f"{labels.symbol_of(row['observable'])} {labels.minus_signs(verdict_words.measure(row))}"
+                f"{labels.symbol_of(row['observable'])} {labels.minus_signs(law_words.measure(row))}"
                 for row in laws
                 if row["first"]
             ]
             cells.append(
                 {
                     "verdict": verdict,
-                    "plain": verdict_words.PLAIN[verdict].capitalize(),
+                    "plain": law_words.PLAIN[verdict].capitalize(),
                     "class": CLASSES[verdict],
                     "measured": measured,
                     "reason": sentence(_short(verdict, laws)),
                     "why": labels.typeset(
-                        in_degrees("; ".join(f"{row['observable']}: {verdict_words.sentence(row)}" for row in laws))
+                        in_degrees("; ".join(f"{row['observable']}: {law_words.sentence(row)}" for row in laws))
                     ),
                 }
             )
-        counts = verdict_words.count(Counter(str(cell["verdict"]) for cell in cells))
+        counts = law_words.count(Counter(str(cell["verdict"]) for cell in cells))
         table.append({"name": reading, "words": reading.split("/"), "cells": cells, "counts": counts})
     return {"claims": claims, "rows": table}
 
@@ -133,11 +131,11 @@ def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
     """Why a claim was not tested, or how it is qualified."""
     if untested := [row for row in laws if not row["lines"]]:
         others = [
-            f"along {labels.axis_symbol(row['axis'])} it is {verdict_words.PLAIN[row['verdict']]}"
+            f"along {labels.axis_symbol(row['axis'])} it is {law_words.PLAIN[row['verdict']]}"
             for row in laws
             if row["lines"]
         ]
         first = labels.law_text(untested[0], untested[0]["reason"])
-        return verdict_words.join([first, *others])
+        return law_words.join([first, *others])
     kinds = dict.fromkeys(kind for row in laws for kind in row["qualifications"])
     return ", ".join(kinds) if verdict == QUALIFIED else ""

@@ -15,7 +15,7 @@ from jinja2 import Environment, StrictUndefined
 from PIL import Image, ImageChops
 
 from solver.problem.errors import InputError
-from studies.laws import verdict_words
+from studies.laws import law_words
 
 from ...figures import colours
 from ...store import atomic, law_verdicts
@@ -90,7 +90,8 @@ def html(
     return template.render(
         reading=str(results[0].ds.attrs["reading"]),
         claims=claims,
-        tally=verdict_words.tally_of(claims, "claim"),
+        tally=law_words.tally_of(claims, "claim"),
+        meanings=[(law_words.PLAIN[key], labels.typeset(text)) for key, text in law_words.MEANING.items()],
         sections=sections,
         laws=laws,
         notes=list(dict.fromkeys(law["fixed_note"] for law in laws if law["fixed_note"])),

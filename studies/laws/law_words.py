@@ -1,0 +1,309 @@
+"""Every sentence about a law: what it claims, its verdict, what was measured, why it is true in part or not decided.
+
+Commands, figures and the report take their words here. How a number or a formula is written is theirs: a `Show`.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .line_verdicts import (
+    DIRECTIONS,
+    FAILS,
+    HOLDS,
+    QUALIFIED,
+    TREND,
+    TREND_TAU,
+    UNDECIDED,
+    VERDICTS,
+    Verdict,
+    as_good,
+    worst,
+)
+
+NOT_CONTRADICTED, ON_PART, ON_OBSERVABLE = QUALIFICATIONS = (
+    "not contradicted",
+    "on part of the grid",
+    "depends on the observable",
+)
+
+MOST = 3  # reasons of different lines of a grid that are listed
+PLAIN = {  # verdict -> what a reader is told
+    HOLDS: "true",
+    TREND: "true as a trend",
+    QUALIFIED: "true in part",
+    UNDECIDED: "not decided",
+    FAILS: "false",
+}
+MEANING = {  # verdict -> what it means
+    HOLDS: "every step goes the right way (a count may stay the same between neighbours), or every case agrees",
+    TREND: "Kendall's tau in the law's direction is at least 0.8, and the steps that go the wrong way are counted",
+    QUALIFIED: "one of these, with a reservation: a count is constant where the sentence says that it rises "
+    f"({NOT_CONTRADICTED}), the law is true on the line that decides but not as well on another line ({ON_PART}), or "
+    f"it is false of an alternative observable ({ON_OBSERVABLE})",
+    UNDECIDED: "cases are unsolved, or steps cross to another branch of equilibria, and the other steps do not decide; "
+    "or the reading drops the load of the axis",
+    FAILS: "none of these",
+}
+
+# Writes a number or a formula; of what: the "observable", the "axis", or a "place" on the axis.
+Show = Callable[[Any, str], str]
+
+
+def as_given(value: Any, of: str) -> str:
+    """A number with four digits, a formula as the study has it."""
+    return value if isinstance(value, str) else f"{value:.4g}"
+
+
+@dataclass(frozen=True)
+class KindWords:
+    """The words of a kind of law.
+
+    does: what the observable does, of the law's keys. finding: what was measured, of the numbers of the verdict, the
+    law's keys and the axis.
+    """
+
+    does: Callable[[Mapping[str, Any], Show], str]
+    finding: Callable[[Mapping[str, float], Mapping[str, Any], str, Show], str] | None = None
+
+
+def _equals(rule: Mapping[str, Any], show: Show) -> str:
+    relative = rule.get("relative")
+    near = show(rule["absolute"], "observable") if relative is None else f"{100 * relative:.4g} %"
+    return f"equals {show(rule['formula'], 'observable')} within {near}"
+
+
+def _off(numbers: Mapping[str, float], rule: Mapping[str, Any], axis: str, show: Show) -> str:
+    off = f"{100 * numbers['off']:.3g} %" if "relative" in rule else show(numbers["off"], "observable")
+    return f"at most {off} off, at {axis} = {show(numbers['at'], 'axis')}"
+
+
+def _bounds(rule: Mapping[str, Any], show: Show) -> str:
+    of = "observable"
+    ends = (("least", "at least"), ("most", "at most"))
+    return f"is {' and '.join(f'{words} {show(rule[key], of)}' for key, words in ends if key in rule)}"
+
+
+def _range(numbers: Mapping[str, float], rule: Mapping[str, Any], axis: str, show: Show) -> str:
+    return f"{show(numbers['smallest'], 'observable')} to {show(numbers['largest'], 'observable')}"
+
+
+def _scales(rule: Mapping[str, Any], show: Show) -> str:
+    return f"scales with the exponent {rule['exponent']:.4g} within {rule['within']:.4g}"
+
+
+def _exponent(numbers: Mapping[str, float], rule: Mapping[str, Any], axis: str, show: Show) -> str:
+    return f"exponent {numbers['exponent']:.4g} ± {numbers['interval']:.2g}"
+
+
+def _passes(rule: Mapping[str, Any], show: Show) -> str:
+    place = f"{show(rule['x'], 'place')} within {show(rule['within'], 'axis')}"
+    return f"passes {show(rule['passes'], 'observable')} at {place}"
+
+
+def _gap(numbers: Mapping[str, float], rule: Mapping[str, Any], axis: str, show: Show) -> str:
+    return f"passes between {show(numbers['from'], 'axis')} and {show(numbers['to'], 'axis')}"
+
+
+KIND_WORDS: dict[str, KindWords] = {
+    "monotone": KindWords(lambda rule, show: DIRECTIONS[rule["direction"]].does),
+    "equals": KindWords(_equals, _off),
+    "bounded": KindWords(_bounds, _range),
+    "scales": KindWords(_scales, _exponent),
+    "boundary": KindWords(_passes, _gap),
+}
+
+
+def does(kind: str, rule: Mapping[str, Any], show: Show = as_given) -> str:
+    """What the observable of a law does, of its kind and keys: ``falls``, ``is at least 0.9``."""
+    return KIND_WORDS[kind].does(rule, show)
+
+
+def finding(kind: str, numbers: Mapping[str, float], rule: Mapping[str, Any], axis: str, show: Show = as_given) -> str:
+    """What was measured of a law with numbers: ``at most 0.02 % off, at FZ = -300``."""
+    words = KIND_WORDS[kind].finding
+    assert words is not None
+    return words(numbers, rule, axis, show)
+
+
+def finding_of(row: Mapping[str, Any], show: Show) -> str:
+    """What was measured, of a row of a verdict; as it is stored where its numbers do not say it all."""
+    several = row["found"].count("between") > 1
+    if not row["numbers"] or None in row["numbers"].values() or several:
+        return str(row["found"])
+    return finding(row["kind"], row["numbers"], row["rule"], row["axis"], show)
+
+
+def others(row: Mapping[str, Any], name: Callable[[str], str]) -> str:
+    """The verdicts on the other observables of a law: its alternatives, then those that decide nothing."""
+    sentences = []
+    for intro, equal in (("Alternative observables", True), ("For information only", False)):
+        rows = [also for also in row["also"] if also["alternative"] == equal]
+        if rows:
+            brief = "; ".join(f"{name(also['observable'])} {_brief(also)}" for also in rows)
+            sentences.append(f"{intro}: {brief}.")
+    return " ".join(sentences)
+
+
+def role(also: Mapping[str, Any]) -> str:
+    """What another observable of a law is to it."""
+    return "alternative" if also["alternative"] else "for information"
+
+
+def _brief(row: Mapping[str, Any]) -> str:
+    """The verdict, and how many steps go the wrong way."""
+    wrong = len(row["exceptions"])
+    return f"{plain(row)} ({wrong} step{'s' * (wrong > 1)} wrong)" if wrong else plain(row)
+
+
+def together(
+    name: str,
+    meant: str,
+    deciding: Sequence[Verdict],
+    every: Sequence[str],
+    at: Mapping[str, float],
+    first: list[float] | None,
+) -> dict[str, Any]:
+    """Verdict, qualifications and reason of an observable, from the lines that decide and the verdicts of all lines.
+
+    meant: the direction in the sentence. at: the values of the other axes where the law is decided. first: the range of
+    the observable at the start of the axis.
+    """
+    verdict = worst([line.verdict for line in deciding])
+    kinds: list[str] = []
+    if verdict == QUALIFIED:
+        kinds.append(NOT_CONTRADICTED)
+        reasons = [_standing(name, meant, deciding, first)]
+    else:
+        reasons = list(dict.fromkeys(line.reason for line in deciding if line.reason))
+        reasons = [*reasons[:MOST], *(["and so on"] if len(reasons) > MOST else [])]
+    if as_good(verdict, QUALIFIED) and not as_good(worst(every), verdict):
+        kinds.append(ON_PART)
+        reasons.append(_part(every, verdict, at))
+        verdict = QUALIFIED
+    return {"verdict": verdict, "qualifications": kinds, "reason": join(reasons)}
+
+
+def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, Any]]) -> str:
+    """What the observable of the law does, and what its failing alternatives do. row, others: their rows."""
+    trend = f" as a trend, with {_wrong(row)} the wrong way" if row["exceptions"] else ""
+    clauses = []
+    for other in others:
+        reverse = other["tau"] is not None and other["tau"] <= -TREND_TAU
+        does = DIRECTIONS[meant].instead if reverse else DIRECTIONS[meant].does_not
+        clauses.append(f"{other['observable']} {does}{f' at {_wrong(other)}' if other['exceptions'] else ''}")
+    return f"{row['observable']} {DIRECTIONS[row['direction']].does}{trend}, but {' and '.join(clauses)}"
+
+
+def count(counts: Mapping[str, int]) -> str:
+    """The number of each verdict, best first: ``6 true, 3 true as a trend``."""
+    return ", ".join(f"{counts[verdict]} {PLAIN[verdict]}" for verdict in VERDICTS if counts.get(verdict))
+
+
+def join(texts: Sequence[str]) -> str:
+    """The non-empty texts as one sentence."""
+    return "; ".join(text for text in texts if text)
+
+
+def _standing(name: str, meant: str, deciding: Sequence[Verdict], first: list[float] | None) -> str:
+    """How the observable stays level on the lines that decide."""
+    if len(deciding) > 1:
+        standing = sum(line.verdict == QUALIFIED for line in deciding)
+        how = f"stays level on {standing} of {len(deciding)} lines"
+    elif deciding[0].reason and first:  # it does not change at all
+        how = f"stays at {first[0]:.4g}"
+    else:
+        how = "stays level at some steps"
+    return f"{name} {how}, where the sentence says that it {DIRECTIONS[meant].does}"
+
+
+def _part(every: Sequence[str], verdict: str, at: Mapping[str, float]) -> str:
+    """In how many rows of the grid the law is as good as where it was judged, how many are worse, and where that is."""
+    place = ", ".join(f"{axis} = {value:.4g}" for axis, value in at.items())
+    agree = sum(as_good(row, verdict) for row in every)
+    left = [f", {every.count(kind)} {PLAIN[kind]}" for kind in (TREND, UNDECIDED) if kind in every and kind != verdict]
+    return f"{agree} of {len(every)} rows agree{''.join(left)} (judged at {place})"
+
+
+def _wrong(row: Mapping[str, Any]) -> str:
+    """The number of steps the wrong way: ``2 of 8 steps``."""
+    return f"{len(row['exceptions'])} of {row['steps']} steps"
+
+
+def count_of(count: int, word: str) -> str:
+    """``1 case``, ``9 cases``."""
+    return f"{count} {word}{'s' * (count != 1)}"
+
+
+def tally(rows: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    """How many laws have each verdict, those of no law included."""
+    verdicts = [row["verdict"] for row in rows]
+    return {verdict: verdicts.count(verdict) for verdict in VERDICTS}
+
+
+def tally_of(rows: Sequence[Mapping[str, Any]], noun: str = "law") -> str:
+    """The tally in words: ``7 laws: 3 true, 4 true in part``."""
+    return f"{count_of(len(rows), noun)}: {count(tally(rows))}"
+
+
+def law_in_words(row: Mapping[str, Any], noun: str = "", axis: str = "", show: Show | None = None) -> str:
+    """The law in words: ``turns falls along E``; with names of its observable and axis ``the pitch falls with E``.
+
+    show: of the numbers and formulas of a law with numbers; default: as they are stored.
+    """
+    claim = row["does"] if show is None else does(row["kind"], row["rule"], show)
+    words = f"{noun or row['observable']} {claim}"
+    if not axis:
+        return f"{words} along {row['axis']}"
+    if row["direction"]:
+        return f"{words} with {axis}"
+    return words if f" {axis} = " in words else f"{words}, along {axis}"
+
+
+def measure(row: Mapping[str, Any]) -> str:
+    """What was measured: ``exponent 2 ± 0.001``; of a direction the values at the two ends of the axis, ``8 → 5``, or
+    their ranges over the lines of a grid."""
+    if row["found"]:
+        return str(row["found"])
+    return f"{_span(row['first'])} → {_span(row['last'])}"
+
+
+def sentence(row: Mapping[str, Any]) -> str:
+    """The verdict and why: ``true in part: 6 of 9 rows agree (judged at R = 0.75)``."""
+    notes = detail(row)
+    return f"{plain(row)}: {notes}" if notes else plain(row)
+
+
+def plain(row: Mapping[str, Any]) -> str:
+    """The verdict in words that a reader understands at once: ``true in part``."""
+    return PLAIN[row["verdict"]]
+
+
+def in_plain(text: str) -> str:
+    """``qualified: not contradicted`` as ``true in part: not contradicted``; other texts as they are."""
+    verdict, colon, more = text.partition(":")
+    return f"{PLAIN.get(verdict, verdict)}{colon}{more}"
+
+
+def detail(row: Mapping[str, Any]) -> str:
+    """What qualifies a verdict: the reason, the line that decides, lines of a grid, exceptions; or nothing."""
+    notes = [row["reason"]] if row["reason"] else []
+    if ON_PART not in row["qualifications"]:  # whose reason says the next two
+        if row["at"]:
+            notes.append(f"at {', '.join(f'{name} = {value:.4g}' for name, value in row['at'].items())}")
+        if row["lines"] > 1:
+            notes.append(f"of {row['lines']} rows {count(row['line_verdicts'])}")
+    if row["verdict"] == QUALIFIED:
+        return "; ".join(notes)
+    if row["exceptions"]:
+        notes.append(f"{len(row['exceptions'])} of {row['steps']} {row['counted']}")
+    if row["tau"] is not None and row["verdict"] != HOLDS:
+        notes.append(f"tau {row['tau']:.2f}")
+    return "; ".join(notes)
+
+
+def _span(ends: list[float] | None) -> str:
+    if ends is None:
+        return "?"
+    low, high = ends
+    return f"{low:.4g}" if low == high else f"{low:.4g}..{high:.4g}"
