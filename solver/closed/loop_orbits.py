@@ -138,7 +138,7 @@ def residual(b1: float, y: float, goal: Array) -> tuple[Array, Array]:
     T = varied.orbit.period
     parts = directions(varied.start)
     gained = varied.change(T[:, None], parts).integrals[0, 0, :, 0]
-    later = -2 * varied.gain[0, :, :4].sum(axis=0) @ parts[0, 1:]
+    later = -2 * varied.kept["gain"][0, :, :4].sum(axis=0) @ parts[0, 1:]
     plain = np.stack([later, gained + np.sin(b1) * later])[:, [0, 2]]  # by b1 and by lam
     by_lam = np.exp(y) * plain[:, 1]
     J = np.stack([plain[:, 0] + 6 * np.sin(b1) ** 2 * np.cos(b1) * plain[:, 1], -by_lam], axis=1)
@@ -219,7 +219,7 @@ def index_of(lowest: float, lam: float, folds: int) -> int:
     varied = vary_from(start(np.array([lowest]), np.array([lam])))
     M = np.empty((4, 4))
     rows, columns = np.triu_indices(4)
-    M[rows, columns] = M[columns, rows] = varied.gain[0].sum(axis=0)
+    M[rows, columns] = M[columns, rows] = varied.kept["gain"][0].sum(axis=0)
     of_one_wave = 1 if M[0, 0] < 0 else 2  # the derivative of half the period by half the level is -M_00
     K = (M - np.outer(M[:, 0], M[0]) / M[0, 0])[np.ix_(_HELD, _HELD)]
     scale = 1 / np.sqrt(np.abs(np.diag(K)))

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
-from .library import address, begin_of, fine, function, library, share_out, widest
+from .library import begin_of, fine, function, share_out, widest
 from .orbits import reading
 
 NODES = 24  # of each piece, at which densities are computed
@@ -60,7 +60,7 @@ def measure(
         Name -> values and errors, (B,) each.
     """
     groups = groups_with(names)
-    rods, kept = _rods_of(pieces, given, goal, sum(1 << GROUPS.index(group) for group in groups))
+    rods, kept = rods_of(pieces, given, goal, sum(1 << GROUPS.index(group) for group in groups))
     size = pieces.problem.size
     out = np.zeros((size, 2, len(NUMBERS)))
     call = function("rod_measure", ctypes.c_int, *2 * [ctypes.c_void_p], *2 * [ctypes.c_int64], ctypes.c_int)
@@ -121,49 +121,12 @@ def densities(kind: str, loads: Array, beta: Array, rate: Array) -> Density:
     return Density(*out)
 
 
-_MOST_PLACES = 32  # of a rod
-
-
-def extremes(pieces: Any, sign: Array, density: str, turned: bool, until: Array, same: float, goal: float) -> Array:
-    """Where a density, or with `turned` minus it, is largest along B rods.
-
-    Parameters
-    ----------
-    pieces, sign, goal
-        As of `measure`; of ``outward`` the sign is that of the push.
-    density : str
-        Of `DENSITIES`.
-    until : array, (B,)
-        The t up to which is looked.
-    same : float
-        Values that differ by less, relatively, are equally large.
-
-    Returns
-    -------
-    array, (B, 32)
-        The t of all places with the largest value; NaN behind the last.
-    """
-    rods, kept = _rods_of(pieces, {"sign": sign, "error": 0 * sign}, goal, 0)
-    t = np.full((until.size, _MOST_PLACES), np.nan)
-    until = np.ascontiguousarray(until, dtype=float)
-
-    def part(a: int, b: int) -> None:
-        _check(library().rod_extremes(
-            ctypes.byref(rods), DENSITIES.index(density), int(turned), address(until), ctypes.c_double(same),
-            _MOST_PLACES, address(t), ctypes.c_int64(a), ctypes.c_int64(b), widest(),
-        ), pieces)  # fmt: skip
-
-    share_out(part, until.size)
-    del kept
-    return t
-
-
 def _check(status: int, pieces: Any) -> None:
     if not fine(status):
         raise ValueError(f"a series of {pieces.series.shape[2]} coefficients is too long to be measured")
 
 
-def _rods_of(pieces: Any, given: Mapping[str, Array], goal: float, groups: int) -> tuple[_Rods, dict[str, Any]]:
+def rods_of(pieces: Any, given: Mapping[str, Array], goal: float, groups: int) -> tuple[_Rods, dict[str, Any]]:
     """The rods, and the arrays that must live as long."""
     size, order = pieces.problem.size, np.argsort(pieces.case, kind="stable")
     kept: dict[str, Any] = {name: getattr(pieces, name)[order] for name in _PIECES}

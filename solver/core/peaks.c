@@ -133,16 +133,19 @@ static void turn_over(workspace *w)
             w->parts[i].of.values[k] *= -1, w->parts[i].series[k] *= -1;
 }
 
-/* The times (most,) up to `until` at which the density is largest, all that are equal to `same` of it. */
-static int places_of(workspace *w, double until, double same, int most, double *t)
+/* The times (most,) up to `until` at which the density, or with `turn` -1 minus it, is largest, all that are equal to `same`
+   of it. Returns their number, -1 where memory is short. */
+int rod_places(workspace *w, double turn, double until, double same, int most, double *t)
 {
     const double begin = begin_of(w);
     double best = -INFINITY;
     int64_t count = 0;
     int found = 0;
+    if (turn < 0)
+        turn_over(w);
     for (int64_t i = 0; i < w->count; i++) {
         if (rod_roomy((void **)&w->maxima, &w->maximum_room, count + MOST_ON_A_PART, sizeof(maximum)))
-            return NO_MEMORY;
+            return -1;
         count += maxima_on(w, &w->parts[i], begin, w->maxima + count);
     }
     for (int64_t i = 0; i < count; i++)
@@ -151,28 +154,9 @@ static int places_of(workspace *w, double until, double same, int most, double *
     for (int64_t i = 0; i < count && found < most; i++)
         if (w->maxima[i].t <= until && w->maxima[i].value >= best - same * fabs(best))
             t[found++] = w->maxima[i].t;
-    return DONE;
-}
-
-/* Where a density, or with turned minus it, is largest along the rods from `begin` to `end`, up to the times until (n,).
-
-   t: (n, most), from the left; what is left is not touched. same: relative; values that differ by less are equal.
-   The others, and what it returns: as of rod_measure. */
-int rod_extremes(const rods *all, int kind, int turned, const double *until, double same, int most, double *t,
-                 int64_t begin, int64_t end, int lanes)
-{
-    if (all->coefficients < 1 || all->coefficients > LONGEST || kind < 0 || kind >= DENSITIES)
-        return NOT_POSSIBLE;
-    workspace *w = rod_workspace(all, lanes);
-    int failed = w ? DONE : NO_MEMORY;
-    for (int64_t b = begin; b < end && !failed; b++) {
-        failed = rod_angles(w, b) || rod_resolved(w, b, kind, EXTREMES, all->goal) ? NO_MEMORY : DONE;
-        if (turned)
-            turn_over(w);
-        failed = failed ? failed : places_of(w, until[b], same, most, t + most * b);
-    }
-    rod_workspace_free(w);
-    return failed;
+    if (turn < 0)
+        turn_over(w);
+    return found;
 }
 
 /* The places in [-1, 1] of a part where the density turns, or, where it is the push, vanishes; returns their number. top: of the

@@ -124,6 +124,7 @@ typedef struct numbers numbers;
 int rod_measure(const rods *, numbers *out, int64_t begin, int64_t end, int lanes);
 
 /* peaks.c */
+int rod_places(workspace *, double turn, double until, double same, int most, double *t);
 int rod_first_peak(workspace *, double doubt, double span, double barely, double *value, double *error);
 int64_t rod_landmarks(const rods *, int64_t most, double *t, int lanes);
 

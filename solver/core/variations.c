@@ -3,7 +3,6 @@
 
 #include "variations.h"
 
-enum { SERIES = 9 + PAIRS }; /* of a panel: |beta_t|, H, c, shifts, gammas and the elements of M */
 #define NEAR 0.5 /* rad: the largest distance from a critical point at which its shift is split off */
 
 const int rod_pairs[2][PAIRS] = {{0, 0, 0, 0, 1, 1, 1, 2, 2, 3}, {0, 1, 2, 3, 1, 2, 3, 2, 3, 3}};
@@ -213,11 +212,6 @@ void rod_varied_closing(const varied_nodes *nodes, const int64_t *count, int arc
         jump_between(start + count[arc] - 1, start, direction * (arc ? -1 : 1), out);
 }
 
-/* What the variations of orbits are kept in, P panels and n nodes: `variations.Variations`. */
-typedef struct {
-    double *v, *H, *c, *shift, *gamma, *M, *jump, *closing, *series, *gain;
-} kept;
-
 /* The series of the values at the nodes, and of their integral from the near end; its value at the far end. */
 static double grown(const points *at, const double *values, double half, double *out)
 {
@@ -228,20 +222,17 @@ static double grown(const points *at, const double *values, double half, double 
     return total;
 }
 
-static void keep(const varied_nodes *one, const points *at, int64_t i, const kept *out)
+static void keep(const varied_nodes *one, const points *at, int64_t i, const varied_orbits *out)
 {
     const int64_t n = at->n, size = sizeof(double);
-    double *series = out->series + SERIES * (n + 1) * i;
+    double *series = out->series + VARIED * (n + 1) * i;
     memset(series, 0, (size_t)(9 * (n + 1) * size));
-    memcpy(out->v + n * i, one->v, (size_t)(n * size)), memcpy(out->H + n * i, one->H, (size_t)(n * size));
-    memcpy(out->shift + 3 * i, one->shift, (size_t)(3 * size));
-    out->c[i] = one->c;
+    out->least[i] = one->least;
     product((int)n, (int)n, one->v, at->analyse, series);
     product((int)n, (int)n, one->H, at->analyse, series + n + 1);
     series[2 * (n + 1)] = one->c;
     for (int k = 0; k < 3; k++) {
         series[(3 + k) * (n + 1)] = one->shift[k];
-        memcpy(out->gamma + (3 * i + k) * n, one->gamma[k], (size_t)(n * size));
         product((int)n, (int)n, one->gamma[k], at->analyse, series + (6 + k) * (n + 1));
     }
     for (int m = 0; m < PAIRS; m++)
@@ -250,7 +241,7 @@ static void keep(const varied_nodes *one, const points *at, int64_t i, const kep
 
 /* One orbit, whose panels are numbered from `first`. */
 static void one_orbit(const double *loads, const read_orbits *of, int64_t b, const double *origin, const points *at,
-                      varied_nodes *nodes, double *x, const kept *out)
+                      varied_nodes *nodes, double *x, const varied_orbits *out)
 {
     const int n = (int)at->n;
     const int64_t first = of->first[2 * b], P = of->count[2 * b] + of->count[2 * b + 1];
@@ -268,7 +259,7 @@ static void one_orbit(const double *loads, const read_orbits *of, int64_t b, con
     double total[2][PAIRS] = {{0}};
     for (int64_t i = 0; i < P; i++) {
         const int backward = i >= count[0];
-        double *jump = out->jump + PAIRS * (first + i), *series = out->series + (SERIES * (first + i) + 9) * width;
+        double *jump = out->jump + PAIRS * (first + i), *series = out->series + (VARIED * (first + i) + 9) * width;
         rod_varied_rates(loads, origin[first + nearest], n, x + n * i, &nodes[i]);
         rod_varied_entry(nodes, count, i, of->direction[b], jump);
         keep(&nodes[i], at, first + i, out);
@@ -291,7 +282,7 @@ static void one_orbit(const double *loads, const read_orbits *of, int64_t b, con
    loads: (n, 3). origin: (P,), the angle from which the series of beta of each panel counts, without whole turns. The
    arrays of `out` are filled. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
 int rod_variations(int64_t n, const double *loads, const read_orbits *of, const double *origin, const points *at,
-                   const kept *out)
+                   const varied_orbits *out)
 {
     int64_t most = 1;
     for (int64_t b = 0; b < n; b++) {
@@ -342,40 +333,38 @@ void rod_varied_change(const varied_place *start, const varied_place *there, con
         out[LIFTS + q - 1] = rise[q] + (end_term(there, a, lift, q) - end_term(start, parts[0], lift0, q));
 }
 
-/* The series of the panels of varied orbits as `keep` has them, and what M gains over the arcs of each; those of the
-   panel that was read last, one coefficient of all after the other. */
-typedef struct {
-    const read_orbits *of;
-    const double *series, *gain;
-    int64_t panel;
-    double last[NODES + 1][SERIES];
-} reader;
-
-/* The state of orbit b at t. */
-static void place_at(reader *from, int64_t b, double t, varied_place *out)
+void rod_varied_place_on(reader *from, int64_t panel, double x, varied_place *out)
 {
-    const read_orbits *of = from->of;
-    const double *gain = from->gain + 2 * PAIRS * b;
-    const int size = (int)of->coefficients;
-    double x, value[SERIES], older = 1, now;
-    phase where;
-    const int64_t panel = rod_place(of, b, t, &where, &x);
-    for (int i = 0; panel != from->panel && i < size * SERIES; i++)
-        from->last[i % size][i / size] = from->series[SERIES * size * panel + i];
-    from->panel = panel, now = x;
-    for (int k = 0; k < SERIES; k++)
+    const int size = (int)from->of->coefficients;
+    double value[VARIED], older = 1, now = x;
+    for (int i = 0; panel != from->panel && i < size * VARIED; i++)
+        from->last[i % size][i / size] = from->series[VARIED * size * panel + i];
+    from->panel = panel;
+    for (int k = 0; k < VARIED; k++)
         value[k] = from->last[0][k] + x * from->last[1][k];
     for (int m = 2; m < size; m++) {
         const double next = 2 * x * now - older;
         older = now, now = next;
-        for (int k = 0; k < SERIES; k++)
+        for (int k = 0; k < VARIED; k++)
             value[k] += next * from->last[m][k];
     }
-    out->v = of->direction[b] * (where.second ? -1 : 1) * (where.mirrored ? -1 : 1) * value[0];
-    out->H = value[1], out->c = value[2], out->shift[0] = 0, out->gamma[0] = 1;
+    out->v = value[0], out->H = value[1], out->c = value[2], out->shift[0] = 0, out->gamma[0] = 1;
     memcpy(out->shift + 1, value + 3, sizeof(double) * 3), memcpy(out->gamma + 1, value + 6, sizeof(double) * 3);
+    memcpy(out->M, value + 9, sizeof out->M);
+}
+
+/* The state of orbit b at t. */
+void rod_varied_place_at(reader *from, int64_t b, double t, varied_place *out)
+{
+    const read_orbits *of = from->of;
+    const double *gain = from->gain + 2 * PAIRS * b;
+    double x;
+    phase where;
+    const int64_t panel = rod_place(of, b, t, &where, &x);
+    rod_varied_place_on(from, panel, x, out);
+    out->v *= of->direction[b] * (where.second ? -1 : 1) * (where.mirrored ? -1 : 1);
     for (int m = 0; m < PAIRS; m++)
-        out->M[m] = rod_unfolded(value[9 + m], &where, gain[m], gain[PAIRS + m], of->kind[b] == LIBRATION);
+        out->M[m] = rod_unfolded(out->M[m], &where, gain[m], gain[PAIRS + m], of->kind[b] == LIBRATION);
 }
 
 /* The states of n orbits, none of them a helix, at t (n, stations) into out (n, stations). */
@@ -384,7 +373,7 @@ void rod_variations_places(const read_orbits *of, int64_t n, int64_t stations, c
 {
     reader from = {of, series, gain, -1, {{0}}};
     for (int64_t i = 0; i < n * stations; i++)
-        place_at(&from, i / stations, t[i], out + i);
+        rod_varied_place_at(&from, i / stations, t[i], out + i);
 }
 
 /* The changes of n orbits, none of them a helix, by F directions with the parts (n, F, PARTS) at t (n, stations), into
@@ -397,9 +386,9 @@ void rod_variations_changes(const read_orbits *of, int64_t n, int64_t stations, 
     for (int64_t b = 0; b < n; b++) {
         varied_place start, there;
         double change[5];
-        place_at(&from, b, 0, &start);
+        rod_varied_place_at(&from, b, 0, &start);
         for (int64_t i = 0; i < stations; i++) {
-            place_at(&from, b, t[b * stations + i], &there);
+            rod_varied_place_at(&from, b, t[b * stations + i], &there);
             for (int64_t f = b * F; f < (b + 1) * F; f++) {
                 rod_varied_change(&start, &there, parts + PARTS * f, change);
                 for (int k = 0; k < 5; k++)

@@ -8,7 +8,7 @@
 enum { PAIRS = 10, PARTS = 5 }; /* the elements of the symmetric matrix M; parts of a change: a0, g0 and three loads */
 enum { BETA, RATE, LIFTS };      /* what changes: beta, beta_t and, by each load q, the integral of H_q d beta */
 
-/* The state at the nodes of one panel, by a unit of the level and of the three loads: `variation_nodes.Nodes`. */
+/* The state at the nodes of one panel, by a unit of the level and of the three loads. */
 typedef struct {
     double v[NODES], H[NODES], c, origin, least, shift[3], gamma[3][NODES], M[PAIRS][NODES];
 } varied_nodes;
@@ -17,6 +17,28 @@ typedef struct {
 typedef struct {
     double v, H, c, shift[4], gamma[4], M[PAIRS];
 } varied_place;
+
+enum { VARIED = 9 + PAIRS }; /* series of a panel: |beta_t|, H, c, shifts, gammas and the elements of M */
+
+/* What the variations of orbits are kept in, P panels and n nodes: `variations.Variations`. */
+typedef struct {
+    double *least, *M, *jump, *closing, *series, *gain;
+} varied_orbits;
+
+/* What reads them: `series` and `gain` of `varied_orbits`; the series of the panel that was read last, -1 for none, one
+   coefficient of all after the other. */
+typedef struct {
+    const read_orbits *of;
+    const double *series, *gain;
+    int64_t panel;
+    double last[NODES + 1][VARIED];
+} reader;
+
+/* The state at x of a panel, moving away from the start; M: since the start, along its arc. */
+void rod_varied_place_on(reader *from, int64_t panel, double x, varied_place *out);
+
+/* The state of orbit b at t. */
+void rod_varied_place_at(reader *from, int64_t b, double t, varied_place *out);
 
 /* What a change with these parts adds at a place, (5,): to beta, to beta_t and to the integrals up to there. */
 void rod_varied_change(const varied_place *start, const varied_place *there, const double parts[PARTS], double out[5]);

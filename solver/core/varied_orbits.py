@@ -1,15 +1,16 @@
-"""The numbers of one equilibrium and their rates, and variations of orbits, by the compiled core: `orbit_rates.c` and
-`variations.c`."""
+"""The numbers of one equilibrium and their rates, variations of orbits, and how what is measured along rods answers
+them, by the compiled core: `orbit_rates.c`, `variations.c` and `measure_rates.c`."""
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
 from .branches import NO_ORBIT, NUMBERS, PARTS, RATES, Grid, Level
-from .library import Cutting, address, cut, fine, functions, grid, points
+from .library import Cutting, address, cut, fine, functions, grid, points, share_out, widest
+from .measures import rods_of
 from .orbits import reading
 
 
@@ -68,17 +69,17 @@ def split(records: Array) -> tuple[Array, Array, Array, Array]:
 
 _PAIRS = 10  # elements of M that are kept
 _SERIES = 9 + _PAIRS  # of a panel
-KEPT = ("v", "H", "c", "shift", "gamma", "M", "jump", "closing", "series", "gain")
+KEPT = ("least", "M", "jump", "closing", "series", "gain")
 
 
-class _Kept(ctypes.Structure):
-    """`kept` in variations.c."""
+class _VariedOrbits(ctypes.Structure):
+    """`varied_orbits` in variations.h."""
 
     _fields_ = [(name, ctypes.c_void_p) for name in KEPT]
 
 
 def variations(orbit: Any, origin: Array) -> dict[str, Array]:
-    """The arrays of `orbit.variations.Variations` and of its nodes, by their names.
+    """The arrays of `orbit.variations.Variations` by their names.
 
     orbit: B orbits, none of them a helix, whose series of beta count from angles; origin: (P,), these, without whole
     turns.
@@ -86,20 +87,20 @@ def variations(orbit: Any, origin: Array) -> dict[str, Array]:
     problem, (of, kept), n = orbit.problem, reading(orbit), orbit.panels.series.shape[2] - 1
     P, B = origin.size, problem.size
     loads, origin = np.stack([problem.lam, problem.mu, problem.phi], axis=1), np.ascontiguousarray(origin)
-    shapes = (P, n), (P, n), (P,), (P, 3), (P, 3, n), (P, _PAIRS, n), (P, _PAIRS), (2 * B, _PAIRS)
+    shapes = (P,), (P, _PAIRS, n), (P, _PAIRS), (2 * B, _PAIRS)
     out = dict(zip(KEPT, map(np.empty, (*shapes, (P, _SERIES, n + 1), (B, 2, _PAIRS))), strict=True))
     fine(functions().rod_variations(
         ctypes.c_int64(B), address(loads), ctypes.byref(of), address(origin), points(n),
-        ctypes.byref(_Kept(*(address(a) for a in out.values()))),
+        ctypes.byref(_VariedOrbits(*(address(a) for a in out.values()))),
     ))  # fmt: skip
     del kept
     return out
 
 
-def places(orbit: Any, series: Array, gain: Array, t: Array) -> Array:
+def places(orbit: Any, varied: Mapping[str, Array], t: Array) -> Array:
     """The states of B varied orbits at t (B, n), (B, n, 21): v, H, c, the shifts (4), gammas (4) and M (10)."""
     (of, kept), out = reading(orbit), np.empty((*t.shape, 21))
-    given = [np.ascontiguousarray(a) for a in (series, gain, t)]
+    given = [np.ascontiguousarray(a) for a in (varied["series"], varied["gain"], t)]
     functions().rod_variations_places(
         ctypes.byref(of), *(ctypes.c_int64(k) for k in t.shape), *(address(a) for a in given), address(out)
     )
@@ -107,14 +108,71 @@ def places(orbit: Any, series: Array, gain: Array, t: Array) -> Array:
     return out
 
 
-def changes(orbit: Any, series: Array, gain: Array, t: Array, parts: Array) -> Array:
+def changes(orbit: Any, varied: Mapping[str, Array], t: Array, parts: Array) -> Array:
     """The changes of B varied orbits at t (B, n) by F directions with the parts (B, 5, F): (5, B, F, n), of beta, of
     beta_t and of the integrals of H_q d beta up to t."""
     (of, kept), (B, n), F = reading(orbit), t.shape, parts.shape[2]
     out = np.empty((5, B, F, n))
-    given = [np.ascontiguousarray(a) for a in (series, gain, t, parts.swapaxes(1, 2))]
+    given = [np.ascontiguousarray(a) for a in (varied["series"], varied["gain"], t, parts.swapaxes(1, 2))]
     functions().rod_variations_changes(
         ctypes.byref(of), *(ctypes.c_int64(k) for k in (B, n, F)), *(address(a) for a in given), address(out)
     )
     del kept
     return out
+
+
+MEASURED = (  # what has rates, in the order of measure_rates.c
+    "low", "high", "tightest", "least", "most", "tension", "curvature", "bending", "potential", "pushed", "pulled",
+    "share", "middle push", "lifts", "peak",
+)  # fmt: skip
+_SERIES_GOAL = 1e-14  # of the series of which the places of extremes are found, relative
+
+
+class _Changes(ctypes.Structure):
+    """`changes` in measure_rates.c."""
+
+    _fields_ = [
+        *((name, ctypes.c_int64) for name in ("directions", "wanted")),
+        *((name, ctypes.c_void_p) for name in ("parts", "later", "lifts", "peak", "base")),
+    ]
+
+
+def measure_rates(
+    varied: Any, pieces: Any, sign: Array, parts: Array, later: Array, names: Collection[str], seen: Mapping[str, Array]
+) -> dict[str, Array]:
+    """How some of `MEASURED` along B rods, none of them a helix, answer F changes of their orbits, (B, F) each.
+
+    Parameters
+    ----------
+    varied : orbit.variations.Variations
+        The variations of their orbits.
+    pieces, sign
+        Of the rods, as of `measures.measure`.
+    parts : (B, 5, F)
+        Of the changes, as of `changes`.
+    later : (B, F)
+        The changes of the length in t.
+    names : collection of str
+    seen : mapping
+        "lifts" and "peak" where they are among the names, (B,) each: the t that is observed.
+    """
+    (of, kept), (B, F) = reading(varied.orbit), later.shape
+    rods, arrays = rods_of(pieces, {"sign": sign, "error": 0 * sign}, _SERIES_GOAL, 0)
+    none = np.zeros(B)
+    given = [np.ascontiguousarray(a, dtype=float) for a in (
+        parts.swapaxes(1, 2), later, seen.get("lifts", none), seen.get("peak", none), varied.base,
+    )]  # fmt: skip
+    bits = sum(1 << MEASURED.index(name) for name in names)
+    by, out = _Changes(F, bits, *(address(a) for a in given)), np.full((B, F, len(MEASURED)), np.nan)
+    orbits = _VariedOrbits(*(address(varied.kept[name]) for name in KEPT))
+    n = points(varied.orbit.panels.series.shape[2] - 1)
+
+    def part(a: int, b: int) -> None:
+        fine(functions().rod_measure_rates(
+            ctypes.byref(rods), ctypes.byref(of), n, ctypes.byref(orbits), ctypes.byref(by), address(out),
+            ctypes.c_int64(a), ctypes.c_int64(b), widest(),
+        ))  # fmt: skip
+
+    share_out(part, B)
+    del kept, arrays
+    return {name: out[..., MEASURED.index(name)] for name in names}

@@ -22,12 +22,11 @@ from ..core.library import Cutting
 from ..levels.line_point import LinePoint, Path
 from ..levels.path_orbits import plain_orbit, variations_of
 from ..levels.transit_times import CUTTING, STRETCH
-from ..mechanics.potential import slope_higher_rates, slope_rate
+from ..mechanics.potential import slope_higher_rates, slope_rate, slopes_by_loads
 from ..numerics.arrays import Array
 from ..numerics.roots import solve
 from ..orbit import helix_variations
 from ..orbit.periodic_orbit import Orbit
-from ..orbit.variation_nodes import height_rates, slopes_by_loads
 from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem
 
@@ -228,13 +227,26 @@ def _add_level(found: OrbitRates, origin: Array, path: Path, place: LinePoint) -
     if path.pin in place.angles:
         same = np.abs(np.sin((path.pin - origin) / 2)) < SAME
         gap = path.sign * np.exp(max(path.y, place.blank.deepest))
-        found.rows[0, _Y, 1:] = 2 * np.array([1, *height_rates(np.where(same, origin, path.pin), origin)[0]]) / gap
+        found.rows[0, _Y, 1:] = 2 * np.array([1, *_height_rates(np.where(same, origin, path.pin), origin)[0]]) / gap
         if path.y < place.blank.deepest:
             found.rows[0, _Y, 2:] += (path.y - place.blank.deepest) / 2 * _steepness_rates(place.problem, path.pin)
         return
     end = NUMBERS.index("dbeta0" if path.pin == place.start else "dbetaL")
     found.rows[0, _Y] = 2 * found.rows[0, end] / found.values[0, end]
     found.by_span[0, _Y] = 2 * found.by_span[0, end] / found.values[0, end]
+
+
+def _height_rates(angle: Array, other: Array) -> Array:
+    """-(G_q(angle) - G_q(other))/2 for q = lam, mu, phi, (P, 3)."""
+    # products, so that points that are mirror images have exactly the same height where the load cannot tell them apart
+    half, mean = (angle - other) / 2, (angle + other) / 2
+    sin_half = np.sin(half)
+    by_lam, by_mu, by_phi = (
+        2 * np.cos(mean) * sin_half,
+        np.cos(2 * mean) * np.sin(2 * half),
+        -2 * np.sin(mean) * sin_half,
+    )
+    return np.where((angle == other)[:, None], 0.0, np.stack([-by_lam, by_mu, -by_phi], axis=1))
 
 
 def _steepness_rates(problem: EndsProblem, saddle: float) -> Array:

@@ -99,6 +99,11 @@ def slope_higher_rates(loads: HasLoads, beta: Any) -> tuple[Any, Any]:
     return second, third
 
 
+def slopes_by_loads(beta: Array) -> Array:
+    """The derivatives of H with respect to lam, mu and phi at beta (P, n), (P, 3, n)."""
+    return np.stack([np.cos(beta), -np.cos(2 * beta), -np.sin(beta)], axis=1)
+
+
 def load_size(loads: HasLoads) -> Any:
     """|lam| + |mu| + |phi|; with 1 added a bound of |G|/2 and of |H| up to a factor."""
     return np.abs(loads.lam) + np.abs(loads.mu) + np.abs(loads.phi)

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from ..mechanics.potential import slope_rate
+from ..mechanics.potential import slope_rate, slopes_by_loads
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
-from .variation_nodes import slopes_by_loads
 from .variations import Change
 
 _SERIES = 1.0  # below this |z| the functions are summed

@@ -17,7 +17,7 @@ the integrals of H_q d beta are the changes of alpha, of minus the swirl and of 
 saddle no large numbers cancel.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -27,16 +27,15 @@ from ..core import varied_orbits as core
 from ..core.library import Cutting
 from ..core.orbits import read_series
 from ..mechanics.potential import TAU
-from ..numerics.arrays import Array, Integers
-from ..numerics.chebyshev import basis, polynomials
+from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
-from .periodic_orbit import Orbit, assemble, relative_orbit
-from .pieces import LIBRATION, Arcs, running
-from .variation_nodes import PAIRS, Nodes, nearest
+from .periodic_orbit import Orbit, relative_orbit
+from .pieces import LIBRATION, Arcs
 
 POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
+_PAIRS = np.triu_indices(4)  # the rows and columns of M that are kept
 _MATRIX = np.zeros((4, 4), dtype=int)  # where the elements of M are kept
-_MATRIX[PAIRS] = _MATRIX[PAIRS[::-1]] = range(10)
+_MATRIX[_PAIRS] = _MATRIX[_PAIRS[::-1]] = range(10)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,29 +80,26 @@ class Change:
 class Variations:
     """The variations of B orbits, none of them a helix, ready to be read anywhere along the rods.
 
-    orbit: the orbits; their series of beta count from the angle `base` (P,) of each panel. nodes: the
-    state at the nodes of the panels. jump: (P, 10), closing: (2 B, 10), what M gains on entering each panel, and where
-    the rotation of an arc closes. series: (P, 19, n + 1), of |beta_t|, H, c, the shifts (3), gamma_q (3) and the ten
+    orbit: the orbits; their series of beta count from the angle `base` (P,) of each panel. kept: arrays by name
+    (`core.varied_orbits.KEPT`). least: (P,), the least beta_t^2 + c H^2 of each panel. M: (P, 10, n), the rates of its
+    elements at the nodes. jump: (P, 10), closing: (2 B, 10), what M gains on entering each panel, and where the
+    rotation of an arc closes. series: (P, 19, n + 1), of |beta_t|, H, c, the shifts (3), gamma_q (3) and the ten
     elements of M. gain: (B, 2, 10), what M gains over the forward and the backward arc.
     """
 
     orbit: Orbit
     base: Array
-    nodes: Nodes
-    jump: Array
-    closing: Array
-    series: Array
-    gain: Array
+    kept: dict[str, Array]
 
     def at(self, t: Array) -> Place:
         """The places at t (B, n), (B, n) each."""
-        found = core.places(self.orbit, self.series, self.gain, t)
+        found = core.places(self.orbit, self.kept, t)
         M = found[..., 11:][..., _MATRIX]
         return Place(found[..., 0], found[..., 1], found[..., 2], found[..., 3:7], found[..., 7:11], M)
 
     def change(self, t: Array, parts: Array) -> Change:
         """The changes at t (B, n) in F directions with the parts (B, 5, F): a0, then e."""
-        found = core.changes(self.orbit, self.series, self.gain, t, parts).swapaxes(2, 3)
+        found = core.changes(self.orbit, self.kept, t, parts).swapaxes(2, 3)
         return Change(found[0], found[1], np.moveaxis(found[2:], 0, -1))
 
     @cached_property
@@ -114,67 +110,19 @@ class Variations:
     @property
     def nearest(self) -> Array:
         """The angles, with whole turns, of the critical points from whose heights the level counts, (B,)."""
-        D = (self.nodes.v**2 + self.nodes.c[:, None] * self.nodes.H**2).min(axis=1)
-        return np.asarray(self.base[nearest(self.orbit, D)])
+        problem = self.orbit.panels.arc // 2
+        order = np.lexsort((self.kept["least"], problem))
+        first = np.searchsorted(problem[order], np.arange(self.orbit.problem.size))
+        return np.asarray(self.base[order[np.minimum(first, order.size - 1)]])
 
     def beta(self, t: Array) -> Array:
         """beta at t (B, n)."""
-        from_point, x = self.angles(t)
-        return np.asarray(from_point + x)
-
-    def angles(self, t: Array) -> tuple[Array, Array]:
-        """At t (B, n), the critical point from which beta counts, with whole turns, and beta less it, (B, n) each."""
         orbit = self.orbit
-        series = np.zeros((self.base.size, 2, orbit.panels.series.shape[2]))
-        series[:, 0, 0], series[:, 1] = self.base, orbit.panels.series[:, 0]
+        series = orbit.panels.series[:, :1].copy()
+        series[:, 0, 0] += self.base
         values, periods = read_series(orbit, series, t)
         around = np.where(orbit.kind == LIBRATION, 0.0, TAU * orbit.arcs.direction)[:, None] * periods
-        return values[..., 0] + around, values[..., 1]
-
-    def on_panels(self, panel: Array, x: Array) -> tuple[Array, Place]:
-        """beta and the places, without M, at x (N, m) in [-1, 1] on panels (N,), moving away from the start."""
-        arc = self.orbit.panels.arc[panel]
-        sign = self.orbit.arcs.direction[arc // 2] * np.where(arc % 2 == 1, -1.0, 1.0)
-        series = np.concatenate([self.orbit.panels.series[panel, :1], self.series[panel, :9]], axis=1)
-        values = np.einsum("nks,snm->nmk", series, polynomials(x, series.shape[2]), optimize=False)
-        v, H, c = sign[:, None] * np.maximum(values[..., 1], 0), values[..., 2], values[..., 3]
-        shift, gamma = (np.insert(values[..., k : k + 3], 0, first, axis=-1) for k, first in ((4, 0.0), (7, 1.0)))
-        place = Place(v, H, c, shift, gamma, np.zeros((*x.shape, 4, 4)))
-        return self.base[panel, None] + values[..., 0], place
-
-    def sums(self, rates: Array, jump: Array, closing: Array, until: Array) -> Array:
-        """Integrals over the rods up to t = until (B,), (B, k), of rates (P, k, n) at the nodes.
-
-        jump: (P, k). closing: (2 B, k). The rates do not depend on the direction of travel.
-        """
-        series, gain = _accumulate(self.orbit, rates, jump, closing)
-        return read_series(self.orbit, series, until[:, None], gain)[0][:, 0]
-
-    def cut(self, panel: Integers, x: Array) -> "Variations":
-        """The same with panels cut at x in (-1, 1); a panel may be cut several times."""
-        panels, points = self.orbit.panels, basis(self.nodes.v.shape[1])
-        every = np.concatenate([np.arange(panels.arc.size), panel])
-        low = np.concatenate([np.full(panels.arc.size, -1.0), x])
-        order = np.lexsort((low, every))
-        every, low = every[order], low[order]
-        high = np.append(np.where(every[1:] == every[:-1], low[1:], 1.0), 1.0)
-        at = low[:, None] + (high - low)[:, None] * ((1 + points.nodes) / 2)
-        T = polynomials(at, panels.series.shape[2])
-
-        def on_cuts(coefficients: Array) -> Array:
-            return np.einsum("nks,snm->nkm", coefficients[every], T[: coefficients.shape[2]], optimize=False)
-
-        series = np.zeros((every.size, *panels.series.shape[1:]))
-        series[:, :2, :-1] = on_cuts(panels.series[:, :2]) @ points.analyse
-        duration = panels.duration[every] * (high - low) / 2
-        orbit = assemble(
-            self.orbit.problem, self.orbit.arcs, replace(panels.take(every), series=series, duration=duration)
-        )
-        state, M = on_cuts(self.series[:, :9]), on_cuts(self.nodes.M @ points.analyse)
-        v = np.maximum(state[:, 0], 0.0)
-        nodes = Nodes(v, state[:, 1], self.nodes.c[every], self.nodes.shift[every], state[:, 6:9], M)
-        jump = np.where((low == -1)[:, None], self.jump[every], 0.0)
-        return _vary(orbit, self.base[every], nodes, jump, self.closing)
+        return np.asarray(values[..., 0] + around)
 
 
 def directions(start: Place) -> Array:
@@ -203,34 +151,4 @@ def variations_on(orbit: Orbit, arcs: Arcs) -> Variations:
     order = np.argsort(number, kind="stable")
     place = order[np.searchsorted(number, panels.arc * most + panels.rank, sorter=order)]
     base, origin = pieces.base[place], pieces.origin[place]
-    found = core.variations(orbit, origin)
-    nodes = Nodes(*(found[field.name] for field in fields(Nodes)))
-    return Variations(orbit, base, nodes, *(found[name] for name in ("jump", "closing", "series", "gain")))
-
-
-def _vary(orbit: Orbit, base: Array, nodes: Nodes, jump: Array, closing: Array) -> Variations:
-    summed, gain = _accumulate(orbit, nodes.M, jump, closing)
-    series = _states(nodes)
-    series[:, 9:] = summed
-    return Variations(orbit, base, nodes, jump, closing, series, gain)
-
-
-def _states(nodes: Nodes) -> Array:
-    """The series of `Variations` without M."""
-    points = basis(nodes.v.shape[1])
-    series = np.zeros((nodes.v.shape[0], 19, points.nodes.size + 1))
-    for k, value in enumerate((nodes.v, nodes.H)):
-        series[:, k, :-1] = value @ points.analyse
-    series[:, 2, 0], series[:, 3:6, 0] = nodes.c, nodes.shift
-    series[:, 6:9, :-1] = nodes.gamma @ points.analyse
-    return series
-
-
-def _accumulate(orbit: Orbit, rates: Array, jump: Array, closing: Array) -> tuple[Array, Array]:
-    """Integrals from the start, (P, k, n + 1), and over both arcs, (B, 2, k); arguments as in `Variations.sums`."""
-    panels, points = orbit.panels, basis(rates.shape[2])
-    series = (rates @ points.analyse @ points.integrate) * (panels.duration / 2)[:, None, None]
-    ends = series.sum(axis=2) + jump
-    series[..., 0] += running(ends, orbit.first, orbit.count) + jump
-    gain = [np.bincount(panels.arc, ends[:, k], orbit.first.size) for k in range(ends.shape[1])]
-    return series, (np.stack(gain, axis=1) + closing).reshape(-1, 2, ends.shape[1])
+    return Variations(orbit, base, core.variations(orbit, origin))

@@ -6,20 +6,28 @@ from functools import cached_property
 import numpy as np
 
 from ..core.measures import densities
+from ..mechanics.potential import slopes_by_loads
 from ..numerics.arrays import Array
 from ..observe.measurement import BARELY
-from ..orbit.variation_nodes import slopes_by_loads
 from ..problem.reduced import StartProblem
-from .extremes import EXTREMES, INTEGRALS, LARGEST, LARGEST_SIZE, LIFTS, MIDDLE_PUSH, PEAK, PUSHES
 from .motions import MARKS, Motion, marks_of
+
+EXTREMES = {  # the density, and whether the size counts
+    "low": ("angle", False), "high": ("angle", False), "tightest": ("curvature", False), "least": ("outward", False),
+    "most": ("outward", False), "tension": ("tension", True),
+}  # fmt: skip
+INTEGRALS = ("curvature", "bending", "potential")  # of the densities of these names
+PUSHES = {"pushed", "pulled", "share", "middle push", "lifts"}
 
 _STEADY = 1e-10  # relative: a change that is the same all along a helix
 
 
 def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: set[str], t: Array) -> dict[str, Array]:
-    """As `measured_orbits.of_orbits`; an extreme has a derivative where every place of the rod changes equally.
+    """How what is measured along helices answers F changes, and half a period, (b, F) each, by name.
 
-    t: (b, n), the stations.
+    An extreme has a derivative where every place of the rod changes equally. unit: (b, 5, F), of
+    `solution_derivatives.amounts`. later: (b, F), the change of the length in t. sign: (b,), of `Case.outward`. t:
+    (b, n), the stations.
     """
     rods = _Helices(motion, unit, later, sign, t)
     found: dict[str, Array] = {"half_period": np.full_like(later, np.nan)}
@@ -28,9 +36,9 @@ def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: s
             found[name] = rods.extreme(*EXTREMES[name])
         elif name in INTEGRALS:
             found[name] = rods.integral(name)[:, 2]
-    if PEAK in wanted:  # it stays at the start of a rod that remains a helix
-        found[PEAK] = 0 * rods.extreme("outward", LARGEST)
-    if wanted & {*PUSHES, MIDDLE_PUSH, LIFTS}:
+    if "peak" in wanted:  # it stays at the start of a rod that remains a helix
+        found["peak"] = 0 * rods.extreme("outward")
+    if wanted & PUSHES:
         found |= {name: value for name, value in rods.pushes().items() if name in wanted}
     return found
 
@@ -83,11 +91,11 @@ class _Helices:
         moved = rates.by_beta[..., None] * self.along
         return moved + rates.own[..., None], np.abs(moved).max(axis=2) + np.abs(rates.own)
 
-    def extreme(self, density: str, which: str) -> Array:
+    def extreme(self, density: str, size_counts: bool = False) -> Array:
         rates = self.rates(density)
         change, size = self.changes(rates)
         steady = np.ptp(change, axis=2) <= _STEADY * size
-        if which != LARGEST_SIZE:
+        if not size_counts:
             return np.where(steady, change[..., 0], np.nan)
         none = np.abs(rates.values) <= BARELY * rates.size
         sized = np.where(none, 0.0, np.sign(rates.values))[:, None] * change[..., 0]
@@ -112,7 +120,7 @@ class _Helices:
             "pushed": np.where(pushes, whole[:, 2], 0.0),
             "pulled": np.where(pulls, -whole[:, 2], 0.0),
             "share": np.where(pushes, self.later, 0.0),
-            MIDDLE_PUSH: np.where(pushes, whole[:, 1] - whole[:, 0], 0.0),
-            LIFTS: np.where(pulls, 0.0, self.later),
+            "middle push": np.where(pushes, whole[:, 1] - whole[:, 0], 0.0),
+            "lifts": np.where(pulls, 0.0, self.later),
         }
         return {name: np.where(unsure, np.nan, value) for name, value in found.items()}

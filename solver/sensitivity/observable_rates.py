@@ -2,7 +2,8 @@
 
 The formula of an observable (`observe.observables`) is computed with numbers that carry their derivatives, so it is
 written once. What it is made of, the integrals and extremes that `observe.measurement` measures along the rod, is
-differentiated by `measured_orbits` and `measured_helices`. The derivative of a whole number is 0 where it exists.
+differentiated by the core, and along helices by `measured_helices`. The derivative of a whole number is 0 where it
+exists.
 """
 
 from collections.abc import Iterable
@@ -11,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..core.varied_orbits import MEASURED, measure_rates
 from ..equilibrium.orbit_rates import ends_of
 from ..numerics.arrays import Array
 from ..numerics.dual import Dual
@@ -20,18 +22,17 @@ from ..problem.errors import InputError, choices
 from ..problem.field_rates import FieldRates
 from ..problem.reduced import flat
 from ..shape import Shape
-from .extremes import EXTREMES, LIFTS, MEASURED, PEAK
-from .measured_helices import of_helices
-from .measured_orbits import of_orbits
+from .measured_helices import EXTREMES, of_helices
 from .motions import MARKS, Motion, marks_of
 
+_DIFFERENTIABLE = {*MEASURED, "middle turned", "middle risen"}
 NO_ORBIT = "the method knows no orbit, so it has no period"
 
 
 def check_observables(names: Any) -> tuple[str, ...]:
     """The names as a tuple. Raises `InputError` for an unknown name, and for an observable without a derivative."""
     wanted = check_names(names)
-    able = [name for name, row in OBSERVABLES.items() if set(row.measured) <= set(MEASURED) or is_count(name)]
+    able = [name for name, row in OBSERVABLES.items() if set(row.measured) <= _DIFFERENTIABLE or is_count(name)]
     for name in wanted:
         if name not in able:
             raise InputError(f"the derivative of {name!r} is not known; choose from {choices(able)}")
@@ -59,9 +60,14 @@ class Moving(Reading):
         unit: of `solution_derivatives.amounts`. rates: of these cases.
         """
         sign = flat(self.sol.case.outward, self.sol.case.shape)[motion.rows]
-        given = motion, unit, rates.span, sign, self._wanted
-        seen = {name: self.plain.value(name)[motion.rows] for name in self._wanted & {PEAK, LIFTS}}
-        found = of_helices(*given, self.sol.t[motion.rows]) if motion.varied is None else of_orbits(*given, seen)
+        if motion.varied is None:
+            found = of_helices(motion, unit, rates.span, sign, self._wanted, self.sol.t[motion.rows])
+        else:
+            names = self._wanted & {*MEASURED}
+            seen = {name: self.plain.value(name)[motion.rows] for name in names & {"peak", "lifts"}}
+            found = measure_rates(motion.varied, motion.pieces, sign, unit, rates.span, names, seen)
+            gain = motion.varied.kept["gain"].sum(axis=1)[:, :4]
+            found["half_period"] = -np.einsum("bk,bkf->bf", gain, unit[:, 1:])
         turned, risen = _gains(motion, unit, rates.span)
         found |= {"alpha": turned[:, 2], "z": risen[:, 2]}
         found |= {"middle turned": turned[:, 1] - turned[:, 0], "middle risen": risen[:, 1] - risen[:, 0]}
