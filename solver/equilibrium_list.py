@@ -153,7 +153,7 @@ class HeldSearch:
 
     def __str__(self) -> str:
         if not self.within:
-            return f"not proved complete: {self.note}"
+            return self.note
         said = [
             f"not proved complete: searched over {self.ranges}",
             *(self._counts() if self.problems else ["the angle at an end with given beta' was scanned over a turn"]),

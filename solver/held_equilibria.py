@@ -15,7 +15,7 @@ from .held.held_starts import Reached
 from .observe import observe
 from .problem.case import PAIRS, Case, Ends
 from .problem.errors import InputError, no_such, show
-from .problem.limits import OUT_OF_RANGE, beyond, beyond_limits, units_held
+from .problem.limits import OUT_OF_RANGE, beyond, beyond_limits, held_apart, too_far, units_held
 from .problem.reduced import NUMBER_OF, held_of, reduce_held, value_of_number
 from .solution import Solution
 
@@ -42,8 +42,9 @@ def held_equilibria(
     swings = MOST_SWINGS if most_swings is None else most_swings
     problem = reduce_held(case)
     why = beyond_limits(np.append(problem.values[0], problem.ratio[0]), float(problem.span[0]))
-    if why := why if units_held(case).all() else OUT_OF_RANGE:
-        sentence = str(beyond(why, case)[0]).removeprefix("failed: ")
+    why = why if units_held(case).all() else OUT_OF_RANGE
+    said = f"not proved complete: {str(beyond(why, case)[0]).removeprefix('failed: ')}" if why else ""
+    if sentence := said or too_far(*held_apart(problem)):
         return HeldEquilibria([], HeldSearch({}, swings, 0, 0, 0, 0, 0, sentence))
     size = _sizes(case)
     bounds = {NUMBER_OF[name]: (low / size[name], high / size[name]) for name, (low, high) in ranges.items()}

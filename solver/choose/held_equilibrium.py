@@ -18,7 +18,7 @@ from ..levels.path_orbits import orbit_of, variations_of
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
-from ..problem.limits import TAUT, beyond_limits, is_taut
+from ..problem.limits import beyond_limits, held_apart, unreachable
 from ..problem.reduced import EndsProblem, HeldProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, verdicts
 from .each_equilibrium import path_of_seed, together
@@ -133,9 +133,8 @@ def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> 
 def _reach(problem: HeldProblem, seed: Seed | None) -> Reached | str:
     if why := beyond_limits(np.append(problem.values[0], problem.ratio[0]), float(problem.span[0])):
         return why
-    height = problem.known("z")
-    if height is not None and is_taut(height[0], problem.span[0]):
-        return f"failed: {TAUT}"
+    if why := unreachable(*held_apart(problem)):
+        return f"failed: {why}"
     given = Given.of(problem)
     if seed is None:
         return nearest_start(given, problem)

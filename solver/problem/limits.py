@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .case import Case
-from .reduced import Reduced, StartProblem, flat
+from .reduced import HeldProblem, Reduced, StartProblem, flat
 
 LARGEST = 1e100  # a larger dimensionless number would overflow when squared
 SHORTEST = 1e-200  # for a smaller L/rho the time between two stations would underflow
@@ -17,7 +17,7 @@ TAUT = (
     "force is not determined"
 )
 TOO_FAR = "the ends are held apart, along the cylinder, by {:.6g} times the length of the rod"
-_ROUNDING = 2.0**-50  # of L/rho: a held height is no nearer to it
+_ROUNDING = 2.0**-50  # of L/rho: held ends are no nearer to it
 _ORDINARY = 1e30  # with it the largest sum of decades in `representable` is 62 + 7 * 30 = 272
 _DECADES = 290.0  # a float has 308; the margin is for factors and sums
 
@@ -70,11 +70,24 @@ def is_taut(height: float, span: float) -> bool:
 
 
 def unreachable(height: float, azimuth: float, span: float) -> str:
-    """Why no rod of a span reaches from end to end; "" where one may. height, azimuth: over rho, 0 where not held."""
-    if is_taut(height, span):
-        return TAUT
+    """Why no rod of a span reaches from end to end, or only a straight one does; "" where one may.
+
+    height, azimuth: over rho, 0 where not held.
+    """
+    return TAUT if is_taut(height, span) else too_far(height, azimuth, span)
+
+
+def too_far(height: float, azimuth: float, span: float) -> str:
+    """The same where none reaches."""
     apart = float(np.hypot(height, azimuth)) / span
-    return TOO_FAR.format(apart) if apart > 1 else ""
+    return TOO_FAR.format(apart) if apart > 1 + _ROUNDING else ""
+
+
+def held_apart(problem: HeldProblem) -> tuple[float, float, float]:
+    """What these take of one problem."""
+    held = (problem.known(number) for number in ("z", "alpha"))
+    height, azimuth = (0.0 if values is None else float(values[0]) for values in held)
+    return height, azimuth, float(problem.span[0])
 
 
 def representable(case: Case, problem: Reduced) -> NDArray[np.bool_]:

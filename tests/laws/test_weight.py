@@ -26,10 +26,12 @@ from solver import (
     trace_fold,
 )
 from solver.core.varying_loads import MOST_STEPS, march
+from solver.equilibria import without_weight
 from solver.folds.fold_curves import fold_curve
 from solver.folds.parameter_plane import parameter_plane, with_two
 from solver.numerics.arclength import Lengths
 from solver.problem.case_fields import values_of, with_field
+from solver.problem.limits import unreachable
 from solver.problem.reduced import reduce
 from solver.shooting.buckling import buckling_tension, straight_index, straight_shape
 from solver.shooting.descent import index_at
@@ -740,7 +742,16 @@ def test_weight_and_stiffness_are_fitted_to_a_measured_curve() -> None:
 def test_ends_farther_apart_than_the_rod_is_long_are_refused_in_words() -> None:
     ends = Ends(beta0=0.0, betaL=0.0, height=7.0, azimuth=-4.0)
     case = Case(Rod(**ROD), Cylinder(R=0.75, inclination="90deg"), ends)
-    assert f"by {np.hypot(7.0, 4.0) / 8.0:.6g} times the length" in str(solve(case).outcome)
+    far = f"the ends are held apart, along the cylinder, by {np.hypot(7.0, 4.0) / 8.0:.6g} times the length of the rod"
+    assert str(solve(case).outcome) == f"failed: {far}"
+    assert str(solve(without_weight(case)).outcome) == f"failed: {far}"
+    assert equilibria(without_weight(case)).remark == far
+
+
+def test_a_helix_whose_ends_are_held_as_far_apart_as_the_rod_is_long_is_not_out_of_reach() -> None:
+    apart = [(7.3 * np.cos(beta), 7.3 * np.sin(beta)) for beta in np.linspace(0.1, 1.4, 200)]
+    assert max(np.hypot(*ends) / 7.3 for ends in apart) > 1  # by a rounding
+    assert {unreachable(*ends, 7.3) for ends in apart} == {""}
 
 
 @pytest.mark.parametrize(
