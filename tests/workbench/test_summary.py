@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 from studies.language.loader import loads
 from tests.slow import slow_but
 from tests.workbench import small
+from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.store import file_summary, grid_io, in_memory, writing
 from workbench.words import labels
@@ -93,3 +94,39 @@ def test_a_count_is_called_the_number_of_bends_in_a_sentence() -> None:
     row = {"observable": "turns", "axis": "E", "at": {}}
     assert labels.law_text(row, "turns stays at 8") == "the number of bends stays at 8"
     assert labels.noun_of("wraps") == "turns around"
+
+
+PIPE = """
+title = "A pipe that lies in a hole"
+outputs = ["beta", "alpha", "z"]
+observables = ["turns"]
+stations = {stations}
+[units]
+length = "m"
+force = "kN"
+[base]
+EI = 1228.0
+GJ = 945.0
+a = 0.0635
+L = 300.0
+R = 0.10795
+side = "inside"
+inclination = "90deg"
+weight = 0.241
+beta0 = 0.0
+betaL = 0.0
+azimuth = 0.0
+[axes.FZ]
+values = [-200.0, -100.0]
+"""
+
+
+@pytest.mark.parametrize(("stations", "buckled"), [(401, "sinusoidal all along"), (21, file_summary.TOO_FEW)])
+def test_the_states_of_pipes_are_a_table_unless_their_stations_are_too_few(stations, buckled, tmp_path, capsys) -> None:
+    path = writing.write(in_memory.run(loads(PIPE.format(stations=stations))), tmp_path / "pipe.h5")
+    rows = file_summary.summary(path)["states"]
+    assert rows == [{"FZ": -200.0, "state": buckled}, {"FZ": -100.0, "state": "straight all along"}]
+    assert exit_status("summary", path) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["FZ", "(kN)", *"state along the rod".split()] in lines  # noqa: SIM905
+    assert ["-200", *buckled.split()] in lines

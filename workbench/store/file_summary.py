@@ -25,6 +25,8 @@ BLOCK = 100_000  # cases that are read at a time
 DISTINCT = 100  # texts that are counted apart
 MOST_PLACES = 12  # of a boundary along one axis that are listed
 OTHERS = "(others)"
+MOST_STATES, DENSE = 50, 3  # rods whose states are listed; stations from one change of sign of beta to the next
+TOO_FEW = "too few stations along the rod are stored"
 
 
 def summary(path: Path) -> dict[str, Any]:
@@ -50,10 +52,34 @@ def summary(path: Path) -> dict[str, Any]:
         told["unsolved"] = unsolved(ds)
         told["outcomes"] = dict(text_counts(ds["outcome"], ds["solved"]).most_common())
         told["observables"] = [_spread(ds[name]) for name in _observables(ds)]
+        told["states"] = _states(ds)
         told["worst"] = [_worst(ds, name) for name in ("error", "condition")]
         rows = law_verdicts.verdicts(ds)
         told |= {"verdicts": law_words.tally(rows), "laws": [_law(row) for row in rows]}
     return told
+
+
+def _states(ds: xr.Dataset) -> list[dict[str, Any]]:
+    """The states along each rod with weight or friction, in words; none of more than `MOST_STATES` rods."""
+    loaded = {"weight", "friction"} & set(ds.variables) and {"beta", "alpha"} <= set(ds.data_vars)
+    if not loaded or ds["outcome"].size > MOST_STATES:
+        return []
+    rows = []
+    for place in np.ndindex(ds["outcome"].shape):
+        case = ds[["s", "beta", "alpha", "solved"]].isel(dict(zip(ds["outcome"].dims, place, strict=True)))
+        axes = {name: float(case[name]) for name in schema.axes_of(ds)}
+        rows.append({**axes, "state": _state(case, str(ds.attrs["length_unit"])) if case["solved"] else "not solved"})
+    return rows
+
+
+def _state(case: xr.Dataset, unit: str) -> str:
+    """The states along one rod; that the stations are too few where a wave has less than `DENSE` between its ends."""
+    from solver.shooting.state import BENT, in_words, states  # it loads the methods
+
+    s, beta, alpha = (case[name].values for name in ("s", "beta", "alpha"))
+    ends = np.flatnonzero(np.sign(beta[1:]) * np.sign(beta[:-1]) < 0)
+    waves = np.abs(np.diff(alpha[ends])) >= BENT
+    return in_words(states(s, beta, alpha), unit) if (np.diff(ends)[waves] >= DENSE).all() else TOO_FEW
 
 
 def _observables(ds: xr.Dataset) -> list[str]:
