@@ -277,3 +277,13 @@ NEAR_SEPARATRIX: dict[str, Named] = {
 
 # every start problem, whatever is known about it
 START: dict[str, Named] = {**EXACT, **TABLE_1, **GENERAL, **NEAR_SEPARATRIX}
+
+
+def random_rods(count: int, seed: int, reach: float = 30.0) -> Case:
+    """Loads of all sizes, from slack to taut, on rods of a part of a bend to a few dozen."""
+    rng = np.random.default_rng(seed)
+    size = 10.0 ** rng.uniform(-2, 1, count)
+    lam, mu, phi = rng.normal(size=(3, count)) * size
+    swift = np.sqrt(np.abs(lam) + np.abs(mu) + np.abs(phi) + 1)
+    span = rng.uniform(0.3, reach, count) / swift
+    return in_units_of_rho(lam, mu, phi, span, rng.uniform(-3.1, 3.1, count), rng.normal(size=count) * swift)

@@ -16,9 +16,10 @@ from solver.observe.rod_pieces import Pieces
 from solver.observe.self_contact import compare_strands
 from solver.observe.solution_pieces import pieces_of
 from solver.problem.reduced import StartProblem
+from tests.cases import random_rods
 from tests.extreme_cases import KINDS, draw
 from tests.numerics.test_core_fuzz import odd
-from tests.numerics.test_measurement import localised, random_rods
+from tests.numerics.test_measurement import localised
 
 ALL = slice(None)
 GOAL = 1e-11

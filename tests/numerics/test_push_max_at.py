@@ -5,16 +5,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.polynomial.polynomial import polyval
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
+from benchmarks.observed_march import push_and_curvature
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
 from solver.methods import available
-from tests.cases import EXACT, START, in_units_of_rho
-from tests.numerics.test_measurement import random_rods
+from tests.cases import EXACT, START, in_units_of_rho, random_rods
+from tests.numerics.test_measurement import REFERENCES
 from tests.numerics.test_sensitivity import differences
-from tests.observed import push_and_curvature, steps
 
 METHODS = [name for name in ("orbit", "swing", "dop853") if name in available()]
 NAMES = ["push_max_at", "push_max"]
@@ -29,32 +28,6 @@ def first_top(values: Any) -> int:
     """The first local maximum that is the largest to 1e-5; stations meet no maximum exactly."""
     top = np.flatnonzero(values > values.max() - 1e-5 * np.ptp(values))
     return int(top[0] + np.argmax(values[top[0] : top[0] + 20]))
-
-
-def marched(case: Case) -> list[tuple[float, float]]:
-    """The place of the largest push, in units of rho, and that push in A/rho^3, of each rod; steps of 25 digits."""
-    problem = solve(case, stations=2).problem
-    turn = np.broadcast_to(case.outward, case.shape).reshape(-1)
-    rows = np.stack([problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, problem.dbeta0], axis=1)
-    found = []
-    for row, sign, way in zip(rows, turn, steps(rows), strict=True):
-        begin, best = 0.0, (0.0, -1e300)
-        for series, h in way:
-
-            def push(x: Any, series: Any = series, row: Any = row, sign: Any = sign) -> Any:
-                return sign * push_and_curvature(row, np.stack([polyval(x, one) for one in series]))[0]
-
-            x = np.linspace(0, h, 101)
-            m = int(np.argmax(push(x)))
-            beside = x[max(m - 1, 0)], x[min(m + 1, 100)]
-            near = minimize_scalar(lambda y, f=push: -f(y), bounds=beside, method="bounded", options={"xatol": 1e-13})
-            inside = 0 < m < 100
-            for y in (near.x,) if inside else (x[m], near.x):
-                if push(y) > best[1] + 1e-9 * abs(best[1]):  # of equal ones the first
-                    best = begin + y, float(push(y))
-            begin += h
-        found.append(best)
-    return found
 
 
 def test_the_place_is_that_of_the_formula_of_the_push_on_a_shape_of_scipy() -> None:
@@ -86,7 +59,7 @@ def test_the_place_is_that_of_a_march_in_25_digits(method: str) -> None:
     case = random_rods(30, 17, 6.0)
     got = seen(case, tol=1e-10, method=method, stations=2001)
     rho = np.broadcast_to(case.rho, case.shape)
-    for i, (place, push) in enumerate(marched(case)):
+    for i, (place, push) in enumerate(REFERENCES["push few"]):
         off, error = abs(got["push_max_at"][i] / rho[i] - place), got["push_max_at_error"][i] / rho[i]
         assert off <= error + 1e-7, i  # the search of the reference ends where the push changes by rounding
         A = np.broadcast_to(case.rod.bending_stiffness, case.shape)[i]

@@ -2,7 +2,6 @@
 
 import ast
 import operator
-from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -11,16 +10,6 @@ from hypothesis import strategies as st
 
 from solver import InputError
 from studies.grammar.formulas import FUNCTIONS, MOST_TEXT, evaluate, parse
-from studies.grammar.units import PLAIN, dimension
-
-UNITS = {"length": "cm", "force": "N"}
-LENGTH, FORCE = (Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))
-STIFFNESS = (Fraction(2), Fraction(1))
-KNOWN = {"height": LENGTH, "L": LENGTH, "FZ": FORCE, "A": STIFFNESS, "attached": PLAIN, "turns": PLAIN}
-
-
-def unit(text: str) -> tuple[Fraction, Fraction]:
-    return dimension(parse(text), KNOWN, UNITS)
 
 
 def value(text: str, **values: object) -> np.ndarray:
@@ -63,19 +52,6 @@ def test_no_text_does_more_than_raise_the_one_error(text: str) -> None:
 def test_a_formula_that_python_cannot_read_is_refused_with_the_place(text: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         parse(text)
-
-
-@pytest.mark.parametrize(
-    "text, expected",
-    [
-        ("height", LENGTH), ("height/L", PLAIN), ("height + 2*L", LENGTH), ("sqrt(A/FZ)", LENGTH),
-        ("2*pi*sqrt(2*A/abs(FZ))", LENGTH), ("FZ**2*L/(4*A)", (-1, 1)), ("A**0.5", (1, Fraction(1, 2))),
-        ("max(height, L, 0)", LENGTH), ("height < 0", PLAIN), ("attached < 0.9 and height > L", PLAIN),
-        ("-FZ", FORCE), ("exp(height/L)", PLAIN), ("0", PLAIN), ("turns**attached", PLAIN), ("L**(1 + 1)", (2, 0)),
-    ],
-)  # fmt: skip
-def test_the_unit_of_a_formula_follows_from_its_names(text: str, expected: object) -> None:
-    assert unit(text) == expected
 
 
 def test_the_values_are_those_of_numpy_on_arrays() -> None:
@@ -124,25 +100,3 @@ def test_arithmetic_is_that_of_python(text: str, x: float, y: float) -> None:
         return
     if np.isfinite(expected):
         assert (found, why) == (expected, "")
-
-
-def test_a_case_without_a_value_says_why_and_its_neighbours_have_theirs() -> None:
-    found, why = evaluate(parse("sqrt(x)/(x - 1)"), {"x": np.array([4.0, 1.0, -1.0, np.nan])})
-    np.testing.assert_array_equal(found, [2 / 3, np.nan, np.nan, np.nan])
-    assert why.tolist() == [
-        "",
-        "division by zero: 'x - 1' is 0",
-        "sqrt of a negative number in 'sqrt(x)'",
-        "x has no value",
-    ]
-    assert np.isnan(value("1/(1/x)", x=0.0))  # numpy takes it for 0
-    assert evaluate(parse("exp(x)"), {"x": 1e4})[1] == "its value is too large for a number"
-    assert evaluate(parse("x**0.5"), {"x": -1.0})[1] == "power of a negative number in 'x ** 0.5'"
-    assert evaluate(parse("log(x)"), {"x": 0.0})[1] == "log of a number that is not positive in 'log(x)'"
-
-
-def test_a_comparison_with_an_unknown_number_is_unknown() -> None:
-    found, why = evaluate(parse("x < 1 or y > 0"), {"x": np.array([0.0, np.nan]), "y": 1.0})
-    assert found[0] == 1
-    assert np.isnan(found[1])
-    assert why[1] == "x has no value"

@@ -73,23 +73,6 @@ def test_curvature_above_one_over_the_radius_is_too_tight_and_below_it_is_not() 
     assert "too tight" not in told(Case(thick, Cylinder(5.0), Start(0.1, 0.5, M3=0.0)))
 
 
-def test_the_sentence_counts_the_cases_and_is_empty_where_there_is_nothing_to_say() -> None:
-    ds = in_memory.run(small.grid())
-    kinds = np.char.find(ds["caution"].values.astype(str), "pulled") >= 0
-    assert kinds.sum() == 6
-    assert "Of 6 rods" in ds.attrs["caution"]
-    assert "6 would lift off" in ds.attrs["caution"]
-    quiet = ds.assign(caution=ds["caution"].copy(data=np.full((2, 3), "")))
-    assert cautions.sentence(quiet) == ""
-    assert cautions.sentence(ds.drop_vars("caution")) == ""
-
-
-def test_of_one_rod_it_speaks_in_the_singular() -> None:
-    ds = in_memory.run(loads(small.HEAD))
-    assert ds.attrs["caution"].startswith("The rod ")
-    assert "not physically realisable" in ds.attrs["caution"]
-
-
 def test_an_unsolved_case_gives_no_caution() -> None:
     study = small.study("[axes.E]\nvalues = [1e4, 2e4]")
     sol = solve(study.case(), stations=21)
@@ -141,35 +124,7 @@ def test_a_march_at_few_stations_says_what_was_not_checked_and_at_many_what_the_
     assert many == str(cautions.of_cases(solve(case, stations=3)))
 
 
-IN_PART = "pulled in part (no push on {} % of the length)"
 AT_ENDS = "pulled at the ends (no push on {} % of the length within {} m of an end)"
-
-
-@pytest.mark.parametrize(
-    ("texts", "sentence"),
-    [
-        (
-            {IN_PART.format(31): 2, "": 3, "not checked: self-contact": 1},
-            "Of 6 rods 2 would lift off where the cylinder has to pull (no push on 31 % of the length): such shapes "
-            "are not physically realisable. Not checked: 1 of 6 for self-contact.",
-        ),
-        (
-            {AT_ENDS.format(1.5, 0.9): 1, AT_ENDS.format(4.2, 3): 2, f"overlaps, {IN_PART.format(40)}": 1},
-            "Of 4 rods 1 passes through itself and 1 would lift off where the cylinder has to pull (no push on 40 % of "
-            "the length): such shapes are not physically realisable. 3 of 4 rods would lift off next to their ends "
-            "alone: no push on 1.5 to 4.2 % of the length, all within 3 m of the ends.",
-        ),
-        (
-            {"pulled nearly everywhere (no push on 98 % of the length)": 1},
-            "The rod would lift off where the cylinder has to pull, no push on 98 % of the length: this shape is not "
-            "physically realisable.",
-        ),
-        ({"pulled": 1, "": 1},
-         "Of 2 rods 1 would lift off where the cylinder has to pull: such shapes are not physically realisable."),
-    ],
-)  # fmt: skip
-def test_the_sentence_says_how_much_and_where_and_what_was_not_checked(texts: dict[str, int], sentence: str) -> None:
-    assert cautions.tell(texts) == sentence
 
 
 @pytest.mark.parametrize(("FZ", "kind"), [(-1000.0, "nearly everywhere (no push on 100 %"), (-50.0, "in part")])

@@ -23,7 +23,6 @@ from workbench.figures import canvas, study_figure
 from workbench.scene import opengl
 from workbench.store import checksums, growth, in_memory, reading, schema, writing
 from workbench.store.study_store import run_to_file
-from workbench.words import escaping
 
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = small.law("kappa_max", "R", "falls", claim="(2)")
@@ -180,15 +179,6 @@ def test_a_dollar_in_a_units_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path
 
 
 COMMANDS = "\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
-
-
-def test_what_commands_a_terminal_is_written_as_python_writes_it() -> None:
-    assert escaping.line(COMMANDS) == r"\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
-    assert escaping.lines("é 漢 🙂 β\n\tplain") == "é 漢 🙂 β\n\tplain"
-    packed = escaping.in_json(json.dumps({"a": COMMANDS, "é": "🙂\n"}, ensure_ascii=False))
-    assert packed.isprintable()
-    assert "🙂" in packed
-    assert json.loads(packed) == {"a": COMMANDS, "é": "🙂\n"}
 
 
 def test_a_word_of_the_command_line_does_not_reach_the_terminal_as_it_is(capsys) -> None:

@@ -10,52 +10,17 @@ from studies.language.loader import loads
 from tests.workbench import small
 from workbench.figures import (
     canvas,
-    laws,
     regions,
-    scales,
     study_figure,
     style,
 )
 from workbench.figures.sheet import sheet
-from workbench.store import in_memory, law_verdicts
-from workbench.words import labels
+from workbench.store import in_memory
 
 
 @pytest.fixture(scope="module")
 def two() -> xr.Dataset:
     return in_memory.run(small.grid())
-
-
-@pytest.mark.parametrize(
-    "values, texts",
-    (
-        ([0, 0.5, 1.0], ["0.0", "0.5", "1.0"]),
-        ([-0.4, -0.39], ["−0.40", "−0.39"]),
-        ([4, 6, 8], ["4", "6", "8"]),
-        ([-0.0, 2.5], ["0.0", "2.5"]),
-        ([0, 1e-8, 2e-8], ["0", "10⁻⁸", "2·10⁻⁸"]),
-        ([0.1, 1, 10], ["0.1", "1", "10"]),
-        ([], []),
-    ),
-)
-def test_the_ticks_of_an_axis_have_one_form(values, texts) -> None:
-    assert scales.Ticks().format_ticks(values) == texts
-
-
-def test_powers_of_ten_are_in_print_and_words_stay() -> None:
-    assert labels.typeset("exponent -0.5001 ± 1.3e-05") == "exponent −0.5001 ± 1.3·10⁻⁵"
-    assert labels.powers_of_ten("gap 1e-02, 5e+03, e1e2, 1e5x") == "gap 10⁻², 5·10³, e1e2, 1e5x"
-    low = labels.lower_indices("FZ²·ρ, MZ(0) and FZ0")
-    assert low == "$F_Z$²·ρ, $M_Z$(0) and FZ0"
-    assert labels.plain_indices(low) == "FZ²·ρ, MZ(0) and FZ0"
-    assert labels.typeset("4.2..5.1 and -1..-0.5") == "4.2 to 5.1 and −1 to −0.5"
-
-
-def test_values_that_stand_side_by_side_can_be_told_apart() -> None:
-    array = xr.DataArray([1.0], attrs={"units": "cm"})
-    assert labels.distinct(array, [1.0, 2.5]) == ["1 cm", "2.5 cm"]
-    assert labels.distinct(array, [10.001, 10.002]) == ["10.001 cm", "10.002 cm"]
-    assert labels.distinct(array, [1.0, 1.0]) == ["1 cm", "1 cm"]
 
 
 LAWS = """
@@ -83,14 +48,6 @@ least = 0.5
 def judged() -> xr.Dataset:
     text = small.HEAD.replace("[units]", 'observables = ["amplitude", "turns", "wraps"]\n[units]')
     return in_memory.run(loads(f"{text}[axes.E]\nvalues = [1e4, 2e4]\n{LAWS}"))
-
-
-def test_a_law_stands_in_symbols_with_the_units_of_its_panel(judged) -> None:
-    first, second = (laws.sentence(judged, row) for row in law_verdicts.verdicts(judged))
-    assert (
-        first == "max κ equals −8·π²·L⁻²·cm + 0·EI/(N·cm³) + bowed^0.5/cm within 9·10⁹\N{NO-BREAK SPACE}1/cm, along E"
-    )
-    assert second == "amplitude of β is at least 28.65°, along E"
 
 
 def test_angles_are_in_degrees_on_every_axis(judged) -> None:

@@ -17,7 +17,6 @@ from workbench.figures import canvas, colours, kinds, map_cells, map_figure, reg
 from workbench.figures import thumbnails as thumbs
 from workbench.figures.sheet import Sheet
 from workbench.store import in_memory, law_verdicts, writing
-from workbench.words import cautions
 
 THREE = """
 [axes.E]
@@ -117,21 +116,6 @@ def test_values_in_any_order_are_drawn_in_rising_order_and_angles_in_degrees() -
     (mesh, *_) = meshes(map_figure.figure(ds, "beta", "R", ["wraps"]))
     np.testing.assert_array_equal(mesh.get_array().reshape(3, 2), ds["wraps"].sortby(["beta0", "R"]))
     np.testing.assert_allclose(mesh.get_coordinates()[0, :, 0], [15, 37.5, 60])
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "inches", "expected"),
-    [(5e3, 4e4, 3.0, [5e3, 1e4, 2e4]), (1, 1000, 2.0, [1, 10, 100, 1000]),
-     (0.5 * (1 + 1e-15), 2 * (1 - 1e-15), 2.0, [0.5, 1, 2]), (1, 1e6, 2.0, [1, 100, 1e4, 1e6])],
-)  # fmt: skip
-def test_a_logarithmic_axis_has_as_many_round_ticks_as_have_room(low, high, inches, expected) -> None:
-    assert scales.ticks((low, high), True, inches) == pytest.approx(expected)
-
-
-def test_a_narrow_logarithmic_axis_has_even_ticks() -> None:
-    found = scales.ticks((1.1, 4.4), True, 2.0)
-    assert len(found) >= 3
-    assert np.ptp(np.diff(found)) < 1e-12
 
 
 @pytest.mark.slow
@@ -245,12 +229,6 @@ def test_rods_that_were_not_checked_are_counted(regimes) -> None:
     texts[0, :3] = "not checked: self-contact"
     fig = map_figure.figure(regimes.assign(caution=regimes["caution"].copy(data=texts)))
     assert "3 of 475 rods were not checked for all cautions." in notes(fig)
-
-
-def test_the_key_of_a_caution_is_found_in_the_text_of_each_case() -> None:
-    texts = np.array([["", "overlaps, pulled"], ["pulled", "not checked: self-contact"]])
-    np.testing.assert_array_equal(cautions.holding(texts, "pulled"), [[False, True], [True, False]])
-    np.testing.assert_array_equal(cautions.holding(texts, "overlaps"), [[False, True], [False, False]])
 
 
 def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_where_the_law_is_decided(regimes) -> None:

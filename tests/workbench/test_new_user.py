@@ -1,4 +1,4 @@
-"""What a list of equilibria says of its energies, and how much of a long formula a figure shows."""
+"""What a list of equilibria says of its energies."""
 
 import json
 from collections.abc import Callable
@@ -10,12 +10,8 @@ from scipy.integrate import simpson
 from scipy.interpolate import CubicSpline
 
 from solver import Rod
-from studies.language.loader import loads
 from tests.slow import slow
-from tests.workbench import small
 from tests.workbench.command import exit_status
-from workbench.figures import laws
-from workbench.store import in_memory
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -63,15 +59,3 @@ def test_a_list_of_equilibria_shows_which_part_of_the_energy_is_elastic(held: st
     assert f"{name} (N cm) bending energy (N cm) bends" in out
     assert f"{name} = bending energy + twist energy ({twist:.6g} N cm" in out
     assert f"- work of {loads_said}" in out
-
-
-def test_a_long_formula_leaves_room_for_the_curves() -> None:
-    long = "+".join(["sin(beta)**2"] * 12)
-    law = '[[laws]]\nclaim = "c"\naxis = "E"\nsource = "s"\nobservable = "kappa_max"\nkind = "equals"\nabsolute = 1.0\n'
-    text = small.HEAD + f'[axes.E]\nvalues = [1e4, 2e4]\n[expressions]\nbowed = "{long}"\n{law}formula = "bowed/cm"\n'
-    ds = in_memory.run(loads(text))
-    kappa = ds["kappa_max"]
-    assert laws.formula(ds, "bowed", kappa) == "bowed"
-    cut = laws.formula(ds, long, kappa)
-    assert len(cut) == laws.LONGEST
-    assert cut.endswith("…")

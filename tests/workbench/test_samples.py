@@ -251,10 +251,6 @@ def test_a_stored_study_reads_no_table_again(tmp_path) -> None:
 # which case
 
 
-def test_the_number_of_a_sample_is_written_in_full() -> None:
-    assert selection.write("sample", 1234567.0) == "1234567"
-
-
 def test_a_selected_sample_keeps_its_fields(stored: Path) -> None:
     with xr.open_dataset(stored) as ds:
         one = ds.rod.sel(sample=17)

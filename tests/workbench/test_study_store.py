@@ -1,7 +1,6 @@
 """A study in chunks: the same bits however it is cut, whoever solves it, and however it grew."""
 
 import json
-from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,6 @@ from tests.slow import slow, slow_but
 from tests.workbench import runs
 from workbench.store import assembly, block, case_solutions, grid_io, in_memory, recipe, schema, shards, study_store
 from workbench.store.study_store import Options, run_to_file
-from workbench.words import outcomes
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
 
@@ -346,18 +344,6 @@ def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path)
         assert good["turns"].dtype == np.int64
         assert bad["turns"].dtype == np.float64
         assert np.isnan(bad["turns"]).all()
-
-
-def test_outcomes_that_differ_in_numbers_alone_are_counted_together_with_their_range() -> None:
-    first, others = "failed: the limit of 60 steps after 95.83% of the way to F3", ("after 7.5%", "after 1e+01%")
-    counts = {first: 2, **{first.replace("after 95.83%", other): 1 for other in others}, "solved": 5}
-    found = outcomes.group(counts)
-    assert found == {"failed: the limit of 60 steps after 7.5 to 95.83% of the way to F3": 4, "solved": 5}
-    more = first.replace("95.83", "-2")
-    assert outcomes.group(found + Counter([more])) == {first.replace("95.83", "-2 to 95.83"): 5, "solved": 5}
-    assert outcomes.group({first: 1}) == {first: 1}
-    older = first.replace("95.83", "...")  # of a file that an earlier version stored
-    assert outcomes.group({first: 1, older: 3}) == {older: 4}
 
 
 def test_a_run_counts_outcomes_with_the_range_of_their_numbers(tmp_path) -> None:

@@ -12,7 +12,6 @@ from tests.workbench import small
 from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.store import file_summary, grid_io, in_memory, writing
-from workbench.words import labels
 
 AXES = small.axis("E", [1e4, 2e4]) + small.axis("R", [0.5, 0.75, 1.0])
 LAW = small.law("kappa_max", "R", "falls", claim="(2)")
@@ -88,12 +87,6 @@ def test_reactions_that_a_study_names_and_the_index_of_held_ends_are_listed(tmp_
     assert re.search(r"^held_index +0 +0 +0", told, re.MULTILINE)
     nameless = writing.write(ds.assign_attrs(study=""), tmp_path / "nameless.h5")
     assert "FZ" not in [row["name"] for row in file_summary.summary(nameless)["observables"]]
-
-
-def test_a_count_is_called_the_number_of_bends_in_a_sentence() -> None:
-    row = {"observable": "turns", "axis": "E", "at": {}}
-    assert labels.law_text(row, "turns stays at 8") == "the number of bends stays at 8"
-    assert labels.noun_of("wraps") == "turns around"
 
 
 PIPE = """

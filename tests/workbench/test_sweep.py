@@ -18,7 +18,6 @@ from workbench.scene import scene_kinds
 from workbench.store import case_solutions, in_memory, law_verdicts, plan, sweep
 from workbench.store.block import solve_chunk
 from workbench.store.study_store import Options, run_to_file
-from workbench.words import outcomes
 
 PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "R": 0.108}
 HELD = {**PIPE, "side": "inside", "beta0": 0.0, "betaL": 0.0}
@@ -267,19 +266,6 @@ def test_a_picture_of_a_study_shows_the_branch_that_the_study_is_on(tmp_path) ->
 
 
 # branches
-
-
-def test_branches_are_numbered_in_the_order_of_the_places_that_took_them_up() -> None:
-    found = np.array([0, 0, 8, 8, outcomes.NO_BRANCH, 4, 0])
-    np.testing.assert_array_equal(outcomes.number_branches(found, found), [0, 0, 2, 2, -1, 1, 0])
-    np.testing.assert_array_equal(outcomes.number_branches(found[2:4], found), [2, 2])
-
-
-def test_what_is_said_of_branches() -> None:
-    assert outcomes.branch_sentence({0: 5}) == "all cases lie on one branch of equilibria"
-    two = outcomes.branch_sentence({0: 5, 1: 2, -1: 1})
-    assert two.startswith("the grid shows 2 branches of equilibria (5, 2 cases)")
-    assert outcomes.branch_sentence({-1: 3}) == "no case has an equilibrium"
 
 
 def beyond_the_fold():

@@ -18,7 +18,6 @@ from workbench.figures.sheet import sheet
 from workbench.figures.trends import trend
 from workbench.figures.unrolled import stretch
 from workbench.store import in_memory, law_verdicts, selection
-from workbench.words import labels
 
 
 @pytest.fixture(scope="module")
@@ -134,15 +133,6 @@ def test_drawing_leaves_no_state_behind(tmp_path) -> None:
     canvas.save(study_figure.figure(in_memory.run(grid())), tmp_path / "figure.png")
     assert dict(matplotlib.rcParams) == before
     assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [(5e3, "5000"), (6484.2, "6484"), (0.625, "0.625"), (1.0, "1"), (0.0, "0"), (2e6, "2e+06"), (1e-7, "1e-07"),
-     (-3.14159, "-3.142"), (123456.0, "123500")],
-)  # fmt: skip
-def test_numbers_are_written_as_one_writes_them(value: float, text: str) -> None:
-    assert labels.number(value) == text
 
 
 LAW = """

@@ -1,4 +1,4 @@
-"""Observables of start problems by a way of their own: on the steps of the 25-digit Taylor march of `tests.taylor`.
+"""Observables of start problems by a way of their own: on the steps of `march_25_digits`.
 
 Integrals by Gauss's rule between the zeros of push, zeros and extremes by bisection between many points of each step;
 nothing is shared with the solver but the formulas of the physics notes, which are written out again here.
@@ -13,7 +13,7 @@ from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from tests.taylor import _evaluated, _series, _step, _sum, pair
+from benchmarks.march_25_digits import _evaluated, _series, _step, _sum, pair
 
 Array = NDArray[Any]
 _POINTS = 241  # of a step
