@@ -1,7 +1,8 @@
 """Over the whole range of a float: no exception, no warning, nothing that is not finite in a case called solved.
 
 Quick part: a few thousand seeded cases. `pytest -m slow tests/numerics/test_extremes.py` runs 100,000 of them and
-takes some minutes. Six hundred are checked against stored Taylor series to 25 digits (benchmarks/make_march_references.py).
+takes some minutes. Six hundred are checked against Taylor series to 25 digits, stored by
+benchmarks/make_march_references.py.
 """
 
 import warnings
