@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solver import InputError, solve
@@ -17,7 +17,18 @@ from studies.language.loader import loads
 from studies.language.study_data import OUTPUTS
 from tests.slow import slow, slow_but
 from tests.workbench import runs
-from workbench.store import assembly, block, case_solutions, grid_io, in_memory, recipe, schema, shards, study_store
+from workbench.store import (
+    assembly,
+    block,
+    case_solutions,
+    concatenation,
+    grid_io,
+    in_memory,
+    recipe,
+    schema,
+    shards,
+    study_store,
+)
 from workbench.store.study_store import Options, run_to_file
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
@@ -76,18 +87,28 @@ def test_a_study_in_memory_has_the_bits_of_the_stored_one(whole) -> None:
             assert name == "created" or stored.attrs[name] == value, name
 
 
-@given(st.lists(st.integers(1, 5), max_size=4), st.data())
-def test_any_stretch_of_a_grid_is_written_and_read_as_it_was(shape: list[int], data) -> None:
-    size = int(np.prod(shape))
-    start = data.draw(st.integers(0, size - 1))
-    stop = data.draw(st.integers(start + 1, size))
-    rows = np.arange(2.0 * size).reshape(size, 2)
-    written = np.full((*shape, 2), -1.0)
-    grid_io.write(written, tuple(shape), start, rows[start:stop])
-    expected = np.full((size, 2), -1.0)
-    expected[start:stop] = rows[start:stop]
-    np.testing.assert_array_equal(written.reshape(size, 2), expected)
-    np.testing.assert_array_equal(grid_io.read(rows.reshape(*shape, 2), tuple(shape), start, stop), rows[start:stop])
+@given(st.lists(st.integers(1, 40), max_size=3), st.data())
+@settings(max_examples=50, deadline=None)
+def test_a_file_gives_each_box_of_a_grid_the_cases_that_it_holds_in_any_order(sizes: list[int], data) -> None:
+    shape = tuple(sizes)
+    held = [data.draw(st.permutations(range(n)))[: data.draw(st.integers(1, n))] for n in shape]
+    places = [np.full(n, -1) for n in shape]
+    for place, rows in zip(places, held, strict=True):
+        place[rows] = np.arange(len(rows))
+    flat = np.arange(int(np.prod(shape))).reshape(shape)
+    values = flat[np.ix_(*held)] if shape else flat
+    dims = [f"x{k}" for k in range(len(shape))]
+    ds = xr.Dataset({"a": (dims, values), "b": ([*dims, "u"], np.stack([values, -values], axis=-1))})
+    source = concatenation.FileSource("file.h5", ds, ["a", "b"], places)
+    met: list[int] = []
+    for where in grid_io.blocks(shape, data.draw(st.integers(1, 50))):
+        start, stop = grid_io.span(where, shape)
+        assert flat[where].ravel().tolist() == list(range(start, stop))
+        piece = source.read(where)
+        if piece is not None:
+            assert (start + piece[0]).tolist() == piece[1]["a"].tolist() == (-piece[1]["b"][:, 1]).tolist()
+            met += piece[1]["a"].tolist()
+    assert met == sorted(values.ravel().tolist())
 
 
 def test_what_is_packed_together_lies_together() -> None:

@@ -9,10 +9,10 @@ from typing import Any
 import h5py
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ..words import cautions, outcomes
 from . import atomic, checksums, concatenation, dataset, netcdf, schema, writing
+from .grid_io import Where, span
 from .growth import StoredRun, places
 from .plan import Plan, bytes_a_case, bytes_of_file, remarks
 from .schema import Columns
@@ -36,10 +36,10 @@ def assemble(plan: Plan, parts: Shards, output: Path, stored: StoredRun | None, 
             if stored is not None:
                 held = stack.enter_context(netcdf.open_file(output))
                 names = [variable.name for variable in variables]
-                source = concatenation.FileSource(str(output), held, names, plan.shape, places(stored, plan))
+                source = concatenation.FileSource(str(output), held, names, places(stored, plan))
                 sources = [source, *sources] if plan.todo else [source]
             gathered = concatenation.gather(sources, plan.shape, bytes_a_case(plan.study))
-            windows = ((start, _final(columns, tally)) for start, columns in gathered)
+            windows = ((where, _final(columns, tally)) for where, columns in gathered)
             statistics = store_cases(
                 frame, aside, bytes_of_file(plan), variables, plan.shape, windows, plan.recipe, tally
             )
@@ -51,7 +51,7 @@ def assemble(plan: Plan, parts: Shards, output: Path, stored: StoredRun | None, 
 
 def store_cases(
     frame: xr.Dataset, path: Path, size: int, variables: Sequence[schema.CaseVariable], shape: tuple[int, ...],
-    windows: Iterable[tuple[int, Columns]], recipe: Mapping[str, Any] | None, tally: Tally | None = None,
+    windows: Iterable[tuple[Where, Columns]], recipe: Mapping[str, Any] | None, tally: Tally | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Write a study to a new file, and judge it; its statistics.
 
@@ -90,16 +90,12 @@ class ShardSource:
     name = "the shards of the run"
 
     def __init__(self, parts: Shards, plan: Plan) -> None:
-        self._parts, self._new = parts, plan.new
+        self._parts, self._new, self._shape = parts, plan.new, plan.shape
 
-    def find(self, start: int, stop: int) -> NDArray[np.int64]:
-        """Those of the cases `start` to `stop` of the grid that the run solves."""
+    def read(self, where: Where) -> concatenation.Piece | None:
+        """The cases of a box that the run solves. Raises `Damaged`."""
+        start, stop = span(where, self._shape)
         if self._new is None:
-            return np.arange(start, stop)
+            return np.arange(stop - start), self._parts.read_cases(start, stop)
         a, b = np.searchsorted(self._new, [start, stop])
-        return self._new[a:b]
-
-    def read(self, flat: NDArray[np.int64]) -> Columns:
-        """The variables of these cases, which follow one another in the run. Raises `Damaged`."""
-        ends = flat[[0, -1]] if self._new is None else np.searchsorted(self._new, flat[[0, -1]])
-        return self._parts.read_cases(int(ends[0]), int(ends[1]) + 1)
+        return (self._new[a:b] - start, self._parts.read_cases(a, b)) if a < b else None

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError
 from studies.grammar.dimensions import SAMPLE
 
-from . import file_checks, grid_io
+from . import file_checks
+from .grid_io import Where, blocks, extent, span
 from .schema import Columns
 
 WINDOW = 2**25  # bytes of results held while they are copied
@@ -33,80 +34,75 @@ class Union:
     fields: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
+Piece = tuple[NDArray[np.int64], Columns]  # places of cases in a box, rising, and their variables
+
+
 class Source(Protocol):
-    """Where cases of a grid come from; `find` and `read` take flat indices in the grid."""
+    """Where cases of a grid come from."""
 
     @property
     def name(self) -> str:
         """Its name in messages."""
 
-    def find(self, start: int, stop: int) -> NDArray[np.int64]:
-        """Those of the cases `start` to `stop` that it holds, rising."""
-
-    def read(self, flat: NDArray[np.int64]) -> Columns:
-        """The variables of these cases, which it holds."""
+    def read(self, where: Where) -> Piece | None:
+        """Those cases of a box of the grid that it holds; None where there are none."""
 
 
 @dataclass(frozen=True, eq=False)
 class FileSource:
     """The cases of a stored dataset.
 
-    name: of the file. ds: its dataset, opened lazily. variables: those over all axes. shape: of the grid. places: for
-    each axis of the grid the index of each value in the file, or -1.
+    name: of the file. ds: its dataset, opened lazily. variables: those over all axes. places: for each axis of the grid
+    the index of each value in the file, or -1.
     """
 
     name: str
     ds: xr.Dataset
     variables: Sequence[str]
-    shape: tuple[int, ...]
     places: Sequence[NDArray[np.int64]]
 
-    def find(self, start: int, stop: int) -> NDArray[np.int64]:
-        """Those of the cases `start` to `stop` that the file holds."""
-        flat = np.arange(start, stop)
-        at = np.unravel_index(flat, self.shape)
-        return flat[np.all([place[i] >= 0 for place, i in zip(self.places, at, strict=True)], axis=0)]
-
-    def read(self, flat: NDArray[np.int64]) -> Columns:
-        """The variables of these cases. Raises `InputError` where the file is damaged."""
-        own = self.ds["outcome"].shape
-        at = np.unravel_index(flat, self.shape)
-        rows = np.ravel_multi_index([place[i] for place, i in zip(self.places, at, strict=True)], own)
+    def read(self, where: Where) -> Piece | None:
+        """The cases of a box that the file holds. Raises `InputError` where the file is damaged."""
+        places = [place[part] for place, part in zip(self.places, where, strict=True)]
+        held = [np.flatnonzero(place >= 0) for place in places]
+        if not all(rows.size for rows in held):
+            return None
+        box = extent(where)
+        cases = np.arange(prod(box)).reshape(box)[np.ix_(*held)].ravel()
+        rows = [place[mine] for place, mine in zip(places, held, strict=True)]
         with file_checks.reading(self.name):
-            return {name: _rows(self.ds[name].variable, own, rows) for name in self.variables}
+            return cases, {name: _rows(self.ds[name].variable, rows) for name in self.variables}
 
 
-def _rows(variable: xr.Variable, shape: tuple[int, ...], rows: NDArray[np.int64]) -> NDArray[Any]:
-    """Rows at flat indices of a file: in one read where they lie close together, else a read for each run."""
-    low, high = int(rows.min()), int(rows.max()) + 1
-    if high - low <= 4 * rows.size:
-        values = grid_io.read(variable, shape, low, high)[rows - low]
-    else:
-        order = np.argsort(rows, kind="stable")
-        runs = np.split(rows[order], np.flatnonzero(np.diff(rows[order]) != 1) + 1)
-        values = np.concatenate([grid_io.read(variable, shape, int(run[0]), int(run[-1]) + 1) for run in runs])
-        values = values[np.argsort(order, kind="stable")]
+def _rows(variable: xr.Variable, rows: Sequence[NDArray[np.int64]]) -> NDArray[Any]:
+    """The cases of these rows of each axis, (cases, ...). Rows that lie close together are read with those between."""
+    key: list[Any] = list(rows)
+    within = [np.arange(mine.size) for mine in rows]
+    for k, mine in enumerate(rows):
+        low, high = int(mine.min()), int(mine.max()) + 1
+        if high - low <= 4 * mine.size:
+            key[k], within[k] = slice(low, high), mine - low
+    values = np.asarray(variable[tuple(key)].values)[np.ix_(*within)]
+    values = values.reshape(-1, *values.shape[len(rows) :])
     return values.astype(str) if values.dtype.kind == "O" else values
 
 
 def gather(
     sources: Sequence[Source], shape: tuple[int, ...], bytes_a_case: int, union: Union | None = None, axis: int = 0
-) -> Iterator[tuple[int, Columns]]:
-    """The first case and the columns of each window of cases, in flat order, each case from the first that holds it.
+) -> Iterator[tuple[Where, Columns]]:
+    """The columns of each box of cases, in flat order, each case from the first source that holds it.
 
     union: of the axis of that number, along which sources overlap. Raises `InputError` where they then differ.
     """
-    size, window = prod(shape), max(1, WINDOW // bytes_a_case)
-    for start in range(0, size, window):
-        stop = min(start + window, size)
-        found = [(source, source.find(start, stop)) for source in sources]
-        pieces = [(source.name, flat - start, source.read(flat)) for source, flat in found if flat.size]
-        if len(pieces) == 1:
-            yield start, pieces[0][2]
+    for where in blocks(shape, max(1, WINDOW // bytes_a_case)):
+        parts = [(source.name, source.read(where)) for source in sources]
+        held = [(name, *piece) for name, piece in parts if piece is not None]
+        if len(held) == 1:
+            yield where, held[0][2]
             continue
-        numbers = np.arange(start, stop)
+        numbers = np.arange(*span(where, shape))
         values = numbers if union is None else union.values[np.unravel_index(numbers, shape)[axis]]
-        yield start, _combine(pieces, stop - start, "case" if union is None else union.axis, values)
+        yield where, _combine(held, numbers.size, "case" if union is None else union.axis, values)
 
 
 def unite(axis: str, rows: Sequence[NDArray[np.float64]]) -> Union:

@@ -81,7 +81,7 @@ def _source(
     """The cases of file `k` in the grid of the union."""
     axes = schema.axes_of(files[k])
     places = [union.places[k] if a == union.axis else np.arange(n) for a, n in zip(axes, shape, strict=True)]
-    return concatenation.FileSource(names[k], files[k], cases, shape, places)
+    return concatenation.FileSource(names[k], files[k], cases, places)
 
 
 def _bytes_a_case(variable: xr.DataArray, axes: int) -> int:

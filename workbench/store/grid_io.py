@@ -1,59 +1,17 @@
-"""Read and write cases in flat order, piece by piece, where the file has one dimension for each axis."""
+"""Grids of cases piece by piece: boxes that follow one another in the flat order, the last axis fastest."""
 
 import math
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Where = tuple[slice, ...]
-Slab = tuple[tuple[Any, ...], int]  # an index into the leading axes, and how many cases it picks
 
 PACKED = 2**16  # values of an HDF5 chunk: 512 kB
-
-
-def slabs(shape: tuple[int, ...], start: int, stop: int) -> Iterator[Slab]:
-    """The cases `start` to `stop` of a grid as boxes, in order; a few for each axis, however many cases."""
-    if not shape:
-        yield (), 1
-        return
-    if len(shape) == 1:
-        yield (slice(start, stop),), stop - start
-        return
-    inner = math.prod(shape[1:])
-    (first, after), (last, before) = divmod(start, inner), divmod(stop, inner)
-    if first == last:
-        yield from _within(shape, first, after, before)
-        return
-    if after:
-        yield from _within(shape, first, after, inner)
-        first += 1
-    if first < last:
-        yield (slice(first, last), *(slice(None) for _ in shape[1:])), (last - first) * inner
-    if before:
-        yield from _within(shape, last, 0, before)
-
-
-def _within(shape: tuple[int, ...], i: int, start: int, stop: int) -> Iterator[Slab]:
-    for index, count in slabs(shape[1:], start, stop):
-        yield (i, *index), count
-
-
-def write(variable: Any, shape: tuple[int, ...], start: int, rows: NDArray[Any]) -> None:
-    """Store rows (cases, ...) as the cases from `start` on of a variable over the grid, (*shape, ...)."""
-    done = 0
-    for index, count in slabs(shape, start, start + len(rows)):
-        box = _extent(index, shape) + rows.shape[1:]
-        variable[(*index, ...)] = rows[done : done + count].reshape(box)
-        done += count
-
-
-def read(variable: Any, shape: tuple[int, ...], start: int, stop: int) -> NDArray[Any]:
-    """The rows of the cases `start` to `stop`, (cases, ...)."""
-    inner = variable.shape[len(shape) :]
-    boxes = [np.asarray(variable[(*index, ...)]).reshape(-1, *inner) for index, _ in slabs(shape, start, stop)]
-    return np.concatenate(boxes)
 
 
 def blocks(shape: tuple[int, ...], most: int) -> Iterator[Where]:
@@ -69,6 +27,24 @@ def blocks(shape: tuple[int, ...], most: int) -> Iterator[Where]:
             yield (*(slice(i, i + 1) for i in outer), slice(start, stop), *(slice(0, n) for n in shape[cut + 1 :]))
 
 
+def span(where: Where, shape: tuple[int, ...]) -> tuple[int, int]:
+    """The first and the last + 1 of the cases of a box of `blocks`, in flat order."""
+    start = int(np.ravel_multi_index([part.start for part in where], shape)) if shape else 0
+    return start, start + math.prod(extent(where))
+
+
+def extent(where: Where) -> tuple[int, ...]:
+    """The shape of a box."""
+    return tuple(part.stop - part.start for part in where)
+
+
+def pieces(ds: "xr.Dataset", names: Sequence[str], most: int) -> "Iterator[xr.Dataset]":
+    """These variables of a study's dataset, in memory, for at most so many cases at a time."""
+    dims = ds["solved"].dims
+    for where in blocks(ds["solved"].shape, most):
+        yield ds[list(names)].isel(dict(zip(dims, where, strict=True))).load()
+
+
 def packing(shape: tuple[int, ...]) -> tuple[int, ...]:
     """The shape of an HDF5 chunk: a stretch of the flat order."""
     sizes, left = [], PACKED
@@ -76,9 +52,3 @@ def packing(shape: tuple[int, ...]) -> tuple[int, ...]:
         sizes.append(max(1, min(size, left)))
         left //= size
     return tuple(reversed(sizes))
-
-
-def _extent(index: tuple[Any, ...], shape: tuple[int, ...]) -> tuple[int, ...]:
-    """The shape of a box: an axis that the index fixes is none."""
-    ranges = (range(*part.indices(size)) for part, size in zip(index, shape, strict=True) if isinstance(part, slice))
-    return tuple(len(one) for one in ranges)

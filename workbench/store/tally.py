@@ -10,7 +10,7 @@ import numpy as np
 
 from ..words import outcomes
 from . import law_verdicts
-from .grid_io import blocks
+from .grid_io import pieces
 from .growth import StoredRun
 from .schema import SAMPLING, TEXTS, Columns
 
@@ -56,8 +56,8 @@ def statistics(ds: "xr.Dataset", tally: Tally | None = None) -> dict[str, Any]:
     if tally is None:
         tally = tally_of(None)
         names = [name for name in ("solved", *TEXTS, "branch") if name in ds]
-        for where in blocks(ds["solved"].shape, BLOCK):
-            count({name: ds[name][where].values for name in names}, tally)
+        for piece in pieces(ds, names, BLOCK):
+            count({name: piece[name].values for name in names}, tally)
     return {
         "unsolved": tally["solved"][False],
         **{f"{name}s": dict(sorted(tally[name].items())) for name in TEXTS},

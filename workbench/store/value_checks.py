@@ -22,7 +22,7 @@ from studies.grammar.units import FORCES, LENGTHS
 from ..words import escaping
 from . import schema
 from .file_checks import show
-from .grid_io import blocks
+from .grid_io import pieces
 from .schema import CURVES, JUDGED, LOADS, SECTION, TEXTS
 
 LINE, LABEL = LONGEST_LINE, 1000  # characters of an attribute of the file, and of a variable
@@ -150,8 +150,7 @@ def each(ds: xr.Dataset, path: str | Path) -> None:
     dims = ds["outcome"].dims
     numbers = [str(name) for name, one in ds.data_vars.items() if one.dims == dims and one.dtype.kind in "iuf"]
     names = [name for name in dict.fromkeys(("solved", *TEXTS, *numbers, *LOADS, *sizes)) if name in ds.variables]
-    for where in blocks(ds["outcome"].shape, BLOCK):
-        block = ds[names].isel(dict(zip(dims, where, strict=True))).load()
+    for block in pieces(ds, names, BLOCK):
         _check_words(block, path)
         _check_numbers(block, numbers, path)
         _check_loads(block, path)
@@ -202,8 +201,8 @@ def curves(ds: xr.Dataset, path: str | Path) -> None:
         if ds[key].dtype.kind not in "iuf" or ds[key].dims[: len(dims)] != dims:
             raise InputError(f"{path}: {show(key)} is not an array of numbers along each rod")
     names = [name for name in ("solved", *keys, "s", "rho") if name in ds.variables]
-    for where in blocks(ds["solved"].shape, max(1, BLOCK_ALONG // ds.sizes.get("u", 1))):
-        _check_block(ds[names].isel(dict(zip(dims, where, strict=True))), keys, path)
+    for block in pieces(ds, names, max(1, BLOCK_ALONG // ds.sizes.get("u", 1))):
+        _check_block(block, keys, path)
 
 
 def _check_block(ds: xr.Dataset, keys: Iterable[str], path: str | Path) -> None:

@@ -52,11 +52,11 @@ def append_to(frame: xr.Dataset, path: Path, size: int) -> Iterator[netcdf.File]
 
 def write_cases(
     file: netcdf.File, variables: Sequence[schema.CaseVariable], shape: tuple[int, ...],
-    windows: Iterable[tuple[int, schema.Columns]],
+    windows: Iterable[tuple[grid_io.Where, schema.Columns]],
 ) -> None:  # fmt: skip
-    """Write the variables over the axes into an open file, window by window; shape: of the grid."""
+    """Write the variables over the axes into an open file, box by box; shape: of the grid."""
     created: dict[str, Any] = {}
-    for start, columns in windows:
+    for where, columns in windows:
         for variable in variables:
             values = (
                 columns[variable.name]
@@ -66,7 +66,7 @@ def write_cases(
             if variable.name not in created:
                 created[variable.name] = _create(file, variable, shape + values.shape[1:], values.dtype)
             values = values.astype({"U": object, "b": np.int8}.get(values.dtype.kind, values.dtype), copy=False)
-            grid_io.write(created[variable.name], shape, start, values)
+            created[variable.name][(*where, ...)] = values.reshape(grid_io.extent(where) + values.shape[1:])
 
 
 def _create(file: netcdf.File, one: schema.CaseVariable, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Any:
