@@ -63,7 +63,9 @@ def test_no_law_of_a_shipped_study_fails_under_the_default_reading_and_those_tha
     rows = law_verdicts.verdicts(ds)
     assert [(row["verdict"], row["qualifications"]) for row in rows] == VERDICTS[name]
     assert all(row["reason"] for row in rows if row["verdict"] == "qualified")
-    assert law_verdicts.all_well(ds) == all(verdict == "holds" for verdict, _ in VERDICTS[name])
+    assert (law_verdicts.status(0, law_verdicts.verdicts(ds)) == 0) == all(
+        verdict == "holds" for verdict, _ in VERDICTS[name]
+    )
     assert not law_verdicts.is_refuted(0, rows)
 
 

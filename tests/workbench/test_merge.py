@@ -15,7 +15,7 @@ from solver import InputError
 from studies.language.loader import loads
 from tests.slow import slow, slow_but
 from tests.workbench import small
-from workbench.store import concatenation, dataset, file_merge, in_memory, law_verdicts, reading, study_store, writing
+from workbench.store import assembly, dataset, file_merge, in_memory, law_verdicts, reading, study_store, writing
 
 RADII = "[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "E"\ndirection = "falls"\nsource = "s"\n'
@@ -168,7 +168,7 @@ def test_small_blocks_write_the_same_bits_as_large_ones(tmp_path, monkeypatch) -
     files = stored(tmp_path, *parts)
     file_merge.merge(files, tmp_path / "large.h5")
     for most in (7, 50):
-        monkeypatch.setattr(concatenation, "WINDOW", 80 * most)
+        monkeypatch.setattr(assembly, "WINDOW", 80 * most)
         file_merge.merge(files, tmp_path / "small.h5")
         with xr.open_dataset(tmp_path / "large.h5") as large, xr.open_dataset(tmp_path / "small.h5") as little:
             xr.testing.assert_identical(large.drop_attrs(deep=False), little.drop_attrs(deep=False))

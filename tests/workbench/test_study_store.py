@@ -21,7 +21,6 @@ from workbench.store import (
     assembly,
     block,
     case_solutions,
-    concatenation,
     grid_io,
     in_memory,
     recipe,
@@ -99,7 +98,7 @@ def test_a_file_gives_each_box_of_a_grid_the_cases_that_it_holds_in_any_order(si
     values = flat[np.ix_(*held)] if shape else flat
     dims = [f"x{k}" for k in range(len(shape))]
     ds = xr.Dataset({"a": (dims, values), "b": ([*dims, "u"], np.stack([values, -values], axis=-1))})
-    source = concatenation.FileSource("file.h5", ds, ["a", "b"], places)
+    source = assembly.FileSource("file.h5", ds, ["a", "b"], places)
     met: list[int] = []
     for where in grid_io.blocks(shape, data.draw(st.integers(1, 50))):
         start, stop = grid_io.span(where, shape)

@@ -1,21 +1,24 @@
-"""Checksums of the attributes of a file, and of its numbers and texts of each case.
+"""Checksums: the digest by which anything stored is known again, and those of a file.
 
-They stand in the attribute `checksums`, some digits for each attribute and variable. A variable of another shape is a
-selection that another program has stored, and is not compared. Arrays along the rod have none: HDF5 guards what it has
-compressed, and a number that is lost in a solved case is refused.
+A file has checksums of its attributes, and of its numbers and texts of each case, in the attribute `checksums`: some
+digits for each attribute and variable. A variable of another shape is a selection that another program has stored, and
+is not compared. Arrays along the rod have none: HDF5 guards what it has compressed, and a number that is lost in a
+solved case is refused.
 """
 
 import hashlib
 import json
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from solver.problem.errors import InputError
 
 from .grid_io import blocks
+
+if TYPE_CHECKING:
+    import h5py
 
 KEY = "checksums"
 UNSUMMED = {KEY, "DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME", "_Netcdf4Dimid", "_Netcdf4Coordinates",
@@ -24,12 +27,20 @@ _SIZE = 4  # bytes
 _READ = 2**16  # texts at a time
 
 
-def store(file: h5py.File) -> None:
+def digest(*content: bytes | memoryview, size: int) -> bytes:
+    """The digest of the content, of so many bytes."""
+    summed = hashlib.blake2b(digest_size=size)
+    for part in content:
+        summed.update(part)
+    return summed.digest()
+
+
+def store(file: "h5py.File") -> None:
     """Store the checksums of a complete file that is open for writing."""
     file.attrs[KEY] = json.dumps({place: _sum(file, place) for place in _places(file)})
 
 
-def check(file: h5py.File, path: object, arrays: bool = True) -> None:
+def check(file: "h5py.File", path: object, arrays: bool = True) -> None:
     """Raise `InputError` where something has changed since `store`. arrays: whether variables are compared too.
 
     Nothing is compared in a file without checksums, as other programs store it.
@@ -50,7 +61,7 @@ def check(file: h5py.File, path: object, arrays: bool = True) -> None:
             )
 
 
-def _places(file: h5py.File) -> Iterator[str]:
+def _places(file: "h5py.File") -> Iterator[str]:
     """``@title`` of the file, ``E@units`` and ``outcome`` of variables."""
     most = file["outcome"].ndim if "outcome" in file else 0
     for name, held in (("", file), *file.items()):
@@ -59,23 +70,24 @@ def _places(file: h5py.File) -> Iterator[str]:
             yield name
 
 
-def _shape(file: h5py.File, place: str) -> str:
+def _shape(file: "h5py.File", place: str) -> str:
     name, at, key = place.partition("@")
     shape = file[name or "/"].attrs.get_id(key).shape if at else file[name].shape
     return "x".join(map(str, shape))
 
 
-def _sum(file: h5py.File, place: str) -> str:
+def _sum(file: "h5py.File", place: str) -> str:
     """``9x3:0f3c11d2``: the shape, and a digest of the content."""
+    return f"{_shape(file, place)}:{digest(*_content(file, place), size=_SIZE).hex()}"
+
+
+def _content(file: "h5py.File", place: str) -> Iterator[bytes]:
+    import h5py
+
     name, at, key = place.partition("@")
-    summed = hashlib.blake2b(digest_size=_SIZE)
-    if at:
-        value = file[name or "/"].attrs[key]
-        summed.update(value.encode() if isinstance(value, str) else np.asarray(value).tobytes())
-    elif h5py.check_string_dtype(file[name].dtype) and file[name].ndim:
-        for where in blocks(file[name].shape, _READ):
-            summed.update(b"\0".join(file[name][where].ravel().tolist()) + b"\0")
-    else:
-        number: Any = file[name][()]
-        summed.update(number if isinstance(number, bytes) else np.asarray(number).tobytes())
-    return f"{_shape(file, place)}:{summed.hexdigest()}"
+    if not at and h5py.check_string_dtype(file[name].dtype) and file[name].ndim:
+        yield from (b"\0".join(file[name][where].ravel().tolist()) + b"\0" for where in blocks(file[name].shape, _READ))
+        return
+    value: Any = file[name or "/"].attrs[key] if at else file[name][()]
+    value = value.encode() if isinstance(value, str) else value
+    yield value if isinstance(value, bytes) else np.asarray(value).tobytes()

@@ -22,12 +22,13 @@ from ..words import cautions
 from . import (
     assembly,
     atomic,
-    concatenation,
+    axis_union,
     reading,
     schema,
     stored_case,
     writing,
 )
+from .axis_union import Union
 from .plan import SPARE, TEXT_BYTES
 from .recipe import axis_line
 from .selection import SAME
@@ -58,14 +59,14 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         if not force:
             writing.check_free(out, attrs["study_name"])
         axes = schema.axes_of(opened[0])
-        frame, cases = concatenation.layout(opened, names, union, axes)
+        frame, cases = axis_union.layout(opened, names, union, axes)
         shape = tuple(frame.sizes[axis] for axis in axes)
         sources = [_source(k, opened, names, cases, union, shape) for k in range(len(opened))]
         variables = [_case_variable(name, opened) for name in cases]
         size = sum(_bytes_a_case(opened[0][name], len(axes)) for name in cases)
         most = int(1.02 * (frame.nbytes + prod(shape) * size)) + SPARE
         recipe = _recipe(opened, schema.field_of(studies[0], union.axis), union)
-        windows = concatenation.gather(sources, shape, size, union, axes.index(union.axis))
+        windows = assembly.gather(sources, shape, size, (axes.index(union.axis), union.axis, union.values))
         with atomic.refusing(out), atomic.replacement(out) as aside:
             frame = frame.assign_attrs(attrs)
             statistics = assembly.store_cases(frame, aside, most, variables, shape, windows, recipe)
@@ -75,13 +76,13 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
 
 
 def _source(
-    k: int, files: Sequence[xr.Dataset], names: Sequence[str], cases: Sequence[str], union: concatenation.Union,
+    k: int, files: Sequence[xr.Dataset], names: Sequence[str], cases: Sequence[str], union: Union,
     shape: tuple[int, ...],
-) -> concatenation.FileSource:  # fmt: skip
+) -> assembly.FileSource:  # fmt: skip
     """The cases of file `k` in the grid of the union."""
     axes = schema.axes_of(files[k])
     places = [union.places[k] if a == union.axis else np.arange(n) for a, n in zip(axes, shape, strict=True)]
-    return concatenation.FileSource(names[k], files[k], cases, places)
+    return assembly.FileSource(names[k], files[k], cases, places)
 
 
 def _bytes_a_case(variable: xr.DataArray, axes: int) -> int:
@@ -96,7 +97,7 @@ def _case_variable(name: str, files: Sequence[xr.Dataset]) -> schema.CaseVariabl
     return schema.CaseVariable(name, tuple(map(str, first.dims)), first.attrs, dtype)
 
 
-def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence[str]) -> concatenation.Union:
+def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence[str]) -> Union:
     """The union of the one axis in which the files differ. Raises `InputError` where anything else differs."""
     for ds, study, name in zip(files[1:], studies[1:], names[1:], strict=True):
         for what, (a, b) in _differences(files[0], studies[0], ds, study).items():
@@ -122,8 +123,8 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
         what = f"the same values of {choices(axes)}" if axes else "one case each, and no axis"
         raise InputError(f"there is nothing to merge: {choices(names)} have {what}")
     if differing == [SAMPLE]:
-        return concatenation.unite_samples([stored_case.samples_of(ds) for ds in files])
-    union = concatenation.unite(differing[0], [ds[differing[0]].values for ds in files])
+        return axis_union.unite_samples([stored_case.samples_of(ds) for ds in files])
+    union = axis_union.unite(differing[0], [ds[differing[0]].values for ds in files])
     close = np.flatnonzero(np.diff(union.values) <= SAME * np.abs(union.values[1:]))
     if close.size:
         a, b = union.values[close[0] : close[0] + 2]
@@ -160,7 +161,7 @@ def _said(value: Any) -> str:
 
 
 def _attributes(
-    files: Sequence[xr.Dataset], study: Study, union: concatenation.Union, names: Sequence[str], out: Path
+    files: Sequence[xr.Dataset], study: Study, union: Union, names: Sequence[str], out: Path
 ) -> dict[str, Any]:
     """The attributes of the merged file: those of the first, with the study over all values, which is read again."""
     context = None
@@ -191,7 +192,7 @@ def _attributes(
     }
 
 
-def _text_with_samples(study: Study, union: concatenation.Union, out: Path) -> tuple[str, dict[str, Any] | None]:
+def _text_with_samples(study: Study, union: Union, out: Path) -> tuple[str, dict[str, Any] | None]:
     """The text of the study with the samples of the union, and the context in which it loads.
 
     More than `MOST_LISTED` numbers are not listed: the text names a table, and the samples are those of the file.
@@ -201,7 +202,7 @@ def _text_with_samples(study: Study, union: concatenation.Union, out: Path) -> t
     return dumps_table(study, f"{out.stem}.csv", list(union.fields)), {"samples": Dimension(SAMPLE, union.fields)}
 
 
-def _origin_of_samples(files: Sequence[xr.Dataset], union: concatenation.Union) -> str:
+def _origin_of_samples(files: Sequence[xr.Dataset], union: Union) -> str:
     """Where the samples of the union come from, in one sentence."""
     each = list(dict.fromkeys(str(ds.attrs.get("sampling", "")) for ds in files))
     more = [f"and {len(each) - MOST_SOURCES} more"] if len(each) > MOST_SOURCES else []
@@ -215,7 +216,7 @@ def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
     return {name: ", ".join(dict.fromkeys(row[name] for row in versions if name in row)) for name in packages}
 
 
-def _recipe(files: Sequence[xr.Dataset], field: str, union: concatenation.Union) -> dict[str, Any] | None:
+def _recipe(files: Sequence[xr.Dataset], field: str, union: Union) -> dict[str, Any] | None:
     """The recipe of a run of all values, so that a later run can extend the merged file; None where it may not.
 
     It may where every file was stored by a run, with the same code and libraries.

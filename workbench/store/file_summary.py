@@ -49,7 +49,7 @@ def summary(path: Path) -> dict[str, Any]:
         told["along"] = [name for name in schema.CURVES if name in ds.data_vars]
         told["boundaries"] = _boundaries(ds)
         told["cases"] = ds["outcome"].size
-        told["unsolved"] = unsolved(ds)
+        told["unsolved"] = law_verdicts.unsolved(ds)
         told["outcomes"] = dict(text_counts(ds["outcome"], ds["solved"]).most_common())
         told["observables"] = [_spread(ds[name]) for name in _observables(ds)]
         told["states"] = _states(ds)
@@ -129,11 +129,6 @@ def _places(found: xr.Dataset, axis: str) -> list[dict[str, Any]]:
     return [{key: found[name].values[i].item() for key, name in keys.items()} for i in order]
 
 
-def unsolved(ds: xr.Dataset) -> int:
-    """How many cases are not solved, read block by block."""
-    return sum(int((~ds["solved"][where].values).sum()) for where in blocks(ds["solved"].shape, BLOCK))
-
-
 def _axis(axis: xr.DataArray) -> dict[str, Any]:
     values = axis.values
     ends = {"count": int(values.size), "from": float(values.min()), "to": float(values.max())}
@@ -157,13 +152,7 @@ def text_counts(variable: xr.DataArray, solved: xr.DataArray | None = None) -> C
 
 def _numbers(variable: xr.DataArray) -> NDArray[np.float64]:
     """All the values of one number a case, (cases,)."""
-    values = np.empty(variable.size)
-    begin = 0
-    for where in blocks(variable.shape, BLOCK):
-        part = variable[where].values.ravel()
-        values[begin : begin + part.size] = part
-        begin += part.size
-    return values
+    return variable.values.ravel().astype(float)
 
 
 def _spread(variable: xr.DataArray) -> dict[str, Any]:

@@ -126,11 +126,6 @@ def is_refuted(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> bool:
     return unsolved > 0 or any(row["verdict"] in (UNDECIDED, FAILS) for row in rows)
 
 
-def all_well(ds: "xr.Dataset") -> bool:
-    """Whether every case was solved and every law holds, at least as a trend."""
-    return status(unsolved(ds), verdicts(ds)) == 0
-
-
 def numbers_of(ds: "xr.Dataset", names: Iterable[str]) -> "dict[str, NDArray[np.float64]]":
     """The numbers of these names over the grid of the dataset. Raises `InputError` for a name that is missing."""
     return {name: _over_cases(ds, name, _number_of(ds, name)) for name in names}

@@ -1,6 +1,5 @@
 """The recipe of a run: all that its numbers depend on, by which a later run knows whether it continues this one."""
 
-import hashlib
 import json
 from collections.abc import Mapping
 from functools import cache
@@ -20,6 +19,7 @@ from studies.grammar.dimensions import Dimensions
 from studies.language.refine import lattice
 from studies.laws.law import Law
 
+from .checksums import digest
 from .schema import version_of
 
 
@@ -92,7 +92,7 @@ def _requirements(method: str) -> list[str]:
 
 
 def _digest(content: bytes) -> str:
-    return hashlib.blake2b(content, digest_size=6).hexdigest()
+    return digest(content, size=6).hex()
 
 
 def axis_line(values: NDArray[np.float64]) -> str:
