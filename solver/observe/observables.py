@@ -370,7 +370,8 @@ class Observable:
     is measured over the middle third alone has "middle" before it. undefined: where it has no value although the case
     is solved, in words; "" if nowhere. not_smooth: where it has a value, and may have no derivative; "" for the reasons
     that go with what is measured. needs: the field of the rod without which it does not exist. holds: whether it
-    is a load or a moment that holds an end, which is computed only where it is asked for by name.
+    is a load or a moment that holds an end, which is computed only where it is asked for by name. least, most: the
+    bounds of its value and of its size, in which "L" is the length of the rod; whole numbers are never negative.
     """
 
     compute: Callable[[Reading], Any]
@@ -379,6 +380,8 @@ class Observable:
     not_smooth: str = ""
     needs: str = ""
     holds: bool = False
+    least: float = -np.inf
+    most: float | str = np.inf
 
 
 SEVERAL = "several places of the rod reach the extreme, and a change moves them apart"
@@ -391,30 +394,30 @@ PLACES = "several places of the rod have the largest push, or the place may leav
 # The row in `problem.quantities` says whether the error is estimated; if not, the values are loads or whole numbers.
 OBSERVABLES: dict[str, Observable] = {
     "turns": Observable(turns, ("low", "high")),
-    "bend_number": Observable(bend_number, ("low", "high"), not_smooth=STRAIGHT),
+    "bend_number": Observable(bend_number, ("low", "high"), not_smooth=STRAIGHT, least=0),
     "loops": Observable(loops),
-    "amplitude": Observable(amplitude, ("low", "high")),
-    "kappa_mean": Observable(kappa_mean, ("curvature",)),
-    "kappa_max": Observable(kappa_max, ("tightest",)),
+    "amplitude": Observable(amplitude, ("low", "high"), least=0),
+    "kappa_mean": Observable(kappa_mean, ("curvature",), least=0),
+    "kappa_max": Observable(kappa_max, ("tightest",), least=0),
     "wraps": Observable(wraps),
-    "height": Observable(height),
+    "height": Observable(height, most="L"),
     "pitch": Observable(pitch, ("middle turned", "middle risen"), undefined=NO_TURN, not_smooth=NO_TURN),
-    "contact_size_mean": Observable(contact_size_mean, ("pushed", "pulled")),
-    "push_mean": Observable(push_mean, ("pushed",)),
-    "pull_mean": Observable(pull_mean, ("pulled",)),
+    "contact_size_mean": Observable(contact_size_mean, ("pushed", "pulled"), least=0),
+    "push_mean": Observable(push_mean, ("pushed",), least=0),
+    "pull_mean": Observable(pull_mean, ("pulled",), least=0),
     "push_min": Observable(push_min, ("least",)),
     "push_max": Observable(push_max, ("most",)),
-    "push_max_at": Observable(push_max_at, ("peak",), not_smooth=PLACES),
-    "push_middle": Observable(push_middle, ("middle push",)),
-    "attached": Observable(attached, ("share",)),
-    "lift_off_at": Observable(lift_off_at, ("lifts",), not_smooth=TOUCHES),
-    "F3_size_max": Observable(F3_size_max, ("tension",), not_smooth=NO_FORCE),
-    "bending_moment_max": Observable(bending_moment_max, ("tightest",)),
-    "bending_stress_max": Observable(bending_stress_max, ("tightest",), needs="E"),
-    "overlaps": Observable(overlapping, ("tightest", "low", "high")),
+    "push_max_at": Observable(push_max_at, ("peak",), not_smooth=PLACES, least=0, most="L"),
+    "push_middle": Observable(push_middle, ("middle push",), least=0),
+    "attached": Observable(attached, ("share",), least=0, most=1),
+    "lift_off_at": Observable(lift_off_at, ("lifts",), not_smooth=TOUCHES, least=0, most="L"),
+    "F3_size_max": Observable(F3_size_max, ("tension",), not_smooth=NO_FORCE, least=0),
+    "bending_moment_max": Observable(bending_moment_max, ("tightest",), least=0),
+    "bending_stress_max": Observable(bending_stress_max, ("tightest",), needs="E", least=0),
+    "overlaps": Observable(overlapping, ("tightest", "low", "high"), most=1),
     "energy": Observable(energy, ("potential",), undefined="a rod that slides with friction has no energy to minimise"),
-    "bending_energy": Observable(bending_energy, ("bending",)),
-    "twist_energy": Observable(twist_energy),
+    "bending_energy": Observable(bending_energy, ("bending",), least=0),
+    "twist_energy": Observable(twist_energy, least=0),
     "index": Observable(index),
     "FZ": Observable(FZ, holds=True),
     "MZ": Observable(MZ, holds=True),

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from solver.observe.observables import OBSERVABLES
 from solver.problem.case import SIDES, SLIDING
 from solver.problem.errors import InputError, choices
 from solver.problem.rod import DIRECT, ELASTIC, GIVEN
@@ -30,13 +31,6 @@ LONG = ("study", "laws", "versions", "recipe", "statistics", "branches", "rows")
 BLOCK = 100_000  # cases that are read at a time
 BLOCK_ALONG = 2**20  # stations of their curves
 COUNTED = ("held_index", "branch")  # whole numbers of each case that are no observables
-NOT_NEGATIVE = (
-    "bend_number", "amplitude", "kappa_mean", "kappa_max", "contact_size_mean", "push_mean", "pull_mean", "push_max_at",
-    "push_middle", "attached", "lift_off_at", "F3_size_max", "bending_moment_max", "bending_stress_max",
-    "bending_energy", "twist_energy",
-)  # fmt: skip
-ALONG = ("height", "push_max_at", "lift_off_at")  # no larger than the length of the rod
-SHARES = ("attached", "overlaps")  # at most 1
 LABELS = ("units", "long_name", "symbol", "reading")
 WORDS: Mapping[str, Any] = {
     "side": SIDES,
@@ -172,8 +166,9 @@ def _check_numbers(ds: xr.Dataset, names: Iterable[str], path: str | Path) -> No
         if name in JUDGED and not (values >= 0).all():
             raise InputError(f"{path}: {name} of a solved case must be a number and not negative")
         counted = name in COUNTED or schema.is_count(ds[name])
-        least = 0 if counted or name in NOT_NEGATIVE or name.endswith("_error") else -np.inf
-        most = 1 + SAME if name in SHARES else length if name in ALONG else np.inf
+        row = OBSERVABLES.get(name)
+        least = 0.0 if counted or name.endswith("_error") else -np.inf if row is None else row.least
+        most = np.inf if row is None else length if row.most == "L" else float(row.most) * (1 + SAME)
         with np.errstate(invalid="ignore"):
             bad = (values < least) | (np.abs(values) > most)
             bad |= counted & (values != np.round(values)) & ~np.isnan(values)
