@@ -149,8 +149,8 @@ class RodAccessor:
         InputError
             For an unknown observable, a real one without a step, or a grid of more than two axes.
         """
+        from .store.attributes import laws
         from .store.boundary import boundary, boundary_of_law
-        from .store.law_verdicts import laws
 
         if any(law.claim == name for law in laws(self._ds)):
             return boundary_of_law(self._ds, name)

@@ -17,7 +17,7 @@ from tests.workbench import runs, small
 from tests.workbench.command import run
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench.figures import canvas, kinds, map_figure, study_figure, thumbnails
-from workbench.store import block, in_memory, law_verdicts, reading, recipe, refined, writing
+from workbench.store import attributes, block, in_memory, law_verdicts, reading, recipe, refined, writing
 from workbench.store.boundary import boundary, boundary_of_law
 from workbench.store.file_summary import summary
 from workbench.store.study_store import Options, run_to_file
@@ -319,7 +319,7 @@ def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_p
         lines = ", ".join(repr(float(R)) for R in lattice.along("R", np.arange(lattice.sizes[1])))
         fine = study(plane.partition("[axes.R]")[0] + f"[axes.R]\nvalues = [{lines}]\n" + LAW, "")
         grid = in_memory.run(fine)
-        (law,) = law_verdicts.laws(grid)
+        (law,) = attributes.laws(grid)
         verdicts = law_verdicts.verdicts_of_lines(grid, law).values
         change = np.flatnonzero(verdicts[1:] != verdicts[:-1])
         assert change.size == found.sizes["pair"] == 3
@@ -337,7 +337,7 @@ def test_a_law_changes_its_verdict_between_the_two_lines_that_its_boundary_names
     (found,) = (pair for _, pair in boundary_of_law(ds, "(1)").groupby("pair"))
     lines = [float((found["R"] + sign * found["R_half_width"]).item()) for sign in (-1, 1)]
     alone = in_memory.run(study(PLANE.partition("[axes.R]")[0] + f"[axes.R]\nvalues = {lines}\n" + LAW, ""))
-    (law,) = law_verdicts.laws(alone)
+    (law,) = attributes.laws(alone)
     verdicts = list(law_verdicts.verdicts_of_lines(alone, law).values)
     assert verdicts == [found["before"].item(), found["after"].item()] == ["holds", "fails"]
 

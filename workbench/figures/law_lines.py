@@ -21,7 +21,7 @@ from studies.laws import law_words
 from studies.laws.law_words import PLAIN, count
 from studies.laws.verdicts import HOLDS, VERDICTS
 
-from ..store import law_verdicts, refined
+from ..store import attributes, law_verdicts, refined
 from ..store.schema import SAMPLING
 from ..words import labels
 from . import colours
@@ -60,7 +60,7 @@ def judge(ds: xr.Dataset, choice: Choice, rows: Sequence[Mapping[str, Any]]) -> 
     """
     shown = [
         (law.axis, JudgedLaw(row, law_verdicts.verdicts_of_lines(ds, law)))
-        for law, row in zip(law_verdicts.laws(ds), rows, strict=True)
+        for law, row in zip(attributes.laws(ds), rows, strict=True)
         if law.observable in choice.shown
     ]
     axes = (choice.x, choice.y)

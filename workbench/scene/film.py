@@ -20,7 +20,7 @@ from solver.problem.errors import InputError, choices, no_such
 
 from ..figures import canvas, colours, style
 from ..figures.scales import WIDE, set_scale
-from ..store import atomic, law_verdicts, schema, selection
+from ..store import atomic, attributes, schema, selection
 from ..words import cautions, labels
 from . import body as rods
 from . import camera as cameras
@@ -82,7 +82,7 @@ def observable_of(ds: xr.Dataset, axis: str, name: str | None = None) -> str:
         if name not in stored:
             raise no_such("observable", name, stored)
         return name
-    judged = [law.observable for law in law_verdicts.laws(ds) if law.axis == axis]
+    judged = [law.observable for law in attributes.laws(ds) if law.axis == axis]
     return next(one for one in (*judged, *stored) if one in stored)
 
 

@@ -9,7 +9,7 @@ from studies.grammar.dimensions import SAMPLE
 from studies.language.lattice import OUTCOME, Lattice
 from studies.language.refinement import Refinement, refinement_of
 
-from . import law_verdicts, refined, schema, selection
+from . import attributes, law_verdicts, refined, schema, selection
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -86,9 +86,9 @@ def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
     """
     import xarray as xr
 
-    law = next((one for one in law_verdicts.laws(ds) if one.claim == claim), None)
+    law = next((one for one in attributes.laws(ds) if one.claim == claim), None)
     if law is None:
-        raise no_such("law", claim, [one.claim for one in law_verdicts.laws(ds)])
+        raise no_such("law", claim, [one.claim for one in attributes.laws(ds)])
     if not refined.is_refined(ds) or len(refined.axes_of(ds)) < 2:
         raise InputError("the boundary of a law needs a study that is refined in the plane of two axes")
     found = refined.describe(ds)

@@ -21,7 +21,7 @@ from solver.problem.errors import InputError
 from studies import Study
 from studies.language.study_data import OUTPUTS
 
-from . import reading, schema
+from . import attributes, schema
 from .schema import COMPONENTS, axes_left
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class StoredArrays:
     def A(self) -> xr.DataArray:
         """Bending stiffness [force length^2]."""
         numbers = {name: self.constant(name) for name in schema.stiffness_fields(self.ds)}
-        return schema.bending_stiffness(reading.text(self.ds, "stiffness"), numbers)
+        return schema.bending_stiffness(attributes.text(self.ds, "stiffness"), numbers)
 
     @property
     def lmp(self) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
@@ -165,7 +165,7 @@ def _FY(at: StoredArrays, beta: Any) -> Any:
 
 
 def _push(at: StoredArrays, contact: Any) -> Any:
-    return push_from(contact, reading.text(at.ds, "side"))
+    return push_from(contact, attributes.text(at.ds, "side"))
 
 
 def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:

@@ -14,6 +14,8 @@ import h5py
 
 from solver.problem.errors import InputError
 
+from .attributes import show
+
 # What h5py, h5netcdf, xarray and pydantic raise on files that are not HDF5, not netCDF, cut short or damaged.
 UNREADABLE = (
     OSError, ValueError, KeyError, RuntimeError, TypeError, AttributeError, EOFError, MemoryError,
@@ -117,9 +119,3 @@ def _check_stored(variable: h5py.Dataset, what: str) -> None:
     stored = variable.id.get_storage_size()
     if variable.nbytes > DEFLATED * stored:
         raise InputError(f"{what} claims {variable.nbytes} bytes, but only {stored} compressed bytes are stored")
-
-
-def show(value: object) -> str:
-    """A value from a file as a message may show it: on one line, at most 60 characters."""
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."

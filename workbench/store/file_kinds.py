@@ -1,10 +1,7 @@
 """The kinds of files that the workbench stores: what each is, and by what it is known."""
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
-
-from solver.problem.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,13 +39,6 @@ def kind_of(ds: "xr.Dataset") -> Kind:
     """The kind of a dataset; that of a study where nothing says otherwise."""
     held = {*map(str, ds.dims), *map(str, ds.variables)}
     return next((kind for kind in KINDS if held.issuperset(kind.needs)), STUDY)
-
-
-def check_study(ds: "xr.Dataset", path: str | Path) -> None:
-    """Raise `InputError` for a file of another kind, with the commands that read it."""
-    kind = kind_of(ds)
-    if kind is not STUDY:
-        raise InputError(f"{path} is {kind.what}, which {readers(kind)}; this command reads {STUDY.what}")
 
 
 def readers(kind: Kind) -> str:

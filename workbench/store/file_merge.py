@@ -22,6 +22,7 @@ from ..words import cautions
 from . import (
     assembly,
     atomic,
+    attributes,
     axis_union,
     reading,
     schema,
@@ -177,7 +178,7 @@ def _attributes(
     again = loads(text, "the merged study", study.name, context).coordinates()
     assert all(np.array_equal(values, again[name] if union.fields else np.sort(again[name]))
                for name, values in fields.items())  # fmt: skip
-    versions = [reading.versions(ds, name) for ds, name in zip(files, names, strict=True)]
+    versions = [attributes.versions(ds, name) for ds, name in zip(files, names, strict=True)]
     sources = [
         {"file": Path(name).name, "created": str(ds.attrs.get("created", "")), union.axis: ds.sizes[union.axis]}
         for ds, name in zip(files, names, strict=True)

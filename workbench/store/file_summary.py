@@ -16,7 +16,7 @@ from studies.grammar.dimensions import SAMPLE
 from studies.laws import law_words
 
 from ..words import cautions, labels, outcomes
-from . import file_checks, file_kinds, law_verdicts, reading, refined, schema, selection
+from . import attributes, file_checks, file_kinds, law_verdicts, reading, refined, schema, selection
 from .boundary import boundary, boundary_of_law
 from .grid_io import blocks
 from .stored_case import study_of
@@ -37,11 +37,11 @@ def summary(path: Path) -> dict[str, Any]:
     with reading.open_study(path, whole=True) as ds, file_checks.reading(path):
         told: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
         told |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
-        told |= {"tolerance": reading.number(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
+        told |= {"tolerance": attributes.number(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
         told |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", "equilibria")}
         counts = outcomes.count_branches(_numbers(ds["branch"])) if "branch" in ds else {}
         told["branches"] = outcomes.branch_sentence(counts) if counts else ""
-        told["versions"] = reading.versions(ds, path)
+        told["versions"] = attributes.versions(ds, path)
         told["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
         told["sampled"] = [_axis(ds[schema.dimension(name)]) for name in schema.fields_of_samples(ds)]
         told |= {key: str(ds.attrs.get(key, "")) for key in schema.SAMPLING}
@@ -230,5 +230,5 @@ def contents(path: Path) -> dict[str, Any]:
         "unsolved": int((~solved & (named != "")).sum()) if solved.shape == named.shape else 0,
         "caution": cautions.tell(texts),
         "said": {key: str(ds.attrs[key]) for key in SENTENCES if ds.attrs.get(key)},
-        "versions": reading.versions(ds, path) if "versions" in ds.attrs else {},
+        "versions": attributes.versions(ds, path) if "versions" in ds.attrs else {},
     }

@@ -12,7 +12,7 @@ from studies.language.readings import DROPPED
 from studies.laws.law import Law
 from studies.laws.verdicts import FAILS, HOLDS, TREND, UNDECIDED, by_line, decide, refusal, targets
 
-from . import refined, schema
+from . import attributes, refined, schema
 from .schema import dimension
 
 if TYPE_CHECKING:
@@ -46,10 +46,10 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     >>> law["observable"], law["verdict"]
     ('turns', 'holds')
     """
-    if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims and laws(ds):
+    if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims and attributes.laws(ds):
         ds = refined.coarse(ds)
     rows = []
-    for law in laws(ds):
+    for law in attributes.laws(ds):
         axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
         observed = {name: ds[name].values for name in law.observables if name in ds}
         steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
@@ -102,13 +102,6 @@ def crossings(ds: "xr.Dataset", axis: str) -> "NDArray[np.bool_] | None":
     held = np.take_along_axis(branch, last, axis=-1)
     changes = (np.diff(held, axis=-1) != 0) & np.logical_or.accumulate(known, axis=-1)[..., :-1]
     return np.moveaxis(changes, -1, list(ds["outcome"].dims).index(axis))
-
-
-def laws(ds: "xr.Dataset") -> list[Law]:
-    """The laws that the dataset's study states. Raises `InputError` where they are none."""
-    from . import reading
-
-    return reading.laws(ds)
 
 
 def unsolved(ds: "xr.Dataset") -> int:

@@ -22,7 +22,7 @@ from studies.grammar.dimensions import SAMPLE, Dimension
 from studies.language.loader import loads
 from studies.language.study_data import MAX_STATIONS
 
-from . import reading
+from . import attributes
 from .case_solutions import between, solve_one
 from .schema import axes_left, axes_of, curve_name, dimension, field_of, fields_of_samples, own_dimension
 from .selection import SAME, real
@@ -38,8 +38,8 @@ def study_of(ds: xr.Dataset) -> Study:
         raise InputError("the dataset has no attribute study, so its study is unknown")
     values = samples_of(ds)  # also where there are none: no table that the text names is read
     context = {"samples": Dimension(SAMPLE, values) if values else None}
-    study = loads(reading.text(ds, "study"), "the dataset's study", reading.text(ds, "study_name"), context)
-    return study.under(reading.text(ds, "reading") or None)
+    study = loads(attributes.text(ds, "study"), "the dataset's study", attributes.text(ds, "study_name"), context)
+    return study.under(attributes.text(ds, "reading") or None)
 
 
 def case_of(ds: xr.Dataset, study: Study, values: Mapping[str, float] | None = None) -> Case:
@@ -72,7 +72,7 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
     if case.size > MOST_SOLVED:
         asked = f"{case.size} cases would have to be solved again, more than {MOST_SOLVED}"
         raise InputError(f"{asked}; select some first, as ds.rod.sel({axes_left(ds, study)[0]}=...).rod")
-    tol, method = reading.number(ds, "tolerance"), reading.text(ds, "method")
+    tol, method = attributes.number(ds, "tolerance"), attributes.text(ds, "method")
     stations = _stations(ds, study, case)
     if study.sweeps:
         as_run = study.model_copy(update={"tol": tol, "method": method})
@@ -113,7 +113,7 @@ def solve_again(ds: xr.Dataset, stations: int, names: Iterable[str]) -> xr.Datas
         return xr.Variable(dims, np.broadcast_to(np.asarray(values), shape))
 
     made = bare.assign_coords(s=array(sol.s)).assign({
-        curve_name(name): array(push_from(sol.contact, reading.text(ds, "side")) if name == "push" else
+        curve_name(name): array(push_from(sol.contact, attributes.text(ds, "side")) if name == "push" else
                                 getattr(sol, name)) for name in names})  # fmt: skip
     for name in (str(name) for name in made.data_vars if "u" in made[name].dims and name in ds):
         stored = ds[name].transpose(*dims).values[ds["solved"].values]
