@@ -114,7 +114,7 @@ def border_distances(x: Array, rate: Array, low: Array, high: Array) -> Array:
 def node_at(curve: Curve, w: Array, along: Array) -> Node | str:
     """The point of a curve at w, travelled in a direction like `along` (n + 1,)."""
     jacobian = curve.jacobian(w)
-    if jacobian is None:
+    if jacobian is None or not jacobian.any():  # without a direction
         return LEFT
     tangent = _null(jacobian)
     tangent = tangent if tangent @ along >= 0 else -tangent
@@ -134,7 +134,7 @@ def advance(curve: Curve, node: Node, step: float, across: Array | None = None) 
     if bend > _OFF:
         return "the step is too long"
     jacobian = curve.jacobian(point)
-    if jacobian is None:
+    if jacobian is None or not jacobian.any():
         return LEFT
     tangent = _null(jacobian)
     tangent = tangent if _sign(jacobian, tangent) == node.sign else -tangent

@@ -10,6 +10,7 @@ from solver.methods import available
 from workbench.compare.extreme_cases import extremes, references
 from workbench.compare.extreme_runs import INACCURATE, REFUSED, VERDICTS, attempts_at, dataset_of
 from workbench.figures import canvas, robustness
+from workbench.figures import colours as palette
 from workbench.store import reading, writing
 from workbench.web.report import measured_runs
 
@@ -63,7 +64,7 @@ def test_a_solved_cell_whose_bound_is_wide_has_a_colour_of_its_own() -> None:
     colours = {patch.get_xy(): to_hex(patch.get_facecolor()) for patch in fig.axes[0].patches}
     wide = robustness.vague(ds)
     for (i, j), here in np.ndenumerate(wide):
-        assert (colours[j, i] == robustness.COLOURS["vague"]) == here
+        assert (colours[j, i] == palette.EXTREMES["vague"]) == here
     saddle = ds["extreme"].values.tolist().index("turns 1e-12 before a saddle")
     assert wide[saddle, ds["method"].values.tolist().index("euler")]
     assert not wide[ds["extreme"].values.tolist().index("Table 1 as printed")].any()

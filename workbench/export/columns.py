@@ -44,8 +44,8 @@ def columns(rod: Rod) -> list[Column]:
     case = ds.isel(rod.where)
     along = {name: getattr(line, name) for name in ("s", "alpha", "beta", "dbeta", "z")}
     stored = StoredArrays(case.assign({name: ("u", values) for name, values in along.items()}))
-    found = {name: stored.derive(name) for name in COMPUTED}
-    known = along | {name: np.asarray(array) for name, array in found.items() if array is not None}
+    derived = {name: stored.derive(name) for name in COMPUTED}
+    known = along | {name: np.asarray(array) for name, array in derived.items() if array is not None}
     for key, array in case.data_vars.items():
         name = schema.CURVES.get(str(key), str(key))
         if array.dims == ("u",) and name in QUANTITIES:

@@ -87,7 +87,7 @@ def plan(
     texts = [view.text for view in views]
     words = np.array([words_size(text, letters) for text in (*texts, "around: 10 cm\n\n\n")])
 
-    def arranged(rows: int, columns: int) -> Arrangement:
+    def arrange(rows: int, columns: int) -> Arrangement:
         cell = room[0] / columns - arrangement.GAP, room[1] / rows - float(words[:, 1].max())
         factor = stretch(wide, tall, (max(cell[0], LEAST), max(cell[1], LEAST)))
         grid = np.zeros((rows * columns, 2, 2))
@@ -98,7 +98,7 @@ def plan(
         found = arrangement.arrange(sides[:, :, 0], sides[:, :, 1], room, least=SMALLEST / whole, most=LARGEST / whole)
         return replace(found, factor=factor)
 
-    return arrangement.in_rows(len(words), arranged, len(words), room[0])[1]
+    return arrangement.in_rows(len(words), arrange, len(words), room[0])[1]
 
 
 def words_size(text: str, letters: float) -> tuple[float, float]:
