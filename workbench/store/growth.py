@@ -209,12 +209,12 @@ def rounds(growth: Growth, output: Path | None, read: Callable[[int, int], Colum
     held = np.empty((0, state.steps.size))
     if growth.stored is not None and output is not None:
         with h5py.File(output, "r") as file:
-            held = _watched_numbers(work.study, {name: file[name][...] for name in (*work.study.wanted, "solved")})
+            held = _numbers_to_watch(work.study, {name: file[name][...] for name in (*work.study.wanted, "solved")})
     while state.wanted:
         first, last = len(state.numbers), len(state.places)
         start, stop = max(first - len(held), 0), max(last - len(held), 0)
         yield _plan_of_cases(growth, state), start, stop
-        new = [_watched_numbers(work.study, read(start, stop))] if start < stop else []
+        new = [_numbers_to_watch(work.study, read(start, stop))] if start < stop else []
         state.take(np.concatenate([held[first:last], *new]))
     done = _plan_of_cases(growth, state)
     yield done, done.todo, done.todo
@@ -233,7 +233,7 @@ def _plan_of_cases(growth: Growth, state: Refinement) -> Plan:
     return Plan(growth.work.study.with_samples(samples), Dimensions((samples,)), new, state)
 
 
-def _watched_numbers(study: Study, columns: Columns) -> Values:
+def _numbers_to_watch(study: Study, columns: Columns) -> Values:
     """The watched numbers of each case, (cases, watched), those of laws last; whether it is solved as 0 or 1."""
     assert study.refine is not None
     watched = ["solved" if name == OUTCOME else name for name in study.refine.watch]
