@@ -480,6 +480,7 @@ def test_what_cannot_be_downloaded_is_explained(page) -> None:
 
 def test_the_saved_page_solves_every_rod_without_a_server(page, driver, saved) -> None:
     driver.get(saved.as_uri())
+    page.drawn()
     for name in ("dna", "pipe", "cable", "table1"):
         page("page.begin(arguments[0])", name)
         assert page("return page.wrong.sentence") == ""
