@@ -8,10 +8,11 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
 
 from solver import Cylinder, Ends, Rod, Start
 from solver.problem.angles import angle
+from solver.problem.case import SIDES, SLIDING, STIFFNESS
 from solver.problem.case_fields import FIELD
 from solver.problem.errors import no_such
 from solver.problem.quantities import QUANTITIES, Quantity, quantity
@@ -25,7 +26,8 @@ CYLINDER = tuple(f.name for f in fields(Cylinder))
 START = tuple(f.name for f in fields(Start))
 ENDS = tuple(f.name for f in fields(Ends))
 FIELDS = frozenset((*ROD, *CYLINDER, *START, *ENDS))  # of a case
-WORDS = ("stiffness", "side", "sliding")  # the fields that are text
+CHOICES: dict[str, Any] = {"stiffness": STIFFNESS, "side": SIDES, "sliding": SLIDING}  # of the fields that are text
+WORDS = tuple(CHOICES)
 
 MAX_COUNT = 10_000_000  # values of an axis: 80 MB
 MAX_CASES = 1_000_000_000  # cases of a grid: more than a day at 0.1 ms each
@@ -64,6 +66,41 @@ def in_rad(value: Any) -> Any:
     return angle(value) if isinstance(value, str) else value
 
 
+def number_of(field: str, text: str) -> float:
+    """The number that a text gives for a field, of an angle also in a form like 30deg [rad]; NaN for another text."""
+    try:
+        return float(in_rad(text) if is_angle(field) else text)
+    except ValueError:
+        return float("nan")
+
+
+NUMBERS = ("values", "from", "to", "mean", "std")  # keys of an axis or a distribution that are in the unit of its field
+
+
+def read_angles(fields: Any) -> Any:
+    """The values of fields, field -> value, list, or table of `NUMBERS`, with angles that are given as text in rad.
+
+    Other errors are found later. Raises `Misplaced`.
+    """
+    if not isinstance(fields, dict):
+        return fields
+    return {name: _read_angle(value, name) if is_angle(str(name)) else value for name, value in fields.items()}
+
+
+def _read_angle(given: Any, *where: str) -> Any:
+    if isinstance(given, dict):
+        numbers = {key: given[key] for key in NUMBERS if key in given}
+        each = [value for one in numbers.values() for value in (one if isinstance(one, list) else [one])]
+        texts = [value for value in each if isinstance(value, str)]
+        if texts and "unit" in given:
+            raise Misplaced(f"{texts[0]!r} has its own unit: remove the key unit", *where, "unit")
+        return given | {key: _read_angle(value, *where, key) for key, value in numbers.items()}
+    try:
+        return [in_rad(value) for value in given] if isinstance(given, list) else in_rad(given)
+    except ValueError as error:
+        raise Misplaced(str(error), *where) from None
+
+
 LONGEST_LINE = 10_000  # characters of a text that a file of results holds in one line
 
 
@@ -99,48 +136,25 @@ class Units(BaseModel):
     force: Annotated[str, one_of("unit of force", FORCES)]
 
 
-class Base(BaseModel):
+def _type_of(field: str) -> Any:
+    """The type of a field in a study file: a number, an angle, or one of its words."""
+    if field in CHOICES:
+        return Literal[tuple(CHOICES[field])] | None
+    return (Angle if is_angle(field) else float) | None
+
+
+_TYPES: dict[str, Any] = {name: (_type_of(name), None) for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS))}
+_Fields: Any = create_model("_Fields", __config__=STRICT, **_TYPES)  # the fields of the solver, each may be left out
+
+
+class Base(_Fields):  # type: ignore[misc]
     """The base case, which the axes vary: numbers of Rod, Cylinder, and Start or Ends; an angle may be text."""
-
-    model_config = STRICT
-
-    E: float | None = None
-    nu: float | None = None
-    a: float | None = None
-    L: float | None = None
-    stiffness: Literal["solid", "paper"] | None = None
-    inner_radius: float | None = None
-    EI: float | None = None
-    GJ: float | None = None
-    weight: float | None = None
-    R: float | None = None
-    side: Literal["outside", "inside"] | None = None
-    inclination: Angle | None = None
-    friction: float | None = None
-    sliding: Literal["forward", "backward", "rotating", "axial-forward", "axial-backward"] | None = None
-    beta: Angle | None = None
-    dbeta: float | None = None
-    F1: float | None = None
-    F2: float | None = None
-    F3: float | None = None
-    dgamma: float | None = None
-    alpha: Angle | None = None
-    gamma: Angle | None = None
-    beta0: Angle | None = None
-    betaL: Angle | None = None
-    FZ: float | None = None
-    MZ: float | None = None
-    M3: float | None = None
-    height: float | None = None
-    azimuth: Angle | None = None
-    rotation: Angle | None = None
-    M10: float | None = None
-    M1L: float | None = None
 
     @property
     def given(self) -> dict[str, Any]:
         """The given fields and their values."""
-        return self.model_dump(exclude_none=True)
+        fields: dict[str, Any] = self.model_dump(exclude_none=True)
+        return fields
 
 
 class Which(BaseModel):

@@ -13,7 +13,7 @@ from solver.problem import angles
 from solver.problem.angles import doubt
 from solver.problem.errors import InputError, choices, near
 
-from ..grammar.axes import is_angle
+from ..grammar.axes import NUMBERS, is_angle
 from ..grammar.dimensions import Values
 from . import paired
 from .model import Study
@@ -236,4 +236,4 @@ def _angles(data: Mapping[str, Any]) -> Iterator[tuple[Where, Any]]:
     for table in ("axes", "sample"):
         for name, value in (data.get(table) or {}).items():
             if is_angle(name) and isinstance(value, dict) and "unit" not in value:
-                yield (table, name), [value[key] for key in ("values", "from", "to", "mean", "std") if key in value]
+                yield (table, name), [value[key] for key in NUMBERS if key in value]

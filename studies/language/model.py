@@ -66,24 +66,14 @@ class Study(StudyData):
             )
         return _known("output", value, OUTPUTS)
 
-    @field_validator("axes", mode="before")
+    @field_validator("axes", "sample", "zip", mode="before")
     @classmethod
-    def _angles_of_axes(cls, axes: Any) -> Any:
-        """The axes with angles given as text in rad, a followed one last; other errors are found later."""
-        if not isinstance(axes, dict):
-            return axes
-        last = sorted(axes.items(), key=lambda item: isinstance(item[1], dict) and item[1].get("follow") is True)
-        return {n: _read_axis(n, a) if isinstance(a, dict) and parts.is_angle(n) else a for n, a in last}
-
-    @field_validator("sample", mode="before")
-    @classmethod
-    def _angles_of_samples(cls, sample: Any) -> Any:
-        return cls._angles_of_axes(sample)
-
-    @field_validator("zip", mode="before")
-    @classmethod
-    def _angles_of_zip(cls, lists: Any) -> Any:
-        return paired.read_zip(lists)
+    def _angles_in_rad(cls, given: Any) -> Any:
+        """The fields with angles given as text in rad, a followed axis last."""
+        read = parts.read_angles(given)
+        if not isinstance(read, dict):
+            return read
+        return dict(sorted(read.items(), key=lambda item: isinstance(item[1], dict) and item[1].get("follow") is True))
 
     @model_validator(mode="after")
     def _samples_found(self, info: ValidationInfo) -> "Study":
@@ -308,24 +298,6 @@ class Study(StudyData):
 def reading_of(study: Study) -> Reading | None:
     """The reading of a study, or None where it does not use Table 1."""
     return parse(study.reading) if study.reading else None
-
-
-def _read_axis(name: str, axis: dict[str, Any]) -> dict[str, Any]:
-    """An axis of angles with the values given as text in rad."""
-    read = dict(axis)
-    for key in ("values", "from", "to", "mean", "std"):
-        if key not in axis:
-            continue
-        said = axis[key] if isinstance(axis[key], list) else [axis[key]]
-        texts = [value for value in said if isinstance(value, str)]
-        if texts and "unit" in axis:
-            raise Misplaced(f"{texts[0]!r} has its own unit: remove the key unit", name, "unit")
-        try:
-            numbers = [parts.in_rad(value) for value in said]
-        except ValueError as error:
-            raise Misplaced(str(error), name, key) from None
-        read[key] = numbers if isinstance(axis[key], list) else numbers[0]
-    return read
 
 
 def _known(kind: str, names: list[str], known: Any) -> list[str]:

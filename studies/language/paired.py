@@ -2,33 +2,18 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from solver import Ends, Start
 from solver.problem.errors import InputError, choices, near
 
-from ..grammar.axes import CYLINDER, MAX_COUNT, ROD, START, WORDS, Axis, Misplaced, in_rad, is_angle
+from ..grammar.axes import CYLINDER, MAX_COUNT, ROD, START, WORDS, Axis, Misplaced
 from ..grammar.dimensions import SAMPLE, Dimension, Values
 from . import tables
 from .study_data import StudyData
 
 SOURCES = ("sample", "zip", "table")  # the tables of a study that give them
-
-
-def read_zip(lists: Any) -> Any:
-    """The lists of [zip] with angles given as text in rad; other errors are found later. Raises `Misplaced`."""
-    if not isinstance(lists, dict):
-        return lists
-    read = dict(lists)
-    for name, values in lists.items():
-        if is_angle(name) and isinstance(values, list):
-            try:
-                read[name] = [in_rad(value) for value in values]
-            except ValueError as error:
-                raise Misplaced(str(error), name) from None
-    return read
 
 
 def given(study: StudyData, folder: Path) -> Dimension | None:

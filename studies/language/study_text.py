@@ -6,7 +6,7 @@ Written are the keys that were given, without the defaults.
 import re
 import reprlib
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -181,25 +181,16 @@ def line_of(lines: dict[Where, int], where: Where) -> str:
     return ""
 
 
-def dumps(study: Study, axes: Mapping[str, Mapping[str, Any]] | None = None) -> str:
-    """A TOML text that loads as the same study. axes: tables, as of `told`, that replace those of the study.
+def dumps(study: Study, **tables: Mapping[str, Any]) -> str:
+    """A TOML text that loads as the same study, with other tables.
 
-    Comments of the original text are lost.
+    tables: ``axes`` replaces the axes that it names; ``zip``, lists, or ``table`` gives the samples in place of those
+    of the study. Comments of the original text are lost.
     """
-    said = study.model_dump(by_alias=True, exclude_unset=True, exclude_none=True)
-    return tomli_w.dumps({**said, "axes": {**said["axes"], **axes}} if axes else said)
-
-
-def dumps_paired(study: Study, fields: Mapping[str, NDArray[np.float64]]) -> str:
-    """A TOML text of the study with these samples, field -> values, as lists of [zip]."""
-    said = study.model_dump(by_alias=True, exclude_unset=True, exclude_none=True, exclude={*SOURCES})
-    return tomli_w.dumps({**said, "zip": {name: values.tolist() for name, values in fields.items()}})
-
-
-def dumps_table(study: Study, file: str, fields: Sequence[str]) -> str:
-    """A TOML text of the study whose samples are these columns of a table of cases."""
-    said = study.model_dump(by_alias=True, exclude_unset=True, exclude_none=True, exclude={*SOURCES})
-    return tomli_w.dumps({**said, "table": {"file": file, "columns": [*fields]}})
+    other = {*SOURCES} if {*SOURCES} & {*tables} else None
+    said = study.model_dump(by_alias=True, exclude_unset=True, exclude_none=True, exclude=other)
+    axes = {"axes": {**said["axes"], **tables["axes"]}} if "axes" in tables else {}
+    return tomli_w.dumps({**said, **tables, **axes})
 
 
 def axis_table(values: NDArray[np.float64]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from solver.problem.errors import InputError, choices, near
 
-from ..grammar.axes import CYLINDER, ENDS, MAX_COUNT, ROD, START, STRICT, WORDS, Line, in_rad, is_angle
+from ..grammar.axes import CYLINDER, ENDS, MAX_COUNT, ROD, START, STRICT, WORDS, Line, number_of
 from ..grammar.dimensions import Values
 
 NUMERIC = [name for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS)) if name not in WORDS]
@@ -123,10 +123,7 @@ def _number(where: str, name: str, cell: str) -> float:
     text = cell.strip()
     if not text:
         raise InputError(f"{where}: {name} is empty; give each row a number")
-    try:
-        value = float(in_rad(text)) if is_angle(name.removeprefix("sigma_")) else float(text)
-    except ValueError:
-        value = np.nan
+    value = number_of(name.removeprefix("sigma_"), text)
     if not np.isfinite(value):
         raise InputError(f"{where}: {name} must be a finite number, got {text[:60]!r}")
     return value

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validat
 from solver.observe.observables import is_count
 from solver.problem.errors import InputError, choices
 
-from ..grammar.axes import Line, Misplaced, in_rad, is_angle, one_of
+from ..grammar.axes import Line, Misplaced, in_rad, is_angle, one_of, read_angles
 from ..grammar.formulas import Formula, parse
 from . import law_words
 from .law_kinds import FORMULAS, KINDS, MONOTONE, Kind, NumberLine
@@ -96,7 +96,7 @@ class Law(BaseModel):
     @field_validator("at", mode="before")
     @classmethod
     def _angles(cls, at: Any) -> Any:
-        return {k: in_rad(v) if is_angle(str(k)) else v for k, v in at.items()} if isinstance(at, dict) else at
+        return read_angles(at)
 
     @model_validator(mode="before")
     @classmethod

@@ -64,12 +64,9 @@ def numbers(option: str, texts: Sequence[str]) -> dict[str, float]:
 
 def _number(what: str, name: str, text: str) -> float:
     from solver.problem.errors import InputError
-    from studies.grammar.axes import in_rad, is_angle
+    from studies.grammar.axes import is_angle, number_of
 
-    try:
-        value = float(in_rad(text)) if is_angle(name) else float(text)
-    except ValueError:
-        value = float("nan")
+    value = number_of(name, text)
     if not isfinite(value):
         forms = "a number in rad, or a form like 30deg" if is_angle(name) else "a finite number"
         raise InputError(f"{what} must be {forms}, got {text!r}")

@@ -16,7 +16,7 @@ from studies import TABLE_1, Study
 from studies.grammar.dimensions import SAMPLE, Dimension
 from studies.language.loader import loads
 from studies.language.paired import SOURCES
-from studies.language.study_text import axis_table, dumps, dumps_paired, dumps_table
+from studies.language.study_text import axis_table, dumps
 
 from ..words import cautions
 from . import (
@@ -173,7 +173,7 @@ def _attributes(
         attrs["sampling"] = _origin_of_samples(files, union)
     else:
         field = schema.field_of(study, union.axis)
-        text = dumps(study, {field: axis_table(union.values)})
+        text = dumps(study, axes={field: axis_table(union.values)})
         fields = {field: union.values}
     again = loads(text, "the merged study", study.name, context).coordinates()
     assert all(np.array_equal(values, again[name] if union.fields else np.sort(again[name]))
@@ -199,8 +199,9 @@ def _text_with_samples(study: Study, union: Union, out: Path) -> tuple[str, dict
     More than `MOST_LISTED` numbers are not listed: the text names a table, and the samples are those of the file.
     """
     if union.values.size * len(union.fields) <= MOST_LISTED:
-        return dumps_paired(study, union.fields), None
-    return dumps_table(study, f"{out.stem}.csv", list(union.fields)), {"samples": Dimension(SAMPLE, union.fields)}
+        return dumps(study, zip={name: values.tolist() for name, values in union.fields.items()}), None
+    text = dumps(study, table={"file": f"{out.stem}.csv", "columns": [*union.fields]})
+    return text, {"samples": Dimension(SAMPLE, union.fields)}
 
 
 def _origin_of_samples(files: Sequence[xr.Dataset], union: Union) -> str:
