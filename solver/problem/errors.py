@@ -75,7 +75,7 @@ def _symbols(text: str, names: list[str]) -> list[str]:
     """The names that are symbols of a word in the text: those of ``youngs_modulus`` are E."""
     word = next((word for word in SYMBOLS if word in text.lower()), "")
     symbols = [name for name in SYMBOLS.get(word, ()) if name in names]
-    return symbols and [*symbols, *_begin(text, names)]
+    return symbols and [*dict.fromkeys((*symbols, *_begin(text, names)))]
 
 
 def _begin(text: str, names: list[str]) -> list[str]:
