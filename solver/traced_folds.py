@@ -43,8 +43,8 @@ def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
     -------
     FoldCurve
         As of `fold_curves`; its values are those of the first and of the second field. `lower` is 0 with friction,
-        which has no index. Next to a separatrix it stops where the gap to the saddle is lost in rounding; under dead
-        loads `fold_curves` has the rest.
+        which has no index. With held ends it stops next to a separatrix, where the gap to the saddle is lost in
+        rounding.
 
     Raises
     ------

@@ -10,9 +10,9 @@ import numpy as np
 from ..numerics.arrays import Array, Booleans
 from ..problem.case import Case
 from .curve_crossings import change_along
-from .fold_search import Searched, WholeCurve
-from .fold_tracing import PIECES
+from .fold_search import Searched
 from .parameter_plane import ParameterPlane
+from .whole_curve import PIECES, WholeCurve
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,24 +120,15 @@ def curves_of(searched: Searched, remark: str | None = None) -> FoldCurves:
 def fold_curve(plane: ParameterPlane, curve: WholeCurve) -> FoldCurve:
     """A traced curve in the units of its case."""
     line, more = curve.dense()
-    slopes, cusps, turned = [], [], []
-    for trace in curve.stretches:
-        slope = trace.slopes
-        fine = np.arange(PIECES * (len(slope) - 1) + 1) / PIECES
-        slopes.append(np.interp(fine, np.arange(len(slope)), slope))
-        cusps += [trace.points[i].shares for i in trace.cusps]
-        turned += [slope[i] for i in trace.cusps]
-    rho = np.broadcast_to(plane.case_at(line).rho, line.shape[:1])
-    dense = np.concatenate(slopes) / rho
-    cusps_at = np.array(cusps).reshape(-1, 2)
-    at_cusps = np.array(turned) / np.broadcast_to(plane.case_at(cusps_at).rho, len(cusps)) if cusps else np.zeros(0)
+    at, cusps = np.arange(len(line)) / PIECES, curve.cusps
+    rho = np.broadcast_to(plane.case_at(line).rho, len(line))
     return FoldCurve(
         curve.kind,
         plane.values(line),
         curve.exact,
-        dense,
-        plane.values(cusps_at),
-        at_cusps,
+        np.interp(at, np.arange(len(curve.slopes)), curve.slopes) / rho,
+        plane.values(curve.z[cusps]),
+        curve.slopes[cusps] / rho[PIECES * cusps],
         curve.lower,
         more,
         curve.ends,

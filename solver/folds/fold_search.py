@@ -1,63 +1,26 @@
 """All fold and pitchfork curves that cross a rectangle of two fields, searched for on a lattice of points."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 
 from ..mechanics.potential import load_size
-from ..numerics.arrays import Array, Booleans
+from ..numerics.arclength import FOLD
+from ..numerics.arrays import Array
 from .curve_crossings import Pieces, join_pieces
-from .fold_seeds import Counted, CurveSeed, change_beyond, seed_between, strip_between
-from .fold_system import CurvePoint
-from .fold_tracing import PIECES, Trace, dense, whole_curve
+from .fold_seeds import Counted, Seeds, change_beyond, strip_between
+from .orbit_folds import LENGTHS, given_on, sides_between
 from .parameter_plane import ParameterPlane
+from .separatrix_folds import DeadPoint, in_other_form
+from .special_line import Tracing, cusps_between, special_line
+from .whole_curve import WholeCurve, whole_curve
 
 _INSIDE = 1e-4  # shares of the ranges: how far the lattice stays away from the border, where the curves end
 _ASKEW = np.array([0.13, -0.17])  # of a gap: lines of the lattice stay off lines of symmetry, on which cusps lie
-_SAME = 1e-3  # distance at which a point lies on a known curve
 _PROBES = 30  # random points that are looked at beside the lattice
+MOST = 4000  # points of a curve in each sense
 _EACH = 6  # curves at most that are searched for on one line
-
-
-class Stretch(Protocol):
-    """Points of a curve, the numbers of those that are cusps, and beta_t(0) at each."""
-
-    @property
-    def kind(self) -> str: ...
-    @property
-    def points(self) -> list[CurvePoint]: ...
-    @property
-    def cusps(self) -> list[int]: ...
-    @property
-    def slopes(self) -> list[float]: ...
-
-
-@dataclass(frozen=True, eq=False)
-class WholeCurve:
-    """A curve in stretches, how it ends at either side, and the lower Morse index of the two equilibria that meet."""
-
-    stretches: Sequence[Stretch]
-    ends: tuple[str, str]
-    lower: int
-
-    @property
-    def kind(self) -> str:
-        return self.stretches[0].kind
-
-    def dense(self) -> tuple[Array, Array]:
-        """As `fold_tracing.dense`."""
-        lines = [dense(stretch.points) for stretch in self.stretches]
-        return np.concatenate([line for line, _ in lines]), np.concatenate([side for _, side in lines])
-
-    @property
-    def exact(self) -> Booleans:
-        """Which of the points of `dense` are points of the curve itself, (N,)."""
-        return np.concatenate(
-            [np.arange(PIECES * (len(stretch.points) - 1) + 1) % PIECES == 0 for stretch in self.stretches]
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,27 +44,27 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     ticks = _ticks(lattice)
     scale = float(np.sqrt(load_size(plane.problems(np.array([0.5, 0.5])))[0] + 1))
     curves: list[WholeCurve] = []
-    traces: list[Trace] = []
     pieces = join_pieces([], [])
     failed: list[Array] = []
 
-    def known(found: CurveSeed) -> bool:
-        return any(_lies_on(trace, found) for trace in traces)
+    def known(kind: str, point: DeadPoint) -> bool:
+        alike = (curve for curve in curves if (curve.kind, curve.lower) == (kind, point.lower))
+        return any(curve.holds(point.z, point.mark) for curve in alike)
+
+    seeds = Seeds(counted, given_on(plane), scale, known)
 
     def search_line(start: Array, end: Array) -> None:
         nonlocal pieces
         for _ in range(_EACH):
             if not change_beyond(counted, pieces, start, end):
                 break
-            found = seed_between(counted, pieces, start, end, scale, known)
-            if found is None:
+            seed = seeds.between(pieces, start, end)
+            if seed is None:
                 break
-            if not isinstance(found, CurveSeed):
-                failed.append(np.array(found))
+            if not isinstance(seed[0], str):
+                failed.append(np.array(seed))
                 break
-            stretches, ends = whole_curve(found.system, found.point, found.lower)
-            traces.extend(stretches)
-            curves.append(WholeCurve(stretches, ends, found.lower))
+            curves.append(curve_through(*seed))
             pieces = join_pieces([one.dense() for one in curves], [one.lower for one in curves])
 
     edges = _edges(ticks)
@@ -115,20 +78,11 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     return Searched(plane, curves, pieces, counted, failed)
 
 
-def _lies_on(trace: Trace, found: CurveSeed) -> bool:
-    """Whether a point lies on a curve that is known already."""
-    if type(trace.system) is not type(found.system) or trace.kind != found.system.kind:
-        return False
-    return lies_on(np.array([point.x for point in trace.points]), found.point.x)
-
-
-def lies_on(points: Array, x: Array) -> bool:
-    """Whether x (n,) lies on the polyline through points (N, n), as closely as such a polyline follows its curve."""
-    first, last = (points[:-1], points[1:]) if len(points) > 1 else (points, points)
-    chord = last - first
-    share = np.clip(((x - first) * chord).sum(axis=1) / np.maximum((chord * chord).sum(axis=1), 1e-300), 0, 1)
-    far = np.linalg.norm(first + share[:, None] * chord - x, axis=1)
-    return bool((far < _SAME + 0.1 * np.linalg.norm(chord, axis=1)).any())
+def curve_through(kind: str, point: DeadPoint) -> WholeCurve:
+    """The curve of a kind under dead loads through one of its points."""
+    how = Tracing(LENGTHS, MOST, cusps_between if kind == FOLD else sides_between, in_other_form)
+    along = np.append(np.zeros(point.w.size - 2), point.way)
+    return whole_curve(kind, special_line(point, along, how), point.lower)
 
 
 def _ticks(lattice: int) -> Array:

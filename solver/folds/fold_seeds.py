@@ -5,7 +5,7 @@ The line is halved until Newton's rule, started between two equilibria that are 
 """
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import combinations, pairwise
 from typing import Any
@@ -17,24 +17,15 @@ from ..levels.level_search import MOST_PERIODS, near_misses
 from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from .curve_crossings import Pieces, change_along
-from .fold_system import CurvePoint, CurveSystem, FoldSystem, correct_curve_point
+from .orbit_folds import GivenAt, OrbitFold, fold_on_line, pitchfork_on_line
 from .parameter_plane import ParameterPlane
-from .separatrix_folds import deep_system
+from .separatrix_folds import DeadPoint, separatrix_guess, separatrix_point
 
 _FIRST, _LAST = 0.02, 1e-7  # lengths of a line, in shares: from where Newton's rule is tried, and where it ends
 _DEEP = 1e-3  # length from which on the pair may be next to a separatrix
 _PAIRS = 6  # of equilibria that are tried as those that meet
 _FINER = 24  # parts of a range into which lines are cut whose ends differ in the levels that nearly meet
 _NARROW = 1e-4  # shares: a strip between two curves that is narrower is not looked for
-
-
-@dataclass(frozen=True, eq=False)
-class CurveSeed:
-    """A point of a curve, its equations, and the lower Morse index of the two equilibria that meet."""
-
-    system: CurveSystem
-    point: CurvePoint
-    lower: int
 
 
 @dataclass(eq=False)
@@ -105,86 +96,80 @@ def _may_hide_two(counted: Counted, pieces: Pieces, start: Array, end: Array) ->
     return any(n * change[(*key[:2], not key[2])] < 0 for key, n in list(change.items()) if key[2])
 
 
-def seed_between(
-    counted: Counted, pieces: Pieces, start: Array, end: Array, scale: float, known: Callable[[CurveSeed], bool]
-) -> CurveSeed | tuple[Array, Array] | None:
-    """A point of a curve on the line from start to end that is not among the known ones; known: whether it is.
-
-    Where Newton's rule finds none, the two ends of the short line between which the numbers change; None where they do
-    not change.
-    """
-    while True:
-        change = change_beyond(counted, pieces, start, end)
-        if not change:
-            return None
-        if np.abs(end - start).max() <= _FIRST:
-            found = _met(counted, change, start, end, scale, known)
-            if found is not None:
-                return found
-        if np.abs(end - start).max() <= _LAST:
-            return start, end
-        middle = (start + end) / 2
-        if change_beyond(counted, pieces, start, middle):
-            end = middle
-        else:
-            start = middle
+Known = Callable[[str, DeadPoint], bool]
+Seed = tuple[str, DeadPoint]  # a point of a curve, of the kind FOLD or PITCHFORK
 
 
-def _met(
-    counted: Counted, change: Counter[int], start: Array, end: Array, scale: float, known: Callable[[CurveSeed], bool]
-) -> CurveSeed | None:
-    """The point of the line at which two equilibria meet."""
-    rich, poor = (end, start) if sum(change.values()) > 0 else (start, end)
-    here = counted.at(rich)
-    lost = {index for index, n in change.items() if n}
-    some = [i for i in range(here.count) if int(here.index[i]) in lost]
-    pairs = [(i, j) for i, j in combinations(some, 2) if abs(int(here.index[i]) - int(here.index[j])) == 1]
-    pairs.sort(key=lambda pair: abs(here.slope[pair[0]] - here.slope[pair[1]]))
-    along = int(np.argmax(np.abs(end - start)))
-    for i, j in pairs[:_PAIRS]:
-        lower = int(min(here.index[i], here.index[j]))
-        v = float(here.slope[i] + here.slope[j]) / 2
-        for kind in (FOLD, PITCHFORK):
-            found = _on_line(counted.plane, kind, scale, v, lower, (start, end, along))
-            if found is None and np.abs(end - start).max() < _DEEP:
-                found = _deep_on_line(counted.plane, kind, scale, here, (i, j), (start, end, along))
-            if found is None:
-                continue
-            share = (found.point.shares[along] - poor[along]) / (rich[along] - poor[along])
-            if -0.01 <= share <= 1.01 and not known(found):
-                return found
-    return None
+@dataclass(frozen=True, eq=False)
+class Seeds:
+    """What a search of points of curves needs. scale: of beta_t(0). known: whether a point lies on a known curve."""
 
+    counted: Counted
+    given_at: GivenAt
+    scale: float
+    known: Known
 
-def _on_line(
-    plane: ParameterPlane, kind: str, scale: float, v: float, lower: int, line: tuple[Array, Array, int]
-) -> CurveSeed | None:
-    """A point of a curve on a line, from a guess of beta_t(0)."""
-    start, end, along = line
-    system = FoldSystem(plane, kind, scale)
-    row = np.zeros(system.size)
-    row[2 - along] = 1.0  # the other share is held
-    x = np.concatenate([[v / scale], (start + end) / 2, np.zeros(system.size - 3)])
-    point = correct_curve_point(system, x, row, float(x[2 - along]))
-    if point is None or not system.is_true(point) or not system.has_index(point, lower):
+    def between(self, pieces: Pieces, start: Array, end: Array) -> Seed | tuple[Array, Array] | None:
+        """A point of a curve on the line from start to end that is not among the known ones.
+
+        Where Newton's rule finds none, the two ends of the short line between which the numbers change; None where they
+        do not change.
+        """
+        while True:
+            change = change_beyond(self.counted, pieces, start, end)
+            if not change:
+                return None
+            if np.abs(end - start).max() <= _FIRST:
+                seed = self._seed_on(change, start, end)
+                if seed is not None:
+                    return seed
+            if np.abs(end - start).max() <= _LAST:
+                return start, end
+            middle = (start + end) / 2
+            if change_beyond(self.counted, pieces, start, middle):
+                end = middle
+            else:
+                start = middle
+
+    def _seed_on(self, change: Counter[int], start: Array, end: Array) -> Seed | None:
+        """The point of the line at which two equilibria meet."""
+        rich, poor = (end, start) if sum(change.values()) > 0 else (start, end)
+        equilibria, axis = self.counted.at(rich), int(np.argmax(np.abs(end - start)))
+        lost = {index for index, n in change.items() if n}
+        some = [i for i in range(equilibria.count) if int(equilibria.index[i]) in lost]
+        pairs = [
+            (i, j) for i, j in combinations(some, 2) if abs(int(equilibria.index[i]) - int(equilibria.index[j])) == 1
+        ]
+        pairs.sort(key=lambda pair: abs(equilibria.slope[pair[0]] - equilibria.slope[pair[1]]))
+        is_short = bool(np.abs(end - start).max() < _DEEP)
+        for pair in pairs[:_PAIRS]:
+            lower = int(min(equilibria.index[i] for i in pair))
+            for kind in (FOLD, PITCHFORK):
+                for point in self._points(kind, equilibria, pair, (start + end) / 2, axis, is_short):
+                    share = (point.z[axis] - poor[axis]) / (rich[axis] - poor[axis])
+                    if point.lower == lower and -0.01 <= share <= 1.01 and not self.known(kind, point):
+                        return kind, point
         return None
-    return CurveSeed(system, point, lower)
 
+    def _points(
+        self, kind: str, equilibria: Census, pair: tuple[int, int], z: Array, axis: int, is_short: bool
+    ) -> Iterator[DeadPoint]:
+        """Points of a kind next to z on the line along number `axis`, from two equilibria that are about to meet.
 
-def _deep_on_line(
-    plane: ParameterPlane, kind: str, scale: float, here: Census, pair: tuple[int, int], line: tuple[Array, Array, int]
-) -> CurveSeed | None:
-    """A point of a curve next to a separatrix on a line."""
-    start, end, along = line
-    middle = (start + end) / 2
-    lower = int(min(here.index[i] for i in pair))
-    for i in pair:
-        made = deep_system(plane, scale, middle, float(here.slope[i]), int(here.turns[i]), kind)
-        if made is not None:
-            system, x = made
-            row = np.zeros(3)
-            row[2 - along] = 1.0
-            point = correct_curve_point(system, x, row, float(x[2 - along]))
-            if point is not None and system.has_index(point.x, lower):
-                return CurveSeed(system, point, lower)
-    return None
+        is_short: whether the line is so short that they may lie next to a separatrix.
+        """
+        if kind == FOLD:
+            w, none = np.append(equilibria.slope[list(pair)].mean() / self.scale, z), np.zeros(2)
+            point: DeadPoint | None = fold_on_line(
+                OrbitFold(self.given_at, np.array([self.scale]), w, none, none), axis
+            )
+        else:
+            point = pitchfork_on_line(self.given_at, z, axis)
+        if point is not None:
+            yield point
+        for i in pair if is_short else ():
+            slope, turns = float(equilibria.slope[i]), int(equilibria.turns[i])
+            guess = separatrix_guess(self.given_at, self.scale, z, slope, turns, kind)
+            deep = None if guess is None else separatrix_point(guess, axis)
+            if deep is not None:
+                yield deep

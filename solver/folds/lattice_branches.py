@@ -12,7 +12,7 @@ import numpy as np
 
 from ..numerics.arclength import FOLD
 from ..numerics.arrays import Array
-from .fold_search import WholeCurve, lies_on
+from .whole_curve import WholeCurve, lies_on
 
 MOST_BRANCHES = 150  # that are followed
 Node = tuple[int, int]

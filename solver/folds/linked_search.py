@@ -10,12 +10,12 @@ from ..levels.census import Census
 from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from .curve_crossings import join_pieces
-from .curve_points import is_on_curves
 from .fold_curves import FoldCurves, curves_of
-from .fold_search import Searched, WholeCurve
+from .fold_search import Searched
 from .fold_seeds import Counted, change_beyond
 from .lattice_branches import Branches, Equilibrium, Meeting, Node, PlaneSystem, branches_on
 from .parameter_plane import ParameterPlane
+from .whole_curve import WholeCurve
 
 ASKEW = 0.013  # lines of the lattice stay off lines of symmetry
 
@@ -61,7 +61,7 @@ def curves_through(
 
 
 def _is_known(system: PlaneSystem[Any], curves: tuple[WholeCurve, ...], kind: str, z: Array, equilibrium: Any) -> bool:
-    return is_on_curves(curves, kind, z, system.signature(equilibrium))
+    return any(curve.kind == kind and curve.holds(z, system.signature(equilibrium)) for curve in curves)
 
 
 def remark_of(searched: Searched, branches: Branches[Any], failed: int, ticks: Array) -> str:

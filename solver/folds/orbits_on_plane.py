@@ -1,34 +1,29 @@
 """Equilibria of a rod without weight over a plane of two numbers z: their branches along a line, and their folds."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ..branches.branch_events import Bounds, Place
 from ..branches.branch_following import branch_through
-from ..branches.branch_states import alike, correct_state
-from ..branches.equilibrium_curve import EquilibriumCurve, curve_through
-from ..branches.family import Family, family_of, given_over, numbers_at
-from ..equilibrium.charts import charts, coordinate
-from ..equilibrium.given_numbers import Given
+from ..branches.family import family_of
 from ..equilibrium.orbit_rates import NUMBERS
 from ..equilibrium.system import state_of
 from ..levels.line_point import Path
 from ..mechanics.potential import load_size
-from ..numerics.arclength import CLOSED, END, FOLD, Node, correct_point, node_at
+from ..numerics.arclength import CLOSED, END, FOLD
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
-from .curve_points import fold_through
-from .fold_search import WholeCurve
+from .fold_search import curve_through
 from .lattice_branches import Meeting, Stage
-from .parameter_plane import ParameterPlane, reflect
+from .orbit_folds import fold_near, given_on, mark_of
+from .parameter_plane import ParameterPlane
+from .whole_curve import WholeCurve, point_alone
 
-GivenAt = Callable[[Array], Given]
 MOST = 1000  # points of a branch in each sense
 _SAME = 1e-5  # of the numbers of two equilibria that are one
-_NUDGE = 1e-4  # along a branch, between two points that give its direction in another chart
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,77 +46,8 @@ class PlaneOrbit:
 
     @cached_property
     def signature(self) -> Array:
-        """The numbers in units of which they change by about 1, (10,)."""
-        loads, span = 1 + float(load_size(self.problem)[0]), 1 + float(self.problem.span[0])
-        return self.numbers / np.array([1, 1, *[np.sqrt(loads)] * 2, *[span] * 3, *[loads] * 3])
-
-
-@dataclass(frozen=True, eq=False)
-class OrbitOnLine:
-    """An equilibrium on a line of z, a `fold_line.LineEquilibrium`. node: on the curve over n."""
-
-    given_at: GivenAt
-    curve: EquilibriumCurve
-    node: Node
-
-    @property
-    def offset(self) -> float:
-        return float(self.node.w[1])
-
-    @property
-    def rate(self) -> float:
-        return float(self.node.tangent[1])
-
-    @property
-    def orbit(self) -> PlaneOrbit:
-        """The equilibrium itself."""
-        at = self.curve.at(self.node.w)
-        assert at is not None
-        return PlaneOrbit(at[0].problem, at[1], self.curve.family.hinged)
-
-    @property
-    def index(self) -> int | None:
-        return self.curve.index(self.node.w, self.orbit.path, self.node.jacobian)
-
-    def beside(self, begin: Array, across: Array, a: float) -> "OrbitOnLine | None":
-        """As of `LineEquilibrium`."""
-        curve, guess = curve_on(self.curve, self.given_at, begin, across), self.node.w + a * self.node.tangent
-        found = correct_point(curve, guess, self.node.tangent, self.node.jacobian)
-        if isinstance(found, str) and (fresh := curve.jacobian(guess)) is not None:
-            found = correct_point(curve, guess, self.node.tangent, fresh)
-        node = found if isinstance(found, str) else node_at(curve, found, self.node.tangent)
-        return None if isinstance(node, str) else replace(self, curve=curve, node=node)
-
-    def as_folds(self, z: Array, across: Array) -> "Iterator[OrbitOnLine]":
-        """As of `LineEquilibrium`."""
-        curve = curve_on(self.curve, self.given_at, z, across)
-        at, beyond = (self.curve.at(self.node.w + nudge * self.node.tangent) for nudge in (0.0, _NUDGE))
-        if at is None or beyond is None:
-            return
-        for chart in charts(*at, curve.family.hinged):
-            other = next((one for one in charts(*beyond, curve.family.hinged) if alike(one, chart)), None)
-            if other is None or not np.isfinite([coordinate(chart), coordinate(other)]).all():
-                continue
-            there = replace(curve, chart=chart)
-            w, ahead = (
-                np.append([coordinate(one), 0.0], (point * self.curve.scales)[2:]) / there.scales
-                for one, point in ((chart, self.node.w), (other, self.node.w + _NUDGE * self.node.tangent))
-            )
-            node = node_at(there, w, ahead - w)
-            if not isinstance(node, str):
-                tangent = node.tangent * np.append([1.0, 0.0], np.ones(w.size - 2))
-                yield replace(self, curve=there, node=replace(node, tangent=tangent))
-
-
-def curve_on(curve: EquilibriumCurve, given_at: GivenAt, begin: Array, across: Array) -> EquilibriumCurve:
-    """The same equilibria over n on the line begin + n across."""
-    given = partial(_given_on, given_at, begin, across)
-    family = Family(given, curve.family.begun, 1.0, curve.family.names, partial(numbers_at, given))
-    return replace(curve, family=family, _rates={})
-
-
-def _given_on(given_at: GivenAt, begin: Array, across: Array, n: float) -> Given:
-    return given_at(begin + n * across)
+        """As of `orbit_folds.mark_of`."""
+        return mark_of(self.numbers, float(load_size(self.problem)[0]), float(self.problem.span[0]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,12 +55,6 @@ class OrbitsOnPlane:
     """Equilibria over a plane, a `lattice_branches.PlaneSystem`."""
 
     plane: ParameterPlane
-
-    @cached_property
-    def given_at(self) -> GivenAt:
-        """The given numbers at z, a little beyond the border too."""
-        given = given_over(self.plane.case, *self.plane.names)
-        return partial(reflect, lambda z: given(*self.plane.values(z).tolist()), names=("values", "span", "ratio"))
 
     def signature(self, orbit: PlaneOrbit) -> Array:
         return orbit.signature
@@ -173,13 +93,6 @@ class OrbitsOnPlane:
         return [self.fold_of(meeting.z, meeting.axis, fold.equilibrium)] if fold.kind == FOLD else None
 
     def fold_of(self, z: Array, axis: int, orbit: PlaneOrbit) -> WholeCurve:
-        """The curve of the fold at z of a branch along number `axis`."""
-        given = partial(_given_on, self.given_at, z, np.eye(2)[axis])
-        here = given(0.0)
-        family = Family(given, orbit.problem, 1.0, here.names, partial(numbers_at, given))
-        found = curve_through(family, orbit.path, 0.0)
-        assert found is not None
-        state = correct_state(*found, np.eye(found[1].size)[0])
-        assert not isinstance(state, str), state
-        fold = OrbitOnLine(self.given_at, state.curve, state.node)
-        return fold_through(z, axis, fold, lambda one: one.orbit.slope, lambda one: one.orbit.signature)
+        """The curve of the fold at z of a branch along number `axis`; the point alone where it has no equation."""
+        fold = fold_near(given_on(self.plane), z, axis, orbit.numbers)
+        return point_alone(FOLD, z, orbit.slope, orbit.signature) if fold is None else curve_through(FOLD, fold)

@@ -11,32 +11,51 @@ start's beta_t tells nothing. kappa = 0 is the pitchfork of a rod with two equal
 turning point together and whose length does not depend on x.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from ..branches.family import problem_of
+from ..equilibrium.given_numbers import FREE
 from ..levels.line_point import LinePoint
 from ..levels.transit_times import Levels, Paths, transit_times
 from ..mechanics.potential import slope
-from ..numerics.arclength import FOLD, PITCHFORK
+from ..numerics.arclength import FOLD, PITCHFORK, Node, node_at
 from ..numerics.arrays import Array
-from .fold_system import DEEP
-from .parameter_plane import ParameterPlane
+from .orbit_folds import (
+    GivenAt,
+    OrbitFold,
+    OrbitPitchfork,
+    fold_on_line,
+    meets_pitchforks,
+    mirror_image,
+    node_on_line,
+    pitchfork_on_line,
+)
+from .special_line import Ahead, border_node
 
 UNIT = 20.0  # of log gap in the metric of the curve
-SHALLOW = np.log(4 * DEEP)  # of the gap: where a curve leaves this form
+DEEP = 1e-6  # of the gap: where beta_t at the start tells little
+SHALLOW = np.log(4 * DEEP)  # where a curve leaves this form
 _NEAR = 0.03  # largest |beta_t| at an end that counts as at its turning point
+_AT_REST = 1e-2  # the same, where a curve takes this form
 _FOLLOWED = 0.3  # rad: how far the saddle may move before it is looked up anew
-_NUDGE, _STEP = 1e-6, 1e-3  # of the derivatives by the shares, and by log gap
+_NUDGE, _STEP = 1e-6, 1e-3  # of the derivatives by z, and by log gap
+_SAME = 0.02  # largest distance between a point and itself in another form
 
 
-@dataclass(frozen=True)
-class SeparatrixSystem:
-    """One such curve: its saddle (an angle near it), the end at rest ("start" or "end"), the sign of the gap, and the
-    path (leaving, turns) of the rod; weight: ends at the turning point that act on T, 0 to 2."""
+@dataclass(frozen=True, eq=False)
+class SeparatrixPoint:
+    """Such a fold or pitchfork, a `special_line.SpecialPoint`; w: log gap over `UNIT`, and z.
 
-    plane: ParameterPlane
+    scale: of beta_t(0). saddle: an angle near it. end: at rest, "start" or "end". sign: of the gap. leaving, turns: the
+    path of the rod. weight: ends at the turning point that act on T, 0 to 2.
+    """
+
+    given_at: GivenAt
     kind: str
     scale: float
     saddle: float
@@ -45,30 +64,49 @@ class SeparatrixSystem:
     leaving: int
     turns: int
     weight: int
+    w: Array
+    way: Array
+    more: Array
 
     @property
-    def size(self) -> int:
-        return 3
+    def z(self) -> Array:
+        """Its place, (2,)."""
+        return self.w[1:]
 
-    def equations(self, x: Array) -> tuple[Array, Array, float, Array]:
-        y, shares = float(x[0]) * UNIT, x[1:3]
-        here = self._two(y, shares)
-        if not np.isfinite(here).all():
-            return here, np.full((2, 3), np.nan), np.nan, np.zeros(2)
-        rates = [(self._two(y + _STEP, shares) - self._two(y - _STEP, shares)) * (UNIT / (2 * _STEP))]
-        for k in range(2):
-            nudge = _NUDGE * np.eye(2)[k]
-            rates.append((self._two(y, shares + nudge) - self._two(y, shares - nudge)) / (2 * _NUDGE))
-        matrix = np.array(rates).T
-        return here, matrix, 1.0, -matrix[0, 1:]
+    @property
+    def mark(self) -> Array:
+        """As of `SpecialPoint`; it is that of no orbit."""
+        return np.array([self.w[0], 10.0 + self.leaving, self.turns, *np.zeros(7)])
 
-    def _two(self, y: float, shares: Array) -> Array:
-        """D - g + x^2 and T - L/rho."""
-        return self._three(y, shares)[:2]
+    def value(self, w: Array) -> Array | None:
+        """D - g + x^2 and T - L/rho, (2,)."""
+        found = self._three(float(w[0]) * UNIT, w[1:])[:2]
+        return found if np.isfinite(found).all() else None
 
-    def _three(self, y: float, shares: Array) -> Array:
-        """The same and x."""
-        place, saddle = self.saddle_at(shares)
+    def jacobian(self, w: Array) -> Array | None:
+        """Its derivatives by w, (2, 3)."""
+        steps = np.diag([_STEP / UNIT, _NUDGE, _NUDGE])
+        pairs = [(self.value(w + step), self.value(w - step)) for step in steps]
+        columns = [high - low for high, low in pairs if high is not None and low is not None]
+        return np.column_stack(columns) / (2 * steps.sum(axis=0)) if len(columns) == 3 else None
+
+    def rate(self, tangent: Array) -> Array:
+        """As of `SpecialPoint`."""
+        return np.asarray(tangent[1:])
+
+    def after(self, node: Node) -> "Ahead[SeparatrixPoint]":
+        """As of `SpecialPoint`."""
+        way = node.tangent[1:]
+        return replace(self, w=node.w, way=way / np.linalg.norm(way), more=-node.jacobian[0, 1:]), node
+
+    def at_border(self, node: Node) -> "SeparatrixPoint | None":
+        """As of `SpecialPoint`."""
+        there = border_node(self, node)
+        return None if there is None else self.after(there)[0]
+
+    def _three(self, y: float, z: Array) -> Array:
+        """D - g + x^2, T - L/rho and x."""
+        place, saddle = self.saddle_at(z)
         if np.isnan(saddle):
             return np.full(3, np.nan)
         angle = place.start if self.end == "start" else place.end
@@ -103,40 +141,44 @@ class SeparatrixSystem:
             out[k] = float(path.counts(boundary.rising)[0] @ time[:, 0])
         return out
 
-    def has_index(self, x: Array, lower: int) -> bool:
-        """Whether equilibria of index lower and lower + 1 meet there: such a rod passes lower + 1 turning points.
+    @cached_property
+    def lower(self) -> int:
+        """The lower Morse index of the two equilibria that meet: one less than the turning points that the rod passes.
 
         At a fold it passes the one at its end where the gap is positive, as the length then falls with x^2 and must
         rise with x. At a pitchfork it passes that of one of the two ends.
         """
-        place, _ = self.saddle_at(x[1:3])
+        place, _ = self.saddle_at(self.z)
         arriving = self.leaving if self.turns % 2 == 0 else -self.leaving
         passed = {
             "start": (self.leaving < 0) == _rises(place, place.start),
             "end": (arriving > 0) == _rises(place, place.end),
         }
         inner = self.turns - (passed[self.end] if self.weight == 1 else sum(passed.values()))
-        return inner + (1 if self.weight == 0 else self.weight * (self.sign > 0)) == lower + 1
+        return int(inner + (1 if self.weight == 0 else self.weight * (self.sign > 0)) - 1)
 
-    def leaves(self, x: Array) -> bool:
-        return bool(x[0] * UNIT > SHALLOW) or abs(_apart(self.saddle_at(x[1:3])[1], self.saddle)) > _FOLLOWED
+    @property
+    def is_shallow(self) -> bool:
+        """Whether log gap is not the better unknown."""
+        return float(self.w[0]) * UNIT > SHALLOW
 
-    def saddle_at(self, shares: Array) -> tuple[LinePoint, float]:
-        """The problem at some shares, and its saddle next to this one."""
-        place = LinePoint(self.plane.problems(shares))
+    @property
+    def own_saddle(self) -> float:
+        """The angle of the saddle; NaN where it no longer exists."""
+        return self.saddle_at(self.z)[1]
+
+    def saddle_at(self, z: Array) -> tuple[LinePoint, float]:
+        """The problem at z, and its saddle next to this one."""
+        place = LinePoint(problem_of(self.given_at(z), {}))
         far = np.abs(_apart(place.saddles, self.saddle))
         return place, float(place.saddles[int(np.argmin(far))]) if far.size and far.min() < 0.5 else np.nan
 
-    def renew(self, x: Array) -> "SeparatrixSystem | None":
-        """The same beside the saddle where it is now; None where log gap is not the better unknown."""
-        saddle = self.saddle_at(x[1:3])[1]
-        return None if x[0] * UNIT > SHALLOW or np.isnan(saddle) else replace(self, saddle=saddle)
-
-    def start_rate(self, x: Array) -> float:
-        y, shares = float(x[0]) * UNIT, x[1:3]
-        place, saddle = self.saddle_at(shares)
+    @cached_property
+    def slope(self) -> float:
+        """beta_t(0)."""
+        y, (place, saddle) = float(self.w[0]) * UNIT, self.saddle_at(self.z)
         if self.end == "start" or self.weight != 1:
-            passing = float(self._three(y, shares)[2])  # beta_t towards the turning point
+            passing = float(self._three(y, self.z)[2])  # beta_t towards the turning point
             return -passing if _rises(place, place.start) else passing
         gap = self.sign * np.exp(max(y, -600.0))
         return self.leaving * float(np.sqrt(max(gap + place.fall(saddle, place.start), 0.0)))
@@ -152,11 +194,14 @@ def _apart(angle: Any, other: float) -> Any:
     return (angle - other + np.pi) % (2 * np.pi) - np.pi
 
 
-def deep_system(
-    plane: ParameterPlane, scale: float, shares: Array, slope_: float, turns: int, kind: str = FOLD
-) -> tuple[SeparatrixSystem, Array] | None:
-    """The system of a curve near a point, and a first x; None where no end is near a turning point on a separatrix."""
-    place = LinePoint(plane.problems(shares))
+def separatrix_guess(
+    given_at: GivenAt, scale: float, z: Array, slope_: float, turns: int, kind: str = FOLD
+) -> SeparatrixPoint | None:
+    """A guess of such a point near z; None where no end is near a turning point on a separatrix.
+
+    slope_, turns: beta_t(0) and the turning points of an equilibrium nearby.
+    """
+    place = LinePoint(problem_of(given_at(z), {}))
     speed2 = slope_ * slope_
     own = {"start": speed2, "end": speed2 + place.fall(place.start, place.end)}
     end = min(own, key=lambda name: abs(own[name]))
@@ -170,9 +215,73 @@ def deep_system(
     if kind == PITCHFORK and not equal:
         return None
     weight = (0 if kind == PITCHFORK else 2) if equal else 1
-    leaving = 1 if slope_ > 0 else -1
-    sign = 1.0 if gaps[k] > 0 else -1.0
+    leaving, sign = (1 if slope_ > 0 else -1), (1.0 if gaps[k] > 0 else -1.0)
     y = float(np.log(max(abs(gaps[k]), 1e-250)))
-    saddle = float(place.saddles[k])
-    system = SeparatrixSystem(plane, kind, scale, saddle, end, sign, leaving, turns, weight)
-    return system, np.array([y / UNIT, *shares])
+    way = np.zeros(2)
+    return SeparatrixPoint(
+        given_at,
+        kind,
+        scale,
+        float(place.saddles[k]),
+        end,
+        sign,
+        leaving,
+        turns,
+        weight,
+        np.array([y / UNIT, *z]),
+        way,
+        way,
+    )
+
+
+def separatrix_point(guess: SeparatrixPoint, axis: int) -> SeparatrixPoint | None:
+    """The point next to a guess on the line along number `axis`; None where there is none."""
+    node = node_on_line(guess, guess.w, axis)
+    return None if node is None else guess.after(node)[0]
+
+
+DeadPoint = OrbitFold | OrbitPitchfork | SeparatrixPoint
+
+
+def in_other_form(point: DeadPoint, node: Node, stuck: bool) -> Iterator[Ahead[DeadPoint]]:
+    """As of `special_line.Others`; there are several forms under dead loads alone."""
+    way = point.rate(node.tangent)
+    if isinstance(point, SeparatrixPoint):
+        yield from _from_separatrix(point, node, way, stuck)
+    elif isinstance(point, OrbitFold) and meets_pitchforks(point, node):
+        yield from _onward(mirror_image(point), point, -way)
+    elif point.own[0].names == FREE and (stuck or _is_deep(point)):
+        kind, scale = (FOLD, float(point.scales[0])) if isinstance(point, OrbitFold) else (PITCHFORK, 1.0)
+        guess = separatrix_guess(point.given_at, scale, point.z, point.slope, point.lower + 1, kind)
+        if guess is not None:
+            yield from _onward(separatrix_point(guess, int(np.argmin(np.abs(way)))), point, way)
+
+
+def _from_separatrix(point: SeparatrixPoint, node: Node, way: Array, stuck: bool) -> Iterator[Ahead[DeadPoint]]:
+    """The same beside the saddle where it is now, or in the numbers of the start."""
+    saddle, axis = point.own_saddle, int(np.argmin(np.abs(way)))
+    if not point.is_shallow and abs(_apart(saddle, point.saddle)) > _FOLLOWED:
+        yield replace(point, saddle=saddle), node
+    elif point.is_shallow or stuck:
+        scales, none = np.array([point.scale]), np.zeros(2)
+        if point.kind == FOLD:
+            w = np.append(point.slope / point.scale, point.z)
+            yield from _onward(fold_on_line(OrbitFold(point.given_at, scales, w, none, none), axis), point, way)
+        else:
+            yield from _onward(pitchfork_on_line(point.given_at, point.z, axis), point, way)
+
+
+def _onward(other: DeadPoint | None, point: DeadPoint, way: Array) -> Iterator[Ahead[DeadPoint]]:
+    """A point that is another form of one, with its node, travelled along `way` of z; nothing where it is another."""
+    if other is None or np.abs(other.z - point.z).max() > _SAME or other.lower != point.lower:
+        return
+    node = node_at(other, other.w, np.append(np.zeros(other.w.size - 2), way))
+    if not isinstance(node, str):
+        yield other, node
+
+
+def _is_deep(point: OrbitFold | OrbitPitchfork) -> bool:
+    """Whether an end lies at a turning point next to a separatrix, so that beta_t(0) tells little."""
+    place, v = LinePoint(point.own[1].problem), point.slope
+    near = min(v * v, abs(v * v + place.fall(place.start, place.end))) < _AT_REST**2
+    return near and any(abs(v * v - place.fall(float(s), place.start)) < DEEP for s in place.saddles)

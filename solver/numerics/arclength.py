@@ -166,6 +166,13 @@ def correct_point(curve: Curve, guess: Array, across: Array, jacobian: Array) ->
     return newton(guess, step, _ENDING)
 
 
+def difference_rates(value: Callable[[Array], Array | None], w: Array, step: float) -> Array | None:
+    """The derivatives of a function of w (n + 1,), (n, n + 1), by central differences; None where it has no value."""
+    pairs = [(value(w + nudge), value(w - nudge)) for nudge in step * np.eye(w.size)]
+    columns = [(high - low) / (2 * step) for high, low in pairs if high is not None and low is not None]
+    return np.column_stack(columns) if len(columns) == w.size else None
+
+
 def _null(jacobian: Array) -> Array:
     """A unit vector t with F' t = 0."""
     if jacobian.shape[0] == 1:

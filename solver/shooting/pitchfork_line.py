@@ -4,24 +4,32 @@ An equilibrium that its symmetry keeps, such as the straight rod, exists on both
 along one mode meets no resistance. The stiffness against that push, smooth over z, is the equation of the curve.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..folds.fold_line import STEP
-from ..folds.special_line import BORDER, STOPPED, Ahead, special_line, step_from
-from ..numerics import arclength
-from ..numerics.arclength import Lengths, Node, border_distances, node_at
+from ..folds.fold_line import MOST, STEP
+from ..folds.special_line import (
+    CROSSING,
+    Ahead,
+    SpecialLine,
+    Tracing,
+    border_node,
+    special_line,
+    step_from,
+)
+from ..numerics.arclength import Lengths, Node, correct_point, difference_rates, node_at
 from ..numerics.arrays import Array
 from .curve import Curve
 from .descent import index_at, weakest_modes
+from .further_shapes import angles_of
 from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod, Q
 from .newton import Shape, correct, linear_at
 
 LENGTHS = Lengths(first=0.03, longest=0.1, least=2e-4)  # of steps, in the sizes of z
 BESIDE = 1e-3  # in the sizes of z: how far beside the curve the indices are read
-CROSSED, CROSSING = 3e-3, "crossing"  # how closely the place is enclosed where another curve crosses; an end there
+CROSSED = 3e-3  # how closely the place is enclosed where another curve crosses
 NEAR = 3  # weakest modes: where another such curve crosses, that of this one is not the weakest
 SMALL = 0.02  # of the angles, in their scales: of the shapes that split off
 
@@ -62,10 +70,7 @@ class PitchforkPoint:
 
     def jacobian(self, w: Array) -> Array | None:
         """Its derivatives by z, (1, 2)."""
-        pairs = [(self.value(w + h), self.value(w - h)) for h in STEP * np.eye(2)]
-        if any(one is None for pair in pairs for one in pair):
-            return None
-        return np.array([[(high[0] - low[0]) / (2 * STEP) for high, low in pairs]])  # type: ignore[index]
+        return difference_rates(self.value, w, STEP)
 
     def at(self, node: Node) -> "PitchforkPoint | None":
         """The pitchfork at a node, with its index and its side."""
@@ -89,26 +94,37 @@ class PitchforkPoint:
         """The same as z."""
         return self.z
 
-    def ahead(self, node: Node, step: float) -> Array:
-        """z a step along the tangent."""
-        return self.z + step * node.tangent
+    @property
+    def way(self) -> Array:
+        """As of `SpecialPoint`."""
+        return np.array([-self.more[1], self.more[0]])
+
+    @property
+    def slope(self) -> float:
+        """beta_t(0)."""
+        return float(self.shape.y[0, SPEED])
+
+    @property
+    def mark(self) -> Array:
+        """As of `SpecialPoint`."""
+        return angles_of(self.shape)
+
+    def rate(self, tangent: Array) -> Array:
+        """As of `SpecialPoint`."""
+        return tangent
 
     def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
         """As of `SpecialPoint`; None where the two others lie on different sides."""
         there = self.at(node)
-        return None if there is None or np.isnan(there.more).any() else (there, node.tangent)
+        if there is None or np.isnan(there.more).any():
+            return None
+        own = node_at(there, there.w, node.tangent)
+        return None if isinstance(own, str) else (there, own)
 
     def at_border(self, node: Node) -> "PitchforkPoint | None":
         """As of `SpecialPoint`."""
-        ways = border_distances(self.z, node.tangent, np.zeros(2), np.ones(2))
-        k = int(np.argmin(ways))
-        w = arclength.correct_point(self, self.z + ways[k] * node.tangent, np.eye(2)[k], node.jacobian)
-        there = w if isinstance(w, str) else node_at(self, w, node.tangent)
-        return None if isinstance(there, str) else self.at(there)
-
-    def in_other_coordinates(self) -> "Iterator[PitchforkPoint]":
-        """None: z are its only coordinates."""
-        return iter(())
+        there = border_node(self, node)
+        return None if there is None else self.at(there)
 
 
 def likeness(one: Array, other: Array) -> float:
@@ -123,15 +139,13 @@ def pitchfork_at(rod_at: Callable[[Array], LoadedRod], z: Array, axis: int, shap
     jacobian = guess.jacobian(z)
     if jacobian is None:
         return None
-    w = arclength.correct_point(guess, z, np.eye(2)[1 - axis], jacobian)
+    w = correct_point(guess, z, np.eye(2)[1 - axis], jacobian)
     node = w if isinstance(w, str) else node_at(guess, w, np.eye(2)[1 - axis])
     return None if isinstance(node, str) else guess.at(node)
 
 
-def pitchfork_line(
-    first: PitchforkPoint, sense: float, most: int, known: Callable[[Array, Shape], bool]
-) -> tuple[list[PitchforkPoint], str]:
-    """The points of the curve after the first, in one sense, to the border of 0 <= z <= 1, and how it ends.
+def pitchfork_line(first: PitchforkPoint, known: Callable[[Array, Shape], bool]) -> SpecialLine[PitchforkPoint]:
+    """The curve through a pitchfork, to the border of 0 <= z <= 1.
 
     known: whether a place and its shape lie on a known curve.
     """
@@ -144,9 +158,8 @@ def pitchfork_line(
             return [], CROSSING
         return [] if there.lower == point.lower else crossing_between(point, node, step, there), ""
 
-    tangent = np.array([-first.more[1], first.more[0]])
-    points, end = special_line(first, sense * tangent, LENGTHS, most, between)
-    return points, end if end in (BORDER, CROSSING) else STOPPED
+    how = Tracing(LENGTHS, MOST, between, lambda *_: iter(()))
+    return special_line(first, first.way, how)
 
 
 def crossing_between(point: PitchforkPoint, node: Node, step: float, there: PitchforkPoint) -> list[PitchforkPoint]:

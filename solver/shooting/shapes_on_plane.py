@@ -1,15 +1,16 @@
 """Shapes of a rod whose loads vary along it, over a plane of two numbers z: their branches, and their curves."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from ..branches.branch_events import Bounds
-from ..folds.curve_points import MOST, Line, curve_points, fold_through
-from ..folds.fold_search import WholeCurve
+from ..folds.fold_line import fold_through
 from ..folds.lattice_branches import Meeting, Stage, place_on
+from ..folds.special_line import CROSSING, SpecialLine
+from ..folds.whole_curve import WholeCurve, whole_curve
 from ..numerics.arclength import CLOSED, END, FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from ..problem.errors import InputError
@@ -19,7 +20,7 @@ from .following import shapes_through
 from .further_shapes import angles_of
 from .loaded_rod import SPEED, LoadedRod
 from .newton import Shape, is_same
-from .pitchfork_line import CROSSING, PitchforkPoint, pitchfork_at, pitchfork_line
+from .pitchfork_line import PitchforkPoint, pitchfork_at, pitchfork_line
 
 MOST_POINTS = 150  # of a branch in each sense
 NARROW = 0.01  # of a step: how closely a branch point is enclosed, before its curve is solved for
@@ -46,6 +47,14 @@ class ShapeOnLine:
     def index(self) -> int:
         return index_of_any(self.point.shape)
 
+    @property
+    def slope(self) -> float:
+        return slope_of(self.point.shape)
+
+    @property
+    def mark(self) -> Array:
+        return angles_of(self.point.shape)
+
     def beside(self, begin: Array, across: Array, a: float) -> "ShapeOnLine | None":
         """As of `LineEquilibrium`."""
         shape, tangent = self.point.shape, self.point.tangent
@@ -57,9 +66,9 @@ class ShapeOnLine:
             return None
         return None if found is None else replace(self, point=found)
 
-    def as_folds(self, z: Array, across: Array) -> "Iterator[ShapeOnLine]":
-        """As of `LineEquilibrium`; the nodes are its only coordinates."""
-        yield replace(self, point=Point(self.point.shape, 0.0, np.append(self.point.tangent[:-1], 0.0)))
+    def as_fold(self) -> "ShapeOnLine":
+        """As of `LineEquilibrium`."""
+        return replace(self, point=Point(self.point.shape, 0.0, np.append(self.point.tangent[:-1], 0.0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +123,7 @@ class ShapesOnPlane:
         curve = Curve(lambda n: shapes[1].rod, 1.0, shapes[1].rod.scale)
         tangent = curve.direction(shapes[2].y - shapes[0].y, 0.0)
         fold = ShapeOnLine(self.rod_at, Point(shapes[1], 0.0, tangent))
-        return fold_through(
-            z, axis, fold, lambda one: slope_of(one.point.shape), lambda one: angles_of(one.point.shape)
-        )
+        return fold_through(z, axis, fold)
 
 
 def slope_of(shape: Shape) -> float:
@@ -129,16 +136,11 @@ def pitchforks_of(first: PitchforkPoint, known: Callable[[Array, Shape], bool]) 
 
     known: whether a point lies on a known curve; where the shape becomes that of a known curve this one ends.
     """
-    (back, begin), (ahead, end) = (pitchfork_line(first, sense, MOST, known) for sense in (-1.0, 1.0))
-    points = [*back[::-1], first, *ahead]
-    places = np.array([point.z for point in points])
-    marks = curve_points(places, [np.array([-p.more[1], p.more[0]]) for p in points], [p.more for p in points], [])
-    cuts = [0, *(i + 1 for i, (one, other) in enumerate(pairwise(points)) if one.lower != other.lower), len(points) - 1]
-    signed = np.column_stack([places, np.array([angles_of(point.shape) for point in points])])
+    line = pitchfork_line(first, known)
+    points, last = line.points, len(line.points) - 1
+    cuts = [0, *(i + 1 for i, (one, other) in enumerate(pairwise(points)) if one.lower != other.lower), last]
     found = []
     for a, b in pairwise(dict.fromkeys(cuts)):
-        part = slice(a, b + 1)
-        line = Line(PITCHFORK, marks[part], [], [slope_of(point.shape) for point in points[part]], signed[part])
-        ends = begin if a == 0 else CROSSING, end if b == len(points) - 1 else CROSSING
-        found.append(WholeCurve([line], ends, points[a].lower))
+        ends = line.ends[0] if a == 0 else CROSSING, line.ends[1] if b == last else CROSSING
+        found.append(whole_curve(PITCHFORK, SpecialLine(points[a : b + 1], ends), points[a].lower))
     return found

@@ -9,9 +9,9 @@ from scipy.optimize import fsolve
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, fold_curves, region_map
 from solver.folds.fold_curves import FoldCurve, FoldCurves
-from solver.folds.fold_system import correct_curve_point
-from solver.folds.parameter_plane import parameter_plane
-from solver.folds.separatrix_folds import UNIT, SeparatrixSystem
+from solver.folds.orbit_folds import given_on
+from solver.folds.parameter_plane import ParameterPlane, parameter_plane
+from solver.folds.separatrix_folds import UNIT, SeparatrixPoint, separatrix_point
 from solver.levels.census import census
 from solver.region_map import RegionMap
 from studies import load
@@ -158,21 +158,28 @@ AT_REST = {
 }
 
 
+def near_the_saddle(plane: ParameterPlane, kind: str, **path: object) -> SeparatrixPoint:
+    """The point of a curve of long rods at MZ = -0.2."""
+    w, none = np.array([-17 / UNIT, 0.18, 0.0]), np.zeros(2)
+    guess = SeparatrixPoint(given_on(plane), kind, 1.0, 2.65, **path, w=w, way=none, more=none)
+    found = separatrix_point(guess, 0)
+    assert found is not None
+    return found
+
+
 @pytest.mark.parametrize("which", AT_REST)
 def test_a_fold_next_to_a_separatrix_is_exact(which: str) -> None:
     """Two equilibria more within 1e-8 of the ranges on one side, of the indices that the path of the rod tells."""
     beta0, betaL, end, sign, leaving, turns, lower = AT_REST[which]
     case = Case(LONG.rod, LONG.cylinder, Ends(beta0, betaL, M3=8.0))
     plane = parameter_plane(case, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
-    system = SeparatrixSystem(plane, "fold", 1.0, 2.65, end, sign, leaving, turns, weight=1)
-    point = correct_curve_point(system, np.array([-17 / UNIT, 0.18, 0.0]), np.array([0.0, 0.0, 1.0]), 0.0)
-    assert point is not None
+    point = near_the_saddle(plane, "fold", end=end, sign=sign, leaving=leaving, turns=turns, weight=1)
     if which == "a stable one, at the start":
-        assert point.x[0] * UNIT == pytest.approx(-17.44, abs=0.01)  # log of the gap
+        assert point.w[0] * UNIT == pytest.approx(-17.44, abs=0.01)  # log of the gap
     toward = 1e-8 * point.more / np.linalg.norm(point.more)
-    fewer, more = (census(plane.problems(point.shares + sign * toward)).indices for sign in (-1, 1))
+    fewer, more = (census(plane.problems(point.z + sign * toward)).indices for sign in (-1, 1))
     assert more - fewer == {lower: 1, lower + 1: 1}
-    assert [index for index in range(4) if system.has_index(point.x, index)] == [lower]
+    assert point.lower == lower
 
 
 @pytest.mark.parametrize(
@@ -183,13 +190,11 @@ def test_with_equal_ends_a_fold_and_a_pitchfork_lie_next_to_a_separatrix(kind, l
     case = Case(LONG.rod, LONG.cylinder, Ends("30deg", "30deg", M3=8.0))
     plane = parameter_plane(case, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
     weight = 2 if kind == "fold" else 0
-    system = SeparatrixSystem(plane, kind, 1.0, 2.65, "start", -1.0, leaving, turns, weight)
-    point = correct_curve_point(system, np.array([-17 / UNIT, 0.18, 0.0]), np.array([0.0, 0.0, 1.0]), 0.0)
-    assert point is not None
+    point = near_the_saddle(plane, kind, end="start", sign=-1.0, leaving=leaving, turns=turns, weight=weight)
     toward = 1e-8 * point.more / np.linalg.norm(point.more)
-    fewer, more = (census(plane.problems(point.shares + sign * toward)).indices for sign in (-1, 1))
+    fewer, more = (census(plane.problems(point.z + sign * toward)).indices for sign in (-1, 1))
     assert more - fewer == {0: 1, 1: 2, 2: 1}
-    assert [index for index in range(4) if system.has_index(point.x, index)] == [lower]
+    assert point.lower == lower
 
 
 # the level of a fold nears that of a saddle as L grows: the end at a turning point, ranges of FZ and L, and the curves

@@ -1,0 +1,344 @@
+"""Folds and pitchforks of a rod without weight over two numbers z, in the numbers with which its orbit starts.
+
+An orbit starts with beta, beta_t and three loads. Those of them that are given are read from the problem at z, the
+others are unknown, and as many given numbers must be met at the far end. At a fold the determinant of their
+derivatives by the unknown ones vanishes too; a fold curve is that system over z. The far end is where the orbit is
+after the length of the rod, so the equations are smooth wherever an end of the rod passes a turning point, where the
+length of a path is not. All derivatives at the far end are exact (`orbit_rates.start_rates`).
+
+Under dead loads beta_t(0) is the one unknown, beta(L) is the number to be met, and the determinant is the Jacobi field
+at the far end, d beta(L)/d beta_t(0). Where the problem equals its own mirror image, two equilibria split off a third
+in a pitchfork: the symmetric one is at rest at both ends, or a helix, so a pitchfork curve is where the Jacobi field of
+the rod that starts at rest vanishes at the far end.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from ..branches.family import given_over
+from ..equilibrium.given_numbers import FREE, Given, rows_of, values_of
+from ..equilibrium.held_index import index_of
+from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, rates_of_helices, start_rates
+from ..equilibrium.system import corner_state
+from ..levels.morse_index import helix_half_waves
+from ..mechanics.potential import load_size, slope
+from ..numerics.arclength import Curve, Lengths, Node, difference_rates, node_at
+from ..numerics.arrays import Array
+from ..numerics.roots import enclose, root, solve
+from ..orbit.periodic_orbit import TIGHT, solve_orbit
+from ..problem.reduced import StartProblem
+from .parameter_plane import MARGIN, ParameterPlane, reflect
+from .special_line import Ahead, Point, border_node, step_from, with_no_side
+
+GivenAt = Callable[[Array], Given]
+LENGTHS = Lengths(first=0.01, longest=0.05, least=2e-6)  # of steps, in the sizes of the unknowns and of z
+START = ("beta0", "dbeta0", "lam", "mu", "phi")  # the numbers with which an orbit starts
+_STEP = 1e-7  # of derivatives of the determinant, in the sizes of the unknowns and of z
+_BEND = 2e-4  # of beta_t(0), in its size: of the second derivative of the Jacobi field by it
+_LONGEST = 0.5  # change of an unknown in a step of Newton's rule
+_MOVES = 1e-6  # least change of the equations of a fold by z
+_BESIDE = 0.02  # how far beside a fold its two indices are read, in the sizes of the unknowns
+_UNFOLDED, _STRAY = 1e-8, 1e-3  # rad: the largest miss of beta(L) at a pitchfork; how far along its curve too
+_CROSSING, _MIRRORED = 0.02, 1e-9  # of beta_t(0), in its size: where a fold curve may meet pitchforks; of an image
+_ROUNDS = 25  # steps of a search of where a pitchfork changes its side
+
+
+def given_on(plane: ParameterPlane) -> GivenAt:
+    """The given numbers at z in the unit square, a little beyond its border too."""
+    given = given_over(plane.case, *plane.names)
+    return partial(reflect, lambda z: given(*plane.values(z).tolist()), names=("values", "span", "ratio"))
+
+
+def mark_of(numbers: Array, loads: float, span: float) -> Array:
+    """The `NUMBERS` but the level, (10,), in units of which they change by about 1. loads: the size of the loads."""
+    return np.asarray(numbers / np.array([1, 1, *[np.sqrt(1 + loads)] * 2, *[1 + span] * 3, *[1 + loads] * 3]))
+
+
+def orbit_at(given_at: GivenAt, free: Array, z: Array) -> tuple[Given, OrbitRates]:
+    """The given numbers at z, and the orbit there; free: those of its start that are not given."""
+    given, unknown = given_at(z), iter(free.tolist())
+    start = {name: given.number(name, 0.0) if name in given.names else next(unknown) for name in START}
+    problem = StartProblem(span=np.array([given.span]), **{name: np.array([v]) for name, v in start.items()})
+    if start["dbeta0"] == 0 and float(slope(problem, problem.beta0)[0]) == 0:
+        return given, rates_of_helices(problem.with_end(problem.beta0))
+    return given, start_rates(problem)
+
+
+def rates_by_start(rates: OrbitRates, given: Given) -> Array:
+    """The derivatives of the given numbers by `START`, (5, 5)."""
+    start = rates.rows[0][[NUMBERS.index(name) for name in START]]
+    return rows_of(rates, given.names, given.ratio)[0] @ solve(start[None], np.eye(5)[None])[0]
+
+
+def own_mark(rates: OrbitRates) -> Array:
+    """As of `mark_of`, of one orbit."""
+    return mark_of(rates.values[0, :-1], float(load_size(rates.problem)[0]), float(rates.problem.span[0]))
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitFold:
+    """A fold, a `special_line.SpecialPoint`. w: the unknown numbers of the start over `scales`, and z."""
+
+    given_at: GivenAt
+    scales: Array
+    w: Array
+    way: Array
+    more: Array
+
+    @property
+    def z(self) -> Array:
+        """Its place, (2,)."""
+        return self.w[-2:]
+
+    @property
+    def slope(self) -> float:
+        """beta_t(0)."""
+        return float(self.own[1].values[0, NUMBERS.index("dbeta0")])
+
+    @property
+    def mark(self) -> Array:
+        """As of `mark_of`."""
+        return own_mark(self.own[1])
+
+    @cached_property
+    def own(self) -> tuple[Given, OrbitRates]:
+        """The given numbers, and the orbit."""
+        return self.at(self.w)
+
+    def at(self, w: Array) -> tuple[Given, OrbitRates]:
+        """The same at w."""
+        return orbit_at(self.given_at, w[:-2] * self.scales, w[-2:])
+
+    def value(self, w: Array) -> Array | None:
+        """The numbers to be met at the far end less the given ones, and the determinant."""
+        given, rates = self.at(w)
+        off = values_of(rates.values[0], given.span, given) - given.values
+        met = [k for k, name in enumerate(given.names) if name not in START]
+        free = [k for k, name in enumerate(START) if name not in given.names]
+        by_free = rates_by_start(rates, given)[np.ix_(met, free)] * self.scales
+        found = np.append(off[met], np.linalg.det(by_free))
+        return found if np.isfinite(found).all() else None
+
+    def jacobian(self, w: Array) -> Array | None:
+        """Its derivatives by w."""
+        return difference_rates(self.value, w, _STEP)
+
+    def rate(self, tangent: Array) -> Array:
+        """As of `SpecialPoint`."""
+        return np.asarray(tangent[-2:])
+
+    def after(self, node: Node) -> "Ahead[OrbitFold]":
+        """As of `SpecialPoint`."""
+        way = node.tangent[-2:]
+        return replace(self, w=node.w, way=way / np.linalg.norm(way), more=self._side(node.jacobian)), node
+
+    def _side(self, jacobian: Array) -> Array:
+        """Towards the side of two more equilibria, (2,).
+
+        Along the left null vector of the derivatives by the unknowns, the equations are to second order a change by z
+        and a square of the distance along the right one; its sign is that of the change of the determinant.
+        """
+        n = jacobian.shape[1] - 2
+        left, _, right = np.linalg.svd(jacobian[:-1, :n])
+        bend = float(jacobian[-1, :n] @ right[-1]) * np.linalg.det(left) * np.linalg.det(right)
+        return np.asarray(-np.sign(bend) * (left[:, -1] @ jacobian[:-1, n:]))
+
+    def at_border(self, node: Node) -> "OrbitFold | None":
+        """As of `SpecialPoint`."""
+        there = border_node(self, node)
+        return None if there is None else self.after(there)[0]
+
+    @cached_property
+    def lower(self) -> int:
+        """The lower Morse index of the two equilibria that meet.
+
+        Under dead loads the Jacobi field has a zero between each two turning points of beta, and begins and ends with
+        one. With held ends it is read on the branch across the curve.
+        """
+        given, rates = self.own
+        if given.names == FREE:
+            return int(solve_orbit(rates.problem.with_start(np.array([self.slope])), TIGHT).turns[0]) - 1
+        sides = [self._index_beside(a) for a in (_BESIDE, -_BESIDE)]
+        return int(min((index for index in sides if np.isfinite(index)), default=0))
+
+    def _index_beside(self, a: float) -> float:
+        """The index of the equilibrium at a distance along the branch across the curve; NaN where it is not decided."""
+        jacobian = self.jacobian(self.w)
+        assert jacobian is not None
+        along = np.append(np.linalg.svd(jacobian[:-1, :-2])[2][-1], [0.0, 0.0])
+        rows = np.vstack([along, np.append(0 * self.w[:-2], self.way)])
+
+        def equations(w: Array) -> tuple[Array, Array] | None:
+            value, rates = self.value(w), self.jacobian(w)
+            if value is None or rates is None:
+                return None
+            return np.append(value[:-1], rows @ (w - self.w) - [a, 0.0]), np.vstack([rates[:-1], rows])
+
+        w = root(equations, self.w + a * along, _LONGEST)
+        if w is None:
+            return np.nan
+        given, rates = self.at(w)
+        return index_of(corner_state(rates, float(rates.values[0, NUMBERS.index("dbeta0")])), given)
+
+
+def fold_near(given_at: GivenAt, z: Array, axis: int, numbers: Array) -> OrbitFold | None:
+    """The fold near z on the line along number `axis`; None where Newton's rule reaches none.
+
+    numbers: the `NUMBERS` of an equilibrium nearby, but for the level.
+    """
+    given, loads = given_at(z), np.abs(numbers[[NUMBERS.index(name) for name in START[2:]]]).sum()
+    sizes = dict(zip(START, (1.0, np.sqrt(1 + loads), *[1 + loads] * 3), strict=True))
+    free = [name for name in START if name not in given.names]
+    scales = np.array([sizes[name] for name in free])
+    w = np.append(numbers[[NUMBERS.index(name) for name in free]] / scales, z)
+    return fold_on_line(OrbitFold(given_at, scales, w, np.zeros(2), np.zeros(2)), axis)
+
+
+def fold_on_line(guess: OrbitFold, axis: int) -> OrbitFold | None:
+    """The fold next to a guess on the line along number `axis`; None where there is none, or none that moves with z."""
+    node = node_on_line(guess, guess.w, axis)
+    fold = None if node is None else guess.after(node)[0]
+    return fold if fold is not None and np.abs(fold.more).max() > _MOVES else None
+
+
+def node_on_line(curve: Curve, guess: Array, axis: int) -> Node | None:
+    """The node of a curve, whose last two coordinates are z, next to a guess on the line along number `axis` of z."""
+    held = guess.size - 1 - axis
+    row = np.eye(guess.size)[held]
+
+    def equations(w: Array) -> tuple[Array, Array] | None:
+        value, rates = (
+            f(w) if np.abs(w[-2:] - 0.5).max() <= 0.5 + MARGIN else None for f in (curve.value, curve.jacobian)
+        )
+        if value is None or rates is None:
+            return None
+        return np.append(value, w[held] - guess[held]), np.vstack([rates, row])
+
+    w = root(equations, guess, _LONGEST)
+    node = None if w is None else node_at(curve, w, row)
+    return None if isinstance(node, str) else node
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitPitchfork:
+    """A pitchfork under dead loads, a `special_line.SpecialPoint`. w: z."""
+
+    given_at: GivenAt
+    w: Array
+    way: Array
+    more: Array
+    slope: float = 0.0
+
+    @property
+    def z(self) -> Array:
+        """Its place, (2,)."""
+        return self.w
+
+    @property
+    def mark(self) -> Array:
+        """As of `mark_of`."""
+        return own_mark(self.own[1])
+
+    @cached_property
+    def own(self) -> tuple[Given, OrbitRates]:
+        """The given numbers, and the orbit of the symmetric equilibrium."""
+        return orbit_at(self.given_at, np.zeros(1), self.w)
+
+    def value(self, w: Array) -> Array | None:
+        """The Jacobi field at the far end of the rod that starts at rest, (1,)."""
+        found = self._field(w, 0.0)
+        return np.array([found]) if np.isfinite(found) else None
+
+    def _field(self, z: Array, v: float) -> float:
+        """d beta(L)/d beta_t(0) of the rod that starts with beta_t = v."""
+        given, rates = orbit_at(self.given_at, np.array([v]), z)
+        return float(rates_by_start(rates, given)[given.names.index("betaL"), START.index("dbeta0")])
+
+    def jacobian(self, w: Array) -> Array | None:
+        """Its derivatives by z."""
+        return difference_rates(self.value, w, _STEP)
+
+    def rate(self, tangent: Array) -> Array:
+        """As of `SpecialPoint`."""
+        return tangent
+
+    def after(self, node: Node) -> "Ahead[OrbitPitchfork]":
+        """As of `SpecialPoint`. The miss of beta(L) is E v + B v^3/6: the two others exist where E B < 0."""
+        v = _BEND * np.sqrt(1 + float(load_size(self.own[1].problem)[0]))
+        low, middle, high = (self._field(node.w, one) for one in (-v, 0.0, v))
+        more = -np.sign(low + high - 2 * middle) * node.jacobian[0]
+        return replace(self, w=node.w, way=node.tangent, more=more), node
+
+    def at_border(self, node: Node) -> "OrbitPitchfork | None":
+        """As of `SpecialPoint`."""
+        there = border_node(self, node)
+        return None if there is None else self.after(there)[0]
+
+    @property
+    def is_true(self) -> bool:
+        """Whether the rod at rest is an equilibrium along the curve; else the fields break the symmetry, and folds meet
+        in a cusp there."""
+        return all(_rests(self.given_at, z) for z in (self.w, self.w + _STRAY * self.way))
+
+    @cached_property
+    def lower(self) -> int:
+        """The lower Morse index of the two equilibria that meet: the half waves that the rod is long, less one."""
+        problem = self.own[1].problem
+        orbit = solve_orbit(problem.with_start(np.zeros(1)), TIGHT)
+        half_waves = 2 * problem.span / orbit.period if np.isfinite(orbit.period[0]) else helix_half_waves(problem)
+        return int(np.round(half_waves[0])) - 1
+
+
+def _rests(given_at: GivenAt, z: Array) -> bool:
+    """Whether the rod that starts at rest is an equilibrium."""
+    given, rates = orbit_at(given_at, np.zeros(1), z)
+    return abs(float(rates.values[0, NUMBERS.index("betaL")]) - given.number("betaL", np.nan)) < _UNFOLDED
+
+
+def mirror_image(fold: OrbitFold) -> OrbitFold:
+    """The fold of the mirror image at the same z, under dead loads next to a pitchfork."""
+    return replace(fold, w=fold.w * [-1, 1, 1])
+
+
+def meets_pitchforks(fold: OrbitFold, node: Node) -> bool:
+    """Whether a curve of folds is about to meet one of pitchforks, where its equations are singular and it goes on with
+    the mirror image.
+
+    With B the miss of beta(L) and E the Jacobi field, B is about v E there, v being beta_t(0).
+    """
+    v = float(fold.w[0])
+    if fold.own[0].names != FREE or not abs(v) < _CROSSING or node.tangent[0] * v > 0:
+        return False
+    of_miss, of_field = np.abs(node.jacobian[:, 1:]).max(axis=1)
+    image = fold.value(mirror_image(fold).w) if of_miss < 2 * abs(v) * of_field else None
+    return image is not None and bool(np.abs(image).max() < _MIRRORED * of_field)
+
+
+def pitchfork_on_line(given_at: GivenAt, z: Array, axis: int) -> OrbitPitchfork | None:
+    """The pitchfork near z on the line along number `axis`; None where there is none."""
+    guess = OrbitPitchfork(given_at, z, np.zeros(2), np.zeros(2))
+    node = node_on_line(guess, z, axis)
+    found = None if node is None else guess.after(node)[0]
+    return found if found is not None and found.is_true else None
+
+
+def sides_between(point: Point, node: Node, step: float, taken: Ahead[Point]) -> tuple[list[Point], str] | None:
+    """As of `special_line.Between`, of pitchforks: where a fold curve ends on the line, and the side of two more
+    equilibria changes."""
+
+    def side_of(there: Ahead[Point]) -> float:
+        way = there[0].rate(there[1].tangent)
+        return float(np.sign(way[0] * there[0].more[1] - way[1] * there[0].more[0]))
+
+    def side_at(place: float) -> tuple[Point, float] | None:
+        there = step_from(point, node, place)
+        return None if isinstance(there, str) else (there[0], side_of(there))
+
+    ends = side_of((point, node)), side_of(taken)
+    if ends[0] == ends[1]:
+        return [], ""
+    sides = [there for _, there, _ in enclose(side_at, step, ends, _ROUNDS, kept=1.0)]
+    return ([with_no_side(sides[-1])], "") if sides else None

@@ -1,0 +1,88 @@
+"""A fold or pitchfork curve as its points in order, and as a fine polyline."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..numerics.arclength import FOLD
+from ..numerics.arrays import Array, Booleans, Integers
+from .special_line import STOPPED, Point, SpecialLine
+
+PIECES = 8  # of the polyline between two points
+_SAME = 1e-3  # distance at which a point lies on a known curve
+
+
+@dataclass(frozen=True, eq=False)
+class WholeCurve:
+    """N points of a curve in order.
+
+    kind: FOLD or PITCHFORK. z: (N, 2), in the unit square. ways: (N, 2), unit tangents in the order of the points, zero
+    at a cusp. more: (N, 2), towards the side of two more equilibria, zero where it changes. slopes: (N,), beta_t(0).
+    marks: (N, m), numbers that tell the equilibria from others. ends: how it ends at either side. lower: the lower
+    Morse index of the two equilibria that meet.
+    """
+
+    kind: str
+    z: Array
+    ways: Array
+    more: Array
+    slopes: Array
+    marks: Array
+    ends: tuple[str, str]
+    lower: int
+
+    @property
+    def cusps(self) -> Integers:
+        """The numbers of the points that are cusps."""
+        return np.flatnonzero(~self.more.any(axis=1) & (self.kind == FOLD) & (len(self.z) > 1))
+
+    def holds(self, z: Array, mark: Array) -> bool:
+        """Whether an equilibrium at z lies on the curve."""
+        return lies_on(np.column_stack([self.z, self.marks]), np.append(z, mark))
+
+    def dense(self) -> tuple[Array, Array]:
+        """The curve as a fine polyline (M, 2), and towards which side two more equilibria exist, (M, 2).
+
+        Between two points it is the cubic with the tangents of both.
+        """
+        if len(self.z) < 2:
+            return self.z, self.more
+        chord = np.linalg.norm(np.diff(self.z, axis=0), axis=1)[:, None, None]
+        t = (np.arange(PIECES) / PIECES)[None, :, None]
+        a, b, m, n = self.z[:-1, None], self.z[1:, None], self.ways[:-1, None] * chord, self.ways[1:, None] * chord
+        line = (2 * t**3 - 3 * t**2 + 1) * a + (t**3 - 2 * t**2 + t) * m + (3 * t**2 - 2 * t**3) * b + (t**3 - t**2) * n
+        has_side = np.asarray(self.more.any(axis=1))  # a cusp has no side of its own
+        side = np.where(has_side[:-1, None], self.more[:-1], self.more[1:])
+        return np.vstack([line.reshape(-1, 2), self.z[-1:]]), np.vstack([np.repeat(side, PIECES, axis=0), side[-1:]])
+
+    @property
+    def exact(self) -> Booleans:
+        """Which of the points of `dense` are points of the curve itself, (M,)."""
+        return np.arange(PIECES * (len(self.z) - 1) + 1) % PIECES == 0
+
+
+def whole_curve(kind: str, line: SpecialLine[Point], lower: int) -> WholeCurve:
+    """A traced line as a curve."""
+    points = line.points
+    z, more = (np.array([getattr(point, name) for point in points]) for name in ("z", "more"))
+    chord = np.gradient(z, axis=0) if len(z) > 1 else np.zeros_like(z)
+    ways = np.array([point.way * np.sign(point.way @ along) for point, along in zip(points, chord, strict=True)])
+    if kind == FOLD:
+        ways[~more.any(axis=1)] = 0.0
+    slopes = np.array([point.slope for point in points])
+    return WholeCurve(kind, z, ways, more, slopes, np.array([point.mark for point in points]), line.ends, lower)
+
+
+def point_alone(kind: str, z: Array, slope: float, mark: Array) -> WholeCurve:
+    """A curve of which nothing but one point is known."""
+    none = np.zeros((1, 2))
+    return WholeCurve(kind, z[None], none, none, np.array([slope]), mark[None], (STOPPED, STOPPED), 0)
+
+
+def lies_on(points: Array, x: Array) -> bool:
+    """Whether x (n,) lies on the polyline through points (N, n), as closely as such a polyline follows its curve."""
+    first, last = (points[:-1], points[1:]) if len(points) > 1 else (points, points)
+    chord = last - first
+    share = np.clip(((x - first) * chord).sum(axis=1) / np.maximum((chord * chord).sum(axis=1), 1e-300), 0, 1)
+    far = np.linalg.norm(first + share[:, None] * chord - x, axis=1)
+    return bool((far < _SAME + 0.1 * np.linalg.norm(chord, axis=1)).any())
