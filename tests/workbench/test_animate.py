@@ -63,7 +63,9 @@ def test_a_case_without_a_shape_is_a_frame_that_says_so(ds, made) -> None:
 def test_the_curve_of_an_angle_is_in_degrees_and_that_of_an_expression_has_its_name(observable, words) -> None:
     ds = in_memory.run(small.study(f'{AXIS}[expressions]\nbend = "kappa_max * a"\n', 'observables = ["amplitude"]'))
     axes = Figure().subplots()
-    film._draw_curve(axes, ds, film.Film("E", {}, observable), [{"E": k} for k in range(3)], 2)
+    what = ds, film.Film("E", {}, observable), [{"E": k} for k in range(3)]
+    film._draw_scales(axes, *what)
+    assert list(film._draw_values(axes, *what, 2)) == list(axes.lines)
     values = np.degrees(ds["amplitude"]) if observable == "amplitude" else ds["bend"]
     np.testing.assert_allclose(axes.lines[0].get_ydata(), values)
     assert words in axes.get_title(loc="left").lower()
@@ -164,9 +166,9 @@ def test_the_scale_of_all_frames_is_one_whatever_their_legends_say() -> None:
     alone = [page(E, None) for E in (5e3, 2e4)]
     assert alone[0].words.legend != alone[1].words.legend  # only the soft rod passes through itself in sight
     made = [page(E, "E") for E in (5e3, 2e4)]
-    assert made[0].arrangement.per_unit == made[1].arrangement.per_unit
+    assert made[0].arrangement.scale == made[1].arrangement.scale
     assert made[0].arrangement.size == made[1].arrangement.size
-    assert made[0].room == made[1].room  # so the views stand at one place of the page
+    assert made[0].place == made[1].place  # so the views stand at one place of the page
     assert made[0].words.legend == made[1].words.legend == [*alone[0].words.legend, *alone[1].words.legend]
 
 

@@ -134,7 +134,7 @@ def test_a_long_rod_is_set_in_lines_that_show_all_of_it() -> None:
     assert (found.ends[1] - found.ends[0]) * found.per_unit <= room[0] * (1 + 1e-9)
     assert found.count * 2 * rod.reach * found.per_unit <= room[1]  # no line reaches into the next
     assert 2 * rod.reach * found.per_unit > 4 * long_rod.THINNEST  # in one row it would be a hair of two pixels
-    assert found.cells(pieces, "cm")[0].before == "s = 0 cm"
+    assert found.heads(pieces, "cm")[1] == "s = 0 cm"
 
 
 def test_with_far_too_few_stations_a_long_rod_is_no_taller_than_it_is_long_and_more_are_asked_for() -> None:
@@ -250,7 +250,7 @@ def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> N
 def test_rendered_pixels_stand_on_the_page_as_they_are(channels) -> None:
     rendered = np.random.default_rng(1).integers(0, 256, (40, 60, channels), dtype=np.uint8)
     rendered[..., 3:] = 255
-    fig = canvas.figure((1.0, 0.5), lambda fig: page.place_picture(fig, rendered, 12, 7), dpi=200, layout=None)
+    fig = canvas.figure((1.0, 0.5), lambda fig: fig.figimage(rendered, 12, 7), dpi=200, layout=None)
     if channels == 4:
         fig.patch.set_alpha(0.0)
     stored = page.pixels_of(fig)
@@ -372,7 +372,7 @@ def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
     ds = small.with_outcomes(ds, ["solved", "no solution", "solved"])
     ds["alpha"][1] = np.nan
     taken = layout.compose(ds, None, "grid", ["E"], settings=layout.Settings(2.0, 60)).page
-    assert [box.cell.why_empty for row in taken.arrangement.rows for box in row] == ["", "no solution", ""]
+    assert [cell.why_empty for row in taken.cells for cell in row] == ["", "no solution", ""]
     with pytest.raises(InputError, match="nothing to draw at E = 20000 N/cm²: no solution"):
         layout.render(ds, tmp_path / "one.png", {"E": 2e4})
     ds = small.with_outcomes(ds, ["no solution"] * 3)
@@ -423,16 +423,16 @@ def test_a_table_of_two_axes_says_how_many_values_it_shows(tmp_path) -> None:
     axes = "[axes.E]\nfrom = 1e4\nto = 4e4\ncount = 11\n[axes.R]\nfrom = 0.5\nto = 1.5\ncount = 7\n"
     taken = layout.compose(dataset(axes=axes), None, "grid", ["E", "R"], settings=composition.Settings(2.0, 60))
     assert list(taken.page.words.notes)[:2] == ["9 of 11 values of E", "5 of 7 values of R"]
-    assert [len(row) for row in taken.page.arrangement.rows] == [9] * 5
+    assert taken.page.arrangement.boxes.shape == (5, 9, 4)
     assert [len(taken.page.words.columns), len(taken.page.words.rows)] == [1 + 9, 1 + 5]  # a heading and its values
-    assert all(box.cell.caption == "" for row in taken.page.arrangement.rows for box in row)
+    assert all(cell.caption == "" for row in taken.page.cells for cell in row)
 
 
 @draws
 def test_each_cylinder_is_as_long_as_its_rod_and_all_words_stay_on_the_page() -> None:
     ds = dataset(axes="[axes.L]\nvalues = [5.0, 10.0, 20.0]\n".replace("[axes.L]", "[axes.E]"))
     taken = layout.compose(ds, None, "grid", ["E"], settings=composition.Settings(2.0, 60))
-    drawn = page.figure(taken.page)
+    drawn = taken.page.fig
     drawn.canvas.draw()
     wide, high = drawn.canvas.get_width_height()
     boxes = [text.get_window_extent() for ax in drawn.axes[:1] for text in ax.texts if text.get_text()]
@@ -488,9 +488,9 @@ def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_t
 @draws
 def test_self_intersections_are_ringed_and_said_once(fig6) -> None:
     taken = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 50)).page
-    box = taken.arrangement.rows[0][0]
+    ((left, top, wide, high),) = taken.arrangement.places
     assert len(taken.rings) >= 4
-    assert all(box.x < x < box.x + box.width and box.y < y < box.y + box.height for x, y, _ in taken.rings)
+    assert all(left < x < left + wide and top < y < top + high for x, y, _ in taken.rings)
     assert [text for _, text in taken.words.legend] == ["the rod passes through itself"]
     assert "the rod passes through itself" not in taken.words.notes
 
@@ -499,9 +499,9 @@ def test_self_intersections_are_ringed_and_said_once(fig6) -> None:
 def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6) -> None:
     ds = dataset(axes="[axes.F3]\nvalues = [1.0, 10.0, 40.0]\n")
     taken = layout.compose(ds, None, "grid", ["F3"], settings=composition.Settings(2.0, 50)).page
-    (row,) = taken.arrangement.rows
-    inside = [[x for x, y, _ in taken.rings if box.x <= x <= box.x + box.width and 0 <= y - box.y <= box.height]
-              for box in row]  # fmt: skip
+    (row,) = taken.arrangement.boxes
+    inside = [[x for x, y, _ in taken.rings if left <= x <= left + wide and 0 <= y - top <= high]
+              for left, top, wide, high in row]  # fmt: skip
     assert sum(map(len, inside)) == len(taken.rings)
     through = ["overlaps" in str(caution) for caution in ds["caution"].values]
     assert sorted(set(through)) == [False, True]
@@ -529,10 +529,10 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
     case = ends_problem(study)
     few = dataset_of(study, case, equilibria(case)).isel(equilibrium=[1, 8, 12])
     taken = layout.compose(few, kind="equilibria", settings=composition.Settings(2.0, dpi=100)).page
-    (row,) = taken.arrangement.rows
+    (row,) = taken.arrangement.boxes
     wide = []
-    for box in row:
-        foot = taken.pixels[int((box.y + box.height) / 2) - 6, int(box.x / 2) : int((box.x + box.width) / 2)]
+    for left, top, across, high in row:
+        foot = taken.pixels[int((top + high) / 2) - 6, int(left / 2) : int((left + across) / 2)]
         wide.append(int((foot.min(axis=-1) < 250).sum()))  # only the cylinder reaches down there
     assert max(wide) - min(wide) <= 2
 
@@ -544,7 +544,7 @@ def test_the_picture_has_the_scale_of_its_bar_along_the_axis(camera, helix) -> N
     taken = layout.compose(helix, kind="plain", settings=composition.Settings(dpi=100, camera=camera)).page
     rod = body(helix, "plain")
     low, high = View([rod], Cell()).cylinder
-    R, per_unit, along = rod.R, taken.arrangement.per_unit * 100, taken.words.along
+    R, per_unit, along = rod.R, taken.arrangement.scale * 100, taken.words.along
     seen = np.flatnonzero((taken.pixels.min(axis=-1) < 250).any(axis=0))
     wide = (high - low) * along + 2 * R * np.sqrt(1 - along**2)  # the axis lies along the page
     # a rim stands half a pixel beyond the wall, and is 1.5 pixels wide; one pixel is cut in two
@@ -574,7 +574,7 @@ def test_in_place_of_an_unsolved_case_the_nearest_solved_one_is_drawn_and_this_i
     assert "E = 20000 N/cm² is not solved; this is the nearest solved case" in taken.words.notes
     row = layout.compose(ds, None, "grid", ["E"], settings=layout.Settings(2.0, 50)).page
     assert "in place of 1 unsolved case the nearest solved" in row.words.notes
-    assert not any(box.cell.why_empty for boxes in row.arrangement.rows for box in boxes)
+    assert not any(cell.why_empty for cells in row.cells for cell in cells)
 
 
 @draws

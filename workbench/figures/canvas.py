@@ -59,7 +59,7 @@ def figure(
         if ds is not None and titled:
             _set_title(fig, " · ".join(text for text in (labels.reading(ds), said) if text), str(ds.attrs["title"]))
         _write_numbers(fig)
-        _lower_indices(fig)
+        lower_indices(fig)
     return fig
 
 
@@ -70,7 +70,7 @@ def _write_numbers(fig: Figure) -> None:
             axis.set_major_formatter(Ticks())
 
 
-def _lower_indices(fig: Figure) -> None:
+def lower_indices(fig: Figure) -> None:
     """Set the index of ``FZ``, ``MZ`` and ``FY`` low in every text: Unicode has no such letters."""
     for text in fig.findobj(Text):
         plain = text.get_text()
@@ -131,6 +131,20 @@ def write_title(fig: Figure, title: str, below: str) -> float:
         fig.text(MARGIN, -used, lines, va="top", size=size, weight=weight, color=colour, transform=upper_left)
         used += style.height_of(lines, size)
     return used + AFTER
+
+
+def resize(fig: Figure, size: tuple[float, float]) -> float:
+    """Give a figure with a constrained layout another size; returns the height that its title and legends leave.
+
+    All in inches. The title keeps its height.
+    """
+    engine, shown = fig.get_layout_engine(), fig.canvas
+    assert isinstance(engine, ConstrainedLayoutEngine)
+    assert isinstance(shown, FigureCanvasAgg)
+    used = (1 - engine.get()["rect"][3]) * fig.get_figheight()
+    fig.set_size_inches(size)
+    engine.set(rect=(0, 0, 1, max(1 - used / size[1], 0.0)))
+    return size[1] - used - sum(key.get_window_extent(shown.get_renderer()).height / fig.dpi for key in fig.legends)
 
 
 def _set_title(fig: Figure, below: str, title: str) -> None:

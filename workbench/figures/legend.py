@@ -61,18 +61,15 @@ def entries(ax: Axes) -> list[Any]:
     )
 
 
-def below(
-    fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), sheet: Sheet = SCREEN, left: float | None = None
-) -> Legend | None:
+def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), sheet: Sheet = SCREEN) -> Legend | None:
     """One legend below all axes of a figure with a constrained layout: notes as text, then its entries in columns.
 
-    On a sheet without a title the notes are kept for the caption. left: inches from the left of a figure without a
-    layout, where the caller places the legend.
+    On a sheet without a title the notes are kept for the caption.
     """
     if not sheet.titled:
         keep(fig, notes)
         notes = ()
-    width = fig.get_figwidth() - (left or 0.0) - 0.3
+    width = fig.get_figwidth() - 0.3
     room = width - HANDLE
     once = {style.break_lines(str(entry.get_label()), room, style.small()): entry for entry in entries}
     notes = [style.break_lines(note, width, style.small()) for note in dict.fromkeys(notes)]
@@ -81,10 +78,10 @@ def below(
     lines = [line for label in once for line in label.split("\n")]
     widest = max((HANDLE + style.width_of(line, style.small()) for line in lines), default=1.0)
     columns = max(1, min(len(once), int((width + 0.1) / widest)))
-    how: dict[str, Any] = {"loc": "outside lower left" if left is None else "center left"} | ({} if once else ALONE)
+    how: dict[str, Any] = {} if once else ALONE
     found = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], ncols=columns,
-                       title="\n".join(notes), alignment="left", handlelength=1.8, handleheight=1.2,
-                       title_fontsize=style.small(), **how)  # fmt: skip
+                       loc="outside lower left", title="\n".join(notes), alignment="left", handlelength=1.8,
+                       handleheight=1.2, title_fontsize=style.small(), **how)  # fmt: skip
     found.get_title().set_color(SOFT)
     return found
 

@@ -23,15 +23,12 @@ class Cell:
         Below it.
     why_empty
         Why there is no rod.
-    before
-        To the left of it.
     number, stable
         The number of an equilibrium, in a dot that is filled where it is stable; default: no dot.
     """
 
     caption: str = ""
     why_empty: str = ""
-    before: str = ""
     number: int | None = None
     stable: bool = False
 

@@ -9,7 +9,8 @@ import xarray as xr
 from solver.problem.errors import InputError
 from studies.language.study_data import MAX_STATIONS
 
-from ..figures import style
+from ..figures import canvas, style
+from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array
 from ..geometry.refinement import stations_for
 from ..words import cautions, labels
@@ -23,7 +24,7 @@ from .paint import Bar
 from .rendering import Placed, render
 from .scene_kinds import Kind
 from .settings import DEFAULT, Settings
-from .views import EDGE, Arrangement, View, arrange
+from .views import EDGE, View, arrange
 
 SIZE = (8.0, 6.0)  # inches: width, and largest height, of the page of one case
 LINE = 1.5  # width of lines in pixels at `style.DPI`
@@ -77,7 +78,7 @@ class Scene:
         Width and largest height of the page in inches.
     columns, heads
         Headings of columns and of rows.
-    gutter, pitch
+    pitch
         As of `views.arrange`.
     ringed
         Whether self-intersections are ringed.
@@ -100,7 +101,6 @@ class Scene:
     size: tuple[float, float] = SIZE
     columns: Sequence[str] = ()
     heads: Sequence[str] = ()
-    gutter: float = 0.0
     pitch: float = 0.0
     ringed: bool = True
     names: Sequence[str] = ()
@@ -119,11 +119,11 @@ class Scene:
 def compose(scene: Scene) -> Picture:
     """Colour the rods, render them, and set the page. Raises `InputError`, `TooFewStations`."""
     settings, dpi = scene.settings, scene.settings.dpi
-    scene, bar, notes = colour_rods(_bare(scene) if settings.bare else scene)
-    words = replace(words_of(scene), bar=bar)
-    words = replace(words, notes=[*words.notes, *notes])
-    arranged = arrange(scene.rows, scene.camera, room(scene, words), scene.gutter, scene.pitch)
-    camera = replace(scene.camera, per_unit=arranged.per_unit * dpi)
+    scene, bar, beyond = colour_rods(_bare(scene) if settings.bare else scene)
+    words = words_of(scene, bar)
+    draft, room = draft_of(scene, words)
+    arranged = arrange(scene.rows, scene.camera, room, scene.pitch)
+    camera = replace(scene.camera, per_unit=arranged.scale * dpi)
     _check_width(scene, camera)
     n, stations = _stations(scene.bodies, settings.pixel_error / camera.per_unit)
     if settings.strict and stations > n:
@@ -138,24 +138,29 @@ def compose(scene: Scene) -> Picture:
     blind = any(body.line.swing > APART for body in scene.bodies)  # then the push between stations is not known
     if error > (settings.pixel_error * (1 + 1e-9) if blind else COARSEST):
         raise TooFewStations(_too_few(n, stations, error, settings), stations)
-    if error > settings.pixel_error * (1 + 1e-9):
-        words = replace(words, notes=[*words.notes, f"drawn to within {error:.1f} pixels"])
-    along = len(scene.context) > len(scene.bodies)
-    words = replace(words, legend=[entry for entry in words.legend if outlined or along or entry[0] != page.OUTLINE])
+    rough = [f"drawn to within {error:.1f} pixels"] * (error > settings.pixel_error * (1 + 1e-9))
+    kept = outlined or len(scene.context) > len(scene.bodies)
+    legend = [entry for entry in words.legend if kept or entry[0] != page.OUTLINE]
     wide, high = page_size(scene)
     if settings.bare and not settings.size:
         wide, high = size[0] / dpi, size[1] / dpi
     elif not settings.size:
-        wide = min(wide, max(NARROWEST, arranged.size[0] + words.heads[0] + 2 * page.MARGIN))
-    made = Page(words, pixels, arranged, wide, high, dpi, _rings(scene, arranged), settings.bare)
+        wide = min(wide, max(NARROWEST, arranged.size[0] + words.heads[0] + 2 * canvas.MARGIN))
+    made = draft
+    if len(legend) < len(words.legend) or beyond or rough or wide < page_size(scene)[0] or settings.bare:
+        words = replace(words, legend=legend, notes=[*words.notes, *beyond, *rough])
+        made = Page(words, (wide, high), dpi, settings.bare, settings.transparent)
+    if not (settings.size or settings.bare):
+        made.fit(size[1] / dpi)
+    made.put(pixels, arranged, [[view.cell for view in row] for row in scene.rows], _rings(scene, arranged))
     return Picture(made, error, stations)
 
 
-def words_of(scene: Scene) -> Words:
+def words_of(scene: Scene, bar: Bar | None) -> Words:
     """The words around the views of a scene."""
     ds = scene.ds
     inside = str(ds.attrs["side"]) == "inside"
-    facts = (scene.case, labels.reading(ds), "inside the cylinder, cut open" if inside else "")
+    facts = (scene.case, "inside the cylinder, cut open" if inside else "")
     legend = [*scene.kind.legend]
     legend += [(body.paint.colour, name) for body, name in zip(scene.bodies, scene.names, strict=False)]
     views = scene.views
@@ -167,12 +172,19 @@ def words_of(scene: Scene) -> Words:
         legend.append((page.RING, ITSELF + UNSEEN * any(hidden for _, hidden in crossings)))
     if any(view.hides(body, scene.camera) for view in views for body in view.bodies):
         legend.append((page.OUTLINE, BEHIND))
-    notes = [*scene.notes, *(impossible(scene.bodies) if scene.kind.cells != "together" else [])]
-    notes = [note for note in notes if not (ringed and note == ITSELF)] + [cautions.left_out_of_dataset(ds)] * inside
-    subtitle, unit = " · ".join(fact for fact in facts if fact), str(ds.attrs["length_unit"])
+    told = _impossible_beside(scene.bodies, ringed) if scene.kind.cells != "together" else []
+    if len(scene.context) > len(scene.bodies):  # the views of the pictures along an axis stand at one place
+        most = max(len(_impossible_beside([body], ringed)) for body in scene.context)
+        told += ["\N{ZERO WIDTH SPACE}" * (k + 1) for k in range(most - len(told))]
+    notes = [*scene.notes, *told] + [cautions.left_out_of_dataset(ds)] * inside
     toward = scene.camera.seen_from if scene.glyph else None
-    return Words(str(ds.attrs["title"]), subtitle, unit, legend, notes, None, scene.columns, scene.heads, toward,
+    return Words(ds, " · ".join(fact for fact in facts if fact), legend, notes, bar, scene.columns, scene.heads, toward,
                  scene.camera.along_axis * scene.squeeze, weight_on_page(scene))  # fmt: skip
+
+
+def _impossible_beside(bodies: Sequence[Body], ringed: bool) -> list[str]:
+    """What a real rod could not do, beside what a legend of rings says."""
+    return [note for note in impossible(bodies) if not (ringed and note == ITSELF)]
 
 
 def weight_on_page(scene: Scene) -> Array | None:
@@ -198,34 +210,31 @@ def impossible(bodies: Sequence[Body]) -> list[str]:
 
 
 def page_size(scene: Scene) -> tuple[float, float]:
-    """Width and height of the page in inches; height 0: as its content needs."""
+    """Width and height of the page in inches, or its largest height where its content fixes it."""
     if scene.settings.size:
         return scene.settings.size[0] / scene.settings.dpi, scene.settings.size[1] / scene.settings.dpi
-    return scene.size[0], 0.0
+    return scene.size
 
 
-def room(scene: Scene, words: Words | None = None) -> tuple[float, float]:
-    """The room of the views on the page in inches. Raises `InputError` where there is none."""
-    wide, high = page_size(scene)
-    high = high or scene.size[1]
-    if scene.settings.bare:
-        return wide, high
-    words = words or replace(words_of(scene), bar=colour_rods(scene)[1])
-    left, top = words.heads
-    inside = wide - 2 * page.MARGIN - left, high - sum(words.heights(wide)) - top
-    if min(inside) < 0.3:
-        asked = "x".join(f"{side * scene.settings.dpi:.0f}" for side in (wide, high))
+def draft_of(scene: Scene, words: Words | None = None) -> tuple[Page, tuple[float, float]]:
+    """A page without its views, and the room for them in inches. Raises `InputError` where there is none."""
+    settings, size = scene.settings, page_size(scene)
+    words = words or words_of(scene, colour_rods(scene)[1])
+    draft = Page(words, size, settings.dpi, settings.bare, settings.transparent)
+    inside = draft.room()
+    if min(inside) < page.LEAST:
+        asked = "x".join(f"{side * settings.dpi:.0f}" for side in size)
         raise InputError(
-            f"--size {asked} leaves no room for the views beside the words at {scene.settings.dpi} dots per inch: give "
+            f"--size {asked} leaves no room for the views beside the words at {settings.dpi} dots per inch: give "
             "a larger size, fewer --dpi, or --bare"
         )
-    return inside
+    return draft, inside
 
 
 def _bare(scene: Scene) -> Scene:
     """The scene without words beside its views."""
     rows = [[replace(view, cell=Cell()) for view in row] for row in scene.rows]
-    return replace(scene, rows=rows, columns=(), heads=(), gutter=0.0, names=(), ringed=False)
+    return replace(scene, rows=rows, columns=(), heads=(), names=(), ringed=False)
 
 
 def colour_rods(scene: Scene) -> tuple[Scene, Bar | None, list[str]]:
@@ -262,22 +271,21 @@ def _check_width(scene: Scene, camera: Camera) -> None:
 def _middles(scene: Scene, arranged: Arrangement) -> Iterator[tuple[View, Array]]:
     """Each view with rods, and where its middle is in the picture, in inches from its upper left: its box stands on the
     lower edge of its cell."""
-    for row, boxes in zip(scene.rows, arranged.rows, strict=True):
-        for view, box in zip(row, boxes, strict=True):
-            if view.bodies:
-                low, high = view.box(scene.camera)
-                foot = box.y + box.height - (0.0 if scene.pitch else EDGE)
-                yield view, np.array([box.x + box.width / 2, foot - (high - low)[1] / 2 * arranged.per_unit])
+    for view, (x, y, wide, high) in zip(scene.views, arranged.places, strict=True):
+        if view.bodies:
+            low, top = view.box(scene.camera)
+            foot = y + high - (0.0 if scene.pitch else EDGE)
+            yield view, np.array([x + wide / 2, foot - (top - low)[1] / 2 * arranged.scale])
 
 
 def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, float]]:
     """Where rods pass through themselves in sight: x, y and radius of each ring."""
     found = []
     for view, middle in _middles(scene, arranged) if scene.ringed else ():
-        radius = float(np.clip(IN_RODS * min(body.a for body in view.bodies) * arranged.per_unit, *RING))
+        radius = float(np.clip(IN_RODS * min(body.a for body in view.bodies) * arranged.scale, *RING))
         for place in view.crossings(scene.camera)[0]:
             away = scene.camera.page @ place - sum(view.box(scene.camera)) / 2
-            x, y = middle + away * arranged.per_unit * [1, -1]
+            x, y = middle + away * arranged.scale * [1, -1]
             found.append((float(x), float(y), radius))
     return found
 

@@ -6,13 +6,15 @@ Pillow. Frames need OpenGL. Lengths are in inches.
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+from matplotlib import rc_context
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -25,17 +27,19 @@ from ..words import cautions, labels
 from . import body as rods
 from . import camera as cameras
 from . import long_rod, page, scene_kinds
-from .body import Body
-from .camera import Camera
 from .captions import Cell
-from .page import MARGIN, Pixels
+from .page import Pixels
 from .settings import Settings
 from .views import View, ends_of
+
+if TYPE_CHECKING:
+    from . import composition
 
 SUFFIXES = (".mp4", ".webp", ".gif")
 SIZE = (8.0, 4.5)  # of a frame
 TOP, FOOT = 0.72, 0.58  # the room above the views for the value, and below them for the colours
 DIAGRAM = (3.0, 1.5)  # the width of a diagram beside the rod, its height below it
+DIAGRAM_LABEL = "diagram"  # of its axes
 SAMPLES = 2  # along each side of a pixel: a frame is seen for an instant
 FPS, HOLD = 24.0, 0.5  # frames a second; seconds for which the first and the last stay
 QUALITY = 80  # of WebP
@@ -112,6 +116,8 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     A case without a shape shows its outcome in place of the rod. step: called with a text as each frame begins. Raises
     `InputError` where no case has a shape.
     """
+    from . import composition  # VTK, which ends the process where OpenGL does not work
+
     kind, cases = scene_kinds.kind_of(film.kind), cases_of(ds, film)
     each = [rods.of_case(ds, where, kind)[0] for where in cases]
     down = cameras.gravity(ds, {name: i for name, i in cases[0].items() if name != film.axis})
@@ -125,91 +131,121 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     (azimuth, elevation), *_ = cameras.views_of(None)
     azimuth, elevation = (azimuth, elevation) if down is None else (0.0, 0.0 if lying else elevation)
     camera = long_rod.camera_of(context, cameras.front_camera(context, elevation, lying or down is not None, down))
-    for k, (where, body) in enumerate(zip(cases, bodies, strict=True)):
-        step(f"{film.axis} = {float(ds[film.axis][where[film.axis]]):.4g}")
-        view = View([body] if body else [], Cell(), -np.radians(azimuth), ends, context)
-        yield _even(page.pixels_of(_frame(ds, film, cases, k, view, context, camera, lying)))
-
-
-def _frame(
-    ds: xr.Dataset, film: Film, cases: Sequence[dict[str, int]], k: int, view: View, context: Sequence[Body],
-    camera: Camera, lying: bool,
-) -> Figure:  # fmt: skip
-    """The k-th frame: its value, the rod, the scale of colours, and the observable up to it."""
-    from . import composition  # VTK, which ends the process where OpenGL does not work
-
-    kind, where, diagram = scene_kinds.kind_of(film.kind), cases[k], DIAGRAM if film.observable else (0.0, 0.0)
-    across, tall = film.size
-    wide = across - 2 * MARGIN - (0.0 if lying else diagram[0])
-    high = tall - TOP - FOOT - (diagram[1] if lying else 0.0)
+    turned, (wide, high) = -np.radians(azimuth), _room(film, lying)
     settings = Settings(film.pixel_error, film.dpi, bare=True, samples=SAMPLES,
                         size=(round(wide * film.dpi), round(high * film.dpi)))  # fmt: skip
-    scene = composition.Scene(ds, kind, [[view]], context, "", camera, settings)
-    bar, picture = composition.colour_rods(scene)[1], composition.compose(scene).page if view.bodies else None
-    weight = composition.weight_on_page(scene)
-
-    def draw(fig: Figure) -> None:
-        ax = fig.add_axes((0.0, 0.0, 1.0, 1.0))
-        ax.set(xlim=(0, across), ylim=(0, tall))
-        ax.axis("off")
-        _draw_value(ax, ds[film.axis], where[film.axis], film.size)
-        low = tall - TOP - high
-        if picture:
-            corner = MARGIN + (wide - picture.size[0]) / 2, low + (high - picture.size[1]) / 2
-            page.place_picture(fig, picture.pixels, *(round(length * film.dpi) for length in corner))
-        else:
-            ax.text(MARGIN, low + high / 2, str(ds["outcome"].isel(where).values), color=colours.SOFT)
-        if weight is not None:
-            page.draw_weight(ax, across - 1.0, 0.27, weight)
-        if bar:
-            page.draw_bar(fig, bar, (2 * MARGIN, 0.22), (1.6, 0.1))
-        if str(ds.attrs["side"]) == "inside":
-            words = style.break_lines(
-                cautions.left_out_of_dataset(ds), across - (2.4 if weight is None else 3.5), style.SMALL
-            )
-            drawn = ", ".join(long_rod.notes_on(context, str(ds.attrs["length_unit"])))
-            words = f"{drawn}\n{words}" if drawn else words
-            ax.text(2.3, 0.24, words, size=style.SMALL, color=colours.SOFT)
-        if film.observable:
-            box = ((0.62, FOOT + 0.3, across - 0.9, diagram[1] - 0.5) if lying else
-                   (across - diagram[0] + 0.45, FOOT + 0.35, diagram[0] - 0.65, high - 0.55))  # fmt: skip
-            place = (box[0] / across, box[1] / tall, box[2] / across, box[3] / tall)
-            _draw_curve(fig.add_axes(place), ds, film, cases, k)
-
-    return canvas.figure(film.size, draw, dpi=film.dpi, layout=None)
+    first = View(context[:1], Cell(), turned, ends, context)
+    scene = composition.Scene(ds, kind, [[first]], context, "", camera, settings)
+    fig = canvas.figure(film.size, lambda fig: _begin(fig, film, scene, cases, lying), dpi=film.dpi, layout=None)
+    for k, (where, body) in enumerate(zip(cases, bodies, strict=True)):
+        step(f"{film.axis} = {float(ds[film.axis][where[film.axis]]):.4g}")
+        view = replace(first, bodies=[body] if body else [])
+        picture = composition.compose(replace(scene, rows=[[view]])).page.pixels if body else None
+        with rc_context(style.RC):
+            drawn = [*_draw_case(fig, film, ds, cases, k), *_draw_rod(fig, film, picture, (wide, high), ds, where)]
+        yield _even(page.pixels_of(fig))
+        for artist in drawn:
+            artist.remove()
 
 
-def _draw_value(ax: Axes, array: xr.DataArray, i: int, size: tuple[float, float]) -> None:
-    """The i-th value in words, and where it stands among the values of the axis, by ratios over a wide range."""
-    y, (left, right) = size[1] - MARGIN, (MARGIN, size[0] - MARGIN)
-    said = labels.equation(array, float(array[i]), 3)
-    name = labels.long_name(array)
-    ax.text(left, y, said, size=style.LARGE, va="top", weight="bold")
-    ax.text(right, y - 0.02, name[:1].upper() + name[1:], color=colours.SOFT, va="top", ha="right")
-    values = array.values
-    ends = values[[0, i, -1]]
-    first, at, last = np.log(ends) if values[0] > 0 and values[-1] > WIDE * values[0] else ends
+def _room(film: Film, lying: bool) -> tuple[float, float]:
+    """Width and height of the rod on a frame; lying: whether the diagram stands below it, else beside it."""
+    beside, below = DIAGRAM if film.observable else (0.0, 0.0)
+    wide, high = film.size[0] - 2 * canvas.MARGIN, film.size[1] - TOP - FOOT
+    return (wide, high - below) if lying else (wide - beside, high)
+
+
+def _begin(fig: Figure, film: Film, scene: "composition.Scene", cases: Sequence[dict[str, int]], lying: bool) -> None:
+    """What all frames have: the name of the axis, the scale of colours, and the scales of the diagram."""
+    from . import composition
+
+    (across, tall), (_, high), ds = film.size, _room(film, lying), scene.ds
+    ax = fig.add_axes((0.0, 0.0, 1.0, 1.0))
+    ax.set(xlim=(0, across), ylim=(tall, 0))
+    ax.axis("off")
+    name = labels.long_name(ds[film.axis])
+    left, right = canvas.MARGIN, across - canvas.MARGIN
+    ax.text(right, left + 0.02, name[:1].upper() + name[1:], color=colours.SOFT, va="top", ha="right")
+    ax.plot([left, right], [left + 0.34] * 2, color=colours.FAINT, linewidth=2.0, solid_capstyle="round")
+    weight, bar = composition.weight_on_page(scene), composition.colour_rods(scene)[1]
+    if weight is not None:
+        page.draw_weight(ax, right - 0.85, tall - 0.27, weight)
+    if bar:
+        page.draw_bar(ax, bar, (2 * left, tall - 0.32), (1.6, 0.1))
+    if str(ds.attrs["side"]) == "inside":
+        room = across - (2.4 if weight is None else 3.5)
+        words = style.break_lines(cautions.left_out_of_dataset(ds), room, style.SMALL)
+        words = "\n".join([*[", ".join(long_rod.notes_on(scene.context, str(ds.attrs["length_unit"])))], words]).strip()
+        ax.text(2.3, tall - 0.24, words, size=style.SMALL, color=colours.SOFT)
+    if film.observable:
+        box = ((0.62, FOOT + 0.3, across - 0.9, DIAGRAM[1] - 0.5) if lying else
+               (across - DIAGRAM[0] + 0.45, FOOT + 0.35, DIAGRAM[0] - 0.65, high - 0.55))  # fmt: skip
+        place = box[0] / across, box[1] / tall, box[2] / across, box[3] / tall
+        _draw_scales(fig.add_axes(place), ds, film, cases)
+
+
+def _draw_case(
+    fig: Figure, film: Film, ds: xr.Dataset, cases: Sequence[dict[str, int]], k: int
+) -> Iterator[Artist]:  # fmt: skip
+    """The value of the k-th case in words and among those of the axis, by ratios over a wide range, and the observable
+    up to it."""
+    ax, *diagrams = fig.axes[0], *[ax for ax in fig.axes[1:] if ax.get_label() == DIAGRAM_LABEL]
+    array, i = ds[film.axis], cases[k][film.axis]
+    left, right = canvas.MARGIN, film.size[0] - canvas.MARGIN
+    yield ax.text(left, left, labels.equation(array, float(array[i]), 3), size=style.LARGE, va="top", weight="bold")
+    ends = array.values[[0, i, -1]]
+    first, at, last = np.log(ends) if ends[0] > 0 and ends[-1] > WIDE * ends[0] else ends
     place = left + (at - first) / (last - first) * (right - left)
-    for end, colour in ((right, colours.FAINT), (place, colours.SOFT)):
-        ax.plot([left, end], [y - 0.34] * 2, color=colour, linewidth=2.0, solid_capstyle="round")
-    ax.plot(place, y - 0.34, "o", color=colours.INK, markersize=6)
+    yield from ax.plot([left, place], [left + 0.34] * 2, color=colours.SOFT, linewidth=2.0, solid_capstyle="round")
+    yield from ax.plot(place, left + 0.34, "o", color=colours.INK, markersize=6)
+    for diagram in diagrams:
+        yield from _draw_values(diagram, ds, film, cases, k)
 
 
-def _draw_curve(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, int]], k: int) -> None:
-    """The observable against the axis up to the k-th case, with the scales of the whole curve; a count in steps."""
+def _draw_rod(
+    fig: Figure, film: Film, picture: Pixels | None, room: tuple[float, float], ds: xr.Dataset, where: dict[str, int]
+) -> Iterator[Artist]:
+    """The picture of a rod in the middle of its room, or why there is none."""
+    low = film.size[1] - TOP - room[1]
+    if picture is None:
+        outcome = str(ds["outcome"].isel(where).values)
+        yield fig.axes[0].text(canvas.MARGIN, TOP + room[1] / 2, outcome, color=colours.SOFT)
+        return
+    size = np.array(picture.shape[1::-1]) / film.dpi
+    corner = np.array([canvas.MARGIN, low]) + (np.array(room) - size) / 2
+    x, y = np.round(corner * film.dpi).astype(int)
+    yield fig.figimage(picture, x, y, origin="upper", zorder=-1)
+
+
+def _numbers(ds: xr.Dataset, film: Film, cases: Sequence[dict[str, int]]) -> tuple[Any, Any]:
+    """The values of the axis and of the observable over all cases, in the units of their labels."""
     array, axis = ds[film.observable], ds[film.axis]
     values = labels.in_label_unit(array, np.array([float(array.isel(where)) for where in cases]))
-    along = labels.in_label_unit(axis, axis.values[[where[film.axis] for where in cases]])
-    room = 0.08 * (np.nanmax(values) - np.nanmin(values) or 1.0) if np.isfinite(values).any() else 1.0
+    return labels.in_label_unit(axis, axis.values[[where[film.axis] for where in cases]]), values
+
+
+def _draw_values(
+    ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, int]], k: int
+) -> Iterator[Artist]:  # fmt: skip
+    """The observable up to the k-th case; a count in steps."""
+    along, values = _numbers(ds, film, cases)
+    steps = "steps-mid" if schema.is_count(ds[film.observable]) else "default"
+    yield from ax.plot(along[: k + 1], values[: k + 1], color=colours.INK, linewidth=1.4, drawstyle=steps)
+    yield from ax.plot(along[k], values[k], "o", color=colours.INK, markersize=5)
+
+
+def _draw_scales(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, int]]) -> None:
+    """The scales of the diagram: those of the whole curve."""
+    along, values = _numbers(ds, film, cases)
+    known = values[np.isfinite(values)]
     logarithmic = along[0] > 0 and along[-1] > WIDE * along[0]
+    ax.set_label(DIAGRAM_LABEL)
     set_scale(ax.xaxis, (along[0], along[-1]), logarithmic, style.inches(ax)[0])
-    shape = "steps-mid" if schema.is_count(array) else "default"
-    ax.plot(along[: k + 1], values[: k + 1], color=colours.INK, linewidth=1.4, drawstyle=shape)
-    ax.plot(along[k], values[k], "o", color=colours.INK, markersize=5)
-    ax.set_xlabel(labels.axis_label(film.axis, axis))
-    if np.isfinite(values).any():
-        ax.set_ylim(np.nanmin(values) - room, np.nanmax(values) + room)
-    name = labels.label(array, long=True)
+    ax.set_xlabel(labels.axis_label(film.axis, ds[film.axis]))
+    if known.size:
+        room = 0.08 * (float(np.ptp(known)) or 1.0)
+        ax.set_ylim(known.min() - room, known.max() + room)
+    name = labels.label(ds[film.observable], long=True)
     ax.set_title(name[:1].upper() + name[1:], loc="left", size=style.SMALL)
 
 

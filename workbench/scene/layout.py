@@ -25,7 +25,7 @@ from . import captions, composition, long_rod, page
 from .body import Body
 from .camera import Camera
 from .captions import Cell
-from .composition import DEFAULT, Picture, Scene, room
+from .composition import DEFAULT, Picture, Scene, draft_of
 from .paint import Paint
 from .scene_kinds import Kind, kind_of
 from .settings import Settings, check, check_name
@@ -33,7 +33,7 @@ from .views import EDGE, View, ends_of, in_rows
 
 SUFFIXES = (".png", ".jpg")
 LYING = 1.3  # how much taller than wide a scene must be to be laid on its side
-GUTTER = 0.65  # inches before the lines of a long rod
+HEADS = ("", "s = 0 cm")  # the room before the lines of a long rod
 GHOST = 0.3  # of its thickness is a rod drawn among others, so that none hides another
 MOST_ROWS = 5
 ROW, GRID = (10.0, 6.5), (10.0, 12.0)  # inches: width, and largest height, of a page
@@ -205,15 +205,14 @@ def _in_lines(
             f"elevation of {elevation:g} degrees; draw a part of the rod with --from and --to"
         )
     camera, turned = cameras.front_camera(context, lying=True, down=down), -np.radians(azimuth)
-    scene = Scene(ds, kind, [[View([body], Cell())]], context, case, camera, settings, notes, gutter=GUTTER,
+    scene = Scene(ds, kind, [[View([body], Cell())]], context, case, camera, settings, notes, heads=HEADS,
                   ringed=False, squeeze=body.squeeze)  # fmt: skip
-    wide, high = (side * settings.dpi for side in room(scene))
-    lines = long_rod.lines_for(context, (int(wide - (GUTTER + 2 * EDGE) * settings.dpi), int(high)))
+    wide, high = (side * settings.dpi for side in draft_of(scene)[1])
+    lines = long_rod.lines_for(context, (int(wide - 2 * EDGE * settings.dpi), int(high)))
     pieces, unit = lines.cut(body), str(ds.attrs["length_unit"])
-    cells = lines.cells(pieces, unit)
-    rows = [[View([piece], cell, turned, lines.ends)] for piece, cell in zip(pieces, cells, strict=True)]
-    notes = [*lines.notes(pieces, unit), *notes]
-    return composition.compose(replace(scene, rows=rows, notes=notes, pitch=long_rod.PITCH))
+    rows = [[View([piece], Cell(), turned, lines.ends)] for piece in pieces]
+    notes, heads = [*lines.notes(pieces, unit), *notes], lines.heads(pieces, unit)
+    return composition.compose(replace(scene, rows=rows, heads=heads, notes=notes, pitch=long_rod.PITCH))
 
 
 def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | None, settings: Settings) -> Picture:
@@ -263,7 +262,7 @@ def _row(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] |
     notes = [f"{len(chosen)} of {len(line)} values"] if len(chosen) < len(line) else []
     notes += [f"in place of {moved} unsolved case{'s' * (moved > 1)} the nearest solved"] if moved else []
     scene = _several(ds, kind, names, rows, camera, settings, chosen[0], shown, notes, size)
-    return composition.compose(replace(scene, rows=in_rows(rows[0], camera, room(scene))))
+    return composition.compose(replace(scene, rows=in_rows(rows[0], camera, draft_of(scene)[1])))
 
 
 def _table(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Picture:

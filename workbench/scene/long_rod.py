@@ -11,7 +11,6 @@ from ..geometry.lines import LABELLED
 from ..words import labels
 from .body import Body, part_in_view
 from .camera import Camera, upright
-from .captions import Cell
 
 PITCH = lines.PITCH
 SQUEEZED = 24.0  # diameters of the cylinder, to which a long rod with weight is compressed along the axis
@@ -47,12 +46,11 @@ class Lines:
         starts = np.linspace(low, high - each, self.count)
         return [replace(body, span=(float(start), min(float(start + each), high))) for start in starts]
 
-    def cells(self, pieces: Sequence[Body], unit: str) -> list[Cell]:
-        """The cell of each line; before some of them the arc length at which the line begins."""
+    def heads(self, pieces: Sequence[Body], unit: str) -> list[str]:
+        """What stands before the lines: nothing as heading, and before some the arc length at which the line begins."""
         every = -(-self.count // LABELLED)
         begins = [labels.number(piece.span[0]) for piece in pieces]
-        texts = [f"s = {at} {unit}" if k == 0 else at if k % every == 0 else "" for k, at in enumerate(begins)]
-        return [Cell("", before=text) for text in texts]
+        return ["", *(f"s = {at} {unit}" if k == 0 else at if k % every == 0 else "" for k, at in enumerate(begins))]
 
     def notes(self, pieces: Sequence[Body], unit: str) -> list[str]:
         """How the lines are read, and which parts are left out."""

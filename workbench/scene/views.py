@@ -1,22 +1,18 @@
-"""What a scene shows in the cells of its page, and where these stand in rows and columns. No OpenGL.
-
-Lengths on a picture are in inches from its upper left.
-"""
+"""What a scene shows in the cells of its page, and how these stand in rows and columns. No OpenGL."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
-from ..figures import style
+from ..figures import arrangement, style
+from ..figures.arrangement import Arrangement
 from ..geometry.centreline import Array
 from .body import Body
 from .camera import Camera
 from .captions import Cell
 
-GAP, BETWEEN = 0.13, 0.14  # between columns, and from a caption to the next row
-BELOW = 0.05  # from a view to its caption
+BELOW = 0.05  # inches from a view to its caption
 EDGE = 0.015  # around what is drawn, for its lines; above and below not where rows have a pitch
 EMPTY = 0.75  # least width of a column with a cell without a rod, for its reason
 DOT = 0.21  # the width of the dot of an equilibrium and the gap after it
@@ -102,85 +98,35 @@ def ends_of(bodies: Sequence[Body]) -> tuple[float, float]:
     return min(body.z.min() for body in bodies) - beyond, max(body.z.max() for body in bodies) + beyond
 
 
-@dataclass(frozen=True)
-class Box:
-    """A view's place in the picture: left and top edge, width and height."""
-
-    cell: Cell
-    x: float
-    y: float
-    width: float
-    height: float
-
-
-@dataclass(frozen=True, eq=False)
-class Arrangement:
-    """All boxes of a picture, row by row, its width and height, and the inches per length at which they fit."""
-
-    rows: Sequence[Sequence[Box]]
-    size: tuple[float, float]
-    per_unit: float
-
-
 def arrange(
-    rows: Sequence[Sequence[View]], camera: Camera, room: tuple[float, float], gutter: float = 0.0, pitch: float = 0.0
+    rows: Sequence[Sequence[View]], camera: Camera, room: tuple[float, float], pitch: float = 0.0
 ) -> Arrangement:
-    """The largest arrangement of views, all at one scale, in a room of width and height.
+    """The largest arrangement of views, each above its caption, in a room of width and height in inches.
 
-    A column is as wide as its widest view or caption, a row as high as its highest view; views stand on a common line.
-
-    Parameters
-    ----------
-    camera
-        Its `per_unit` is not used.
-    gutter
-        Room before the first column.
-    pitch
-        From row to row in heights of a row, where rows have no captions; default: the captions decide.
+    pitch: from row to row in heights of a row, where rows have no captions; default: the captions decide.
     """
     size = np.array([[np.subtract(*view.box(camera)[::-1]) if view.bodies else (0.0, 0.0) for view in row]
                      for row in rows])  # fmt: skip
-    size = size if size.any() else np.ones_like(size)
-    wide, high, edge = size[..., 0].max(axis=0), size[..., 1].max(axis=1), 0.0 if pitch else EDGE
-    least = np.array([max(map(_least_width, column)) for column in zip(*rows, strict=True)])
-    words = np.array([max(style.height_of(view.cell.caption, style.NORMAL) for view in row) for row in rows])
-    below = np.where(words > 0, words + BELOW, 0.0) + BETWEEN * (np.arange(len(rows)) < len(rows) - 1)
-    below = np.zeros(len(high)) if pitch else below
-    free = room[0] - gutter - (len(wide) - 1) * GAP
-
-    def over(per_unit: float) -> float:
-        return float(np.maximum(wide * per_unit + 2 * EDGE, least).sum() - free)
-
-    most = (room[1] - below.sum() - 2 * edge * len(high)) / (high.sum() * (pitch or 1.0))
-    most = max(float(most), 1e-9)
-    per_unit = most if over(most) <= 0 else float(brentq(over, 0.0, most)) if over(0.0) < 0 else free / wide.sum()
-    widths, heights = np.maximum(wide * per_unit + 2 * EDGE, least), high * per_unit + 2 * edge
-    below = heights * (pitch - 1) if pitch else below
-    left = gutter + np.concatenate([[0.0], np.cumsum(widths[:-1] + GAP)])
-    top = np.concatenate([[0.0], np.cumsum(heights[:-1] + below[:-1])])
-    boxes = [[Box(view.cell, left[j], top[i], widths[j], heights[i]) for j, view in enumerate(row)]
-             for i, row in enumerate(rows)]  # fmt: skip
-    return Arrangement(boxes, (float(left[-1] + widths[-1]), float(top[-1] + heights[-1] + below[-1])), per_unit)
+    words = np.array([[_caption_size(view.cell) for view in row] for row in rows])
+    size, edges = size if size.any() else np.ones_like(size), (EDGE, 0.0 if pitch else EDGE)
+    return arrangement.arrange(size, words, room, edges, pitch)
 
 
 def in_rows(views: Sequence[View], camera: Camera, room: tuple[float, float]) -> list[list[View]]:
-    """The views in as many rows as let them be largest, of almost equal scales that with fewer; the last row is filled
-    up."""
-    best: tuple[float, list[list[View]]] = (0.0, [[view] for view in views])
-    for count in range(1, min(len(views), ROWS) + 1):
-        columns = -(-len(views) // count)
-        if -(-len(views) // columns) != count:
-            continue
-        rows = [list(views[i : i + columns]) for i in range(0, len(views), columns)]
-        rows[-1] += [View([], Cell())] * (columns - len(rows[-1]))
-        found = arrange(rows, camera, room)
-        if found.per_unit > 1.05 * best[0] and found.size[0] <= room[0] + 1e-6:
-            best = found.per_unit, rows
-    return best[1]
+    """The views in as many rows as let them be largest, nearly so in fewer; the last row is filled up."""
+
+    def cut(columns: int) -> list[list[View]]:
+        filled = [*views, *[View([], Cell())] * (-len(views) % columns)]
+        return [filled[i : i + columns] for i in range(0, len(filled), columns)]
+
+    found = arrangement.in_rows(len(views), lambda _, columns: arrange(cut(columns), camera, room), ROWS, room[0])
+    return cut(found[0])
 
 
-def _least_width(view: View) -> float:
-    first, *more = view.cell.caption.split("\n")
-    dot = DOT if view.cell.number is not None else 0.0
+def _caption_size(cell: Cell) -> tuple[float, float]:
+    """Width and height of the words below a view."""
+    first, *more = cell.caption.split("\n")
+    dot = DOT if cell.number is not None else 0.0
     wide = max(style.width_of(line, style.NORMAL) + dot * (line == first) for line in (first, *more))
-    return max(wide, EMPTY if view.cell.why_empty else 0.0)
+    high = style.height_of(cell.caption, style.NORMAL)
+    return max(wide, EMPTY if cell.why_empty else 0.0), high + BELOW * bool(high)
