@@ -12,7 +12,8 @@ from workbench import __version__
 project = "Rod workbench"
 author = "The rod workbench authors"
 release = version = __version__
-extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc", "sphinx_gallery.gen_gallery"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc", "sphinx_gallery.gen_gallery", "docs.website.mathml"]
+html_math_renderer = "mathml"
 root_doc = "index"
 exclude_patterns = ["examples/*", "gallery/*.ipynb"]
 html_theme = "furo"
@@ -27,7 +28,7 @@ templates_path: list[str] = []
 default_role = "literal"  # a single backquote in a docstring is code
 smartquotes = False  # two hyphens are those of an option, and a straight quote is a derivative
 
-myst_enable_extensions = ["html_image", "attrs_inline"]
+myst_enable_extensions = ["html_image", "attrs_inline", "dollarmath"]
 myst_heading_anchors = 4  # as a forge makes them
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
