@@ -1,7 +1,7 @@
 """The command extremes: store, draw and print the result of every method at every named extreme."""
 
-from collections.abc import Mapping
-from contextlib import closing
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -34,17 +34,8 @@ def extremes(
     writing.check_folder(out)
     writing.check_free(out / "extremes.h5", "extremes")
     named = extreme_cases.extremes()
-    found: dict[str, dict[str, Attempt]] = {}
-    try:
-        with console.progress(len(named), lines=True) as step, closing(rows_of(named)) as finished:
-            for name, attempts in finished:
-                found[name] = attempts
-                step(name)
-    except BaseException as error:
-        files = _store(found, out, "extremes_interrupted")[1] if found else []
-        console.stop(error, f"{len(found)} of {len(named)} extremes", files)
-        raise
-    ds, files = _store(found, out, "extremes")
+    measure, store = partial(rows_of, named), partial(_store, out)
+    ds, files = console.keep_finished(measure, len(named), "extremes", store, "extremes")
     counts = {
         str(method): {verdict: int((ds["verdict"].sel({"method": method}) == verdict).sum()) for verdict in VERDICTS}
         for method in ds["method"].values
@@ -60,13 +51,15 @@ def extremes(
     return Result(lambda: {"methods": counts, "files": [str(file) for file in files]}, show, status)
 
 
-def _store(found: "Mapping[str, Mapping[str, Attempt]]", out: Path, name: str) -> "tuple[xr.Dataset, list[Path]]":
+def _store(
+    out: Path, finished: "Sequence[tuple[str, Mapping[str, Attempt]]]", name: str
+) -> "tuple[xr.Dataset, list[Path]]":
     """The dataset of the finished extremes, and the files made of it: NAME.h5 and NAME.png."""
     from ..compare.extreme_runs import dataset_of
     from ..figures import canvas, kinds
     from ..store import writing
 
-    ds = dataset_of(found)
+    ds = dataset_of(dict(finished))
     picture = out / f"{name}.png"
     drawn = kinds.figure(ds)
     canvas.save(drawn, picture, drawn.dpi)

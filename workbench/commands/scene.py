@@ -79,7 +79,6 @@ def scene(
     from ..scene import opengl, scene_kinds
     from ..scene.settings import Settings, check, check_name, color_range_of, size_of
     from ..store import schema, selection
-    from ..store.one_case import is_study
     from . import animate, option_checks, scene_page, study_scene
 
     at, axes, span = at or [], axis or [], (low, high)
@@ -93,12 +92,8 @@ def scene(
         size=size_of(size),
     )  # fmt: skip
     check(asked)
-    study = None
-    if is_study(file):
-        study, ds = study_scene.two_stations(file)
-        file = Path(f"{study.name}.h5")
-    else:
-        ds = study_scene.read_dataset(file)
+    study, ds = study_scene.open_rods(file)
+    file = file if study is None else Path(f"{study.name}.h5")
     found = scene_kinds.kind_of(kind or ("equilibria" if schema.axes_of(ds) == ["equilibrium"] else "contact"))
     where = option_checks.axis_values(ds, at)
     case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
@@ -122,10 +117,8 @@ def scene(
         indices = selection.case(ds, where).items()
         case = [f"{name}={selection.write(name, float(ds[name].values[i]))}" for name, i in indices]
     shown = [*(axes or ([] if found.cells == "one" else schema.axes_of(ds)[:1])), *([along] if along else [])]
-    if study is None:
-        solve = study_scene.solver_of_file(ds, where, shown)
-    else:
-        solve = study_scene.solver_of_study(study_scene.needed_cases(study, ds, found, where, shown))
+    solve = study_scene.solver_of(study, ds, found, where, shown)
+    if study is not None and solve is not None:
         ds = solve(study_scene.FIRST)
     picture, stations = study_scene.at_needed_stations(ds, solve, draw)
     solved = f", solved at {stations} stations" if study or stations != ds.sizes["u"] else ""

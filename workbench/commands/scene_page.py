@@ -27,8 +27,7 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
     from solver.problem.errors import InputError
 
     from ..scene.scene_kinds import kind_of
-    from ..store import atomic, in_memory
-    from ..store.one_case import is_study
+    from ..store import atomic
     from ..web.turntable import turntable_page
     from . import option_checks, study_scene
 
@@ -38,16 +37,11 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
             "and --to are for pictures, .png and .jpg"
         )
     path = option_checks.check(out, (SUFFIX,), force)
-    solve: study_scene.Solve | None
-    if is_study(file):
-        study, ds = study_scene.two_stations(file)
-        where = option_checks.axis_values(ds, at)
-        needed = study_scene.needed_cases(study, ds, kind_of(KIND), where, _free(ds, where))
-        solve, ds = study_scene.solver_of_study(needed), in_memory.run(needed.at_stations(FIRST))
-    else:
-        ds = study_scene.read_dataset(file)
-        where = option_checks.axis_values(ds, at)
-        solve = study_scene.solver_of_file(ds, where, _free(ds, where))
+    study, ds = study_scene.open_rods(file)
+    where = option_checks.axis_values(ds, at)
+    solve = study_scene.solver_of(study, ds, kind_of(KIND), where, _free(ds, where))
+    if study is not None and solve is not None:
+        ds = solve(FIRST)
     for _ in range(ROUNDS):
         if solve is None or (more := _stations(ds)) <= ds.sizes["u"]:
             break

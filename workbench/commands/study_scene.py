@@ -21,6 +21,7 @@ from studies.language.study_data import MAX_STATIONS, OUTPUTS
 from ..figures.scales import WIDE
 from ..scene.scene_kinds import Kind
 from ..store import file_kinds, in_memory, reading, schema, selection
+from ..store.one_case import is_study
 from ..store.plan import plan
 from ..store.stored_case import solve_again, study_of
 
@@ -42,6 +43,20 @@ def read_dataset(file: Path) -> xr.Dataset:
     if kind is not file_kinds.STUDY and not kind.scene:
         raise InputError(f"{file} is {kind.what}, which {file_kinds.readers(kind)}; scene draws studies and equilibria")
     return reading.read(file, study=kind is file_kinds.STUDY)
+
+
+def open_rods(file: Path) -> tuple[Study | None, xr.Dataset]:
+    """The study of a name or a TOML file, and its rods as of `two_stations`; or None, and a stored dataset."""
+    return two_stations(file) if is_study(file) else (None, read_dataset(file))
+
+
+def solver_of(
+    study: Study | None, ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: Sequence[str]
+) -> Solve | None:
+    """What solves the cases that a scene shows, of what `open_rods` returns; None where they cannot be solved again."""
+    if study is None:
+        return solver_of_file(ds, at, shown)
+    return solver_of_study(needed_cases(study, ds, kind, at, shown))
 
 
 def two_stations(file: Path) -> tuple[Study, xr.Dataset]:

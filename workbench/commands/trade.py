@@ -1,6 +1,7 @@
 """The command trade: store, draw and print accuracy against cost of every method."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -39,31 +40,23 @@ def trade(
     comparison.check_kinds(named, ladders)
     writing.check_folder(out)
     writing.check_free(out / "trade.h5", "trade")
-    rows: list[Row] = []
-    try:
-        with console.progress(len(named), lines=True) as step:
-            for more in comparison.rows_of(named, ladders, step):
-                rows += more
-    except BaseException as error:
-        files = _store(rows, ladders, out, "trade_interrupted")[1] if rows else []
-        console.stop(error, f"{len({row.case for row in rows})} of {len(named)} cases", files)
-        raise
-    ds, files = _store(rows, ladders, out, "trade")
+    measure, store = partial(comparison.rows_of, named, ladders), partial(_store, ladders, out)
+    ds, files = console.keep_finished(measure, len(named), "cases", store, "trade")
     found = comparison.summary_of(ds)
     stored = {"file": str(files[0]), "pictures": [str(picture) for picture in files[1:]]}
     return Result(lambda: found | stored, lambda: _print(found, files))
 
 
 def _store(
-    rows: "Sequence[Row]", ladders: "Mapping[str, Ladder]", out: Path, name: str
+    ladders: "Mapping[str, Ladder]", out: Path, cases: "Sequence[Sequence[Row]]", name: str
 ) -> "tuple[xr.Dataset, list[Path]]":
-    """The dataset of the rows, and the files made of it: NAME.h5 and its pictures."""
+    """The dataset of the rows of cases, and the files made of it: NAME.h5 and its pictures."""
     from ..compare.trade_runs import dataset_of
     from ..figures import canvas, kinds
     from ..figures.work_precision import COSTS
     from ..store import writing
 
-    ds = dataset_of(rows, ladders)
+    ds = dataset_of([row for rows in cases for row in rows], ladders)
     path = writing.write(ds, out / f"{name}.h5")
     pictures = [out / f"{name}_{cost}.png" for cost in COSTS]
     for cost, picture in zip(COSTS, pictures, strict=True):

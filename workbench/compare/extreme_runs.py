@@ -5,7 +5,7 @@ import os
 import signal
 import time
 import warnings
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from typing import Any
@@ -45,10 +45,10 @@ class Attempt:
     evaluations: float
 
 
-def rows_of(named: Sequence[Extreme]) -> Generator[tuple[str, dict[str, Attempt]]]:
+def rows_of(named: Sequence[Extreme], step: Callable[[str], None]) -> Generator[tuple[str, dict[str, Attempt]]]:
     """The name and the attempts of each extreme, in the order in which the processes of this machine finish them.
 
-    The processes end when the generator is closed.
+    The processes end when the generator is closed. step: called with the name of each extreme that is finished.
     """
     known = references()
     pool = ProcessPoolExecutor(os.cpu_count(), initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN))
@@ -56,6 +56,7 @@ def rows_of(named: Sequence[Extreme]) -> Generator[tuple[str, dict[str, Attempt]
         waited = {pool.submit(attempts_at, extreme, known[extreme.name]): extreme.name for extreme in named}
         for done in as_completed(waited):
             yield waited[done], done.result()
+            step(waited[done])
     except BaseException:
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in multiprocessing.active_children():  # they would finish the extreme in hand

@@ -1,6 +1,6 @@
 """Accuracy against cost: every method over a ladder of its knob on the named cases, as a dataset."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -34,7 +34,7 @@ LABELS = {
 
 def rows_of(
     cases: Mapping[str, Named], ladders: Mapping[str, Ladder], step: Callable[[str], None]
-) -> Iterator[list[Row]]:
+) -> Generator[list[Row]]:
     """The measurements of each case in turn, so that an interrupted comparison keeps the cases before.
 
     Parameters
