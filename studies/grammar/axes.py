@@ -46,6 +46,11 @@ class Misplaced(ValueError):
         self.path = path
 
 
+def no_key(kind: str, name: str, known: Collection[str], *path: str | int) -> Misplaced:
+    """The error of a key whose name or value is none of the known ones."""
+    return Misplaced(str(no_such(kind, name, known)), *path)
+
+
 def quantity_of(field: str) -> Quantity:
     """The quantity of a field of a case: that of `beta` of Start is beta0."""
     return quantity(_AT_START.get(field, field))
@@ -90,7 +95,7 @@ def read_angles(fields: Any) -> Any:
 def _read_angle(given: Any, *where: str) -> Any:
     if isinstance(given, dict):
         numbers = {key: given[key] for key in NUMBERS if key in given}
-        each = [value for one in numbers.values() for value in (one if isinstance(one, list) else [one])]
+        each = [value for entry in numbers.values() for value in (entry if isinstance(entry, list) else [entry])]
         texts = [value for value in each if isinstance(value, str)]
         if texts and "unit" in given:
             raise Misplaced(f"{texts[0]!r} has its own unit: remove the key unit", *where, "unit")

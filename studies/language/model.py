@@ -11,12 +11,12 @@ from pydantic import ValidationInfo, field_validator, model_validator
 from solver import Case, Cylinder, InputError, Rod, Start
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case import from_fields
-from solver.problem.errors import choices, near
+from solver.problem.errors import choices, near, no_such
 from solver.problem.quantities import unit_of
 from solver.problem.shown import make
 
 from ..grammar import axes as parts
-from ..grammar.axes import CYLINDER, ROD, Axis, Misplaced
+from ..grammar.axes import CYLINDER, ROD, Axis, Misplaced, no_key
 from ..grammar.dimensions import SAMPLE, Dimension, Dimensions
 from . import expressions, paired, refine
 from .lattice import OUTCOME
@@ -103,7 +103,7 @@ class Study(StudyData):
             if name in self.base.given and axis is not self.follow:
                 raise Misplaced(f"{name} is given in base and as an axis: remove one of them", "axes", name)
             if name not in numeric and axis is not self.follow:
-                raise Misplaced(f"no axis {name!r}{near(name, numeric)}; choose from {choices(numeric)}", "axes", name)
+                raise no_key("axis", name, numeric, "axes", name)
             self._check_unit(axis, "axes", name)
             if axis.size > parts.MAX_COUNT:
                 raise Misplaced(f"{axis.size} values, more than the limit of {parts.MAX_COUNT}", "axes", name)
@@ -181,8 +181,7 @@ class Study(StudyData):
                 why = f"{is_drawn}samples have no order in which an observable rises or falls"
                 raise Misplaced(f"{why}: a law needs an axis, such as [axes.{sampled[0]}]", "laws", i, "axis")
             if law.axis not in self.axes:
-                meant = near(law.axis, self.axes)
-                raise Misplaced(f"no axis {law.axis!r}{meant}; choose from {choices(self.axes)}", "laws", i, "axis")
+                raise no_key("axis", law.axis, self.axes, "laws", i, "axis")
             for name in law.at:
                 if name not in lines or name == law.axis:
                     named = choices(axis for axis in lines if axis != law.axis)
@@ -304,7 +303,7 @@ def _known(kind: str, names: list[str], known: Any) -> list[str]:
     """The names, if all are known and none is repeated; raises `ValueError`."""
     for name in names:
         if name not in known:
-            raise ValueError(f"no {kind} {name!r}{near(name, known)}; choose from {choices(known)}")
+            raise no_such(kind, name, known)
     if twice := [name for name in names if names.count(name) > 1]:
         raise ValueError(f"the {kind} {twice[0]!r} is given twice")
     return names

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.errors import choices, near
 
-from ..grammar.axes import Misplaced
+from ..grammar.axes import Misplaced, no_key
 from ..grammar.dimensions import SAMPLE, Dimension, Values
 from ..grammar.formulas import parse
 from ..laws.law import Law
@@ -66,7 +66,7 @@ def _check_watched(study: StudyData, name: str, has_step: bool) -> None:
     """Raise `Misplaced` unless a watched name is known, and a real number has its step."""
     known = (*OBSERVABLES, *study.expressions, OUTCOME)
     if name not in known:
-        raise Misplaced(f"no observable {name!r}{near(name, known)}; choose from {choices(known)}", "refine", "watch")
+        raise no_key("observable", name, known, "refine", "watch")
     if name == OUTCOME:
         whole = True
     else:
