@@ -11,6 +11,7 @@ from matplotlib.text import Text
 
 from solver import Case, Cylinder, Ends, Rod
 from solver import equilibria as all_equilibria
+from solver.problem.errors import InputError
 from studies import load
 from tests.workbench.page_faults import share_of_red
 from workbench.branches import branch_dataset
@@ -243,3 +244,19 @@ def test_a_smooth_line_passes_through_its_points_and_follows_a_circle() -> None:
         assert np.linalg.norm(found.T - point, axis=1).min() < 1e-12
     straight = max(1 - np.cos(np.diff(angle) / 2))  # how far the polygon is off
     assert np.abs(np.hypot(*found) - 1).max() < 0.3 * straight
+
+
+def test_a_diagram_of_equilibria_shows_any_observable_that_is_stored(dead) -> None:
+    ax = bifurcation.figure(dead, show=["energy"]).axes[0]
+    assert ax.get_ylabel().startswith("energy")
+    seen = {float(y) for line in ax.lines for y in np.ravel(line.get_ydata())}
+    assert seen.issuperset(dead["shape_energy"].values.tolist())
+    case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.5, FZ=-2.5))
+    few = dataset_of(load("fig6"), case, all_equilibria(case))
+    (cloud,) = equilibria_figure.figure(few, show=["push_max"]).axes[1].collections
+    np.testing.assert_array_equal(cloud.get_offsets()[:, 1], few["push_max"])
+    for draw, ds, name in ((bifurcation.figure, dead, "turns"), (equilibria_figure.figure, few, "wraps")):
+        with pytest.raises(InputError, match=f"no observable.* '{name}'"):
+            draw(ds, show=[name])
+    with pytest.raises(InputError, match="this diagram shows one observable, got 2: turns, energy"):
+        equilibria_figure.figure(few, show=["turns", "energy"])

@@ -42,7 +42,8 @@ def plot(
         option(
             "NAMES",
             "Observables of a map or of lines, separated by commas, at most twelve; default: those of the laws, or the "
-            "first stored. Of a ridge arrays along the rod, at most six.",
+            "first stored. Of a ridge arrays along the rod, at most six. Of a list of equilibria or of branches one, "
+            "in their diagram.",
         ),
     ] = None,
     at: At = None,
@@ -87,10 +88,12 @@ def plot(
         return _story(file, out or file / "story.png", width, force, dpi)
     if (other := _other(file)) is not None:
         path = option_checks.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
-        if named := [name for name, value in {**given, "kind": kind, "panel": panel}.items() if value]:
-            raise InputError(f"{file} is {other.what}, which plot draws without --{named[0]}")
-        ds = reading.read(file, study=False)
-        canvas.save(kinds.figure(ds, sheet=sheet(style, width, not no_title)), path, dpi)
+        named = {name: value for name, value in {**given, "kind": kind, "panel": panel}.items() if value}
+        if alien := [name for name in named if name not in kinds.KINDS[other.figure].options]:
+            raise InputError(f"{file} is {other.what}, which plot draws without --{alien[0]}")
+        ds, shown = reading.read(file, study=False), option_checks.names(show)
+        more: dict[str, Any] = {"show": shown} if shown else {}
+        canvas.save(kinds.figure(ds, sheet=sheet(style, width, not no_title), **more), path, dpi)
         console.say(str(path))
         return 0
     ds = reading.read(file)

@@ -1,5 +1,6 @@
 """The bifurcation diagram of a dataset of branches: all equilibria over an axis, folds, and a shape of each branch."""
 
+from collections.abc import Sequence
 from itertools import pairwise
 from string import ascii_lowercase
 from typing import Any
@@ -11,12 +12,14 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
+from solver.problem.errors import no_such
 from studies.laws.line_verdicts import DIRECTIONS
 from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED
 
 from ..branches.branch_dataset import branches
 from ..words import labels
 from . import canvas, colours, legend, point_numbers, style, unrolled
+from .equilibria_figure import one_shown
 from .sheet import SCREEN, Sheet
 from .unrolled import View
 
@@ -38,14 +41,23 @@ _HELD: dict[int, tuple[dict[str, Any], str]] = {
 }
 
 
-def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
-    """The shown quantity against the axis, and the unrolled views of the branches.
+def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> Figure:
+    """An observable against the axis, and the unrolled views of the branches.
 
     Stable branches are thick, unstable ones thin and dashed; a shape of each has a number, and its point has the same.
     Folds and other special points are marked. Where laws were judged, the branches on which none fails have a colour,
     and a note says the laws.
+
+    show: the observable; default: as the dataset says. Raises `InputError` for one that is not stored along the
+    branches, and for several.
     """
-    shown, count = str(ds.attrs["shown"]), min(ds.sizes.get("shape", 0), MOST[sheet.narrow])
+    known = [str(name).removeprefix("curve_") for name in ds.data_vars if ds[name].dims == ("curve_point",)]
+    known = [name for name in known if name not in ("branch", "index", "dead_index", ds.attrs["axis"])]
+    for name in show:
+        if name not in known:
+            raise no_such("observable along the branches", name, known)
+    (shown,) = one_shown(show) or (str(ds.attrs["shown"]),)
+    count = min(ds.sizes.get("shape", 0), MOST[sheet.narrow])
     shapes, high = _shapes(ds, count), HIGH[sheet.narrow] * sheet.width
     room = sheet.width - unrolled.BESIDE, TALL[not sheet.narrow] * sheet.width
     form = unrolled.plan(shapes, room, sheet.small) if shapes else None

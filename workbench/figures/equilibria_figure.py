@@ -1,5 +1,6 @@
 """Lists of equilibria and of closed rods: their unrolled views in rows, and the energies."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import xarray as xr
@@ -9,7 +10,9 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from solver.mechanics.statics import push_from
+from solver.problem.errors import InputError, choices
 
+from ..store import schema, selection
 from ..words import cautions, labels
 from . import canvas, colours, legend, point_numbers, push_scale, style, unrolled
 from .sheet import SCREEN, Sheet
@@ -22,8 +25,13 @@ TALL = 0.7, 0.6  # the height of all views over the width of a column and of oth
 REACTIONS = ("FZ", "MZ", "M3", "beta0", "betaL")  # of held ends
 
 
-def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
-    """The unrolled views of all equilibria of one case in the order of energy, and below them energy against index."""
+def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> Figure:
+    """The unrolled views of all equilibria of one case in the order of energy, and below them an observable against
+    the index.
+
+    show: the observable; default: the energy. Raises `InputError` for one that is not stored, and for several.
+    """
+    (name,) = one_shown(selection.names_of(ds, show)) or ("energy",)
     count, high = min(ds.sizes["equilibrium"], MOST[not sheet.narrow]), HIGH[not sheet.narrow]
     reaction = next((name for name in REACTIONS if name in ds and ds[name].dims == ("equilibrium",)), None)
     texts = [f"{k + 1}" for k in range(count)]
@@ -36,7 +44,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         grid = fig.add_gridspec(2, 1, height_ratios=[form.size[1], high])
         ax = fig.add_subplot(grid[0])
         unrolled.draw(ax, shapes, form, labels.unit(str(ds["z"].attrs.get("units", "1"))))
-        said = energies(ds, fig.add_subplot(grid[1]), sheet.width, high)
+        said = against_index(ds, fig.add_subplot(grid[1]), name, sheet.width, high)
         some = f"; {count} of {ds.sizes['equilibrium']} are shown" if count < ds.sizes["equilibrium"] else ""
         beside = "" if reaction is None else f", {labels.symbol(ds[reaction])} beside the number"
         said.append(unrolled.sentence(form, f"{beside}{some}"))
@@ -45,22 +53,34 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     return canvas.figure((sheet.width, form.size[1] + high + 0.45), draw, ds, sheet=sheet)
 
 
-def energies(ds: xr.Dataset, ax: Axes, width: float = SCREEN.width, high: float = HIGH[1]) -> list[str]:
-    """Energy against index on a page of so many inches, that high, a dot an equilibrium, filled where it is stable.
+def one_shown(names: Sequence[str]) -> Sequence[str]:
+    """The names. Raises `InputError` for more than one, of a figure whose diagram shows one observable."""
+    if len(names) > 1:
+        raise InputError(f"this diagram shows one observable, got {len(names)}: {choices(names)}")
+    return names
+
+
+def against_index(
+    ds: xr.Dataset, ax: Axes, name: str = "energy", width: float = SCREEN.width, high: float = HIGH[1]
+) -> list[str]:
+    """An observable against the index on a page of so many inches, that high: a dot an equilibrium, filled where it is
+    stable.
 
     Returns what is to be said of them.
     """
+    values = labels.in_label_unit(ds[name], ds[name].values)
     index = ds["index"].values
-    ax.scatter(ds["index"], ds["energy"], c=["white" if one else colours.INK for one in index], s=20,
+    ax.scatter(ds["index"], values, c=["white" if one else colours.INK for one in index], s=20,
                edgecolors=colours.INK, linewidths=0.9, zorder=3)  # fmt: skip
     ax.set_xlabel(style.break_lines("Morse index: unstable directions", width - 0.9))
-    ax.set_ylabel(labels.label(ds["energy"]))
+    ax.set_ylabel(style.shorter([labels.label(ds[name], long) for long in (True, False)], high - 0.3))
+    ax.yaxis.set_major_locator(MaxNLocator(5, integer=schema.is_count(ds[name])))
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.margins(0.04, 0.08)
     if index.size and index.min() == index.max():
         ax.set_xlim(index.min() - 0.5, index.max() + 0.5)
     points = [point_numbers.Point(float(x), float(y), f"{k + 1}")
-              for k, (x, y) in enumerate(zip(index, ds["energy"].values, strict=True))]  # fmt: skip
+              for k, (x, y) in enumerate(zip(index, values, strict=True))]  # fmt: skip
     ax.set_xlim(*ax.get_xlim()), ax.set_ylim(*ax.get_ylim())
     point_numbers.write(ax, points, [], [], (style.inches(ax)[0], high - 0.5))
     noun, stability = "equilibrium" if index.size == 1 else "equilibria", str(ds.attrs["stability"]).replace("M3", "M₃")
