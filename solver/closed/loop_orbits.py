@@ -219,7 +219,7 @@ def index_of(lowest: float, lam: float, folds: int) -> int:
     varied = vary_from(start(np.array([lowest]), np.array([lam])))
     M = np.empty((4, 4))
     rows, columns = np.triu_indices(4)
-    M[rows, columns] = M[columns, rows] = varied.kept["gain"][0].sum(axis=0)
+    M[rows, columns] = M[columns, rows] = varied.kept["gain"][0, :, :10].sum(axis=0)
     of_one_wave = 1 if M[0, 0] < 0 else 2  # the derivative of half the period by half the level is -M_00
     K = (M - np.outer(M[:, 0], M[0]) / M[0, 0])[np.ix_(_HELD, _HELD)]
     scale = 1 / np.sqrt(np.abs(np.diag(K)))

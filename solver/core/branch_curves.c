@@ -239,7 +239,7 @@ static int held_equations(family *f, point *at, double *off)
     failed = failed ? failed : rod_place_of(&of, &f->by, &o);
     if (failed || !rod_path_at(&o, &at->chart, at->w[0] * at->chart.scale, &here) || here.turns < 0)
         return failed ? failed : FAILED;
-    failed = rod_orbit_numbers(&o, &here, f->nodes, &f->times, &f->orbits, 1, &f->numbers);
+    failed = rod_orbit_numbers(&o, &here, f->nodes, &f->times, &f->orbits, &f->numbers);
     if (failed)
         return failed;
     held_off(f, at->w, given, off);

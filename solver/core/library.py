@@ -152,7 +152,7 @@ def functions() -> Any:
     """The library with the types of what its functions return."""
     core = library()
     core.rod_orbits.restype = ctypes.c_void_p
-    nothing = "orbits_fetch", "orbits_read", "orbits_action", "series_read", "variations_places", "variations_changes"
+    nothing = "orbits_fetch", "orbits_read", "orbits_action", "variations_places", "variations_changes"
     for name in nothing:
         getattr(core, f"rod_{name}").restype = None
     core.rod_fall.restype = ctypes.c_double

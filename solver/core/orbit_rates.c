@@ -2,151 +2,55 @@
 
 #include "orbit_rates.h"
 
-enum { SHARES = 13 }; /* the ten elements of M, and alpha, z and the swirl */
-#define SAME 1e-9     /* rad: critical points that are this near are one */
+#define SAME 1e-9 /* rad: critical points that are this near are one */
 
-/* One orbit on its panels, in the order of travel: those of the forward arc, then those of the backward one. */
+/* One orbit on its panels, in the order of travel: those of the forward arc, then those of the backward one; and its
+   variations. base: the angle from which beta counts on each panel, with whole turns; origin: without. */
 typedef struct {
     const ends_problem *p;
     const points *at;
-    int64_t count[2], P, kind;
-    double direction, duration[2], gain[2 * SHARES];
+    int64_t count[2], first[2], kind;
+    double direction, duration[2], closing[2 * PAIRS], gain[2 * SUMS];
+    double *room, *base, *origin;
     varied_nodes *nodes;
-    double *x, *since, *width, *shares; /* (P, n), (P,), (P,), (P, SHARES): integrals up to the near end of each */
-    double *base;
+    read_orbits of;
+    varied_orbits varied;
 } course;
 
 static void free_course(course *o)
 {
     free(o->nodes);
-    free(o->x);
+    free(o->room);
 }
 
-/* The panels of the arcs, with what does not depend on the other panels. */
+/* The panels of the arcs. */
 static int course_of(const ends_problem *p, const arcs *from, const panels *cut, const points *at, course *o)
 {
-    const int n = (int)at->n;
-    int64_t P = 0;
+    const int64_t n = at->n, each = FUNCTIONS * (n + 1), varied = VARIED * (n + 1);
+    int64_t P = 0, k = 0;
     for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next)
         P++;
-    *o = (course){.p = p, .at = at, .P = P, .kind = from->kind, .direction = from->direction};
+    *o = (course){.p = p, .at = at, .kind = from->kind, .direction = from->direction};
     o->nodes = malloc(sizeof(varied_nodes) * (size_t)P);
-    o->x = malloc(sizeof(double) * (size_t)(P * (n + 3 + SHARES)));
-    if (!o->nodes || !o->x)
+    o->room = malloc(sizeof(double) * (size_t)(P * (5 + n + PAIRS + each + varied)));
+    if (!o->nodes || !o->room)
         return NO_MEMORY;
-    o->since = o->x + P * n, o->width = o->since + P, o->base = o->width + P, o->shares = o->base + P;
-    int64_t k = 0;
+    double *since = o->room + P * n, *width = since + P, *series = width + P, *least = series + P * each;
+    double *jump = least + P, *kept = jump + P * PAIRS;
+    o->base = kept + P * varied, o->origin = o->base + P;
     for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next, k++) {
         const piece *own = &from->pieces[cut->rows[i].piece];
-        const double *series = cut->series + FUNCTIONS * (n + 1) * i;
-        double v[NODES];
-        o->since[k] = o->duration[own->arc], o->width[k] = cut->rows[i].duration, o->base[k] = own->base;
-        o->duration[own->arc] += o->width[k];
+        since[k] = o->duration[own->arc], width[k] = cut->rows[i].duration;
+        o->base[k] = own->base, o->origin[k] = own->local.o;
+        o->duration[own->arc] += width[k];
         o->count[own->arc]++;
-        product(n + 1, n, series, at->values, o->x + n * k);
-        product(n + 1, n, series + n + 1, at->values, v);
-        rod_varied_state(&p->lam, own->local.o, o->width[k] / 2, n, o->x + n * k, v, &o->nodes[k]);
+        memcpy(series + each * k, cut->series + each * i, sizeof(double) * (size_t)each);
     }
+    o->first[1] = o->count[0];
+    o->of = (read_orbits){n + 1, P, &o->kind, o->first, o->count, NULL, &o->direction, o->duration, NULL, since, width,
+                          series};
+    o->varied = (varied_orbits){least, NULL, jump, o->closing, kept, o->gain};
     return o->count[0] ? DONE : NOT_POSSIBLE;
-}
-
-/* sin, cos and their product at the nodes of a panel. */
-static void directions_on(const course *o, int64_t k, double out[3][NODES])
-{
-    const int n = (int)o->at->n;
-    for (int i = 0; i < n; i++) {
-        const double angle = o->base[k] + o->x[n * k + i];
-        out[0][i] = sin(angle), out[1][i] = cos(angle), out[2][i] = out[0][i] * out[1][i];
-    }
-}
-
-/* The weights of the integral over a panel. */
-static void weights_of(const points *at, double *out)
-{
-    double row[NODES + 1];
-    const int n = (int)at->n;
-    for (int i = 0; i < n; i++) {
-        integral(n, at->analyse + n * i, row);
-        out[i] = 0;
-        for (int k = 0; k <= n; k++)
-            out[i] += row[k];
-    }
-}
-
-/* The variations of all panels; returns the number of the panel whose critical point the orbit comes closest to. */
-static int64_t vary(course *o, int with_rates)
-{
-    const int n = (int)o->at->n;
-    int64_t nearest = 0;
-    double weight[NODES];
-    weights_of(o->at, weight);
-    for (int64_t k = 1; k < o->P; k++)
-        if (o->nodes[k].least < o->nodes[nearest].least)
-            nearest = k;
-    for (int64_t k = 0; k < o->P; k++) {
-        const int arc = k >= o->count[0];
-        double jump[SHARES] = {0}, turned[3][NODES], *share = o->shares + SHARES * k, *gain = o->gain + SHARES * arc;
-        if (with_rates) {
-            rod_varied_rates(&o->p->lam, o->nodes[nearest].origin, n, o->x + n * k, &o->nodes[k]);
-            rod_varied_entry(o->nodes, o->count, k, o->direction, jump);
-        }
-        directions_on(o, k, turned);
-        for (int m = with_rates ? 0 : PAIRS; m < SHARES; m++) {
-            const double *values = m < PAIRS ? o->nodes[k].M[m] : turned[m - PAIRS];
-            double total = 0;
-            for (int i = 0; i < n; i++)
-                total += values[i] * weight[i];
-            share[m] = gain[m] + jump[m];
-            gain[m] = share[m] + total * (o->width[k] / 2);
-        }
-    }
-    for (int arc = 0; arc < 2 && with_rates; arc++) {
-        double closing[PAIRS];
-        rod_varied_closing(o->nodes, o->count, arc, o->kind, o->direction, closing);
-        for (int m = 0; m < PAIRS; m++)
-            o->gain[SHARES * arc + m] += closing[m];
-    }
-    return nearest;
-}
-
-static double value_at(const points *at, const double *values, double x)
-{
-    double series[NODES];
-    product((int)at->n, (int)at->n, values, at->analyse, series);
-    return at_place(series, (int)at->n, x);
-}
-
-static double integral_at(const points *at, const double *values, double x)
-{
-    double series[NODES + 1];
-    integrated(at, values, series);
-    return at_place(series, (int)at->n + 1, x);
-}
-
-/* The state where the rod is at time t, the integrals of sin, cos and sin cos of beta up to there, and beta. */
-static double state_at(const course *o, double t, int with_rates, varied_place *out, double *integrals)
-{
-    const int n = (int)o->at->n;
-    const int64_t none = 0, first[2] = {0, o->count[0]};
-    const read_orbits of = {n + 1, o->P, &o->kind, first, o->count, NULL, &o->direction, o->duration, NULL, o->since,
-                            o->width, NULL};
-    phase where;
-    double x, turned[3][NODES];
-    const int64_t k = rod_place(&of, none, t, &where, &x);
-    const varied_nodes *one = &o->nodes[k];
-    const double half = o->width[k] / 2, sign = o->direction * (where.second ? -1 : 1) * (where.mirrored ? -1 : 1);
-    const int librates = o->kind == LIBRATION;
-    out->v = sign * value_at(o->at, one->v, x), out->H = value_at(o->at, one->H, x), out->c = one->c;
-    out->shift[0] = 0, out->gamma[0] = 1;
-    directions_on(o, k, turned);
-    for (int m = with_rates ? 0 : PAIRS; m < SHARES; m++) {
-        const double *values = m < PAIRS ? one->M[m] : turned[m - PAIRS], *gain = o->gain + m;
-        const double own = o->shares[SHARES * k + m] + half * integral_at(o->at, values, x);
-        *(m < PAIRS ? &out->M[m] : &integrals[m - PAIRS]) = rod_unfolded(own, &where, gain[0], gain[SHARES], librates);
-    }
-    for (int q = 0; q < 3 && with_rates; q++)
-        out->shift[q + 1] = one->shift[q], out->gamma[q + 1] = value_at(o->at, one->gamma[q], x);
-    return o->base[k] + value_at(o->at, o->x + n * k, x) + (librates ? 0 : TAU * o->direction * where.periods);
 }
 
 /* What changes of the loads and of the level add to y. */
@@ -171,22 +75,24 @@ static void add_level(const place *o, const path *level, double nearest, double 
     by_span[Y] = 2 * by_span[end] / values[end];
 }
 
-/* The numbers of the orbit, and if rows are wanted how they answer. level: NULL where y is not wanted; beta(L) is then
-   that of the orbit. */
-static void numbers_of(course *o, const place *at, const path *level, double length, double *values, double *rows,
-                       double *by_span)
+/* The numbers of the orbit, and how they answer. level: NULL where y is not wanted; beta(L) is then that of the orbit. */
+static void numbers_of(course *o, const place *at, const path *level, double length, orbit_numbers *out)
 {
     const ends_problem *p = o->p;
-    varied_place start = {0}, far = {0};
-    double integrals[3], none[3];
-    const int64_t nearest = vary(o, rows != NULL);
-    state_at(o, 0, rows != NULL, &start, none);
-    const double end = state_at(o, length, rows != NULL, &far, integrals), betaL = level ? p->betaL : end;
-    const double found[NUMBERS] = {p->beta0, betaL, start.v, far.v, integrals[0], integrals[2],
-                                   integrals[1], p->lam, p->mu, p->phi, level ? level->y : 0};
+    double x, *values = out->values, *rows = out->rows, *by_span = out->by_span;
+    varied_place start, far;
+    phase where;
+    const int64_t first = rod_place(&o->of, 0, 0, &where, &x), last = rod_place(&o->of, 0, length, &where, &x);
+    const int64_t only[2] = {first, last}, n = o->at->n;
+    const int64_t nearest = rod_vary(&p->lam, &o->of, 0, o->origin, o->at, only, o->nodes, o->room, &o->varied);
+    reader from = {.of = &o->of, .series = o->varied.series, .gain = o->varied.gain, .panel = -1};
+    rod_varied_place_at(&from, 0, 0, &start), rod_varied_place_at(&from, 0, length, &far);
+    const double turns = o->kind == LIBRATION ? 0 : o->direction * where.periods;
+    const double end = o->base[last] + at_place(o->of.series + FUNCTIONS * (n + 1) * last, (int)n + 1, x) + TAU * turns;
+    const double betaL = level ? p->betaL : end, *sums = far.M + PAIRS;
+    const double found[NUMBERS] = {p->beta0, betaL, start.v, far.v, sums[0], sums[2], sums[1], p->lam, p->mu, p->phi,
+                                   level ? level->y : 0};
     memcpy(values, found, sizeof found);
-    if (!rows)
-        return;
     const double s = sin(betaL), c = cos(betaL);
     const double later[NUMBERS] = {0, far.v, 0, -far.H, s, s * c, c, 0, 0, 0, 0};
     static const int order[3] = {ALPHA, SWIRL, Z};
@@ -205,7 +111,7 @@ static void numbers_of(course *o, const place *at, const path *level, double len
     for (int q = 0; q < 3; q++)
         rows[PARTS * (LAM + q) + 2 + q] = 1;
     if (level)
-        add_level(at, level, o->nodes[nearest].origin, values, rows, by_span);
+        add_level(at, level, o->origin[nearest], values, rows, by_span);
 }
 
 /* The course of an orbit that is no helix; to be freed in any case. */
@@ -239,7 +145,7 @@ static int length_of(const place *o, const path *level, const points *at, const 
 }
 
 int rod_orbit_numbers(const place *o, const path *level, const points *at, const cutting *times, const cutting *how,
-                      int rates, orbit_numbers *out)
+                      orbit_numbers *out)
 {
     const ends_problem *p = &o->p;
     course on = {0};
@@ -254,14 +160,14 @@ int rod_orbit_numbers(const place *o, const path *level, const points *at, const
     const start_problem start = {p->lam, p->mu, p->phi, out->length, o->start, speed};
     failed = course_from(&start, level->pin, gap, &o->found, p, at, how, &on);
     if (!failed)
-        numbers_of(&on, o, level, out->length, out->values, rates ? out->rows : NULL, out->by_span);
+        numbers_of(&on, o, level, out->length, out);
     free_course(&on);
     return failed;
 }
 
 /* Those of the orbit of a start problem at its far end, which has the rows of a rod at rest at both ends too; y has
    none. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
-int rod_start_rates(const start_problem *of, const grid *by, const points *at, const cutting *how, int rates,
+int rod_start_rates(const start_problem *of, const grid *by, const points *at, const cutting *how,
                     orbit_numbers *out)
 {
     const ends_problem p = {of->lam, of->mu, of->phi, of->span, of->beta0, of->beta0};
@@ -276,7 +182,7 @@ int rod_start_rates(const start_problem *of, const grid *by, const points *at, c
     int failed = rod_critical(p.lam, p.mu, p.phi, by->m, by->angles, by->table, &found);
     failed = failed ? failed : course_from(of, wrapped(of->beta0), square(of->dbeta0), &found, &p, at, how, &on);
     if (!failed)
-        numbers_of(&on, NULL, NULL, of->span, out->values, rates ? out->rows : NULL, out->by_span);
+        numbers_of(&on, NULL, NULL, of->span, out);
     out->length = of->span;
     free_course(&on);
     return failed;
@@ -284,9 +190,9 @@ int rod_start_rates(const start_problem *of, const grid *by, const points *at, c
 
 /* The same from the numbers of the problem. Returns DONE, NO_MEMORY, NO_ORBIT or NOT_POSSIBLE. */
 int rod_orbit_rates(const ends_problem *of, const path *level, const grid *by, const points *at, const cutting *times,
-                    const cutting *how, int rates, orbit_numbers *out)
+                    const cutting *how, orbit_numbers *out)
 {
     place o;
     const int failed = rod_place_of(of, by, &o);
-    return failed ? failed : rod_orbit_numbers(&o, level, at, times, how, rates, out);
+    return failed ? failed : rod_orbit_numbers(&o, level, at, times, how, out);
 }

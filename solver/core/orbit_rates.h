@@ -15,10 +15,9 @@ typedef struct {
     double values[NUMBERS], rows[NUMBERS * PARTS], by_span[NUMBERS], length;
 } orbit_numbers;
 
-/* Those of one equilibrium that is no helix and whose gap is no smaller than floats can express; rates: whether the rows
-   are wanted. times, how: how panels are cut, for the length and for the orbit. Returns DONE, NO_MEMORY, NO_ORBIT or
-   NOT_POSSIBLE. */
-int rod_orbit_numbers(const place *, const path *, const points *, const cutting *times, const cutting *how, int rates,
+/* Those of one equilibrium that is no helix and whose gap is no smaller than floats can express. times, how: how panels
+   are cut, for the length and for the orbit. Returns DONE, NO_MEMORY, NO_ORBIT or NOT_POSSIBLE. */
+int rod_orbit_numbers(const place *, const path *, const points *, const cutting *times, const cutting *how,
                       orbit_numbers *out);
 
 #endif

@@ -235,38 +235,6 @@ void rod_orbit_at(const read_orbits *o, int64_t b, double t, double *out)
         out[2 + k] = rod_unfolded(out[2 + k], &where, gain[k], gain[3 + k], kind == LIBRATION);
 }
 
-/* k series of the panels (P, k, n + 1) where n orbits are at t (n, stations), none of them a helix, into out
-   (n, stations, k), NaN for an orbit without panels; and whole periods passed, (n, stations). There are panels.
-
-   gain: NULL, or (n, 2, k), what each of the series, then integrals along the orbit, gains over the forward and the
-   backward arc. */
-void rod_series_read(const read_orbits *o, int64_t n, int64_t stations, int64_t k, const double *series,
-                     const double *gain, const double *t, double *out, double *periods)
-{
-    const int size = (int)o->coefficients;
-    for (int64_t b = 0; b < n; b++)
-        for (int64_t i = b * stations; i < (b + 1) * stations; i++) {
-            phase where = {0};
-            double x = NAN, polynomial[NODES + 1];
-            const int64_t panel = o->count[2 * b] + o->count[2 * b + 1] ? rod_place(o, b, t[i], &where, &x) : 0;
-            polynomial[0] = 1, polynomial[1] = x;
-            for (int m = 2; m < size; m++)
-                polynomial[m] = 2 * x * polynomial[m - 1] - polynomial[m - 2];
-            for (int64_t j = 0; j < k; j++) {
-                const double *own = series + (k * panel + j) * size;
-                double total = 0;
-                for (int m = 0; m < size; m++)
-                    total += polynomial[m] * own[m];
-                if (gain) {
-                    const double *one = gain + 2 * k * b + j;
-                    total = rod_unfolded(total, &where, one[0], one[k], o->kind[b] == LIBRATION);
-                }
-                out[k * i + j] = total;
-            }
-            periods[i] = where.periods;
-        }
-}
-
 /* beta, beta_t, alpha, z and the swirl of n orbits at t (n, stations) into out (5, n, stations). */
 void rod_orbits_read(const read_orbits *o, int64_t n, int64_t stations, const double *t, double *out)
 {

@@ -119,21 +119,6 @@ def read(orbit: Any, t: Array) -> Array:
     return out
 
 
-def read_series(orbit: Any, series: Array, t: Array, gain: Array | None = None) -> tuple[Array, Array]:
-    """Series of the panels (P, k, n + 1) where B orbits, none of them a helix, are at t (B, n), (B, n, k), and whole
-    periods passed, (B, n).
-
-    gain: of series that are integrals along the orbits, (B, 2, k), over the forward and the backward arc.
-    """
-    given = [None if a is None else np.ascontiguousarray(a) for a in (series, gain, t)]
-    (of, kept), out, periods = reading(orbit), np.empty((*t.shape, series.shape[1])), np.empty(t.shape)
-    functions().rod_series_read(
-        ctypes.byref(of), *(ctypes.c_int64(k) for k in out.shape), *(address(a) for a in (*given, out, periods))
-    )
-    del kept
-    return out, periods
-
-
 def numbers_of(problem: Any) -> Array:
     """lam, mu, phi, span, beta(0) and beta_t(0) of B start problems, (B, 6)."""
     p = problem

@@ -5,7 +5,7 @@
 
 #define NEAR 0.5 /* rad: the largest distance from a critical point at which its shift is split off */
 
-const int rod_pairs[2][PAIRS] = {{0, 0, 0, 0, 1, 1, 1, 2, 2, 3}, {0, 1, 2, 3, 1, 2, 3, 2, 3, 3}};
+static const int pairs_of[2][PAIRS] = {{0, 0, 0, 0, 1, 1, 1, 2, 2, 3}, {0, 1, 2, 3, 1, 2, 3, 2, 3, 3}};
 
 static void slopes_by_loads(double s, double c, double *out)
 {
@@ -72,7 +72,7 @@ static void distances_of(int n, const double *x, distances *out)
     }
 }
 
-void rod_varied_state(const double *loads, double origin, double half, int n, const double *x, const double *v,
+static void vary_state(const double *loads, double origin, double half, int n, const double *x, const double *v,
                       varied_nodes *out)
 {
     const double lam = loads[0], mu = loads[1], phi = loads[2], s = sin(origin), c = cos(origin);
@@ -145,7 +145,7 @@ void rod_height_rates(double angle, double other, double *out)
     out[2] = angle == other ? 0 : 2 * sin(mean) * sine;
 }
 
-void rod_varied_rates(const double *loads, double nearest, int n, const double *x, varied_nodes *out)
+static void vary_rates(const double *loads, double nearest, int n, const double *x, varied_nodes *out)
 {
     double above[3], H_q[3][NODES], s[NODES], c[NODES], rate[NODES], plain[3], *gamma[3];
     const double across = out->c;
@@ -167,10 +167,11 @@ void rod_varied_rates(const double *loads, double nearest, int n, const double *
         slopes_by_loads(s[i], c[i], plain);
         const double p[4] = {0, plain[0], plain[1], plain[2]};
         for (int m = 0; m < PAIRS; m++) {
-            const int a = rod_pairs[0][m], b = rod_pairs[1][m];
+            const int a = pairs_of[0][m], b = pairs_of[1][m];
             out->M[m][i] = g[a] * g[b] * sigma + lever * (g[a] * h[b] + g[b] * h[a]) +
                            (k[a] * p[b] + k[b] * p[a] + k[a] * rate[i] * k[b]);
         }
+        out->M[PAIRS][i] = s[i], out->M[PAIRS + 1][i] = c[i], out->M[PAIRS + 2][i] = s[i] * c[i];
     }
 }
 
@@ -190,20 +191,20 @@ static void jump_between(const varied_nodes *old, const varied_nodes *now, doubl
     for (int k = 0; k < 4; k++)
         g[k] = full[k] - was[k] * H, less[k] = was[k] - is[k];
     for (int m = 0; m < PAIRS; m++) {
-        const int a = rod_pairs[0][m], b = rod_pairs[1][m];
+        const int a = pairs_of[0][m], b = pairs_of[1][m];
         out[m] = turn * g[a] * g[b] + lift * (less[a] * full[b] + full[a] * less[b]) -
                  raised * (was[a] * was[b] - is[a] * is[b]);
     }
 }
 
-void rod_varied_entry(const varied_nodes *nodes, const int64_t *count, int64_t i, double direction, double *out)
+static void vary_entry(const varied_nodes *nodes, const int64_t *count, int64_t i, double direction, double *out)
 {
     memset(out, 0, sizeof(double) * PAIRS);
     if (i) /* the backward arc follows the forward one */
         jump_between(&nodes[i == count[0] ? 0 : i - 1], &nodes[i], direction * (i >= count[0] ? -1 : 1), out);
 }
 
-void rod_varied_closing(const varied_nodes *nodes, const int64_t *count, int arc, int64_t kind, double direction,
+static void vary_closing(const varied_nodes *nodes, const int64_t *count, int arc, int64_t kind, double direction,
                         double *out)
 {
     const varied_nodes *start = nodes + (arc ? count[0] : 0);
@@ -212,69 +213,83 @@ void rod_varied_closing(const varied_nodes *nodes, const int64_t *count, int arc
         jump_between(start + count[arc] - 1, start, direction * (arc ? -1 : 1), out);
 }
 
-/* The series of the values at the nodes, and of their integral from the near end; its value at the far end. */
-static double grown(const points *at, const double *values, double half, double *out)
+/* The weights of the integral over a panel. */
+static void weights_of(const points *at, double *out)
 {
-    double total = 0;
-    integrated(at, values, out);
-    for (int k = 0; k <= at->n; k++)
-        out[k] *= half, total += out[k];
-    return total;
+    double row[NODES + 1];
+    const int n = (int)at->n;
+    for (int i = 0; i < n; i++) {
+        integral(n, at->analyse + n * i, row);
+        out[i] = 0;
+        for (int k = 0; k <= n; k++)
+            out[i] += row[k];
+    }
 }
 
-static void keep(const varied_nodes *one, const points *at, int64_t i, const varied_orbits *out)
+/* The series of a panel but for the constants of its sums. */
+static void keep_series(const varied_nodes *one, const points *at, double half, double *series)
 {
-    const int64_t n = at->n, size = sizeof(double);
-    double *series = out->series + VARIED * (n + 1) * i;
-    memset(series, 0, (size_t)(9 * (n + 1) * size));
-    out->least[i] = one->least;
-    product((int)n, (int)n, one->v, at->analyse, series);
-    product((int)n, (int)n, one->H, at->analyse, series + n + 1);
+    const int n = (int)at->n;
+    memset(series, 0, sizeof(double) * (size_t)(9 * (n + 1)));
+    product(n, n, one->v, at->analyse, series), product(n, n, one->H, at->analyse, series + n + 1);
     series[2 * (n + 1)] = one->c;
     for (int k = 0; k < 3; k++) {
         series[(3 + k) * (n + 1)] = one->shift[k];
-        product((int)n, (int)n, one->gamma[k], at->analyse, series + (6 + k) * (n + 1));
+        product(n, n, one->gamma[k], at->analyse, series + (6 + k) * (n + 1));
     }
-    for (int m = 0; m < PAIRS; m++)
-        memcpy(out->M + (PAIRS * i + m) * n, one->M[m], (size_t)(n * size));
+    for (int m = 0; m < SUMS; m++) {
+        integrated(at, one->M[m], series + (9 + m) * (n + 1));
+        for (int k = 0; k <= n; k++)
+            series[(9 + m) * (n + 1) + k] *= half;
+    }
 }
 
-/* One orbit, whose panels are numbered from `first`. */
-static void one_orbit(const double *loads, const read_orbits *of, int64_t b, const double *origin, const points *at,
-                      varied_nodes *nodes, double *x, const varied_orbits *out)
+int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const double *origin, const points *at,
+                 const int64_t *only, varied_nodes *nodes, double *x, const varied_orbits *out)
 {
     const int n = (int)at->n;
     const int64_t first = of->first[2 * b], P = of->count[2 * b] + of->count[2 * b + 1];
     const int64_t width = n + 1, *count = of->count + 2 * b;
     int64_t nearest = 0;
+    double total[2][SUMS] = {{0}}, weights[NODES];
+    weights_of(at, weights);
     for (int64_t i = 0; i < P; i++) {
         double v[NODES];
         const double *series = of->series + FUNCTIONS * width * (first + i);
         product(n + 1, n, series, at->values, x + n * i);
         product(n + 1, n, series + width, at->values, v);
-        rod_varied_state(loads, origin[first + i], of->width[first + i] / 2, n, x + n * i, v, &nodes[i]);
+        vary_state(loads, origin[first + i], of->width[first + i] / 2, n, x + n * i, v, &nodes[i]);
+        out->least[first + i] = nodes[i].least;
         if (nodes[i].least < nodes[nearest].least)
             nearest = i;
     }
-    double total[2][PAIRS] = {{0}};
     for (int64_t i = 0; i < P; i++) {
-        const int backward = i >= count[0];
-        double *jump = out->jump + PAIRS * (first + i), *series = out->series + (VARIED * (first + i) + 9) * width;
-        rod_varied_rates(loads, origin[first + nearest], n, x + n * i, &nodes[i]);
-        rod_varied_entry(nodes, count, i, of->direction[b], jump);
-        keep(&nodes[i], at, first + i, out);
-        for (int m = 0; m < PAIRS; m++) {
-            const double gained = grown(at, nodes[i].M[m], of->width[first + i] / 2, series + m * width);
-            series[m * width] += total[backward][m] + jump[m];
-            total[backward][m] += gained + jump[m];
+        const int backward = i >= count[0], wanted = !only || i == only[0] || i == only[1];
+        const double half = of->width[first + i] / 2;
+        double *jump = out->jump + PAIRS * (first + i), *series = out->series + VARIED * (first + i) * width;
+        vary_rates(loads, origin[first + nearest], n, x + n * i, &nodes[i]);
+        vary_entry(nodes, count, i, of->direction[b], jump);
+        if (wanted)
+            keep_series(&nodes[i], at, half, series);
+        for (int m = 0; m < SUMS; m++) {
+            double gained = 0;
+            for (int k = 0; k < n; k++)
+                gained += nodes[i].M[m][k] * weights[k];
+            total[backward][m] += m < PAIRS ? jump[m] : 0;
+            if (wanted)
+                series[(9 + m) * width] += total[backward][m];
+            if (out->M && m < PAIRS)
+                memcpy(out->M + (PAIRS * (first + i) + m) * n, nodes[i].M[m], sizeof(double) * (size_t)n);
+            total[backward][m] += gained * half;
         }
     }
     for (int arc = 0; arc < 2; arc++) {
         double *closing = out->closing + PAIRS * (2 * b + arc);
-        rod_varied_closing(nodes, count, arc, of->kind[b], of->direction[b], closing);
-        for (int m = 0; m < PAIRS; m++)
-            out->gain[PAIRS * (2 * b + arc) + m] = total[arc][m] + closing[m];
+        vary_closing(nodes, count, arc, of->kind[b], of->direction[b], closing);
+        for (int m = 0; m < SUMS; m++)
+            out->gain[SUMS * (2 * b + arc) + m] = total[arc][m] + (m < PAIRS ? closing[m] : 0);
     }
+    return nearest;
 }
 
 /* The variations of n orbits, none of them a helix.
@@ -294,7 +309,7 @@ int rod_variations(int64_t n, const double *loads, const read_orbits *of, const 
     varied_nodes *nodes = malloc(sizeof(varied_nodes) * (size_t)most);
     double *x = malloc(sizeof(double) * (size_t)(most * at->n));
     for (int64_t b = 0; nodes && x && b < n; b++)
-        one_orbit(loads + 3 * b, of, b, origin, at, nodes, x, out);
+        rod_vary(loads + 3 * b, of, b, origin, at, NULL, nodes, x, out);
     const int failed = nodes && x ? DONE : NO_MEMORY;
     free(nodes);
     free(x);
@@ -357,14 +372,14 @@ void rod_varied_place_on(reader *from, int64_t panel, double x, varied_place *ou
 void rod_varied_place_at(reader *from, int64_t b, double t, varied_place *out)
 {
     const read_orbits *of = from->of;
-    const double *gain = from->gain + 2 * PAIRS * b;
+    const double *gain = from->gain + 2 * SUMS * b;
     double x;
     phase where;
     const int64_t panel = rod_place(of, b, t, &where, &x);
     rod_varied_place_on(from, panel, x, out);
     out->v *= of->direction[b] * (where.second ? -1 : 1) * (where.mirrored ? -1 : 1);
-    for (int m = 0; m < PAIRS; m++)
-        out->M[m] = rod_unfolded(out->M[m], &where, gain[m], gain[PAIRS + m], of->kind[b] == LIBRATION);
+    for (int m = 0; m < SUMS; m++)
+        out->M[m] = rod_unfolded(out->M[m], &where, gain[m], gain[SUMS + m], of->kind[b] == LIBRATION);
 }
 
 /* The states of n orbits, none of them a helix, at t (n, stations) into out (n, stations). */

@@ -15,7 +15,7 @@ from .orbits import reading
 
 
 def orbit_rates(
-    numbers: Sequence[float], path: Any, n: int, how: tuple[Cutting, Cutting], rates: bool
+    numbers: Sequence[float], path: Any, n: int, how: tuple[Cutting, Cutting]
 ) -> tuple[Array, Array, Array, Array] | None:
     """The values (11,), rows (11, 5), derivatives by the length (11,), and length () of one equilibrium.
 
@@ -27,8 +27,6 @@ def orbit_rates(
     path : `line_point.Path`
     n, how
         As of `orbits.orbits`; how panels are cut for the length, and for the orbit.
-    rates : bool
-        Whether rows and derivatives are wanted; else they are NaN.
     """
     if path.helix:
         return None
@@ -37,26 +35,24 @@ def orbit_rates(
     level = Level(path.pin, path.sign, path.y, path.leaving, path.turns)
     status = functions().rod_orbit_rates(
         (ctypes.c_double * 6)(*numbers), ctypes.byref(level), ctypes.byref(searched), points(n), cut(how[0], True),
-        cut(how[1], False), int(rates), address(out),
+        cut(how[1], False), address(out),
     )  # fmt: skip
     return split(out) if status == NO_ORBIT or fine(status) else None
 
 
-def start_rates(
-    numbers: Sequence[float], n: int, how: Cutting, rates: bool
-) -> tuple[Array, Array, Array, Array] | None:
+def start_rates(numbers: Sequence[float], n: int, how: Cutting) -> tuple[Array, Array, Array, Array] | None:
     """The same of the orbit of a start problem, at its far end; y has no value and no row.
 
     Parameters
     ----------
     numbers : lam, mu, phi, span, beta(0), beta_t(0)
-    n, how, rates
+    n, how
         As of `orbit_rates`; how panels of the orbit are cut.
     """
     angles, table = grid()
     searched, out = Grid(angles.size, address(angles), address(table)), np.full(RATES, np.nan)
     status = functions().rod_start_rates(
-        (ctypes.c_double * 6)(*numbers), ctypes.byref(searched), points(n), cut(how, False), int(rates), address(out)
+        (ctypes.c_double * 6)(*numbers), ctypes.byref(searched), points(n), cut(how, False), address(out)
     )
     return split(out) if fine(status) else None
 
@@ -67,8 +63,9 @@ def split(records: Array) -> tuple[Array, Array, Array, Array]:
     return values, rows.reshape(*records.shape[:-1], NUMBERS, PARTS), by_span, length[..., 0]
 
 
-_PAIRS = 10  # elements of M that are kept
-_SERIES = 9 + _PAIRS  # of a panel
+PAIRS = 10  # elements of M that are kept
+_SUMS = PAIRS + 3  # with the integrals of sin, cos and sin cos of beta
+_SERIES = 9 + _SUMS  # of a panel
 KEPT = ("least", "M", "jump", "closing", "series", "gain")
 
 
@@ -87,8 +84,8 @@ def variations(orbit: Any, origin: Array) -> dict[str, Array]:
     problem, (of, kept), n = orbit.problem, reading(orbit), orbit.panels.series.shape[2] - 1
     P, B = origin.size, problem.size
     loads, origin = np.stack([problem.lam, problem.mu, problem.phi], axis=1), np.ascontiguousarray(origin)
-    shapes = (P,), (P, _PAIRS, n), (P, _PAIRS), (2 * B, _PAIRS)
-    out = dict(zip(KEPT, map(np.empty, (*shapes, (P, _SERIES, n + 1), (B, 2, _PAIRS))), strict=True))
+    shapes = (P,), (P, PAIRS, n), (P, PAIRS), (2 * B, PAIRS)
+    out = dict(zip(KEPT, map(np.empty, (*shapes, (P, _SERIES, n + 1), (B, 2, _SUMS))), strict=True))
     fine(functions().rod_variations(
         ctypes.c_int64(B), address(loads), ctypes.byref(of), address(origin), points(n),
         ctypes.byref(_VariedOrbits(*(address(a) for a in out.values()))),
@@ -98,8 +95,9 @@ def variations(orbit: Any, origin: Array) -> dict[str, Array]:
 
 
 def places(orbit: Any, varied: Mapping[str, Array], t: Array) -> Array:
-    """The states of B varied orbits at t (B, n), (B, n, 21): v, H, c, the shifts (4), gammas (4) and M (10)."""
-    (of, kept), out = reading(orbit), np.empty((*t.shape, 21))
+    """The states of B varied orbits at t (B, n), (B, n, 24): v, H, c, the shifts (4), gammas (4), M (10)
+    and the integrals of sin, cos and sin cos of beta."""
+    (of, kept), out = reading(orbit), np.empty((*t.shape, 11 + _SUMS))
     given = [np.ascontiguousarray(a) for a in (varied["series"], varied["gain"], t)]
     functions().rod_variations_places(
         ctypes.byref(of), *(ctypes.c_int64(k) for k in t.shape), *(address(a) for a in given), address(out)

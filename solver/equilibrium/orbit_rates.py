@@ -20,13 +20,12 @@ import numpy as np
 from ..core import varied_orbits as core
 from ..core.library import Cutting
 from ..levels.line_point import LinePoint, Path
-from ..levels.path_orbits import plain_orbit, variations_of
+from ..levels.path_orbits import variations_of
 from ..levels.transit_times import CUTTING, STRETCH
 from ..mechanics.potential import slope_higher_rates, slope_rate, slopes_by_loads
 from ..numerics.arrays import Array
 from ..numerics.roots import solve
 from ..orbit import helix_variations
-from ..orbit.periodic_orbit import Orbit
 from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem
 
@@ -121,7 +120,7 @@ def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
     B = problem.size
     values, rows, by_span, span = np.empty((B, 11)), np.empty((B, 11, 5)), np.empty((B, 11)), np.empty(B)
     for i, path in enumerate(paths):
-        found = core.orbit_rates(_numbers(problem, i), path, POINTS, HOW, True)
+        found = core.orbit_rates(_numbers(problem, i), path, POINTS, HOW)
         if found is None:
             one = _rates_beyond_core(problem.take(slice(i, i + 1)), path)
             found = one.values[0], one.rows[0], one.by_span[0], one.length[0]
@@ -137,7 +136,7 @@ def start_rates(problem: StartProblem) -> OrbitRates:
     """
     numbers = [float(getattr(problem, name)[0]) for name in ("lam", "mu", "phi", "span", "beta0", "dbeta0")]
     numbers[5] = numbers[5] if abs(numbers[5]) > _REST else 0.0
-    found = core.start_rates(numbers, POINTS, HOW[1], True)
+    found = core.start_rates(numbers, POINTS, HOW[1])
     values, rows, by_span = (
         (np.full(11, np.nan), np.full((11, 5), np.nan), np.full(11, np.nan)) if found is None else found[:3]
     )
@@ -160,26 +159,17 @@ def _rates_beyond_core(problem: EndsProblem, path: Path) -> OrbitRates:
         if not np.isfinite(problem.span[0]):
             return OrbitRates(problem, *(np.full((1, len(NUMBERS), *more), np.nan) for more in ((), (5,), ())))
         varied = variations_of(problem, path, place)
-        found = rates_of_variations(problem, varied, _integrals(plain_orbit(problem, path, place)))
+        found = rates_of_variations(problem, varied)
         _add_level(found, varied.nearest, path, place)
     return found
 
 
-def _integrals(orbit: Orbit) -> Array:
-    """Of sin, sin cos and cos over the rods, (3, B)."""
-    far = orbit.problem.span[:, None]
-    _, _, alpha, z = (value[:, 0] for value in orbit.at(far))
-    return np.stack([alpha, orbit.swirl(far)[:, 0], z])
-
-
-def rates_of_variations(problem: EndsProblem, varied: Variations, integrals: Array) -> OrbitRates:
-    """The numbers of orbits that are no helices at t = span, and their rows but that of y.
-
-    integrals: of sin, sin cos and cos, (3, B).
-    """
+def rates_of_variations(problem: EndsProblem, varied: Variations) -> OrbitRates:
+    """The numbers of orbits that are no helices at t = span, and their rows but that of y."""
     t, unit = ends_of(problem), np.broadcast_to(np.eye(5), (problem.size, 5, 5))
     at = varied.at(t)
-    return _assemble(problem, varied.change(t, unit), at.v.T, at.H.T, integrals)
+    turned, risen, swirl = at.integrals[:, 1].T
+    return _assemble(problem, varied.change(t, unit), at.v.T, at.H.T, np.stack([turned, swirl, risen]))
 
 
 def ends_of(problem: Reduced) -> Array:
@@ -259,16 +249,6 @@ def _steepness_rates(problem: EndsProblem, saddle: float) -> Array:
 
 
 def orbit_numbers(problem: EndsProblem, path: Path) -> tuple[Array, float]:
-    """The `NUMBERS` of one equilibrium that is no helix, (11,), without their rates; and the length of its path."""
-    found = core.orbit_rates(_numbers(problem, 0), path, POINTS, HOW, False)
-    if found is not None:
-        return found[0], float(found[3])
-    place = LinePoint(problem)
-    with np.errstate(all="ignore"):
-        length = place.lengths([path])
-        if not np.isfinite(length[0]):
-            return np.full(len(NUMBERS), np.nan), np.nan
-        orbit = plain_orbit(replace(problem, span=length), path, place)
-        v = orbit.at(length[:, None] * [0, 1])[1][0]
-    ends = problem.beta0[0], problem.betaL[0], *v, *_integrals(orbit)[:, 0]
-    return np.array([*ends, problem.lam[0], problem.mu[0], problem.phi[0], path.y]), float(length[0])
+    """The `NUMBERS` of one equilibrium, (11,), and the length of its path."""
+    found = orbit_rates(problem, [path])
+    return found.values[0], float(found.length[0])

@@ -17,7 +17,7 @@ the integrals of H_q d beta are the changes of alpha, of minus the swirl and of 
 saddle no large numbers cancel.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -25,12 +25,10 @@ import numpy as np
 
 from ..core import varied_orbits as core
 from ..core.library import Cutting
-from ..core.orbits import read_series
-from ..mechanics.potential import TAU
 from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
 from .periodic_orbit import Orbit, relative_orbit
-from .pieces import LIBRATION, Arcs
+from .pieces import Arcs
 
 POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
 _PAIRS = np.triu_indices(4)  # the rows and columns of M that are kept
@@ -43,6 +41,7 @@ class Place:
     """The state of orbits where their variation is read, at points (...).
 
     v, H: beta_t and H. c: of the transversal. shift, gamma: (..., 4), by a unit of each element of e. M: (..., 4, 4).
+    integrals: (..., 3), of sin, cos and sin cos of beta.
     """
 
     v: Array
@@ -51,6 +50,7 @@ class Place:
     shift: Array
     gamma: Array
     M: Array
+    integrals: Array
 
     @property
     def D(self) -> Array:
@@ -83,8 +83,9 @@ class Variations:
     orbit: the orbits; their series of beta count from the angle `base` (P,) of each panel. kept: arrays by name
     (`core.varied_orbits.KEPT`). least: (P,), the least beta_t^2 + c H^2 of each panel. M: (P, 10, n), the rates of its
     elements at the nodes. jump: (P, 10), closing: (2 B, 10), what M gains on entering each panel, and where the
-    rotation of an arc closes. series: (P, 19, n + 1), of |beta_t|, H, c, the shifts (3), gamma_q (3) and the ten
-    elements of M. gain: (B, 2, 10), what M gains over the forward and the backward arc.
+    rotation of an arc closes. series: (P, 22, n + 1), of |beta_t|, H, c, the shifts (3), gamma_q (3), the ten elements
+    of M and the integrals of sin, cos and sin cos of beta. gain: (B, 2, 13), what these sums gain over the forward and
+    the backward arc.
     """
 
     orbit: Orbit
@@ -94,8 +95,8 @@ class Variations:
     def at(self, t: Array) -> Place:
         """The places at t (B, n), (B, n) each."""
         found = core.places(self.orbit, self.kept, t)
-        M = found[..., 11:][..., _MATRIX]
-        return Place(found[..., 0], found[..., 1], found[..., 2], found[..., 3:7], found[..., 7:11], M)
+        v, H, c, shift, gamma, M, integrals = np.split(found, [1, 2, 3, 7, 11, 11 + core.PAIRS], axis=-1)
+        return Place(v[..., 0], H[..., 0], c[..., 0], shift, gamma, M[..., _MATRIX], integrals)
 
     def change(self, t: Array, parts: Array) -> Change:
         """The changes at t (B, n) in F directions with the parts (B, 5, F): a0, then e."""
@@ -115,14 +116,12 @@ class Variations:
         first = np.searchsorted(problem[order], np.arange(self.orbit.problem.size))
         return np.asarray(self.base[order[np.minimum(first, order.size - 1)]])
 
-    def beta(self, t: Array) -> Array:
-        """beta at t (B, n)."""
-        orbit = self.orbit
-        series = orbit.panels.series[:, :1].copy()
+    @cached_property
+    def absolute(self) -> Orbit:
+        """The orbits with series of beta that count from 0; those of alpha, z and the swirl have no meaning."""
+        series = self.orbit.panels.series.copy()
         series[:, 0, 0] += self.base
-        values, periods = read_series(orbit, series, t)
-        around = np.where(orbit.kind == LIBRATION, 0.0, TAU * orbit.arcs.direction)[:, None] * periods
-        return np.asarray(values[..., 0] + around)
+        return replace(self.orbit, panels=replace(self.orbit.panels, series=series))
 
 
 def directions(start: Place) -> Array:

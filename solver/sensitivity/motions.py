@@ -1,7 +1,7 @@
 """The motions of the solved cases of a solution: how each orbit answers what is given."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
@@ -48,11 +48,7 @@ class Motion:
     def pieces(self) -> Pieces:
         """The pieces of the rods, of orbits that are no helices."""
         assert self.varied is not None
-        orbit, panels = self.varied.orbit, self.varied.orbit.panels
-        series = panels.series.copy()
-        series[:, 0, 0] += self.varied.base
-        whole = replace(orbit, panels=replace(panels, series=series))
-        return of_orbit(whole, slice(0, self.problem.size))
+        return of_orbit(self.varied.absolute, slice(0, self.problem.size))
 
     @cached_property
     def end(self) -> Place:
@@ -115,7 +111,7 @@ def _of_equilibrium(sol: Shape, one: EndsProblem, path: Path, i: int) -> Motion:
         parts = parts_by_given(rates_of_helices(one), names, ratio)[None]
         return Motion(rows, problem, partial(_helix_change, helix_change, one), parts)
     varied = variations_of(one, path, LinePoint(one))
-    parts = parts_by_given(rates_of_variations(one, varied, np.full((3, 1), np.nan)), names, ratio)[None]
+    parts = parts_by_given(rates_of_variations(one, varied), names, ratio)[None]
     return Motion(rows, problem, varied.change, parts, varied)
 
 

@@ -153,7 +153,7 @@ class Moving(Reading):
 def _gains(motion: Motion, unit: Array, later: Array) -> tuple[Array, Array]:
     """The derivatives of alpha and of z/rho, without their values at the start, at the marks, (b, 3, F) each."""
     problem, t = motion.problem, marks_of(motion.problem)
-    beta = problem.beta0[:, None] if motion.varied is None else motion.varied.beta(t)
+    beta = problem.beta0[:, None] if motion.varied is None else motion.varied.absolute.at(t)[0]
     found = motion.change(t, unit).integrals
     longer = later[:, None, :] * MARKS[:, None]
     return found[..., 0] + np.sin(beta)[..., None] * longer, found[..., 2] + np.cos(beta)[..., None] * longer
