@@ -1,10 +1,11 @@
-"""What scipy's adaptive integrators share: beta, beta_t, alpha, z and the swirl marched from the start.
+"""What adaptive integrators share: beta, beta_t, alpha, z and the swirl marched from the start.
 
 The tolerance of an integrator is of one step, the error asked for is of the whole rod. So the error is measured: a
 second run at thirty times the tolerance is compared, and the tolerance is tightened until the two agree.
 """
 
 import math
+from abc import abstractmethod
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar
@@ -17,8 +18,6 @@ from ..problem.trajectory import NOT_FINITE, Trajectory, verdicts
 from .base import StartMethod, knob
 from .swing import condition_numbers
 
-_TIGHTEST = 3e-14  # scipy refuses rtol below 100 eps
-_LOOSEST = 1e-2  # the run it is compared with has thirty times that, and must differ
 _MOST_CALLS = 400_000  # of one integration: one or two seconds; stiffer cases are for `orbit`
 
 
@@ -32,11 +31,20 @@ _SPENT = f"failed: the integration needs more than {_MOST_CALLS} evaluations"
 
 @dataclass(frozen=True)
 class Adaptive(StartMethod):
-    """A method by one of scipy's integrators. integrator: its name for `solve_ivp`."""
+    """A method whose tolerance is one of a step, so that a second run measures the error.
 
-    integrator: ClassVar[str]
+    tightest, loosest: of that tolerance. rounding: of a state, by one evaluation.
+    """
+
+    tightest: ClassVar[float]
+    loosest: ClassVar[float] = 1e-2  # the run it is compared with has thirty times that, and must differ
+    rounding: ClassVar[float]
 
     rtol: float | None = knob(float)
+
+    @abstractmethod
+    def integrate(self, problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int, str]:
+        """States of one case at t (5, n); evaluations; and why there are none, or an empty text."""
 
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
         n = t.shape[1]
@@ -45,32 +53,42 @@ class Adaptive(StartMethod):
         calls, why = np.zeros(problem.size, dtype=np.int64), np.full(problem.size, "", dtype=object)
         for i in range(problem.size):
             single = problem.take(slice(i, i + 1))
-            answer = _solve_one(self.integrator, single, t[i], tol, self.rtol, float(condition[i]))
-            states[i], error[i], calls[i], why[i] = answer
+            states[i], error[i], calls[i], why[i] = self._solve_one(single, t[i], tol, float(condition[i]))
         beta, dbeta, alpha, z, swirl = np.moveaxis(states, 1, 0)
         verdict = verdicts(beta, error, condition, tol).failed(why)
         return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, calls)
 
+    def _solve_one(
+        self, problem: StartProblem, t: Array, tol: float, condition: float
+    ) -> tuple[Array, float, int, str]:
+        """States (5, n), error, calls, and why there is no answer or an empty text."""
+        accuracy = float(np.clip(0.1 * tol if self.rtol is None else self.rtol, self.tightest, self.loosest))
+        coarse, calls, why = self.integrate(problem, t, 30 * accuracy)
+        if why:  # a tighter run would take longer still
+            return coarse, math.inf, calls, why
+        weight = np.array([1, 0, 1, 1, 0]) / np.array([1, 1, max(1.0, t[-1]), max(1.0, t[-1]), 1])
+        while True:
+            fine, more, why = self.integrate(problem, t, accuracy)
+            calls += more
+            error = float(np.max(np.abs(fine - coarse) * weight[:, None], initial=0.0))
+            if why or not math.isfinite(error):
+                return fine, math.inf, calls, why
+            error += self.rounding * (1 + calls**0.5) * condition
+            if self.rtol is not None or error <= tol or accuracy <= self.tightest:
+                return fine, error, calls, ""
+            coarse, accuracy = fine, max(self.tightest, accuracy / 30)
 
-def _solve_one(
-    integrator: str, problem: StartProblem, t: Array, tol: float, rtol: float | None, condition: float
-) -> tuple[Array, float, int, str]:
-    """States (5, n), error, calls, and why there is no answer or an empty text."""
-    accuracy = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
-    coarse, calls, why = _integrate(integrator, problem, t, 30 * accuracy)
-    if why:  # a tighter run would take longer still
-        return coarse, math.inf, calls, why
-    weight = np.array([1, 0, 1, 1, 0]) / np.array([1, 1, max(1.0, t[-1]), max(1.0, t[-1]), 1])
-    while True:
-        fine, more, why = _integrate(integrator, problem, t, accuracy)
-        calls += more
-        error = float(np.max(np.abs(fine - coarse) * weight[:, None], initial=0.0))
-        if why or not math.isfinite(error):
-            return fine, math.inf, calls, why
-        error += 1e-15 * (1 + calls**0.5) * condition
-        if rtol is not None or error <= tol or accuracy <= _TIGHTEST:
-            return fine, error, calls, ""
-        coarse, accuracy = fine, max(_TIGHTEST, accuracy / 30)
+
+@dataclass(frozen=True)
+class ScipyAdaptive(Adaptive):
+    """A method by one of scipy's integrators. integrator: its name for `solve_ivp`."""
+
+    tightest = 3e-14  # scipy refuses rtol below 100 eps
+    rounding = 1e-15
+    integrator: ClassVar[str]
+
+    def integrate(self, problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int, str]:
+        return _integrate(self.integrator, problem, t, rtol)
 
 
 def _integrate(integrator: str, problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int, str]:

@@ -4,7 +4,7 @@ the values of one knob, from cheap to dear, for the comparison of accuracy again
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from functools import cache
+from functools import cache, partial
 from importlib.util import find_spec
 from typing import Any, ClassVar, Self
 
@@ -14,7 +14,7 @@ from ..choose.selection import NEAREST, Choose
 from ..numerics.arrays import Array
 from ..problem.errors import InputError, choices
 from ..problem.reduced import EndsProblem, StartProblem
-from ..problem.trajectory import Seed, Trajectory
+from ..problem.trajectory import Seed, Trajectory, verdicts
 
 # Evaluations after which a ladder ends: about 0.4 s on the machine of docs/reference/methods.md. Evaluations, not
 # seconds, so that a busy machine runs the same rungs. The first limit is for methods that call Python at each one.
@@ -170,6 +170,40 @@ class EndsMethod(Method):
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
         """The answer at the stations t (B, n), as of a start problem; the equilibrium near `seed`, or by `choose`."""
+
+
+class SeededMethod(EndsMethod):
+    """A method for ends problems that finds the solution near a first guess, one case after the other.
+
+    Without a seed it begins next to the equilibrium that the rule `choose` selects.
+    """
+
+    @abstractmethod
+    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> tuple[Array, float, float, int, str]:
+        """beta, beta_t, alpha, z and swirl of one case at t (n,), (5, n); error, condition number, evaluations, and why
+        it failed or an empty text."""
+
+    def run(
+        self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
+    ) -> Trajectory:
+        from ..choose.each_equilibrium import select_seed
+
+        taken, why = None, [""] * problem.size
+        if seed is None:
+            seed, taken, why = select_seed(problem, choose)
+        columns = np.full((5, problem.size, t.shape[1]), np.nan)
+        error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
+        work = np.zeros(problem.size, dtype=np.int64)
+        for i in range(problem.size):
+            single, near = problem.take(slice(i, i + 1)), seed.take(i)
+            if np.isfinite(near.beta).all():
+                columns[:, i], error[i], condition[i], work[i], why[i] = self.solve_one(single, t[i], tol, near)
+            else:
+                why[i] = why[i] or "failed: the seed has no shape"
+        verdict = verdicts(columns[0], error, condition, tol).failed(why)
+        beta, dbeta, alpha, z, swirl = columns
+        shape = beta, dbeta, alpha, z, partial(np.asarray, swirl)
+        return Trajectory(*shape, *verdict, error, condition, work, None, taken)
 
 
 @cache

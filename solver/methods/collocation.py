@@ -8,17 +8,15 @@ its Newton iteration limits the error to about 1e-11.
 
 import math
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ..choose.selection import NEAREST, Choose
 from ..mechanics.potential import slope, slope_rate
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
-from ..problem.trajectory import Seed, Trajectory, verdicts
-from .base import MOST_COMPILED, TOLERANCES, EndsMethod, Ladder, knob
+from ..problem.trajectory import Seed
+from .base import MOST_COMPILED, TOLERANCES, Ladder, SeededMethod, knob
 
 _FIRST, _MOST = (
     (257, 2049),
@@ -29,7 +27,7 @@ _GAUSS = np.polynomial.legendre.leggauss(5)
 
 
 @dataclass(frozen=True)
-class Collocation(EndsMethod):
+class Collocation(SeededMethod):
     """Collocation by cubic splines.
 
     rtol: scipy's own tolerance; default: sought so that `tol` is met. nodes: of the first mesh; default: 257, or 2049
@@ -44,28 +42,8 @@ class Collocation(EndsMethod):
     rtol: float | None = knob(float)
     nodes: int | None = knob(int, least=5)
 
-    def run(
-        self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
-    ) -> Trajectory:
-        from ..choose.each_equilibrium import select_seed
-
-        taken, why = None, [""] * problem.size
-        if seed is None:
-            seed, taken, why = select_seed(problem, choose)
-        columns = np.full((5, problem.size, t.shape[1]), np.nan)
-        error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
-        work = np.zeros(problem.size, dtype=np.int64)
-        for i in range(problem.size):
-            single, near = problem.take(slice(i, i + 1)), seed.take(i)
-            if np.isfinite(near.beta).all():
-                answer = _solve_one(single, t[i], tol, self.rtol, self.nodes, near)
-                columns[:, i], error[i], condition[i], work[i], why[i] = answer
-            else:
-                why[i] = why[i] or "failed: the seed has no shape"
-        verdict = verdicts(columns[0], error, condition, tol).failed(why)
-        beta, dbeta, alpha, z, swirl = columns
-        shape = beta, dbeta, alpha, z, partial(np.asarray, swirl)
-        return Trajectory(*shape, *verdict, error, condition, work, None, taken)
+    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> tuple[Array, float, float, int, str]:
+        return _solve_one(problem, t, tol, self.rtol, self.nodes, seed)
 
 
 def _solve_one(

@@ -5,16 +5,14 @@ Newton's rule finds the solution near its seed; without a seed, near the equilib
 """
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
-from ..choose.selection import NEAREST, Choose
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import EPS, Array
 from ..problem.reduced import EndsProblem
-from ..problem.trajectory import Seed, Trajectory, verdicts
-from .base import MOST_COMPILED, EndsMethod, Ladder, knob, twos
+from ..problem.trajectory import Seed
+from .base import MOST_COMPILED, Ladder, SeededMethod, knob, twos
 
 _FIRST, _LARGEST_FIRST, _MOST = 129, 2**13 + 1, 2**17 + 1  # nodes
 _FEWEST = 17  # nodes of the coarsest mesh that may measure the error of another
@@ -25,7 +23,7 @@ _NODES = tuple(n + 1 for n in twos(9, 64))
 
 
 @dataclass(frozen=True)
-class Difference(EndsMethod):
+class Difference(SeededMethod):
     """The paper's scheme for an ends problem.
 
     nodes: of the coarse mesh; default: the mesh is halved until two answers agree. With `nodes` the error is measured
@@ -46,25 +44,8 @@ class Difference(EndsMethod):
     nodes: int | None = knob(int, least=5)
     extrapolate: bool = knob(bool, default=True)
 
-    def run(
-        self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
-    ) -> Trajectory:
-        from ..choose.each_equilibrium import select_seed
-
-        taken, why = None, [""] * problem.size
-        if seed is None:
-            seed, taken, why = select_seed(problem, choose)
-        columns = np.full((5, problem.size, t.shape[1]), np.nan)
-        error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
-        work, met = np.zeros(problem.size, dtype=np.int64), np.zeros(problem.size, dtype=bool)
-        for i in range(problem.size):
-            single, near = problem.take(slice(i, i + 1)), seed.take(i)
-            answer = _solve_one(single, t[i], tol, self.nodes, self.extrapolate, near)
-            columns[:, i], error[i], condition[i], work[i], met[i] = answer
-        verdict = verdicts(columns[0], error, condition, tol).failed(np.where(met, "", _MISSED)).failed(why)
-        beta, dbeta, alpha, z, swirl = columns
-        shape = beta, dbeta, alpha, z, partial(np.asarray, swirl)
-        return Trajectory(*shape, *verdict, error, condition, work, None, taken)
+    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> tuple[Array, float, float, int, str]:
+        return _solve_one(problem, t, tol, self.nodes, self.extrapolate, seed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +64,8 @@ class _Mesh:
 
 def _solve_one(
     problem: EndsProblem, t: Array, tol: float, nodes: int | None, extrapolate: bool, seed: Seed, halves: bool = True
-) -> tuple[Array, float, float, int, bool]:
-    """Columns (5, n), error, condition, work, and whether Newton's rule converged.
+) -> tuple[Array, float, float, int, str]:
+    """Columns (5, n), error, condition, work, and that Newton's rule did not converge, or an empty text.
 
     halves: whether a coarser mesh may be used.
     """
@@ -102,7 +83,7 @@ def _solve_one(
         if not (mesh.met and finer.met):
             if halved:
                 return _solve_one(problem, t, tol, nodes, extrapolate, seed, halves=False)
-            return np.full((5, t.size), np.nan), np.inf, np.inf, work, False
+            return np.full((5, t.size), np.nan), np.inf, np.inf, work, _MISSED
         answers.append((4 * finer.columns[:, ::2] - mesh.columns) / 3 if extrapolate else mesh.columns)
         if len(answers) > 1:
             before, apart = apart, _difference(answers[-2], answers[-1][:, ::2], span)
@@ -122,7 +103,7 @@ def _solve_one(
     if _waves(problem, shown[0]) > 1:
         error = max(error, np.pi)  # fewer than six nodes a swing: both meshes see the same false, slower wave
     condition = float(response(problem, h, shown[:1])[0])
-    return _read(problem, shown, t), error + 4e-16 * condition, condition, work, True
+    return _read(problem, shown, t), error + 4e-16 * condition, condition, work, ""
 
 
 def _waves(problem: EndsProblem, beta: Array) -> float:

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
-from .adaptive import Adaptive
+from .adaptive import ScipyAdaptive
 from .base import MOST_CALLED, Ladder, tens
 
 
 @dataclass(frozen=True)
-class DOP853(Adaptive):
+class DOP853(ScipyAdaptive):
     """Adaptive Runge-Kutta. rtol: the tolerance of a step; default: sought so that `tol` is met."""
 
     name = "dop853"

@@ -13,7 +13,7 @@ from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
 from .base import Ladder, StartMethod, knob, twos
-from .marching import Scheme, march
+from .marching import Scheme, State, march
 
 
 @dataclass(frozen=True)
@@ -31,21 +31,10 @@ class Euler(StartMethod):
         return march(SCHEME, problem, t, tol, self.steps)
 
 
-def _march(problem: StartProblem, t: Array, steps: int) -> Array:
-    """beta, beta_t, alpha, z, swirl at the stations, (5, B, n)."""
-    out = np.empty((5, *t.shape))
-    beta, v = problem.beta0.copy(), problem.dbeta0.copy()
-    alpha, z, swirl = (np.zeros(problem.size) for _ in range(3))
-    gap = np.diff(t, axis=1, prepend=0.0) / steps  # the first interval is empty where t begins at 0
-    with np.errstate(over="ignore", invalid="ignore"):
-        for k in range(t.shape[1]):
-            h = gap[:, k]
-            for _ in range(steps if h.any() else 0):
-                s, c = np.sin(beta), np.cos(beta)
-                alpha, z, swirl = alpha + h * s, z + h * c, swirl + h * s * c
-                beta, v = beta + h * v, v - h * slope(problem, beta)
-            out[:, :, k] = beta, v, alpha, z, swirl
-    return out
+def _step(problem: StartProblem, state: State, h: Array) -> State:
+    beta, v, alpha, z, swirl = state
+    s, c = np.sin(beta), np.cos(beta)
+    return beta + h * v, v - h * slope(problem, beta), alpha + h * s, z + h * c, swirl + h * s * c
 
 
-SCHEME = Scheme(_march, order=1, calls=1, most=2**16)
+SCHEME = Scheme(_step, order=1, calls=1, most=2**16)

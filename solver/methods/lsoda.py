@@ -5,12 +5,12 @@ It evaluates the equation once a step, an advantage where evaluations are expens
 
 from dataclasses import dataclass
 
-from .adaptive import Adaptive
+from .adaptive import ScipyAdaptive
 from .base import MOST_CALLED, Ladder, tens
 
 
 @dataclass(frozen=True)
-class LSODA(Adaptive):
+class LSODA(ScipyAdaptive):
     """Multistep formulas. rtol: the tolerance of a step; default: sought so that `tol` is met."""
 
     name = "lsoda"

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -11,18 +12,42 @@ from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, verdicts
 from .swing import condition_numbers
 
-# problems, stations, steps between two stations -> beta, beta_t, alpha, z, swirl, (5, B, n)
-March = Callable[[StartProblem, Array, int], Array]
+# beta, beta_t, alpha, z and swirl of B problems, (B,) each, and what a scheme keeps from one step to the next
+State = Any
+
+
+def start_of(problem: StartProblem) -> State:
+    """The state at the start, (5, B)."""
+    none = np.zeros(problem.size)
+    return np.stack([problem.beta0, problem.dbeta0, none, none, none])
 
 
 @dataclass(frozen=True)
 class Scheme:
-    """A march of equal steps. order: of convergence; calls: of the equation in a step; most: steps along the rod."""
+    """A march of equal steps.
 
-    march: March
+    step: problems, their state and the step (B,) -> the state after it. order: of convergence. calls: of the equation
+    in a step. most: steps along the rod. begin: problems -> the state at the start.
+    """
+
+    step: Callable[[StartProblem, State, Array], State]
     order: int
     calls: int
     most: int
+    begin: Callable[[StartProblem], State] = start_of
+
+    def at(self, problem: StartProblem, t: Array, steps: int) -> Array:
+        """beta, beta_t, alpha, z, swirl at the stations t, so many steps between two of them, (5, B, n)."""
+        out = np.empty((5, *t.shape))
+        gap = np.diff(t, axis=1, prepend=0.0) / steps  # the first interval is empty where t begins at 0
+        with np.errstate(over="ignore", invalid="ignore"):
+            state = self.begin(problem)
+            for k in range(t.shape[1]):
+                h = gap[:, k]
+                for _ in range(steps if h.any() else 0):
+                    state = self.step(problem, state, h)
+                out[:, :, k] = state[:5]
+        return out
 
 
 def march(
@@ -41,7 +66,7 @@ def march(
     work, left = np.zeros(problem.size, dtype=np.int64), np.arange(problem.size)
     n, marches, answers = steps or 1, list[Array](), list[Array]()
     while left.size:
-        marches.append(scheme.march(problem.take(left), base[left], n))
+        marches.append(scheme.at(problem.take(left), base[left], n))
         work[left] += scheme.calls * intervals * n
         if not extrapolate:
             answers.append(marches[-1])

@@ -9,7 +9,7 @@ from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
 from .base import Ladder, StartMethod, knob, twos
-from .marching import Scheme, march
+from .marching import Scheme, State, march
 
 
 @dataclass(frozen=True)
@@ -27,23 +27,12 @@ class RK4(StartMethod):
         return march(SCHEME, problem, t, tol, self.steps)
 
 
-def _march(problem: StartProblem, t: Array, steps: int) -> Array:
-    """beta, beta_t, alpha, z, swirl at the stations, (5, B, n)."""
-    out = np.empty((5, *t.shape))
-    y = np.zeros((5, problem.size))
-    y[0], y[1] = problem.beta0, problem.dbeta0
-    gap = np.diff(t, axis=1, prepend=0.0) / steps  # the first interval is empty where t begins at 0
-    with np.errstate(over="ignore", invalid="ignore"):
-        for k in range(t.shape[1]):
-            h = gap[:, k]
-            for _ in range(steps if h.any() else 0):
-                k1 = _rates(problem, y)
-                k2 = _rates(problem, y + h / 2 * k1)
-                k3 = _rates(problem, y + h / 2 * k2)
-                k4 = _rates(problem, y + h * k3)
-                y = y + h / 6 * (k1 + 2 * (k2 + k3) + k4)
-            out[:, :, k] = y
-    return out
+def _step(problem: StartProblem, state: State, h: Array) -> State:
+    k1 = _rates(problem, state)
+    k2 = _rates(problem, state + h / 2 * k1)
+    k3 = _rates(problem, state + h / 2 * k2)
+    k4 = _rates(problem, state + h * k3)
+    return state + h / 6 * (k1 + 2 * (k2 + k3) + k4)
 
 
 def _rates(problem: StartProblem, y: Array) -> Array:
@@ -52,4 +41,4 @@ def _rates(problem: StartProblem, y: Array) -> Array:
     return np.stack([y[1], -slope(problem, y[0]), s, c, s * c])
 
 
-SCHEME = Scheme(_march, order=4, calls=4, most=2**15)
+SCHEME = Scheme(_step, order=4, calls=4, most=2**15)

@@ -14,7 +14,7 @@ from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
 from .base import Ladder, StartMethod, knob, twos
-from .marching import Scheme, march
+from .marching import Scheme, State, march, start_of
 
 
 @dataclass(frozen=True)
@@ -40,26 +40,19 @@ class Verlet(StartMethod):
         return march(SCHEME, problem, t, tol, self.steps, self.extrapolate)
 
 
-def _march(problem: StartProblem, t: Array, steps: int) -> Array:
-    """beta, beta_t, alpha, z, swirl at the stations, (5, B, n)."""
-    out = np.empty((5, *t.shape))
-    beta, v = problem.beta0.copy(), problem.dbeta0.copy()
-    alpha, z, swirl = (np.zeros(problem.size) for _ in range(3))
-    with np.errstate(over="ignore", invalid="ignore"):
-        kick, s, c = slope(problem, beta), np.sin(beta), np.cos(beta)
-        gap = np.diff(t, axis=1, prepend=0.0) / steps  # the first interval is empty where t begins at 0
-        for k in range(t.shape[1]):
-            h = gap[:, k]
-            for _ in range(steps if h.any() else 0):
-                v = v - h / 2 * kick
-                beta = beta + h * v
-                kick, s_new, c_new = slope(problem, beta), np.sin(beta), np.cos(beta)
-                v = v - h / 2 * kick
-                alpha, z = alpha + h / 2 * (s + s_new), z + h / 2 * (c + c_new)
-                swirl = swirl + h / 2 * (s * c + s_new * c_new)
-                s, c = s_new, c_new
-            out[:, :, k] = beta, v, alpha, z, swirl
-    return out
+def _begin(problem: StartProblem) -> State:
+    beta = problem.beta0
+    return *start_of(problem), slope(problem, beta), np.sin(beta), np.cos(beta)
 
 
-SCHEME = Scheme(_march, order=2, calls=1, most=2**17)
+def _step(problem: StartProblem, state: State, h: Array) -> State:
+    beta, v, alpha, z, swirl, kick, s, c = state
+    v = v - h / 2 * kick
+    beta = beta + h * v
+    kick, s_new, c_new = slope(problem, beta), np.sin(beta), np.cos(beta)
+    v = v - h / 2 * kick
+    alpha, z = alpha + h / 2 * (s + s_new), z + h / 2 * (c + c_new)
+    return beta, v, alpha, z, swirl + h / 2 * (s * c + s_new * c_new), kick, s_new, c_new
+
+
+SCHEME = Scheme(_step, order=2, calls=1, most=2**17, begin=_begin)
