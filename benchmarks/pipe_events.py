@@ -86,7 +86,7 @@ def buckling() -> float:
             Rod(EI=1.0, GJ=1.0, a=0.1, L=np.pi / k * LENGTH, weight=WEIGHT),
             Cylinder(R=1.1, side="inside", inclination="90deg"), Ends(M10=0.0, M1L=0.0, FZ=0.0, azimuth=0.0),
         )  # fmt: skip
-        tension = buckling_tension(rods_of(straight)[1][0])
+        tension = buckling_tension(rods_of(straight)[0])
         assert tension is not None
         return -tension / FORCE
 

@@ -9,11 +9,11 @@ from .equilibrium_branch import Branch
 from .follow import follow
 from .numerics.arclength import FOLD
 from .numerics.arrays import Array
-from .problem.case import Case, Ends, Start
+from .problem.case import Case, Start
 from .problem.case_fields import value_of, with_field
 from .problem.errors import InputError
 from .solution import Solution
-from .solve import between_ends, solve
+from .solve import ends_case, solve
 
 _BEFORE = 1e-10  # of the way to the fold: at the fold the condition number is infinite, and half the digits are lost
 
@@ -53,10 +53,7 @@ def _solve_start(case: Case) -> tuple[Solution, Case]:
     solution = solve(case, tol=1e-12, stations=2)
     if not solution.solved:
         raise InputError(f"the start problem is not solved: {solution.outcome}")
-    FZ, MZ, M3 = (float(load) for load in case.loads)
-    far = float(between_ends(solution).betaL[0])
-    ends = Ends(case.given.beta, far, FZ, MZ, M3, case.given.alpha, case.given.gamma)
-    return solution, Case(case.rod, case.cylinder, ends)
+    return solution, ends_case(solution)
 
 
 def to_fold(case: Case, limit: float, count: int = 9, field: str = "betaL") -> EndAngleBranch:

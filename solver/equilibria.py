@@ -192,7 +192,7 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
         raise InputError(f"equilibria needs a Case with Ends, got {type(case.given).__name__}")
     if case.shape:
         raise InputError(f"equilibria takes one case at a time, got a grid of shape {case.shape}")
-    _, (rod,) = rods_of(case)
+    (rod,) = rods_of(case)
     if rod.rubbed:
         raise InputError("equilibria of a rod with friction are not searched for; solve gives the one without jumps")
     if rod.held & {"height", "rotation"}:

@@ -18,7 +18,7 @@ from .problem.field_values import in_rad
 from .problem.reduced import EndsProblem, held_of, reduce_held
 from .problem.trajectory import Trajectory
 from .solution import Solution
-from .solve import between_ends, seed_of
+from .solve import between_ends, ends_case, seed_of
 
 if TYPE_CHECKING:
     from .branches.branch_events import Bounds, Place, Stop
@@ -146,11 +146,7 @@ def _equilibrium(solution: Solution) -> tuple[Case, "Path", EndsProblem]:
     """The ends problem of a solution as a case, its path, and the problem under dead loads that it solves."""
     from .choose.each_equilibrium import path_of_seed
 
-    case, given = solution.case, solution.case.given
-    if not isinstance(given, Ends):
-        far = float(between_ends(solution).betaL[0])
-        case = Case(case.rod, case.cylinder, Ends(given.beta, far, *case.loads, given.alpha, given.gamma))
-    begun = between_ends(solution)
+    case, begun = ends_case(solution), between_ends(solution)
     path = path_of_seed(seed_of(case, begun, solution))
     if path is None:
         raise InputError("the solution is not an equilibrium of its own ends problem to 1e-6 rad")

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .choose.selection import NEAREST, Choose, check
-from .numerics.arrays import Array
-from .problem.case import Case, check_case
+from .numerics.arrays import Array, Booleans
+from .problem.case import Case, Ends, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
 from .problem.limits import (
     OUT_OF_RANGE,
@@ -156,12 +156,9 @@ def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose:
     with np.errstate(all="ignore"):
         fit = np.asarray(np.isfinite(t)).all(axis=1, keepdims=True)
         answer, dead_problem = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, start)
-        for why in (TOO_LARGE, TOO_LONG):
-            lost = answer.outcome == why
-            answer = blank(answer, ~lost, beyond(why, case)) if lost.any() else answer
-        for fine, why in ((representable(case, dead_problem), OUT_OF_RANGE), (units_held(case), OUT_OF_RANGE)):
-            answer = answer if fine.all() else blank(answer, fine, beyond(why, case))
-    return Solution(case, dead_problem, answer, t, method.name, tol)
+        refusals = [(answer.outcome != why, why) for why in (TOO_LARGE, TOO_LONG)]
+        refusals += [(representable(case, dead_problem), OUT_OF_RANGE), (units_held(case), OUT_OF_RANGE)]
+    return Solution(case, dead_problem, _refuse(answer, case, refusals), t, method.name, tol)
 
 
 def _run(
@@ -182,7 +179,12 @@ def _run(
         answer = method.run(stood_in(problem, fit), t, tol, **which)
         slope = np.where(np.isfinite(answer.dbeta[:, 0]), answer.dbeta[:, 0], 0.0)  # beta'(0) is known only now
         held &= ~fit | representable(case, problem.with_start(slope))
-    refusals = (short, TOO_LONG), (held, OUT_OF_RANGE), (finite, TOO_LARGE), (units_held(case), OUT_OF_RANGE)
+    refusals = [(short, TOO_LONG), (held, OUT_OF_RANGE), (finite, TOO_LARGE), (units_held(case), OUT_OF_RANGE)]
+    return _refuse(answer, case, refusals)
+
+
+def _refuse(answer: Trajectory, case: Case, refusals: list[tuple[Booleans, str]]) -> Trajectory:
+    """The answer without the cases that a limit refuses; refusals: which are within it, (B,), and its outcome."""
     for fine, why in refusals:
         answer = answer if fine.all() else blank(answer, fine, beyond(why, case))
     return answer
@@ -240,6 +242,15 @@ def seed_of(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
     u = np.linspace(0, 1, 2001)
     beta = OrbitQuadrature().run(start, start.span[:, None] * u, 1e-8).beta
     return Seed(slope, np.tile(u, (problem.size, 1)), beta)
+
+
+def ends_case(sol: Solution) -> Case:
+    """The case of a solution between two ends; of a start problem that of its own far angle and its loads."""
+    case, given = sol.case, sol.case.given
+    if isinstance(given, Ends):
+        return case
+    far = float(between_ends(sol).betaL[0])
+    return Case(case.rod, case.cylinder, Ends(given.beta, far, *case.loads, given.alpha, given.gamma))
 
 
 def between_ends(sol: Solution) -> EndsProblem:

@@ -92,7 +92,7 @@ def rods_over(plane: ParameterPlane) -> RodAt:
     """The rod at shares of a plane, a little beyond its border too."""
 
     def rod_of(z: Array) -> LoadedRod:
-        return rods_of(plane.unchecked_case_at(z))[1][0]
+        return rods_of(plane.unchecked_case_at(z))[0]
 
     return partial(reflect, rod_of, names=("numbers", "span", "near", "far"))
 

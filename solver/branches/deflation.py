@@ -1,11 +1,10 @@
 """Newton's rule led away from equilibria that are known, to find other ones with the same held ends.
 
-The equations are multiplied by the product of 1 + 1/r^2 over the known equilibria, r being the distance from one of
-them in the `NUMBERS`: the product has the same zeros but these. Newton's step for the product is that for the equations
-times a number, so nothing but this number is computed.
+Distances are taken in the `NUMBERS`.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -25,6 +24,7 @@ from ..equilibrium.orbit_rates import NUMBERS
 from ..equilibrium.system import corner_state, problem_at, rates_in, settle
 from ..levels.line_point import LinePoint
 from ..numerics.arrays import Array
+from ..numerics.deflated_roots import lead_away
 from ..numerics.roots import solve
 from ..problem.reduced import EndsProblem
 
@@ -52,35 +52,19 @@ def deflate(start: OrbitState, wanted: Given, known: list[Array]) -> OrbitState 
 
     known: the `numbers_of` each.
     """
-    state = start
-    for _ in range(_ROUNDS):
+
+    def newton_step(state: OrbitState) -> tuple[Array, Array, Array] | None:
         values, length = state.rates.values[0], float(state.rates.length[0])
         off = wanted.values - values_of(values, length, wanted)
         change = answer(state.rates, wanted, off[:, None], np.array([wanted.span - length]))[:, 0]
-        if not np.isfinite(change[:-1]).all():
-            return None
-        rate = rate_of_product(numbers_of(state), change[:-1], known)
-        following = _next_state(state, wanted, change, 1 / (1 - rate) if rate != 1 else np.inf)
-        if following is None:
-            return None
-        state, size = following
-        if size < _NEAR and abs(rate) < 0.5:
-            found = settle(state.problem, state.path, wanted)
-            return None if isinstance(found, str) or is_known(found, known) else found
-    return None
+        return (numbers_of(state), change[:-1], change) if np.isfinite(change[:-1]).all() else None
+
+    state = lead_away(start, newton_step, partial(_next_state, wanted), known, _ROUNDS, _NEAR)
+    found = "" if state is None else settle(state.problem, state.path, wanted)
+    return None if isinstance(found, str) or is_known(found, known) else found
 
 
-def rate_of_product(here: Array, change: Array, known: list[Array]) -> float:
-    """The derivative of the logarithm of the product along a change of the numbers in which distances are taken."""
-    total = 0.0
-    for one in known:
-        apart = here - one
-        square = max(float(apart @ apart), 1e-30)
-        total -= 2 * float(apart @ change) / (square * (square + 1))
-    return total
-
-
-def _next_state(state: OrbitState, wanted: Given, change: Array, factor: float) -> tuple[OrbitState, float] | None:
+def _next_state(wanted: Given, state: OrbitState, change: Array, factor: float) -> tuple[OrbitState, float] | None:
     """The state after a step, halved where no orbit is there; and the size of the step of Newton's rule itself."""
     for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
         x = coordinate(chart)

@@ -190,6 +190,14 @@ def enclose(
         yield high - low, point, value
 
 
+def halve(holds: Callable[[float], object], low: float, high: float, width: float) -> tuple[float, float]:
+    """The last place where a condition does not hold, and the first where it does, at most `width` apart."""
+    while high - low > width:
+        middle = (low + high) / 2
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return low, high
+
+
 def bisect(f: Callable[[Array], Array], lo: Array, hi: Array, steps: int) -> Array:
     """The middles (P,) of brackets (P,) of roots after so many bisections; f: the values at x (P,)."""
     if not lo.size:

@@ -80,11 +80,11 @@ def _line(sol: Shape, name: str) -> Line:
     size = _size(case, name)
     if isinstance(case.given, Start):
         return Line(name, size, STEP / np.asarray(sol.trajectory.condition), [])
-    near = {sign > 0: rods_of(_case_at(case, name, sign * DIFFERENCE * size))[1] for sign in (1, -1)}
+    near = {sign > 0: rods_of(_case_at(case, name, sign * DIFFERENCE * size)) for sign in (1, -1)}
     shapes: Any = sol.trajectory.shapes
     steps: list[float] = []
     answers: list[Array | None] = []
-    for i, rod in enumerate(rods_of(case)[1]):
+    for i, rod in enumerate(rods_of(case)):
         nodes = shapes.of(i)
         answer = None
         if nodes is not None:
@@ -127,7 +127,7 @@ def _at_step(sol: Shape, line: Line, count: int) -> Shape:
         problem, trajectory = answer_starts(case, t, sol.tol)
     else:
         paths = []
-        for i, rod in enumerate(rods_of(case)[1]):
+        for i, rod in enumerate(rods_of(case)):
             nodes, answer, index = known.shapes.of(i), line.answers[i], known.held_index[i]
             y = np.full((2, 8), np.nan) if answer is None else nodes.y + count * line.step[i] * answer
             times = np.array([0.0, rod.span]) if answer is None else nodes.t * (rod.span / nodes.t[-1])

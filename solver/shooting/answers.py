@@ -83,7 +83,7 @@ def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[End
 
     seed: None, "straight", the `Trajectory` of one or B, or the paths of all in a list.
     """
-    _, rods = rods_of(case)
+    rods = rods_of(case)
     n, alpha0 = t.shape[1], flat(case.given.alpha, case.shape)
     y, nodes, paths, estimates = np.full((len(rods), n, SIZE), np.nan), [], [], []
     for i, rod in enumerate(rods):
@@ -121,9 +121,9 @@ def path_at(case: Case, known: Nodes, case_at: Callable[[float], Case], low: flo
     """The curve of equilibria of a case that depends on one number, from low to high, and a shape of it."""
 
     def rod_at(x: float) -> LoadedRod:
-        return rods_of(case_at(x))[1][0]
+        return rods_of(case_at(x))[0]
 
-    rod = rods_of(case)[1][0]
+    rod = rods_of(case)[0]
     u = max((one.nodes() / one.span for one in (rod_at(low), rod, rod_at(high))), key=len)
     return Curve(rod_at, high - low, rod.scale), Shape(rod, u * rod.span, known.at(u * known.t[-1]))
 

@@ -6,8 +6,9 @@ from functools import partial
 
 import numpy as np
 
+from ..numerics.roots import halve
 from ..problem.case import ALONG_ITSELF
-from .buckling import AHEAD, buckle, buckling_share, lying_rod, straight_index, straight_shape
+from .buckling import AHEAD, buckle, buckling_shares, lying_rod, straight_index, straight_shape
 from .descent import LOOSE, descend, index_at, index_of_any, is_near
 from .loaded_rod import SHORT, LoadedRod
 from .local_waves import PASSED, QUIET, leans_and_buckles, lock_up_share, sinusoid, wound_shape
@@ -27,7 +28,7 @@ RESTLESS = (
     "drive waves along the rod or wind up its helix"
 )
 FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.1, 1e-4, 0.25
-HALVINGS = 8  # of a load
+FINE = 2.0**-8  # of the range of a load: how closely it is enclosed
 LEAST_RUBBED = 1e-2  # least step of a rod with friction, whose branch ends where its waves run
 SHARES_AHEAD = 1.0, 0.9, 0.7, 0.4  # of the rest of the way: where a sinusoid is tried when a branch ends
 
@@ -76,7 +77,7 @@ def branch_from_straight(rod: LoadedRod) -> Path:
     shape = straight_shape(rod, t)
     if index_at(shape) == 0:
         return Path(shape)
-    critical = buckling_share(rod, t)
+    critical = next(buckling_shares(rod, t))[0]
     buckled = buckle(rod, t, critical)
     if buckled is None:
         why = f"no stable equilibrium was found near {critical:.6g} of the loads, where the straight rod buckles"
@@ -135,11 +136,8 @@ def grow_friction(rod: LoadedRod, plain: Path) -> Path:
 
 def least_tension(rod: LoadedRod, is_at_fault: Callable[[LoadedRod], object]) -> float:
     """The far end's phi, a little above the least one, at which a rod has a fault no more that it has under its own."""
-    far, low, high = rod.far.copy(), float(rod.far[2]), max(0.0, lying_rod(rod).along * rod.span)
-    for _ in range(HALVINGS):
-        far[2] = (low + high) / 2
-        low, high = (far[2], high) if is_at_fault(replace(rod, far=far.copy())) else (low, far[2])
-    return float(high)
+    low, high = float(rod.far[2]), max(0.0, lying_rod(rod).along * rod.span)
+    return halve(lambda phi: not is_at_fault(rod.with_tension(phi)), low, high, (high - low) * FINE)[1]
 
 
 def branch_to_height(rod: LoadedRod) -> Path:
@@ -149,10 +147,8 @@ def branch_to_height(rod: LoadedRod) -> Path:
     """
     size, why, failed = 0.0, "no axial force was found that bends the rod", 0
     for _ in range(MOST_FORCES):
-        far = rod.far.copy()
-        far[2] = -size
+        path = branch_from_straight(rod.with_tension(-size))
         size = 2 * size or float(rod.rate(np.array([rod.span]))[0] ** 2) / 4
-        path = branch_from_straight(replace(rod, held=rod.held - {"height"}, far=far))
         if path.shape is None:
             why, failed = f"no axial force was found that bends the rod: {path.why}", failed + 1
             if failed == MOST_FAILED:

@@ -1,17 +1,19 @@
 """Where a straight rod buckles, and the stable shape into which it does."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 
 import numpy as np
 
 from ..numerics.arrays import Array
+from ..numerics.roots import halve
 from .curve import Curve
 from .descent import descend, index_at, weakest_modes
 from .loaded_rod import LoadedRod
 from .newton import Shape
 
-CLOSE = 1e-6  # relative: of the load at which the straight rod buckles
+CLOSE, ALIKE = 1e-6, 1e-12  # relative: of the load at which the straight rod buckles; of two that are one
 AMPLITUDES = tuple(
     0.05 * 4.0**-k for k in range(6)
 )  # of the angles, in their scales, with which a buckled shape is sought
@@ -41,14 +43,28 @@ def straight_index(rod: LoadedRod) -> int:
     return index_at(straight_shape(even, even.nodes()))
 
 
-def buckling_share(rod: LoadedRod, t: Array) -> float:
-    """The share of the loads just above which the straight rod is unstable along one mode."""
-    low, high, index = 0.0, 1.0, index_at(straight_shape(rod, t))
-    while (high - low > CLOSE * high or index > 1) and high - low > 1e-12 * high:
+def buckling_shares(rod: LoadedRod, t: Array) -> Iterator[tuple[float, int]]:
+    """The shares of the loads just above which the index of the straight rod rises, the lowest first, and by how much.
+
+    It rises by more than one where modes buckle at one load to rounding, and at 0 where the rod is unstable without
+    loads.
+    """
+
+    def index(share: float) -> int:
+        return index_at(straight_shape(rod.share(share), t))
+
+    unloaded = index(0.0)
+    parts = [(0.0, unloaded, 1.0, index(1.0)), (0.0, 0, 0.0, unloaded)]
+    while parts:
+        low, below, high, above = parts.pop()
+        if above <= below:
+            continue
+        if high - low <= (CLOSE if above == below + 1 else ALIKE) * high:
+            yield high, above - below
+            continue
         middle = (low + high) / 2
-        now = index_at(straight_shape(rod.share(middle), t))
-        low, high, index = (low, middle, now) if now else (middle, high, index)
-    return high
+        now = index(middle)
+        parts += [(middle, now, high, above), (low, below, middle, now)]
 
 
 def buckling_tension(rod: LoadedRod) -> float | None:
@@ -56,24 +72,19 @@ def buckling_tension(rod: LoadedRod) -> float | None:
 
     None where the straight rod is no equilibrium, or is unstable though all of it is in tension.
     """
-    rod = replace(rod.with_friction(0.0), held=rod.held - {"height"})
+    rod = rod.with_friction(0.0).with_tension(0.0)
 
-    def is_unstable(phi: float) -> bool:
-        far = rod.far.copy()
-        far[2] = phi
-        pulled = replace(rod, far=far)
-        return index_at(straight_shape(pulled, pulled.nodes())) > 0
+    def is_stable(phi: float) -> bool:
+        pulled = rod.with_tension(phi)
+        return index_at(straight_shape(pulled, pulled.nodes())) == 0
 
     high = max(0.0, rod.along * rod.span)  # here no part of the rod is compressed
-    if not rod.straight or is_unstable(high):
+    if not rod.straight or not is_stable(high):
         return None
     low = high - 1 / rod.span**2
-    while not is_unstable(low):
+    while is_stable(low):
         low = high + 4 * (low - high)
-    while high - low > CLOSE * max(abs(high), abs(low)):
-        middle = (low + high) / 2
-        low, high = (middle, high) if is_unstable(middle) else (low, middle)
-    return (low + high) / 2
+    return sum(halve(is_stable, low, high, CLOSE * max(abs(high), abs(low)) / 4)) / 2
 
 
 def buckle(rod: LoadedRod, t: Array, critical: float) -> tuple[Shape, float] | None:

@@ -67,8 +67,8 @@ class Curve:
             shape = now.shape
             linear = linear_at(shape)
             right = np.stack([linear.open, self.rate(shape, now.x)], axis=1)
-            found = linear.solve(right) if np.isfinite(right).all() else None
-            if found is None or not np.isfinite(found).all():
+            found = linear.solve(right)
+            if found is None:
                 return DIVERGED
             whole, by_x = np.append(found[:, 0], 0.0), np.append(-found[:, 1], 1.0)
             passed = np.append(((shape.y - guess.y) / self.scale).reshape(-1), (now.x - x) / self.size)

@@ -8,13 +8,14 @@ from ..branches.branch_events import Bounds, Place, Stop, arrive, both_ways, eve
 from ..numerics.arclength import BRANCH_POINT, FOLD, PITCHFORK, Lengths, Stride, trace
 from ..numerics.roots import enclose
 from ..problem.errors import InputError
-from .curve import Curve, Point, inner
+from .curve import REACH, Curve, Point, inner
 from .descent import index_of_any
-from .newton import SAME, Shape, is_same
+from .newton import SAME, Shape, correct, is_same
 
 UNSOLVED = "Newton's method did not converge from it"
 LOST = "Newton's method did not converge on the way"
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of x
+MOST_POINTS = 150  # in each sense, of a branch that a search follows
 SHORT = 1e-3  # step, within which several branch points are one
 COSINE = 0.9  # least, of the turn of the tangent in a step
 NARROW = 1e-4  # of a step: how closely a branch point is enclosed, at which the equations are singular
@@ -40,8 +41,12 @@ class ShapeOnBranch:
 
     def record(self, kind: str = "") -> Place:
         """Its equilibrium."""
-        shape = self.point.shape
-        return Place(self.p, shape, None, None if shape.rod.rubbed else self.index, kind)
+        return place_of(self.point.shape, self.p, self.index, kind)
+
+
+def place_of(shape: Shape, x: float, index: int, kind: str = "") -> Place:
+    """A shape as an equilibrium of a branch, without an index where it has friction."""
+    return Place(x, shape, None, None if shape.rod.rubbed else index, kind)
 
 
 def on_branch(point: Point) -> ShapeOnBranch:
@@ -75,8 +80,8 @@ def place_between(curve: Curve, one: ShapeOnBranch, other: ShapeOnBranch, x: flo
     """The equilibrium at x between two neighbours of a branch."""
     a, b = one.point, other.point
     share = (x - a.x) / (b.x - a.x)
-    found = begin(curve, replace(a.shape, y=a.shape.y + share * (b.shape.y - a.shape.y)), x)
-    return None if found is None else found.record()
+    shape = correct(curve.shape(a.shape, a.shape.y + share * (b.shape.y - a.shape.y), x), reach=REACH, most=12)
+    return None if shape is None else place_of(shape, x, index_of_any(shape))
 
 
 def special_between(

@@ -1,6 +1,6 @@
 """Equilibria of a rod with weight other than the known ones: Newton's method led away from these.
 
-The product is that of `branches.deflation`; distances are taken in the angles at the nodes.
+Distances are taken in the angles at the nodes.
 """
 
 from collections.abc import Iterator
@@ -8,12 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..branches.deflation import rate_of_product
 from ..numerics.arrays import Array
+from ..numerics.deflated_roots import lead_away
+from .curve import REACH
 from .loaded_rod import ALPHA, BETA, LoadedRod
-from .newton import DEEP, Shape, correct, is_same, linear_at, share_within, size_of
+from .newton import DEEP, Shape, correct, is_same, linear_at, size_of
 
-ROUNDS, REACH = 30, 1.0  # steps; the longest, of the angles in their scales
+ROUNDS = 30  # steps
 NEAR = 0.1  # size of a step of Newton's method from which it converges by itself
 AMPLITUDES = -1.0, 0.9  # of the waves of a start: the powers of ten between which it lies
 WAVES, FROM_KNOWN, AROUND = 4, 0.7, 0.3  # in a start; share of starts from known shapes; azimuths over angles
@@ -29,22 +30,21 @@ def angles_in(change: Array) -> Array:
     return np.asarray(change[:, [BETA, ALPHA]].reshape(-1) / np.sqrt(len(change)))
 
 
-def deflate(shape: Shape, known: list[Shape]) -> Shape | None:
+def deflate(start: Shape, known: list[Shape]) -> Shape | None:
     """An equilibrium that is none of the known ones; None where the steps from a shape lead to none."""
-    places = [angles_of(one) for one in known]
-    for _ in range(ROUNDS):
-        linear = linear_at(shape, deep=DEEP)
-        found = linear.solve(linear.open) if np.isfinite(linear.open).all() else None
-        if found is None or not np.isfinite(found).all():
-            return None
-        change = -found.reshape(shape.y.shape)
-        rate = rate_of_product(angles_of(shape), angles_in(change), places)
-        share = share_within(REACH, change / (1 - rate)) / (1 - rate) if rate != 1 else share_within(REACH, change)
-        shape = replace(shape, y=shape.y + share * change * shape.rod.scale)
-        if size_of(change) < NEAR and abs(rate) < 0.5:
-            there = correct(shape, reach=REACH, most=15)
-            return None if there is None or any(is_same(there, one) for one in known) else there
-    return None
+
+    def newton_step(shape: Shape) -> tuple[Array, Array, Array] | None:
+        change = linear_at(shape, deep=DEEP).newton_change()
+        return None if change is None else (angles_of(shape), angles_in(change), change)
+
+    def move(shape: Shape, change: Array, factor: float) -> tuple[Shape, float]:
+        turn = float(np.abs(change[:, [BETA, ALPHA]]).max())
+        share = np.clip(factor, -REACH / turn, REACH / turn) if turn else 0.0
+        return replace(shape, y=shape.y + share * change * shape.rod.scale), size_of(change)
+
+    near = lead_away(start, newton_step, move, [angles_of(one) for one in known], ROUNDS, NEAR)
+    found = None if near is None else correct(near, reach=REACH, most=15)
+    return None if found is None or any(is_same(found, one) for one in known) else found
 
 
 def further_shapes(rod: LoadedRod, t: Array, known: list[Shape], tries: int) -> Iterator[Shape]:

@@ -116,6 +116,12 @@ class LoadedRod:
             far[2] = self.span + (self.far[2] - self.span) * part
         return replace(self, numbers=numbers, near=self.near * part, far=far)
 
+    def with_tension(self, phi: float) -> "LoadedRod":
+        """The rod with another given phi at the far end, also in place of a held height."""
+        far = self.far.copy()
+        far[2] = phi
+        return replace(self, held=self.held - {"height"}, far=far)
+
     def with_friction(self, part: float) -> "LoadedRod":
         """The rod with a share of its friction."""
         numbers = self.numbers.copy()

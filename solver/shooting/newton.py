@@ -40,9 +40,17 @@ class Linear:
     stiffness: Array | None = None
 
     def solve(self, right: Array) -> Array | None:
-        """The changes of the states, in their scales, for right sides (8 N, m); None where there are none."""
+        """The changes of the states, in their scales, for right sides (8 N, m); None where there are no finite ones."""
+        if not np.isfinite(right).all():
+            return None
         start, _, end, _ = self.rod.conditions()
-        return solve_chain(self.transfer, self.rod.scale, start, end, self.stiffness, right)
+        found = solve_chain(self.transfer, self.rod.scale, start, end, self.stiffness, right)
+        return None if found is None or not np.isfinite(found).all() else found
+
+    def newton_change(self) -> Array | None:
+        """The change (N, 8), in the scales, that leaves nothing open; None where there is none."""
+        found = self.solve(self.open)
+        return None if found is None else -found.reshape(-1, SIZE)
 
 
 def march_of(shape: Shape, shorter: float = 1.0, deep: int = ORDER) -> tuple[Array, Array]:
@@ -120,14 +128,11 @@ def correct(
     def step(now: Shape) -> tuple[Shape, float] | str:
         if np.abs(now.y / scale)[:, [BETA, SPEED, Q, PHI]].max() > WILD:  # whose march would take seconds
             return DIVERGED
-        linear = linear_at(now, anchor, stiffness, deep=DEEP)
-        found = linear.solve(linear.open) if np.isfinite(linear.open).all() else None
-        if found is None or not np.isfinite(found).all():
+        change = linear_at(now, anchor, stiffness, deep=DEEP).newton_change()
+        if change is None:
             return DIVERGED
-        change = found.reshape(now.y.shape)
-        return replace(now, y=now.y - change * scale * share_within(reach, change), steps=now.steps + 1), size_of(
-            change
-        )
+        y = now.y + change * scale * share_within(reach, change)
+        return replace(now, y=y, steps=now.steps + 1), size_of(change)
 
     found = newton(replace(shape, steps=0), step, replace(ENDING, rounds=most, goal=enough))
     return None if isinstance(found, str) else replace(found, y=with_known_loads(found.rod, found.t, found.y))

@@ -5,7 +5,7 @@ import numpy as np
 from ..core.varying_loads import SIZE
 from ..numerics.arrays import Array
 from ..problem.case import Case
-from ..problem.reduced import HeldProblem, StartProblem, dimensionless_problem, flat, held_problem
+from ..problem.reduced import StartProblem, dimensionless_problem, flat, held_problem
 from .loaded_rod import ALPHA, BETA, HELD, MU, PHI, SPEED, LoadedRod, Q
 
 
@@ -38,7 +38,7 @@ def starts_of(case: Case) -> tuple[StartProblem, Array, Array, Array]:
     return problem, numbers, y, np.stack([*scale, ones], axis=1)
 
 
-def rods_of(case: Case) -> tuple[HeldProblem, list[LoadedRod]]:
+def rods_of(case: Case) -> list[LoadedRod]:
     """The ends problems of a case, one by one."""
     problem, numbers = held_problem(case), numbers_of(case)
     alpha0 = flat(case.given.alpha, case.shape)
@@ -49,4 +49,4 @@ def rods_of(case: Case) -> tuple[HeldProblem, list[LoadedRod]]:
         near = np.array([values["beta0"], alpha0[i]])
         far = np.array([values["betaL"], values["round"], values["axial"], values["twist"]])
         rods.append(LoadedRod(numbers[i], float(problem.span[i]), held, near, far))
-    return problem, rods
+    return rods

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,10 @@ from ..branches.branch_events import Bounds
 from ..core.varying_loads import march
 from ..numerics.arrays import Array, Booleans
 from .branch import branch_from_straight
-from .buckling import CLOSE, straight_shape
+from .buckling import buckling_shares, straight_shape
 from .curve import Curve
 from .descent import index_at, on_nodes, weakest_modes
-from .following import begin, on_branch, trace_shapes
+from .following import MOST_POINTS, begin, on_branch, trace_shapes
 from .further_shapes import further_shapes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import Shape, correct, is_same
@@ -23,7 +24,7 @@ CELLS = 120, 80  # of the scan, over beta_t(0) or beta(0) and over q(0)
 TRIES, FEW_TRIES = 60, 10  # of deflations in a row that find none, after which the search ends; of a long rod
 WIDE = 5  # times the largest load: the range of a reaction
 HEAVIEST = 2.0  # times the weight: how far a branch is followed from no weight, as some turn back on the way
-MOST_NODES, MOST_POINTS = 100, 150  # of a rod that is followed from no weight; of a branch
+MOST_NODES = 100  # of a rod that is followed from no weight
 MOST_MODES, SMALL = 8, 0.05  # of the straight rod, whose branches are followed; their first amplitude
 STRAIGHT, DEFLATION, SCAN = "the branch of the straight rod", "deflation", "scan of the start"
 WEIGHT, BUCKLED = "growth of the weight", "a buckling load of the straight rod"
@@ -102,7 +103,7 @@ def buckling_shapes(rod: LoadedRod, t: Array) -> Iterator[Shape]:
         return
     straight = straight_shape(rod, t)
     curve = Curve(rod.share, 1.0, rod.scale)
-    for share, count in buckling_shares(rod, t):
+    for share, count in islice(buckling_shares(rod, t), MOST_MODES):
         at_load = straight_shape(rod.share(share), t)
         for mode in weakest_modes(at_load, count):
             point = curve.correct(replace(at_load, y=at_load.y + SMALL * mode), share, curve.direction(mode, 0.0))
@@ -117,27 +118,6 @@ def buckling_shapes(rod: LoadedRod, t: Array) -> Iterator[Shape]:
                     mirror = correct(replace(shape, y=2 * straight.y - shape.y), most=15)
                     if mirror is not None:
                         yield mirror
-
-
-def buckling_shares(rod: LoadedRod, t: Array) -> list[tuple[float, int]]:
-    """The lowest shares of the loads at which the index of the straight rod rises, and by how much."""
-
-    def index(share: float) -> int:
-        return index_at(straight_shape(rod.share(share), t))
-
-    found: list[tuple[float, int]] = []
-    parts = [(0.0, index(0.0), 1.0, index(1.0))]
-    while parts and len(found) < MOST_MODES:
-        low, below, high, above = parts.pop()
-        if above <= below:
-            continue
-        if high - low < CLOSE:
-            found.append((high, above - below))
-            continue
-        middle = (low + high) / 2
-        now = index(middle)
-        parts += [(middle, now, high, above), (low, below, middle, now)]
-    return found
 
 
 def ranges(rod: LoadedRod) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -16,13 +16,12 @@ from ..numerics.arrays import Array
 from ..problem.errors import InputError
 from .curve import Curve, Point
 from .descent import index_of_any, weakest_modes
-from .following import shapes_through
+from .following import MOST_POINTS, shapes_through
 from .further_shapes import angles_of
 from .loaded_rod import SPEED, LoadedRod
 from .newton import Shape, is_same
 from .pitchfork_line import PitchforkPoint, pitchfork_at, pitchfork_line
 
-MOST_POINTS = 150  # of a branch in each sense
 NARROW = 0.01  # of a step: how closely a branch point is enclosed, before its curve is solved for
 SPLIT = 0.05  # of the angles, in their scales: how far from a branch those that cross it are entered
 RodAt = Callable[[Array], LoadedRod]

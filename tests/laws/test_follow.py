@@ -71,6 +71,15 @@ def test_two_equilibria_merge_at_a_fold_and_none_is_left_beyond_it() -> None:
     assert counts[0] - counts[1] == 2
 
 
+@pytest.mark.parametrize("short", [1e-3, 1e-7, 1e-11])
+def test_a_branch_ends_at_its_border_though_it_folds_next_to_it(short: float) -> None:
+    (fold,) = follow(table_1(), FZ=4.0).special
+    border = fold.value + short * np.sign(table_1().case.loads[0] - fold.value)
+    branch = follow(table_1(), FZ=border)
+    assert branch.values[-1] == branch.end.value == border
+    assert (branch.end.reason, branch.special) == (END, ())
+
+
 @pytest.mark.parametrize("L", [10.0, 31.0])
 def test_a_straight_pipe_buckles_at_eulers_loads(L: float) -> None:
     """About beta = 0 without torque eta'' - phi eta = 0: sin(r L) = 0 at -phi = (n pi/L)^2."""

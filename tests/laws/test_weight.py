@@ -33,7 +33,7 @@ from solver.numerics.arclength import Lengths
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.limits import unreachable
 from solver.problem.reduced import reduce
-from solver.shooting.buckling import buckling_tension, straight_index, straight_shape
+from solver.shooting.buckling import buckling_shares, buckling_tension, straight_index, straight_shape
 from solver.shooting.descent import index_at
 from solver.shooting.further_shapes import further_shapes
 from solver.shooting.loaded_rod import PHI, LoadedRod
@@ -41,7 +41,7 @@ from solver.shooting.local_waves import compression, places, sinusoid, wave_shap
 from solver.shooting.newton import open_at
 from solver.shooting.numbers import rods_of
 from solver.shooting.pitchfork_line import pitchfork_at
-from solver.shooting.search import buckling_shapes, buckling_shares
+from solver.shooting.search import buckling_shapes
 from solver.shooting.shapes_on_plane import pitchforks_of
 from solver.shooting.slender_sinusoid import OVER, rows
 from solver.shooting.state import in_words
@@ -122,7 +122,7 @@ def long_pipe(inclination: float, load: float, sliding: str, ends: dict[str, flo
 
 @pytest.mark.parametrize("pipe", LONG_PIPES)
 def test_a_long_pipe_with_friction_is_nearly_its_local_sinusoid(pipe: Any) -> None:
-    rod = rods_of(long_pipe(*pipe))[1][0]
+    rod = rods_of(long_pipe(*pipe))[0]
     found = sinusoid(rod)
     assert found is not None
     assert np.abs(open_at(found)).max() < 1e-9
@@ -210,7 +210,7 @@ def test_a_pipe_buckles_where_the_compression_with_friction_passes_the_load_of_d
     assert state in in_words(sol.states)
     assert sol.begun.endswith(words)
     assert max(unbalanced(sol)) < 1e-6
-    assert (straight_index(rods_of(case)[1][0]) == 0) == (words == "the straight rod")
+    assert (straight_index(rods_of(case)[0]) == 0) == (words == "the straight rod")
 
 
 TURNING = (  # L, compression, friction, torque at s = L
@@ -357,6 +357,11 @@ def test_a_buckled_pipe_is_followed_back_to_its_pitchfork_and_through_its_folds(
     assert branch.to_dataset(stations=11).sizes["u"] == 11
 
 
+def test_the_shapes_of_a_branch_have_the_stations_of_the_solution() -> None:
+    whole, part = (follow(solve(BENT, stations=s), FZ=BENT.given.FZ - 0.01) for s in (201, [0.0, 0.5 * BENT.rod.L]))
+    assert part.points[-1].solution.beta[1] == pytest.approx(whole.points[-1].solution.beta[100], abs=1e-12)
+
+
 def test_the_equilibria_that_a_search_finds_are_counted_by_degree() -> None:
     rod, hole = Rod(EI=1.0, GJ=0.8, a=0.2, L=4.0, weight=0.5), Cylinder(R=0.8, inclination="70deg")
     found = equilibria(Case(rod, hole, Ends(beta0=0.3, betaL=-0.2, FZ=-2.5, M3=0.3, alpha=0.4)), stations=2001)
@@ -383,10 +388,10 @@ def test_branches_from_no_weight_find_equilibria_that_a_scan_misses() -> None:
 
 def test_the_branches_of_the_straight_rod_begin_at_each_buckling_load() -> None:
     case = lying_pipe(1.2)
-    _, (rod,) = rods_of(case)
+    (rod,) = rods_of(case)
     shapes = list(buckling_shapes(rod, rod.nodes()))
     below = int((buckling_loads(case) < 1.2 * BUCKLES).sum())
-    assert len(buckling_shares(rod, rod.nodes())) == below
+    assert len(list(buckling_shares(rod, rod.nodes()))) == below
     assert sorted(index_at(one) for one in shapes) == [0, 0, 0, 0, 1, 1]
     assert max(np.abs(open_at(one)).max() for one in shapes) < 1e-12
 
@@ -413,7 +418,7 @@ def test_the_curve_of_a_buckling_load_over_the_weight_is_the_exact_one() -> None
 @pytest.mark.slow
 def test_deflation_finds_the_shapes_between_stable_ones() -> None:
     """The straight pipe has index 2, four shapes are stable: as many of index 1 are passes between them."""
-    _, (rod,) = rods_of(with_field(SHORT, "weight", 1.06))
+    (rod,) = rods_of(with_field(SHORT, "weight", 1.06))
     t = rod.nodes()
     known = [straight_shape(rod, t), *buckling_shapes(rod, t)]
     assert sorted(map(index_at, known)) == [0, 0, 0, 0, 2]

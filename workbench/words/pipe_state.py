@@ -159,7 +159,7 @@ def _buckling(sol: "Solution", force: str) -> list[str]:
 
     if sol.case.kind != "ends" or sol.case.cylinder.side == "outside":
         return []
-    rod = rods_of(sol.case)[1][0]
+    rod = rods_of(sol.case)[0]
     if not rod.straight:
         return []
     phi, unit = buckling_tension(rod), float(sol.case.rod.bending_stiffness) / float(sol.case.rho) ** 2

@@ -87,7 +87,7 @@ def _search(study: Study, lost: bool) -> Shape:
 
 def _with_weight(case: Case) -> Solution:
     """The rod that `solve` selects. Raises `InputError` for one so long that the page would wait."""
-    nodes = rods_of(case)[1][0].nodes().size
+    nodes = rods_of(case)[0].nodes().size
     if nodes > MOST_NODES:
         raise InputError(
             f"the shape of this rod may change on {nodes} lengths, and the page computes at most {MOST_NODES}: "
