@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy
 
+from ..core.measures import crossings
 from ..mechanics.frames import position
 from ..numerics.arrays import Array
 from ..numerics.roots import root
@@ -192,9 +192,7 @@ def meets_itself(orbit: Orbit, a: float, tightest: float) -> bool | None:
     t = np.arange(count) * (span / count)
     _, _, alpha, z = orbit.at(t[None])
     points = position(1.0, alpha[0], z[0])
-    pairs = scipy.spatial.cKDTree(points).query_pairs(2 * a, output_type="ndarray")
-    apart = np.abs(t[pairs[:, 0]] - t[pairs[:, 1]])
-    return bool((np.minimum(apart, span - apart) > np.pi * a).any())
+    return len(crossings(t, points, 2 * a, np.pi * a, span)) > 0
 
 
 _HELD = [1, 3]  # the rows of M of lam and phi, whose displacements are held

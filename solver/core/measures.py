@@ -1,5 +1,5 @@
-"""Integrals and extremes along rods, and the search for self-contact, by the compiled core: `measures.c` and
-`strand_pairs.c`."""
+"""Integrals and extremes along rods, and the search for self-contact, by the compiled core: `measures.c`,
+`strand_pairs.c`, and of curves at points `crossings.c`."""
 
 import ctypes
 from collections.abc import Iterable, Mapping
@@ -194,3 +194,37 @@ def meets(orbit: Any, numbers: Mapping[str, Array], periods: Integers, limits: L
     share_out(part, periods.size)
     del arrays
     return answers
+
+
+_MOST_CROSSINGS = 64  # for which there is room at once
+
+
+def crossings(s: Array, points: Array, near: float, apart: float, whole: float = np.inf) -> Integers:
+    """The places where a curve comes nearer to itself than `near`: of each the two points that are nearest.
+
+    Parameters
+    ----------
+    s, points : arrays, (n,) and (n, 3)
+        Length along the curve, rising, and places.
+    near, apart : float
+        Only points farther than `apart` from each other along the curve are compared.
+    whole : float
+        Length of a closed curve, where the way over its ends counts too; default: it is open.
+
+    Returns
+    -------
+    array, (m, 2)
+        Numbers of points, the later one first.
+    """
+    s, points = np.ascontiguousarray(s, dtype=float), np.ascontiguousarray(points, dtype=float)
+    integer, real, array = ctypes.c_int64, ctypes.c_double, ctypes.c_void_p
+    call = function("rod_crossings", integer, integer, array, array, real, real, real, integer, array)
+    curve = s.size, begin_of(s), begin_of(points), near, apart, whole
+    pairs = np.empty((_MOST_CROSSINGS, 2), dtype=np.int64)
+    count = call(*curve, len(pairs), begin_of(pairs))
+    if count > len(pairs):
+        pairs = np.empty((count, 2), dtype=np.int64)
+        count = call(*curve, count, begin_of(pairs))
+    if count < 0:
+        raise MemoryError
+    return pairs[:count]

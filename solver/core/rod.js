@@ -16,7 +16,7 @@
    rate, alpha and z, and at(times): these at other times. `through(problem, nodes)` is such a function for nodes that are
    known, `forces(problem, sign, beta, rate)` gives push, curvature and tension, `measure(problem, sign, error, rod)` the
    integrals and extremes along a rod, and `landmarks(problem, sign, rod, most)` where it has them, all in units of A and
-   rho. */
+   rho. `crossings(s, points, near, apart, most)` tells where any curve comes near itself. */
 "use strict";
 const RodCore = (() => {
   const ENDS = ["lost", "turns", "goes round"];
@@ -214,7 +214,18 @@ const RodCore = (() => {
       });
     }
 
-    return {solve, between, through, forces, measure, landmarks};
+    /* The places where a curve at points (x, y, z, x, ...) comes nearer to itself than `near`, at points more than `apart`
+       apart along it: of each the numbers of the nearest two. s: along the curve. */
+    function crossings(s, points, near, apart, most) {
+      const n = s.length, [along, places, pairs] = reserve(n, 3 * n, 2 * most), numbers = new Float64Array(own.memory.buffer);
+      numbers.set(s, along / 8), numbers.set(points, places / 8);
+      const count = Number(own.rod_crossings(BigInt(n), along, places, near, apart, Infinity, BigInt(most), pairs));
+      if (count < 0) throw new Error("no memory");
+      const found = Array.from(new BigInt64Array(own.memory.buffer, pairs, 2 * Math.min(count, most)), Number);
+      return found.filter((_, k) => k % 2).map((j, k) => [j, found[2 * k]]);
+    }
+
+    return {solve, between, through, forces, measure, landmarks, crossings};
   }
 
   /* The sizes of the states, by which the errors of steps are judged; the sixth is 1 over the length on which the shape

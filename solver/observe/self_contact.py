@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..core.measures import Limits, meets
+from ..core.measures import Limits, crossings, meets
 from ..numerics.arrays import Array
 from ..orbit.marched_orbit import MarchedOrbit
 from ..problem.reduced import flat
@@ -130,7 +130,6 @@ def _at_stations(sol: Shape, i: int, a: float) -> float:
         t, points = even, scipy.interpolate.CubicHermiteSpline(t[kept], points[kept], tangent[kept])(even)
     if t.size > _MOST:
         return np.nan
-    pairs = scipy.spatial.cKDTree(points).query_pairs(2 * a, output_type="ndarray")
-    met = bool((np.abs(t[pairs[:, 0]] - t[pairs[:, 1]]) > np.pi * a).any())
+    met = len(crossings(t, points, 2 * a, np.pi * a)) > 0
     whole = t[0] == 0 and t[-1] >= sol.problem.span[i] * (1 - 1e-12)
     return 1.0 if met else 0.0 if dense and whole else np.nan

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy
 
 from solver import solve
 from solver.core import measures
@@ -143,3 +144,32 @@ def test_a_density_changes_as_its_derivatives_say(kind: str, sign: float) -> Non
     for number, slope in enumerate(found[2:]):
         near, far = (values(number, k * step) - values(number, -k * step) for k in (1, 2))
         assert slope == pytest.approx((8 * near - far) / (12 * step), rel=1e-8, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_curve_meets_itself_where_all_pairs_of_its_points_say(seed: int, closed: bool) -> None:
+    rng = np.random.default_rng(seed)
+    s, near, apart = np.linspace(0, 1, 1000), rng.choice([0.04, 0.15]), 0.07
+    turns = 2 * np.pi * rng.integers(1, 9, (3, 3)) * (1 if closed else 0.9)
+    points = np.sin(np.einsum("n,ij->nij", s, turns) + rng.uniform(0, 6, (3, 3))).mean(axis=1)
+    points[:, 2] *= 0.1
+    away = np.linalg.norm(points[:, None] - points, axis=-1)
+    along = np.abs(s[:, None] - s)
+    along = np.minimum(along, 1 - along) if closed else along
+    rows = np.argwhere((away < near) & (along > apart) & (s[:, None] > s))
+    beside = scipy.spatial.cKDTree(rows).query_pairs(2, p=np.inf, output_type="ndarray")
+    graph = scipy.sparse.coo_array((np.ones(len(beside)), beside.T), shape=(len(rows), len(rows)))
+    count, place = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    wanted = [min(rows[place == k], key=lambda pair: away[tuple(pair)]) for k in range(count)]
+    found = measures.crossings(s, points, near, apart, 1.0 if closed else np.inf)
+    assert count > 3
+    assert sorted(map(tuple, found)) == sorted(map(tuple, wanted))
+
+
+def test_a_coil_that_touches_all_along_is_one_place_and_a_straight_line_none() -> None:
+    s = np.linspace(0, 60, 4000)
+    coil = np.stack([np.cos(s), np.sin(s), 0.01 * s], axis=-1)
+    assert len(measures.crossings(s, coil, 0.1, 1.0)) == 1
+    line = np.stack([s, 0 * s, 0 * s], axis=-1)
+    assert measures.crossings(s, line, 0.1, 1.0).shape == (0, 2)

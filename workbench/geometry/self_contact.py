@@ -5,19 +5,16 @@ from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
+from solver.core.measures import crossings
 from solver.problem.errors import InputError
 
 from .centreline import Array, Centreline
 
-MOST = 400_000  # points along the rod; some 300 MB of pairs
+MOST = 400_000  # points along the rod
 CLOSED = 1e-3  # radii between the ends of a closed rod, at most
 DENSE = 4  # points for each radius of the rod
-SAME = 2.9  # steps along both stretches: nearer pairs are of one place
 APART = np.pi  # radii along the rod: nearer points are close as neighbours in a bend, not in self-contact
 
 
@@ -78,17 +75,8 @@ def places(s: Array, points: Array, a: float) -> list[tuple[float, float]] | Non
     if count > MOST:
         return None
     at = np.linspace(s[0], s[-1], count)
-    dense = CubicSpline(s, points)(at)
-    pairs = _close(at, dense, a, 2 * a)
-    if not len(pairs):
-        return []
-    near = cKDTree(pairs).query_pairs(SAME, output_type="ndarray")
-    graph = coo_array((np.ones(len(near)), (near[:, 0], near[:, 1])), shape=(len(pairs), len(pairs)))
-    place = connected_components(graph, directed=False)[1]
-    gaps = np.linalg.norm(dense[pairs[:, 0]] - dense[pairs[:, 1]], axis=1)
-    order = np.lexsort((gaps, place))
-    first = order[np.unique(place[order], return_index=True)[1]]
-    return sorted((float(at[i]), float(at[j])) for i, j in pairs[first])
+    pairs = _pairs(at, CubicSpline(s, points)(at), a, 2 * a)
+    return sorted((float(at[i]), float(at[j])) for j, i in pairs)
 
 
 def middles(line: Centreline, span: tuple[float, float]) -> list[Array]:
@@ -98,27 +86,21 @@ def middles(line: Centreline, span: tuple[float, float]) -> list[Array]:
     return [np.asarray(line.frame(np.array(pair))[0].mean(axis=0)) for pair in pairs]
 
 
-def _close(s: Array, points: Array, a: float, distance: float) -> Any:
-    """The pairs of points at s, (n, 3), that are so near and no neighbours along a rod of radius a: (m, 2), rising.
-
-    The two ends of a closed rod are neighbours.
-    """
-    pairs = np.sort(cKDTree(points).query_pairs(distance, output_type="ndarray"), axis=1)
-    away = s[pairs[:, 1]] - s[pairs[:, 0]]
-    if float(np.linalg.norm(points[-1] - points[0])) < CLOSED * a:
-        away = np.minimum(away, s[-1] - s[0] - away)
-    return pairs[away > APART * a]
+def _pairs(s: Array, points: Array, a: float, near: float) -> Any:
+    """The places where points (n, 3) at s come nearer than `near` along a rod of radius a: (m, 2), the later first."""
+    is_closed = float(np.linalg.norm(points[-1] - points[0])) < CLOSED * a
+    return crossings(s, points, near, APART * a, s[-1] - s[0] if is_closed else np.inf)
 
 
 def _nearest(line: Centreline, s: Array) -> tuple[float, float, float] | None:
     """The least distance of two points that are not neighbours, and their s, where it is less than 2 a; else None."""
     h = s[1] - s[0]
     points = line.frame(s)[0]
-    pairs = _close(s, points, line.a, 2 * line.a + h)  # a pair may lie between two samples
+    pairs = _pairs(s, points, line.a, 2 * line.a + h)  # a pair may lie between two samples
     if not len(pairs):
         return None
     gaps = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=-1)
-    i, j = pairs[np.argmin(gaps)]
+    j, i = pairs[np.argmin(gaps)]
     near = [np.linspace(max(s[k] - h, s[0]), min(s[k] + h, s[-1]), 201) for k in (i, j)]
     gap = cdist(line.frame(near[0])[0], line.frame(near[1])[0])
     p, q = np.unravel_index(np.argmin(gap), gap.shape)
