@@ -137,6 +137,6 @@ def _reach(problem: HeldProblem, seed: Seed | None) -> Reached | str:
         return f"failed: {why}"
     given = Given.of(problem)
     if seed is None:
-        return nearest_start(given, problem)
+        return nearest_start(given)
     assert seed.problem is not None
     return from_seed(given, seed.problem, path_of_seed(seed))

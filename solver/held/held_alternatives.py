@@ -13,16 +13,15 @@ from ..branches.branch_events import Bounds
 from ..branches.branch_following import trace_branch
 from ..branches.deflation import across_fold, deflate, fold_beside, is_known, numbers_of
 from ..branches.family import Family
+from ..branches.leaps import shape_of
 from ..equilibrium.given_numbers import Given, OrbitState
 from ..equilibrium.held_index import index_of
 from ..equilibrium.system import state_of
 from ..levels.path_orbits import orbit_of
-from ..numerics.arrays import Array
 
 NEARER = "another equilibrium with these ends is nearer to this one than the seed is: see alternatives"
 _MOST = 150  # points of a branch in each direction
 _REACH = (-1.0, 3.0)  # shares of the way from the seed, 0, to the held ends, 1, over which its branch is followed
-_STATIONS = 129
 _ITSELF = 1e-9  # rad
 
 
@@ -63,15 +62,10 @@ def _on_branch(seed: OrbitState, found: OrbitState, wanted: Given) -> list[Orbit
     return [state_of(place.problem, place.path) for place in places if place.p == 1]
 
 
-def shape_of(state: OrbitState) -> Array:
-    """beta at equal steps of s/L, (n,)."""
-    t = state.problem.span[:, None] * np.linspace(0, 1, _STATIONS)
-    return np.asarray(orbit_of(state.problem, state.path).at(t)[0][0])
-
-
 def away(one: OrbitState, other: OrbitState) -> float:
     """The largest difference of beta [rad] at equal s/L."""
-    return float(np.abs(shape_of(one) - shape_of(other)).max())
+    here, there = (shape_of(orbit_of(state.problem, state.path)) for state in (one, other))
+    return float(np.abs(here - there).max())
 
 
 def said_of_seed(seed: OrbitState, found: OrbitState, wanted: Given) -> str:

@@ -13,20 +13,20 @@ import numpy as np
 
 from ..branches.continuation import FOLD, Stopped, carry
 from ..branches.deflation import is_known, numbers_of
+from ..branches.family import problem_of
 from ..branches.held_helices import helices_of
 from ..equilibrium.given_numbers import FREE, Given, OrbitState
-from ..equilibrium.held_index import held_index, index_of
-from ..equilibrium.orbit_rates import orbit_rates
+from ..equilibrium.held_index import index_of
 from ..equilibrium.system import state_of
-from ..levels.level_search import search_levels
-from ..levels.line_point import Path, path_of
+from ..levels.line_point import Path
 from ..levels.morse_index import jacobi_zeros
 from ..levels.path_orbits import orbit_of
 from ..mechanics.potential import TAU
 from ..orbit.critical_points import critical_points
-from ..problem.reduced import EndsProblem, HeldProblem
+from ..problem.reduced import EndsProblem
 from ..problem.trajectory import DeadStart
 from .held_alternatives import said_of_seed
+from .held_sweep import dead_states
 
 HELIX = "a helix, which has these ends itself"
 _TRIED, _REACHED = 8, 3  # starts from which continuation is tried; equilibria after which it ends
@@ -63,14 +63,14 @@ def outcome_of(found: Stopped) -> str:
     )
 
 
-def nearest_start(wanted: Given, problem: HeldProblem) -> Reached | str:
+def nearest_start(wanted: Given) -> Reached | str:
     """The equilibrium reached from the nearest dead-load equilibria; or the outcome that says why there is none."""
-    guesses, helices = _guesses(wanted, problem), helices_of(wanted)[0]
+    guesses, helices = _guesses(wanted), helices_of(wanted)[0]
     themselves = [Reached(state, HELIX) for state in helices]
-    reached, tried, why = _reach(wanted, _starts(wanted, problem, guesses), helices)
+    reached, tried, why = _reach(wanted, _starts(wanted, guesses), helices)
     reached = reached or [candidate for candidate in themselves if index_of(candidate.state, wanted) == 0]
     if not reached and (near := _next_to_helices(wanted, guesses)):
-        reached, more, _ = _reach(wanted, _starts(wanted, problem, near), helices, _STEPS_NEAR)
+        reached, more, _ = _reach(wanted, _starts(wanted, near), helices, _STEPS_NEAR)
         tried += more
     reached = reached or themselves
     stable = [candidate for candidate in reached if index_of(candidate.state, wanted) == 0]
@@ -104,26 +104,14 @@ def _dead(start: OrbitState) -> DeadStart:
     return DeadStart(index, *(float(value[0]) for value in (p.phi, p.lam, p.mu, p.beta0, p.betaL)))
 
 
-def _starts(wanted: Given, problem: HeldProblem, guesses: list[dict[str, float]]) -> list[OrbitState]:
+def _starts(wanted: Given, guesses: list[dict[str, float]]) -> list[OrbitState]:
     """Dead-load equilibria, that with the nearest displacements first."""
     ranked: list[tuple[float, OrbitState]] = []
     for numbers in guesses:
-        guess = EndsProblem(**{name: np.array([numbers[name]]) for name in FREE}, span=problem.span)
-        every = search_levels(guess, most_turns=_MOST_TURNS)
-        if every is None:
-            continue
-        paths = [path_of(every.path, i) for i in range(every.slope.size)]
-        paths = [path for path in paths if not path.helix]
-        if not paths:
-            continue
-        rates = orbit_rates(guess.take(np.zeros(len(paths), dtype=int)), paths)
-        leaving, turns = (np.array([getattr(path, name) for path in paths]) for name in ("leaving", "turns"))
-        index = np.nan_to_num(
-            held_index(rates, problem.ratio.repeat(len(paths)), wanted.names, leaving, turns), nan=1.0
-        )
-        for k, path in enumerate(paths):
-            state = OrbitState(guess, path, rates.take(slice(k, k + 1)))
-            ranked.append((_far(state, wanted) + _UNSTABLE * index[k], state))
+        dead = dead_states(problem_of(wanted, numbers), most_turns=_MOST_TURNS)
+        for state in [] if dead is None else dead[0]:
+            index = float(np.nan_to_num(index_of(state, wanted), nan=1.0))
+            ranked.append((_far(state, wanted) + _UNSTABLE * index, state))
     ranked = [pair for pair in ranked if np.isfinite(pair[0])]
     return [state for _, state in sorted(ranked, key=lambda pair: pair[0])]
 
@@ -136,7 +124,7 @@ def _far(state: OrbitState, wanted: Given) -> float:
     return float(np.sqrt((((values - wanted.values) / scale) ** 2).sum()))
 
 
-def _guesses(wanted: Given, problem: HeldProblem) -> list[dict[str, float]]:
+def _guesses(wanted: Given) -> list[dict[str, float]]:
     """Values of the loads and the end angles of dead-load problems; what is given is kept."""
     known = dict(zip(wanted.names, wanted.values.tolist(), strict=True))
     span = wanted.span
@@ -173,8 +161,7 @@ def _next_to_helices(wanted: Given, guesses: list[dict[str, float]]) -> list[dic
     for guess in guesses if len(free) == 1 else []:
         (name,) = free
         other = guess["betaL" if name == "beta0" else "beta0"]
-        problem = EndsProblem(**{each: np.array([guess[each]]) for each in FREE}, span=np.array([wanted.span]))
-        points = critical_points(problem)
+        points = critical_points(problem_of(wanted, guess))
         for angle in points.beta[~points.centre & np.isfinite(points.beta)]:
             way = float(np.remainder(angle - other + np.pi, TAU) - np.pi)
             if way and abs(way) < np.pi / 2:

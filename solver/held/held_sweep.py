@@ -15,9 +15,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..branches.family import problem_of
 from ..equilibrium.given_numbers import FREE, Given, OrbitState
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
-from ..levels.level_search import search_levels
+from ..levels.level_search import MOST_PERIODS, search_levels
 from ..levels.line_point import path_of
 from ..mechanics.potential import potential
 from ..numerics.arrays import Array
@@ -42,27 +43,32 @@ class Point:
 
 def swept(given: Given, ranges: Ranges, most_periods: int) -> list[Point]:
     """The equilibria at all points of the grid."""
-    known = dict(zip(given.names, given.values.tolist(), strict=True))
-    points = []
-    for values in ranges.points():
-        numbers = {name: values.get(name, known.get(name)) for name in FREE}
-        problem = EndsProblem(
-            **{name: np.array([value]) for name, value in numbers.items()}, span=np.array([given.span])
-        )
-        points.append(_point(problem, given, list(ranges.bounds), most_periods))
-    return points
+    unknown = list(ranges.bounds)
+    return [_point(problem_of(given, values), given, unknown, most_periods) for values in ranges.points()]
+
+
+def dead_states(
+    problem: EndsProblem, most_periods: int = MOST_PERIODS, most_turns: int | None = None
+) -> tuple[list[OrbitState], OrbitRates] | None:
+    """The equilibria of one problem under dead loads that are no helices, and the rates of all; None where none is.
+
+    most_periods, most_turns: as of `search_levels`.
+    """
+    every = search_levels(problem, most_periods, most_turns)
+    paths = [] if every is None else [path_of(every.path, i) for i in range(every.slope.size)]
+    paths = [path for path in paths if not path.helix]
+    if not paths:
+        return None
+    rates = orbit_rates(problem.take(np.zeros(len(paths), dtype=int)), paths)
+    return [OrbitState(problem, path, rates.take(slice(i, i + 1))) for i, path in enumerate(paths)], rates
 
 
 def _point(problem: EndsProblem, given: Given, unknown: list[str], most_periods: int) -> Point:
-    every = search_levels(problem, most_periods)
-    paths = [] if every is None else [path_of(every.path, i) for i in range(every.slope.size)]
-    paths = [path for path in paths if not path.helix]
-    k = len(unknown)
-    if not paths:
+    dead, k = dead_states(problem, most_periods), len(unknown)
+    if dead is None:
         return Point([], np.empty((0, k)), np.empty((0, k, k)))
-    rates = orbit_rates(problem.take(np.zeros(len(paths), dtype=int)), paths)
+    states, rates = dead
     off, slope = _held(rates, given, unknown)
-    states = [OrbitState(problem, path, rates.take(slice(i, i + 1))) for i, path in enumerate(paths)]
     fine = np.flatnonzero(np.isfinite(off).all(axis=1))
     return Point([states[i] for i in fine], off[fine], slope[fine])
 
