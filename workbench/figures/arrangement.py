@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 Values = NDArray[np.float64]
 
 GAP, BETWEEN = 0.13, 0.14  # between columns, and from the words of a row to the next row
-ROOMIER = 1.05  # by which a scale is larger that is worth another row
+WORTH = 1.05  # a scale so many times larger is worth another row
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,11 +83,12 @@ def arrange(
 
 
 def in_rows(
-    count: int, arranged: Callable[[int, int], Arrangement], most: int, width: float
+    count: int, arranged: Callable[[int, int], Arrangement], most: int, width: float, worth: float = WORTH
 ) -> tuple[int, Arrangement]:
     """The number of columns, and the arrangement, in which so many boxes are largest, nearly so in fewer rows.
 
     arranged: the arrangement in so many rows and columns. most: rows that are tried. width: what it may have.
+    worth: a scale so many times larger is worth another row.
     """
     best: tuple[int, Arrangement] | None = None
     largest = 0.0
@@ -98,7 +99,7 @@ def in_rows(
         found = arranged(rows, columns)
         fits = found.size[0] <= width + 1e-6
         seen = found.scale * min(found.factor, 1.0)
-        if best is None or best[1].size[0] > width + 1e-6 or (fits and seen > ROOMIER * largest):
+        if best is None or best[1].size[0] > width + 1e-6 or (fits and seen > worth * largest):
             best, largest = (columns, found), seen
     assert best is not None
     return best

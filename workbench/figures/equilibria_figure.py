@@ -74,7 +74,7 @@ def against_index(
                edgecolors=colours.INK, linewidths=0.9, zorder=3)  # fmt: skip
     ax.set_xlabel(style.break_lines("Morse index: unstable directions", width - 0.9))
     ax.set_ylabel(style.shorter([labels.label(ds[name], long) for long in (True, False)], high - 0.3))
-    ax.yaxis.set_major_locator(MaxNLocator(5, integer=schema.is_count(ds[name])))
+    ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10], integer=schema.is_count(ds[name])))
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.margins(0.04, 0.08)
     if index.size and index.min() == index.max():
@@ -117,7 +117,7 @@ def loops(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         ]
         legend.below(fig, unrolled.ring_entries(ax), said, sheet)
 
-    return canvas.figure((sheet.width, form.size[1] + 1.4), draw, ds, sheet=sheet)
+    return canvas.figure((sheet.width, form.size[1] + 1.25), draw, ds, sheet=sheet)
 
 
 def _room(sheet: Sheet) -> tuple[float, float]:

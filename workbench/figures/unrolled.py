@@ -38,6 +38,7 @@ TALLEST = 0.78  # the height of all views of a figure as a share of its width
 BESIDE, BELOW = 0.5, 0.75  # inches of a figure beside the views, and below them for the bar of colours and the legend
 WORDS, ABOVE = 1.3 / 72, 0.06  # inches of a line of words per point of its size; from the words to their view
 LARGEST, SMALLEST = 8.0, 0.1  # inches of the largest view
+WORTH = 1.5  # a scale so many times larger is worth another row of a list
 LEAST = 0.12  # inches of a view, below which one direction is drawn larger
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SHORT = 0.9  # of the arc: a shorter chord has turned by a right angle or more in between
@@ -98,7 +99,8 @@ def plan(
         found = arrangement.arrange(sides[:, :, 0], sides[:, :, 1], room, least=SMALLEST / whole, most=LARGEST / whole)
         return replace(found, factor=factor)
 
-    return arrangement.in_rows(len(words), arrange, len(words), room[0])[1]
+    worth = arrangement.WORTH if even else WORTH
+    return arrangement.in_rows(len(words), arrange, len(words), room[0], worth)[1]
 
 
 def words_size(text: str, letters: float) -> tuple[float, float]:

@@ -35,7 +35,7 @@ Pixels = NDArray[np.uint8]
 
 LEAST = 0.3  # the least height of the views
 HEAD = 0.17  # the height of a line of headings
-FOOT, APART = 0.55, 0.22  # the height of glyph and bars below the views, and the gap after each
+FOOT, APART = 0.6, 0.22  # the height of glyph and bars below the views, and the gap after each
 GLYPH, WEIGHT, SCALE, BAR = 0.62, 0.5, 1.0, 1.6  # widths: the glyph, the longest scale bar, the colour bar
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 QUALITY = 92  # of JPEG
@@ -156,7 +156,7 @@ class Page:
             for cell, box in zip((c for row in cells for c in row), self.boxes.reshape(-1, 4), strict=True):
                 _draw_cell(self.ax, cell, box)
             self._draw_headings()
-            self._draw_foot(high - 0.2)
+            self._draw_foot(high - 0.27)
             for across, down, radius in rings:
                 _draw_ring(self.ax, start[0] + across, start[1] + down, radius)
 
@@ -188,7 +188,7 @@ class Page:
 
     def _draw_foot(self, y: float) -> None:
         """From where it is seen, the weight, the scale bar and the colour bar."""
-        words, x = self.words, 0.0
+        words, x = self.words, 0.05
         if words.toward is not None:
             _draw_glyph(self.ax, x, y, words.toward)
             x += GLYPH + APART
