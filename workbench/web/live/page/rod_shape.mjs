@@ -67,22 +67,25 @@ const timed = ({ rho, alpha = 0 }, rows) => ({
 /* The shape between two ends that a slider leads to from the shape before, in one step or in four; or null. near: its
    case, s, beta and dbeta. */
 export function moved(core, one, near) {
-  fitting(reduced(one, 0));
-  const begun = timed(near.one, near);
-  let rod = nextTo(core, one, begun);
+  const begun = timed(near.one, near),
+    [from, to] = [near.one, one].map((each) => ({ ...fitting(reduced(each, 0)), betaL: each.betaL }));
+  let rod = nextTo(core, to, begun);
   if (!rod || isFar(rod, begun)) {
     rod = begun;
-    for (const share of [0.25, 0.5, 0.75, 1]) rod = rod && nextTo(core, partWay(near.one, one, share), dense(rod), 2);
+    for (const share of [0.25, 0.5, 0.75, 1]) rod = rod && nextTo(core, partWay(from, to, share), dense(rod), 2);
   }
   return rod && !isFar(rod, begun) ? joined(core, one, rod) : null;
 }
 
-/* The rod of a case next to another one, or null; nodes: as of `core.between`. */
-const nextTo = (core, one, { t, beta, rate }, nodes = 1) => {
-  const problem = { ...reduced(one, 0), betaL: one.betaL },
-    share = problem.span / t[t.length - 1];
+/* The rod of a problem next to another one, or null; nodes: as of `core.between`. */
+const nextTo = (core, problem, { t, beta, rate }, nodes = 1) => {
+  const share = problem.span / t[t.length - 1];
   return core.between(problem, { t: t.map((v) => v * share), beta, rate }, nodes);
 };
+
+/* The problem a share of the way from one to another. */
+const partWay = (from, to, share) =>
+  Object.fromEntries(Object.keys(to).map((name) => [name, (1 - share) * from[name] + share * to[name]]));
 
 /* A rod at so many times that straight lines join them. */
 function dense(rod) {
@@ -108,18 +111,6 @@ function isFar({ t, beta }, near) {
       t.map((v) => v * share),
     );
   return beta.some((v, i) => Math.abs(v - before[i]) > SAME);
-}
-
-const BETWEEN = ["L", "R", "rho", "A", "C", "E", "a", "nu", "inner_radius", "EI", "GJ"].concat(
-  ["beta0", "betaL", "FZ", "MZ", "M3"],
-);
-
-/* The case a share of the way from one to another. */
-function partWay(from, to, share) {
-  const found = { ...to };
-  for (const name of BETWEEN.filter((one) => one in to))
-    found[name] = (from[name] ?? to[name]) + share * (to[name] - (from[name] ?? to[name]));
-  return found;
 }
 
 function evenly(end, n) {
