@@ -20,9 +20,10 @@ from .problem.case_fields import value_of
 from .problem.errors import InputError, choices
 from .problem.reduced import given_numbers
 from .shooting.descent import index_at, on_nodes
+from .shooting.fold_line import RodAt, fold_through
 from .shooting.loaded_rod import LoadedRod
 from .shooting.numbers import rods_of
-from .shooting.shapes_on_plane import RodAt, ShapesOnPlane
+from .shooting.shapes_on_plane import ShapesOnPlane
 from .solve import between_ends
 
 
@@ -79,8 +80,8 @@ def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
     plane.case_at(np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]))  # raises `InputError`
     z, point = plane.shares(np.array([value, second])), branch.points[place]
     if case.varies:
-        shapes = [branch.points[i].path.shape for i in (place - 1, place, place + 1)]
-        curve = ShapesOnPlane(rods_over(plane), shapes[1].rod.scale).fold_curve(z, 0, shapes)
+        shapes = [branch.points[i].path for i in (place - 1, place, place + 1)]
+        curve = fold_through(rods_over(plane), z, 0, shapes)
     else:
         curve = OrbitsOnPlane(plane).fold_of(
             z, 0, PlaneOrbit(point.problem, point.path, is_hinged(given_numbers(case)))

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import chebyshev as C
 
-from .arrays import Array, Integers
+from .arrays import Array
 
 _ROWS = 384  # OpenBLAS starts threads from 2^18 products on
 
@@ -71,10 +71,3 @@ def derivative(n: int) -> Array:
     for k in range(1, n):
         rows[k, :k] = C.chebder(np.eye(n)[k])[:k]
     return rows
-
-
-def polynomial_rates(places: Array | Integers, orders: int) -> Array:
-    """The derivatives at 0, of as many orders from 0 on, of the polynomial through values at n places, (orders, n)."""
-    x = np.asarray(places, dtype=float)
-    factorials = np.cumprod([1, *range(1, orders)])
-    return np.asarray(factorials[:, None] * np.linalg.inv(np.vander(x, increasing=True))[:orders])

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..folds.fold_line import MOST, STEP
 from ..folds.special_line import (
     CROSSING,
     Ahead,
@@ -23,8 +22,9 @@ from ..numerics.arclength import Lengths, Node, correct_point, difference_rates,
 from ..numerics.arrays import Array
 from .curve import Curve
 from .descent import index_at, weakest_modes
+from .fold_line import MOST, STEP, RodAt
 from .further_shapes import angles_of
-from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod, Q
+from .loaded_rod import ALPHA, BETA, SPEED, Q
 from .newton import Shape, correct, linear_at
 
 LENGTHS = Lengths(first=0.03, longest=0.1, least=2e-4)  # of steps, in the sizes of z
@@ -43,7 +43,7 @@ class PitchforkPoint:
     others, of length 1; NaN where they lie on different sides.
     """
 
-    rod_at: Callable[[Array], LoadedRod]
+    rod_at: RodAt
     z: Array
     shape: Shape
     mode: Array
@@ -133,7 +133,7 @@ def likeness(one: Array, other: Array) -> float:
     return float(a @ b / np.sqrt((a @ a) * (b @ b)))
 
 
-def pitchfork_at(rod_at: Callable[[Array], LoadedRod], z: Array, axis: int, shape: Shape) -> PitchforkPoint | None:
+def pitchfork_at(rod_at: RodAt, z: Array, axis: int, shape: Shape) -> PitchforkPoint | None:
     """The pitchfork near z on the line along number `axis`, of an equilibrium that its symmetry keeps; None without."""
     guess = PitchforkPoint(rod_at, z, shape, weakest_modes(shape)[0])
     jacobian = guess.jacobian(z)
@@ -158,7 +158,7 @@ def pitchfork_line(first: PitchforkPoint, known: Callable[[Array, Shape], bool])
             return [], CROSSING
         return [] if there.lower == point.lower else crossing_between(point, node, step, there), ""
 
-    how = Tracing(LENGTHS, MOST, between, lambda *_: iter(()))
+    how = Tracing(LENGTHS, MOST, between)
     return special_line(first, first.way, how)
 
 
