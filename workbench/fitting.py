@@ -17,10 +17,10 @@ from solver.inverse.data import COLUMNS, DISTANCE
 from solver.inverse.fit_result import Fit
 from solver.problem.errors import InputError
 from studies.language import tables
+from studies.language.case_input import CaseInput, field_values
 
 from .branches.ends_study import study_text
 from .store import atomic, schema
-from .store.case_input import CaseInput, field_values
 from .words import labels
 
 STATIONS = 801

@@ -145,7 +145,7 @@ def test_the_tutorial_names_every_shipped_study() -> None:
 
 
 def test_the_table_of_fidelities_is_that_of_the_code() -> None:
-    from workbench.store.fidelity import FIDELITIES
+    from workbench.commands.fidelity import FIDELITIES
 
     for name, tolerance, stations, _ in rows("methods.md", "## `--fidelity`"):
         told = FIDELITIES[name.strip("`")]

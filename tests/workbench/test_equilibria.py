@@ -12,6 +12,7 @@ from solver.end_angle_branch import to_fold
 from solver.equilibria import nearest
 from solver.observe.observables import observe
 from studies import load
+from studies.language.case_input import field_values
 from studies.language.loader import loads
 from tests.cases import ends_in_units_of_rho
 from tests.workbench import small
@@ -22,7 +23,6 @@ from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands.option_checks import parse_axis
 from workbench.figures import bifurcation, canvas, equilibria_figure
 from workbench.store import in_memory, reading, writing
-from workbench.store.case_input import field_values
 from workbench.store.case_solutions import solve_one
 
 MANY = -0.3655, 0.7464, -0.7506

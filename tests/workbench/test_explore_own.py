@@ -12,6 +12,7 @@ pytest.importorskip("workbench.web.live.server", reason="the extra explore is no
 
 from solver import equilibria
 from studies import load
+from studies.language.case_input import read_case, with_fields
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from tests.workbench.live import asked, served, unpacked
@@ -19,7 +20,6 @@ from tests.workbench.node import needs_node, run
 from workbench.branches import equilibria_dataset
 from workbench.branches.ends_study import ends_problem
 from workbench.store import in_memory, writing
-from workbench.store.case_input import read_case, with_fields
 from workbench.web.live import own_case, page_model, page_shape
 from workbench.web.live.presets import PRESETS, Preset
 

@@ -13,12 +13,12 @@ import xarray as xr
 import solver
 import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import Case, InputError, Rod, Start, solve
+from studies.language.case_input import field_values, from_values, with_fields
 from studies.language.loader import loads
 from studies.language.study_text import dumps
 from tests.workbench import doc_pages, small
 from workbench.geometry import stored_line
 from workbench.store import in_memory, law_verdicts, reading, writing
-from workbench.store.case_input import field_values, from_values, with_fields
 
 START = {"a": 0.0635, "L": 8.0, "R": 0.108, "beta": 0.3, "dbeta": 0.1, "dgamma": 0.2, "F3": 20.0}
 KEYS = {"observables": ["height", "twist_energy"], "outputs": ["beta", "alpha", "z"], "stations": 41}

@@ -14,11 +14,11 @@ from solver.observe.observables import OBSERVABLES
 from tests.workbench import forked, small
 from tests.workbench.command import exit_status
 from workbench.commands import trade
+from workbench.commands.fidelity import FIDELITIES
 from workbench.compare.trade_cases import CASES, reference
 from workbench.compare.trade_runs import advice
 from workbench.figures import canvas, work_precision
 from workbench.store import in_memory, reading
-from workbench.store.fidelity import FIDELITIES
 from workbench.store.schema import CURVES
 
 NUMBERS = (

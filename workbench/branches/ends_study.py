@@ -9,11 +9,11 @@ from solver.equilibria import Equilibrium
 from solver.problem.errors import choices
 from solver.problem.reduced import held_of
 from studies import Study, load
+from studies.language.case_input import field_values, from_values, with_fields
 from studies.language.loader import loads
 from studies.language.readings import TABLE_UNITS
 
 from ..store import writing
-from ..store.case_input import field_values, from_values, with_fields
 
 DEFAULT = "fig7_4_end_angle"  # the study whose rod is that of Table 1
 ELASTIC = ("bending_energy", "twist_energy")

@@ -10,11 +10,11 @@ import xarray as xr
 from solver.loops import Loop
 from solver.problem.errors import InputError
 from studies import Study
+from studies.language.case_input import field_values
 from studies.language.loader import loads
 from studies.language.readings import TABLE_UNITS
 
 from ..store import dataset, schema, writing
-from ..store.case_input import field_values
 from ..words import cautions
 from .ends_study import study_text
 from .equilibria_dataset import EQUILIBRIUM, attributes, of_solutions

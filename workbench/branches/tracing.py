@@ -21,8 +21,7 @@ from solver.levels.line_point import LinePoint, path_of
 from solver.problem.case import PAIRS
 from solver.problem.case_fields import with_field
 from solver.problem.reduced import EndsProblem, reduce
-
-from ..store.case_input import with_fields
+from studies.language.case_input import with_fields
 
 FINE = 61  # values at which a followed branch has points at least, so that its curve is smooth
 

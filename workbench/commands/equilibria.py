@@ -157,10 +157,10 @@ def _list(
     from solver.equilibria import meant
     from solver.equilibrium_list import HeldEquilibria
     from solver.problem.reduced import held_of
+    from studies.language.case_input import field_values, with_unit
 
     from ..branches.ends_study import row
     from ..branches.equilibria_dataset import dataset_of
-    from ..store.case_input import field_values, with_unit
     from ..store.case_solutions import rule_of
     from ..words.cautions import LEFT_OUT
 

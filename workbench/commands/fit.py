@@ -8,7 +8,7 @@ from .options import At, Choose, Reading, Table1, argument, flag, option
 from .present import Result, presents
 
 if TYPE_CHECKING:
-    from ..store.case_input import CaseInput
+    from studies.language.case_input import CaseInput
 
 OUT = (".toml", ".csv")
 
@@ -112,8 +112,8 @@ def _case(file: Path | None, at: list[str], given: Given, table1: bool, reading:
     """The case, of a study at a place of its axes."""
     from solver import InputError
     from studies import load
+    from studies.language.case_input import read_case
 
-    from ..store.case_input import read_case
     from ..store.one_case import case_at, outline
     from .option_checks import axis_values
 

@@ -12,8 +12,7 @@ from . import console, tables
 
 if TYPE_CHECKING:
     from solver.inverse.fit_result import Fit
-
-    from ..store.case_input import CaseInput
+    from studies.language.case_input import CaseInput
 
 UNITLESS = ("1", "")
 
@@ -41,7 +40,7 @@ def say(found: "Fit", asked: "CaseInput") -> None:
 
 def as_data(found: "Fit", asked: "CaseInput") -> dict[str, Any]:
     """A fit as plain data for --json; angles in rad."""
-    from ..store.case_input import field_values
+    from studies.language.case_input import field_values
 
     groups = list(dict.fromkeys(found.groups))
     return {

@@ -89,9 +89,8 @@ def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str
 
     from solver import Cylinder, Rod
     from solver.problem.case import from_fields
+    from studies.language.case_input import check_units, read_case
     from studies.language.readings import TABLE_UNITS
-
-    from ..store.case_input import check_units, read_case
 
     if file is None and given.units:
         check_units(given.units)

@@ -48,8 +48,8 @@ def run(
     from studies import load
 
     from ..store import worker_processes
-    from ..store.fidelity import fidelity
     from ..store.study_store import Options, run_to_file
+    from .fidelity import fidelity
 
     chosen = load(study, cases).under(reading)
     if level is not None:

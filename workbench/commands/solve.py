@@ -13,7 +13,7 @@ from .present import Result, presents
 if TYPE_CHECKING:
     from solver import Solution
 
-    from ..store.fidelity import Fidelity as Level
+    from .fidelity import Fidelity as Level
 
 
 LOADS = ("FZ", "MZ", "M3")
@@ -52,10 +52,11 @@ def solve(
     Angles: a number in rad, or a form like 30deg or pi/6. Exit status 1 if the case is unsolved.
     """
 
-    from ..store.case_input import read_case
+    from studies.language.case_input import read_case
+
     from ..store.case_solutions import solve_one
-    from ..store.fidelity import fidelity
     from ..words import cautions, pipe_numbers, pipe_state
+    from .fidelity import fidelity
 
     chosen = fidelity(level or "standard")
     asked = read_case(file, given.values, given.units, table1, reading)
@@ -104,8 +105,7 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
     import numpy as np
 
     from solver.observe.observables import observe, why_unknown
-
-    from ..store.case_input import field_values, with_unit
+    from studies.language.case_input import field_values, with_unit
 
     seen = observe(sol, level.observables(sol.case.rod))
     remarks = [words for name in seen for words, here in why_unknown(name, seen[name]) if here and sol.solved and whole]

@@ -12,9 +12,9 @@ from solver import Ends, Solution
 from solver.problem.errors import InputError, choices
 from studies import Study, load
 from studies.grammar.axes import FIELDS, WORDS, Which, in_words
+from studies.language.case_input import CaseInput, from_values, with_fields
 
 from . import file_kinds, in_memory, reading, schema, selection, stored_case
-from .case_input import CaseInput, from_values, with_fields
 from .case_solutions import between, solve_one
 from .plan import plan
 

@@ -5,9 +5,9 @@ from typing import Any
 
 from solver import Case
 from studies.grammar.axes import quantity_of
+from studies.language.case_input import CaseInput, field_values, read_case
 from studies.language.readings import TABLE_1
 
-from ...store.case_input import CaseInput, field_values, read_case
 from ...store.one_case import open_case
 from .page_shape import check_shown
 from .presets import Preset

@@ -18,8 +18,7 @@ from solver.problem.reduced import held_of, reduce
 from solver.shooting.numbers import rods_of
 from studies import Study
 from studies.grammar.axes import Which
-
-from ...store.case_input import field_values
+from studies.language.case_input import field_values
 
 TOL, NEAR = DEFAULT_TOLERANCE, 1e-6  # tolerances of a rod, and of one that follows another as a slider moves
 STATIONS, BETWEEN, MOST = 201, 401, 4001  # of a start problem, an ends problem, and a rod with many bends or weight

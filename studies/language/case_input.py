@@ -12,10 +12,12 @@ from solver.problem.errors import choices, no_such
 from solver.problem.limits import farthest
 from solver.problem.quantities import unit_of
 from solver.problem.rod import DIRECT, ELASTIC, lacking
-from studies import Study, load
-from studies.grammar.axes import Which, quantity_of
-from studies.grammar.units import FORCES, LENGTHS
-from studies.language.readings import DEFAULT, TABLE_UNITS, parse
+
+from ..grammar.axes import Which, quantity_of
+from ..grammar.units import FORCES, LENGTHS
+from .loader import load
+from .model import Study
+from .readings import DEFAULT, TABLE_UNITS, parse
 
 START_ONLY = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
 ENDS_ONLY = {f.name for f in fields(Ends)} - {f.name for f in fields(Start)}
