@@ -24,7 +24,7 @@ VAGUE = "asked both found given_back here made one own some there thing told wan
 # Packages with such names. A package that has none any more leaves the list; none comes to it.
 WITH_VAGUE_NAMES = """
     solver/branches solver/equilibrium solver/folds solver/levels solver/observe solver/orbit solver/sensitivity
-    solver/shooting workbench/commands workbench/figures workbench/scene workbench/store
+    solver/shooting workbench/commands workbench/figures workbench/scene
 """
 
 

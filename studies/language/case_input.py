@@ -146,7 +146,7 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
     known = [f for part in parts for f in fields(part)]
     _check_complete(problem, known, values, advice)
     chosen = [{f.name: values[f.name] for f in fields(part) if f.name in values} for part in parts]
-    rod, cylinder, given = (from_fields(part, found) for part, found in zip(parts, chosen, strict=True))
+    rod, cylinder, given = (from_fields(part, part_values) for part, part_values in zip(parts, chosen, strict=True))
     assumed = {f.name: f.default for f in known if f.name not in values and f.default is not None}
     if rod.EI is not None:
         assumed.pop("stiffness", None)  # a factor of E, which this rod does not have
@@ -155,7 +155,7 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
     if rod.weight is not None and "inclination" not in values:
         assumed["inclination"] = 0.0
     if isinstance(given, Ends):
-        loads = {own: 0.0 for own, partner in PAIRS[2:] if own not in values and partner not in values}
+        loads = {load: 0.0 for load, partner in PAIRS[2:] if load not in values and partner not in values}
         assumed = {f.name: {**assumed, **loads}[f.name] for f in known if f.name in {**assumed, **loads}}
     return Case(rod, cylinder, given), assumed
 
@@ -171,9 +171,9 @@ def unwound(values: Mapping[str, Any]) -> dict[str, Any]:
         return rest
     if missing := [name for name in WOUND[:2] if name not in wound]:
         raise InputError(f"a rod that is wound needs tension and lay, got no {missing[0]}")
-    both = [name for name in rest if name in START_ONLY or name in [one for pair in PAIRS for one in pair]]
-    if both:
-        raise InputError(f"tension and lay determine the angles and loads of both ends: omit {both[0]}")
+    surplus = [name for name in rest if name in START_ONLY or name in [end for pair in PAIRS for end in pair]]
+    if surplus:
+        raise InputError(f"tension and lay determine the angles and loads of both ends: omit {surplus[0]}")
     case, _ = from_values({**rest, "beta0": 0.0, "betaL": 0.0})
     ends = Ends.helix(case.rod, case.cylinder, **wound)
     return rest | {name: float(getattr(ends, name)) for name in ("beta0", "betaL", "FZ", "MZ", "M3")}
@@ -200,18 +200,18 @@ def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
     left = dict(changes)
     for part in (case.rod, case.cylinder, case.given):
         kind = type(part)
-        own = {f.name: getattr(part, f.name) for f in fields(kind)}
+        values = {f.name: getattr(part, f.name) for f in fields(kind)}
         if kind is Rod:
-            own |= _of_other_section(changes)
+            values |= _of_other_section(changes)
         if kind not in (Rod, Cylinder):  # whatever is left must be one of its fields
             _check_known(kind, left)
             if kind is Start and any(name in changes for name in TWISTS):
-                own |= dict.fromkeys(TWISTS)
+                values |= dict.fromkeys(TWISTS)
             for pair in PAIRS if kind is Ends else ():
-                own |= dict.fromkeys(pair) if any(name in changes for name in pair) else {}
-            parts.append(from_fields(kind, {**{k: v for k, v in own.items() if v is not None}, **left}))
+                values |= dict.fromkeys(pair) if any(name in changes for name in pair) else {}
+            parts.append(from_fields(kind, {**{k: v for k, v in values.items() if v is not None}, **left}))
             break
-        parts.append(from_fields(kind, {**own, **{name: left.pop(name) for name in own if name in left}}))
+        parts.append(from_fields(kind, {**values, **{name: left.pop(name) for name in values if name in left}}))
     return Case(*parts)
 
 
@@ -256,7 +256,7 @@ def _check_complete(problem: type, known: list[Field[Any]], values: Mapping[str,
     missing = lacking(section)
     missing += [f.name for f in known if f.default is MISSING and f.name not in values]
     if problem is Ends:
-        missing += [f"{own} (or {other})" for own, other in PAIRS[:2] if own not in values and other not in values]
+        missing += [f"{end} (or {other})" for end, other in PAIRS[:2] if end not in values and other not in values]
     if problem is Start and not any(name in values for name in TWISTS):
         missing.append(f"one of {choices(TWISTS)}")
     if missing:

@@ -196,13 +196,13 @@ def combine(
         owner[mine] = i
     combined: Columns = {}
     for name in pieces[0][2]:
-        both = np.concatenate([columns[name] for _, _, columns in pieces])
-        combined[name] = np.empty((size, *both.shape[1:]), dtype=both.dtype)
+        every = np.concatenate([columns[name] for _, _, columns in pieces])
+        combined[name] = np.empty((size, *every.shape[1:]), dtype=every.dtype)
         for _, mine, columns in reversed(pieces):
             combined[name][mine] = columns[name]
         for i, (source, mine, columns) in enumerate(pieces):
             again = np.flatnonzero(owner[mine] != i)
-            if same_bits(combined[name][mine[again]], columns[name][again].astype(both.dtype)):
+            if same_bits(combined[name][mine[again]], columns[name][again].astype(every.dtype)):
                 continue
             k = next(k for k in again if not same_bits(combined[name][mine[[k]]], columns[name][[k]]))
             sources = f"{pieces[owner[mine[k]]][0]} and {source}"

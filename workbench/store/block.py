@@ -70,10 +70,10 @@ def block_of(study: Study, part: Chunk) -> Columns:
 
 def _columns_of(study: Study, state: State) -> Columns:
     """The columns of one case of a sweep, with its branch."""
-    found = columns(study, show(study, state))
+    row = columns(study, show(study, state))
     if state.remark:
-        found["outcome"] = np.array([f"{found['outcome'][0]}; {state.remark}"])
-    return {**found, "branch": np.array([state.branch])}
+        row["outcome"] = np.array([f"{row['outcome'][0]}; {state.remark}"])
+    return {**row, "branch": np.array([state.branch])}
 
 
 def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None) -> Columns:
@@ -84,30 +84,30 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
     """
     cases = sol.case.size
     mine = np.asarray(sol.solved).reshape(-1)
-    found: Columns = {}
+    row: Columns = {}
     for name in study.outputs:
         along = np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *inner_shape(name))
-        found[curve_name(name)] = _where(mine, along)
+        row[curve_name(name)] = _where(mine, along)
     # in one call, as several observables share what they are measured from
     observed, remarks = expressions.observables_of(study, sol, (*study.wanted, *cautions.JUDGED), given or {})
     for name in study.recorded:
-        found[name] = _where(mine, np.asarray(observed[name]).reshape(-1))
-    found["solved"] = mine
+        row[name] = _where(mine, np.asarray(observed[name]).reshape(-1))
+    row["solved"] = mine
     outcomes = _with_remarks(np.asarray(sol.outcome).astype(str).reshape(-1), np.where(mine, remarks, ""))
-    found["outcome"] = _with_remarks(outcomes, np.where(mine, _incomplete(sol), ""))
+    row["outcome"] = _with_remarks(outcomes, np.where(mine, _incomplete(sol), ""))
     caution = cautions.of_cases(sol, observed, study.units.length)
-    found["caution"] = np.asarray(caution).reshape(-1)
+    row["caution"] = np.asarray(caution).reshape(-1)
     for name in (*JUDGED, *(name for name in LOADS if name not in study.varied)):
-        found[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)
+        row[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)
     for name in study.reactions:
-        found[name] = np.asarray(sol.held_index if name == "held_index" else sol.reactions[name], float).reshape(-1)
-    return found
+        row[name] = np.asarray(sol.held_index if name == "held_index" else sol.reactions[name], float).reshape(-1)
+    return row
 
 
 def _incomplete(sol: Solution) -> NDArray[Any]:
     """A remark on each case whose equilibrium was selected from a list that may be incomplete, (cases,)."""
     lists = np.full(sol.case.size, None) if sol.selection is None else np.asarray(sol.selection).reshape(-1)
-    return np.array([INCOMPLETE if one is not None and not one.complete else "" for one in lists.tolist()])
+    return np.array([INCOMPLETE if how is not None and not how.complete else "" for how in lists.tolist()])
 
 
 def _with_remarks(outcomes: NDArray[Any], remarks: NDArray[Any]) -> NDArray[Any]:
@@ -120,13 +120,13 @@ def _with_remarks(outcomes: NDArray[Any], remarks: NDArray[Any]) -> NDArray[Any]
 def unsolved(study: Study, cases: int, outcome: str) -> Columns:
     """The columns of cases that were not solved, with that outcome."""
     along = {curve_name(name): (cases, study.stations, *inner_shape(name)) for name in study.outputs}
-    found = {name: np.full(shape, np.nan) for name, shape in along.items()}
+    row = {name: np.full(shape, np.nan) for name, shape in along.items()}
     for name in (*study.recorded, *study.reactions, *(name for name in LOADS if name not in study.varied)):
-        found[name] = np.full(cases, np.nan)
-    found |= {name: np.full(cases, np.inf) for name in JUDGED}
-    found |= {"branch": np.full(cases, NO_BRANCH)} if study.sweeps else {}
+        row[name] = np.full(cases, np.nan)
+    row |= {name: np.full(cases, np.inf) for name in JUDGED}
+    row |= {"branch": np.full(cases, NO_BRANCH)} if study.sweeps else {}
     solved = np.zeros(cases, dtype=bool)
-    return {**found, "solved": solved, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
+    return {**row, "solved": solved, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
 
 
 def _where(mine: NDArray[np.bool_], values: NDArray[Any]) -> NDArray[Any]:

@@ -45,12 +45,12 @@ def boundary(ds: "xr.Dataset", name: str, step: float | None = None) -> "xr.Data
     import xarray as xr
 
     numbers, step = _numbers(ds, name, step)
-    found = _refinement(ds, numbers)
-    pairs, along = found.edges()
-    change = np.abs(np.diff(found.numbers[pairs, 0], axis=1)[:, 0])
-    unknown = int((np.isnan(found.numbers[pairs, 0]).sum(axis=1) == 1).sum())
+    cells = _refinement(ds, numbers)
+    pairs, along = cells.edges()
+    change = np.abs(np.diff(cells.numbers[pairs, 0], axis=1)[:, 0])
+    unknown = int((np.isnan(cells.numbers[pairs, 0]).sum(axis=1) == 1).sum())
     pairs, along = pairs[change > step], along[change > step]
-    values = found.lattice.values(found.places)
+    values = cells.lattice.values(cells.places)
     result: dict[str, Any] = {}
     for k, (axis, row) in enumerate(values.items()):
         low, high = row[pairs].T
@@ -60,7 +60,7 @@ def boundary(ds: "xr.Dataset", name: str, step: float | None = None) -> "xr.Data
         result[f"{axis}_half_width"] = ("pair", np.where(along == k, (high - low) / 2, 0.0), half)
     label = {} if name == OUTCOME else dict(ds[name].attrs)
     for key, side in (("before", 0), ("after", 1)):
-        result[key] = ("pair", found.numbers[pairs[:, side], 0], label)
+        result[key] = ("pair", cells.numbers[pairs[:, side], 0], label)
     return xr.Dataset(result, attrs={"observable": name, "step": step, "unknown": unknown}).set_coords(list(values))
 
 
@@ -86,20 +86,20 @@ def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
     """
     import xarray as xr
 
-    law = next((one for one in attributes.laws(ds) if one.claim == claim), None)
+    law = next((stated for stated in attributes.laws(ds) if stated.claim == claim), None)
     if law is None:
-        raise no_such("law", claim, [one.claim for one in attributes.laws(ds)])
+        raise no_such("law", claim, [stated.claim for stated in attributes.laws(ds)])
     if not refined.is_refined(ds) or len(refined.axes_of(ds)) < 2:
         raise InputError("the boundary of a law needs a study that is refined in the plane of two axes")
-    found = refined.describe(ds)
-    names, coarse = list(found.lattice.axes), found.lattice.axes[law.axis]
+    study = refined.describe(ds)
+    names, coarse = list(study.lattice.axes), study.lattice.axes[law.axis]
     along = names.index(law.axis)
-    cases = np.flatnonzero(found.places[:, along] % (1 << found.lattice.depth) == 0)
-    at, counts = np.unique(found.places[cases, 1 - along], return_counts=True)
-    cases = cases[np.isin(found.places[cases, 1 - along], at[counts == coarse.size])]  # of complete lines
-    index = cases[np.lexsort(found.places[cases].T[::-1])]
+    cases = np.flatnonzero(study.places[:, along] % (1 << study.lattice.depth) == 0)
+    at, counts = np.unique(study.places[cases, 1 - along], return_counts=True)
+    cases = cases[np.isin(study.places[cases, 1 - along], at[counts == coarse.size])]  # of complete lines
+    index = cases[np.lexsort(study.places[cases].T[::-1])]
     across = names[1 - along]
-    values = {law.axis: coarse, across: found.lattice.along(across, at[counts == coarse.size])}
+    values = {law.axis: coarse, across: study.lattice.along(across, at[counts == coarse.size])}
     values = {name: values[name] for name in names}
     grid = refined.grid_of(ds, index.reshape([row.size for row in values.values()]), values)
     verdicts = law_verdicts.verdicts_of_lines(grid, law).values
@@ -134,8 +134,8 @@ def _numbers(ds: "xr.Dataset", name: str, step: float | None) -> "tuple[Values, 
 def _refinement(ds: "xr.Dataset", numbers: "Values") -> Refinement:
     """The cells of a refined study, or of a grid, with these numbers. Raises `InputError`."""
     if refined.is_refined(ds):
-        found = refined.describe(ds)
-        lattice, places = found.lattice, found.places
+        study = refined.describe(ds)
+        lattice, places = study.lattice, study.places
     else:
         lattice, places = _grid(ds)
     return refinement_of(lattice, places, numbers.reshape(-1, 1), np.zeros(1), lattice.depth)

@@ -43,8 +43,12 @@ def solve_one(case: Case, which: Which | None, tol: float, method: str, stations
     if which is not None and which.dbeta0 is not None and which.energy is not None:
         every = equilibria(case, tol, stations)
         if len(every):
-            found = nearest(every, which.dbeta0, which.energy).solution
-            return found if method in ("auto", found.method) else solve(case, tol, method, stations, seed=found)
+            equilibrium = nearest(every, which.dbeta0, which.energy).solution
+            return (
+                equilibrium
+                if method in ("auto", equilibrium.method)
+                else solve(case, tol, method, stations, seed=equilibrium)
+            )
     return solve(case, tol=tol, method=method, stations=stations, choose=rule_of(which))
 
 
@@ -94,8 +98,10 @@ def continues(before: Solution, sol: Solution) -> bool:
     if not reached.solved:
         return False
     rho, ends = float(sol.case.rho), []
-    for one in (reached, sol):
-        ends.append(np.concatenate([one.beta, one.dbeta * rho, one.alpha - one.alpha[0], (one.z - one.z[0]) / rho]))
+    for each in (reached, sol):
+        ends.append(
+            np.concatenate([each.beta, each.dbeta * rho, each.alpha - each.alpha[0], (each.z - each.z[0]) / rho])
+        )
     return bool(np.abs(ends[0] - ends[1]).max() <= SAME * (1 + np.abs(ends[1]).max()))
 
 
@@ -110,28 +116,28 @@ def follow_to(before: Solution, case: Case, field: str, neighbour: str) -> Solut
         return _nothing(before, case, said if said.startswith(BEYOND) else first)
     name = quantity_of(field).name
     value = value_of(case, name)
-    wanted: dict[str, Any] = {name: value}
+    target: dict[str, Any] = {name: value}
     try:
-        branch = follow(before, **wanted)
+        branch = follow(before, **target)
     except InputError as error:
         return _nothing(before, case, f"{BEYOND} stops at {neighbour}: {error}")
     if (why := _end(branch, value)) is not None:
         return _nothing(before, case, why)
-    found = solve(case, tol=before.tol, stations=2, seed=branch.points[-1].solution)
-    return found if found.solved else _nothing(before, case, f"{BEYOND} stops before this case: {found.outcome}")
+    reached = solve(case, tol=before.tol, stations=2, seed=branch.points[-1].solution)
+    return reached if reached.solved else _nothing(before, case, f"{BEYOND} stops before this case: {reached.outcome}")
 
 
 def _end(branch: Branch, value: float) -> str | None:
     """Where and why a branch does not reach a value without turning back; None where it does."""
-    for one in branch.special:
-        if one.kind == FOLD:
-            return f"{BEYOND} ends in a fold at {in_words(branch.field, one.value, 10)}"
+    for special in branch.special:
+        if special.kind == FOLD:
+            return f"{BEYOND} ends in a fold at {in_words(branch.field, special.value, 10)}"
     if branch.values[-1] == value:
         return None
     far = branch.values[int(np.abs(branch.values - branch.values[0]).argmax())]
     if branch.end.kind == BORDER:  # back at its own value, without a fold
         where = f"a pitchfork at {in_words(branch.field, float(far), 10)}"
-        turn = next((one for one in branch.special if one.value == far), None)
+        turn = next((special for special in branch.special if special.value == far), None)
         beta = np.full(2, np.nan) if turn is None else branch.points[turn.position].solution.beta
         if np.ptp(beta) > _STRAIGHT or not abs(np.sin(beta[0])) < _STRAIGHT:
             return f"{BEYOND} turns back in {where}"
@@ -146,12 +152,12 @@ def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str
     light = replace(sol, trajectory=replace(sol.trajectory, swirl=_not_kept))
     if not sol.solved:
         return State(light, NO_BRANCH, False)
-    here = float(sol.held_index if sol.held else observe(light, ["index"])["index"]) == 0
-    if stable and not here:
+    is_stable = float(sol.held_index if sol.held else observe(light, ["index"])["index"]) == 0
+    if stable and not is_stable:
         remark = LOST
     if sol.selection is not None and not sol.selection.complete:
         remark = f"{remark}; {INCOMPLETE}" if remark else INCOMPLETE
-    return State(light, branch, here if stable is None else stable, remark)
+    return State(light, branch, is_stable if stable is None else stable, remark)
 
 
 def _not_kept() -> NDArray[np.float64]:

@@ -53,9 +53,11 @@ def make(
     where the study does not know it.
     """
     data = {}
-    for one in case_variables(study, over):
-        values = columns[one.name]
-        data[one.name] = xr.Variable(one.dims, values.reshape((*over.shape, *values.shape[1:])), one.attrs)
+    for variable in case_variables(study, over):
+        values = columns[variable.name]
+        data[variable.name] = xr.Variable(
+            variable.dims, values.reshape((*over.shape, *values.shape[1:])), variable.attrs
+        )
     ds = frame(study, over, remarks, case).assign(data)  # all at once: xarray aligns at each assignment
     return ds.assign_attrs(caution=cautions.sentence(ds))
 
@@ -89,14 +91,14 @@ def frame(
 def _coordinates(study: Study, over: Dimensions) -> dict[str, Any]:
     """The coordinates of the dimensions: the values of each axis; the numbers of the samples, and their fields."""
     coords: dict[str, Any] = {}
-    for one in over.each:
-        dim = dimension(one.name)
-        coords[dim] = xr.Variable((dim,), one.coordinate, _axis_labels(study, one.name))
-        for field, values in one.fields.items():
+    for each in over.each:
+        dim = dimension(each.name)
+        coords[dim] = xr.Variable((dim,), each.coordinate, _axis_labels(study, each.name))
+        for field, values in each.fields.items():
             coords[dimension(field)] = xr.Variable((dim,), values, _axis_labels(study, field))
     if study.refine is not None:
-        found = refine.lattice(study)
-        levels = found.levels(found.places(over.fields))
+        lattice = refine.lattice(study)
+        levels = lattice.levels(lattice.places(over.fields))
         labels_ = {"units": "1", "long_name": "level of refinement", "symbol": "level"}
         coords[refine.LEVEL] = xr.Variable((SAMPLE,), levels, labels_)
     return coords
@@ -110,17 +112,17 @@ def versions() -> dict[str, str]:
 def provenance(measured: bool = False) -> dict[str, str]:
     """When and with what a file is made, as attributes; measured: on which machine too."""
     machine = f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}"
-    made = {"created": datetime.now(UTC).isoformat(timespec="seconds"), "versions": json.dumps(versions())}
-    return {"machine": machine, **made} if measured else made
+    attributes = {"created": datetime.now(UTC).isoformat(timespec="seconds"), "versions": json.dumps(versions())}
+    return {"machine": machine, **attributes} if measured else attributes
 
 
 def _axis_labels(study: Study, name: str) -> dict[str, str]:
     row = quantity_of(name)
-    told = labels(row.name, study.unit_system)
+    words = labels(row.name, study.unit_system)
     if meaning := study.meaning(name):
-        told["long_name"] += f" ({meaning})"
-        told["reading"] = meaning
-    return told
+        words["long_name"] += f" ({meaning})"
+        words["reading"] = meaning
+    return words
 
 
 def variables(columns: Mapping[str, Any], dims: tuple[str, ...], units: Mapping[str, str]) -> dict[str, xr.Variable]:

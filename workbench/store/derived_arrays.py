@@ -115,12 +115,12 @@ class Stored(StoredArrays):
 
     def array(self, name: str) -> xr.DataArray:
         """The array of one of `ARRAYS`, (axes, u) and its components, with units. Raises `InputError`."""
-        found = self.derive(name)
-        if found is None:
-            found = self._values_of(name)
+        values = self.derive(name)
+        if values is None:
+            values = self._values_of(name)
         order = [*axes_left(self.ds, self.study), "u", *INNER.get(name, ())]
         kept = {dim: list(COMPONENTS[dim]) for dim in INNER.get(name, ())}
-        result = found.transpose(*(dim for dim in order if dim in found.dims)).assign_coords(kept)
+        result = values.transpose(*(dim for dim in order if dim in values.dims)).assign_coords(kept)
         return result.rename(name).assign_attrs(self._labels(name))
 
     def _values_of(self, name: str) -> xr.DataArray:
@@ -139,8 +139,8 @@ class Stored(StoredArrays):
         units = self.study.unit_system
         if name in OUTPUTS:
             return schema.labels(name, units)
-        told = schema.labels("contact" if name == "push" else "u", units)
-        return {"units": told["units"], "long_name": _LONG_NAMES[name]}
+        words = schema.labels("contact" if name == "push" else "u", units)
+        return {"units": words["units"], "long_name": _LONG_NAMES[name]}
 
     def constant(self, name: str) -> xr.DataArray:
         """E, a, rho, FZ, MZ or M3: read, or from the case."""

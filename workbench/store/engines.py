@@ -44,10 +44,10 @@ def solve(
     return pool(work.light, chunks, work.block, count)
 
 
-def count_workers(work: Plan, cases: int, asked: int | None) -> int:
+def count_workers(work: Plan, cases: int, given: int | None) -> int:
     """How many workers of this machine are worth starting for so many cases, unless as many are asked for."""
-    if asked is not None:
-        return asked
+    if given is not None:
+        return given
     blocks = WORTH_TOGETHER if work.batched else WORTH
     return max(1, min(cores(), cases // (blocks * work.block)))
 
@@ -101,7 +101,7 @@ PATIENCE = 20.0  # seconds to wait for a scheduler, and for its first worker
 AHEAD = 2  # chunks submitted for each thread of a worker: one to solve, one to wait
 
 
-def cluster(work: Plan, missing: Iterable[tuple[int, int]], address: str, asked: int | None) -> Results:
+def cluster(work: Plan, missing: Iterable[tuple[int, int]], address: str, chunk_size: int | None) -> Results:
     """Solve the missing cases on the cluster at that address (tcp://host:port).
 
     Where a worker dies, Dask solves its chunks again, as often as its scheduler allows, and then gives up all of them;
@@ -121,7 +121,7 @@ def cluster(work: Plan, missing: Iterable[tuple[int, int]], address: str, asked:
     try:
         _check_workers(client, work.light)
         threads = sum(client.nthreads().values())
-        yield from _hand_out(client, work, work.chunks(missing, work.chunk_size(threads, asked)))
+        yield from _hand_out(client, work, work.chunks(missing, work.chunk_size(threads, chunk_size)))
     finally:
         client.close(timeout=2)
 

@@ -109,8 +109,8 @@ def _check_stored(variable: h5py.Dataset, what: str) -> None:
         raise InputError(f"{what} must hold numbers or text, got {variable.dtype}")
     if variable.shape is None or 0 in variable.shape:
         raise InputError(f"{what} is empty: its shape is {variable.shape}")
-    made = variable.id.get_create_plist()
-    unknown = {made.get_filter(i)[0] for i in range(made.get_nfilters())} - FILTERS
+    filters = variable.id.get_create_plist()
+    unknown = {filters.get_filter(i)[0] for i in range(filters.get_nfilters())} - FILTERS
     if unknown:
         raise InputError(f"{what} is compressed with filter {min(unknown)}; only gzip, shuffle and fletcher32 are read")
     without_values = variable.attrs.get("NAME", b"")

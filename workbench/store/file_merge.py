@@ -104,10 +104,10 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
         for what, (a, b) in _differences(files[0], studies[0], ds, study).items():
             if a != b:
                 raise InputError(f"{names[0]} and {name} differ in {what}: {_said(a)} and {_said(b)}")
-        for held, other, (here, there) in ((files[0], ds, (names[0], name)), (ds, files[0], (name, names[0]))):
+        for held, other, (this, that) in ((files[0], ds, (names[0], name)), (ds, files[0], (name, names[0]))):
             if more := [str(key) for key in held.variables if key not in other.variables]:
                 raise InputError(
-                    f"the files differ in what is stored: {here} has {choices(more)}, which {there} has not"
+                    f"the files differ in what is stored: {this} has {choices(more)}, which {that} has not"
                 )
     axes = schema.axes_of(files[0])
     if studies[0].follow is not None:
@@ -155,7 +155,7 @@ def _differences(a: xr.Dataset, of_a: Study, b: xr.Dataset, of_b: Study) -> dict
 
 def _said(value: Any) -> str:
     """A value as a message shows it, at most 60 characters."""
-    if isinstance(value, list) and all(isinstance(one, str) for one in value):
+    if isinstance(value, list) and all(isinstance(word, str) for word in value):
         return choices(value) or "none"
     text = "nothing" if value is None else str(value)
     return text if len(text) <= 60 else f"{text[:57]}..."

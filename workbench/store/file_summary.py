@@ -35,28 +35,28 @@ def summary(path: Path) -> dict[str, Any]:
     Memory: one number a case, for one observable at a time.
     """
     with reading.open_study(path, whole=True) as ds, file_checks.reading(path):
-        told: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
-        told |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
-        told |= {"tolerance": attributes.number(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
-        told |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", "equilibria")}
+        data: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
+        data |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
+        data |= {"tolerance": attributes.number(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
+        data |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", "equilibria")}
         counts = outcomes.count_branches(_numbers(ds["branch"])) if "branch" in ds else {}
-        told["branches"] = outcomes.branch_sentence(counts) if counts else ""
-        told["versions"] = attributes.versions(ds, path)
-        told["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
-        told["sampled"] = [_axis(ds[schema.dimension(name)]) for name in schema.fields_of_samples(ds)]
-        told |= {key: str(ds.attrs.get(key, "")) for key in schema.SAMPLING}
-        told["stations"] = ds.sizes.get("u", 0)
-        told["along"] = [name for name in schema.CURVES if name in ds.data_vars]
-        told["boundaries"] = _boundaries(ds)
-        told["cases"] = ds["outcome"].size
-        told["unsolved"] = law_verdicts.unsolved(ds)
-        told["outcomes"] = dict(text_counts(ds["outcome"], ds["solved"]).most_common())
-        told["observables"] = [_spread(ds[name]) for name in _observables(ds)]
-        told["states"] = _states(ds)
-        told["worst"] = [_worst(ds, name) for name in ("error", "condition")]
+        data["branches"] = outcomes.branch_sentence(counts) if counts else ""
+        data["versions"] = attributes.versions(ds, path)
+        data["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
+        data["sampled"] = [_axis(ds[schema.dimension(name)]) for name in schema.fields_of_samples(ds)]
+        data |= {key: str(ds.attrs.get(key, "")) for key in schema.SAMPLING}
+        data["stations"] = ds.sizes.get("u", 0)
+        data["along"] = [name for name in schema.CURVES if name in ds.data_vars]
+        data["boundaries"] = _boundaries(ds)
+        data["cases"] = ds["outcome"].size
+        data["unsolved"] = law_verdicts.unsolved(ds)
+        data["outcomes"] = dict(text_counts(ds["outcome"], ds["solved"]).most_common())
+        data["observables"] = [_spread(ds[name]) for name in _observables(ds)]
+        data["states"] = _states(ds)
+        data["worst"] = [_worst(ds, name) for name in ("error", "condition")]
         rows = law_verdicts.verdicts(ds)
-        told |= {"verdicts": law_words.tally(rows), "laws": [_law(row) for row in rows]}
-    return told
+        data |= {"verdicts": law_words.tally(rows), "laws": [_law(row) for row in rows]}
+    return data
 
 
 def _states(ds: xr.Dataset) -> list[dict[str, Any]]:
@@ -86,11 +86,11 @@ def _observables(ds: xr.Dataset) -> list[str]:
     """The observables, the reactions of held ends, other loads and end moments that the study names, and the index."""
     try:
         study = study_of(ds)
-        wanted, reactions = study.wanted, [own for own, partner in PAIRS if partner in study.held]
+        names, reactions = study.wanted, [load for load, partner in PAIRS if partner in study.held]
     except InputError:  # a file without the text of its study
-        wanted, reactions = [], []
-    asked = [name for name in OBSERVABLES if name in wanted and OBSERVABLES[name].holds and name not in reactions]
-    known = [name for name in (*reactions, *asked, selection.HELD_INDEX) if name in ds.data_vars]
+        names, reactions = [], []
+    holding = [name for name in OBSERVABLES if name in names and OBSERVABLES[name].holds and name not in reactions]
+    known = [name for name in (*reactions, *holding, selection.HELD_INDEX) if name in ds.data_vars]
     return [*schema.observables_of(ds), *known]
 
 
@@ -99,13 +99,13 @@ def _boundaries(ds: xr.Dataset) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     if not refined.is_refined(ds):
         return rows
-    told = refined.describe(ds)
-    each = [(name, boundary(ds, name)) for name in told.watch]
-    each += [(f"law {claim}", boundary_of_law(ds, claim)) for claim in told.laws]
-    for name, found in each:
-        for axis in map(str, found.coords):
-            half = found[f"{axis}_half_width"].values
-            middle = found[axis].values[half > 0]
+    study = refined.describe(ds)
+    each = [(name, boundary(ds, name)) for name in study.watch]
+    each += [(f"law {claim}", boundary_of_law(ds, claim)) for claim in study.laws]
+    for name, pairs in each:
+        for axis in map(str, pairs.coords):
+            half = pairs[f"{axis}_half_width"].values
+            middle = pairs[axis].values[half > 0]
             ends = {"from": float(middle.min()), "to": float(middle.max())} if middle.size else {}
             row: dict[str, Any] = {
                 "name": name,
@@ -116,17 +116,17 @@ def _boundaries(ds: xr.Dataset) -> list[dict[str, Any]]:
                 **ends,
             }
             row["half_width"] = float(half.max()) if middle.size else None
-            row["places"] = _places(found, axis) if len(found.coords) == 1 and middle.size <= MOST_PLACES else []
-            row |= {"units": str(ds[axis].attrs.get("units", "")), "unknown": found.attrs.get("unknown", 0)}
+            row["places"] = _places(pairs, axis) if len(pairs.coords) == 1 and middle.size <= MOST_PLACES else []
+            row |= {"units": str(ds[axis].attrs.get("units", "")), "unknown": pairs.attrs.get("unknown", 0)}
             rows.append(row)
     return rows
 
 
-def _places(found: xr.Dataset, axis: str) -> list[dict[str, Any]]:
+def _places(pairs: xr.Dataset, axis: str) -> list[dict[str, Any]]:
     """Each place of a boundary along a single axis, in rising order."""
-    order = np.argsort(found[axis].values)
+    order = np.argsort(pairs[axis].values)
     keys = {"at": axis, "half_width": f"{axis}_half_width", "before": "before", "after": "after"}
-    return [{key: found[name].values[i].item() for key, name in keys.items()} for i in order]
+    return [{key: pairs[name].values[i].item() for key, name in keys.items()} for i in order]
 
 
 def _axis(axis: xr.DataArray) -> dict[str, Any]:
@@ -140,14 +140,14 @@ def text_counts(variable: xr.DataArray, solved: xr.DataArray | None = None) -> C
 
     solved: where given, the others are counted apart by whether their case is solved.
     """
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for where in blocks(variable.shape, BLOCK):
         texts = variable[where].values.ravel().tolist()
         kinds = [""] * len(texts) if solved is None else np.where(solved[where].values.ravel(), "solved ", "failed ")
         for (text, kind), count in Counter(zip(texts, kinds, strict=True)).items():
-            kept = str(text) in found or len(found) < DISTINCT
-            found[str(text) if kept else f"{kind}{OTHERS}"] += count
-    return found
+            kept = str(text) in counts or len(counts) < DISTINCT
+            counts[str(text) if kept else f"{kind}{OTHERS}"] += count
+    return counts
 
 
 def _numbers(variable: xr.DataArray) -> NDArray[np.float64]:
@@ -198,9 +198,9 @@ def least_accurate(path: Path) -> dict[str, Any]:
 
 def _law(row: dict[str, Any]) -> dict[str, Any]:
     """A law's row without its list of exceptions, which may be as long as the study."""
-    told = {key: value for key, value in row.items() if key not in ("exceptions", "also")}
+    short = {key: value for key, value in row.items() if key not in ("exceptions", "also")}
     return {
-        **told,
+        **short,
         "stated": law_words.law_in_words(row),
         "said": law_words.sentence(row),
         "exceptions": len(row["exceptions"]),
@@ -213,7 +213,11 @@ SENTENCES = ("stability", "begin", "end", "remark", "searched")  # attributes th
 def contents(path: Path) -> dict[str, Any]:
     """What the file holds, as plain data. Raises `InputError`."""
     ds = reading.read(path, study=False)
-    numbers = [str(name) for name, one in ds.variables.items() if one.dtype.kind in "iuf" and "u" not in one.dims]
+    numbers = [
+        str(name)
+        for name, variable in ds.variables.items()
+        if variable.dtype.kind in "iuf" and "u" not in variable.dims
+    ]
     solved = ds["solved"].values.astype(bool) if "solved" in ds else np.ones(0, dtype=bool)
     named = ds["outcome"].values.astype(str) if "outcome" in ds else np.zeros(0, dtype=str)
     texts = Counter(map(str, np.ravel(ds["caution"].values))) if "caution" in ds else Counter()
@@ -223,7 +227,7 @@ def contents(path: Path) -> dict[str, Any]:
         "kind": file_kinds.kind_of(ds).what,
         "title": str(ds.attrs.get("title", "")),
         "sizes": {str(dim): int(size) for dim, size in ds.sizes.items()},
-        "along": [str(name) for name, one in ds.data_vars.items() if "u" in one.dims],
+        "along": [str(name) for name, variable in ds.data_vars.items() if "u" in variable.dims],
         "numbers": [_spread(ds[name]) for name in numbers if ds[name].ndim],
         "fields": [_spread(ds[name]) for name in numbers if not ds[name].ndim],
         "outcomes": dict(Counter(named[named != ""].tolist())),

@@ -43,24 +43,24 @@ def look(path: Path) -> StoredRun | None:
     """
     try:
         with file_checks.open_valid(path) as file:
-            found = np.asarray(file.attrs["format"]).item()
-            stored = _read(file) if found == FORMAT else None
+            version = np.asarray(file.attrs["format"]).item()
+            stored = _read(file) if version == FORMAT else None
             checksums.check(file, path, arrays=False)
     except InputError:
         return None
-    if found > FORMAT:
-        raise InputError(f"{path} is of format {found}, but this version reads format {FORMAT}")
+    if version > FORMAT:
+        raise InputError(f"{path} is of format {version}, but this version reads format {FORMAT}")
     return stored
 
 
 def _read(file: h5py.File) -> StoredRun | None:
-    made, told = (json.loads(file.attrs[name]) for name in ("recipe", "statistics"))
-    fields = {name: np.asarray(file[dimension(name)][...], dtype=float) for name in made["axes"]}
-    if any(made["axes"][name] != axis_line(values) for name, values in fields.items()):
+    recipe, statistics = (json.loads(file.attrs[name]) for name in ("recipe", "statistics"))
+    fields = {name: np.asarray(file[dimension(name)][...], dtype=float) for name in recipe["axes"]}
+    if any(recipe["axes"][name] != axis_line(values) for name, values in fields.items()):
         return None  # changed since by another program
-    axes = {name: fields.pop(name) for name in made["order"] if name != SAMPLE}
-    samples = Dimension(SAMPLE, fields) if SAMPLE in made["order"] else None
-    return StoredRun(str(file.attrs["study_name"]), made, Dimensions.of(axes, samples), told)
+    axes = {name: fields.pop(name) for name in recipe["order"] if name != SAMPLE}
+    samples = Dimension(SAMPLE, fields) if SAMPLE in recipe["order"] else None
+    return StoredRun(str(file.attrs["study_name"]), recipe, Dimensions.of(axes, samples), statistics)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,15 +92,15 @@ def compare(path: Path, plan: Plan, restart: bool = False) -> Growth:
     if stored is None:
         return Growth(plan)
     larger = _grow(stored, plan)
-    told = differences(stored.recipe, (larger or plan).recipe)
-    if not told:
+    changes = differences(stored.recipe, (larger or plan).recipe)
+    if not changes:
         return Growth(larger or plan, stored, True)
     if larger is not None and larger.new is not None:
         return Growth(larger, stored)
     if stored.name != plan.study.name:
         return Growth(plan)
-    more = f"; and {len(told) - MOST_TOLD} more" if len(told) > MOST_TOLD else ""
-    line = f"replaces the results in {path}, which differ: {'; '.join(told[:MOST_TOLD])}{more}"
+    more = f"; and {len(changes) - MOST_TOLD} more" if len(changes) > MOST_TOLD else ""
+    line = f"replaces the results in {path}, which differ: {'; '.join(changes[:MOST_TOLD])}{more}"
     return Growth(plan, replaced=line)
 
 
@@ -126,9 +126,9 @@ def _grow(stored: StoredRun, plan: Plan) -> Plan | None:
     if not grows or plan.study.sweeps:
         return None
     if versions:
-        told = "; ".join(differences(*({key: row.get(key) for key in versions} for row in (was, same.recipe))))
+        changes = "; ".join(differences(*({key: row.get(key) for key in versions} for row in (was, same.recipe))))
         raise InputError(
-            f"the existing file holds part of this study, but {told}; use --restart to solve all of it again"
+            f"the existing file holds part of this study, but {changes}; use --restart to solve all of it again"
         )
     return Plan(plan.study, same.dimensions, np.arange(0) if refines else _new(stored, same))
 
@@ -160,14 +160,14 @@ def _match_dimensions(old: Dimensions, new: Dimensions) -> tuple[Dimensions, lis
 
     None where an old value is not among the new.
     """
-    each, found = [], []
+    each, indices = [], []
     for before, now in zip(old.each, new.each, strict=True):
         matched = _match_samples(before, now) if now.name == SAMPLE else _match_axis(before, now)
         if matched is None:
             return None
         each.append(matched[0])
-        found.append(matched[1])
-    return Dimensions(tuple(each)), found
+        indices.append(matched[1])
+    return Dimensions(tuple(each)), indices
 
 
 def _match_samples(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.int64]] | None:

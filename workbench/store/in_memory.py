@@ -83,10 +83,10 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     for work, start, stop in rounds(growth, None, lambda *_: parts[-1]):
         if start < stop:
             parts.append(join([block_of(work.study, part) for part in work.chunk(start, stop).blocks(work.block)]))
-    found = join(parts)
+    columns = join(parts)
     if work.study.sweeps:
-        found["branch"] = outcomes.number_branches(found["branch"], found["branch"])
-    return dataset.make(work.study, work.dimensions, found, remarks(work))
+        columns["branch"] = outcomes.number_branches(columns["branch"], columns["branch"])
+    return dataset.make(work.study, work.dimensions, columns, remarks(work))
 
 
 def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:

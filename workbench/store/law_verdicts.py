@@ -66,11 +66,12 @@ def _is_inert(ds: "xr.Dataset", law: Law) -> bool:
 
 def _row_of_untested(law: Law, row: Mapping[str, Any]) -> dict[str, Any]:
     """The row of a law that is not tested, with the values that were measured."""
-    told = refusal(law, f"not tested along {law.axis}: {law.axis} has no effect under this reading")
+    untested = refusal(law, f"not tested along {law.axis}: {law.axis} has no effect under this reading")
     also = [
-        {**new, "first": old["first"], "last": old["last"]} for new, old in zip(told["also"], row["also"], strict=True)
+        {**new, "first": old["first"], "last": old["last"]}
+        for new, old in zip(untested["also"], row["also"], strict=True)
     ]
-    return {**told, "first": row["first"], "last": row["last"], "also": also}
+    return {**untested, "first": row["first"], "last": row["last"], "also": also}
 
 
 def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
@@ -80,13 +81,13 @@ def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
     axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
     others = [dim for dim in axes if dim != law.axis]
     if _is_inert(ds, law):
-        found = np.full([ds.sizes[dim] for dim in others], UNDECIDED)
-        return xr.DataArray(found, {dim: ds[dim] for dim in others}, others)
+        values = np.full([ds.sizes[dim] for dim in others], UNDECIDED)
+        return xr.DataArray(values, {dim: ds[dim] for dim in others}, others)
     observed = ds[law.observable].transpose(*axes)
     counts = [law.observable] if schema.is_count(observed) else []
     known = numbers_of_law(ds, law)
-    found = by_line(law, observed.values, axes, crossings(ds, law.axis), counts, known)
-    return xr.DataArray(found, {dim: ds[dim] for dim in others}, others)
+    values = by_line(law, observed.values, axes, crossings(ds, law.axis), counts, known)
+    return xr.DataArray(values, {dim: ds[dim] for dim in others}, others)
 
 
 def crossings(ds: "xr.Dataset", axis: str) -> "NDArray[np.bool_] | None":
@@ -132,9 +133,9 @@ def numbers_of_law(ds: "xr.Dataset", law: Law) -> "dict[str, NDArray[np.float64]
 def numbers_of_line(ds: "xr.Dataset", law: Law, places: "list[dict[str, int]]") -> "dict[str, NDArray[np.float64]]":
     """The numbers with which a law compares its observable, by key, at the places of one line of the grid."""
     outcome = ds["outcome"]
-    found = targets(law, outcome.shape, numbers_of_law(ds, law))
+    numbers = targets(law, outcome.shape, numbers_of_law(ds, law))
     index = tuple(np.array([place[str(dim)] for place in places]) for dim in outcome.dims)
-    return {key: values[index] for key, (values, _) in found.items()}
+    return {key: values[index] for key, (values, _) in numbers.items()}
 
 
 def _number_of(ds: "xr.Dataset", name: str) -> Any:

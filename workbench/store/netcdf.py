@@ -64,5 +64,5 @@ def write(ds: xr.Dataset, path: str | Path | BytesIO, encoding: Mapping[str, Map
 
     How a file was packed that it was read from does not count: a longer text would be cut to the length of that file.
     """
-    with file(path, "w") as made:
-        ds.drop_encoding().dump_to_store(H5NetCDFStore(made, mode="w"), encoding=encoding)
+    with file(path, "w") as target:
+        ds.drop_encoding().dump_to_store(H5NetCDFStore(target, mode="w"), encoding=encoding)

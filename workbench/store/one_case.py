@@ -37,7 +37,7 @@ def place_of(study: Study, at: Mapping[str, selection.Value] | None = None) -> d
     """The values of the fields that vary, of the case at these values; at: as of `selection.case`."""
     where = selection.case(outline(study), at)
     over = study.dimensions().each
-    return {field: float(v[where[schema.dimension(one.name)]]) for one in over for field, v in one.fields.items()}
+    return {field: float(v[where[schema.dimension(dim.name)]]) for dim in over for field, v in dim.fields.items()}
 
 
 def of_dataset(ds: xr.Dataset, at: Mapping[str, selection.Value] | None = None) -> Solution:

@@ -88,13 +88,13 @@ class Plan:
     def light(self) -> Study:
         """The study as workers need it: with the first of its samples and axes alone, as each chunk brings its own."""
         samples, axes = None, {}
-        for one in self.dimensions.each:
-            first = {name: values[:1] for name, values in one.fields.items()}
-            if one.name == SAMPLE:
+        for dimension in self.dimensions.each:
+            first = {name: values[:1] for name, values in dimension.fields.items()}
+            if dimension.name == SAMPLE:
                 samples = Dimension(SAMPLE, first)
             else:
-                follow = one.name == self.study.followed
-                axes[one.name] = Axis.model_validate({"values": first[one.name].tolist(), "follow": follow})
+                follow = dimension.name == self.study.followed
+                axes[dimension.name] = Axis.model_validate({"values": first[dimension.name].tolist(), "follow": follow})
         update = {"axes": axes, **dict.fromkeys(SOURCES), "refine": None, "laws": [], "observables": self.study.wanted}
         light = self.study.model_copy(update=update).with_samples(samples)
         light._text, light._part_of = "", None
@@ -125,10 +125,10 @@ class Plan:
             for a in range(start, stop, most):
                 yield self.chunk(a, min(a + most, stop))
 
-    def chunk_size(self, workers: int = 1, asked: int | None = None) -> int:
+    def chunk_size(self, workers: int = 1, given: int | None = None) -> int:
         """Cases in a chunk, whole blocks: as asked, else a few seconds' work and enough chunks for all workers."""
-        if asked is not None:
-            return self.block * max(1, round(asked / self.block))
+        if given is not None:
+            return self.block * max(1, round(given / self.block))
         fair = -(-self.todo // self.block) // (4 * workers)
         held = MOST_BYTES // (self.block * bytes_a_case(self.study))
         return self.block * max(1, min(MOST_BLOCKS, fair, held))
@@ -146,8 +146,8 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
     if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
         first = Case(first.rod, first.cylinder, Ends(0.0, 0.0))
     tol = check_tolerance(study.tol if tol is None else tol)
-    asked = study.method if method is None else method
-    name = varying_method(first.kind, asked) if study.varies else choose_method(first.kind, asked).name
+    method_name = study.method if method is None else method
+    name = varying_method(first.kind, method_name) if study.varies else choose_method(first.kind, method_name).name
     if study.held and name != "shooting":
         raise InputError(f"method {name!r} needs dead loads and end angles, got {choices(study.held)}; choose shooting")
     return Plan(study.model_copy(update={"tol": tol, "method": name}), dimensions)
@@ -194,10 +194,10 @@ def room(work: Plan, folder: Path, kept: int) -> str:
     """The disk space that the run needs, in words; raises `InputError` where there is less."""
     case = bytes_a_case(work.study)
     final, parts = bytes_of_file(work), max(work.todo - kept, 0) * case
-    there = shards.free(folder)
-    if final + parts > there:
+    left = shards.free(folder)
+    if final + parts > left:
         needed = f"{_bytes(final)} for the file and {_bytes(parts)} for its parts until it is whole"
-        raise InputError(f"the study needs up to {needed}, but {folder.parent} has {_bytes(there)} left")
+        raise InputError(f"the study needs up to {needed}, but {folder.parent} has {_bytes(left)} left")
     new = f", {work.size - work.todo} of them already stored" if work.todo < work.size else ""
     going = f", {kept} kept from an earlier run" if kept else ""
     if work.study.refine is not None:

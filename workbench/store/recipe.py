@@ -54,21 +54,21 @@ def recipe_of(study: Study, dimensions: Dimensions, block: int) -> dict[str, Any
 
 def differences(was: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     """The differences of two recipes in words: ``tol was 1e-08, now 1e-09``."""
-    told = []
+    sentences = []
     for key in dict.fromkeys([*was, *now]):
         before, after = was.get(key), now.get(key)
         if isinstance(before, dict) and isinstance(after, dict):
-            told += [f"{key}.{difference}" for difference in differences(before, after)]
+            sentences += [f"{key}.{difference}" for difference in differences(before, after)]
         elif before != after:
-            told.append(f"{key} was {_tell(before)}, now {_tell(after)}")
-    return told
+            sentences.append(f"{key} was {_tell(before)}, now {_tell(after)}")
+    return sentences
 
 
 @cache
 def code_version() -> str:
     """The version of the package and a digest of the sources that make the numbers."""
-    own, language = Path(solver.__file__).parent, Path(studies.__file__).parent
-    sources = [*own.rglob("*.py"), *own.rglob("*.[ch]"), *language.glob("*.py")]
+    mechanics, language = Path(solver.__file__).parent, Path(studies.__file__).parent
+    sources = [*mechanics.rglob("*.py"), *mechanics.rglob("*.[ch]"), *language.glob("*.py")]
     content = b"".join(path.name.encode() + path.read_bytes() for path in sorted(sources))
     return f"{version_of('rod-workbench')}+{_digest(content)}"
 
@@ -110,15 +110,15 @@ def _follow_line(study: Study) -> dict[str, Any]:
 def _refine_lines(study: Study) -> dict[str, Any]:
     """The refinement: its keys, the coarse grid, and how often that is halved."""
     assert study.refine is not None
-    found = lattice(study)
-    lines = {name: axis_line(values) for name, values in found.axes.items()}
+    grid = lattice(study)
+    lines = {name: axis_line(values) for name, values in grid.axes.items()}
     watched = {name: study.refine.steps.get(name, 0) for name in study.refine.watch}
     return {
         **lines,
-        "geometric": sorted(found.geometric),
+        "geometric": sorted(grid.geometric),
         "watch": watched,
         "laws": study.refine.laws,
-        "halvings": found.depth,
+        "halvings": grid.depth,
         "budget": study.refine.budget,
     }
 

@@ -42,39 +42,39 @@ class Refined:
     laws: list[str]
 
 
-def attributes(study: "Study", found: Refinement) -> dict[str, str]:
+def attributes(study: "Study", refinement: Refinement) -> dict[str, str]:
     """The attributes of a refined study: for programs, and a sentence on what ended its refinement."""
-    table, lattice = study.refine, found.lattice
+    table, lattice = study.refine, refinement.lattice
     assert table is not None
     spacings = {dimension(name): SPACINGS[name in lattice.geometric] for name in lattice.axes}
-    watch = {name: float(step) for name, step in zip(table.watch, found.steps, strict=False)}
-    told = {"axes": spacings, "halvings": lattice.depth, "watch": watch, "laws": table.laws}
-    told |= {"ended": found.ended, "rounds": found.rounds}
+    watch = {name: float(step) for name, step in zip(table.watch, refinement.steps, strict=False)}
+    data = {"axes": spacings, "halvings": lattice.depth, "watch": watch, "laws": table.laws}
+    data |= {"ended": refinement.ended, "rounds": refinement.rounds}
     changes = [_change(name, step) for name, step in watch.items()]
     changes += [f"the verdict on law {claim} changes" for claim in table.laws]
     laws = "; laws are judged on the coarse grid" if study.laws else ""
-    return {KEY: json.dumps(told), SAMPLING[-1]: f"{_sentence(' or '.join(changes), found)}{laws}"}
+    return {KEY: json.dumps(data), SAMPLING[-1]: f"{_sentence(' or '.join(changes), refinement)}{laws}"}
 
 
-def _sentence(changes: str, found: Refinement) -> str:
+def _sentence(changes: str, refinement: Refinement) -> str:
     """What ended a refinement."""
-    lattice, cases = found.lattice, len(found.places)
+    lattice, cases = refinement.lattice, len(refinement.places)
     within = f"{lattice.share(lattice.depth):.2g} of an axis"
     grid = " x ".join(map(str, lattice.sizes))
     share = f"{cases} cases, {100 * cases / prod(lattice.sizes):.2g} % of the uniform grid of {grid}"
-    if found.ended == BUDGET:
-        left = found.open_cells()
+    if refinement.ended == BUDGET:
+        left = refinement.open_cells()
         many = f"{sum(left)} cell{'s' * (sum(left) != 1)}"
         if any(left):
             largest = lattice.share(next(level for level, count in enumerate(left) if count))
             many += f", the largest {largest:.2g} of an axis wide,"
-        if found.lines:
-            many += f" and {found.open_lines()} gaps between lines"
+        if refinement.lines:
+            many += f" and {refinement.open_lines()} gaps between lines"
         return (
-            f"refinement ended as the budget of {found.budget} cases is spent: {many} where {changes} are still "
+            f"refinement ended as the budget of {refinement.budget} cases is spent: {many} where {changes} are still "
             f"coarser than {within} ({share})"
         )
-    if not found.rounds:
+    if not refinement.rounds:
         return f"refinement added no case: on the coarse grid there is no step wider than {within} at which {changes}"
     return f"refinement ended as the tolerance is reached: where {changes} is known to {within} ({share})"
 
@@ -98,9 +98,9 @@ def axes_of(ds: "xr.Dataset") -> list[str]:
 def _tell(ds: "xr.Dataset") -> dict[str, Any]:
     """The attribute of a refined study. Raises `InputError` where it is invalid."""
     try:
-        told: dict[str, Any] = json.loads(ds.attrs[KEY])
-        axes, halvings, watch = dict(told["axes"]), told["halvings"], dict(told["watch"])
-        laws = list(map(str, told["laws"]))
+        data: dict[str, Any] = json.loads(ds.attrs[KEY])
+        axes, halvings, watch = dict(data["axes"]), data["halvings"], dict(data["watch"])
+        laws = list(map(str, data["laws"]))
         if (
             1 <= len(axes) <= 2
             and all(name in ds.variables and spacing in SPACINGS for name, spacing in axes.items())
@@ -116,8 +116,8 @@ def _tell(ds: "xr.Dataset") -> dict[str, Any]:
 
 def describe(ds: "xr.Dataset") -> Refined:
     """The refinement of a dataset. Raises `InputError` where cases of it are missing or have other values."""
-    told = _tell(ds)
-    names = list(told["axes"])
+    data = _tell(ds)
+    names = list(data["axes"])
     fields = {name: np.atleast_1d(ds[name].values).astype(float) for name in names}
     level = np.atleast_1d(ds[tables.LEVEL].values) if tables.LEVEL in ds.variables else np.zeros(0)
     coarse = {name: np.unique(values[level == 0]) for name, values in fields.items() if values.size == level.size}
@@ -125,29 +125,29 @@ def describe(ds: "xr.Dataset") -> Refined:
     lost = "the dataset has not all cases of its refined study"
     if len(coarse) < len(names) or (level == 0).sum() != size or any(values.size < 2 for values in coarse.values()):
         raise InputError(lost)
-    geometric = frozenset(name for name, spacing in told["axes"].items() if spacing == "geometric")
-    lattice = Lattice(coarse, geometric, told["halvings"])
+    geometric = frozenset(name for name, spacing in data["axes"].items() if spacing == "geometric")
+    lattice = Lattice(coarse, geometric, data["halvings"])
     if max(lattice.sizes) > tables.MOST_PLACES:
         raise InputError(f"the attribute {KEY} does not describe the refinement of the dataset")
     places = lattice.places(fields)
     if (places < 0).any() or not np.array_equal(lattice.levels(places), level):
         raise InputError(lost)
-    return Refined(lattice, places, told["watch"], told["laws"])
+    return Refined(lattice, places, data["watch"], data["laws"])
 
 
 def coarse(ds: "xr.Dataset") -> "xr.Dataset":
     """The coarse grid of a refined study as a study over its axes. Raises `InputError`."""
-    found = describe(ds)
+    study = describe(ds)
     first = np.flatnonzero(ds[tables.LEVEL].values == 0)
-    order = first[np.lexsort(found.places[first].T[::-1])]
-    return grid_of(ds, order.reshape(found.lattice.shape), found.lattice.axes)
+    order = first[np.lexsort(study.places[first].T[::-1])]
+    return grid_of(ds, order.reshape(study.lattice.shape), study.lattice.axes)
 
 
 def line(ds: "xr.Dataset") -> "xr.Dataset":
     """All cases of a study that is refined along one axis, in the order of that axis. Raises `InputError`."""
-    found = describe(ds)
-    (name,) = found.lattice.axes
-    order = np.argsort(found.places[:, 0])
+    study = describe(ds)
+    (name,) = study.lattice.axes
+    order = np.argsort(study.places[:, 0])
     return grid_of(ds, order, {name: ds[name].values[order]})
 
 
@@ -157,12 +157,12 @@ def raster(ds: "xr.Dataset") -> "xr.Dataset":
     Each cell of the refinement has four quarters, and a quarter has the numbers of the case at its corner. Arrays along
     the rod are left out; `case` is the index of the case, and `level` a variable. Raises `InputError`.
     """
-    found = describe(ds)
-    lattice = found.lattice
+    study = describe(ds)
+    lattice = study.lattice
     depth = lattice.depth
     while depth and max((size - 1) << (depth + 1) for size in lattice.shape) > MOST_DRAWN:
         depth -= 1
-    cells = refinement_of(lattice, found.places, np.empty((len(found.places), 0)), np.empty(0), depth)
+    cells = refinement_of(lattice, study.places, np.empty((len(study.places), 0)), np.empty(0), depth)
     index = np.empty([(size - 1) << (depth + 1) for size in lattice.shape], dtype=np.int64)
     levels = np.empty(index.shape)  # on a scale of colours, as borders between levels would hide them
     for level in range(depth + 1):
@@ -207,6 +207,6 @@ def grid_of(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Val
     coords = {name: xr.Variable((name,), row, {**ds[name].attrs, "spacing": spacings[name]})
               for name, row in values.items()}  # fmt: skip
     attrs = {key: value for key, value in ds.attrs.items() if key not in (KEY, "sampled", *SAMPLING)}
-    found = grid.assign_coords(coords)
-    found.attrs = attrs
-    return found
+    cases = grid.assign_coords(coords)
+    cases.attrs = attrs
+    return cases

@@ -145,11 +145,11 @@ def labels_in(study: "Study", name: str) -> dict[str, str]:
     text = study.expressions.get(name.removesuffix("_error"))
     if text is None:
         return labels(name, study.unit_system)
-    own = name.removesuffix("_error")
-    unit = expressions.unit(study, own)
-    if name != own:
-        return {"units": unit, "long_name": f"estimated error of: {own}", "symbol": f"δ({own})"}
-    return {"units": unit, "long_name": own.replace("_", " "), "symbol": own, "expression": text}
+    plain = name.removesuffix("_error")
+    unit = expressions.unit(study, plain)
+    if name != plain:
+        return {"units": unit, "long_name": f"estimated error of: {plain}", "symbol": f"δ({plain})"}
+    return {"units": unit, "long_name": plain.replace("_", " "), "symbol": plain, "expression": text}
 
 
 def observables_of(ds: "xr.Dataset") -> list[str]:

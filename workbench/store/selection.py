@@ -44,15 +44,15 @@ def case(ds: xr.Dataset, at: Mapping[str, Value] | None = None) -> dict[str, int
 def line(ds: xr.Dataset, axis: str, at: Mapping[str, Value] | None = None) -> list[dict[str, int]]:
     """The indices of each case along an axis in its rising order, the other axes as in `case`."""
     axis = axis_of(ds, axis)
-    here = case(ds, at)
-    return [{**here, axis: int(i)} for i in np.argsort(ds[axis].values, kind="stable")]
+    place = case(ds, at)
+    return [{**place, axis: int(i)} for i in np.argsort(ds[axis].values, kind="stable")]
 
 
-def spread(found: list[dict[str, int]], count: int) -> list[dict[str, int]]:
+def spread(places: list[dict[str, int]], count: int) -> list[dict[str, int]]:
     """At most so many of them, evenly chosen, both ends among them."""
-    if len(found) <= count:
-        return found
-    return [found[i] for i in np.linspace(0, len(found) - 1, count).round().astype(int)]
+    if len(places) <= count:
+        return places
+    return [places[i] for i in np.linspace(0, len(places) - 1, count).round().astype(int)]
 
 
 def axis_of(ds: xr.Dataset, name: str) -> str:
@@ -74,19 +74,19 @@ def axis_of(ds: xr.Dataset, name: str) -> str:
 def index(ds: xr.Dataset, name: str, value: Value) -> int:
     """The index of the value of an axis that is meant. Raises `InputError` with the stored values."""
     axis = np.asarray(ds[name].values, dtype=float)
-    wanted = real(name, value)
-    away = np.abs(axis - wanted)
+    number = real(name, value)
+    away = np.abs(axis - number)
     nearest = int(away.argmin())
-    if away[nearest] <= _tolerance(axis, wanted):
+    if away[nearest] <= _tolerance(axis, number):
         return nearest
     for half in (_half_digit(value), _half_digit(value, zeros=False)) if isinstance(value, str) else ():
-        close = np.flatnonzero(away <= min(half, LOOSEST * abs(wanted)))
+        close = np.flatnonzero(away <= min(half, LOOSEST * abs(number)))
         if close.size == 1:
             return int(close[0])
         if close.size:
             break
-    shown = value if isinstance(value, str) else write(name, wanted, 10)
-    raise InputError(f"{name} = {shown} is not on the axis; {_list(axis, name, wanted)}")
+    shown = value if isinstance(value, str) else write(name, number, 10)
+    raise InputError(f"{name} = {shown} is not on the axis; {_list(axis, name, number)}")
 
 
 def indices(ds: xr.Dataset, name: str, value: Any) -> Any:
@@ -94,7 +94,7 @@ def indices(ds: xr.Dataset, name: str, value: Any) -> Any:
     if isinstance(value, slice):
         return _between(ds, name, value)
     if isinstance(value, list | tuple | np.ndarray):
-        return [index(ds, name, one) for one in value]
+        return [index(ds, name, each) for each in value]
     return index(ds, name, value)
 
 
@@ -143,12 +143,12 @@ def _half_digit(text: str, zeros: bool = True) -> float:
     return math.radians(half) if number != text.strip() else half
 
 
-def _between(ds: xr.Dataset, name: str, wanted: slice) -> NDArray[np.intp]:
-    if wanted.step is not None:
-        raise InputError(f"{name} takes a slice without a step, got {wanted}")
+def _between(ds: xr.Dataset, name: str, bounds: slice) -> NDArray[np.intp]:
+    if bounds.step is not None:
+        raise InputError(f"{name} takes a slice without a step, got {bounds}")
     axis = np.asarray(ds[name].values, dtype=float)
-    low = -np.inf if wanted.start is None else real(name, wanted.start)
-    high = np.inf if wanted.stop is None else real(name, wanted.stop)
+    low = -np.inf if bounds.start is None else real(name, bounds.start)
+    high = np.inf if bounds.stop is None else real(name, bounds.stop)
     inside = (axis >= low - _tolerance(axis, low)) & (axis <= high + _tolerance(axis, high))
     if not inside.any():
         near = low if np.isfinite(low) else high

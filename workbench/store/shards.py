@@ -41,10 +41,10 @@ class Damaged(Exception):
     """A shard is not what was written: its checksum is wrong, or it is gone."""
 
 
-def encode(found: Columns) -> bytes:
+def encode(columns: Columns) -> bytes:
     """The columns as bytes: NumPy's archive, in which each different text stands once."""
     packed: Columns = {}
-    for name, values in found.items():
+    for name, values in columns.items():
         if values.dtype.kind == "U":
             packed[f"{name}:texts"], packed[f"{name}:which"] = np.unique(values, return_inverse=True)
         else:
@@ -58,14 +58,14 @@ def decode(content: bytes | memoryview) -> Columns:
     """The columns that `encode` packed. Nothing in it is executed."""
     with np.load(BytesIO(content), allow_pickle=False) as archive:
         packed = {name: archive[name] for name in archive.files}
-    found: Columns = {}
+    columns: Columns = {}
     for name, values in packed.items():
         plain, _, part = name.partition(":")
         if not part:
-            found[name] = values
+            columns[name] = values
         elif part == "texts":
-            found[plain] = values[packed[f"{plain}:which"]]
-    return found
+            columns[plain] = values[packed[f"{plain}:which"]]
+    return columns
 
 
 def join(parts: Sequence[Columns]) -> Columns:
@@ -221,11 +221,11 @@ class Shards:
 
 def shard_ranges(folder: Path, cases: int) -> list[tuple[int, int]]:
     """The ranges of cases that have shards, in order, without overlaps."""
-    found: list[tuple[int, int]] = []
+    ranges: list[tuple[int, int]] = []
     for start, stop in sorted(_shards(folder)):
-        if (found[-1][1] if found else 0) <= start < stop <= cases:
-            found.append((start, stop))
-    return found
+        if (ranges[-1][1] if ranges else 0) <= start < stop <= cases:
+            ranges.append((start, stop))
+    return ranges
 
 
 def is_empty(folder: Path) -> bool:

@@ -70,8 +70,8 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
             raise no_such("field", name, fields)
     case = case_of(ds, study, {name: real(name, value) for name, value in values.items()})
     if case.size > MOST_SOLVED:
-        asked = f"{case.size} cases would have to be solved again, more than {MOST_SOLVED}"
-        raise InputError(f"{asked}; select some first, as ds.rod.sel({axes_left(ds, study)[0]}=...).rod")
+        many = f"{case.size} cases would have to be solved again, more than {MOST_SOLVED}"
+        raise InputError(f"{many}; select some first, as ds.rod.sel({axes_left(ds, study)[0]}=...).rod")
     tol, method = attributes.number(ds, "tolerance"), attributes.text(ds, "method")
     stations = _stations(ds, study, case)
     if study.sweeps:
@@ -112,16 +112,16 @@ def solve_again(ds: xr.Dataset, stations: int, names: Iterable[str]) -> xr.Datas
     def array(values: Any) -> xr.Variable:
         return xr.Variable(dims, np.broadcast_to(np.asarray(values), shape))
 
-    made = bare.assign_coords(s=array(sol.s)).assign({
+    denser = bare.assign_coords(s=array(sol.s)).assign({
         curve_name(name): array(push_from(sol.contact, attributes.text(ds, "side")) if name == "push" else
                                 getattr(sol, name)) for name in names})  # fmt: skip
-    for name in (str(name) for name in made.data_vars if "u" in made[name].dims and name in ds):
+    for name in (str(name) for name in denser.data_vars if "u" in denser[name].dims and name in ds):
         stored = ds[name].transpose(*dims).values[ds["solved"].values]
         size = {"beta": 1.0, "alpha": 1.0, "z": float(ds["L"].max())}.get(name, float(np.abs(stored).max(initial=0.0)))
-        far = np.abs(made[name].values[..., ::more][ds["solved"].values] - stored)
+        far = np.abs(denser[name].values[..., ::more][ds["solved"].values] - stored)
         if not far.max(initial=0.0) <= AGREES * size:
             raise InputError(f"solved again, the cases have other shapes than the file: {name} differs")
-    return made
+    return denser
 
 
 def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -151,27 +151,29 @@ def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -
 
     work = plan(study)
     rows = {name: np.broadcast_to(value, case.shape).ravel() for name, value in places.items()}
-    found = []
+    solutions = []
     for i in range(case.size):
         near = partial(work.spine.nearest, {name: float(row[i]) for name, row in rows.items()})
         at = stations if isinstance(stations, int) else np.broadcast_to(stations, (*case.shape, np.shape(stations)[-1]))
         mine = at if isinstance(at, int) else at.reshape(case.size, -1)[i]
-        found.append(between(work.study, _single(case, i), near, mine))
-    return found[0] if not case.shape else _together(case, found)
+        solutions.append(between(work.study, _single(case, i), near, mine))
+    return solutions[0] if not case.shape else _together(case, solutions)
 
 
-def _together(case: Case, found: list[Solution]) -> Solution:
+def _together(case: Case, solutions: list[Solution]) -> Solution:
     """Solutions of single cases as the one solution of their grid."""
     names = ("beta", "dbeta", "alpha", "z", "solved", "outcome", "error", "condition", "evaluations")
-    columns: dict[str, Any] = {name: np.concatenate([getattr(one.trajectory, name) for one in found]) for name in names}
-    swirl = np.concatenate([one.trajectory.swirl() for one in found])
-    t = np.concatenate([one.t for one in found])
-    if found[0].held:
-        columns |= {name: np.concatenate([getattr(one.trajectory, name) for one in found]) for name in _HELD}
-    rows = [vars(one.problem) for one in found]
+    columns: dict[str, Any] = {
+        name: np.concatenate([getattr(sol.trajectory, name) for sol in solutions]) for name in names
+    }
+    swirl = np.concatenate([sol.trajectory.swirl() for sol in solutions])
+    t = np.concatenate([sol.t for sol in solutions])
+    if solutions[0].held:
+        columns |= {name: np.concatenate([getattr(sol.trajectory, name) for sol in solutions]) for name in _HELD}
+    rows = [vars(sol.problem) for sol in solutions]
     problem = EndsProblem(**{name: np.concatenate([row[name] for row in rows]) for name in rows[0]})
     answer = Trajectory(**columns, swirl=partial(np.asarray, swirl))
-    return Solution(case, problem, answer, t, found[0].method, found[0].tol)
+    return Solution(case, problem, answer, t, solutions[0].method, solutions[0].tol)
 
 
 def _single(case: Case, i: int) -> Case:
@@ -197,12 +199,12 @@ def _stations(ds: xr.Dataset, study: Study, case: Case) -> Any:
 def _slope(ds: xr.Dataset, study: Study, case: Case) -> Any:
     """beta'(0) near that of the followed equilibrium, of the shape of the case. Raises `InputError` past the fold."""
     (name,) = map(dimension, study.varied)
-    wanted, fold = np.broadcast_to(values_of(case, name), case.shape), float(ds["fold"])
+    targets, fold = np.broadcast_to(values_of(case, name), case.shape), float(ds["fold"])
     values, slopes = np.atleast_1d(ds[name].values), np.atleast_1d(ds["dbeta0"].values)
     rises = 1 if fold >= values.max() else -1  # the fold is the last value
-    beyond = rises * (wanted - fold) > SAME * abs(fold)  # never where there is no fold, as that is stored as NaN
+    beyond = rises * (targets - fold) > SAME * abs(fold)  # never where there is no fold, as that is stored as NaN
     if beyond.any():
-        far = wanted[beyond][np.abs(wanted[beyond] - fold).argmax()]
+        far = targets[beyond][np.abs(targets[beyond] - fold).argmax()]
         raise InputError(f"{name} = {far:.10g} lies beyond the fold at {fold:.10g}, where the equilibrium ends")
     order = np.argsort(values)
-    return np.interp(wanted, values[order], slopes[order])
+    return np.interp(targets, values[order], slopes[order])

@@ -124,11 +124,11 @@ def variables(ds: xr.Dataset) -> Iterator[str]:
         fill = np.asarray(variable.encoding.get("_FillValue", np.nan))
         if fill.size != 1 or fill.dtype.kind not in "iuf":
             yield f": the attribute _FillValue of {show(name)} must be a number"
-        wanted, kinds = ("text", "OUST") if name in WORDS else ("numbers", "iuf")
+        kind, kinds = ("text", "OUST") if name in WORDS else ("numbers", "iuf")
         if name == "solved":
-            wanted, kinds = "booleans", "b"
+            kind, kinds = "booleans", "b"
         if variable.dtype.kind not in kinds:
-            yield f": {show(name)} must hold {wanted}, got {variable.dtype}"
+            yield f": {show(name)} must hold {kind}, got {variable.dtype}"
     for name in EACH:
         if name not in ds or list(ds[name].dims) != axes:
             yield f" has no {name} for each of its cases"

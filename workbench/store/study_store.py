@@ -133,9 +133,9 @@ def _follow(work: Plan, output: Path) -> Ran:
     writing.check_parent(output)
     began = time.monotonic()
     ds = run_followed(work.study, work.study.tol, work.study.method)
-    found = statistics(ds)
-    writing.write(ds.assign_attrs(recipe=json.dumps(work.recipe), statistics=json.dumps(found)), output, force=True)
-    return Ran(found, ds["outcome"].size, time.monotonic() - began)
+    numbers = statistics(ds)
+    writing.write(ds.assign_attrs(recipe=json.dumps(work.recipe), statistics=json.dumps(numbers)), output, force=True)
+    return Ran(numbers, ds["outcome"].size, time.monotonic() - began)
 
 
 def _already(growth: Growth) -> Ran:

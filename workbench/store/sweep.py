@@ -99,10 +99,10 @@ class States:
             way.append((at, parent))
             at = None if parent is None else parent[0]
         state = None if at is None else self.known[at]
-        for here, parent in reversed(way):
-            state = self._continue(here, parent, state)
-            if self.keeps(here):
-                self.known[here] = state
+        for step_at, parent in reversed(way):
+            state = self._continue(step_at, parent, state)
+            if self.keeps(step_at):
+                self.known[step_at] = state
         assert state is not None
         return state
 
@@ -137,11 +137,11 @@ class Spine:
 
     def hand_over(self, start: int, stop: int) -> dict[int, State]:
         """The states that the blocks of the cases `start` to `stop` begin with."""
-        wanted: list[int] = []
+        places: list[int] = []
         for a in range(start, stop, self.block):
             b = min(a + self.block, stop)
-            wanted += range(a, b) if self._keeps_all else [entry for _, _, entry in self.grid.pieces(a, b)]
-        return {place: self._states.state(place) for place in wanted}
+            places += range(a, b) if self._keeps_all else [entry for _, _, entry in self.grid.pieces(a, b)]
+        return {place: self._states.state(place) for place in places}
 
     def nearest(self, values: Mapping[str, float]) -> State:
         """The state of the case nearest to these values of the axes."""

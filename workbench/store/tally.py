@@ -27,9 +27,9 @@ def tally_of(stored: StoredRun | None) -> Tally:
     """The tally of an existing file, or an empty one. A sweep is never extended, so it has no branches."""
     if stored is None:
         return {name: Counter() for name in ("solved", *TEXTS, "branch")}
-    found = stored.statistics
-    texts = {"outcome": Counter(found["outcomes"]), "caution": Counter(found["cautions"])}
-    return {"solved": Counter({False: found["unsolved"]}), **texts, "branch": Counter()}
+    statistics = stored.statistics
+    texts = {"outcome": Counter(statistics["outcomes"]), "caution": Counter(statistics["cautions"])}
+    return {"solved": Counter({False: statistics["unsolved"]}), **texts, "branch": Counter()}
 
 
 def count(columns: Columns, tally: Tally) -> int:
@@ -103,8 +103,8 @@ class Meter:
 
     def data(self) -> dict[str, Any]:
         """The same for programs."""
-        told = {"done": self.done, "cases": self.total, "unsolved": self.unsolved}
-        return {**told, "per_second": round(self.rate, 1), "seconds_left": self.left and round(self.left, 1)}
+        counts = {"done": self.done, "cases": self.total, "unsolved": self.unsolved}
+        return {**counts, "per_second": round(self.rate, 1), "seconds_left": self.left and round(self.left, 1)}
 
 
 Progress = Callable[[int, int], AbstractContextManager[Meter]]  # takes total and done

@@ -71,7 +71,9 @@ def _text(text: str, longest: int | None, what: str) -> Iterator[str]:
     except UnicodeEncodeError:
         yield f": {what} is not UTF-8 text: {show(text)}"
     if longest is None:
-        if any(ord(one) < 32 and one not in "\n\r\t" for one in text) or any("\x7f" <= one <= "\x9f" for one in text):
+        if any(ord(letter) < 32 and letter not in "\n\r\t" for letter in text) or any(
+            "\x7f" <= letter <= "\x9f" for letter in text
+        ):
             yield f": {what} holds control characters"
     elif not escaping.is_line(text, longest):
         yield f": {what} must be one line of text, got {show(text)}"
@@ -118,7 +120,7 @@ def _stations(ds: xr.Dataset, L: xr.DataArray | None) -> Iterator[str]:
     u = ds["u"].values
     if u.dtype.kind != "f" or not np.isfinite(u).all() or u.min() < 0 or u.max() > 1 or not (np.diff(u) > 0).all():
         yield ": u must rise from 0 to 1"
-    along = [str(name) for name, one in ds.data_vars.items() if name in CURVES and "u" in one.dims]
+    along = [str(name) for name, variable in ds.data_vars.items() if name in CURVES and "u" in variable.dims]
     if "s" not in ds.variables and along:
         yield f": {along[0]} is an array along the rod, but s is missing"
     if "s" not in ds.variables or L is None:
@@ -137,7 +139,9 @@ def each(ds: xr.Dataset) -> Iterator[str]:
             yield f": {name} must hold numbers, got {ds[name].dtype}"
     sizes = (*schema.stiffness_fields(ds), "rho", "L")
     dims = ds["outcome"].dims
-    numbers = [str(name) for name, one in ds.data_vars.items() if one.dims == dims and one.dtype.kind in "iuf"]
+    numbers = [
+        str(name) for name, variable in ds.data_vars.items() if variable.dims == dims and variable.dtype.kind in "iuf"
+    ]
     names = [name for name in dict.fromkeys(("solved", *TEXTS, *numbers, *LOADS, *sizes)) if name in ds.variables]
     for block in pieces(ds, names, BLOCK):
         for name in TEXTS:

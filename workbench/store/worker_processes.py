@@ -103,16 +103,16 @@ def process(target: Callable[..., None], *args: Any) -> tuple[BaseProcess, Conne
     """
     context = _context()
     ours, theirs = context.Pipe()
-    made: BaseProcess = context.Process(target=target, args=(theirs, *args), daemon=True)
+    child: BaseProcess = context.Process(target=target, args=(theirs, *args), daemon=True)
     try:
         with _one_thread(), _interrupts_held():
-            made.start()
+            child.start()
     except (EOFError, ConnectionError):  # which of them depends on when it ended
         raise InputError("a worker process cannot start: the process from which it is forked has ended") from None
     except OSError as error:
         raise InputError(f"a worker process cannot start: {error.strerror or error}") from None
     theirs.close()
-    return made, ours
+    return child, ours
 
 
 def get_ready() -> None:

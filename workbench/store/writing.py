@@ -69,14 +69,14 @@ def write_cases(
             created[variable.name][(*where, ...)] = values.reshape(grid_io.extent(where) + values.shape[1:])
 
 
-def _create(file: netcdf.File, one: schema.CaseVariable, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Any:
+def _create(file: netcdf.File, case_variable: schema.CaseVariable, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Any:
     kind: dict[str, Any] = {"dtype": {"U": h5py.string_dtype(), "b": np.dtype(np.int8)}.get(dtype.kind, dtype)}
     if dtype.kind == "f":
         kind["fillvalue"] = np.nan
     if shape:
         kind |= {"chunks": grid_io.packing(shape), **schema.packing(len(shape), dtype)}
-    variable = file.create_variable(one.name, one.dims, **kind)
-    for key, text in one.attrs.items():
+    variable = file.create_variable(case_variable.name, case_variable.dims, **kind)
+    for key, text in case_variable.attrs.items():
         variable.attrs[key] = text
     if dtype.kind == "b":  # which netCDF has not: as xarray stores it
         variable.attrs["dtype"] = "bool"
@@ -92,13 +92,13 @@ def check_free(path: str | Path, study_name: str) -> None:
         return
     try:
         with file_checks.open_valid(path) as file:
-            there = file.attrs.get("study_name")
+            stored = file.attrs.get("study_name")
     except InputError:
-        there = None
-    if there is None:
+        stored = None
+    if stored is None:
         raise InputError(f"{path} exists and is not a study's dataset; give --force to replace it")
-    if there != study_name:
-        raise InputError(f"{path} holds the study {there!r}, not {study_name!r}; give --force to replace it")
+    if stored != study_name:
+        raise InputError(f"{path} holds the study {stored!r}, not {study_name!r}; give --force to replace it")
 
 
 def check_parent(path: str | Path) -> None:
