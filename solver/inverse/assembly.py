@@ -10,6 +10,7 @@ from ..numerics.arrays import Array
 from . import wording
 from .data import DISTANCE
 from .fit_result import Fit, OtherMinimum
+from .parameters import values_at
 from .uncertainty import LEVEL, Uncertainty, uncertainty
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
     return Fit(
         outcome=wording.outcome(model, best, directions, probability),
         reached=wording.miss_of(model, best) == "",
-        values=_values(model, best.x),
+        values=values_at(parameters, best.x),
         intervals={n: (float(a), float(b)) for n, a, b in zip(names, known.low, known.high, strict=True)},
         rule=wording.rule(data.known, known),
         covariance=known.covariance,
@@ -81,10 +82,6 @@ def _nothing(model: "Model") -> Fit:
     )  # fmt: skip
 
 
-def _values(model: "Model", x: Array) -> dict[str, float]:
-    return {parameter.name: parameter.value(float(v)) for parameter, v in zip(model.parameters, x, strict=True)}
-
-
 def _in_units(model: "Model", way: Array) -> dict[str, float]:
     """A direction by field: relative for a positive field, else in its unit; scaled so that the first one is 1."""
     changes = {
@@ -104,7 +101,7 @@ def _others(model: "Model", minima: Sequence["Minimum"], known: Uncertainty) -> 
             places.append(minimum)
     return [
         OtherMinimum(
-            _values(model, minimum.x), minimum.cost, _as_good(model, minimum, minima[0], known),
+            values_at(model.parameters, minimum.x), minimum.cost, _as_good(model, minimum, minima[0], known),
             tuple(part.name for part, free in zip(model.parameters, minimum.free, strict=True) if not free),
         )
         for minimum in places[1:]

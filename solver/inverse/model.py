@@ -15,7 +15,7 @@ from ..solution import Solution
 from ..solve import solve
 from .data import Data
 from .feet import Feet, feet
-from .parameters import Parameter, replace, values_in_words
+from .parameters import Parameter, rates_at, replace_values, values_at, values_in_words
 
 
 class NoValueError(Exception):
@@ -100,8 +100,7 @@ class Model:
         rows = [known.observables[name] / self.data.sizes[name] for name in targets]
         if self.data.points is not None:
             rows += list(self._of_points(evaluation, known))
-        rates = [parameter.rate(parameter.value(float(v))) for parameter, v in zip(self.parameters, x, strict=True)]
-        return np.vstack(rows) * np.array(rates)
+        return np.vstack(rows) * rates_at(self.parameters, x)
 
     def _of_points(self, evaluation: Evaluation, known: Any) -> list[Array]:
         """The derivatives of the residuals of the points, a block (P, F) for each column."""
@@ -124,9 +123,8 @@ class Model:
 
     @np.errstate(over="ignore", invalid="ignore")  # such values are refused at the end
     def _evaluate(self, x: Array) -> Evaluation:
-        values = {parameter.name: parameter.value(float(v)) for parameter, v in zip(self.parameters, x, strict=True)}
         try:
-            case = replace(self.case, values)
+            case = replace_values(self.case, values_at(self.parameters, x))
         except InputError as error:
             raise NoValueError(str(error)) from None
         points, nearest = self.data.points, None

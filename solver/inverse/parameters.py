@@ -1,22 +1,21 @@
 """The parameters of a fit: fields of a case, their bounds, and the numbers x by which a search moves them."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.angles import angle
-from ..problem.case import TWISTS, Case, Start, from_fields
-from ..problem.case_fields import FIELD, check_fields
+from ..problem.case import Case
+from ..problem.case_fields import FIELD, check_fields, unchecked_with_field, value_of
 from ..problem.errors import InputError, choices, show
 from ..problem.quantities import quantity
 
 POSITIVE = ("E", "EI", "GJ", "a", "L", "R")  # searched by their logarithm
 _LIMITS = {"nu": (-1.0, 0.5), "weight": (0.0, np.inf), "friction": (0.0, np.inf), "inclination": (0.0, np.pi)}
 _SPREAD = 4.0  # starts of a positive field without bounds: from its value over this to its value times this
-# The fields of Start and Ends that are the value of a quantity at s = 0.
 
 
 @dataclass(frozen=True)
@@ -149,32 +148,23 @@ def natural_unit(case: Case, name: str) -> float:
     return rho ** dimension[0] * (A / rho**2) ** dimension[1]
 
 
-def value_of(case: Case, name: str) -> float:
-    """The value of a field, by the name of its derivative."""
-    for part in (case.rod, case.cylinder, case.given):
-        for field in (name, FIELD.get(name, name)):
-            if getattr(part, field, None) is not None:
-                return float(getattr(part, field))
-    raise InputError(f"this case has no value of {name}")
-
-
-def replace(case: Case, values: Mapping[str, float]) -> Case:
+def replace_values(case: Case, values: Mapping[str, float]) -> Case:
     """The case with other values of some fields. Raises `InputError` for values that a case cannot have."""
-    parts = []
-    for part in (case.rod, case.cylinder, case.given):
-        entries = {f.name: getattr(part, f.name) for f in fields(part)}
-        for name, value in values.items():
-            field = name if name in entries else FIELD.get(name, name)
-            if field in entries:
-                entries[field] = value
-        if isinstance(part, Start):
-            entries = {k: v for k, v in entries.items() if v is not None or k not in TWISTS}
-        parts.append(from_fields(type(part), entries))
-    return Case(*parts)
+    for name, value in values.items():
+        case = unchecked_with_field(case, name, value)
+    return Case(replace(case.rod), replace(case.cylinder), replace(case.given))
 
 
-def values_in_words(parameters: list[Parameter], x: Array) -> str:
+def values_at(parameters: Sequence[Parameter], x: Array) -> dict[str, float]:
+    """Field -> its value."""
+    return {parameter.name: parameter.value(float(v)) for parameter, v in zip(parameters, x, strict=True)}
+
+
+def rates_at(parameters: Sequence[Parameter], x: Array) -> Array:
+    """The derivative of each value by its x, (F,)."""
+    return np.array([parameter.rate(parameter.value(float(v))) for parameter, v in zip(parameters, x, strict=True)])
+
+
+def values_in_words(parameters: Sequence[Parameter], x: Array) -> str:
     """``E = 1.07e+04, F1 = 5``."""
-    return choices(
-        f"{parameter.name} = {parameter.value(float(v)):.6g}" for parameter, v in zip(parameters, x, strict=True)
-    )
+    return choices(f"{name} = {value:.6g}" for name, value in values_at(parameters, x).items())

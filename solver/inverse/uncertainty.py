@@ -7,7 +7,7 @@ import numpy as np
 from scipy import special
 
 from ..numerics.arrays import Array
-from .parameters import Parameter
+from .parameters import Parameter, rates_at, values_at
 
 SINGULAR = 1e-8  # of the largest singular value of normalised derivatives: a smaller one is that of rounding
 _NONE = 1e-11  # of the largest derivative: a parameter with smaller ones has no effect
@@ -58,7 +58,7 @@ def uncertainty(
     unknown = free & ((np.abs(np.array([*silent, *mixed])) > 0).any(axis=0) if silent or mixed else False)
     freedom = N - rank
     variance, quantile = _variance(residuals, freedom, known)
-    rates = np.array([parameter.rate(parameter.value(float(v))) for parameter, v in zip(parameters, x, strict=True)])
+    rates = rates_at(parameters, x)
     errors = np.sqrt(variance) * np.linalg.norm(inverse, axis=1)
     errors = np.where(unknown, np.inf, np.where(free, errors, np.nan))
     low, high = (_end(parameters, x, side * quantile * errors) for side in (-1, 1))
@@ -84,7 +84,7 @@ def _variance(residuals: Array, freedom: int, known: bool) -> tuple[float, float
 def _end(parameters: Sequence[Parameter], x: Array, away: Array) -> Array:
     """One end of each interval; a parameter that the data do not determine has the whole range of its field."""
     with np.errstate(over="ignore"):
-        return np.array([parameter.value(float(v)) for parameter, v in zip(parameters, x + away, strict=True)])
+        return np.array(list(values_at(parameters, x + away).values()))
 
 
 def _reduce(rows: Array) -> list[Array]:

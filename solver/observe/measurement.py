@@ -27,7 +27,10 @@ _SHARE = 1e-3  # of the tolerance, for the series of the densities
 BARELY = 64 * EPS  # of the size of its terms: a push, or a difference of numbers, below this is rounding
 
 Pair = tuple[Any, Any]  # values and errors, (B,) each
-MIDDLE = (1 / 3, 2 / 3)  # the middle third of the length
+MIDDLE, _MIDDLE = (
+    (1 / 3, 2 / 3),
+    "middle ",
+)  # the middle third of the length; before the names of what is measured there
 
 
 class Reading:
@@ -37,16 +40,23 @@ class Reading:
         self.sol = sol
         self._known: dict[str, Pair] = {}
         self._middle: dict[str, Pair] = {}
+        self._in_middle: set[str] = set()  # what will be measured there, together
 
     def measure(self, wanted: Iterable[str]) -> None:
-        """Compute every group of numbers that contains one of the names, on the same pieces."""
-        if missing := {name for name in wanted if name not in self._known}:
+        """Compute every group of numbers that contains one of the names, on the same pieces.
+
+        A name with "middle" before it is computed when it is first read.
+        """
+        names = set(wanted)
+        middle = {name for name in names if name.startswith(_MIDDLE)}
+        self._in_middle |= {name.removeprefix(_MIDDLE) for name in middle}
+        if missing := names - middle - self._known.keys():
             self._known.update(self._measure(missing))
 
     def middle(self, name: str) -> Pair:
         """An integral in t over the middle third of the length, and its error, (B,) each."""
         if name not in self._middle:
-            low, high = (self._measure({name}, until) for until in MIDDLE)
+            low, high = (self._measure(self._in_middle | {name}, until) for until in MIDDLE)
             for key in low:
                 self._middle[key] = high[key][0] - low[key][0], high[key][1] + low[key][1]
         return self._middle[name]
