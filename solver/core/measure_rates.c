@@ -10,7 +10,7 @@ enum { LOW, HIGH, TIGHTEST, LEAST, GREATEST, LARGEST_TENSION, CURVED, BENT, STOR
        FIRST_LIFT, PEAK, RATES };
 /* what is summed: the densities, the push without the pull, and the share of push */
 enum { PUSHES = 3, INTEGRALS, ALONE = INTEGRALS, ATTACHED, COLUMNS };
-enum { HALVINGS = 3, PLACES = 32, CANDIDATES = 4 + 2 * PLACES, QUERIES = 3, GAUSS = 5 };
+enum { HALVINGS = 8, PLACES = 32, CANDIDATES = 4 + 2 * PLACES, QUERIES = 3, GAUSS = 5 };
 #define BARELY (64 * EPS) /* of the size of its terms: a push, or a difference of numbers, below this is rounding */
 #define SAME 1e-12        /* relative: extremes that differ by less are equal */
 #define ONE_POINT 1e-9    /* rad: critical points that are this near are one */

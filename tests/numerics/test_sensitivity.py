@@ -142,6 +142,14 @@ def test_derivatives_of_observables_agree_with_differences(given: Start) -> None
         assert seen == pytest.approx(exact, rel=2e-6, abs=1e-8), field
 
 
+def test_the_mean_curvature_of_a_rod_that_is_nearly_straight_at_places_has_all_digits() -> None:
+    """There the curvature has a sharp bend: 2e-4 within a hundredth of the length, where it is 2.8 at most."""
+    case = Case(TABLE.rod, Cylinder(0.75, "inside"), Start(0.00994, -2.37e-8, F2=-13.1, F3=-9.72, M3=-1.14))
+    found = solve(case, stations=3).sensitivity(["beta0"], ["kappa_mean"]).observables["kappa_mean"][0]
+    exact = differences(case, "beta0", lambda sol: observe(sol, ["kappa_mean"])["kappa_mean"], 1e-3, stations=3)
+    assert found == pytest.approx(exact, rel=1e-9)
+
+
 def test_derivatives_of_an_equilibrium_between_long_ends_agree_with_differences() -> None:
     case = ends_in_units_of_rho(-0.3655, 0.7464, -0.7506, 200.0, np.pi / 6, 0.6)  # its level is exp(-270) from a saddle
     solution = solve(case, tol=1e-11, stations=21)
