@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core import branches as core
 from ..equilibrium.charts import CORNER, Chart, charts, coordinate, excess, path_at
-from ..equilibrium.given_numbers import FREE, Given, OrbitState, rows_of, values_of
+from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of, rows_of, values_of
 from ..equilibrium.held_index import held_index
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_numbers, start_rates
 from ..equilibrium.system import corner_state, rates_in
@@ -15,7 +15,7 @@ from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..numerics.roots import solve
 from ..problem.reduced import EndsProblem
-from .family import Family, problem_of
+from .family import Family
 
 AHEAD = 1e-6  # of the parameter's scale, for differences
 _NUDGE = 1e-5  # of the unknown's scale, for differences

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core import branches as core
 from ..core.branches import Numbers
-from ..equilibrium.given_numbers import FREE, Given, is_hinged
+from ..equilibrium.given_numbers import FREE, Given, is_hinged, problem_of
 from ..equilibrium.orbit_rates import HOW, NUMBERS, orbit_rates
 from ..levels.line_point import LinePoint, Path
 from ..levels.transit_times import CUTTING, NODES
@@ -77,12 +77,6 @@ class Family:
                 del self._known[next(iter(self._known))]
             self._known[p] = None if given is None else LinePoint(problem_of(given, {}))
         return self._known[p]
-
-
-def problem_of(given: Given, numbers: dict[str, float]) -> EndsProblem:
-    """The problem under dead loads of the given numbers, which count exactly, and of the others."""
-    numbers = numbers | {name: float(v) for name, v in zip(given.names, given.values, strict=True) if name in FREE}
-    return EndsProblem(**{name: np.array([v]) for name, v in numbers.items()}, span=np.array([given.span]))
 
 
 def scale_of(given: Callable[[float], Given | None], p: float, reach: float) -> float:

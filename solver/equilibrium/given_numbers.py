@@ -84,6 +84,12 @@ class Given:
         return Given(self.names, values, span, ratio)
 
 
+def problem_of(given: Given, numbers: dict[str, float]) -> EndsProblem:
+    """The problem under dead loads of the given numbers, which count exactly, and of the others."""
+    numbers = numbers | {name: float(v) for name, v in zip(given.names, given.values, strict=True) if name in FREE}
+    return EndsProblem(**{name: np.array([v]) for name, v in numbers.items()}, span=np.array([given.span]))
+
+
 def rows_of(rates: OrbitRates, names: tuple[str, ...], ratio: float) -> tuple[Array, Array]:
     """The rows (5, 5) and the derivatives by the length (5,) of the given numbers of one equilibrium."""
     rows, by_span = [], []

@@ -18,8 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ..branches.family import problem_of
-from ..equilibrium.given_numbers import FREE
+from ..equilibrium.given_numbers import FREE, problem_of
 from ..levels.line_point import LinePoint
 from ..levels.transit_times import Levels, Paths, transit_times
 from ..mechanics.potential import slope

@@ -13,9 +13,8 @@ import numpy as np
 
 from ..branches.continuation import FOLD, Stopped, carry
 from ..branches.deflation import is_known, numbers_of
-from ..branches.family import problem_of
 from ..branches.held_helices import helices_of
-from ..equilibrium.given_numbers import FREE, Given, OrbitState
+from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of
 from ..equilibrium.held_index import index_of
 from ..equilibrium.system import state_of
 from ..levels.line_point import Path

@@ -15,8 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..branches.family import problem_of
-from ..equilibrium.given_numbers import FREE, Given, OrbitState
+from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
 from ..levels.level_search import MOST_PERIODS, search_levels
 from ..levels.line_point import path_of

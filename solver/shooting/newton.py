@@ -147,6 +147,3 @@ def share_within(reach: float, change: Array) -> float:
 def size_of(change: Array) -> float:
     """The size of a change (N, 8), in the scales: forces that vary in a known way do not count."""
     return float(np.abs(change[:, :PHI]).max())
-
-
-__all__ = ["Linear", "Shape", "correct", "linear_at", "march_of", "open_at", "with_known_loads"]
