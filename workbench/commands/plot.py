@@ -116,16 +116,13 @@ def plot(
 
 def _other(file: Path) -> "Kind | None":
     """The kind of a file that holds no study; None for a study. Raises `InputError` where it has no figure."""
-    from solver.problem.errors import InputError
-
     from ..store import file_kinds, reading
 
-    with reading.raw(file) as ds:
-        kind = file_kinds.kind_of(ds)
+    kind = reading.kind_of_file(file)
     if kind is file_kinds.STUDY:
         return None
     if not kind.figure:
-        raise InputError(f"{file} is {kind.what}, which {file_kinds.readers(kind)}; plot has no figure of it")
+        raise file_kinds.other_kind(file, kind, "plot has no figure of it")
     return kind
 
 

@@ -38,10 +38,9 @@ SHAPE = ("beta", "dbeta", "alpha", "z", "gamma", "contact")
 
 def read_dataset(file: Path) -> xr.Dataset:
     """The dataset of a study, or of equilibria. Raises `InputError`."""
-    with reading.raw(file) as ds:
-        kind = file_kinds.kind_of(ds)
+    kind = reading.kind_of_file(file)
     if kind is not file_kinds.STUDY and not kind.scene:
-        raise InputError(f"{file} is {kind.what}, which {file_kinds.readers(kind)}; scene draws studies and equilibria")
+        raise file_kinds.other_kind(file, kind, "scene draws studies and equilibria")
     return reading.read(file, study=kind is file_kinds.STUDY)
 
 

@@ -23,8 +23,7 @@ def summary(file: File) -> Result:
     from ..store.file_summary import contents
     from ..store.file_summary import summary as summarise
 
-    with reading.raw(file) as ds:
-        is_study = file_kinds.kind_of(ds) is file_kinds.STUDY
+    is_study = reading.kind_of_file(file) is file_kinds.STUDY
     found = summarise(file) if is_study else contents(file)
     return Result(lambda: found, lambda: (_print if is_study else _print_contents)(found))
 

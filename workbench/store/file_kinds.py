@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from solver.problem.errors import InputError
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -41,7 +43,12 @@ def kind_of(ds: "xr.Dataset") -> Kind:
     return next((kind for kind in KINDS if held.issuperset(kind.needs)), STUDY)
 
 
-def readers(kind: Kind) -> str:
+def other_kind(path: object, kind: Kind, reads: str) -> InputError:
+    """The error of a file of a kind that a command does not read; reads: what it reads, or why it does not."""
+    return InputError(f"{path} is {kind.what}, which {_readers(kind)}; {reads}")
+
+
+def _readers(kind: Kind) -> str:
     """``summary, plot and scene read``."""
     names = ["summary", *(["plot"] if kind.figure else []), *(["scene"] if kind.scene else [])]
     return f"{' and '.join(part for part in (', '.join(names[:-1]), names[-1]) if part)} read{'s' * (len(names) == 1)}"

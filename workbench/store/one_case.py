@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from solver import Ends, Solution
-from solver.problem.errors import InputError, choices
+from solver.problem.errors import choices
 from studies import Study, load
 from studies.grammar.axes import FIELDS, WORDS, Which, in_words
 from studies.language.case_input import CaseInput, from_values, with_fields
@@ -100,8 +100,7 @@ def open_case(file: Path, values: Mapping[str, Any]) -> CaseInput:
     with reading.raw(file) as ds:
         kind = file_kinds.kind_of(ds)
         if kind is not file_kinds.STUDY and not kind.scene:
-            reads = f"{file} is {kind.what}, which {file_kinds.readers(kind)}"
-            raise InputError(f"{reads}; explore opens studies, equilibria and closed rods")
+            raise file_kinds.other_kind(file, kind, "explore opens studies, equilibria and closed rods")
         if kind is file_kinds.STUDY or "betaL" not in ds.variables:
             study = stored_case.study_of(ds)
             first = "" if kind is file_kinds.STUDY else f"{file.name}, the first of {ds.sizes['equilibrium']}"

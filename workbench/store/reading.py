@@ -9,7 +9,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from . import checksums, file_checks, netcdf, study_checks, value_checks
+from . import checksums, file_checks, file_kinds, netcdf, study_checks, value_checks
 from .file_checks import open_valid, refusing
 
 
@@ -41,6 +41,12 @@ def raw(path: str | Path) -> xr.Dataset:
         ds = netcdf.open_file(path, decode_times=False)
     ds.attrs.pop(checksums.KEY, None)  # a selection that is stored has others
     return ds
+
+
+def kind_of_file(path: str | Path) -> file_kinds.Kind:
+    """The kind of a stored file. Raises `InputError` where it is none."""
+    with raw(path) as ds:
+        return file_kinds.kind_of(ds)
 
 
 def check_sums(path: str | Path) -> None:

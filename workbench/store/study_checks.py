@@ -41,8 +41,7 @@ def check_kind(ds: xr.Dataset, path: str | Path) -> None:
     """Raise `InputError` unless it is a study's dataset of this version's format; a study is cheap to solve again."""
     kind = file_kinds.kind_of(ds)
     if kind is not file_kinds.STUDY:
-        reads = f"{path} is {kind.what}, which {file_kinds.readers(kind)}"
-        raise InputError(f"{reads}; this command reads {file_kinds.STUDY.what}")
+        raise file_kinds.other_kind(path, kind, f"this command reads {file_kinds.STUDY.what}")
     missing = [name for name in NEEDED if name not in ds.attrs]
     if missing or "outcome" not in ds:
         raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
