@@ -3,13 +3,13 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
-from math import ceil, floor, log10
+from math import floor, log10
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
-from matplotlib.ticker import FixedLocator, Formatter, MaxNLocator, MultipleLocator, NullLocator
+from matplotlib.ticker import FixedLocator, Formatter, LogLocator, MaxNLocator, MultipleLocator, NullLocator
 from numpy.typing import NDArray
 
 from ..words import labels
@@ -98,36 +98,24 @@ def set_span(axis: XAxis | YAxis, low: float, high: float, logarithmic: bool, in
 
 
 def ticks(ends: tuple[float, float], logarithmic: bool, inches: float, upward: bool = False) -> list[float]:
-    """As many round numbers as have room on an axis: at 1, 2 and 5 times powers of ten on a logarithmic one, or at the
-    powers alone; evenly spaced ones where `FEW` such numbers do not lie between the ends."""
+    """As many round numbers of Matplotlib's locators as have room on an axis: at 1, 2 and 5 times powers of ten on a
+    logarithmic one, or at the powers alone; evenly spaced ones where `FEW` such numbers do not lie between the ends."""
     change = log10 if logarithmic else float
-    scale = inches / (change(ends[1]) - change(ends[0]))
-    chosen: list[float] = []
-    for most in range(MOST, 0, -1):
-        chosen = _round_numbers(ends, logarithmic, most) or chosen
-        wide = [style.small() / 72 if upward else style.width_of(labels.tick(value), style.small()) for value in chosen]
-        gaps = [scale * (change(b) - change(a)) - (left + right) / 2
-                for (a, left), (b, right) in pairwise(zip(chosen, wide, strict=True))]  # fmt: skip
-        if min(gaps, default=GAP) >= GAP:
-            return chosen
-    apart = scale * (change(chosen[-1]) - change(chosen[0]))
-    return (
-        [chosen[0], chosen[-1]]
-        if apart >= GAP + style.width_of(labels.tick(chosen[-1]), style.small())
-        else chosen[-1:]
-    )
-
-
-def _round_numbers(ends: tuple[float, float], logarithmic: bool, most: int) -> list[float]:
-    """At most about so many round numbers between two ends."""
+    per_unit = inches / (change(ends[1]) - change(ends[0]))
     low, high = ends[0] - ROUNDING * abs(ends[0]), ends[1] + ROUNDING * abs(ends[1])
-    for digits in ((1, 2, 5), (1,)) if logarithmic else ():
-        powers = range(floor(log10(low)), ceil(log10(high)) + 1)
-        inside = [digit * 10.0**power for power in powers for digit in digits if low <= digit * 10.0**power <= high]
-        if len(inside) >= FEW and (len(inside) <= most or digits == (1,)):
-            return inside[:: ceil(len(inside) / most)]
-    even = MaxNLocator(nbins=most, steps=[1, 2, 5, 10], min_n_ticks=1).tick_values(low, high)
-    return [float(value) for value in even if low <= value <= high]
+    counts = range(MOST, 0, -1)
+    decades = [LogLocator(subs=(1, 2, 5), numticks=MOST), *(LogLocator(numticks=count) for count in counts[:-2])]
+    even = [MaxNLocator(count, steps=[1, 2, 5, 10], min_n_ticks=1) for count in counts]
+    chosen: list[float] = []
+    for locator in (*decades, *even) if logarithmic else even:
+        inside = [float(value) for value in locator.tick_values(low, high) if low <= value <= high]
+        chosen = inside if len(inside) >= (FEW if isinstance(locator, LogLocator) else 1) else chosen
+        wide = [style.small() / 72 if upward else style.width_of(labels.tick(value), style.small()) for value in chosen]
+        gaps = [per_unit * (change(b) - change(a)) - (left + right) / 2
+                for (a, left), (b, right) in pairwise(zip(chosen, wide, strict=True))]  # fmt: skip
+        if chosen is inside and min(gaps, default=GAP) >= GAP:
+            return chosen
+    return chosen[-1:]
 
 
 def round_below(value: float) -> float:
