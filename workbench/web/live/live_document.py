@@ -41,7 +41,7 @@ def text(presets: Sequence[Preset], served: bool, style: str = "") -> str:
     style = read("shared.css") + read("page.css") + style
     core, program = core_script(), bundle()
     parts = {
-        "style": style, "core": core, "program": program, "data": _json(_data(presets, served)),
+        "style": style, "core": core, "program": program, "data": json_text(_data(presets, served)),
         "policy": policy(style, core, program, served),
     }  # fmt: skip
     return re.sub(r"{{ (\w+) }}", lambda match: parts[match[1]], read("index.html"))
@@ -122,6 +122,6 @@ def _begin(preset: Preset) -> dict[str, Any]:
     return {"shape": {name: [float(f"{v:.9g}") for v in row] for name, row in rows.items()}}
 
 
-def _json(data: Any) -> str:
+def json_text(data: Any) -> str:
     """Plain data as JSON that may stand inside a script element."""
     return json.dumps(finite(data), ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")

@@ -1,6 +1,5 @@
 """A scene as one offline HTML file: the rods of a dataset, turned by hand, with a slider for each axis."""
 
-import json
 from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
@@ -12,7 +11,6 @@ from jinja2 import Environment, StrictUndefined
 from ...figures import colours
 from ...store import selection
 from ...words import labels
-from ...words.escaping import finite
 from ..live import live_document
 from .stored import turntable_of_dataset
 
@@ -62,8 +60,7 @@ def figure(name: str, label: str, still: str = "", caption: str = "", reset: boo
 def data(figures: Mapping[str, Any]) -> str:
     """The data of all turntables of a page, and the core, as JSON that may stand inside a script element."""
     plain = {"colours": colours.for_pages(), "figures": dict(figures), "core": live_document.core_text()}
-    text = json.dumps(finite(plain), ensure_ascii=False, separators=(",", ":"))
-    return text.replace("<", "\\u003c")
+    return live_document.json_text(plain)
 
 
 @cache
