@@ -31,7 +31,7 @@ from ..numerics.roots import enclose, root, solve
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import StartProblem
 from .parameter_plane import MARGIN, ParameterPlane, reflect
-from .special_line import Ahead, Point, border_node, step_from, with_no_side
+from .special_line import ROUNDS, Ahead, Point, border_point, step_from, with_no_side
 
 GivenAt = Callable[[Array], Given]
 LENGTHS = Lengths(first=0.01, longest=0.05, least=2e-6)  # of steps, in the sizes of the unknowns and of z
@@ -43,7 +43,6 @@ _MOVES = 1e-6  # least change of the equations of a fold by z
 _BESIDE = 0.02  # how far beside a fold its two indices are read, in the sizes of the unknowns
 _UNFOLDED, _STRAY = 1e-8, 1e-3  # rad: the largest miss of beta(L) at a pitchfork; how far along its curve too
 _CROSSING, _MIRRORED = 0.02, 1e-9  # of beta_t(0), in its size: where a fold curve may meet pitchforks; of an image
-_ROUNDS = 25  # steps of a search of where a pitchfork changes its side
 
 
 def given_on(plane: ParameterPlane) -> GivenAt:
@@ -148,8 +147,7 @@ class OrbitFold:
 
     def at_border(self, node: Node) -> "OrbitFold | None":
         """As of `SpecialPoint`."""
-        there = border_node(self, node)
-        return None if there is None else self.after(there)[0]
+        return border_point(self, node)
 
     @cached_property
     def lower(self) -> int:
@@ -274,8 +272,7 @@ class OrbitPitchfork:
 
     def at_border(self, node: Node) -> "OrbitPitchfork | None":
         """As of `SpecialPoint`."""
-        there = border_node(self, node)
-        return None if there is None else self.after(there)[0]
+        return border_point(self, node)
 
     @property
     def is_true(self) -> bool:
@@ -340,5 +337,5 @@ def sides_between(point: Point, node: Node, step: float, taken: Ahead[Point]) ->
     ends = side_of((point, node)), side_of(taken)
     if ends[0] == ends[1]:
         return [], ""
-    sides = [there for _, there, _ in enclose(side_at, step, ends, _ROUNDS, kept=1.0)]
+    sides = [there for _, there, _ in enclose(side_at, step, ends, ROUNDS, kept=1.0)]
     return ([with_no_side(sides[-1])], "") if sides else None

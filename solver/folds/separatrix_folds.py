@@ -34,7 +34,7 @@ from .orbit_folds import (
     node_on_line,
     pitchfork_on_line,
 )
-from .special_line import Ahead, border_node
+from .special_line import Ahead, border_point
 
 UNIT = 20.0  # of log gap in the metric of the curve
 DEEP = 1e-6  # of the gap: where beta_t at the start tells little
@@ -100,8 +100,7 @@ class SeparatrixPoint:
 
     def at_border(self, node: Node) -> "SeparatrixPoint | None":
         """As of `SpecialPoint`."""
-        there = border_node(self, node)
-        return None if there is None else self.after(there)[0]
+        return border_point(self, node)
 
     def _three(self, y: float, z: Array) -> Array:
         """D - g + x^2, T - L/rho and x."""

@@ -24,7 +24,7 @@ NARROW = 1e-3  # a step, below which other coordinates are tried
 CLOSE = 1e-9  # to the border
 BORDER, CLOSED, CROSSING, STOPPED = ENDS = "border", "closed", "crossing", "stopped"  # how a line ends
 TURNS = "the sense of the line turns, as it does where its equation is lost in rounding"
-ROUNDS = 25  # steps of a search of the border or of a cusp
+ROUNDS = 25  # steps of a search of the border, of a cusp, or of a change of side
 FLAT, ENCLOSED = 1e-6, 1e-6  # of the rate of z at a cusp, whose square is lost of z; of the step that holds it
 SENSE, ASIDE = 0.8, 0.2  # cosine to the first step, and distance over that of a step, of one that closes the line
 ALONE = 3  # points after the first before a line can close
@@ -190,8 +190,8 @@ def with_no_side(point: Point) -> Point:
     return replace(point, more=np.zeros(2))  # type: ignore[type-var]
 
 
-def border_node(point: Point, node: Node) -> Node | None:
-    """The node on the border that a line meets next, of a point whose last two coordinates are z."""
+def border_point(point: Point, node: Node) -> Point | None:
+    """The point on the border that a line meets next from its own node; the last two coordinates of its w are z."""
     rate = node.tangent[-2:]
     ways = border_distances(point.z, rate, np.zeros(2), np.ones(2))
     for k in np.argsort(ways):
@@ -201,7 +201,8 @@ def border_node(point: Point, node: Node) -> Node | None:
             continue
         w[node.w.size - 2 + k] = float(rate[k] > 0)
         at = node_at(point, w, node.tangent)
-        return None if isinstance(at, str) else at
+        there = None if isinstance(at, str) else point.after(at)
+        return None if there is None else there[0]
     return None
 
 

@@ -14,7 +14,7 @@ from ..folds.special_line import (
     Ahead,
     SpecialLine,
     Tracing,
-    border_node,
+    border_point,
     special_line,
     step_from,
 )
@@ -123,8 +123,7 @@ class PitchforkPoint:
 
     def at_border(self, node: Node) -> "PitchforkPoint | None":
         """As of `SpecialPoint`."""
-        there = border_node(self, node)
-        return None if there is None else self.at(there)
+        return border_point(self, node)
 
 
 def likeness(one: Array, other: Array) -> float:
