@@ -100,6 +100,7 @@ class Page:
         self.left = size[1] if bare else canvas.resize(self.fig, size)
         if transparent:
             self.fig.patch.set_alpha(0.0)
+        self.inside: tuple[float, float] | None = None  # what `room` found
         self.pixels: Pixels = np.zeros((0, 0, 3), dtype=np.uint8)
         self.arrangement = Arrangement(np.zeros((0, 0, 4)), (0.0, 0.0), 1.0)
         self.cells: Sequence[Sequence[Cell]] = ()
@@ -125,12 +126,13 @@ class Page:
         if self.left < self.heads[1] + self.foot + LEAST:
             return 0.0, 0.0
         _, _, wide, high = self.panel()
-        return wide - self.heads[0], high - self.heads[1] - self.foot
+        self.inside = wide - self.heads[0], high - self.heads[1] - self.foot
+        return self.inside
 
     def fit(self, high: float) -> None:
         """Give the page the height at which its views have so many inches."""
         wide, tall = map(float, self.fig.get_size_inches())
-        canvas.resize(self.fig, (wide, tall + high - self.room()[1]))
+        canvas.resize(self.fig, (wide, tall + high - (self.inside or self.room())[1]))
 
     def put(
         self, pixels: Pixels, arrangement: Arrangement, cells: Sequence[Sequence[Cell]],
