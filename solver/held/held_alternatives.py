@@ -64,8 +64,8 @@ def _on_branch(seed: OrbitState, found: OrbitState, wanted: Given) -> list[Orbit
 
 def away(one: OrbitState, other: OrbitState) -> float:
     """The largest difference of beta [rad] at equal s/L."""
-    here, there = (shape_of(orbit_of(state.problem, state.path)) for state in (one, other))
-    return float(np.abs(here - there).max())
+    beta, other_beta = (shape_of(orbit_of(state.problem, state.path)) for state in (one, other))
+    return float(np.abs(beta - other_beta).max())
 
 
 def said_of_seed(seed: OrbitState, found: OrbitState, wanted: Given) -> str:
