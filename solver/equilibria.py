@@ -128,7 +128,7 @@ def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: in
     for name, angle in (("low", all_of_them.lowest), ("high", all_of_them.highest)):
         read.know(name, angle, read.error)
     turns, attached = OBSERVABLES["turns"].compute(read), OBSERVABLES["attached"].compute(read)[0]
-    energy = read.A / read.rho * all_of_them.energy - OBSERVABLES["twist_energy"].compute(read)[0]
+    energy = read.unit_moment * all_of_them.energy - OBSERVABLES["twist_energy"].compute(read)[0]
     listed = []
     for i in range(K):
         solution = Solution(case, problem, _row_of(together, orbit.take(i), t, i), t[i : i + 1], "shooting", tol)

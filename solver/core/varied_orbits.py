@@ -94,28 +94,26 @@ def variations(orbit: Any, origin: Array) -> dict[str, Array]:
     return out
 
 
-def places(orbit: Any, varied: Mapping[str, Array], t: Array) -> Array:
-    """The states of B varied orbits at t (B, n), (B, n, 24): v, H, c, the shifts (4), gammas (4), M (10)
+def places(varied: Any, t: Array) -> Array:
+    """The states of varied orbits at t (B, n), (B, n, 24): v, H, c, the shifts (4), gammas (4), M (10)
     and the integrals of sin, cos and sin cos of beta."""
-    (of, kept), out = reading(orbit), np.empty((*t.shape, 11 + _SUMS))
-    given = [np.ascontiguousarray(a) for a in (varied["series"], varied["gain"], t)]
+    out = np.empty((*t.shape, 11 + _SUMS))
+    given = [np.ascontiguousarray(a) for a in (varied.kept["series"], varied.kept["gain"], t)]
     functions().rod_variations_places(
-        ctypes.byref(of), *(ctypes.c_int64(k) for k in t.shape), *(address(a) for a in given), address(out)
+        ctypes.byref(varied.reading[0]), *(ctypes.c_int64(k) for k in t.shape), *map(address, given), address(out)
     )
-    del kept
     return out
 
 
-def changes(orbit: Any, varied: Mapping[str, Array], t: Array, parts: Array) -> Array:
-    """The changes of B varied orbits at t (B, n) by F directions with the parts (B, 5, F): (5, B, F, n), of beta, of
+def changes(varied: Any, t: Array, parts: Array) -> Array:
+    """The changes of varied orbits at t (B, n) by F directions with the parts (B, 5, F): (5, B, F, n), of beta, of
     beta_t and of the integrals of H_q d beta up to t."""
-    (of, kept), (B, n), F = reading(orbit), t.shape, parts.shape[2]
+    (B, n), F = t.shape, parts.shape[2]
     out = np.empty((5, B, F, n))
-    given = [np.ascontiguousarray(a) for a in (varied["series"], varied["gain"], t, parts.swapaxes(1, 2))]
+    given = [np.ascontiguousarray(a) for a in (varied.kept["series"], varied.kept["gain"], t, parts.swapaxes(1, 2))]
     functions().rod_variations_changes(
-        ctypes.byref(of), *(ctypes.c_int64(k) for k in (B, n, F)), *(address(a) for a in given), address(out)
+        ctypes.byref(varied.reading[0]), *(ctypes.c_int64(k) for k in (B, n, F)), *map(address, given), address(out)
     )
-    del kept
     return out
 
 
@@ -154,7 +152,7 @@ def measure_rates(
     seen : mapping
         "lifts" and "peak" where they are among the names, (B,) each: the t that is observed.
     """
-    (of, kept), (B, F) = reading(varied.orbit), later.shape
+    B, F = later.shape
     rods, arrays = rods_of(pieces, {"sign": sign, "error": 0 * sign}, _SERIES_GOAL, 0)
     none = np.zeros(B)
     given = [np.ascontiguousarray(a, dtype=float) for a in (
@@ -163,7 +161,7 @@ def measure_rates(
     bits = sum(1 << MEASURED.index(name) for name in names)
     by, out = _Changes(F, bits, *(address(a) for a in given)), np.full((B, F, len(MEASURED)), np.nan)
     orbits = _VariedOrbits(*(address(varied.kept[name]) for name in KEPT))
-    n = points(varied.orbit.panels.series.shape[2] - 1)
+    of, n = varied.reading[0], points(varied.orbit.panels.series.shape[2] - 1)
 
     def part(a: int, b: int) -> None:
         fine(functions().rod_measure_rates(
@@ -172,5 +170,5 @@ def measure_rates(
         ))  # fmt: skip
 
     share_out(part, B)
-    del kept, arrays
+    del arrays
     return {name: out[..., MEASURED.index(name)] for name in names}

@@ -34,7 +34,7 @@ class Dual:
 
     def __mul__(self, other: Any) -> "Dual":
         value, slope = _parts(other)
-        return Dual(self.value * value, self.slope * _column(value) + _column(self.value) * slope)
+        return Dual(self.value * value, self.slope * value[..., None] + self.value[..., None] * slope)
 
     def __truediv__(self, other: Any) -> "Dual":
         return self * (other**-1 if isinstance(other, Dual) else 1 / np.asarray(other))
@@ -53,7 +53,7 @@ class Dual:
 
     def __pow__(self, power: float) -> "Dual":
         rate = power * self.value ** float(power - 1)
-        return Dual(self.value ** float(power), _column(rate) * self.slope)
+        return Dual(self.value ** float(power), rate[..., None] * self.slope)
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -66,13 +66,9 @@ def where(condition: Booleans, one: Any, other: Any) -> Any:
     if not isinstance(one, Dual) and not isinstance(other, Dual):
         return np.where(condition, one, other)
     (value, slope), (value2, slope2) = _parts(one), _parts(other)
-    slope, slope2 = (s + 0 * _column(v) for v, s in ((value, slope), (value2, slope2)))
+    slope, slope2 = (s + 0 * v[..., None] for v, s in ((value, slope), (value2, slope2)))
     return Dual(np.where(condition, value, value2), np.where(condition[:, None], slope, slope2))
 
 
 def _parts(other: Any) -> tuple[Any, Any]:
     return (other.value, other.slope) if isinstance(other, Dual) else (np.asarray(other), 0.0)
-
-
-def _column(value: Any) -> Any:
-    return value[..., None] if np.ndim(value) else value

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.measures import groups_with, measure
+from ..core.measures import measure
 from ..mechanics.potential import steepest
 from ..numerics.arrays import EPS, Array
 from ..orbit.marched_orbit import MarchedOrbit
@@ -72,8 +72,7 @@ class Reading:
         error = np.where(np.isfinite(sol.trajectory.error), sol.trajectory.error, 1.0)
         error = np.maximum(error, 4 * EPS) * (SPREAD if isinstance(sol.trajectory.orbit, MarchedOrbit) else 1)
         goal = max(_SHARE * sol.tol, _FINEST)
-        names = [name for group in groups_with(wanted) for name in group]
-        found = {name: (np.full(sol.problem.size, np.nan), np.full(sol.problem.size, np.nan)) for name in names}
+        found: list[dict[str, Pair]] = []
         for some in blocks(sol):
             pieces, given = pieces_of(sol, some, until), {"sign": sign[some], "error": error[some]}
             measured = measure(pieces, given, wanted, goal)
@@ -82,16 +81,20 @@ class Reading:
                     wide = given | {"error": error[some] + off_between(sol, some)}
                     measured |= measure(pieces, wide, ["peak"], goal)
                 coarse = measure(pieces_of(sol, some, until, 2), given, wanted, goal)
-                dense, shapeless = is_resolved(sol)[some], np.zeros(coarse[names[0]][0].size, dtype=bool)
+                dense, shapeless = is_resolved(sol)[some], np.zeros(error[some].size, dtype=bool)
                 shapeless[pieces.case[np.isnan(pieces.series[pieces.row]).any(axis=(1, 2))]] = True
                 for name, (value, doubt) in measured.items():
                     with np.errstate(invalid="ignore"):  # of a case without a shape
                         doubt = np.where(dense, doubt + np.abs(value - coarse[name][0]), np.nan)
                         measured[name] = np.where(shapeless, np.nan, value), doubt
-            for name, pair in measured.items():
-                for whole, part in zip(found[name], pair, strict=True):
-                    whole[some] = part
-        return found
+            found.append(measured)
+        if len(found) == 1:
+            return found[0]
+        joined: dict[str, Pair] = {}
+        for name in found[0]:
+            values, errors = zip(*(part[name] for part in found), strict=True)
+            joined[name] = np.concatenate(values), np.concatenate(errors)
+        return joined
 
     def know(self, name: str, values: Array, errors: Array) -> None:
         """Take a number that is known already, and its error, (B,) each, in place of what would be measured."""
@@ -99,7 +102,8 @@ class Reading:
 
     def get(self, name: str) -> Pair:
         """A number measured along the rod and its error, (B,) each."""
-        self.measure([name])
+        if name not in self._known:
+            self.measure([name])
         return self._known[name]
 
     def value(self, name: str) -> Array:
@@ -115,8 +119,7 @@ class Reading:
     def scale(self, name: str, factor: Array) -> Pair:
         """A number and its error in other units, (B,) each."""
         value, error = self.get(name)
-        with np.errstate(over="ignore", invalid="ignore"):
-            return value * factor, error * factor
+        return value * factor, error * factor
 
     def each(self, values: Any) -> Any:
         """Values (B,) in the shape of the cases."""
@@ -150,6 +153,26 @@ class Reading:
     def ratio(self) -> Array:
         """A/C, (B,)."""
         return flat(self.sol.case.rod.stiffness_ratio, self.sol.case.shape)
+
+    @cached_property
+    def unit_moment(self) -> Any:
+        """A/rho [force length], (B,)."""
+        return self.A / self.rho
+
+    @cached_property
+    def unit_force(self) -> Any:
+        """A/rho^2 [force], (B,)."""
+        return self.A / self.rho**2
+
+    @cached_property
+    def unit_push(self) -> Any:
+        """A/rho^3 [force/length], (B,)."""
+        return self.A / self.rho**3
+
+    @cached_property
+    def unit_mean_push(self) -> Any:
+        """The same over the length in t, (B,)."""
+        return self.A / (self.rho**3 * self.length)
 
     @property
     def mu(self) -> Array:

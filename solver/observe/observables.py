@@ -149,7 +149,7 @@ def amplitude(read: Reading) -> Pair:
     """Largest less smallest beta along the rod [rad]."""
     range_, orbit = read.value("high") - read.value("low"), read.sol.trajectory.orbit
     error = read.error_of("high") + read.error_of("low")
-    if orbit is None:
+    if orbit is None or not (orbit.kind == ROTATION).any():
         return range_, error
     first, last = read.end_angles
     return where(orbit.kind == ROTATION, abs(last - first), range_), error
@@ -197,12 +197,12 @@ def M3(read: Reading) -> Pair:
 
 def FZ0(read: Reading) -> Pair:
     """Axial force at the start [force]; with weight or friction it differs from that at the far end."""
-    return _at_start(read, PHI, read.A / read.rho**2, read.loads[0])
+    return _at_start(read, PHI, read.unit_force, read.loads[0])
 
 
 def MZ0(read: Reading) -> Pair:
     """Axial moment at the start [force length]; with weight or friction it differs from that at the far end."""
-    return _at_start(read, Q, read.A / read.rho, read.loads[1])
+    return _at_start(read, Q, read.unit_moment, read.loads[1])
 
 
 def _at_start(read: Reading, number: int, unit: Array, constant: Any) -> Pair:
@@ -236,12 +236,12 @@ def M1L(read: Reading) -> Pair:
 
 def _end_moment(read: Reading, end: int) -> Pair:
     error = np.where(np.isfinite(read.error), read.error, 1.0) * read.steepness
-    return read.end_rates[end] * read.A / read.rho, error * (read.A / read.rho)
+    return read.end_rates[end] * read.A / read.rho, error * read.unit_moment
 
 
 def contact_size_mean(read: Reading) -> Pair:
     """Mean of |f| over the whole length [force/length]; pull counts as much as push."""
-    pushed, pulled = read.scale("pushed", _a_length(read)), read.scale("pulled", _a_length(read))
+    pushed, pulled = read.scale("pushed", read.unit_mean_push), read.scale("pulled", read.unit_mean_push)
     return pushed[0] + pulled[0], pushed[1]
 
 
@@ -250,22 +250,22 @@ def push_mean(read: Reading) -> Pair:
 
     push_mean L is the total push of the cylinder; push_mean + pull_mean is the mean of |f|.
     """
-    return read.scale("pushed", _a_length(read))
+    return read.scale("pushed", read.unit_mean_push)
 
 
 def pull_mean(read: Reading) -> Pair:
     """Mean of the pull over the whole length [force/length], not negative, where push counts as 0."""
-    return read.scale("pulled", _a_length(read))
+    return read.scale("pulled", read.unit_mean_push)
 
 
 def push_min(read: Reading) -> Pair:
     """Smallest push of the cylinder [force/length], on either side; negative where the cylinder would have to pull."""
-    return read.scale("least", read.A / read.rho**3)
+    return read.scale("least", read.unit_push)
 
 
 def push_max(read: Reading) -> Pair:
     """Largest push of the cylinder [force/length], on either side; positive where it pushes."""
-    return read.scale("most", read.A / read.rho**3)
+    return read.scale("most", read.unit_push)
 
 
 def push_max_at(read: Reading) -> Pair:
@@ -288,7 +288,7 @@ def attached(read: Reading) -> Pair:
 def push_middle(read: Reading) -> Pair:
     """Mean of the push over the middle third of the length [force/length], where pull counts as 0."""
     pushed, error = read.middle("push")
-    factor = 3 * _a_length(read)
+    factor = 3 * read.unit_mean_push
     return pushed * factor, error * factor
 
 
@@ -313,12 +313,12 @@ def pitch(read: Reading) -> Pair:
 
 def F3_size_max(read: Reading) -> Pair:
     """Largest size of the internal force along the tangent [force]."""
-    return read.scale("tension", read.A / read.rho**2)
+    return read.scale("tension", read.unit_force)
 
 
 def bending_moment_max(read: Reading) -> Pair:
     """Largest bending moment, A kappa_max [force length]."""
-    return read.scale("tightest", read.A / read.rho)
+    return read.scale("tightest", read.unit_moment)
 
 
 def bending_stress_max(read: Reading) -> Pair:
@@ -326,18 +326,14 @@ def bending_stress_max(read: Reading) -> Pair:
     return read.scale("tightest", read.E * read.a / read.rho)
 
 
-def _a_length(read: Reading) -> Array:
-    return read.A / (read.rho**3 * read.length)
-
-
 def bending_energy(read: Reading) -> Pair:
     """Integral of A kappa^2/2 [force length]."""
-    return read.scale("bending", read.A / read.rho)
+    return read.scale("bending", read.unit_moment)
 
 
 def twist_energy(read: Reading) -> Pair:
     """M3^2 L/(2 C) [force length]."""
-    value = read.A / read.rho * _twist(read) * read.length
+    value = read.unit_moment * _twist(read) * read.length
     return value, 8 * EPS * value
 
 
@@ -349,7 +345,7 @@ def energy(read: Reading) -> Pair:
     sin cos/rho, it is Routh's integral of A kappa^2/2 + M3 sin cos/rho - FZ cos - MZ sin/rho less M3^2 L/(2 C). With
     weight the loads are those of the far end, and the potential of the weight is added; with friction there is none.
     """
-    value, error = read.scale("potential", read.A / read.rho)
+    value, error = read.scale("potential", read.unit_moment)
     twist, rounding = twist_energy(read)
     rubbed = read.sol.case.cylinder.friction
     if rubbed is not None:

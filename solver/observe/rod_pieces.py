@@ -42,6 +42,8 @@ class Pieces:
 
 def join_pieces(parts: Sequence[Pieces], problem: Reduced) -> Pieces:
     """Pieces one after the other, as those of `problem`."""
+    if len(parts) == 1:
+        return replace(parts[0], problem=problem)
     N = max(p.series.shape[2] for p in parts)
     padded = [np.pad(p.series, ((0, 0), (0, 0), (0, N - p.series.shape[2]))) for p in parts]
     before = np.cumsum([0, *(p.series.shape[0] for p in parts)])

@@ -99,7 +99,9 @@ class MarchedOrbit:
         return self.pick(np.array([i]))
 
     def pick(self, rows: Integers) -> "MarchedOrbit":
-        """The orbits of the problems `rows`, (b,) rising."""
+        """The orbits of the problems `rows`, (b,) rising; all of them are these themselves, with their steps."""
+        if rows.size == self.problem.size:
+            return self
         lost, rest = self.lost[rows], None
         if self.rest is not None and lost.any():
             rest = self.rest.pick((np.cumsum(self.lost) - 1)[rows[lost]])

@@ -25,6 +25,7 @@ import numpy as np
 
 from ..core import varied_orbits as core
 from ..core.library import Cutting
+from ..core.orbits import reading
 from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
 from .periodic_orbit import Orbit, relative_orbit
@@ -94,14 +95,19 @@ class Variations:
 
     def at(self, t: Array) -> Place:
         """The places at t (B, n), (B, n) each."""
-        found = core.places(self.orbit, self.kept, t)
+        found = core.places(self, t)
         v, H, c, shift, gamma, M, integrals = np.split(found, [1, 2, 3, 7, 11, 11 + core.PAIRS], axis=-1)
         return Place(v[..., 0], H[..., 0], c[..., 0], shift, gamma, M[..., _MATRIX], integrals)
 
     def change(self, t: Array, parts: Array) -> Change:
         """The changes at t (B, n) in F directions with the parts (B, 5, F): a0, then e."""
-        found = core.changes(self.orbit, self.kept, t, parts).swapaxes(2, 3)
+        found = core.changes(self, t, parts).swapaxes(2, 3)
         return Change(found[0], found[1], np.moveaxis(found[2:], 0, -1))
+
+    @cached_property
+    def reading(self) -> Any:
+        """The orbits as the core reads them, and the arrays behind it."""
+        return reading(self.orbit)
 
     @cached_property
     def start(self) -> Place:

@@ -1,6 +1,6 @@
 """The numeric fields of a case by the names of their quantities, and a case with another value of one of them."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from typing import Any
 
@@ -48,8 +48,16 @@ def with_field(case: Case, name: str, value: Any) -> Case:
 
 def unchecked_with_field(case: Case, name: str, value: Any) -> Case:
     """The same for a valid value, several times as fast."""
-    part, field = _place_of(case, name)
-    return _copy(case, {part: _copy(getattr(case, part), {field: value})})
+    return unchecked_with_fields(case, {name: value})
+
+
+def unchecked_with_fields(case: Case, values: Mapping[str, Any]) -> Case:
+    """The case with other, valid values of some numeric fields."""
+    changes: dict[str, dict[str, Any]] = {}
+    for name, value in values.items():
+        part, field = _place_of(case, name)
+        changes.setdefault(part, {})[field] = value
+    return _copy(case, {part: _copy(getattr(case, part), changed) for part, changed in changes.items()})
 
 
 def _copy(value: Any, changes: dict[str, Any]) -> Any:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from .case import Case, Ends
-from .case_fields import unchecked_with_field, values_of
+from .case_fields import unchecked_with_fields, values_of
 from .errors import InputError
 from .reduced import dimensionless_problem, flat, held_problem
 
@@ -55,16 +55,16 @@ def field_rates(case: Case, fields: Sequence[str]) -> FieldRates:
 
     Raises `InputError` for the weight or the friction of a case that has none.
     """
-    F, moved, steps = len(fields), case, np.empty((len(fields), case.size))
+    F, moved, steps = len(fields), {}, np.empty((len(fields), case.size))
+    alone = np.eye(F).reshape(F, F, *[1] * len(case.shape))  # one row of cases for each field
     for k, field in enumerate(fields):
         if field in ("weight", "friction"):
             raise InputError(f"the derivative by {field} of a rod without {field} is not known; give it a little")
         value = np.broadcast_to(np.asarray(values_of(case, field), dtype=float), case.shape)
         step = _STEP * np.where(value == 0, 1.0, np.abs(value))
-        alone = (np.arange(F) == k).reshape(F, *[1] * value.ndim)  # one row of cases for each field
-        moved, steps[k] = unchecked_with_field(moved, field, value + 1j * step * alone), step.reshape(-1)
+        moved[field], steps[k] = value + 1j * step * alone[k], step.reshape(-1)
     with np.errstate(all="ignore"):  # a case whose numbers overflow has an outcome that says so
-        numbers, given = _numbers(moved)
+        numbers, given = _numbers(unchecked_with_fields(case, moved))
         rates = {name: number.imag.reshape(F, -1).T / steps.T for name, number in numbers.items()}
         if given is not None:
             given = np.moveaxis(given.imag.reshape(F, -1, 5) / steps[..., None], 0, 2)

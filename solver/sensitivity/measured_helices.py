@@ -35,7 +35,7 @@ def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: s
         if name in EXTREMES:
             found[name] = rods.extreme(*EXTREMES[name])
         elif name in INTEGRALS:
-            found[name] = rods.integral(name)[:, 2]
+            found[name] = rods.integral(name)[:, 3]
     if "peak" in wanted:  # it stays at the start of a rod that remains a helix
         found["peak"] = 0 * rods.extreme("outward")
     if wanted & PUSHES:
@@ -68,7 +68,7 @@ class _Helices:
 
     @cached_property
     def turned(self) -> Array:
-        """The integrals of d beta up to the marks, (b, 3, F)."""
+        """The integrals of d beta up to the marks, (b, 4, F)."""
         H_q = slopes_by_loads(self.problem.beta0[:, None])[..., 0]
         moved = self.motion.change(marks_of(self.problem), self.unit).integrals
         return np.asarray(np.einsum("bmgk,bk->bmg", moved, H_q) / (H_q**2).sum(axis=1)[:, None, None])
@@ -102,7 +102,7 @@ class _Helices:
         return np.where(steady & ~(none[:, None] & (size > 0)), sized, np.nan)
 
     def integral(self, density: str) -> Array:
-        """Up to the marks, (b, 3, F)."""
+        """Up to the marks, (b, 4, F)."""
         rates = self.rates(density)
         shares = MARKS[:, None]
         own = rates.own * self.problem.span[:, None] + rates.values[:, None] * self.later
@@ -117,10 +117,10 @@ class _Helices:
         unsure = none[:, None] & (np.abs(change).max(axis=2) > _STEADY * size)
         whole = self.integral("outward")
         found = {
-            "pushed": np.where(pushes, whole[:, 2], 0.0),
-            "pulled": np.where(pulls, -whole[:, 2], 0.0),
+            "pushed": np.where(pushes, whole[:, 3], 0.0),
+            "pulled": np.where(pulls, -whole[:, 3], 0.0),
             "share": np.where(pushes, self.later, 0.0),
-            "middle push": np.where(pushes, whole[:, 1] - whole[:, 0], 0.0),
+            "middle push": np.where(pushes, whole[:, 2] - whole[:, 1], 0.0),
             "lifts": np.where(pulls, 0.0, self.later),
         }
         return {name: np.where(unsure, np.nan, value) for name, value in found.items()}

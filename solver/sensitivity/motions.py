@@ -25,7 +25,7 @@ from ..shape import Shape
 
 NO_PATH = "failed: no orbit with beta(0) and beta'(0) of this solution ends at beta(L), so it has no derivatives"
 _BLOCK = 256  # cases at once
-MARKS = np.array([*MIDDLE, 1.0])  # shares of the length that observables need
+MARKS = np.array([0.0, *MIDDLE, 1.0])  # shares of the length that observables need
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +88,7 @@ def _of_orbits(rows: Integers, orbit: Orbit) -> Motion:
 
 
 def marks_of(problem: Reduced) -> Array:
-    """t at the shares `MARKS` of the length, (b, 3)."""
+    """t at the shares `MARKS` of the length, (b, 4)."""
     return np.asarray(problem.span[:, None] * MARKS)
 
 

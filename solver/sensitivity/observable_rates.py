@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from ..core.varied_orbits import MEASURED, measure_rates
-from ..equilibrium.orbit_rates import ends_of
 from ..numerics.arrays import Array
 from ..numerics.dual import Dual
 from ..observe.measurement import Reading
@@ -68,11 +67,7 @@ class Moving(Reading):
             found = measure_rates(motion.varied, motion.pieces, sign, unit, rates.span, names, seen)
             gain = motion.varied.kept["gain"].sum(axis=1)[:, :4]
             found["half_period"] = -np.einsum("bk,bkf->bf", gain, unit[:, 1:])
-        turned, risen = _gains(motion, unit, rates.span)
-        found |= {"alpha": turned[:, 2], "z": risen[:, 2]}
-        found |= {"middle turned": turned[:, 1] - turned[:, 0], "middle risen": risen[:, 1] - risen[:, 0]}
-        found |= _end_rates(motion, unit, rates.span)
-        for name, value in found.items():
+        for name, value in (found | _at_marks(motion, unit, rates.span)).items():
             self._slopes[name][motion.rows] = value
 
     @property
@@ -150,21 +145,20 @@ class Moving(Reading):
         return Dual(self.plain.half_period, self._slopes["half_period"])
 
 
-def _gains(motion: Motion, unit: Array, later: Array) -> tuple[Array, Array]:
-    """The derivatives of alpha and of z/rho, without their values at the start, at the marks, (b, 3, F) each."""
-    problem, t = motion.problem, marks_of(motion.problem)
+def _at_marks(motion: Motion, unit: Array, later: Array) -> dict[str, Array]:
+    """The derivatives of `_OWN_SLOPES`, (b, F) each: of beta and beta_t at the ends, of what alpha and z/rho gain."""
+    problem, t, moves = motion.problem, marks_of(motion.problem), motion.varied is not None
     beta = problem.beta0[:, None] if motion.varied is None else motion.varied.absolute.at(t)[0]
-    found = motion.change(t, unit).integrals
-    longer = later[:, None, :] * MARKS[:, None]
-    return found[..., 0] + np.sin(beta)[..., None] * longer, found[..., 2] + np.cos(beta)[..., None] * longer
-
-
-def _end_rates(motion: Motion, unit: Array, later: Array) -> dict[str, Array]:
-    """The derivatives of beta and of beta_t at the two ends, (b, F) each."""
-    change, moves = motion.change(ends_of(motion.problem), unit), motion.varied is not None
     pace, bend = (motion.end.v[:, None], motion.end.H[:, None]) if moves else (0.0, 0.0)
-    ends = {"beta0": change.beta[:, 0], "betaL": change.beta[:, 1] + pace * later}
-    return ends | {"dbeta0": change.rate[:, 0], "dbetaL": change.rate[:, 1] - bend * later}
+    change, longer = motion.change(t, unit), later[:, None, :] * MARKS[:, None]
+    turned = change.integrals[..., 0] + np.sin(beta)[..., None] * longer
+    risen = change.integrals[..., 2] + np.cos(beta)[..., None] * longer
+    return {
+        "alpha": turned[:, 3], "z": risen[:, 3],
+        "middle turned": turned[:, 2] - turned[:, 1], "middle risen": risen[:, 2] - risen[:, 1],
+        "beta0": change.beta[:, 0], "betaL": change.beta[:, 3] + pace * later,
+        "dbeta0": change.rate[:, 0], "dbetaL": change.rate[:, 3] - bend * later,
+    }  # fmt: skip
 
 
 def derivative_of(name: str, read: Moving) -> Array:

@@ -169,10 +169,15 @@ def _judge(
     }
     stated = np.where(solved, error + _CARRIED * np.asarray(sol.trajectory.error), np.inf)
     each = {"solved": solved, "outcome": outcome, "error": stated}
-    values, remarks = {}, {}
-    for name, value in found.items():
-        missing = solved & ~np.isfinite(value).all(axis=1)
-        remarks[name] = sol._each(np.where(missing, why_missing(name, sol), "").astype(object))
-        values[name] = np.where(solved[:, None], value, np.nan).reshape(*shape, len(names))
+    table = np.array([*found.values()]).reshape(len(found), solved.size, len(names))
+    missing = solved & ~np.isfinite(table).all(axis=2)
+    table[:, ~solved] = np.nan
+    values = {name: rows.reshape(*shape, len(names)) for name, rows in zip(found, table, strict=True)}
+    remarks = {}
+    for name, rows in zip(found, missing, strict=True):
+        remark = np.full(solved.size, "", dtype=object)
+        if rows.any():
+            remark[rows] = why_missing(name, sol)
+        remarks[name] = sol._each(remark)
     told = {name: sol._each(value) for name, value in each.items()}
     return Sensitivity(sol, names, **shaped, **told, observables=values, remarks=remarks)
