@@ -27,6 +27,7 @@ SAMPLES = "samples"  # the panel of the scatter diagrams
 BESIDE = 0.58  # the share of the width that curves have beside a law
 MOST_CURVES, STRIPS = 9, (0.55, 0.42)  # curves along an axis; their height over a narrow and another width
 LABELS = 0.35  # inches below and above curves
+AROUND = 1.0  # inches of title, labels and caption above and below curves beside a law
 MOST_PLAIN = 4  # observables shown where there is no law
 MOST_NARROW = 3  # panels of laws on one column of a page, one less with curves
 MOST_ASKED = 12  # observables of one figure
@@ -97,7 +98,10 @@ def figure(
     rods = [drawn_rods.choose(curves, ("alpha", "z"), axis, most=MOST_CURVES) for axis in strips]
     box = width * (BESIDE if beside else 1) - unrolled.BESIDE, tallest
     views = [unrolled.Panel(rod, box, sheet.small, coloured=False) for rod in rods]
-    heights = [law_height if beside and i < count else view.height + LABELS for i, view in enumerate(views)]
+    heights = [
+        max(law_height, view.height + AROUND) if beside and i < count else view.height + LABELS
+        for i, view in enumerate(views)
+    ]
     lines = -(-count // across)
     below = 0.0 if beside else law_height * lines
     if sheet.style == "paper" and not sheet.narrow:
