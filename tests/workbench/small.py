@@ -61,6 +61,14 @@ TEXT = text(
 )
 
 
+THREE = (
+    axis("E", (5e3, 4e4, 5), spacing="geometric")
+    + axis("R", [1.0, 0.5, 0.75])
+    + axis("F1", (1.0, 9.0, 9))
+    + law("turns", "E", "falls", at={"R": 0.75, "F1": 5.0})
+)
+
+
 def grid() -> Study:
     return loads(TEXT, default_name="small")
 

@@ -10,34 +10,12 @@ from matplotlib.patches import PathPatch
 from studies import load
 from studies.laws.verdicts import HOLDS, VERDICTS, judge
 from tests.workbench.command import exit_status
-from tests.workbench.page_faults import faults
 from tests.workbench.pictures import pixels
-from tests.workbench.small import grid, study
+from tests.workbench.small import THREE, grid, law, study
 from workbench.figures import canvas, colours, kinds, map_cells, map_figure, regions, scales, study_figure
 from workbench.figures import thumbnails as thumbs
 from workbench.figures.sheet import Sheet
 from workbench.store import in_memory, law_verdicts, writing
-
-THREE = """
-[axes.E]
-from = 5e3
-to = 4e4
-count = 5
-spacing = "geometric"
-[axes.R]
-values = [1.0, 0.5, 0.75]
-[axes.F1]
-from = 1.0
-to = 9.0
-count = 9
-[[laws]]
-claim = "(1)"
-observable = "turns"
-axis = "E"
-direction = "falls"
-at = { R = 0.75, F1 = 5.0 }
-source = "s"
-"""
 
 
 @pytest.fixture(scope="module")
@@ -57,15 +35,6 @@ def meshes(fig: Figure) -> list:
 
 def maps(fig: Figure) -> list:
     return [ax for ax in fig.axes if ax.get_title(loc="left")]
-
-
-def legend(fig: Figure) -> list[str]:
-    (one,) = fig.legends
-    return [text.get_text() for text in one.get_texts()]
-
-
-def notes(fig: Figure) -> str:
-    return fig.legends[0].get_title().get_text()
 
 
 def with_cells(ds: xr.Dataset, unsolved: np.ndarray, pulled: np.ndarray, unknown: np.ndarray) -> xr.Dataset:
@@ -101,11 +70,9 @@ def test_a_map_shows_where_its_samples_are(regimes) -> None:
     assert drawn == {(round(E, 6), round(R, 6)) for E in regimes["E"].values for R in regimes["R"].values}
 
 
-def test_axes_of_equal_ratios_are_logarithmic_with_cells_of_one_width_and_ticks_at_1_2_and_5(regimes) -> None:
+def test_axes_of_equal_ratios_are_logarithmic_with_cells_of_one_width(regimes) -> None:
     ax = maps(map_figure.figure(regimes))[0]
     assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
-    assert [label.get_text() for label in ax.get_xticklabels()] == ["5000", "10000", "20000"]
-    assert [label.get_text() for label in ax.get_yticklabels()] == ["0.5", "1.0", "2.0"]
     widths = np.diff(np.log(scales.scale_of(regimes["E"]).edges))
     np.testing.assert_allclose(widths[1:-1], widths[1], rtol=1e-9)  # rounding of the logarithms
     np.testing.assert_allclose(widths[[0, -1]], widths[1] / 2, rtol=1e-9)
@@ -130,20 +97,6 @@ def test_one_scale_of_colours_serves_every_panel_of_an_observable(three) -> None
         assert shown.max() <= row[0].norm.vmax
         np.testing.assert_array_equal(row[0].get_array().reshape(3, 5), three[name].isel(F1=0).sortby("R").T)
         np.testing.assert_array_equal(row[4].get_array().reshape(3, 5), three[name].isel(F1=8).sortby("R").T)
-
-
-def test_a_third_axis_has_at_most_five_maps_and_says_how_many_values_it_has(three) -> None:
-    fig = map_figure.figure(three)
-    titles = [ax.get_title(loc="left").splitlines()[-1] for ax in maps(fig)][:5]
-    assert titles == ["F₁ = 1 N", "F₁ = 3 N", "F₁ = 5 N", "F₁ = 7 N", "F₁ = 9 N"]
-    assert "The columns show 5 of the 9 values of F₁." in notes(fig)
-
-
-def test_a_fixed_value_of_a_third_axis_leaves_one_map_that_says_it(three) -> None:
-    fig = map_figure.figure(three, show=["turns"], at={"F1": 9.0})
-    (ax,) = maps(fig)
-    assert ax.get_xlabel() == "Young's modulus  E [N/cm²], at F₁ = 9 N"
-    np.testing.assert_array_equal(meshes(fig)[0].get_array().reshape(3, 5), three["turns"][..., 8].sortby("R").T)
 
 
 def test_borders_lie_between_cells_of_different_numbers_and_nowhere_else() -> None:
@@ -179,18 +132,9 @@ def test_the_regions_of_a_count_carry_their_counts(regimes) -> None:
         assert regimes["turns"].sel(E=E, R=R, method="nearest") == int(text.get_text())
 
 
-def test_many_counts_are_drawn_in_classes(regimes) -> None:
-    rows = np.arange(regimes.sizes["E"])[:, None] // 4 * 100 + np.zeros(regimes.sizes["R"])
-    ax = maps(map_figure.figure(regimes.assign(turns=regimes["turns"].copy(data=rows)), show=["turns"]))[0]
-    texts = [text.get_text() for text in ax.texts if text.get_text()[0].isdigit()]
-    assert texts == ["0–49", "100–149", "200–249", "300–349", "400–449", "500–549"]  # the highest class has no room
-
-
-def test_an_observable_that_is_constant_but_for_rounding_is_written_and_not_coloured(regimes) -> None:
+def test_an_observable_that_is_constant_but_for_rounding_is_not_coloured(regimes) -> None:
     values = -12.3456789 * (1 + 1e-15 * np.arange(regimes["attached"].size).reshape(regimes["attached"].shape))
     fig = map_figure.figure(regimes.assign(attached=regimes["attached"].copy(data=values)), show=["attached"])
-    assert [ax for ax in fig.axes if ax.get_label() == "<colorbar>"] == []
-    assert maps(fig)[0].get_title(loc="left").endswith(", \u221212.35 in all cases")
     assert np.unique(meshes(fig)[0].to_rgba(values.T)).tolist() == [1.0]  # white
 
 
@@ -213,22 +157,7 @@ def test_a_cross_is_a_case_no_real_rod_takes_and_cells_without_a_solution_or_a_n
     ]
     np.testing.assert_allclose(sorted(crosses.tolist()), sorted(expected))
     np.testing.assert_array_equal(meshes(fig)[0].get_array().mask.reshape(shape[::-1]).T, unsolved | unknown)
-    barred = "would lift off away from its ends, or pass through itself"
-    assert legend(fig)[:4] == ["a case", f"a case: {barred}", "not solved", "solved, number unknown"]
-
-
-def test_a_caution_that_holds_everywhere_is_said(regimes) -> None:
-    every, none = np.ones(regimes["turns"].shape, dtype=bool), np.zeros(regimes["turns"].shape, dtype=bool)
-    fig = map_figure.figure(with_cells(regimes, none, every, none), show=["turns"])
-    assert "Every rod would lift off away from its ends, or pass through itself." in notes(fig)
-    assert "a case" not in legend(fig)
-
-
-def test_rods_that_were_not_checked_are_counted(regimes) -> None:
-    texts = regimes["caution"].values.astype(object)
-    texts[0, :3] = "not checked: self-contact"
-    fig = map_figure.figure(regimes.assign(caution=regimes["caution"].copy(data=texts)))
-    assert "3 of 475 rods were not checked for all cautions." in notes(fig)
+    assert "solved, number unknown" in [text.get_text() for text in fig.legends[0].get_texts()]
 
 
 def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_where_the_law_is_decided(regimes) -> None:
@@ -243,10 +172,6 @@ def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_whe
     (row, _) = law_verdicts.verdicts(regimes)
     (line,) = [line for line in ax.lines if len(line.get_xdata()) == 2]
     assert set(line.get_ydata()) == {row["at"]["R"]}
-    said = notes(fig).replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
-    law = "(a): the number of bends does not rise with E; true in part: true at R = 0.7349 cm; lines: 12 true"
-    assert law in said
-    assert {"law false on these lines", "the law is judged on this line"} <= set(legend(fig))
 
 
 def test_a_law_along_the_axis_upward_has_its_strip_above_the_map(regimes) -> None:
@@ -267,13 +192,10 @@ def test_on_small_multiples_each_map_has_the_verdicts_of_its_own_lines_and_one_h
         assert [VERDICTS[int(number)] for number in drawn] == expected
         lines += sum(line.get_label() != "_samples" for line in ax.lines)
     assert lines == 1
-    assert "Law (1): the number of bends falls with E; " in notes(fig)
 
 
-def test_a_law_along_a_further_axis_has_a_map_of_verdicts_where_its_lines_differ_and_a_note_where_they_agree() -> None:
-    law = '[[laws]]\nclaim = "({})"\nobservable = "{}"\naxis = "F1"\ndirection = "falls"\nsource = "s"\n'
-    text = f"{THREE}{law.format(2, 'turns')}{law.format(3, 'wraps')}"
-    ds = in_memory.run(study(text, 'observables = ["turns", "wraps"]'))
+def test_a_law_along_a_further_axis_has_a_map_of_verdicts_where_its_lines_differ() -> None:
+    ds = in_memory.run(study(THREE + law("wraps", "F1", "falls"), 'observables = ["turns", "wraps"]'))
     fig = map_figure.figure(ds, "R", "E", at={"F1": 5.0})
     (ax,) = [ax for ax in maps(fig) if ax.get_title(loc="left") == "verdicts on wraps along F₁"]
     (shown,) = [mesh for mesh in ax.collections if hasattr(mesh, "get_coordinates")]
@@ -282,8 +204,6 @@ def test_a_law_along_a_further_axis_has_a_map_of_verdicts_where_its_lines_differ
     found = [[VERDICTS[int(number)] for number in row] for row in shown.get_array()]
     assert found == expected
     assert len(np.unique(expected)) > 1
-    assert "F₁ =" not in ax.get_xlabel()
-    assert "Law (2): the number of bends falls with F₁; false." in notes(fig)
 
 
 @pytest.mark.slow
@@ -313,28 +233,6 @@ def test_a_region_too_small_for_its_number_has_its_colour_in_the_bar(regimes) ->
     assert sorted(text.get_text() for text in maps(fig)[0].texts if text.get_text().isdigit()) == ["1", "2"]
     (bar,) = [ax for ax in fig.axes if ax.get_label() == "<colorbar>"]
     assert "5" in [label.get_text() for label in bar.get_yticklabels()]
-
-
-def test_a_rod_that_is_not_solved_has_no_shape(regimes) -> None:
-    unsolved, none = np.ones(regimes["turns"].shape, dtype=bool), np.zeros(regimes["turns"].shape, dtype=bool)
-    unsolved[:13] = False
-    fig = map_figure.figure(with_cells(regimes, unsolved, none, none), show=["turns"], shapes=thumbs.Shapes(2, 1))
-    panel = maps(fig)[-1]
-    assert len(panel.child_axes) == 1
-    assert "not solved" in [text.get_text() for text in panel.texts]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["shapes", "three", "nothing solved", "large counts"])
-def test_no_word_of_a_map_is_cut_off_and_no_two_meet(kind: str, regimes, three) -> None:
-    everything = np.ones(regimes["turns"].shape, dtype=bool)
-    fig = {
-        "shapes": lambda: map_figure.figure(regimes, shapes=thumbs.Shapes(3, 2)),
-        "three": lambda: map_figure.figure(three),
-        "nothing solved": lambda: map_figure.figure(with_cells(regimes, everything, ~everything, ~everything)),
-        "large counts": lambda: map_figure.figure(regimes.assign(turns=regimes["turns"] * 12345)),
-    }[kind]()
-    assert faults(fig) == []
 
 
 def test_a_study_over_two_axes_is_a_map_and_over_one_it_is_lines(regimes) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 from PIL import Image
 
 from solver import InputError
@@ -120,15 +119,6 @@ def two() -> xr.Dataset:
     return in_memory.run(small.grid())
 
 
-def test_one_panel_is_drawn_alone(two) -> None:
-    alone = study_figure.figure(two, sheet=sheet(panel="(2)"))
-    assert len(alone.axes) == 1
-    assert alone.axes[0].get_ylabel() == "largest curvature  max κ [1/cm]"
-    assert len(study_figure.figure(two, sheet=sheet(panel="R")).axes) == 1
-    one = study_figure.figure(two.isel(E=[0], R=[0]), sheet=sheet(panel="curve"))
-    assert [ax.get_xlabel() for ax in one.axes] == ["z [cm]"]
-
-
 @pytest.mark.slow
 def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(two, tmp_path, capsys) -> None:
     writing.write(two, tmp_path / "small.h5")
@@ -160,10 +150,6 @@ def test_a_full_disk_is_a_sentence_and_an_existing_picture_stays(tmp_path) -> No
     assert [one.read_bytes() for one in tmp_path.iterdir()] == [b"earlier"]
 
 
-def shown(fig: Figure) -> list[str]:
-    return [" ".join(text.get_text().split()) for text in fig.findobj(Text) if text.get_visible() and text.get_text()]
-
-
 @pytest.mark.slow
 def test_without_a_title_the_notes_go_to_the_terminal_and_the_table(two, tmp_path, capsys) -> None:
     writing.write(two, tmp_path / "small.h5")
@@ -176,19 +162,6 @@ def test_without_a_title_the_notes_go_to_the_terminal_and_the_table(two, tmp_pat
                  if row["kind"] == "note"]  # fmt: skip
         assert notes
         assert all(" ".join(note.split()) in " ".join(told.split()) for note in notes)
-    for fig, titled in ((study_figure.figure(two, sheet=sheet(titled=False)), False), (study_figure.figure(two), True)):
-        words = shown(fig)
-        assert any(text.startswith("Unrolled view") for text in words) == titled
-        assert any(text.startswith("(2): ") for text in words)  # the panels are still told apart
-
-
-def test_laws_of_one_claim_are_panels_of_their_own(two) -> None:
-    rows = law_verdicts.verdicts(two)
-    both = [rows[0], {**rows[0], "observable": "turns"}]
-    assert len(study_figure.figure(two, both, sheet(panel="(2)")).axes) == 2
-    (ax,) = study_figure.figure(two, both, sheet(panel="(2) turns")).axes
-    assert ax.get_ylabel() == "number of bends"
-    assert ax.get_title(loc="left").startswith("(2): ")
 
 
 def test_maps_that_stand_one_below_the_other_have_equal_widths() -> None:

@@ -1,0 +1,167 @@
+"""What pictures of unusual studies say, as stored in `pictures_*.words`: no word is cut off, and no two meet."""
+
+import itertools
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+
+from studies import load
+from tests import transcripts
+from tests.workbench import small
+from tests.workbench.page_faults import faults, words
+from workbench.figures import map_figure, study_figure
+from workbench.figures import thumbnails as thumbs
+from workbench.figures.sheet import sheet
+from workbench.store import in_memory, law_verdicts
+
+NUMBER = re.compile(r"[−\d.]+")
+LAW = small.law(
+    "contact_size_mean",
+    "E",
+    "not-falling",
+    claim="a claim of many words",
+    also=["kappa_mean", "kappa_max", "wraps", "attached", "amplitude"],
+)
+E_OF_NINE = small.axis("E", (123456.7, 134567.8, 9))
+E_OF_TWO, E_OF_THREE = small.axis("E", [1e4, 3.7e5]), small.axis("E", [1e4, 2e4, 4e4])
+WIDE = small.axis("E", [1e4, 1.1e4, 1.2e4, 2e4, 5e4, 3.7e5]) + small.axis("F3", [5.0, 20.0, 80.0]) + LAW
+LONG = "A title that goes on for longer than a page of this width can hold, " * 2
+
+
+def drawn_map(change: Callable[[xr.Dataset], xr.Dataset], **more: Any) -> Figure:
+    """The map of the bends of a study over E and R of which something is changed."""
+    return map_figure.figure(change(in_memory.run(load("regimes"))), **{"show": ["turns"], **more})
+
+
+def three(more: str = "") -> xr.Dataset:
+    """Over three axes, with a law along one of them and with more laws."""
+    return in_memory.run(small.study(small.THREE + more, 'observables = ["turns", "wraps"]'))
+
+
+def set_to(name: str, values: Callable[[xr.DataArray], Any]) -> Callable[[xr.Dataset], xr.Dataset]:
+    """The dataset with other values of a variable, which are computed from the stored ones."""
+    return lambda ds: ds.assign({name: ds[name].copy(data=values(ds[name]))})
+
+
+def in_classes(turns: xr.DataArray) -> np.ndarray:
+    return np.arange(turns.sizes["E"])[:, None] // 4 * 100 + np.zeros(turns.sizes["R"])
+
+
+def nearly_constant(attached: xr.DataArray) -> np.ndarray:
+    return -12.3456789 * (1 + 1e-15 * np.arange(attached.size).reshape(attached.shape))
+
+
+def cautions(text: str, count: int | None = None) -> Callable[[xr.DataArray], np.ndarray]:
+    def values(caution: xr.DataArray) -> np.ndarray:
+        texts = caution.values.astype(object)
+        texts.ravel()[:count] = text
+        return texts
+
+    return values
+
+
+def unsolved(rows: slice) -> Callable[[xr.Dataset], xr.Dataset]:
+    """The dataset whose cases with these moduli are not solved."""
+
+    def change(ds: xr.Dataset) -> xr.Dataset:
+        ds = ds.copy(deep=True)
+        ds["solved"][rows] = False
+        for name in set(ds.data_vars) & {"turns", "kappa_mean", "alpha", "z"}:
+            ds[name] = ds[name].astype(float)
+            ds[name][rows] = np.nan
+        return ds
+
+    return change
+
+
+FURTHER = small.law("turns", "F1", "falls", claim="(2)") + small.law("wraps", "F1", "falls", claim="(3)")
+MAPS: dict[str, Callable[[], Figure]] = {
+    "a third axis": lambda: map_figure.figure(three()),
+    "a value of the third axis": lambda: map_figure.figure(three(), show=["turns"], at={"F1": 9.0}),
+    "laws along a further axis": lambda: map_figure.figure(three(FURTHER), "R", "E", at={"F1": 5.0}),
+    "many counts": lambda: drawn_map(set_to("turns", in_classes)),
+    "large counts": lambda: drawn_map(set_to("turns", lambda turns: turns * 12345)),
+    "constant": lambda: drawn_map(set_to("attached", nearly_constant), show=["attached"]),
+    "all lift off": lambda: drawn_map(set_to("caution", cautions("pulled"))),
+    "three not checked": lambda: drawn_map(set_to("caution", cautions("not checked: self-contact", 3))),
+    "half not solved": lambda: drawn_map(unsolved(slice(13, None)), shapes=thumbs.Shapes(2, 1)),
+    "nothing solved": lambda: drawn_map(unsolved(slice(None)), show=None),
+    "shapes": lambda: drawn_map(lambda ds: ds, show=None, shapes=thumbs.Shapes(3, 2)),
+}
+
+
+def drawn_lines(
+    axes: str, head: str = "", change: Callable[[xr.Dataset], xr.Dataset] = lambda ds: ds, **more: Any
+) -> Figure:
+    """The lines of a study of which something is changed."""
+    return study_figure.figure(change(in_memory.run(small.study(axes, head))), **more)
+
+
+def without_study(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset without the text of its study, so that it is drawn at its stations."""
+    return ds.drop_attrs(deep=False).assign_attrs({key: of for key, of in ds.attrs.items() if key != "study"})
+
+
+def thinner(factor: float) -> Callable[[xr.Dataset], xr.Dataset]:
+    return lambda ds: without_study(ds).assign(z=factor * ds["z"])
+
+
+def level(wraps: xr.DataArray) -> np.ndarray:
+    return 3.5 + 1e-13 * np.arange(wraps.size)
+
+
+def two_laws_of_one_claim(panel: str) -> Figure:
+    ds = in_memory.run(small.grid())
+    (row, *_) = law_verdicts.verdicts(ds)
+    return study_figure.figure(ds, [row, {**row, "observable": "turns"}], sheet(panel=panel))
+
+
+def grid(**more: Any) -> Figure:
+    return study_figure.figure(in_memory.run(small.grid()), sheet=sheet(**more))
+
+
+def angles(**more: Any) -> Figure:
+    return study_figure.figure(in_memory.run(load("fig7_3_start_angle")), **more)
+
+
+LINES: dict[str, Callable[[], Figure]] = {
+    "one value": lambda: drawn_lines(small.axis("E", [1e4])),
+    "large numbers": lambda: drawn_lines(E_OF_NINE),
+    "wide verdict": lambda: drawn_lines(WIDE, change=lambda ds: ds.assign_attrs(title=LONG)),
+    "thin": lambda: drawn_lines(E_OF_TWO, change=thinner(1000)),
+    "thin beside a law": lambda: drawn_lines(E_OF_TWO + LAW, change=thinner(1000)),
+    "flat": lambda: drawn_lines(E_OF_TWO, change=thinner(1 / 1000)),
+    "an unsolved case": lambda: drawn_lines(E_OF_THREE, 'observables = ["kappa_mean"]', unsolved(slice(1, 2))),
+    "level but for rounding": lambda: drawn_lines(E_OF_NINE, change=set_to("wraps", level), show=["wraps"]),
+    "panel of a law": lambda: grid(panel="(2)"),
+    "panel of a curve": lambda: drawn_lines("", sheet=sheet(panel="curve")),
+    "panel of an axis": lambda: grid(panel="R"),
+    "without a title": lambda: grid(titled=False),
+    "two laws of one claim": lambda: two_laws_of_one_claim("(2)"),
+    "one of two laws": lambda: two_laws_of_one_claim("(2) turns"),
+    "observables": lambda: angles(show=["wraps", "turns", "condition"]),
+    "panel of an observable": lambda: angles(sheet=sheet(panel="wraps")),
+}
+
+
+def lines(texts: list[str]) -> list[str]:
+    """The texts, those numbers on one line that follow each other."""
+    groups = itertools.groupby(texts, lambda text: bool(NUMBER.fullmatch(text)))
+    return [line for is_number, run in groups for line in ([" ".join(run)] if is_number else run)]
+
+
+@pytest.mark.parametrize(("family", "pictures"), [("maps", MAPS), ("lines", LINES)])
+def test_pictures_of_unusual_studies_can_be_read_and_say_what_is_stored(
+    family: str, pictures: dict[str, Callable[[], Figure]]
+) -> None:
+    said = []
+    for name, draw in pictures.items():
+        fig = draw()
+        assert faults(fig) == [], name
+        said += [f"{name}: {line}" for line in lines([" ".join(text.get_text().split()) for text in words(fig)])]
+    assert transcripts.differences(f"pictures_{family}", said) == []
