@@ -14,7 +14,7 @@ import xarray as xr
 
 from solver import InputError
 from studies import load
-from tests.workbench import runs
+from tests.workbench import runs, small
 from tests.workbench.test_faults import DEADLY, GRID, SMALL, TELLING, whole  # noqa: F401  (a fixture)
 from workbench.store import engines, plan, recipe
 from workbench.store.study_store import Options, run_to_file
@@ -22,6 +22,7 @@ from workbench.store.study_store import Options, run_to_file
 distributed = pytest.importorskip("distributed")
 
 REFINED = '[axes.E]\nvalues = [5e3, 1e4, 4e4]\n[refine]\nwatch = ["turns"]\ntolerance = 1e-3\n'
+AXES = "".join(small.axis(name, values) for name, values in GRID.items())
 SAMPLES = "[sample]\nsize = 150\n[sample.E]\nfrom = 5e3\nto = 4e4\n[sample.F1]\nfrom = 1.0\nto = 9.0\n"
 
 
@@ -99,17 +100,8 @@ def test_what_goes_wrong_in_a_worker_can_be_sent(monkeypatch, tmp_path) -> None:
 
 
 @pytest.mark.slow
-def test_every_bit_is_that_of_this_machine_alone(whole, tmp_path, clusters) -> None:  # noqa: F811
-    clusters.append(Cluster(folder(tmp_path)))
-    runs.study(tmp_path, GRID)
-    done = runs.run(tmp_path, "many.toml", "--scheduler", clusters[0].address, "--chunk", 32, before=SMALL)
-    assert done.returncode == 0, done.stderr
-    assert runs.contents(tmp_path / "many.h5") == whole
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("more", (SAMPLES, REFINED), ids=("samples", "refined"))
-def test_samples_on_a_cluster_have_the_bits_of_this_machine_alone(tmp_path, clusters, more: str) -> None:
+@pytest.mark.parametrize("more", (AXES, SAMPLES, REFINED), ids=("grid", "samples", "refined"))
+def test_a_study_on_a_cluster_has_the_bits_of_this_machine_alone(tmp_path, clusters, more: str) -> None:
     clusters.append(Cluster(folder(tmp_path)))
     (tmp_path / "many.toml").write_text(runs.HEAD.format(method="orbit") + more)
     for name, options in (("alone.h5", ()), ("many.h5", ("--scheduler", clusters[0].address, "--chunk", 32))):

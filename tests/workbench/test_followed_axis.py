@@ -13,7 +13,7 @@ from solver import follow, solve
 from studies import Study
 from studies.language.loader import loads
 from tests.slow import slow
-from tests.workbench import runs, small
+from tests.workbench import small
 from workbench.store import in_memory
 from workbench.store.study_store import Options, run_to_file
 
@@ -50,6 +50,12 @@ def test_one_selected_case_has_the_arrays_along_the_rod_of_all() -> None:
     ds = falling()
     one = ds.isel(FZ=[2])
     np.testing.assert_array_equal(one.rod.along("contact"), ds.rod.along("contact").isel(FZ=[2]))
+
+
+def test_a_case_between_two_values_is_on_the_followed_branch_and_none_is_beyond_its_fold() -> None:
+    ds = falling()
+    assert float(np.abs(ds.rod.at(FZ=-0.6).beta - ds["beta"].sel(FZ=-0.5)).max()) < 0.1
+    assert not ds.rod.at(FZ=-2.9).solved
 
 
 def test_without_following_the_same_cases_go_on_on_another_branch() -> None:
@@ -149,35 +155,6 @@ def test_the_equilibrium_of_a_start_problem_is_followed_to_the_last_value_or_its
     assert again.solved
     same = follow(own, **{axis: [middle, last]}).at(middle)[0].solution
     np.testing.assert_allclose(again.beta, same.beta, atol=1e-7)
-
-
-def bits(path: Path) -> dict[str, Any]:
-    with xr.open_dataset(path) as ds:
-        numbers = {name: ds[name].values.tobytes() for name in ds.variables if ds[name].dtype.kind in "if"}
-        return numbers | {"outcome": ds["outcome"].values.tolist()}
-
-
-@pytest.mark.slow  # `test_sweep` has the quick one: a followed axis goes the same way
-def test_an_interrupted_run_goes_on_to_the_same_bits(tmp_path: Path) -> None:
-    one = study()
-    run_to_file(one, tmp_path / "one.h5", Options(workers=1))
-    with pytest.raises(KeyboardInterrupt, match="8 of 11 cases are kept"):
-        run_to_file(one, tmp_path / "two.h5", Options(workers=1, chunk=8), progress=runs.stop_after(1))
-    assert run_to_file(one, tmp_path / "two.h5", Options(workers=1)).solved == 3
-    assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
-    with xr.open_dataset(tmp_path / "one.h5") as ds:
-        between = ds.rod.at(FZ=-0.6)
-        assert float(np.abs(between.beta - ds["beta"].sel(FZ=-0.5)).max()) < 0.1
-        assert not ds.rod.at(FZ=-2.9).solved
-
-
-@pytest.mark.slow
-def test_workers_and_lines_of_several_blocks_give_the_same_bits(tmp_path: Path) -> None:
-    axes = FALLING.replace("11", "41") + "[axes.E]\nvalues = [325.95, 651.9]\n"
-    for number, one in enumerate((study(FALLING.replace("11", "41")), study(axes))):
-        run_to_file(one, tmp_path / f"one{number}.h5", Options(workers=1))
-        run_to_file(one, tmp_path / f"two{number}.h5", Options(workers=2, chunk=1))
-        assert bits(tmp_path / f"one{number}.h5") == bits(tmp_path / f"two{number}.h5")
 
 
 def test_a_study_that_is_no_longer_followed_is_another_study(tmp_path: Path) -> None:

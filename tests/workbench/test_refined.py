@@ -12,7 +12,6 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import observe, solve
 from studies import Study
 from studies.language.loader import loads
-from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.command import run
 from tests.workbench.pictures import pixels, share_of_ink
@@ -150,35 +149,6 @@ def test_the_file_opens_bare_with_levels_along_the_samples(stored: Path) -> None
         sol = solve(study().case_of({"E": float(one["E"]), "R": float(one["R"])}))
         assert int(one["turns"]) == int(observe(sol, ["turns"])["turns"])
         assert ds.rod.sel(sample=57).rod.case.shape == ()
-
-
-def test_a_study_in_memory_has_the_numbers_of_the_stored_one(stored: Path) -> None:
-    with xr.open_dataset(stored) as ds:
-        xr.testing.assert_identical(ds.load().drop_attrs(), in_memory.run(study()).drop_attrs())
-
-
-CUT, POOL = Options(workers=1, chunk=1), Options(workers=2, chunk=16)
-
-
-@pytest.mark.parametrize(
-    "options", [pytest.param(CUT, id="cut"), pytest.param(POOL, id="pool", marks=pytest.mark.slow)]
-)
-def test_every_bit_is_the_same_whatever_the_chunks_and_the_workers(stored: Path, tmp_path, options: Options) -> None:
-    run_to_file(study(PLANE + LAW), tmp_path / "small.h5", options)
-    assert runs.contents(tmp_path / "small.h5") == runs.contents(stored)
-
-
-@pytest.mark.parametrize("after", slow_but((1, 40, 120), 40))
-def test_a_run_that_is_interrupted_in_any_round_continues_to_the_same_file(stored: Path, tmp_path, after) -> None:
-    path, work = tmp_path / "small.h5", study(PLANE + LAW)
-    with pytest.raises(KeyboardInterrupt, match="cases are kept in"):
-        run_to_file(work, path, Options(workers=1, chunk=16), progress=runs.stop_after(after))
-    assert not path.exists()
-    done = run_to_file(work, path, Options(workers=1))
-    assert 0 < done.solved < reading.open_study(stored).sizes["sample"]
-    assert runs.contents(path) == runs.contents(stored)
-    assert run_to_file(work, path).finished_before
-    assert not path.with_name("small.h5.parts").exists()
 
 
 def test_a_damaged_shard_of_an_early_round_is_solved_again(stored: Path, tmp_path) -> None:

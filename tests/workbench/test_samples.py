@@ -91,29 +91,6 @@ def test_samples_and_axes_make_every_combination(crossed: xr.Dataset) -> None:
     np.testing.assert_allclose(float(one["kappa_max"]), float(expected), rtol=1e-7)
 
 
-POOL = pytest.param(Options(workers=2, chunk=16), id="pool", marks=pytest.mark.slow)
-
-
-@pytest.mark.parametrize("options", [pytest.param(Options(workers=1, chunk=1), id="cut"), POOL])
-def test_every_bit_is_the_same_whatever_the_chunks_and_the_workers(stored: Path, tmp_path, options: Options) -> None:
-    run_to_file(study(), tmp_path / "small.h5", options)
-    assert runs.contents(tmp_path / "small.h5") == runs.contents(stored)
-
-
-def test_a_study_in_memory_has_the_numbers_of_the_stored_one(stored: Path) -> None:
-    with xr.open_dataset(stored) as ds:
-        xr.testing.assert_identical(ds.load().drop_attrs(), in_memory.run(study()).drop_attrs())
-
-
-def test_an_interrupted_run_continues(stored: Path, tmp_path) -> None:
-    path = tmp_path / "small.h5"
-    with pytest.raises(KeyboardInterrupt, match="16 of 40 cases are kept"):
-        run_to_file(study(), path, Options(workers=1, chunk=16), progress=runs.stop_after(1))
-    assert run_to_file(study(), path, Options(workers=1)).solved == 24
-    assert runs.contents(path) == runs.contents(stored)
-    assert run_to_file(study(), path).finished_before
-
-
 def test_a_longer_sobol_sequence_solves_only_the_new_samples(stored: Path, tmp_path) -> None:
     path = tmp_path / "small.h5"
     path.write_bytes(stored.read_bytes())

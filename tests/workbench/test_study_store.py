@@ -70,22 +70,6 @@ def counted(monkeypatch) -> list[int]:
     return found
 
 
-@pytest.mark.parametrize("options", [Options(workers=1, chunk=1), Options(workers=2, chunk=100)], ids=["cut", "pool"])
-def test_every_bit_is_the_same_whatever_the_chunks_and_the_workers(whole, tmp_path, options) -> None:
-    run_to_file(load(runs.study(tmp_path, GRID)), tmp_path / "many.h5", options)
-    assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
-    assert [path.name for path in tmp_path.iterdir() if path.suffix != ".toml"] == ["many.h5"]
-
-
-def test_a_study_in_memory_has_the_bits_of_the_stored_one(whole) -> None:
-    ds = in_memory.run(load(whole.with_suffix(".toml")))
-    with xr.open_dataset(whole) as stored:
-        assert list(stored.dims) == list(ds.dims) == ["E", "F1", "u"]
-        xr.testing.assert_identical(stored.drop_attrs().load(), ds.drop_attrs())
-        for name, value in ds.attrs.items():
-            assert name == "created" or stored.attrs[name] == value, name
-
-
 @given(st.lists(st.integers(1, 40), max_size=3), st.data())
 @settings(max_examples=50, deadline=None)
 def test_a_file_gives_each_box_of_a_grid_the_cases_that_it_holds_in_any_order(sizes: list[int], data) -> None:

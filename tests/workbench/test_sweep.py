@@ -1,7 +1,5 @@
 """A sweep over ends problems: the order of its cases, the same bits whoever solves it, and what it says of branches."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -12,12 +10,12 @@ from studies import Study
 from studies.language.loader import loads
 from studies.laws.verdicts import FAILS, UNDECIDED
 from tests.slow import slow, slow_but
-from tests.workbench import runs, small
+from tests.workbench import small
 from workbench.commands import study_scene
 from workbench.scene import scene_kinds
 from workbench.store import case_solutions, in_memory, law_verdicts, plan, sweep
 from workbench.store.block import solve_chunk
-from workbench.store.study_store import Options, run_to_file
+from workbench.store.study_store import run_to_file
 
 PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "R": 0.108}
 HELD = {**PIPE, "side": "inside", "beta0": 0.0, "betaL": 0.0}
@@ -183,26 +181,6 @@ def test_the_first_case_is_the_one_that_equilibrium_chooses() -> None:
     assert "the one next to beta'(0)" in in_memory.run(study(text)).attrs["equilibria"]
 
 
-# the same bits
-
-
-def bits(path: Path) -> dict[str, bytes]:
-    with xr.open_dataset(path) as ds:
-        return {name: ds[name].values.tobytes() for name in ds.variables if ds[name].dtype.kind in "if"}
-
-
-@pytest.mark.parametrize("axes", (FORCES.replace("21", "9"), slow(GRID)))
-def test_workers_chunks_and_memory_give_the_same_bits(tmp_path, axes) -> None:
-    one = study(axes)
-    run_to_file(one, tmp_path / "one.h5", Options(workers=1))
-    run_to_file(one, tmp_path / "two.h5", Options(workers=2, chunk=1))
-    assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
-    held = in_memory.run(one)
-    with xr.open_dataset(tmp_path / "one.h5") as ds:
-        for name in ("beta", "amplitude", "branch", "error"):
-            assert ds[name].values.tobytes() == held[name].values.tobytes()
-
-
 @pytest.mark.slow
 def test_a_chunk_is_the_same_alone_as_among_others() -> None:
     work = plan.plan(study(GRID))
@@ -217,15 +195,6 @@ def test_a_chunk_is_the_same_alone_as_among_others() -> None:
         assert solve_chunk(fresh.light, fresh.chunk(part.start, part.stop), fresh.block) == solve_chunk(
             single.light, part, single.block
         )
-
-
-def test_an_interrupted_sweep_goes_on_to_the_same_bits(tmp_path) -> None:
-    one = study(FORCES.replace("21", "11"))
-    run_to_file(one, tmp_path / "one.h5", Options(workers=1))
-    with pytest.raises(KeyboardInterrupt, match="8 of 11 cases are kept"):
-        run_to_file(one, tmp_path / "two.h5", Options(workers=1, chunk=8), progress=runs.stop_after(1))
-    assert run_to_file(one, tmp_path / "two.h5", Options(workers=1)).solved == 3
-    assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
 
 
 def test_a_sweep_that_is_extended_is_solved_anew(tmp_path) -> None:
