@@ -204,8 +204,8 @@ def commands(path: Path, good: Path, out: Path) -> dict[str, list[str]]:
     return {name: [str(path) if word == "FILE" else word for word in words] for name, words in asked.items()}
 
 
-def faults(words: list[str], out: Path) -> list[str]:
-    """What is wrong with how a command ended; `out` is where it may write, empty before.
+def ended(words: list[str], out: Path) -> tuple[Any, list[str]]:
+    """The status of a command and what is wrong with how it ended; `out` is where it may write, empty before.
 
     Right is: status 0 or 1 and no word of Python's on stderr; or 2, one sentence there and nothing written. Never a
     character that a terminal would obey.
@@ -224,7 +224,7 @@ def faults(words: list[str], out: Path) -> list[str]:
     except SystemExit as end:
         status = end.code
     except BaseException as error:
-        return [f"ended in {error!r:.300}"]
+        return None, [f"ended in {error!r:.300}"]
     finally:
         console.out().file, console.err().file = before
     lines = said.getvalue().splitlines(keepends=True)
@@ -243,7 +243,7 @@ def faults(words: list[str], out: Path) -> list[str]:
         found.append(f"left {left}")
     for path in out.iterdir():
         path.unlink()
-    return found
+    return status, found
 
 
 def main(base: Path, good: Path, folder: Path, stride: str, offset: str, *names: str) -> None:
@@ -260,7 +260,7 @@ def main(base: Path, good: Path, folder: Path, stride: str, offset: str, *names:
         change(path)
         for command, words in commands(path, good, out).items():
             if not names or command in names:
-                for fault in faults(words, out):
+                for fault in ended(words, out)[1]:
                     print(json.dumps({"alteration": name, "command": command, "fault": fault}), flush=True)
 
 

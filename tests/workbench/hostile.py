@@ -3,8 +3,6 @@
 HDF5 may end the process on a damaged file, which only another process can tell.
 """
 
-import contextlib
-import io
 import json
 import os
 import resource
@@ -13,33 +11,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from tests.workbench.altered import commands, ended
+
 SECONDS = 60  # of processor time; a file that takes them has hung the command
 MEMORY = 8_000_000_000  # bytes of address space; a file of some kilobytes that asks for more is a bomb
-
-
-def commands(path: Path, good: Path, out: Path) -> dict[str, list[str]]:
-    return {
-        "check": ["check", str(path)],
-        "summary": ["summary", str(path)],
-        "plot": ["plot", str(path), "--out", str(out / "plot.png")],
-        "scene": ["scene", str(path), "--out", str(out / "scene.png")],
-        "merge": ["merge", str(path), str(good), "--out", str(out / "merged.h5")],
-    }
-
-
-def run(args: list[str]) -> dict[str, Any]:
-    """A command's status and what it wrote on stderr; a traceback is told as an exception."""
-    from workbench import cli
-
-    said = io.StringIO()
-    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
-        try:
-            cli.main(args)
-        except SystemExit as end:
-            return {"status": end.code, "said": said.getvalue()}
-        except BaseException as error:
-            return {"status": "exception", "said": repr(error)[:500]}
-    return {"status": "no end", "said": said.getvalue()}
 
 
 def main(folder: Path, good: Path, out: Path, *names: str) -> None:
@@ -48,12 +23,12 @@ def main(folder: Path, good: Path, out: Path, *names: str) -> None:
 
     opengl.probe = lambda: (False, "not drawn")  # a file that is let in is read by scene, and not drawn
     for path in sorted(folder.iterdir()):
-        asked = {name: args for name, args in commands(path, good, out).items() if name in names}
-        for name, told in zip(asked, forked(list(asked.values())), strict=True):
-            print(json.dumps({"file": path.name, "command": name, **told}), flush=True)
+        asked = [words for name, words in commands(path, good, out).items() if name in names]
+        for status, faults in forked(asked, out):
+            print(json.dumps({"file": path.name, "status": status, "faults": faults}), flush=True)
 
 
-def forked(asked: list[list[str]]) -> list[dict[str, Any]]:
+def forked(asked: list[list[str]], out: Path) -> list[tuple[Any, list[str]]]:
     """What came of each command, all in one process; if that was killed, they all were."""
     read, write = os.pipe()
     child = os.fork()
@@ -61,14 +36,14 @@ def forked(asked: list[list[str]]) -> list[dict[str, Any]]:
         resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         with os.fdopen(write, "wb") as pipe:
-            pipe.write(json.dumps([run(args) for args in asked]).encode())
+            pipe.write(json.dumps([ended(words, out) for words in asked]).encode())
         os._exit(0)
     os.close(write)
     with os.fdopen(read, "rb") as pipe:
         told = pipe.read()
     _, status = os.waitpid(child, 0)
     if os.WIFSIGNALED(status):
-        return [{"status": f"killed by {signal.Signals(os.WTERMSIG(status)).name}", "said": ""}] * len(asked)
+        return [(None, [f"killed by {signal.Signals(os.WTERMSIG(status)).name}"])] * len(asked)
     return list(json.loads(told))
 
 
