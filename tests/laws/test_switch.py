@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from solver import Branch, Case, Cylinder, Ends, InputError, Rod, equilibria, follow, solve, switch
-from solver.equilibrium_branch import SpecialPoint
+from solver import Branch, Case, Cylinder, Ends, equilibria, follow, solve, switch
 from solver.problem.reduced import reduce
 from tests.cases import rod_of_unit_stiffness
 
@@ -69,21 +68,3 @@ def test_a_buckled_branch_goes_over_to_the_straight_pipe_on_both_sides() -> None
     assert float(before.FZ) < EULER < float(after.FZ)
     for one in (before, after):
         np.testing.assert_allclose(one.beta, 0, atol=1e-12)
-
-
-def test_where_no_branch_crosses_there_is_nothing_to_switch_to() -> None:
-    other = SpecialPoint("pitchfork", -1.0, 0, 1, 3)
-    with pytest.raises(InputError, match="switch takes one of the special points of the branch, got SpecialPoint"):
-        switch(straight(), other)
-    arc = solve(Case(rod_of_unit_stiffness(5.0, 0.01), Cylinder(1 - 0.01), Ends(0.5, 0.5, FZ=-0.5)))
-    folded = follow(arc, FZ=[-3.0, 2.0])
-    fold = next(one for one in folded.special if one.kind == "fold")
-    with pytest.raises(InputError, match="no other branch crosses at the fold at"):
-        switch(folded, fold)
-
-
-def test_a_branch_with_weight_is_refused_as_its_list_of_equilibria_is_not_complete() -> None:
-    rod, tube = Rod(EI=1.0, GJ=0.8, a=0.01, L=6.0, weight=0.3), Cylinder(1.01, side="inside", inclination="90deg")
-    branch = follow(solve(Case(rod, tube, Ends(0.0, 0.0, FZ=-1.0)), seed="straight"), FZ=-1.5)
-    with pytest.raises(InputError, match="switch takes a branch without weight and friction"):
-        switch(branch, branch.special[0])

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fit, observe, solve
+from solver import Case, Cylinder, Ends, Rod, Start, equilibria, fit, observe, solve
 from solver.observe.observables import OBSERVABLES, is_count, observables_of
 from solver.problem.case_fields import fields_of
 
@@ -135,18 +135,8 @@ def test_a_fit_finds_the_section(fields: dict[str, Any], name: str, low: float, 
     assert getattr(found.case.rod, name) == pytest.approx(fields[name], rel=1e-6)
 
 
-def test_a_fit_refuses_a_bore_that_it_cannot_vary() -> None:
-    case = Case(Rod(**{**TUBE, "inner_radius": 0.0}), WALL, STARTS["M3"])
-    with pytest.raises(InputError, match="cannot begin at inner_radius = 0"):
-        fit(case, vary=["inner_radius"], targets={"height": 3.0})
-    with pytest.raises(InputError, match=r"bounds of inner_radius must lie in 0 to 0\.25, got 0\.1 to 0\.3"):
-        fit(Case(Rod(**TUBE), WALL, STARTS["M3"]), vary={"inner_radius": (0.1, 0.3)}, targets={"height": 3.0})
-
-
 def test_a_rod_without_a_modulus_has_no_stress() -> None:
     sol = solve(Case(Rod(**DIRECT), WALL, STARTS["M3"]))
-    with pytest.raises(InputError, match="a rod with EI and GJ has no E"):
-        observe(sol, ["bending_stress_max"])
     assert "bending_stress_max" not in observables_of(sol.case.rod)
     assert observables_of(Rod(**TUBE)) == tuple(name for name, row in OBSERVABLES.items() if not row.holds)
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, observe, solve
+from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.case_fields import check_fields, fields_of
 from solver.problem.reduced import StartProblem, given_numbers, reduce
@@ -227,13 +227,7 @@ def test_an_extreme_that_two_places_reach_has_a_remark() -> None:
     assert "several places" in found.remarks["push_max"]
 
 
-def test_invalid_names_are_refused_with_the_choices() -> None:
-    solution = solve(TABLE, stations=3)
-    for fields, word in ((["F9"], "F9"), (["beta"], "beta0"), (["M3"], "F1"), ([], "none"), (["E", "E"], "different")):
-        with pytest.raises(InputError, match=word):
-            solution.sensitivity(fields)
-    with pytest.raises(InputError, match="choose from"):
-        solution.sensitivity(["E"], ["nothing"])
+def test_the_far_angle_is_a_field_of_an_ends_problem() -> None:
     ends = Case(TABLE.rod, TABLE.cylinder, Ends(0.5, 0.8, FZ=-1.0))
     assert check_fields(ends, "betaL") == ("betaL",)
 
