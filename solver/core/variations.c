@@ -352,8 +352,9 @@ void rod_varied_place_on(reader *from, int64_t panel, double x, varied_place *ou
 {
     const int size = (int)from->of->coefficients;
     double value[VARIED], older = 1, now = x;
-    for (int i = 0; panel != from->panel && i < size * VARIED; i++)
-        from->last[i % size][i / size] = from->series[VARIED * size * panel + i];
+    for (int k = 0; panel != from->panel && k < VARIED; k++)
+        for (int m = 0; m < size; m++)
+            from->last[m][k] = from->series[size * (VARIED * panel + k) + m];
     from->panel = panel;
     for (int k = 0; k < VARIED; k++)
         value[k] = from->last[0][k] + x * from->last[1][k];

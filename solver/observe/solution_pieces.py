@@ -132,31 +132,24 @@ def _cover(
 ) -> Pieces:
     """The pieces of panels that the rods cover up to a share of their length, and how often, on arcs that last ahead
     and back."""
-    span = problem.span * until
+    span, repeats = problem.span * until, np.isfinite(period)
+    folded, late = (kind == LIBRATION)[case], second * back[case]
+    begins = np.stack([since + np.where(second, 2 * ahead[case], 0), 2 * (ahead[case] + late) - since - duration])
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        rest = np.where(np.isfinite(period), np.fmod(span, period), span)
-        periods = np.where(np.isfinite(period), np.round((span - rest) / period), 0.0)
-    folded = (kind == LIBRATION)[case]
-    whole = periods[case] * np.where(folded, 2, 1)
-    begins = since + np.where(second, 2 * ahead[case], 0), 2 * (ahead[case] + second * back[case]) - since - duration
-    done = periods * np.where(np.isfinite(period), period, 0.0)
-    cut: list[tuple[Array, ...]] = []
-    for begin, returns in zip(begins, (False, True), strict=True):
-        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            share = np.clip((rest[case] - begin) / duration, 0, 1)
-        share = np.where(folded | (not returns), share, 0)
-        whole = whole + (share == 1)
-        some = np.flatnonzero((share > 0) & (share < 1))
-        edge = 2 * share[some] - 1
-        first = (done[case] + begin)[some]
-        cut.append((some, np.where(returns, -edge, -1), np.where(returns, 1, edge), share[some], first))
-    met = np.flatnonzero(whole > 0)
-    row = np.concatenate([met, *(c[0] for c in cut)])
-    low = np.concatenate([np.full(met.size, -1.0), *(c[1] for c in cut)])
-    high = np.concatenate([np.ones(met.size), *(c[2] for c in cut)])
-    time = np.concatenate([duration[met], *(c[3] * duration[c[0]] for c in cut)])
-    count = np.concatenate([whole[met], np.ones(row.size - met.size)])
-    enters = np.concatenate([begins[0][met], *(c[4] for c in cut)])
+        rest = np.where(repeats, np.fmod(span, period), span)
+        periods = np.where(repeats, np.round((span - rest) / period), 0.0)
+        share = np.clip((rest[case] - begins) / duration, 0, 1)
+    share[1, ~folded] = 0
+    whole = periods[case] * np.where(folded, 2, 1) + (share == 1).sum(axis=0)
+    returns, cut = np.nonzero((share > 0) & (share < 1))
+    parts, met = share[returns, cut], np.flatnonzero(whole > 0)
+    edge, done = 2 * parts - 1, periods * np.where(repeats, period, 0.0)
+    row, one = np.concatenate([met, cut]), np.ones(met.size)
+    low = np.concatenate([-one, np.where(returns, -edge, -1)])
+    high = np.concatenate([one, np.where(returns, 1, edge)])
+    time = np.concatenate([duration[met], parts * duration[cut]])
+    count = np.concatenate([whole[met], np.ones(cut.size)])
+    enters = np.concatenate([begins[0, met], done[case[cut]] + begins[returns, cut]])
     found = Pieces(problem, series, case[row], row, low, high, time, count, enters, monotone=True)
     still = np.flatnonzero(np.bincount(found.case, minlength=problem.size) == 0)  # nothing moves
     if still.size:
