@@ -1,8 +1,6 @@
 """The command line, run as its users run it."""
 
-import math
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -10,17 +8,14 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
-import xarray as xr
 
-from solver import InputError
 from tests.slow import slow
 from tests.test_layers import HEAVY
 from tests.workbench import forked, small
 from tests.workbench.command import exit_status
 from workbench import cli
-from workbench.commands import option_checks, scene
+from workbench.commands import scene
 from workbench.scene import opengl
 from workbench.store import in_memory, study_store, writing
 
@@ -65,35 +60,6 @@ def test_the_help_of_no_command_loads_a_heavy_library() -> None:
     run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert run.stdout.count("Usage: workbench ") == len(cli.COMMANDS)
     assert run.stderr.split() == []
-
-
-def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_written() -> None:
-    values = {"E": [9962.0, 10700.4, 10905.0773], "beta0": [0.0, math.radians(27.1875), math.pi / 6]}
-    ds = xr.Dataset(
-        {"outcome": (("E", "beta0"), np.full((3, 3), "solved"))},
-        {"E": ("E", values["E"], {"units": "N/cm^2"}), "beta0": ("beta0", values["beta0"], {"units": "rad"})},
-    )
-    for text, which in (
-        ("1.07e4", 1),
-        ("10905", 2),
-        ("10910", 2),
-        ("10905.0773", 2),
-        ("9960", None),
-        ("10920", None),
-        ("1e4", None),
-        ("10905.1", 2),
-    ):
-        if which is None:
-            with pytest.raises(InputError, match=re.escape("its values are 9962, 10700.4, 10905.0773")):
-                option_checks.axis_values(ds, [f"E={text}"])
-        else:
-            assert option_checks.axis_values(ds, [f"E={text}"]) == {"E": values["E"][which]}
-    for text, which in (("0deg", 0), ("27.2deg", 1), ("pi/6", 2), ("30deg", 2), ("0.5236", 2), ("27deg", None)):
-        if which is None:
-            with pytest.raises(InputError, match=re.escape("its values are 0deg, 27.1875deg, 30deg")):
-                option_checks.axis_values(ds, [f"beta={text}"])
-        else:
-            assert option_checks.axis_values(ds, [f"beta={text}"]) == {"beta0": values["beta0"][which]}
 
 
 def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stored, tmp_path, monkeypatch) -> None:
