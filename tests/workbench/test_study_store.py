@@ -269,29 +269,6 @@ def test_a_shard_damaged_after_it_was_looked_at_is_solved_again(whole, tmp_path,
     assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
 
 
-CHANGES = {
-    "tol": ({"tol": 1e-9}, r"tol was 1e-08, now 1e-09"),
-    "stations": ({"stations": 12}, "stations was 11, now 12"),
-    "outputs": ({"outputs": ["z"]}, "outputs was beta, now z"),
-    "method": ({"method": "verlet"}, "method was orbit, now verlet; block was 64, now 32"),
-    "reading": ({"reading": "shear/tension/paper"}, "reading was force-first/tension/paper, now shear/tension/paper"),
-}
-
-
-@pytest.mark.parametrize("name", slow_but(CHANGES, "outputs", "tol"))
-def test_shards_of_another_run_are_refused_with_the_difference(name, tmp_path, monkeypatch) -> None:
-    change, sentence = CHANGES[name]
-    path = runs.study(tmp_path, runs.grid(2, 3))
-    folder = kept(path, monkeypatch)
-    before = {file.name: file.read_bytes() for file in folder.glob("*.shard")}
-    other = load(path).model_copy(update=change)
-    with pytest.raises(InputError, match=f"holds part of another run: {sentence}.*; use --restart to discard it"):
-        run_to_file(other, tmp_path / "many.h5")
-    assert {file.name: file.read_bytes() for file in folder.glob("*.shard")} == before
-    run_to_file(other, tmp_path / "many.h5", Options(restart=True))
-    assert not folder.exists()
-
-
 def test_shards_of_other_code_or_a_newer_format_are_refused(tmp_path, monkeypatch) -> None:
     path = runs.study(tmp_path, runs.grid(2, 3))
     manifest = kept(path, monkeypatch) / "manifest.json"
