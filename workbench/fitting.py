@@ -16,7 +16,7 @@ from solver import Ends, observe, solve
 from solver.inverse.data import COLUMNS, DISTANCE
 from solver.inverse.fit_result import Fit
 from solver.problem.errors import InputError
-from studies.language import tables
+from studies.language import case_tables
 from studies.language.case_input import CaseInput, field_values
 
 from .branches.ends_study import study_text
@@ -118,7 +118,7 @@ def read_points(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
 
     Raises `InputError` with the line and the column.
     """
-    columns = tables.read(path, known=POINT_COLUMNS, of="column of measured points", row="point")
+    columns = case_tables.read(path, known=POINT_COLUMNS, of="column of measured points", row="point")
     points = {name: values for name, values in columns.items() if not name.startswith("sigma_")}
     sigma = {name.removeprefix("sigma_"): values for name, values in columns.items() if name.startswith("sigma_")}
     for name in sigma:

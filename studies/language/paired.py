@@ -10,7 +10,7 @@ from solver.problem.errors import InputError, choices, near
 
 from ..grammar.axes import CYLINDER, MAX_COUNT, ROD, START, WORDS, Axis, Misplaced
 from ..grammar.dimensions import SAMPLE, Dimension, Values
-from . import tables
+from . import case_tables
 from .study_data import StudyData
 
 SOURCES = ("sample", "zip", "table")  # the tables of a study that give them
@@ -25,7 +25,7 @@ def given(study: StudyData, folder: Path) -> Dimension | None:
         raise Misplaced(f"{said[0]} and {said[1]} exclude each other: each gives the samples", said[1])
     if study.table is not None:
         try:
-            return Dimension(SAMPLE, tables.read(folder / study.table.file, study.table.columns))
+            return Dimension(SAMPLE, case_tables.read(folder / study.table.file, study.table.columns))
         except InputError as error:
             raise Misplaced(str(error), "table", "file") from None
     return None if study.zip is None else Dimension(SAMPLE, _pair(study.zip))

@@ -18,10 +18,10 @@ from ..grammar import axes as parts
 from ..grammar.axes import CYLINDER, ENDS, ROD, START, Axis, Base, Units, Which
 from ..grammar.dimensions import Dimension
 from ..laws.law import Law
+from .case_tables import Table
 from .lattice import Refine
 from .readings import TABLE_1, parse
 from .samples import Sample
-from .tables import Table
 
 # The quantities that can be stored along the rod: names of `Solution`.
 OUTPUTS = (

@@ -18,11 +18,11 @@ from solver.problem.errors import choices, near
 
 from ..grammar.axes import Axis, Base, Misplaced, Units, Which
 from ..laws.law import Law
+from .case_tables import Table
 from .lattice import Refine
 from .model import Study
 from .paired import SOURCES
 from .samples import Distribution
-from .tables import Table
 
 Where = tuple[str | int, ...]
 

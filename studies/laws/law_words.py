@@ -1,4 +1,6 @@
-"""Every sentence about a law: what it claims, its verdict, what was measured, why it is true in part or not decided.
+"""The sentences about a law: what it claims, its verdict, what was measured, why it is true in part.
+
+Why a line is not decided is said where that is judged, in `line_verdicts` and `law_kinds`.
 
 Commands, figures and the report take their words here. How a number or a formula is written is theirs: a `Show`.
 """

@@ -14,7 +14,7 @@ from solver.mechanics.potential import Loads, potential
 from solver.problem.errors import InputError
 from studies import load
 from tests.workbench.small import study
-from workbench.figures import along, colours, drawn_rods, portrait, push_scale, table, unrolled
+from workbench.figures import along, colours, drawn_numbers, drawn_rods, portrait, push_scale, unrolled
 from workbench.geometry.self_contact import places
 from workbench.store import in_memory, selection
 
@@ -28,7 +28,7 @@ def ds() -> xr.Dataset:
 
 
 def rows(fig: Figure) -> list[dict[str, str]]:
-    return list(csv.DictReader(StringIO(table.table(fig))))
+    return list(csv.DictReader(StringIO(drawn_numbers.table(fig))))
 
 
 def numbers(some: list[dict[str, str]], column: str) -> np.ndarray:

@@ -9,7 +9,7 @@ import xarray as xr
 
 from studies.language.loader import loads
 from tests.workbench import small
-from workbench.figures import long_curve, study_figure, table, unrolled
+from workbench.figures import drawn_numbers, long_curve, study_figure, unrolled
 from workbench.figures.drawn_rods import DrawnRod
 from workbench.figures.sheet import sheet
 from workbench.store import in_memory
@@ -61,7 +61,7 @@ def test_each_point_of_a_line_is_on_the_rod_and_inside_the_line(pipe) -> None:
     z, across = pipe["z"].values, float(pipe["rho"]) * pipe["alpha"].values
     low, high = sorted(ax.get_ylim())
     turn = 2 * np.pi * float(pipe["rho"])
-    rows = list(table.rows(ax))
+    rows = list(drawn_numbers.rows(ax))
     points = np.array([row[2:4] for row in rows if row[0] == "line" and row[4] != ""], dtype=float)
     assert np.ptp(points[:, 0]) == pytest.approx(np.ptp(z))  # from end to end
     off = points[:, 1] - np.interp(points[:, 0], z, across)
@@ -86,5 +86,5 @@ def test_a_long_rod_is_set_in_lines_among_the_curves_also_and_says_how_they_are_
 def test_without_a_title_the_notes_are_kept_and_stand_in_the_table(pipe) -> None:
     fig = unrolled.figure(pipe, sheet=sheet("paper", 183, titled=False))
     assert all(legend.get_title().get_text() == "" for legend in fig.legends)
-    told = [row["series"] for row in csv.DictReader(StringIO(table.table(fig))) if row["kind"] == "note"]
+    told = [row["series"] for row in csv.DictReader(StringIO(drawn_numbers.table(fig))) if row["kind"] == "note"]
     assert any(note.startswith("Unrolled view, seen from outside") for note in told)

@@ -12,7 +12,7 @@ from solver import Case, Cylinder, Rod, Start, solve
 from studies import loads
 from tests.workbench import small
 from workbench.export import stored_rod
-from workbench.figures import along, colours, table
+from workbench.figures import along, colours, drawn_numbers
 from workbench.geometry import stored_line
 from workbench.scene import body as body_of
 from workbench.scene import camera, layout, long_rod, scene_kinds
@@ -136,5 +136,5 @@ def test_the_diagram_of_states_has_the_stretches_of_the_rods(ds: xr.Dataset) -> 
     assert len({line.get_label().split(", ")[0] for line in lines}) == 2  # rods, each drawn whole, in degrees
     assert sum(np.ptp(line.get_xdata()) for line in lines) == pytest.approx(2 * 60.0, rel=0.01)
     assert max(line.get_ydata().max() for line in lines) == pytest.approx(np.degrees(ds["beta"].values.max()), rel=0.01)
-    listed = {row[4] for row in csv.reader(table.table(drawn).splitlines()) if row[3] == "line"}
+    listed = {row[4] for row in csv.reader(drawn_numbers.table(drawn).splitlines()) if row[3] == "line"}
     assert {line.get_label() for line in lines} <= listed

@@ -77,7 +77,7 @@ def plot(
     """
     from solver.problem.errors import InputError
 
-    from ..figures import canvas, kinds, legend, table
+    from ..figures import canvas, drawn_numbers, kinds, legend
     from ..figures.sheet import sheet
     from ..store import atomic, reading
     from ..words import outcomes
@@ -109,7 +109,7 @@ def plot(
     console.say(str(path))
     if numbers:
         with atomic.replacement(numbers) as part:
-            part.write_text(table.table(drawn), encoding="utf-8")
+            part.write_text(drawn_numbers.table(drawn), encoding="utf-8")
         console.say(str(numbers))
     return 0
 

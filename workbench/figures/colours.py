@@ -34,6 +34,7 @@ SOLVED = ("#7fc6a6", "#cfe8dc", "#f8f7d8")
 NEUTRAL = "#8d96a1"  # a rod in one colour
 UNPAINTED, STRIPE = "#d9c9a3", "#5d4a72"  # the rod beside its stripe, and the stripe; no colours of the push
 LETTERED = (0.36, 0.55, 0.74)  # the rod that shows the letters of its geometry
+CUT = "#f4f1eb"  # the end of a drawn cylinder
 SURFACE = "#e6e1d8"  # the cylinder: warm, so a pale blue rod stands out from it
 DEPTH = 0.55  # of the shadow on it where nothing of the light from all around arrives
 REACH = 6.0  # radii of the rod, beyond which its shadow is not computed
@@ -61,6 +62,7 @@ UNIFORM, BEYOND = 0.95, 1.5  # a push that varies less than that; how far beyond
 ROUNDING = 1e-9  # share of the largest push below which a pull is rounding
 WORDS, PULL_WORDS = "push [{unit}]", ", orange: pull"
 
+COUNTS = "Blues"  # how many cases lie in a cell
 RAMP = "viridis"  # of a quantity that is no push
 RAMP_ENDS = (0.0, 0.59)  # of lines and dots: beyond, their contrast to white is below 3
 # Maps: the same ramp mixed with white, so that ink (numbers, marks, lines) stands out from every colour of it

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..words import labels
 from ..words.cautions import SLIGHT
 from . import colours, legend, style
-from .table import CASING
+from .drawn_numbers import CASING
 
 PUSHES, PULLS = "the cylinder pushes", "the cylinder would have to pull: the rod would lift off"  # in a legend
 EDGE, LEAST = 1.2, 0.35  # the grey casing of a line: share of its width, and points that it adds at least

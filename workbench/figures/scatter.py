@@ -138,6 +138,8 @@ def _density(ax: Axes, x: Values, y: Values, logarithmic: bool) -> None:
     span = float(np.ptp(y)) or abs(float(y[0])) or 1.0
     edges = np.linspace(float(y.min()) - 0.01 * span, float(y.max()) + 0.01 * span, BINS[1] + 1)
     counts, across, up = np.histogram2d(x, y, bins=[space(low, high, BINS[0] + 1), edges])
-    ax.pcolormesh(across, up, np.ma.masked_equal(counts.T, 0), cmap="Blues", norm=LogNorm(0.3, max(counts.max(), 1.0)),
-                  rasterized=True, zorder=3)  # fmt: skip
+    ax.pcolormesh(
+        across, up, np.ma.masked_equal(counts.T, 0), cmap=colours.COUNTS, norm=LogNorm(0.3, max(counts.max(), 1.0)),
+        rasterized=True, zorder=3,
+    )  # fmt: skip
     ax.use_sticky_edges = False
