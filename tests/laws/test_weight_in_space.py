@@ -118,7 +118,7 @@ def check(sol: Solution, index: float) -> None:
         pushes.append(np.abs(push[1:-2] - sol.push[rows][2:-2]).max() / np.abs(sol.push).max())
         indices.append(found)
     assert positions[1] < 0.35 * positions[0] + 1e-9, positions  # a quarter, at second order
-    # The push of a chain is a sum of terms of size A/h^4, each with its rounding
+    # The push of a chain is a sum of terms of size A/h^4, each with its rounding: up to six were seen in all
     rounding = 10 * np.finfo(float).eps * rod.A / rod.h**4 / np.abs(sol.push).max()
     assert pushes[1] < 0.35 * pushes[0] + rounding, pushes
     assert indices == [index, index]
