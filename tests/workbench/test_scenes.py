@@ -376,7 +376,7 @@ def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
     with pytest.raises(InputError, match="nothing to draw at E = 20000 N/cm²: no solution"):
         layout.render(ds, tmp_path / "one.png", {"E": 2e4})
     ds = small.with_outcomes(ds, ["no solution"] * 3)
-    assert share_of_ink(pixels(layout.render_row(ds, tmp_path / "none.png", "E"))) > 0.001
+    assert share_of_ink(pixels(layout.draw(ds, tmp_path / "none.png")["scene E"])) > 0.001
 
 
 @draws
@@ -529,6 +529,7 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
     case = ends_problem(study)
     few = dataset_of(study, case, equilibria(case)).isel(equilibrium=[1, 8, 12])
     taken = layout.compose(few, kind="equilibria", settings=composition.Settings(2.0, dpi=100)).page
+    assert [cell.number for row in taken.cells for cell in row] == [2, 9, 13], "their ranks among all"
     (row,) = taken.arrangement.boxes
     wide = []
     for left, top, across, high in row:
@@ -592,7 +593,7 @@ def test_a_picture_of_a_row_knows_the_places_of_its_rods(tmp_path) -> None:
     import json
 
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4, 4e4]\n")
-    layout.render_row(ds, tmp_path / "row.png", "E")
+    layout.draw(ds, tmp_path / "row.png")
     with Image.open(tmp_path / "row.png") as picture:
         places = np.array(json.loads(picture.text["rods"]))
         drawn = np.asarray(picture)[..., :3].min(axis=-1) < 250

@@ -94,7 +94,7 @@ def scene(
     check(asked)
     study, ds = study_scene.open_rods(file)
     file = file if study is None else Path(f"{study.name}.h5")
-    found = scene_kinds.kind_of(kind or ("equilibria" if schema.axes_of(ds) == ["equilibrium"] else "contact"))
+    found = scene_kinds.kind_of(kind or scene_kinds.default_kind(ds))
     where = option_checks.axis_values(ds, at)
     case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
     named = [] if found.name in ("contact", "equilibria") else [found.name, *axes]

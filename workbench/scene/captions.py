@@ -42,10 +42,11 @@ def value_cell(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> Cell:
 
 def equilibrium(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> Cell:
     """A cell with the number of an equilibrium, whether it is stable, and its energy."""
-    one, number = ds.isel(where), where["equilibrium"] + 1
+    one = ds.isel(where)
     index = int(one["index"])
     words = "stable\n" if index == 0 else f"unstable\nin {index} way{'s' * (index > 1)}"
-    return Cell(f"{words}\n{labels.value(float(one['energy']), one['energy'])}", number=number, stable=index == 0)
+    energy = labels.value(float(one["energy"]), one["energy"])
+    return Cell(f"{words}\n{energy}", number=int(one["equilibrium"]), stable=index == 0)
 
 
 def headings(ds: xr.Dataset, name: str, cases: list[dict[str, int]]) -> list[str]:

@@ -27,7 +27,7 @@ from .camera import Camera
 from .captions import Cell
 from .composition import DEFAULT, Picture, Scene, draft_of
 from .paint import Paint
-from .scene_kinds import Kind, kind_of
+from .scene_kinds import Kind, default_kind, kind_of
 from .settings import Settings, check, check_name
 from .views import EDGE, View, ends_of, in_rows
 
@@ -61,25 +61,20 @@ def render(
     return picture
 
 
-def render_row(ds: xr.Dataset, path: str | Path, axis: str, at: Mapping[str, float] | None = None) -> Path:
-    """Draw the cases along an axis side by side, at one scale. Raises `InputError`."""
-    render(ds, path, at, "grid", [axis])
-    return Path(path)
-
-
 def draw(ds: xr.Dataset, path: str | Path) -> dict[str, Path]:
-    """Draw the scenes of a study: a row along each axis, or the one case large.
+    """Draw the scenes of a dataset: every equilibrium, or a row along each axis, or the one case large.
 
     path: of the file; with several axes each row's file has the axis's name appended. Returns name -> file. Raises
     `InputError`.
     """
-    path = Path(path)
-    axes = axes_of(ds)
-    if not axes:
-        render(ds, path)
+    path, axes = Path(path), axes_of(ds)
+    if default_kind(ds) == "equilibria" or not axes:
+        render(ds, path, kind=default_kind(ds))
         return {"scene": path}
     files = {axis: path.with_stem(f"{path.stem}_{axis}") if len(axes) > 1 else path for axis in axes}
-    return {f"scene {axis}": render_row(ds, file, axis) for axis, file in files.items()}
+    for axis, file in files.items():
+        render(ds, file, kind="grid", axes=[axis])
+    return {f"scene {axis}": file for axis, file in files.items()}
 
 
 def compose(

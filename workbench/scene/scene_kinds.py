@@ -25,7 +25,7 @@ def accept(ds: xr.Dataset) -> None:
 
 def accept_equilibria(ds: xr.Dataset) -> None:
     """Raise `InputError` unless the dataset is one of equilibria."""
-    if axes_of(ds) != ["equilibrium"]:
+    if default_kind(ds) != "equilibria":
         raise InputError("a scene of kind equilibria takes a dataset that `workbench equilibria --out FILE` stored")
 
 
@@ -91,3 +91,8 @@ def kind_of(name: str) -> Kind:
     if name not in KINDS:
         raise no_such("kind of scene", name, KINDS)
     return KINDS[name]
+
+
+def default_kind(ds: xr.Dataset) -> str:
+    """The kind by which a dataset is drawn unless another is asked for."""
+    return "equilibria" if axes_of(ds) == ["equilibrium"] else "contact"
