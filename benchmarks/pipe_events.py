@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq, minimize_scalar
 
 from solver import Case, Cylinder, Ends, Rod, Solution, observe, solve
-from workbench.figures import canvas, colours, style
+from workbench.figures import canvas, colours, fonts
 from workbench.figures.sheet import sheet
 
 WEIGHT = 1e-14  # w rho^3/A
@@ -155,7 +155,7 @@ def draw(found: dict[str, float], path: Path = PICTURE) -> None:
         for number, (force, height) in enumerate(zip(loads, heights, strict=False), 1):
             axes.plot(force, height, "o", color=colours.INK, ms=4)
             axes.annotate(f"{number}: {force:.4g}", (force, height), (6, 6), textcoords="offset points",
-                          size=style.small())  # fmt: skip
+                          size=fonts.small())  # fmt: skip
         for text, place, colour in (("straight", (1.83, 0.015), colours.SOFT),
                                     ("sinusoid", (3.12, -0.09), colours.PAIR[1]),
                                     ("helix", (3.44, -0.46), colours.PAIR[0]),

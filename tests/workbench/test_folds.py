@@ -7,12 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.collections import LineCollection
 
-from solver import Case, Cylinder, Ends, Rod, region_map
+from solver import Case, Cylinder, Ends, InputError, Rod, region_map
 from studies import load
 from tests.slow import slow
 from tests.workbench.command import exit_status
 from workbench.branches.region_dataset import dataset_of
+from workbench.figures import kinds, legend
 from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
 from workbench.store import reading
@@ -85,3 +87,22 @@ def test_the_given_case_is_marked_and_named_where_it_lies(given, inside) -> None
     assert marks == [list(given)] * inside
     named = [text.get_text() for legend in ax.get_figure().legends for text in legend.get_texts()]
     assert ("the rod of Table 1" in named) == inside
+
+
+@pytest.mark.parametrize(("shown", "colours"), [("count", 0), ("count_stable", 0), ("dbeta0", 1)])
+def test_the_colours_of_a_map_are_of_what_is_asked_for(shown, colours) -> None:
+    fig = kinds.figure(made(), sheet=sheet("paper", titled=False), show=[shown])
+    assert len(fig.axes) == 1 + colours  # numbers along curves have a bar
+    notes = " ".join(legend.notes_of(fig))
+    assert ("colours are of" in notes) == (shown != "count")
+    along = [one for one in fig.axes[0].collections if isinstance(one, LineCollection)]
+    stored = made()["curve_dbeta0"].values
+    for one in along:
+        assert np.nanmin(stored) <= one.get_array().min() <= one.get_array().max() <= np.nanmax(stored)
+    assert len(along) == colours
+    assert len(fig.axes[0].lines) >= made().sizes["curve"]  # the curves keep their weights
+
+
+def test_a_number_that_a_map_does_not_hold_is_refused_with_those_that_it_holds() -> None:
+    with pytest.raises(InputError, match="'energy'; choose from count, count_stable, dbeta0"):
+        kinds.figure(made(), show=["energy"])

@@ -10,9 +10,9 @@ from studies.language.loader import loads
 from tests.workbench import small
 from workbench.figures import (
     canvas,
+    fonts,
     regions,
     study_figure,
-    style,
 )
 from workbench.figures.sheet import sheet
 from workbench.store import in_memory
@@ -78,7 +78,7 @@ def test_a_figure_without_a_title_has_no_room_for_one(two) -> None:
         fig = canvas.figure((5, 3), lambda fig: fig.add_subplot(), two.assign_attrs(title=title))
         fig.draw_without_rendering()
         tops.append((1 - fig.axes[0].get_position().y1) * fig.get_figheight())
-    assert tops[0] - tops[1] == pytest.approx(style.height_of("A title", style.LARGE), abs=0.02)  # one line
+    assert tops[0] - tops[1] == pytest.approx(fonts.height_of("A title", fonts.LARGE), abs=0.02)  # one line
 
 
 def test_no_two_methods_of_one_kind_of_problem_look_alike() -> None:

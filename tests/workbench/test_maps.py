@@ -1,5 +1,7 @@
 """Maps of stored studies: they show the numbers of the file, where they hold, and nothing else."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -233,6 +235,18 @@ def test_a_region_too_small_for_its_number_has_its_colour_in_the_bar(regimes) ->
     assert sorted(text.get_text() for text in maps(fig)[0].texts if text.get_text().isdigit()) == ["1", "2"]
     (bar,) = [ax for ax in fig.axes if ax.get_label() == "<colorbar>"]
     assert "5" in [label.get_text() for label in bar.get_yticklabels()]
+
+
+@pytest.mark.parametrize("most", [5, 9, 30, 3000])
+def test_the_numbers_of_a_bar_of_colours_do_not_meet_on_the_narrowest_page(regimes, most: int) -> None:
+    counts = np.full(regimes["turns"].shape, 1)
+    counts[7, 4] = most
+    ds = regimes.assign(turns=regimes["turns"].copy(data=counts))
+    fig = map_figure.figure(ds, show=["turns", "attached"], sheet=Sheet(2.5, "paper", titled=False))
+    fig.canvas.draw()
+    for bar in (ax for ax in fig.axes if ax.get_label() == "<colorbar>"):
+        boxes = [label.get_window_extent() for label in bar.get_yticklabels() if label.get_text()]
+        assert all(low.y1 < high.y0 for low, high in pairwise(sorted(boxes, key=lambda box: box.y0)))
 
 
 def test_a_study_over_two_axes_is_a_map_and_over_one_it_is_lines(regimes) -> None:

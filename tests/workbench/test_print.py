@@ -22,7 +22,7 @@ from tests.workbench.page_faults import faults
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands import plot
-from workbench.figures import canvas, equilibria_figure, map_figure, scales, study_figure, style
+from workbench.figures import canvas, equilibria_figure, fonts, map_figure, scales, study_figure
 from workbench.figures.sheet import SCREEN, sheet
 from workbench.scene import opengl
 from workbench.store import in_memory, law_verdicts, writing
@@ -181,22 +181,22 @@ def test_no_two_numbers_of_an_axis_meet(low: float, high: float, inches: float) 
         fig = Figure(figsize=(inches + 2, 1))
         ax = fig.add_axes((1 / (inches + 2), 0.5, inches / (inches + 2), 0.4))
         ax.set_yticks([])
-        ax.tick_params(labelsize=style.SMALL)
+        ax.tick_params(labelsize=fonts.SMALL)
         scales.set_scale(ax.xaxis, (low, high), logarithmic, inches)
         assert faults(fig) == []
 
 
 def test_a_text_is_broken_where_it_leaves_its_room_and_not_before() -> None:
     text = "Developed curves: ρα to the right, z up, at one scale"
-    whole = style.width_of(text, 9.5)
-    assert style.break_lines(text, whole + 0.01, 9.5) == text
-    lines = style.break_lines(text, 0.6 * whole, 9.5).split("\n")
+    whole = fonts.width_of(text, 9.5)
+    assert fonts.break_lines(text, whole + 0.01, 9.5) == text
+    lines = fonts.break_lines(text, 0.6 * whole, 9.5).split("\n")
     assert " ".join(lines) == text
     assert len(lines) == 2
-    assert max(style.width_of(line, 9.5) for line in lines) <= 0.6 * whole
-    cut = style.break_lines("a" * 200, 2.0, 9.5).split("\n")
+    assert max(fonts.width_of(line, 9.5) for line in lines) <= 0.6 * whole
+    cut = fonts.break_lines("a" * 200, 2.0, 9.5).split("\n")
     assert "".join(cut) == "a" * 200
-    assert max(style.width_of(line, 9.5) for line in cut) <= 2.0
+    assert max(fonts.width_of(line, 9.5) for line in cut) <= 2.0
 
 
 def test_the_panels_of_samples_are_wide_enough_to_read_on_a_column() -> None:

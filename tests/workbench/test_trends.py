@@ -8,9 +8,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from solver import InputError
 from studies import load
 from tests.workbench.small import grid, study
-from workbench.figures import along, canvas, colours, drawn_rods, legend, study_figure
+from workbench.figures import along, canvas, colours, drawn_rods, kinds, legend, study_figure
 from workbench.figures.laws import panel
 from workbench.figures.unrolled import stretch
 from workbench.store import in_memory, law_verdicts, selection
@@ -130,3 +131,19 @@ def test_observables_that_are_left_out_are_said(angles) -> None:
     level = {name for name in selection.observables(angles) if selection.is_level(angles, name)}
     left = [name for name in selection.observables(angles) if name not in judged | level]
     assert note == f"Not drawn: {', '.join(left)}; choose with --show or --panel."
+
+
+def test_bars_have_the_stored_number_of_each_case_along_a_short_axis() -> None:
+    ds = in_memory.run(grid())
+    fig = kinds.figure(ds, "bars", x="R", show=["kappa_max"], at={"E": 2e4})
+    (bars,) = fig.axes[0].containers
+    np.testing.assert_array_equal([bar.get_width() for bar in bars], ds["kappa_max"].sel(E=2e4).sortby("R"))
+    assert [text.get_text() for text in fig.axes[0].get_yticklabels()] == ["0.5 cm", "0.75 cm", "1 cm"]
+    assert "E = 20000" in fig.legends[0].get_title().get_text()
+
+
+def test_bars_of_a_long_axis_or_of_one_case_are_refused() -> None:
+    with pytest.raises(InputError, match="at most 12 values of an axis, and E has 13: choose --kind lines"):
+        kinds.figure(in_memory.run(study("[axes.E]\nfrom = 1e4\nto = 2e4\ncount = 13")), "bars")
+    with pytest.raises(InputError, match="the file holds one case"):
+        kinds.figure(in_memory.run(study()), "bars")

@@ -27,13 +27,16 @@ def plot(
             "map: each observable over two axes; lines: unrolled views, and observables along each axis with their "
             "laws, or against the sampled fields; curves: unrolled views in the colours of the push; ridge: β, κ, the "
             "push or other arrays along s; portrait: (β, β′) beside the potential G; states: where rods are straight, "
-            "sinusoidal or helical. Default: map for a grid of two axes or more, else lines.",
+            "sinusoidal or helical; bars: observables along an axis of at most twelve values. Default: map for a grid "
+            "of two axes or more, else lines.",
         ),
     ] = None,
     x: Annotated[
         str | None,
         option(
-            "AXIS", "Axis to the right of a map or of lines, or that of the rods; default: the study's first.", "--x"
+            "AXIS",
+            "Axis to the right of a map or of lines, or that of the rods or bars; default: the study's first.",
+            "--x",
         ),
     ] = None,
     y: Annotated[str | None, option("AXIS", "Axis of a map upward; default: the study's next.", "--y")] = None,
@@ -41,9 +44,10 @@ def plot(
         list[str] | None,
         option(
             "NAMES",
-            "Observables of a map or of lines, separated by commas, at most twelve; default: those of the laws, or the "
-            "first stored. Of a ridge arrays along the rod, at most six. Of a list of equilibria or of branches one, "
-            "in their diagram.",
+            "Observables of a map, of lines or of bars, separated by commas, at most twelve; default: those of the "
+            "laws, or the first stored. Of a ridge arrays along the rod, at most six. Of a list of equilibria or of "
+            "branches one, in their diagram; of a map of folds count, count_stable, or a number along its curves, "
+            "such as dbeta0.",
         ),
     ] = None,
     at: At = None,

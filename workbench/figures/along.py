@@ -26,7 +26,7 @@ from studies.laws.verdicts import NOISE
 from ..store import schema
 from ..words import labels
 from ..words.cautions import SLIGHT
-from . import canvas, colours, drawn_rods, legend, push_scale, regions, style
+from . import canvas, colours, drawn_rods, fonts, legend, push_scale, regions
 from .drawn_rods import DrawnRods
 from .scales import angle_locator, round_below
 from .sheet import SCREEN, Sheet
@@ -218,7 +218,7 @@ def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> Axes:
     coarse = f"; dots: {rods.source.sizes.get('u', 1)} stations miss bends" if dots else ""
     ax.set_ylabel(f"{title} [{unit.strip()}]" if unit.strip() else title)
     words = {"beta": "angle from the axis to the tangent", "push": "push of the cylinder per length"}
-    ax.set_title(style.wrap(f"{words.get(name, title)}{coarse}", ax), loc="left")
+    ax.set_title(fonts.wrap(f"{words.get(name, title)}{coarse}", ax), loc="left")
     if unit == "°":
         ax.yaxis.set_major_locator(angle_locator(float(np.ptp(ax.get_ylim())), 1.6))
     _over_s(ax, rods)
@@ -278,19 +278,19 @@ def _states(rod: drawn_rods.DrawnRod) -> Sequence[Any]:
 
 def _say_unsolved(ax: Axes, height: float) -> None:
     ax.text(0.5, height, "unsolved", transform=ax.get_yaxis_transform(), ha="center", va="bottom", color=colours.SOFT,
-            size=style.small())  # fmt: skip
+            size=fonts.small())  # fmt: skip
 
 
 def _name_curves(ax: Axes, rods: DrawnRods, curves: Curves, tall: float, labelled: bool) -> None:
     """The values of the axis at the left of their curves, as many as have room."""
-    lines = tall * curves.step / float(np.ptp(ax.get_ylim())) / (style.small() * TEXT / 72)  # of text between two
+    lines = tall * curves.step / float(np.ptp(ax.get_ylim())) / (fonts.small() * TEXT / 72)  # of text between two
     shown = range(0, len(rods.rods), max(int(np.ceil(1 / lines)), 1))
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)
     ax.set_yticks([curves.foot + k * curves.step for k in shown], [rods.rods[k].value * labelled for k in shown])
     if rods.axis is not None:
         words = [labels.axis_label(rods.axis, rods.source[rods.axis], long) for long in (True, False)]
-        ax.set_ylabel(style.shorter(words, 0.9 * tall))
+        ax.set_ylabel(fonts.shorter(words, 0.9 * tall))
     ax.yaxis.label.set_visible(labelled)
 
 
@@ -303,6 +303,6 @@ def _bar(ax: Axes, curves: Curves) -> None:
     ax.plot([1.01, 1.01], [top - length, top], color=colours.INK, linewidth=1.6, solid_capstyle="butt", clip_on=False,
             transform=where)  # fmt: skip
     ax.annotate(f"{labels.number(length)}{curves.unit.replace(' 1/', '/')}", (1.01, top - length / 2), (3, 0), where,
-                "offset points", va="center", rotation=90, size=style.small(), annotation_clip=False)  # fmt: skip
+                "offset points", va="center", rotation=90, size=fonts.small(), annotation_clip=False)  # fmt: skip
     foot = f"; line: {labels.number(curves.foot)}{curves.unit}" if curves.foot else ""
-    ax.set_title(style.wrap(f"{curves.title}{foot}", ax), loc="left")
+    ax.set_title(fonts.wrap(f"{curves.title}{foot}", ax), loc="left")

@@ -1,6 +1,6 @@
-"""Bars, a panel an observable: Sobol' indices of a sampled study, and tornado diagrams of one case."""
+"""Bars, a panel an observable: the cases along an axis, Sobol' indices of a sampled study, tornado diagrams."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,16 +13,75 @@ from matplotlib.ticker import MaxNLocator
 
 from solver.problem.errors import InputError
 from solver.problem.quantities import quantity
+from studies.grammar.dimensions import SAMPLE
 
+from ..store import schema, selection
 from ..words import labels
-from . import canvas, colours, legend, style
+from . import canvas, colours, fonts, legend
 from .sheet import SCREEN, Sheet
 
 COLUMN = 3.4  # inches: the width of a column of a journal
 BAR, FRAME, AROUND = 0.2, 0.6, 0.8  # inches of a bar, of title and ticks of a panel, and of the legend
-MOST = 12  # bars of a panel of a tornado
+MOST, MOST_PANELS = 12, 4  # bars of a panel of a tornado or of cases; panels of cases where none is asked for
 ROOM = 0.34  # share of the width that is kept for the numbers on either side
 FIRST, TOTAL = colours.PAIR
+
+
+def of_cases(
+    ds: xr.Dataset,
+    x: str | None = None,
+    show: Sequence[str] = (),
+    at: Mapping[str, float] | None = None,
+    sheet: Sheet = SCREEN,
+) -> Figure:
+    """Observables of a study along an axis of few values, a bar a case.
+
+    Parameters
+    ----------
+    ds, x, at
+        The study, the axis (default: the first of several values), and values of other axes.
+    show
+        The observables, which the panel of the sheet replaces; default: the first four that vary.
+    sheet
+        What the figure is drawn for.
+
+    Raises
+    ------
+    InputError
+        For an axis of more than `MOST` values, a study of samples or of one case, and an observable that is not stored.
+    """
+    axes = [name for name in schema.axes_of(ds) if ds.sizes[name] > 1]
+    if not axes or SAMPLE in axes:
+        raise InputError(f"bars need an axis of several values; the file holds {'samples' if axes else 'one case'}")
+    axis = selection.axis_of(ds, x) if x else axes[0]
+    if (count := ds.sizes[axis]) > MOST:
+        raise InputError(f"bars show at most {MOST} values of an axis, and {axis} has {count}: choose --kind lines")
+    stored = selection.observables(ds)
+    names = selection.names_of(ds, [sheet.panel] if sheet.panel else show)
+    names = names or ([name for name in stored if not selection.is_level(ds, name)] or stored)[:MOST_PANELS]
+    if not names:
+        raise InputError("no bars: the dataset has no observables")
+    cases = selection.line(ds, axis, at)
+    held = {name: i for name, i in cases[0].items() if name != axis}
+    notes = [f"All bars: {labels.equations(ds, held)}."] if held else []
+    return _panels(ds, names, count, lambda ax, name: _cases(ds, ax, name, axis, cases), [], notes, sheet)
+
+
+def _cases(ds: xr.Dataset, ax: Axes, name: str, axis: str, cases: Sequence[dict[str, int]]) -> None:
+    """One observable of the cases along an axis, the first on top."""
+    array = ds[name]
+    sizes = np.array([float(labels.in_label_unit(array, array.isel(case).values)) for case in cases])
+    ax.barh(range(sizes.size), np.nan_to_num(sizes), 0.66, color=colours.DATA, zorder=3)
+    _write_sizes(
+        ax,
+        sizes,
+        [labels.minus_signs(labels.number(size)) if np.isfinite(size) else "unsolved" for size in sizes],
+        selection.is_count(ds, name),
+    )
+    _look(ax, labels.distinct(ds[axis], ds[axis].values[[case[axis] for case in cases]]))
+    if ax.get_subplotspec().is_first_col():  # type: ignore[union-attr]
+        ax.set_ylabel(labels.axis_symbol(axis), rotation=0, ha="right", va="center")
+    ax.set_title(fonts.wrap(labels.label(array, long=True), ax), loc="left", pad=4)
 
 
 def indices(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
@@ -90,7 +149,7 @@ def _look(ax: Axes, ticks: Sequence[str]) -> None:
     """The look of a panel whose bars lie at 0, 1, ... downward."""
     ax.set_yticks(range(len(ticks)), ticks)
     ax.set_ylim(len(ticks) - 0.4, -0.6)
-    ax.tick_params(axis="y", length=0, labelcolor=colours.INK, labelsize=style.small())
+    ax.tick_params(axis="y", length=0, labelcolor=colours.INK, labelsize=fonts.small())
     ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=4)
     ax.spines["left"].set_visible(False)
 
@@ -118,7 +177,7 @@ def _indices(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -
     ax.set_xlim(*limits)
     if row["lost"] > 0:
         lost = f"{100 * float(row['lost']):.2g} % of the blocks left out"
-        ax.set_title(lost, loc="right", pad=4, size=style.small(), color=colours.SOFT)
+        ax.set_title(lost, loc="right", pad=4, size=fonts.small(), color=colours.SOFT)
 
 
 def _notes_of_errors(ds: xr.Dataset) -> list[str]:
@@ -144,24 +203,28 @@ def draw_tornado(ds: xr.Dataset, ax: Axes, name: str) -> None:
     shown, rest = found[:MOST], found[MOST:]
     sizes = np.array([effect for _, effect in shown])
     ax.barh(range(sizes.size), sizes, 0.66, color=[colours.PAIR[int(size > 0)] for size in sizes], zorder=3)
-    for i, size in enumerate(sizes):
-        text = f"{'+' if size > 0 else '−'}{labels.number(abs(size), 2)}"
-        ax.annotate(text, (size, i), (3 if size > 0 else -3, 0), textcoords="offset points",
-                    ha="left" if size > 0 else "right", va="center", color=colours.INK,
-                    size=style.small())  # fmt: skip
+    _write_sizes(ax, sizes, [f"{'+' if size > 0 else '−'}{labels.number(abs(size), 2)}" for size in sizes])
     _look(ax, [_tick(ds, field) for field, _ in shown])
-    low, high = min(sizes.min(), 0.0), max(sizes.max(), 0.0)
-    room = ROOM * (high - low)
-    ax.set_xlim(low - (room if low < 0 else room / 6), high + (room if high > 0 else room / 6))
-    ax.xaxis.set_major_locator(MaxNLocator(nbins=4))
     value = _in_unit(float(row["value"]), str(row["unit"].values))
     unit = str(row["effect_unit"].values)
     ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
     change = f"change [{labels.unit(unit)}]" if unit != "1" else "change"
-    ax.set_title(change, loc="right", pad=4, size=style.small(), color=colours.SOFT)
+    ax.set_title(change, loc="right", pad=4, size=fonts.small(), color=colours.SOFT)
     if rest:
         more = f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}"
-        ax.set_xlabel(more, size=style.small(), color=colours.SOFT)
+        ax.set_xlabel(more, size=fonts.small(), color=colours.SOFT)
+
+
+def _write_sizes(ax: Axes, sizes: Any, texts: Sequence[str], integer: bool = False) -> None:
+    """Write the sizes of bars at 0, 1, ... beside their ends, and give the axis room for them; NaN has no bar."""
+    ends = np.nan_to_num(sizes)
+    for i, (end, text) in enumerate(zip(ends, texts, strict=True)):
+        ax.annotate(text, (end, i), (-3 if end < 0 else 3, 0), textcoords="offset points",
+                    ha="right" if end < 0 else "left", va="center", color=colours.INK, size=fonts.small())  # fmt: skip
+    low, high = min(ends.min(), 0.0), max(ends.max(), 0.0)
+    room = ROOM * (high - low or 1.0)
+    ax.set_xlim(low - (room if low < 0 else room / 6), high + (room if high > 0 else room / 6))
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=4, integer=integer))
 
 
 def _effects(ds: xr.Dataset, name: str) -> list[tuple[str, float]]:

@@ -18,7 +18,7 @@ from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED
 
 from ..branches.branch_dataset import branches
 from ..words import labels
-from . import canvas, colours, legend, point_numbers, style, unrolled
+from . import canvas, colours, fonts, legend, point_numbers, unrolled
 from .equilibria_figure import one_shown
 from .sheet import SCREEN, Sheet
 from .unrolled import View
@@ -109,14 +109,14 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:
             ax.plot(x, y, mark, color=colours.INK, markersize=4.5, markerfacecolor="white", zorder=6, linestyle="none",
                     label=kind)  # fmt: skip
     ax.set_xlabel(labels.axis_label(name, ds[name]))
-    ax.set_ylabel(style.shorter([labels.label(ds[f"curve_{key}"], long) for long in (True, False)], inches - 0.5))
+    ax.set_ylabel(fonts.shorter([labels.label(ds[f"curve_{key}"], long) for long in (True, False)], inches - 0.5))
     ends = labels.in_label_unit(ds[name], ds[name].values[[0, -1]])
     if "member" in ds.sizes:
         ax.margins(x=0.06)
     else:
         ax.set_xlim(*(ends + 0.06 * np.ptp(ends) * np.array([-1, 1])))
     ax.set_ylim(*ax.get_ylim())
-    _number_points(ds, ax, key, (style.inches(ax)[0], inches))
+    _number_points(ds, ax, key, (fonts.inches(ax)[0], inches))
     return ax
 
 

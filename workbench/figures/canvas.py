@@ -19,11 +19,11 @@ from solver.problem.errors import InputError
 
 from ..store import atomic
 from ..words import labels
-from . import style
+from . import fonts
 from .colours import INK, SOFT
+from .fonts import DPI, RC
 from .scales import Ticks
 from .sheet import MILLIMETRES, SCREEN, Sheet
-from .style import DPI, RC
 
 # inches of a figure of one column, and of two: room for a caption stays; the share of the height that is kept
 TALLEST, TALLEST_PAGE, LEAST = 120 / MILLIMETRES, 185 / MILLIMETRES, 0.62
@@ -91,7 +91,7 @@ def _letter_panels(fig: Figure) -> None:
     for letter, ax in zip(ascii_lowercase, panels, strict=False):
         down = 4 if str(ax.get_label()).startswith("unrolled views along") else 0  # beside the names of its strips
         ax.annotate(letter, (0, 1), (-6, 5 - down), xycoords="axes fraction", textcoords="offset points", ha="right",
-                    weight="bold", size=style.normal())  # fmt: skip
+                    weight="bold", size=fonts.normal())  # fmt: skip
 
 
 def check_name(path: str | Path, suffixes: tuple[str, ...] = DIAGRAMS) -> Path:
@@ -126,10 +126,10 @@ def write_title(fig: Figure, title: str, below: str) -> float:
     """Write a title and a line below it at the upper left of a figure; returns the inches that they take."""
     upper_left = fig.dpi_scale_trans + ScaledTranslation(0, 1, fig.transFigure)  # type: ignore[arg-type]
     used = MARGIN
-    for text, size, weight, colour in ((title, style.large(), "bold", INK), (below, style.normal(), "normal", SOFT)):
-        lines = style.break_lines(text, fig.get_figwidth() - 2 * MARGIN, size, weight == "bold")
+    for text, size, weight, colour in ((title, fonts.large(), "bold", INK), (below, fonts.normal(), "normal", SOFT)):
+        lines = fonts.break_lines(text, fig.get_figwidth() - 2 * MARGIN, size, weight == "bold")
         fig.text(MARGIN, -used, lines, va="top", size=size, weight=weight, color=colour, transform=upper_left)
-        used += style.height_of(lines, size)
+        used += fonts.height_of(lines, size)
     return used + AFTER
 
 

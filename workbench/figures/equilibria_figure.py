@@ -14,7 +14,7 @@ from solver.problem.errors import InputError, choices
 
 from ..store import schema, selection
 from ..words import cautions, labels
-from . import canvas, colours, legend, point_numbers, push_scale, style, unrolled
+from . import canvas, colours, fonts, legend, point_numbers, push_scale, unrolled
 from .sheet import SCREEN, Sheet
 from .unrolled import View
 
@@ -72,8 +72,8 @@ def against_index(
     index = ds["index"].values
     ax.scatter(ds["index"], values, c=["white" if one else colours.INK for one in index], s=20,
                edgecolors=colours.INK, linewidths=0.9, zorder=3)  # fmt: skip
-    ax.set_xlabel(style.break_lines("Morse index: unstable directions", width - 0.9))
-    ax.set_ylabel(style.shorter([labels.label(ds[name], long) for long in (True, False)], high - 0.3))
+    ax.set_xlabel(fonts.break_lines("Morse index: unstable directions", width - 0.9))
+    ax.set_ylabel(fonts.shorter([labels.label(ds[name], long) for long in (True, False)], high - 0.3))
     ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10], integer=schema.is_count(ds[name])))
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.margins(0.04, 0.08)
@@ -82,7 +82,7 @@ def against_index(
     points = [point_numbers.Point(float(x), float(y), f"{k + 1}")
               for k, (x, y) in enumerate(zip(index, values, strict=True))]  # fmt: skip
     ax.set_xlim(*ax.get_xlim()), ax.set_ylim(*ax.get_ylim())
-    point_numbers.write(ax, points, [], [], (style.inches(ax)[0], high - 0.5))
+    point_numbers.write(ax, points, [], [], (fonts.inches(ax)[0], high - 0.5))
     noun, stability = "equilibrium" if index.size == 1 else "equilibria", str(ds.attrs["stability"]).replace("M3", "M₃")
     said = [f"{index.size} {noun}, {int((index == 0).sum())} stable (filled): {stability}."]
     if "searched" in ds.attrs:

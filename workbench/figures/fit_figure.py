@@ -11,7 +11,7 @@ from scipy import special
 from studies.grammar.axes import quantity_of
 
 from ..words import labels
-from . import canvas, colours, legend, style, unrolled
+from . import canvas, colours, fonts, legend, unrolled
 from .sheet import SCREEN, Sheet
 
 LOWER = 3.4  # inches: the height of the lower panels
@@ -57,12 +57,12 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
         legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, borderaxespad=0, borderpad=0.3)
     ax.plot(line[0][0], line[1][0], "o", color=colours.INK, markersize=5)
     ax.annotate("s = 0", (line[0][0], line[1][0]), (-6, 0), textcoords="offset points", ha="right", va="center",
-                size=style.small())  # fmt: skip
+                size=fonts.small())  # fmt: skip
     factor = unrolled.stretch(*_extent(ds), room)
     ax.set_aspect(factor, anchor="NW")
     ax.set_xlabel(f"z [{unit}]{unrolled.larger(1 / factor)}")
-    words = [f"{name} [{unit}]{unrolled.larger(factor)}" for name in (style.AROUND, "around the cylinder", "around")]
-    ax.set_ylabel(style.shorter(words, style.inches(ax)[1]))
+    words = [f"{name} [{unit}]{unrolled.larger(factor)}" for name in (fonts.AROUND, "around the cylinder", "around")]
+    ax.set_ylabel(fonts.shorter(words, fonts.inches(ax)[1]))
     ax.margins(x=max(0.06, 0.55 / room[0]), y=0.12)  # room for s = 0
     ax.invert_yaxis()
     return ax
@@ -101,7 +101,7 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
     covariance = ds["covariance"].values[:2, :2] * np.outer(_factors(ds), _factors(ds))
     also = CROSSES[bool(ds.attrs["exact"])] if len(others) else ""
     if not np.isfinite(covariance).all() or not np.isfinite([low, high]).all():
-        ax.set_title(style.wrap(f"{' and '.join(names)}: no region is known{also}", ax), loc="left")
+        ax.set_title(fonts.wrap(f"{' and '.join(names)}: no region is known{also}", ax), loc="left")
         return ax
     around = values[:, None] + _ellipse(covariance, _size(ds))
     ax.fill(*around, color=colours.PAIR[1], alpha=0.18, linewidth=0)
@@ -110,7 +110,7 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
         for end in ends:
             draw(end, color=colours.SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
     text = f"95 % region; dashed: 95 % intervals{also}"
-    ax.set_title(style.wrap(text, ax), loc="left")
+    ax.set_title(fonts.wrap(text, ax), loc="left")
     return ax
 
 
@@ -141,7 +141,7 @@ def shares(ds: xr.Dataset, ax: Axes) -> Axes:
     if not known:
         ax.set_axis_off()
         title = "no field has shares"
-    ax.set_title(style.wrap(title, ax), loc="left")
+    ax.set_title(fonts.wrap(title, ax), loc="left")
     legend.add(ax, loc="best", ncols=max(len(known), 1))
     return ax
 

@@ -15,7 +15,7 @@ from studies.laws.law_words import PLAIN
 
 from ..store import law_verdicts, selection
 from ..words import labels
-from . import colours, legend, style
+from . import colours, fonts, legend
 from .trends import trend
 
 
@@ -35,7 +35,7 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> str:
             ax.plot(ends, heights, color=colour, linewidth=3, alpha=0.6, zorder=3,
                     label="a case outside" if case else "a step the wrong way", **how)  # fmt: skip
     draw_curve(ds, ax, row)
-    ax.set_title(style.wrap(f"{row['claim']}: {verdict}", ax), loc="left", color=colour)
+    ax.set_title(fonts.wrap(f"{row['claim']}: {verdict}", ax), loc="left", color=colour)
     legend.add(ax)
     others = law_words.others(row, lambda name: labels.symbol(ds[name]))
     said = "; ".join(text for text in (verdict, _measure(ds, row), others) if text)
@@ -88,7 +88,7 @@ def _equals(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: A
 
 def _allow(ax: Axes, along: Any, low: Any, high: Any) -> None:
     """Shade what a law allows, and name it where the line does not hide it."""
-    seen = np.median(high - low) * style.inches(ax)[1] * 72 >= SEEN * np.ptp(ax.get_ylim())
+    seen = np.median(high - low) * fonts.inches(ax)[1] * 72 >= SEEN * np.ptp(ax.get_ylim())
     ax.fill_between(along, low, high, color=colours.INK, alpha=0.12, linewidth=0, zorder=0,
                     label="allowed" if seen else "")  # fmt: skip
 

@@ -12,7 +12,7 @@ from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from . import style
+from . import fonts
 from .colours import SOFT
 from .sheet import SCREEN, Sheet
 
@@ -71,17 +71,17 @@ def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), she
         notes = ()
     width = fig.get_figwidth() - 0.3
     room = width - HANDLE
-    once = {style.break_lines(str(entry.get_label()), room, style.small()): entry for entry in entries}
-    notes = [style.break_lines(note, width, style.small()) for note in dict.fromkeys(notes)]
+    once = {fonts.break_lines(str(entry.get_label()), room, fonts.small()): entry for entry in entries}
+    notes = [fonts.break_lines(note, width, fonts.small()) for note in dict.fromkeys(notes)]
     if not once and not notes:
         return None
     lines = [line for label in once for line in label.split("\n")]
-    widest = max((HANDLE + style.width_of(line, style.small()) for line in lines), default=1.0)
+    widest = max((HANDLE + fonts.width_of(line, fonts.small()) for line in lines), default=1.0)
     columns = max(1, min(len(once), int((width + 0.1) / widest)))
     how: dict[str, Any] = {} if once else ALONE
     found = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], ncols=columns,
                        loc="outside lower left", title="\n".join(notes), alignment="left", handlelength=1.8,
-                       handleheight=1.2, title_fontsize=style.small(), **how)  # fmt: skip
+                       handleheight=1.2, title_fontsize=fonts.small(), **how)  # fmt: skip
     found.get_title().set_color(SOFT)
     return found
 
@@ -89,7 +89,7 @@ def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), she
 def colour_bar(fig: Figure, colours: ScalarMappable, label: str = "", **where: Any) -> Colorbar:
     """The bar of a scale of colours with a name in small letters; where: options of `Figure.colorbar`."""
     bar = fig.colorbar(colours, **where)
-    bar.set_label(label, size=style.small())
+    bar.set_label(label, size=fonts.small())
     bar.outline.set_visible(False)
     bar.ax.tick_params(length=2)
     bar.minorticks_off()

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..geometry import lines
 from ..words import cautions, labels
-from . import colours, push_scale, style
+from . import colours, fonts, push_scale
 from .drawn_rods import DrawnRod
 
 THINNEST = 0.07  # inches of a line; below, nothing of its curve is seen
@@ -129,7 +129,7 @@ def said(found: Lines, s: Values, unit: str, overlaps: bool = False) -> list[str
     if found.every > found.each * (1 + 1e-9):
         size, whole = labels.number(found.each), labels.number(float(np.ptp(s)))
         told = [f"Only {found.count} pieces of {size} {unit} each are shown, spread over {whole} {unit}, at one scale."]
-    told = [f"Unrolled view, seen from outside: {style.WAYS}; dot: s = 0.", *told]
+    told = [f"Unrolled view, seen from outside: {fonts.WAYS}; dot: s = 0.", *told]
     if found.turn:
         told.append("A line is the whole unrolled cylinder: the rod leaves it below and comes back above.")
     if overlaps:

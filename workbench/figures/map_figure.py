@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ..store import law_verdicts, refined, selection
 from ..words import labels
-from . import canvas, law_lines, legend, map_panel, style, thumbnails
+from . import canvas, fonts, law_lines, legend, map_panel, thumbnails
 from .map_cells import MOST_MAPS, Cells, Choice, cells, choose
 from .sheet import SCREEN, Sheet
 from .study_figure import level_notes
@@ -187,7 +187,7 @@ class _Maps:
             text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
             self.more.append(f"Law {text}{f' at {value}' if value else ''}.")
         title = labels.label(self.ds[name], long=True) + self.colours[name].said()
-        title = style.break_lines(title, self.inches[0] + 0.3)
+        title = fonts.break_lines(title, self.inches[0] + 0.3)
         if self.choice.along:
             title = f"{title}\n{value}" if leftmost else value
         ax.set_title(title, loc="left", pad=above + 6)
@@ -203,13 +203,13 @@ class _Maps:
         where = {**held, choice.x: 0}
         if lowest:
             ax.set_xlabel(
-                style.break_lines(axis_label(self.ds, choice.x, where, long=not short), max(self.inches[0], 1.0))
+                fonts.break_lines(axis_label(self.ds, choice.x, where, long=not short), max(self.inches[0], 1.0))
             )
         else:
             ax.tick_params(labelbottom=False)
         if leftmost:
             words = [labels.axis_label(choice.y, self.ds[choice.y], long and not short) for long in (True, False)]
-            ax.set_ylabel(style.shorter(words, 0.7 * self.inches[1]))
+            ax.set_ylabel(fonts.shorter(words, 0.7 * self.inches[1]))
         else:
             ax.tick_params(labelleft=False)
 

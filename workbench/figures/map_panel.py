@@ -10,15 +10,16 @@ from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, N
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import LogLocator, MaxNLocator
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from studies.laws.verdicts import NOISE
 
 from ..store import selection
 from ..words import labels
-from . import colours, legend, regions, style
+from . import colours, fonts, legend, regions
 from .map_cells import STRAIGHT, Cells
+from .scales import RoomLocator
 
 Values = NDArray[np.float64]
 DECADES = 1e3  # ratio of the values from which their colours are logarithmic
@@ -68,13 +69,10 @@ class Colours:
         fig = axes[0].get_figure(root=True)
         assert fig is not None
         bar = legend.colour_bar(fig, mesh, ax=axes, pad=0.015, aspect=30 * inches / 3, fraction=0.05)
-        if self.count:
-            bar.set_ticks([v for v in MaxNLocator(8, integer=True).tick_values(self.low, self.high)
-                           if self.low <= v <= self.high])  # fmt: skip
-        elif isinstance(self.norm, LogNorm):
+        if isinstance(self.norm, LogNorm):
             bar.locator, bar.formatter = LogLocator(numticks=6), labels.power_of_ten  # type: ignore[assignment]
         else:
-            bar.locator = MaxNLocator(6)
+            bar.locator = RoomLocator(self.low, self.high, 8 if self.count else 6, self.count)
         bar.update_ticks()
         bar.minorticks_off()
 
@@ -149,11 +147,11 @@ def _number_regions(ax: Axes, cells: Cells, classes: Values, step: int, inches: 
             if step == 1
             else f"{labels.tick(number)}–{labels.tick(number + step - 1)}"
         )
-        size = 1.25 * style.small() / 72, style.width_of(text, style.small()) + 0.06
+        size = 1.25 * fonts.small() / 72, fonts.width_of(text, fonts.small()) + 0.06
         middle = regions.place(area, (inches[1] / cells.y.values.size, inches[0] / cells.x.values.size), size)
         if middle is not None:
             ax.text(cells.x.between(middle[1]), cells.y.between(middle[0]), text, ha="center", va="center",
-                    size=style.small(), color=colours.INK, path_effects=[HALO], zorder=5)  # fmt: skip
+                    size=fonts.small(), color=colours.INK, path_effects=[HALO], zorder=5)  # fmt: skip
 
 
 def _show_samples(ax: Axes, cells: Cells) -> None:

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from . import colours, style
+from . import colours, fonts
 
 SAME = 0.03  # inches: nearer points have one text
 AWAY = (0.13, 0.2, 0.28, 0.38, 0.5, 0.64)  # inches from a point to the middle of its number
@@ -74,7 +74,7 @@ def write(
     others = _Others(covered, dots_of, np.array(inches), [], [])
     for group in _groups(places):
         text, place = join([points[i].name for i in group]), places[group[0]]
-        size = np.array([style.width_of(text, style.small()) + 0.03, style.small() * 1.15 / 72])
+        size = np.array([fonts.width_of(text, fonts.small()) + 0.03, fonts.small() * 1.15 / 72])
         middle = _best(place, size, others)
         box = np.stack([middle - size / 2, middle + size / 2])
         led = _is_led(place, box, others.dots)
@@ -82,7 +82,7 @@ def write(
         if led:
             others.leaders.append(_along(np.stack([place, middle])))
         ax.annotate(text, dots[group[0]], 72 * (middle - place), textcoords="offset points", ha="center", va="center",
-                    size=style.small(), color=colours.INK, zorder=20, annotation_clip=False,
+                    size=fonts.small(), color=colours.INK, zorder=20, annotation_clip=False,
                     path_effects=[withStroke(linewidth=2.0, foreground="white", alpha=0.9)],
                     arrowprops={"arrowstyle": "-", "color": colours.INK, "linewidth": 0.5, "shrinkA": 0,
                                 "shrinkB": 1} if led else None)  # fmt: skip

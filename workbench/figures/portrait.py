@@ -20,7 +20,7 @@ from solver.problem.errors import InputError, no_such
 
 from ..store import schema
 from ..words import labels
-from . import canvas, colours, drawn_rods, legend, style
+from . import canvas, colours, drawn_rods, fonts, legend
 from .drawn_rods import DrawnRod
 from .scales import angle_locator
 from .sheet import SCREEN, Sheet
@@ -243,8 +243,8 @@ def _frame(ax: Axes, name: str, one: Orbit, alone: bool, j: int, leftmost: bool,
     if alone:
         ax.set_title(PANELS[name] if name == "portrait" else "potential G and level h", loc="left")
     elif j == 0:
-        fits = style.width_of(one.rod.name, style.small()) < wide - 0.3
-        ax.set_title(one.rod.name if fits else one.rod.value, loc="left", size=style.small())
+        fits = fonts.width_of(one.rod.name, fonts.small()) < wide - 0.3
+        ax.set_title(one.rod.name if fits else one.rod.value, loc="left", size=fonts.small())
     ax.set_xlabel("angle to the axis  β [°]" if wide > COLUMN + 0.5 else "β [°]")
     span = float(np.degrees(np.ptp(one.window)))
     ax.xaxis.set_major_locator(angle_locator(span, wide - 0.5))

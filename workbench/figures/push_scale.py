@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..words import labels
 from ..words.cautions import SLIGHT
-from . import colours, legend, style
+from . import colours, fonts, legend
 from .drawn_numbers import CASING
 
 PUSHES, PULLS = "the cylinder pushes", "the cylinder would have to pull: the rod would lift off"  # in a legend
@@ -59,7 +59,7 @@ def bar(
     )
     found = legend.colour_bar(fig, drawn, ax=list(axes), location="bottom" if below else "right", anchor=(0.0, 1.0),
                               fraction=0.05, pad=0.02, aspect=20, shrink=length / inches)  # fmt: skip
-    found.set_label(said + "; below 0: lifts off" * pulled, size=style.small(), loc="left" if below else None)
+    found.set_label(said + "; below 0: lifts off" * pulled, size=fonts.small(), loc="left" if below else None)
 
 
 def pulls(push: Any) -> bool:

@@ -1,19 +1,24 @@
 """The map of a dataset of regions: the number of equilibria over two fields, fold curves, cusps, stable shapes."""
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from solver.problem.errors import no_such
+
 from ..words import labels
-from . import canvas, colours, legend, regions, style, unrolled
+from . import canvas, colours, fonts, legend, regions, unrolled
+from .equilibria_figure import one_shown
 from .map_panel import HALO
 from .sheet import SCREEN, Sheet
 
@@ -28,41 +33,91 @@ MARK: dict[str, Any] = {"marker": "P", "color": colours.INK, "markeredgecolor": 
                         "linestyle": "none"}  # fmt: skip
 
 
-def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+COUNT, STABLE = "count", "count_stable"
+
+
+def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> Figure:
     """The map: colours and numbers by region, curves where stable equilibria appear or disappear thick.
 
     A shape stands beside the number where there is room: the unrolled views of the stable equilibria there.
+
+    show: what the colours are, `count` (default) or `count_stable` of the regions, or a quantity that is stored along
+    the curves, such as `dbeta0`. Raises `InputError` for another, and for several.
     """
+    shown = next(iter(one_shown(show)), COUNT)
+    along = _along_curves(ds)
+    if shown not in (known := [COUNT, STABLE, *along]):
+        raise no_such("quantity of this map", shown, known)
     high = sheet.width * (HIGH if not sheet.narrow else 1.0)
 
     def draw(fig: Figure) -> None:
         ax = fig.add_subplot()
         box = sheet.width - 1.1, high - 0.6
-        notes, unnumbered = panel(ds, ax, box)
+        notes, unnumbered = panel(ds, ax, box, STABLE if shown == STABLE else COUNT, pale=shown in along)
+        if shown in along:
+            _colour_curves(ds, ax, shown)
+        if shown != COUNT:
+            of = "Beside the curves" if shown in along else "Of the regions"
+            array = ds[f"curve_{shown}" if shown in along else shown]
+            notes.append(f"{of} the colours are of: {labels.long_name(array)}.")
         given = [line for line in ax.lines if line.get_label() in GIVEN]
         legend.below(fig, [*unnumbered, *entries(ds), *given], notes, sheet)
 
     return canvas.figure((sheet.width, high + 0.5), draw, ds, sheet=sheet)
 
 
-def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[str], list[Artist]]:
-    """Draw the map on axes of about that width and height.
+def _along_curves(ds: xr.Dataset) -> list[str]:
+    """The quantities that are stored along the curves, beside the two fields."""
+    names = [
+        str(name).removeprefix("curve_") for name, array in ds.data_vars.items() if array.dims == ("curve", "point")
+    ]
+    return [
+        name for name in names if name not in json.loads(ds.attrs["fields"]) and ds[f"curve_{name}"].notnull().any()
+    ]
+
+
+def _lines(ds: xr.Dataset) -> list[Any]:
+    """The points of each curve in the units of the axes, (points, 2), NaN beyond its ends."""
+    fields = json.loads(ds.attrs["fields"])
+    x, y = (
+        labels.in_label_unit(ds[name], ds[f"curve_{name}"].values) if "curve" in ds.sizes else () for name in fields
+    )
+    return [np.stack(line, axis=1) for line in zip(x, y, strict=True)]
+
+
+def _colour_curves(ds: xr.Dataset, ax: Axes, name: str) -> None:
+    """Colour what lies beside the curves by a quantity that is stored along them, with its bar."""
+    values = labels.in_label_unit(array := ds[f"curve_{name}"], array.values)
+    pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in _lines(ds)]
+    segments, middles = np.concatenate(pairs), ((values[:, 1:] + values[:, :-1]) / 2).ravel()
+    known = np.isfinite(segments).all(axis=(1, 2)) & np.isfinite(middles)
+    drawn = LineCollection(list(segments[known]), cmap=colours.map_colours(), linewidths=6.0, zorder=2,
+                           array=middles[known], label=name)  # fmt: skip
+    ax.add_collection(drawn, autolim=False)
+    fig = ax.get_figure(root=True)
+    assert fig is not None
+    legend.colour_bar(fig, drawn, labels.label(array), ax=ax, pad=0.015, aspect=30, fraction=0.05)
+
+
+def panel(
+    ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str = COUNT, pale: bool = False
+) -> tuple[list[str], list[Artist]]:
+    """Draw the map on axes of about that width and height; shown: the count that colours the regions, unless pale.
 
     Returns notes on what is drawn, and for the legend the colours that no number explains.
     """
     x, y = json.loads(ds.attrs["fields"])
     edges = [labels.in_label_unit(ds[name], np.array([ds.attrs[end][k] for end in ("low", "high")]))
              for k, name in enumerate((x, y))]  # fmt: skip
-    lines = [np.transpose([labels.in_label_unit(ds[name], ds[f"curve_{name}"].values[k]) for name in (x, y)])
-             for k in range(ds.sizes.get("curve", 0))]  # fmt: skip
+    lines = _lines(ds)
     low, size = (np.array([[ends[0], np.ptp(ends)] for ends in edges]).T[k] for k in (0, 1))
     raster = regions.fine(ds["region_at"].values, [(line - low) / size for line in lines])
-    counts = np.append(ds["count"].values, 0)[raster].astype(float)
+    counts = np.append(ds[shown].values, 0)[raster].astype(float)
     counts[raster < 0] = np.nan
     known = np.unique(counts[np.isfinite(counts)])
     ramp = ListedColormap(colours.map_colours(max(known.size, 2))(np.arange(max(known.size, 1))))
     ax.imshow(np.searchsorted(known, np.where(np.isnan(counts), known[:1], counts)), cmap=ramp, origin="lower",
-              extent=(*edges[0], *edges[1]), aspect="auto", interpolation="nearest", alpha=0.8,
+              extent=(*edges[0], *edges[1]), aspect="auto", interpolation="nearest", alpha=0.0 if pale else 0.8,
               vmin=-0.5, vmax=max(known.size, 2) - 0.5, zorder=0)  # fmt: skip
     for k, line in enumerate(lines):
         ax.plot(*line.T, zorder=3, solid_capstyle="round", **_look(ds, k))
@@ -72,11 +127,14 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
     ax.set(xlim=edges[0], ylim=edges[1], xlabel=labels.axis_label(x, ds[x]), ylabel=labels.axis_label(y, ds[y]))
     _mark_given_case(ds, ax, (x, y))
     notes, left_out = _name_regions(ds, ax, inches)
-    said = {int(count) for k, count in enumerate(ds["count"].values) if k not in left_out}
-    unsaid = sorted({int(ds["count"].values[k]) for k in left_out} - said)
+    if pale:
+        return notes, []
+    said = {int(count) for k, count in enumerate(ds[shown].values) if k not in left_out}
+    unsaid = sorted({int(ds[shown].values[k]) for k in left_out} - said)
+    noun = "stable equilibri" if shown == STABLE else "equilibri"
     shades = {count: ramp(int(np.searchsorted(known, count)))[:3] for count in unsaid}
     return notes, [
-        Patch(color=(*shades[count], 0.8), label=f"{count} equilibri{'um' if count == 1 else 'a'}") for count in unsaid
+        Patch(color=(*shades[count], 0.8), label=f"{count} {noun}{'um' if count == 1 else 'a'}") for count in unsaid
     ]
 
 
@@ -123,7 +181,7 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
     """
     numbers = ds["region_at"].values
     cell = inches[1] / numbers.shape[0], inches[0] / numbers.shape[1]
-    line, side = 1.3 * style.small() / 72, SHAPE if inches[0] > NARROW else SMALL_SHAPE
+    line, side = 1.3 * fonts.small() / 72, SHAPE if inches[0] > NARROW else SMALL_SHAPE
     left_out, fewer, drawn = list[int](), False, False
     largest = np.bincount(numbers[numbers >= 0]).argmax()
     same = np.unique(ds["count_stable"].values).size == 1
@@ -134,7 +192,7 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
             *((full if k == largest else text, n) for n in range(0 if same else min(int(stable), MOST), -1, -1)),
             *((part.replace(" ", "\n", 1), 0) for part in (full, text) if part is text or k == largest),
         ):
-            wide = max(style.width_of(part, style.small()) for part in said.split("\n"))
+            wide = max(fonts.width_of(part, fonts.small()) for part in said.split("\n"))
             high = line * (1 + said.count("\n"))
             middle = regions.place(
                 numbers == k, cell, (high + (side + 2 * PAD) * bool(shapes) + PAD, max(wide, shapes * side) + PAD)
@@ -143,7 +201,7 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
                 up, across = (place / size for place, size in zip(middle, numbers.shape, strict=True))
                 fewer, drawn = fewer or 0 < shapes < stable, drawn or shapes > 0
                 lift = (side / 2 + PAD) / inches[1] * bool(shapes)
-                ax.text(across, up + lift, said, transform=ax.transAxes, ha="center", va="center", size=style.small(),
+                ax.text(across, up + lift, said, transform=ax.transAxes, ha="center", va="center", size=fonts.small(),
                         color=colours.INK, linespacing=1.1, path_effects=[HALO], zorder=6)  # fmt: skip
                 _draw_shapes(
                     ds, ax, k, shapes, (across, up - (line / 2 + PAD) / inches[1]), (side / inches[0], side / inches[1])
@@ -152,7 +210,7 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
         else:
             left_out.append(k)
     some = "; where there is not room for all, those of lowest energy" if fewer else ""
-    note = f"Shapes: unrolled views of the stable equilibria, {style.WAYS}, all at one scale{some}."
+    note = f"Shapes: unrolled views of the stable equilibria, {fonts.WAYS}, all at one scale{some}."
     return [note] * drawn, left_out
 
 

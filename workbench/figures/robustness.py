@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from ..words import labels
-from . import canvas, colours, legend, style
+from . import canvas, colours, fonts, legend
 from .sheet import SCREEN, Sheet
 
 VAGUE = 0.1  # rad
@@ -83,7 +83,7 @@ def panel(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_yticks(np.arange(len(names)) + 0.5, [labels.minus_signs(labels.powers_of_ten(name)) for name in names])
     ax.set_xticks(np.arange(len(methods) + 2) + 0.5, [*methods, "condition", "L/ρ"], rotation=35, ha="left",
                   rotation_mode="anchor")  # fmt: skip
-    ax.tick_params(length=0, pad=2, labelsize=style.small() - 0.5, colors=colours.INK)
+    ax.tick_params(length=0, pad=2, labelsize=fonts.small() - 0.5, colors=colours.INK)
     ax.tick_params(top=True, labeltop=True, bottom=False, labelbottom=False)
     ax.spines[:].set_visible(False)
     handles = [Patch(facecolor=colour, label=WORDS[name]) for name, colour in colours.EXTREMES.items()]

@@ -13,7 +13,7 @@ from matplotlib.ticker import FixedLocator, Formatter, LogLocator, MaxNLocator, 
 from numpy.typing import NDArray
 
 from ..words import labels
-from . import style
+from . import fonts
 
 Values = NDArray[np.float64]
 
@@ -23,6 +23,26 @@ MOST, GAP = 8, 0.09  # ticks of an axis; inches between two numbers
 ROUNDING = 1e-9  # share of the range by which a tick may lie outside it
 SPARE = 0.04  # share of a span that stays free at either end
 FEW = 3  # ticks that a logarithmic axis has at least
+CLOSE = 0.7  # of two heights of a letter, which Matplotlib leaves from one number to the next
+
+
+class RoomLocator(MaxNLocator):
+    """Ticks of Matplotlib between two values, at most so many, and no more than the drawn axis has room for."""
+
+    def __init__(self, low: float, high: float, most: int, integer: bool) -> None:
+        super().__init__(most, integer=integer)
+        self.low, self.high, self.most = low, high, most
+
+    def __call__(self) -> list[float]:
+        """The ticks; the layout may have made the axis shorter than it was planned."""
+        assert self.axis is not None
+        room = int(self.axis.get_tick_space() / CLOSE)
+        self.set_params(nbins=max(min(self.most, room), 1))
+        return [
+            value
+            for value in np.asarray(self.tick_values(self.low, self.high)).tolist()
+            if self.low <= value <= self.high
+        ]
 
 
 def is_geometric(values: Values) -> bool:
@@ -110,7 +130,7 @@ def ticks(ends: tuple[float, float], logarithmic: bool, inches: float, upward: b
     for locator in (*decades, *even) if logarithmic else even:
         inside = [float(value) for value in locator.tick_values(low, high) if low <= value <= high]
         chosen = inside if len(inside) >= (FEW if isinstance(locator, LogLocator) else 1) else chosen
-        wide = [style.small() / 72 if upward else style.width_of(labels.tick(value), style.small()) for value in chosen]
+        wide = [fonts.small() / 72 if upward else fonts.width_of(labels.tick(value), fonts.small()) for value in chosen]
         gaps = [per_unit * (change(b) - change(a)) - (left + right) / 2
                 for (a, left), (b, right) in pairwise(zip(chosen, wide, strict=True))]  # fmt: skip
         if chosen is inside and min(gaps, default=GAP) >= GAP:

@@ -16,7 +16,7 @@ from studies.laws.verdicts import FAILS
 
 from ..store import schema, selection
 from ..words import labels
-from . import colours, style
+from . import colours, fonts
 from .scales import WIDE, set_span
 
 ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel; of all
@@ -85,9 +85,9 @@ def _block(
             ax.tick_params(labelleft=j == 0, labelbottom=i == len(names) - 1)
             if i == len(names) - 1:
                 words = [labels.axis_label(field, ds[field], long) for long in (True, False)]
-                ax.set_xlabel(style.shorter(words, room))
+                ax.set_xlabel(fonts.shorter(words, room))
         assert left is not None
-        words = [style.break_lines(labels.label(ds[name], long), 1.2) for long in (True, False)]
+        words = [fonts.break_lines(labels.label(ds[name], long), 1.2) for long in (True, False)]
         left.set_ylabel(words[words[0].count("\n") > 1])
         lefts.append(left)
     return lefts
@@ -108,7 +108,7 @@ def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None
         ax.plot(x[~solved], np.zeros(int((~solved).sum())), "x", color=colours.VERDICTS[FAILS], markersize=4,
                 clip_on=False, transform=ax.get_xaxis_transform(), rasterized=x.size > MANY)  # fmt: skip
     if (found := rank_correlation(x[solved], y[solved])) is not None:
-        ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=style.small(), color=colours.SOFT, pad=2)
+        ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=fonts.small(), color=colours.SOFT, pad=2)
     ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=selection.is_count(ds, name)))
     ax.margins(y=0.12)
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from solver.problem.errors import InputError, no_such
 
-from .style import LARGE, NORMAL, SMALL
+from .fonts import LARGE, NORMAL, SMALL
 
 MILLIMETRES = 25.4  # of an inch
 NARROWEST, WIDEST = 60.0, 500.0  # millimetres

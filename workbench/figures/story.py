@@ -17,7 +17,7 @@ from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
 from ..store import law_verdicts
 from ..words import labels
-from . import canvas, colours, drawn_rods, legend, push_scale, solid, style
+from . import canvas, colours, drawn_rods, fonts, legend, push_scale, solid
 from .sheet import Sheet, sheet
 from .solid import Eye
 from .trends import trend
@@ -67,7 +67,7 @@ def figure(datasets: Mapping[str, xr.Dataset], page: Sheet | None = None) -> Fig
         law(datasets[ALONG], axes[2])
         claims(datasets[CLAIMS], axes[3])
         for text, (x, y) in zip("abcd", NARROW_LETTERS if page.narrow else WIDE_LETTERS, strict=True):
-            fig.text(x * share / page.width, y / height, text, weight="bold", size=style.large(), va="top")
+            fig.text(x * share / page.width, y / height, text, weight="bold", size=fonts.large(), va="top")
 
     return canvas.figure((page.width, height), draw, layout=None, sheet=page)
 
@@ -119,7 +119,7 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
     heights = np.concatenate([rod["z"] for rod in found.solved])
     ends = float(heights.min()) - R, float(heights.max()) + R
     step = 2.9 * (R + 2 * found.solved[0].a)
-    every = 2 if style.inches(ax)[0] < 0.45 * len(found.rods) else 1
+    every = 2 if fonts.inches(ax)[0] < 0.45 * len(found.rods) else 1
     for k, rod in enumerate(found.rods):
         eye = Eye(float(np.mean(rod["alpha"])) - TURNED if rod.arrays is not None else 0.0, k * step)
         foot = eye.to_page([0, 0, ends[0]]) - [0, 0.5 * R]
@@ -129,7 +129,7 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
         if k % every == 0:
             _write(ax, foot, rod.value if rod.arrays is not None else "unsolved", (0, -5))
     _frame(ax)
-    ax.set_title(found.axis_label(), loc="center", size=style.small(), pad=2)
+    ax.set_title(found.axis_label(), loc="center", size=fonts.small(), pad=2)
     fig = ax.get_figure(root=True)
     assert fig is not None
     legend.colour_bar(fig, ScalarMappable(norm, colours.push_ramp()), cax=below, orientation="horizontal")
@@ -142,7 +142,7 @@ def law(ds: xr.Dataset, ax: Axes) -> None:
     (verdict, *_) = law_verdicts.verdicts(ds)
     trend(ds, ax, verdict["observable"], verdict["axis"], verdict["at"])
     title = f"claim {verdict['claim']}: {PLAIN[verdict['verdict']]}"
-    ax.set_title(title, loc="left", size=style.small(), color=colours.VERDICTS[verdict["verdict"]], pad=3)
+    ax.set_title(title, loc="left", size=fonts.small(), color=colours.VERDICTS[verdict["verdict"]], pad=3)
 
 
 def claims(ds: xr.Dataset, ax: Axes) -> None:
@@ -151,7 +151,7 @@ def claims(ds: xr.Dataset, ax: Axes) -> None:
         [str(value) for value in ds["claim"].values],
         [str(value).split("/") for value in ds["reading"].values],
     )
-    verdicts, wide = ds["claim_verdict"].values.astype(str), bool(style.inches(ax)[0] > WIDE_TABLE)
+    verdicts, wide = ds["claim_verdict"].values.astype(str), bool(fonts.inches(ax)[0] > WIDE_TABLE)
     for (j, i), verdict in np.ndenumerate(verdicts):
         ax.plot(j, i, **_mark(verdict))
     sayings = [_claim(ds, name) for name in names]
@@ -207,7 +207,7 @@ def _line(ax: Axes, eye: Eye, points: Any, colour: str, arrow: str | None = None
 
 
 def _write(ax: Axes, place: Any, text: str, offset: Any, **look: Any) -> None:
-    ax.annotate(text, place, offset, textcoords="offset points", size=style.small(), zorder=8, annotation_clip=False,
+    ax.annotate(text, place, offset, textcoords="offset points", size=fonts.small(), zorder=8, annotation_clip=False,
                 **{"ha": "center", "va": "center", **look})  # fmt: skip
 
 

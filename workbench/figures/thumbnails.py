@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from solver.problem.errors import InputError
 
 from ..words import labels
-from . import drawn_rods, style, unrolled
+from . import drawn_rods, fonts, unrolled
 from .map_cells import Cells, Choice
 from .map_panel import HALO
 from .scales import Scale
@@ -67,7 +67,7 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float]) ->
                            **(coarse if unrolled.is_coarse(rod) else {}))  # fmt: skip
         else:
             ax.text(left + across / 2, low + up / 2, "not solved", transform=ax.transAxes, ha="center", va="center",
-                    size=style.small(), path_effects=[HALO], zorder=20)  # fmt: skip
+                    size=fonts.small(), path_effects=[HALO], zorder=20)  # fmt: skip
     notes = [f"Dots: {ds.sizes['u']} stations miss bends."] if any(map(unrolled.is_coarse, known)) else []
     return [_scale_of(ds, extent, factor), *notes]
 
@@ -83,6 +83,6 @@ def _scale_of(ds: xr.Dataset, extent: tuple[float, float], factor: float) -> str
     """The scale of the shapes in words."""
     unit = labels.unit(str(ds.attrs["length_unit"]))
     size = f"the longest is {labels.number(extent[0])} {unit} long"
-    enlarged = f"{unrolled.larger(1 / factor, 'z')}{unrolled.larger(factor, style.AROUND)}"
-    where = f"{style.WAYS}, each about its own case"
+    enlarged = f"{unrolled.larger(1 / factor, 'z')}{unrolled.larger(factor, fonts.AROUND)}"
+    where = f"{fonts.WAYS}, each about its own case"
     return f"Shapes: unrolled views, {where}; all at one scale{enlarged}; {size}."

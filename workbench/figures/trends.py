@@ -13,7 +13,7 @@ from studies.laws.verdicts import FAILS, NOISE
 
 from ..store import selection
 from ..words import labels
-from . import colours, style
+from . import colours, fonts
 from .scales import WIDE, is_geometric, set_span
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
@@ -46,12 +46,12 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     if "fold" in ds and axis == ds.attrs.get("followed") and np.isfinite(ds["fold"]):
         ax.axvline(float(np.degrees(ds["fold"])), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     words = [axis_label(ds, axis, others, long) for long in (True, False)]
-    ax.set_xlabel(style.wrap(style.shorter(words, style.inches(ax)[0]), ax))
-    ax.set_ylabel(style.shorter([labels.label(ds[observable], long) for long in (True, False)], style.inches(ax)[1]))
+    ax.set_xlabel(fonts.wrap(fonts.shorter(words, fonts.inches(ax)[0]), ax))
+    ax.set_ylabel(fonts.shorter([labels.label(ds[observable], long) for long in (True, False)], fonts.inches(ax)[1]))
     ax.margins(y=0.1)
     drawn = lines.values[np.isfinite(lines.values)]
     if selection.is_count(ds, observable):
-        ax.yaxis.set_major_locator(MaxNLocator(int(np.clip(style.inches(ax)[1] / 0.3, 2, 9)), integer=True))
+        ax.yaxis.set_major_locator(MaxNLocator(int(np.clip(fonts.inches(ax)[1] / 0.3, 2, 9)), integer=True))
         if drawn.size and np.ptp(drawn) < 2:
             count = round(float(drawn.mean()))
             ax.set_ylim(max(count - 2, min(count, 0) - 0.5), count + 2)
@@ -84,4 +84,4 @@ def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
     """A logarithmic axis where the values are spaced so or were refined so, with ticks at 1, 2 and 5."""
     low, high = float(along.min()), float(along.max())
     refined_so = ds[axis].attrs.get("spacing") == "geometric" and low > 0 and high > WIDE * low
-    set_span(ax.xaxis, low, high, refined_so or is_geometric(along), style.inches(ax)[0])
+    set_span(ax.xaxis, low, high, refined_so or is_geometric(along), fonts.inches(ax)[0])

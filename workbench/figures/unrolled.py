@@ -26,7 +26,7 @@ from solver.problem.errors import no_such
 
 from ..geometry import self_contact
 from ..words import cautions, labels
-from . import arrangement, canvas, colours, drawn_rods, legend, long_curve, push_scale, style
+from . import arrangement, canvas, colours, drawn_rods, fonts, legend, long_curve, push_scale
 from .arrangement import Arrangement
 from .drawn_rods import DrawnRod, DrawnRods
 from .scales import round_below
@@ -81,7 +81,7 @@ def plan(
 
     letters: points of the texts. even: all views have the room of the largest, so their z can be compared.
     """
-    letters = letters or style.small()
+    letters = letters or fonts.small()
     sizes = np.array([view.size for view in views])
     sizes = np.broadcast_to(sizes.max(axis=0), sizes.shape) if even else sizes
     wide, tall = map(float, sizes.max(axis=0))
@@ -106,19 +106,19 @@ def plan(
 def words_size(text: str, letters: float) -> tuple[float, float]:
     """Width and height of a text above a view in inches."""
     lines = text.split("\n")
-    return max(style.width_of(line, letters) for line in lines), len(lines) * WORDS * letters + ABOVE
+    return max(fonts.width_of(line, letters) for line in lines), len(lines) * WORDS * letters + ABOVE
 
 
 def draw(
     ax: Axes, views: Sequence[View], form: Arrangement, unit: str, letters: float | None = None
 ) -> LineCollection | None:
     """Draw views and the key; returns a line in the colours of the push, or None."""
-    letters = letters or style.small()
+    letters = letters or fonts.small()
     ax.set(xlim=(0, form.size[0]), ylim=(form.size[1], 0), aspect="equal", anchor="NW")
     ax.set_axis_off()
     ax.set_label(VIEWS)
     ax.set_xlabel(f"z [{unit}]")
-    ax.set_ylabel(f"{style.AROUND} [{unit}]")
+    ax.set_ylabel(f"{fonts.AROUND} [{unit}]")
     drawn, rings = None, list[Any]()
     columns = form.boxes.shape[1]
     texts = [view.text for view in views]
@@ -194,9 +194,9 @@ def larger(factor: float, name: str = "") -> str:
 
 def sentence(form: Arrangement, more: str = "") -> str:
     """How views are read; more: what is said of them before the dot."""
-    enlarged = f"all alike{larger(1 / form.factor, 'z')}{larger(form.factor, style.AROUND)}"
+    enlarged = f"all alike{larger(1 / form.factor, 'z')}{larger(form.factor, fonts.AROUND)}"
     scale = "all at one scale" if form.factor == 1 else enlarged
-    return f"Unrolled views, seen from outside: {style.WAYS}, {scale}{more}; dot: s = 0."
+    return f"Unrolled views, seen from outside: {fonts.WAYS}, {scale}{more}; dot: s = 0."
 
 
 def has_curve(ds: xr.Dataset) -> bool:

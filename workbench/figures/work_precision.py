@@ -14,7 +14,7 @@ from matplotlib.ticker import NullFormatter
 from solver.problem.errors import no_such
 
 from ..words import labels
-from . import canvas, colours, legend, style
+from . import canvas, colours, fonts, legend
 from .sheet import SCREEN, Sheet
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figu
             ax.tick_params(labelbottom=True)
             ax.set_xlabel(COSTS[cost] if i + columns >= len(cases) else "")
         error = "error achieved: of angle [rad], or of position over max(ρ, L)"
-        fig.supylabel(error if lines > 2 else fill(error, 34), size=style.normal())
+        fig.supylabel(error if lines > 2 else fill(error, 34), size=fonts.normal())
         legend.below(fig, _entries(ds), sheet=sheet)
 
     size = max(sheet.width, 2 * PANEL[0]), lines * PANEL[1] + LEGEND
@@ -105,7 +105,7 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
         axis.set_major_formatter(labels.power_of_ten)
         axis.set_minor_formatter(NullFormatter())
     words = SHOWN.get(case) or (f"{case}: {here['about'].item()}" if "about" in here else case)  # none in older files
-    ax.set_title(style.wrap(labels.powers_of_ten(words), ax, style.small()), loc="left", size=style.small(), pad=3)
+    ax.set_title(fonts.wrap(labels.powers_of_ten(words), ax, fonts.small()), loc="left", size=fonts.small(), pad=3)
     return ax
 
 

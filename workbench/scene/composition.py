@@ -9,7 +9,7 @@ import xarray as xr
 from solver.problem.errors import InputError
 from studies.language.study_data import MAX_STATIONS
 
-from ..figures import canvas, style
+from ..figures import canvas, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array
 from ..geometry.refinement import stations_for
@@ -27,7 +27,7 @@ from .settings import DEFAULT, Settings
 from .views import EDGE, View, arrange
 
 SIZE = (8.0, 6.0)  # inches: width, and largest height, of the page of one case
-LINE = 1.5  # width of lines in pixels at `style.DPI`
+LINE = 1.5  # width of lines in pixels at `fonts.DPI`
 NARROWEST = 7.0  # inches of a page, for the line below the views
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
 RING = (0.03, 0.065)  # inches: the least and the largest radius of a ring, else `IN_RODS` radii of its rod
@@ -133,7 +133,7 @@ def compose(scene: Scene) -> Picture:
               for view, (x, down) in _middles(scene, arranged)]  # fmt: skip
     pixels, error, outlined = render(
         placed, camera, size, settings.pixel_error, settings.transparent,
-        max(LINE * dpi / style.DPI, 0.8), settings.samples,
+        max(LINE * dpi / fonts.DPI, 0.8), settings.samples,
     )  # fmt: skip
     blind = any(body.line.swing > APART for body in scene.bodies)  # then the push between stations is not known
     if error > (settings.pixel_error * (1 + 1e-9) if blind else COARSEST):

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 
 from solver.problem.errors import InputError, choices, no_such
 
-from ..figures import canvas, colours, style
+from ..figures import canvas, colours, fonts
 from ..figures.scales import WIDE, set_scale
 from ..store import atomic, attributes, schema, selection
 from ..words import cautions, labels
@@ -141,7 +141,7 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
         step(f"{film.axis} = {float(ds[film.axis][where[film.axis]]):.4g}")
         view = replace(first, bodies=[body] if body else [])
         picture = composition.compose(replace(scene, rows=[[view]])).page.pixels if body else None
-        with rc_context(style.RC):
+        with rc_context(fonts.RC):
             drawn = [*_draw_case(fig, film, ds, cases, k), *_draw_rod(fig, film, picture, (wide, high), ds, where)]
         yield _even(page.pixels_of(fig))
         for artist in drawn:
@@ -174,9 +174,9 @@ def _begin(fig: Figure, film: Film, scene: "composition.Scene", cases: Sequence[
         page.draw_bar(ax, bar, (2 * left, tall - 0.32), (1.6, 0.1))
     if str(ds.attrs["side"]) == "inside":
         room = across - (2.4 if weight is None else 3.5)
-        words = style.break_lines(cautions.left_out_of_dataset(ds), room, style.SMALL)
+        words = fonts.break_lines(cautions.left_out_of_dataset(ds), room, fonts.SMALL)
         words = "\n".join([*[", ".join(long_rod.notes_on(scene.context, str(ds.attrs["length_unit"])))], words]).strip()
-        ax.text(2.3, tall - 0.24, words, size=style.SMALL, color=colours.SOFT)
+        ax.text(2.3, tall - 0.24, words, size=fonts.SMALL, color=colours.SOFT)
     if film.observable:
         box = ((0.62, FOOT + 0.3, across - 0.9, DIAGRAM[1] - 0.5) if lying else
                (across - DIAGRAM[0] + 0.45, FOOT + 0.35, DIAGRAM[0] - 0.65, high - 0.55))  # fmt: skip
@@ -192,7 +192,7 @@ def _draw_case(
     ax, *diagrams = fig.axes[0], *[ax for ax in fig.axes[1:] if ax.get_label() == DIAGRAM_LABEL]
     array, i = ds[film.axis], cases[k][film.axis]
     left, right = canvas.MARGIN, film.size[0] - canvas.MARGIN
-    yield ax.text(left, left, labels.equation(array, float(array[i]), 3), size=style.LARGE, va="top", weight="bold")
+    yield ax.text(left, left, labels.equation(array, float(array[i]), 3), size=fonts.LARGE, va="top", weight="bold")
     ends = array.values[[0, i, -1]]
     first, at, last = np.log(ends) if ends[0] > 0 and ends[-1] > WIDE * ends[0] else ends
     place = left + (at - first) / (last - first) * (right - left)
@@ -240,13 +240,13 @@ def _draw_scales(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str,
     known = values[np.isfinite(values)]
     logarithmic = along[0] > 0 and along[-1] > WIDE * along[0]
     ax.set_label(DIAGRAM_LABEL)
-    set_scale(ax.xaxis, (along[0], along[-1]), logarithmic, style.inches(ax)[0])
+    set_scale(ax.xaxis, (along[0], along[-1]), logarithmic, fonts.inches(ax)[0])
     ax.set_xlabel(labels.axis_label(film.axis, ds[film.axis]))
     if known.size:
         room = 0.08 * (float(np.ptp(known)) or 1.0)
         ax.set_ylim(known.min() - room, known.max() + room)
     name = labels.label(ds[film.observable], long=True)
-    ax.set_title(name[:1].upper() + name[1:], loc="left", size=style.SMALL)
+    ax.set_title(name[:1].upper() + name[1:], loc="left", size=fonts.SMALL)
 
 
 def write(paths: Sequence[Path], made: Iterator[Pixels], fps: float = FPS, each: int = 1, back: bool = False) -> None:

@@ -22,7 +22,7 @@ from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..figures import canvas, colours, legend, style
+from ..figures import canvas, colours, fonts, legend
 from ..figures.arrangement import Arrangement
 from ..figures.scales import round_below
 from ..store import atomic
@@ -78,7 +78,7 @@ class Words:
     @property
     def heads(self) -> tuple[float, float]:
         """The room of the headings: to the left of the views, and above them."""
-        left = max((style.width_of(row, style.NORMAL) for row in self.rows[1:]), default=0.0) + 0.08
+        left = max((fonts.width_of(row, fonts.NORMAL) for row in self.rows[1:]), default=0.0) + 0.08
         left += 1.5 * HEAD * bool(self.rows and self.rows[0])
         return (left if self.rows else 0.0), (2 * HEAD if self.columns else 0.0)
 
@@ -90,7 +90,7 @@ class Page:
     """
 
     def __init__(
-        self, words: Words, size: tuple[float, float], dpi: int = style.DPI, bare: bool = False,
+        self, words: Words, size: tuple[float, float], dpi: int = fonts.DPI, bare: bool = False,
         transparent: bool = False,
     ) -> None:  # fmt: skip
         self.words, self.bare = words, bare
@@ -154,7 +154,7 @@ class Page:
         self.boxes = arrangement.boxes + np.array([*start, 0.0, 0.0])
         if self.bare:
             return
-        with rc_context(style.RC):
+        with rc_context(fonts.RC):
             for cell, box in zip((c for row in cells for c in row), self.boxes.reshape(-1, 4), strict=True):
                 _draw_cell(self.ax, cell, box)
             self._draw_headings()
@@ -181,7 +181,7 @@ class Page:
         if words.columns:
             self.ax.text((middles[0] + middles[-1]) / 2, top - HEAD - 0.05, words.columns[0], ha="center", va="bottom")
         lefts, rows = boxes[:, 0, 0], boxes[:, 0, 1] + boxes[:, 0, 3] / 2
-        size = style.NORMAL if words.rows and words.rows[0] else style.SMALL
+        size = fonts.NORMAL if words.rows and words.rows[0] else fonts.SMALL
         for left, y, value in zip(lefts, rows, words.rows[1:], strict=False):
             self.ax.text(left - 0.08, y, value, ha="right", va="center", size=size)
         if words.rows and words.rows[0]:
@@ -209,17 +209,17 @@ def _draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:
     middle, foot = x + wide / 2, y + high + BELOW
     dot = DOT / 2 if cell.number is not None else 0.0
     for k, line in enumerate(cell.caption.split("\n")):
-        ax.text(middle + dot * (k == 0), foot + k * style.NORMAL * style.LINE, line, ha="center", va="top")
+        ax.text(middle + dot * (k == 0), foot + k * fonts.NORMAL * fonts.LINE, line, ha="center", va="top")
     if cell.number is not None:
-        at = middle + dot - style.width_of(cell.caption.split("\n")[0], style.NORMAL) / 2 - DOT / 2
-        down, size = foot + style.NORMAL / 72 / 2, style.SMALL * (0.9 if cell.number < 10 else 0.75)
+        at = middle + dot - fonts.width_of(cell.caption.split("\n")[0], fonts.NORMAL) / 2 - DOT / 2
+        down, size = foot + fonts.NORMAL / 72 / 2, fonts.SMALL * (0.9 if cell.number < 10 else 0.75)
         ax.add_patch(Circle((at, down), 0.075, edgecolor=colours.INK, linewidth=0.9,
                             facecolor=colours.INK if cell.stable else "white"))  # fmt: skip
         ax.text(at, down, str(cell.number), ha="center", va="center_baseline", size=size,
                 color="white" if cell.stable else colours.INK)  # fmt: skip
     if cell.why_empty:
-        ax.text(middle, y + high / 2, style.break_lines(cell.why_empty, wide, style.SMALL), color=colours.SOFT,
-                ha="center", va="center", size=style.SMALL)  # fmt: skip
+        ax.text(middle, y + high / 2, fonts.break_lines(cell.why_empty, wide, fonts.SMALL), color=colours.SOFT,
+                ha="center", va="center", size=fonts.SMALL)  # fmt: skip
 
 
 def _handle(colour: str, text: str) -> Artist:
@@ -242,9 +242,9 @@ def _draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along:
     length = round_below(SCALE / per_unit)
     wide = length * per_unit
     ax.errorbar(x + wide / 2, y, xerr=wide / 2, color=colours.INK, linewidth=1.2, capsize=2.5, capthick=1.2)
-    ax.text(x + wide / 2, y - 0.06, f"{labels.number(length)} {unit}", ha="center", va="bottom", size=style.SMALL)
+    ax.text(x + wide / 2, y - 0.06, f"{labels.number(length)} {unit}", ha="center", va="bottom", size=fonts.SMALL)
     if along < 1 - 1e-9:
-        ax.text(x, y + 0.06, "along the axis", va="top", size=style.SMALL, color=colours.SOFT)
+        ax.text(x, y + 0.06, "along the axis", va="top", size=fonts.SMALL, color=colours.SOFT)
 
 
 def _draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> None:
@@ -260,7 +260,7 @@ def _draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> No
         ax.plot(*(eye + 0.06 * t * across + side * lid).T, color=colours.INK, linewidth=0.9)
     ax.add_patch(Circle(tuple(eye), 0.014, facecolor=colours.INK, linewidth=0))
     if way[0] < 0.8:
-        ax.text(middle[0] + radius + 0.03, y, "α = 0", size=0.75 * style.SMALL, color=colours.SOFT, va="center")
+        ax.text(middle[0] + radius + 0.03, y, "α = 0", size=0.75 * fonts.SMALL, color=colours.SOFT, va="center")
 
 
 def draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None:
@@ -269,7 +269,7 @@ def draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None
     middle = np.array([x + 0.14, y])
     look = {"arrowstyle": "-|>", "color": colours.INK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", tuple(middle + way), tuple(middle - way), arrowprops=look)
-    ax.text(x + 0.3, y, "weight", size=0.75 * style.SMALL, color=colours.SOFT, va="center")
+    ax.text(x + 0.3, y, "weight", size=0.75 * fonts.SMALL, color=colours.SOFT, va="center")
 
 
 def draw_bar(ax: Axes, bar: Bar, corner: tuple[float, float], size: tuple[float, float]) -> None:
@@ -281,14 +281,14 @@ def draw_bar(ax: Axes, bar: Bar, corner: tuple[float, float], size: tuple[float,
     place.set_xlim(bar.low, bar.high)
     place.xaxis.set_major_formatter(lambda value, _: labels.minus_signs(labels.number(value)))
     place.tick_params(labelcolor=colours.INK, pad=1)
-    place.set_title(bar.label, size=style.SMALL, loc="left", pad=2)
+    place.set_title(bar.label, size=fonts.SMALL, loc="left", pad=2)
 
 
 def pixels_of(fig: Figure) -> Pixels:
     """The figure as pixels, (height, width, 3), or 4 where its background is transparent."""
     shown: Any = fig.canvas
     canvas.lower_indices(fig)
-    with rc_context(style.RC):
+    with rc_context(fonts.RC):
         shown.draw()
     channels = 3 if fig.patch.get_alpha() is None else 4
     return np.array(shown.buffer_rgba())[..., :channels]

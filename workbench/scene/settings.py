@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from solver.problem.errors import InputError
 
-from ..figures import style
+from ..figures import fonts
 from . import camera, captions
 
 Number = TypeVar("Number", int, float)
@@ -49,7 +49,7 @@ class Settings:
     """
 
     pixel_error: float = 0.5
-    dpi: int = style.DPI
+    dpi: int = fonts.DPI
     span: tuple[float, float] | None = None
     strict: bool = False
     camera: str | None = None

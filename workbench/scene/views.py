@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..figures import arrangement, style
+from ..figures import arrangement, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import Array
 from .body import Body
@@ -127,6 +127,6 @@ def _caption_size(cell: Cell) -> tuple[float, float]:
     """Width and height of the words below a view."""
     first, *more = cell.caption.split("\n")
     dot = DOT if cell.number is not None else 0.0
-    wide = max(style.width_of(line, style.NORMAL) + dot * (line == first) for line in (first, *more))
-    high = style.height_of(cell.caption, style.NORMAL)
+    wide = max(fonts.width_of(line, fonts.NORMAL) + dot * (line == first) for line in (first, *more))
+    high = fonts.height_of(cell.caption, fonts.NORMAL)
     return max(wide, EMPTY if cell.why_empty else 0.0), high + BELOW * bool(high)
