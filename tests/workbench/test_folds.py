@@ -1,5 +1,6 @@
 """The command folds: what it prints, stores and draws; the page that shows it."""
 
+import csv
 import json
 from functools import cache
 from pathlib import Path
@@ -17,7 +18,8 @@ from workbench.branches.region_dataset import dataset_of
 from workbench.figures import kinds, legend
 from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
-from workbench.store import reading
+from workbench.store import reading, writing
+from workbench.web.report import measured_runs
 
 SHORT = ["--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", "--axis", "FZ=-15:-5", "--axis", "L=1.5:3"]
 
@@ -106,3 +108,21 @@ def test_the_colours_of_a_map_are_of_what_is_asked_for(shown, colours) -> None:
 def test_a_number_that_a_map_does_not_hold_is_refused_with_those_that_it_holds() -> None:
     with pytest.raises(InputError, match="'energy'; choose from count, count_stable, dbeta0"):
         kinds.figure(made(), show=["energy"])
+
+
+def test_the_numbers_of_a_map_are_written_and_those_of_a_table_of_words_are_refused(
+    capsys, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    writing.write(made(), Path("map.h5"))
+    assert exit_status("plot", "map.h5", "--show", "dbeta0", "--data", "map.csv", "--no-title") == 0
+    assert "the colours are of" in capsys.readouterr().out  # a sentence of the caption
+    rows = list(csv.DictReader(Path("map.csv").read_text(encoding="utf-8").splitlines()))
+    stored = made()["curve_dbeta0"].values
+    shades = [float(row["value"]) for row in rows if row["value"]]
+    assert shades
+    assert np.nanmin(stored) <= min(shades) <= max(shades) <= np.nanmax(stored)
+    extremes = measured_runs.SHIPPED / "extremes.h5"
+    assert exit_status("plot", extremes, "--out", "e.png", "--data", "e.csv") == 2
+    assert "has none" in capsys.readouterr().err
+    assert not Path("e.png").exists()

@@ -87,33 +87,32 @@ def plot(
     from ..words import outcomes
     from . import option_checks
 
-    given = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
+    given: dict[str, Any] = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
     if file.is_dir():
         return _story(file, out or file / "story.png", width, force, dpi)
+    page = sheet(style, width, not no_title, panel)
     if (other := _other(file)) is not None:
-        path = option_checks.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
         named = {name: value for name, value in {**given, "kind": kind, "panel": panel}.items() if value}
         if alien := [name for name in named if name not in kinds.KINDS[other.figure].options]:
             raise InputError(f"{file} is {other.what}, which plot draws without --{alien[0]}")
-        ds, shown = reading.read(file, study=False), option_checks.names(show)
-        more: dict[str, Any] = {"show": shown} if shown else {}
-        canvas.save(kinds.figure(ds, sheet=sheet(style, width, not no_title), **more), path, dpi)
-        console.say(str(path))
-        return 0
-    ds = reading.read(file)
-    outcomes.check_any_solved(ds)
-    page = sheet(style, width, not no_title, panel)
-    kind, given = _kind(ds, kind, given)
+        ds, kind, given = reading.read(file, study=False), other.figure, named
+    else:
+        ds = reading.read(file)
+        outcomes.check_any_solved(ds)
+        kind, given = _kind(ds, kind, given)
     path = option_checks.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
     numbers = option_checks.check(data, (".csv",), force) if data else None
     drawn = _figure(ds, kind, given, page)
+    table = drawn_numbers.table(drawn) if numbers else ""
+    if numbers and table.count("\n") < 2:
+        raise InputError(f"--data writes lines, dots, bars and cells of maps, and the picture of {file} has none")
     canvas.save(drawn, path, dpi)
     for note in legend.notes_of(drawn):
         console.say(note)
     console.say(str(path))
     if numbers:
         with atomic.replacement(numbers) as part:
-            part.write_text(drawn_numbers.table(drawn), encoding="utf-8")
+            part.write_text(table, encoding="utf-8")
         console.say(str(numbers))
     return 0
 

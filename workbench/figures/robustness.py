@@ -110,6 +110,5 @@ def _number(value: Any) -> str:
 
 def _groups(ax: Axes, groups: list[str], width: float) -> None:
     """A line between groups of extremes."""
-    for i in range(1, len(groups)):
-        if groups[i] != groups[i - 1]:
-            ax.plot([0, width], [i, i], color=colours.SOFT, linewidth=0.8)
+    changes = [i for i in range(1, len(groups)) if groups[i] != groups[i - 1]]
+    ax.hlines(changes, 0, width, color=colours.SOFT, linewidth=0.8)
