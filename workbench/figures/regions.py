@@ -56,8 +56,6 @@ def place(mask: Mask, cell: tuple[float, float], size: tuple[float, float]) -> t
     cell, size : pair of float
         Height and width of a cell in the mean, and of the box, in inches.
     """
-    from scipy import ndimage
-
     rows, columns = (max(int(np.ceil(length / step)), 1) for length, step in zip(size, cell, strict=True))
     if rows > mask.shape[0] or columns > mask.shape[1]:
         return None
@@ -74,8 +72,6 @@ def place(mask: Mask, cell: tuple[float, float], size: tuple[float, float]) -> t
 
 def areas(numbers: Values) -> Iterator[tuple[float, Mask]]:
     """The connected areas of equal number, each with its number; NaN belongs to none."""
-    from scipy import ndimage
-
     for number in np.unique(numbers[np.isfinite(numbers)]):
         labels, count = ndimage.label(numbers == number)
         for k in range(1, count + 1):
