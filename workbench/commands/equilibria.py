@@ -162,7 +162,7 @@ def _list(
     from ..branches.ends_study import row
     from ..branches.equilibria_dataset import dataset_of
     from ..store.case_solutions import rule_of
-    from ..words.cautions import LEFT_OUT
+    from ..words import cautions
 
     rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule
     assert rule is not None
@@ -180,8 +180,8 @@ def _list(
             console.say(f"* {how.rule}" if taken else f"none has index {rule}")
         console.say(f"rod: {source}")
         console.say_units(study.unit_system)
-        if case.cylinder.side == "inside":
-            console.say(LEFT_OUT)
+        if left_out := cautions.left_out_of(case):
+            console.say(left_out)
         if export:
             console.say(f"{len(found)} cases in {export}")
 
@@ -204,7 +204,8 @@ def _print_list(
 
     _print_table(study, rows, reactions)
     if rows:
-        console.say(_energy_in_words(rows, list(found[0].solution.held), f"{study.units.force} {study.units.length}"))
+        unit = f"{study.units.force} {study.units.length}"
+        console.say(_energy_in_words(rows, list(found[0].solution.held), case.rod.weight is not None, unit))
     held = held_of(case)
     ends = f"under held ends: {choices(held)}" if held else "with the end angles held and dead loads"
     noun = "equilibrium" if len(rows) == 1 else "equilibria"
@@ -223,7 +224,7 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     units |= {name: {"FZ": force, **moments}.get(name, "deg") for name in reactions}
     units["held_energy"] = units["energy"]
     shown = [*reactions, *COLUMNS[:5], *(["dead_index"] if reactions else []), *COLUMNS[5:]]
-    if reactions:
+    if rows and "held_energy" in rows[0]:
         shown[shown.index("energy")] = "held_energy"
     heads = {name: tables.heading(HEADS.get(name, name).replace("_", " "), units.get(name, "")) for name in shown}
     table = []
@@ -234,14 +235,15 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     tables.print_rows(table, {"": "", **heads})
 
 
-def _energy_in_words(rows: Sequence[dict[str, Any]], held: Sequence[str], unit: str) -> str:
+def _energy_in_words(rows: Sequence[dict[str, Any]], held: Sequence[str], heavy: bool, unit: str) -> str:
     """What the energy of a list consists of; held: the ends that are held, whose reactions do no work."""
     twist = [row["twist_energy"] for row in rows]
     same = max(twist) - min(twist) <= 1e-9 * max(twist)
     number = f" ({twist[0]:.6g} {unit}{' in each' if len(rows) > 1 else ''})"
     part = f"twist energy{number if same else ''}"
     loads = "the given loads and end moments" if held else "FZ, MZ and M3"
-    return f"{'held ' if held else ''}energy = bending energy + {part} - work of {loads}"
+    weight = " + potential of the weight" if heavy else ""
+    return f"{'held ' if held else ''}energy = bending energy + {part}{weight} - work of {loads}"
 
 
 def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", show: str | None) -> Result:

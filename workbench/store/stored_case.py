@@ -117,7 +117,7 @@ def solve_again(ds: xr.Dataset, stations: int, names: Iterable[str]) -> xr.Datas
                                 getattr(sol, name)) for name in names})  # fmt: skip
     for name in (str(name) for name in denser.data_vars if "u" in denser[name].dims and name in ds):
         stored = ds[name].transpose(*dims).values[ds["solved"].values]
-        size = {"beta": 1.0, "alpha": 1.0, "z": float(ds["L"].max())}.get(name, float(np.abs(stored).max(initial=0.0)))
+        size = {"beta": 1.0, "alpha": 1.0, "z": float(np.max(sol.s))}.get(name, float(np.abs(stored).max(initial=0.0)))
         far = np.abs(denser[name].values[..., ::more][ds["solved"].values] - stored)
         if not far.max(initial=0.0) <= AGREES * size:
             raise InputError(f"solved again, the cases have other shapes than the file: {name} differs")

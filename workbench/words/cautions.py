@@ -101,7 +101,7 @@ def phrase(part: str) -> str:
         return f"would lift off next to its ends alone: {_extent(part)}"
     if part.startswith(PULLED):
         return WORDS[PULLED][0] + (f", {extent}" if (extent := _extent(part)) else "")
-    return WORDS[part][0]
+    return WORDS.get(part, (part,))[0]  # a file may hold other words
 
 
 def sentence(ds: "xr.Dataset") -> str:
@@ -131,8 +131,8 @@ def _parts(texts: Mapping[str, int]) -> dict[str, int]:
         for part in parts(text):
             counts[part] += count
     each = outcomes.group(counts)
-    order = [*WORDS, *UNCHECKED]
-    return dict(sorted(each.items(), key=lambda item: (order.index(keys(item[0])[0]), item[0])))
+    places = {key: place for place, key in enumerate([*WORDS, *UNCHECKED])}  # what is none of them stands last
+    return dict(sorted(each.items(), key=lambda item: (places.get(keys(item[0])[0], len(places)), item[0])))
 
 
 def _grave(cases: int, counts: Mapping[str, int]) -> str:
@@ -141,7 +141,8 @@ def _grave(cases: int, counts: Mapping[str, int]) -> str:
     facts = []
     for part, count in counts.items():
         extent = _extent(part)
-        facts.append(f"{count} {WORDS[keys(part)[0]][min(count - 1, 1)]}" + (f" ({extent})" if extent else ""))
+        fact = WORDS.get(keys(part)[0], (part, part))[min(count - 1, 1)]
+        facts.append(f"{count} {fact}" + (f" ({extent})" if extent else ""))
     return f"Of {cases} rods {_list(facts)}: such shapes are not physically realisable."
 
 
