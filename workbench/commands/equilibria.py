@@ -224,15 +224,25 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     units |= {name: {"FZ": force, **moments}.get(name, "deg") for name in reactions}
     units["held_energy"] = units["energy"]
     shown = [*reactions, *COLUMNS[:5], *(["dead_index"] if reactions else []), *COLUMNS[5:]]
-    if rows and "held_energy" in rows[0]:
-        shown[shown.index("energy")] = "held_energy"
+    energy = "held_energy" if rows and "held_energy" in rows[0] else "energy"
+    shown[shown.index("energy")] = energy
+    least = _base_energy([row[energy] for row in rows])
     heads = {name: tables.heading(HEADS.get(name, name).replace("_", " "), units.get(name, "")) for name in shown}
     table = []
     for i, row in enumerate(rows, 1):
         every = {**row, **row.get("reactions", {})}
         angles = {name: degrees(every[name]) for name in shown if units.get(name) == "deg"}
-        table.append({"": f"{i} *" if row["taken"] else f"{i}", **every, **angles})
+        above = {energy: row[energy] - least} if least else {}
+        table.append({"": f"{i} *" if row["taken"] else f"{i}", **every, **angles, **above})
     tables.print_rows(table, {"": "", **heads})
+    if least:
+        console.say(f"energies are those above the least, {least:.10g} {units['energy']}")
+
+
+def _base_energy(energies: Sequence[float]) -> float:
+    """The least of energies of which a table of six digits would show three that differ at most; else 0."""
+    least, most = min(energies, default=0.0), max(energies, default=0.0)
+    return least if 0 < most - least < 1e-3 * abs(least) else 0.0
 
 
 def _energy_in_words(rows: Sequence[dict[str, Any]], held: Sequence[str], heavy: bool, unit: str) -> str:
