@@ -154,7 +154,7 @@ def role(also: Mapping[str, Any]) -> str:
 
 def _brief(row: Mapping[str, Any]) -> str:
     """The verdict, and how many steps go the wrong way."""
-    wrong = _exceptions(row)
+    wrong = len(row["exceptions"])
     return f"{plain(row)} ({wrong} step{'s' * (wrong > 1)} wrong)" if wrong else plain(row)
 
 
@@ -229,12 +229,7 @@ def _part(every: Sequence[str], verdict: str, at: Mapping[str, float]) -> str:
 
 def _wrong(row: Mapping[str, Any]) -> str:
     """The number of steps the wrong way: ``2 of 8 steps``."""
-    return f"{_exceptions(row)} of {row['steps']} steps"
-
-
-def _exceptions(row: Mapping[str, Any]) -> int:
-    """The number of exceptions, of which the row of a summary holds no list."""
-    return row["exceptions"] if isinstance(row["exceptions"], int) else len(row["exceptions"])
+    return f"{len(row['exceptions'])} of {row['steps']} steps"
 
 
 def count_of(count: int, word: str) -> str:
@@ -303,7 +298,7 @@ def detail(row: Mapping[str, Any]) -> str:
     if row["verdict"] == QUALIFIED:
         return "; ".join(notes)
     if row["exceptions"]:
-        notes.append(f"{_exceptions(row)} of {row['steps']} {row['counted']}")
+        notes.append(f"{len(row['exceptions'])} of {row['steps']} {row['counted']}")
     if row["tau"] is not None and row["verdict"] != HOLDS:
         notes.append(f"tau {row['tau']:.2f}")
     return "; ".join(notes)

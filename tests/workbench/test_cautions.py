@@ -136,3 +136,12 @@ def test_a_rod_that_would_lift_off_in_more_than_its_ends_is_barred(FZ: float, ki
     assert text.startswith(f"pulled {kind}")
     assert cautions.is_barred(text)
     assert not cautions.is_barred(AT_ENDS.format(1.5, 3))
+
+
+def test_a_caution_of_other_words_is_quoted_after_the_known_ones() -> None:
+    """A file may be edited, or come from another version."""
+    assert cautions.tell({"$\\mathrm{": 1}) == (
+        "The rod is marked '$\\\\mathrm{': this shape is not physically realisable."
+    )
+    both = cautions.tell({"of old, overlaps": 2, "": 1})
+    assert both.startswith("Of 3 rods 2 pass through themselves and 2 are marked 'of old'")

@@ -96,7 +96,7 @@ def test_the_colours_of_a_map_are_of_what_is_asked_for(shown, colours) -> None:
     fig = kinds.figure(made(), sheet=sheet("paper", titled=False), show=[shown])
     assert len(fig.axes) == 1 + colours  # numbers along curves have a bar
     notes = " ".join(legend.notes_of(fig))
-    assert ("colours are of" in notes) == (shown != "count")
+    assert ("Colours" in notes) == (shown != "count")
     along = [one for one in fig.axes[0].collections if isinstance(one, LineCollection)]
     stored = made()["curve_dbeta0"].values
     for one in along:
@@ -116,7 +116,7 @@ def test_the_numbers_of_a_map_are_written_and_those_of_a_table_of_words_are_refu
     monkeypatch.chdir(tmp_path)
     writing.write(made(), Path("map.h5"))
     assert exit_status("plot", "map.h5", "--show", "dbeta0", "--data", "map.csv", "--no-title") == 0
-    assert "the colours are of" in capsys.readouterr().out  # a sentence of the caption
+    assert "Colours beside the curves" in capsys.readouterr().out  # a sentence of the caption
     rows = list(csv.DictReader(Path("map.csv").read_text(encoding="utf-8").splitlines()))
     stored = made()["curve_dbeta0"].values
     shades = [float(row["value"]) for row in rows if row["value"]]

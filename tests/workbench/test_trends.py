@@ -138,7 +138,7 @@ def test_bars_have_the_stored_number_of_each_case_along_a_short_axis() -> None:
     fig = kinds.figure(ds, "bars", x="R", show=["kappa_max"], at={"E": 2e4})
     (bars,) = fig.axes[0].containers
     np.testing.assert_array_equal([bar.get_width() for bar in bars], ds["kappa_max"].sel(E=2e4).sortby("R"))
-    assert [text.get_text() for text in fig.axes[0].get_yticklabels()] == ["0.5 cm", "0.75 cm", "1 cm"]
+    assert [text.get_text() for text in fig.axes[0].get_yticklabels()] == ["R = 0.5 cm", "0.75", "1"]
     assert "E = 20000" in fig.legends[0].get_title().get_text()
 
 

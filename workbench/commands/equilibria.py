@@ -236,11 +236,11 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
         table.append({"": f"{i} *" if row["taken"] else f"{i}", **every, **angles, **above})
     tables.print_rows(table, {"": "", **heads})
     if least:
-        console.say(f"energies are those above the least, {least:.10g} {units['energy']}")
+        console.say(f"energies are listed above the least, {least:.10g} {units['energy']}")
 
 
 def _base_energy(energies: Sequence[float]) -> float:
-    """The least of energies of which a table of six digits would show three that differ at most; else 0."""
+    """The energy above which six digits tell these apart: the least, if they differ by less than 0.1 %; else 0."""
     least, most = min(energies, default=0.0), max(energies, default=0.0)
     return least if 0 < most - least < 1e-3 * abs(least) else 0.0
 

@@ -20,12 +20,14 @@ def summary(file: File) -> Result:
     of lists of equilibria, branches, fold maps and measurements their numbers.
     """
     from ..store import file_kinds, reading
-    from ..store.file_summary import contents
+    from ..store.file_summary import brief_law, contents
     from ..store.file_summary import summary as summarise
 
-    is_study = reading.kind_of_file(file) is file_kinds.STUDY
-    found = summarise(file) if is_study else contents(file)
-    return Result(lambda: found, lambda: (_print if is_study else _print_contents)(found))
+    if reading.kind_of_file(file) is file_kinds.STUDY:
+        study = summarise(file)
+        return Result(lambda: study | {"laws": [brief_law(row) for row in study["laws"]]}, lambda: _print(study))
+    found = contents(file)
+    return Result(lambda: found, lambda: _print_contents(found))
 
 
 def _print_contents(found: dict[str, Any]) -> None:

@@ -78,9 +78,8 @@ def _cases(ds: xr.Dataset, ax: Axes, name: str, axis: str, cases: Sequence[dict[
         [labels.minus_signs(labels.number(size)) if np.isfinite(size) else "unsolved" for size in sizes],
         selection.is_count(ds, name),
     )
-    _look(ax, labels.distinct(ds[axis], ds[axis].values[[case[axis] for case in cases]]))
-    if ax.get_subplotspec().is_first_col():  # type: ignore[union-attr]
-        ax.set_ylabel(labels.axis_symbol(axis), rotation=0, ha="right", va="center")
+    first, *others = labels.distinct(ds[axis], ds[axis].values[[case[axis] for case in cases]])
+    _look(ax, [f"{labels.axis_symbol(axis)} = {first}", *(text.partition(" ")[0] for text in others)])
     ax.set_title(fonts.wrap(labels.label(array, long=True), ax), loc="left", pad=4)
 
 

@@ -31,9 +31,7 @@ CUSP: dict[str, Any] = {"marker": "D", "color": "white", "markeredgecolor": colo
                         "linestyle": "none"}  # fmt: skip
 MARK: dict[str, Any] = {"marker": "P", "color": colours.INK, "markeredgecolor": "white", "markersize": 8,
                         "linestyle": "none"}  # fmt: skip
-
-
-COUNT, STABLE = "count", "count_stable"
+COUNT, STABLE = "count", "count_stable"  # of the equilibria of a region
 
 
 def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> Figure:
@@ -53,13 +51,12 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
     def draw(fig: Figure) -> None:
         ax = fig.add_subplot()
         box = sheet.width - 1.1, high - 0.6
-        notes, unnumbered = panel(ds, ax, box, STABLE if shown == STABLE else COUNT, pale=shown in along)
+        notes, unnumbered = panel(ds, ax, box, None if shown in along else shown)
         if shown in along:
             _colour_curves(ds, ax, shown)
-        if shown != COUNT:
-            of = "Beside the curves" if shown in along else "Of the regions"
-            array = ds[f"curve_{shown}" if shown in along else shown]
-            notes.append(f"{of} the colours are of: {labels.long_name(array)}.")
+            notes.append(f"Colours beside the curves: {labels.long_name(ds[f'curve_{shown}'])}.")
+        elif shown != COUNT:
+            notes.append(f"Colours of the regions: {labels.long_name(ds[shown])}.")
         given = [line for line in ax.lines if line.get_label() in GIVEN]
         legend.below(fig, [*unnumbered, *entries(ds), *given], notes, sheet)
 
@@ -99,10 +96,8 @@ def _colour_curves(ds: xr.Dataset, ax: Axes, name: str) -> None:
     legend.colour_bar(fig, drawn, labels.label(array), ax=ax, pad=0.015, aspect=30, fraction=0.05)
 
 
-def panel(
-    ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str = COUNT, pale: bool = False
-) -> tuple[list[str], list[Artist]]:
-    """Draw the map on axes of about that width and height; shown: the count that colours the regions, unless pale.
+def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str | None) -> tuple[list[str], list[Artist]]:
+    """Draw the map on axes of about that width and height; shown: the count that colours the regions; None: nothing.
 
     Returns notes on what is drawn, and for the legend the colours that no number explains.
     """
@@ -110,15 +105,6 @@ def panel(
     edges = [labels.in_label_unit(ds[name], np.array([ds.attrs[end][k] for end in ("low", "high")]))
              for k, name in enumerate((x, y))]  # fmt: skip
     lines = _lines(ds)
-    low, size = (np.array([[ends[0], np.ptp(ends)] for ends in edges]).T[k] for k in (0, 1))
-    raster = regions.fine(ds["region_at"].values, [(line - low) / size for line in lines])
-    counts = np.append(ds[shown].values, 0)[raster].astype(float)
-    counts[raster < 0] = np.nan
-    known = np.unique(counts[np.isfinite(counts)])
-    ramp = ListedColormap(colours.map_colours(max(known.size, 2))(np.arange(max(known.size, 1))))
-    ax.imshow(np.searchsorted(known, np.where(np.isnan(counts), known[:1], counts)), cmap=ramp, origin="lower",
-              extent=(*edges[0], *edges[1]), aspect="auto", interpolation="nearest", alpha=0.0 if pale else 0.8,
-              vmin=-0.5, vmax=max(known.size, 2) - 0.5, zorder=0)  # fmt: skip
     for k, line in enumerate(lines):
         ax.plot(*line.T, zorder=3, solid_capstyle="round", **_look(ds, k))
     if "cusp" in ds.dims:
@@ -127,8 +113,18 @@ def panel(
     ax.set(xlim=edges[0], ylim=edges[1], xlabel=labels.axis_label(x, ds[x]), ylabel=labels.axis_label(y, ds[y]))
     _mark_given_case(ds, ax, (x, y))
     notes, left_out = _name_regions(ds, ax, inches)
-    if pale:
+    if shown is None:
         return notes, []
+    sides = np.array(edges)
+    scaled = [(line - sides[:, 0]) / np.ptp(sides, axis=1) for line in lines]
+    raster = regions.fine(ds["region_at"].values, scaled)
+    counts = np.append(ds[shown].values, 0)[raster].astype(float)
+    counts[raster < 0] = np.nan
+    known = np.unique(counts[np.isfinite(counts)])
+    ramp = ListedColormap(colours.map_colours(max(known.size, 2))(np.arange(max(known.size, 1))))
+    ax.imshow(np.searchsorted(known, np.where(np.isnan(counts), known[:1], counts)), cmap=ramp, origin="lower",
+              extent=(*edges[0], *edges[1]), aspect="auto", interpolation="nearest", alpha=0.8,
+              vmin=-0.5, vmax=max(known.size, 2) - 0.5, zorder=0)  # fmt: skip
     said = {int(count) for k, count in enumerate(ds[shown].values) if k not in left_out}
     unsaid = sorted({int(ds[shown].values[k]) for k in left_out} - said)
     noun = "stable equilibri" if shown == STABLE else "equilibri"

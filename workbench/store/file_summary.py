@@ -30,7 +30,7 @@ TOO_FEW = "too few stations along the rod are stored"
 
 
 def summary(path: Path) -> dict[str, Any]:
-    """What the file holds, as plain data. Raises `InputError`.
+    """What the file holds, as plain data; "laws" are rows as of `law_verdicts.verdicts`. Raises `InputError`.
 
     Memory: one number a case, for one observable at a time.
     """
@@ -55,7 +55,7 @@ def summary(path: Path) -> dict[str, Any]:
         data["states"] = _states(ds)
         data["worst"] = [_worst(ds, name) for name in ("error", "condition")]
         rows = law_verdicts.verdicts(ds)
-        data |= {"verdicts": law_words.tally(rows), "laws": [_law(row) for row in rows]}
+        data |= {"verdicts": law_words.tally(rows), "laws": rows}
     return data
 
 
@@ -196,8 +196,8 @@ def least_accurate(path: Path) -> dict[str, Any]:
         return {"error": worst["value"], "condition": float(place), "at": ", ".join(at)}
 
 
-def _law(row: dict[str, Any]) -> dict[str, Any]:
-    """A law's row without its list of exceptions, which may be as long as the study."""
+def brief_law(row: dict[str, Any]) -> dict[str, Any]:
+    """A law's row with the number of its exceptions, of which there may be as many as cases, in place of their list."""
     short = {key: value for key, value in row.items() if key not in ("exceptions", "also")}
     return {
         **short,

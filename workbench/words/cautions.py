@@ -101,7 +101,12 @@ def phrase(part: str) -> str:
         return f"would lift off next to its ends alone: {_extent(part)}"
     if part.startswith(PULLED):
         return WORDS[PULLED][0] + (f", {extent}" if (extent := _extent(part)) else "")
-    return WORDS.get(part, (part,))[0]  # a file may hold other words
+    return _words_of(part)[0]
+
+
+def _words_of(part: str) -> tuple[str, str]:
+    """What a part says of one rod and of several; a stored file may hold parts that are none of `WORDS`."""
+    return WORDS.get(keys(part)[0], (f"is marked {part!r}", f"are marked {part!r}"))
 
 
 def sentence(ds: "xr.Dataset") -> str:
@@ -141,8 +146,7 @@ def _grave(cases: int, counts: Mapping[str, int]) -> str:
     facts = []
     for part, count in counts.items():
         extent = _extent(part)
-        fact = WORDS.get(keys(part)[0], (part, part))[min(count - 1, 1)]
-        facts.append(f"{count} {fact}" + (f" ({extent})" if extent else ""))
+        facts.append(f"{count} {_words_of(part)[min(count - 1, 1)]}" + (f" ({extent})" if extent else ""))
     return f"Of {cases} rods {_list(facts)}: such shapes are not physically realisable."
 
 
