@@ -205,7 +205,7 @@ def _print_list(
     _print_table(study, rows, reactions)
     if rows:
         unit = f"{study.units.force} {study.units.length}"
-        console.say(_energy_in_words(rows, list(found[0].solution.held), case.rod.weight is not None, unit))
+        console.say(_energy_in_words(rows, list(found[0].solution.held), bool(case.rod.weight), unit))
     held = held_of(case)
     ends = f"under held ends: {choices(held)}" if held else "with the end angles held and dead loads"
     noun = "equilibrium" if len(rows) == 1 else "equilibria"

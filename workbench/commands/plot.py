@@ -88,11 +88,13 @@ def plot(
     from . import option_checks
 
     given: dict[str, Any] = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
+    named = {name: value for name, value in {**given, "kind": kind, "panel": panel}.items() if value}
     if file.is_dir():
+        if alien := [*named, *(["data"] if data else [])]:
+            raise InputError(f"{file} is a folder, whose story plot draws without --{alien[0]}")
         return _story(file, out or file / "story.png", width, force, dpi)
     page = sheet(style, width, not no_title, panel)
     if (other := _other(file)) is not None:
-        named = {name: value for name, value in {**given, "kind": kind, "panel": panel}.items() if value}
         if alien := [name for name in named if name not in kinds.KINDS[other.figure].options]:
             raise InputError(f"{file} is {other.what}, which plot draws without --{alien[0]}")
         ds, kind, given = reading.read(file, study=False), other.figure, named
