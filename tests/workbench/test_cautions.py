@@ -45,6 +45,15 @@ def test_a_pipe_pushed_down_its_hole_lifts_off_only_next_to_its_ends() -> None:
     assert sol.caution == text.replace(f"{near:g} m", "14 % of it")
 
 
+@pytest.mark.parametrize("tol", [1e-2, 1e-3, 1e-5, 1e-8])
+def test_a_loose_tolerance_excuses_no_stretch_without_push(tol: float) -> None:
+    """A cable around a drum lies free in the middle too, at 681 to 741 mm and elsewhere."""
+    rod = Rod(EI=2e5, GJ=1.5e5, a=5.0, L=2500.0)
+    sol = solve(Case(rod, Cylinder(100.0), Start(np.radians(70), 0.0, F2=0.0, F3=50.0, M3=0.0)), tol=tol, stations=801)
+    assert (sol.push[np.abs(sol.s - 710) < 20] < 0).all()
+    assert "pulled in part" in str(cautions.of_cases(sol))
+
+
 @pytest.mark.parametrize("beta0, betaL", [(0.0, 0.0), (0.3, -0.2)])
 def test_a_pipe_that_runs_against_both_its_ends_turns_back(beta0, betaL) -> None:
     """Pushed hard, a long pipe has its lowest energy turned round."""
