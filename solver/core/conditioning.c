@@ -91,27 +91,29 @@ static void nodes_of(const course *o, int64_t i, double *beta, double *v)
     product(o->n + 1, o->n, series_of(o, i, 1), o->points->values, v);
 }
 
-/* H at the nodes as one moves away from the start: by its formula, or where that loses more, from the speed. */
+/* H at the nodes as one moves away from the start: by its formula, or where that loses more, from the speed; but not
+   from a speed that denies the formula by more than what the formula can lose, as on a panel as short as rounding. */
 static void slope_along(const course *o, const double *beta, const double *v, double half, int backward, double *h)
 {
     const start_problem *p = o->problem;
     const int n = o->n;
-    double least = v[0], most = v[0], size = 0, a[NODES];
-    for (int k = 0; k < n; k++) {
-        least = smaller(least, v[k]), most = larger(most, v[k]);
-        size = larger(size, slope_size(p->lam, p->mu, p->phi, beta[k]));
-    }
     const double unit = o->speed * o->unit, sign = o->direction * (backward ? -1 : 1);
-    const double lost = EPS * n * n * most / half;
-    if (EPS * size / unit < lost) {
-        for (int k = 0; k < n; k++)
-            h[k] = sign * slope(p->lam, p->mu, p->phi, beta[k]) / unit;
-        return;
+    double most = v[0], size = 0, a[NODES], rate[NODES];
+    for (int k = 0; k < n; k++) {
+        most = larger(most, v[k]);
+        size = larger(size, slope_size(p->lam, p->mu, p->phi, beta[k]));
+        h[k] = sign * slope(p->lam, p->mu, p->phi, beta[k]) / unit;
     }
+    const double loss = EPS * size / unit;
+    if (loss < EPS * n * n * most / half)
+        return;
     product(n, n, v, o->points->analyse, a);
-    product(n, n, a, o->points->differentiate, h);
+    product(n, n, a, o->points->differentiate, rate);
     for (int k = 0; k < n; k++)
-        h[k] = -h[k] / half;
+        if (fabs(h[k] + rate[k] / half) > n * n * loss)
+            return;
+    for (int k = 0; k < n; k++)
+        h[k] = -rate[k] / half;
 }
 
 static void flow_of(const course *o, int64_t i, flow *out)

@@ -153,6 +153,17 @@ def test_the_condition_number_is_that_of_the_variational_equation(kind: str, met
     checked(kind, 40, 5, method)
 
 
+@BOTH
+def test_a_slope_of_rounding_changes_no_condition_number(method: str) -> None:
+    """A rod all but at rest turns within a time of rounding: a panel so short that its speed alone gives no H."""
+    slopes = np.concatenate(([0.0], *(sign * np.logspace(-19, -13, 13) for sign in (1, -1))))
+    numbers = (np.full(slopes.size, x) for x in (3.5743903, 2.7017160, -4.3965625, 35.624957, -0.9684290))
+    problems = StartProblem(*numbers, slopes)
+    stations = problems.span[:, None] * np.linspace(0, 1, 9)
+    condition = METHODS[method]().run(problems, stations, 1e-8).condition
+    np.testing.assert_allclose(condition, condition[0], rtol=1e-6)
+
+
 @pytest.mark.slow
 @BOTH
 @pytest.mark.parametrize("kind", (*KINDS, *NEAR))
