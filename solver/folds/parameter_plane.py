@@ -125,11 +125,11 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
         rates = field_rates(plane.case_at(corners), plane.names)
     except InputError as refusal:
         raise InputError(f"no fold curves over {first} and {second}: {refusal}") from None
-    moved = np.stack([np.asarray(getattr(rates, name)) for name in ACTING])
+    moved = rates.table[: len(ACTING)]
     if held_of(case):
         assert rates.given is not None
-        turned = rates.ratio * ("rotation" in held_of(case))
-        moved = np.concatenate([np.moveaxis(rates.given, 1, 0), np.stack([rates.span, turned])])
+        turned = rates.of("ratio") * ("rotation" in held_of(case))
+        moved = np.concatenate([np.moveaxis(rates.given, 1, 0), np.stack([rates.of("span"), turned])])
     for k, name in enumerate((first, second)):
         if not moved[:, :, k].any():
             raise InputError(f"no equilibrium depends on {name}; choose another field")

@@ -14,7 +14,7 @@ import numpy as np
 from ..levels.morse_index import index_at_stations, jacobi_zeros
 from ..mechanics.potential import load_size
 from ..numerics.arrays import EPS, Array
-from ..numerics.dual import where
+from ..numerics.complex_step import size_of
 from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..orbit.pieces import LIBRATION, ROTATION
@@ -116,11 +116,12 @@ def bend_number(read: Reading) -> Pair:
         return unknown, unknown
     with np.errstate(divide="ignore", invalid="ignore"):
         librates, plain = (orbit.kind == LIBRATION) & _librates(read.plain), read.plain
-        count = where(librates, read.length / read.half_period, where(orbit.kind == ROTATION, 0.0, read.at_jump(0.0)))
+        straight = np.where(orbit.kind == ROTATION, 0.0, read.at_jump(0.0))
+        count = np.where(librates, read.length / read.half_period, straight)
         # the error of the half period: that of beta over the largest |beta_t|, at least the range over half a period
         late = np.where(librates, 2 * read.error / (plain.value("high") - plain.value("low")), 0.0)
         if isinstance(orbit, MarchedOrbit):
-            late = late + SPREAD * orbit.late * where(librates, count / read.half_period, 0.0)
+            late = late + SPREAD * orbit.late * np.where(librates, count / read.half_period, 0.0)
         if plain is read:
             late = late + _by_rounding(orbit, count, librates | (orbit.kind == ROTATION))
     return count, late + 8 * EPS * count
@@ -152,7 +153,7 @@ def amplitude(read: Reading) -> Pair:
     if orbit is None or not (orbit.kind == ROTATION).any():
         return range_, error
     first, last = read.end_angles
-    return where(orbit.kind == ROTATION, abs(last - first), range_), error
+    return np.where(orbit.kind == ROTATION, size_of(last - first), range_), error
 
 
 def kappa_mean(read: Reading) -> Pair:
@@ -304,11 +305,11 @@ def pitch(read: Reading) -> Pair:
     NaN where alpha changes by no more than its error.
     """
     (turned, doubt), (risen, error) = read.middle("turned"), read.middle("risen")
-    size = abs(turned)
+    size = size_of(turned)
     with np.errstate(divide="ignore", invalid="ignore"):
-        a_turn = where(size > doubt, 2 * np.pi * read.rho / size, np.nan)
+        a_turn = np.where(np.real(size) > doubt, 2 * np.pi * read.rho / size, np.nan)
     value = a_turn * risen
-    return value, a_turn * error + abs(value) * doubt / where(size > doubt, size - doubt, np.nan)
+    return value, a_turn * error + size_of(value) * doubt / np.where(np.real(size) > doubt, size - doubt, np.nan)
 
 
 def F3_size_max(read: Reading) -> Pair:

@@ -153,17 +153,21 @@ def reduce(case: Case) -> StartProblem | EndsProblem:
 
 def dimensionless_problem(case: Case, kind: type = float) -> StartProblem | EndsProblem:
     """The same of any case; where loads vary along the rod, with those that the case gives. kind: of the numbers."""
+    numbers = dimensionless_numbers(case, kind).reshape(6, -1)
+    return EndsProblem(*numbers) if isinstance(case.given, Ends) else StartProblem(*numbers)
+
+
+def dimensionless_numbers(case: Case, kind: type = float) -> Array:
+    """The fields of the problems, (6, *cases)."""
     FZ, MZ, M3 = case.loads
     rho, A, given = case.rho, case.rod.bending_stiffness, case.given
     numbers: Array = np.empty((6, *case.shape), kind)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         numbers[0], numbers[1] = number_of("MZ", MZ, A, rho), number_of("M3", M3, A, rho)
         numbers[2], numbers[3] = number_of("FZ", FZ, A, rho), case.rod.L / rho
-        if isinstance(given, Ends):
-            numbers[4], numbers[5] = given.beta0, given.betaL
-            return EndsProblem(*numbers.reshape(6, -1))
-        numbers[4], numbers[5] = given.beta, given.dbeta * rho
-        return StartProblem(*numbers.reshape(6, -1))
+        ends = (given.beta0, given.betaL) if isinstance(given, Ends) else (given.beta, given.dbeta * rho)
+        numbers[4], numbers[5] = ends
+    return numbers
 
 
 def refuse_varying(case: Case) -> None:

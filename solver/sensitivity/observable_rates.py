@@ -14,7 +14,7 @@ import numpy as np
 
 from ..core.varied_orbits import MEASURED, measure_rates
 from ..numerics.arrays import Array
-from ..numerics.dual import Dual
+from ..numerics.complex_step import slopes_of, with_slopes
 from ..observe.measurement import Reading
 from ..observe.observables import OBSERVABLES, SEVERAL, STRAIGHT, check_names, is_count
 from ..problem.errors import InputError, choices
@@ -60,14 +60,14 @@ class Moving(Reading):
         """
         sign = flat(self.sol.case.outward, self.sol.case.shape)[motion.rows]
         if motion.varied is None:
-            found = of_helices(motion, unit, rates.span, sign, self._wanted, self.sol.t[motion.rows])
+            found = of_helices(motion, unit, rates.of("span"), sign, self._wanted, self.sol.t[motion.rows])
         else:
             names = self._wanted & {*MEASURED}
             seen = {name: self.plain.value(name)[motion.rows] for name in names & {"peak", "lifts"}}
-            found = measure_rates(motion.varied, motion.pieces, sign, unit, rates.span, names, seen)
+            found = measure_rates(motion.varied, motion.pieces, sign, unit, rates.of("span"), names, seen)
             gain = motion.varied.kept["gain"].sum(axis=1)[:, :4]
             found["half_period"] = -np.einsum("bk,bkf->bf", gain, unit[:, 1:])
-        for name, value in (found | _at_marks(motion, unit, rates.span)).items():
+        for name, value in (found | _at_marks(motion, unit, rates.of("span"))).items():
             self._slopes[name][motion.rows] = value
 
     @property
@@ -80,69 +80,70 @@ class Moving(Reading):
         return np.full((self.sol.problem.size, len(self._rates.fields)), np.nan)
 
     def at_jump(self, value: float) -> Any:
-        return Dual(np.full(self.sol.problem.size, value), self.unknown)
+        return with_slopes(np.full(self.sol.problem.size, value), self.unknown)
 
     def get(self, name: str) -> Any:
-        return Dual(self.plain.value(name), self._slopes[name]), 0.0
+        return with_slopes(self.plain.value(name), self._slopes[name]), 0.0
 
     def scale(self, name: str, factor: Any) -> Any:
         return self.get(name)[0] * factor, 0.0
 
     def middle(self, name: str) -> Any:
         value, error = self.plain.middle(name)
-        return Dual(value, self._slopes[f"middle {name}"]), error
+        return with_slopes(value, self._slopes[f"middle {name}"]), error
 
     @cached_property
     def rho(self) -> Any:
-        return Dual(self.plain.rho, self._rates.rho)
+        return with_slopes(self.plain.rho, self._rates.of("rho"))
 
     @cached_property
     def A(self) -> Any:
-        return Dual(self.plain.A, self._rates.A)
+        return with_slopes(self.plain.A, self._rates.of("A"))
 
     @cached_property
     def E(self) -> Any:
-        return Dual(self.plain.E, self._rates.by("E"))
+        return with_slopes(self.plain.E, self._rates.by("E"))
 
     @cached_property
     def a(self) -> Any:
-        return Dual(self.plain.a, self._rates.by("a"))
+        return with_slopes(self.plain.a, self._rates.by("a"))
 
     @cached_property
     def ratio(self) -> Any:
-        return Dual(self.plain.ratio, self._rates.ratio)
+        return with_slopes(self.plain.ratio, self._rates.of("ratio"))
 
     @property
     def mu(self) -> Any:
-        return Dual(self.plain.mu, self._rates.mu)
+        return with_slopes(self.plain.mu, self._rates.of("mu"))
 
     @cached_property
     def length(self) -> Any:
-        return Dual(self.plain.length, self._rates.span)
+        return with_slopes(self.plain.length, self._rates.of("span"))
 
     @cached_property
     def gain(self) -> Any:
-        return tuple(Dual(value, self._slopes[k]) for value, k in zip(self.plain.gain, ("alpha", "z"), strict=True))
+        pairs = zip(self.plain.gain, ("alpha", "z"), strict=True)
+        return tuple(with_slopes(value, self._slopes[name]) for value, name in pairs)
 
     @cached_property
     def loads(self) -> Any:
-        numbers = ((getattr(self.sol.problem, name), getattr(self._rates, name)) for name in ("phi", "lam", "mu"))
-        phi, lam, mu = (Dual(value, slope) for value, slope in numbers)
+        numbers = ((getattr(self.sol.problem, name), self._rates.of(name)) for name in ("phi", "lam", "mu"))
+        phi, lam, mu = (with_slopes(value, slope) for value, slope in numbers)
         return phi * self.A / self.rho**2, lam * self.A / self.rho, mu * self.A / self.rho
 
     @cached_property
     def end_rates(self) -> Any:
         pairs = zip(self.plain.end_rates, ("dbeta0", "dbetaL"), strict=True)
-        return tuple(Dual(value, self._slopes[name]) for value, name in pairs)
+        return tuple(with_slopes(value, self._slopes[name]) for value, name in pairs)
 
     @cached_property
     def end_angles(self) -> Any:
         pairs = zip(self.plain.end_angles, ("beta0", "betaL"), strict=True)
-        return tuple(Dual(value, self._slopes[name]) for value, name in pairs)
+        return tuple(with_slopes(value, self._slopes[name]) for value, name in pairs)
 
     @property
     def half_period(self) -> Any:
-        return Dual(self.plain.half_period, self._slopes["half_period"])
+        return with_slopes(self.plain.half_period, self._slopes["half_period"])
 
 
 def _at_marks(motion: Motion, unit: Array, later: Array) -> dict[str, Array]:
@@ -166,7 +167,7 @@ def derivative_of(name: str, read: Moving) -> Array:
     if is_count(name):
         return np.zeros((read.sol.problem.size, len(read._rates.fields)))
     found = OBSERVABLES[name].compute(read)[0]
-    return found.slope if isinstance(found, Dual) else read.unknown
+    return slopes_of(found) if np.iscomplexobj(found) else read.unknown
 
 
 def measure_of(name: str) -> tuple[str, ...]:

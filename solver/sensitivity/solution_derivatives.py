@@ -5,7 +5,7 @@ What is given answers directly; the loads that are found follow from the equatio
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -27,22 +27,15 @@ def ends_field_rates(sol: Shape, fields: Sequence[str]) -> FieldRates:
     rates = field_rates(sol.case, fields)
     assert rates.given is not None
     turn = np.array(given_numbers(sol.case)) == "turn"  # ratio mu span less the swirl: the ratio changes it at once
-    by_ratio = (sol.problem.mu * sol.problem.span)[:, None] * rates.ratio
+    by_ratio = (sol.problem.mu * sol.problem.span)[:, None] * rates.of("ratio")
     return replace(rates, given=rates.given - turn[:, None] * by_ratio[:, None])
-
-
-def of_rows(rates: FieldRates, rows: Array) -> FieldRates:
-    """The rates of some of the cases."""
-    names = (one.name for one in fields(rates) if one.name not in ("fields", "given"))
-    given = None if rates.given is None else rates.given[rows]
-    return FieldRates(rates.fields, **{name: getattr(rates, name)[rows] for name in names}, given=given)
 
 
 def amounts(motion: Motion, rates: FieldRates) -> Array:
     """How far a unit of each field moves the cases in the five directions of a motion, (b, 5, F)."""
     if rates.given is None:
-        return np.matmul(motion.parts, np.stack([rates.beta0, rates.end, rates.lam, rates.mu, rates.phi], axis=1))
-    return np.matmul(motion.parts, np.concatenate([rates.given, rates.span[:, None]], axis=1))
+        return np.matmul(motion.parts, rates.table[[4, 5, 0, 1, 2]].swapaxes(0, 1))
+    return np.matmul(motion.parts, np.concatenate([rates.given, rates.of("span")[:, None]], axis=1))
 
 
 def along(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> dict[str, Array]:
@@ -53,11 +46,11 @@ def along(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> dict[st
     rows, t, problem = motion.rows, sol.t[motion.rows], motion.problem
     change = motion.change(t, unit)
     beta, v, z = (getattr(sol.trajectory, name)[rows][:, None, :] for name in ("beta", "dbeta", "z"))
-    later = rates.span[:, :, None] * (t / problem.span[:, None])[:, None, :]  # the change of t at a constant s/L
+    later = rates.of("span")[:, :, None] * (t / problem.span[:, None])[:, None, :]  # the change of t at a constant s/L
     case = sol.case
     ratio, rho = (flat(value, case.shape)[rows, None, None] for value in (case.rod.stiffness_ratio, case.rho))
     d_mu, d_ratio, d_rho, alpha0, gamma0 = (
-        getattr(rates, name)[:, :, None] for name in ("mu", "ratio", "rho", "alpha", "gamma")
+        rates.of(name)[:, :, None] for name in ("mu", "ratio", "rho", "alpha", "gamma")
     )
 
     s, c = np.sin(beta), np.cos(beta)
@@ -140,10 +133,10 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
     read = Moving(sol, rates, (key for name in wanted for key in measure_of(name))) if wanted else None
     with np.errstate(all="ignore"):  # what leaves the finite numbers is told by the outcome
         for motion in motions(sol, outcome):
-            unit = amounts(motion, of_rows(rates, motion.rows))
+            unit = amounts(motion, rates.take(motion.rows))
             for name, moved in zip(("lam", "mu", "phi"), unit[:, 2:].swapaxes(0, 1), strict=True):
-                getattr(rates, name)[motion.rows] = moved  # held ends find them
-            own = of_rows(rates, motion.rows)
+                rates.of(name)[motion.rows] = moved  # held ends find them
+            own = rates.take(motion.rows)
             for name, values in along(sol, motion, unit, own).items():
                 out[name][motion.rows] = values
             if read is not None:
