@@ -118,7 +118,7 @@ def test_the_solver_names_the_workbench_only_where_a_solution_is_shown() -> None
     named = {module_of(file) for file in files_of("solver/**/*.py") if '"workbench' in file.read_text(encoding="utf-8")}
     shows = {"solver.solution", "solver.problem.shown", "solver.equilibrium_branch"}  # load it by name
     assert named == shows | {"solver.problem.angles"}  # tells the workbench's own calls from those of a user
-    code = "import sys, solver; print([name for name in sys.modules if name.partition('.')[0] == 'workbench'])"
+    code = "import sys; from solver import *; print([n for n in sys.modules if n.partition('.')[0] == 'workbench'])"
     run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert run.stdout.split() == ["[]"]
 
@@ -210,9 +210,15 @@ def test_the_command_line_imports_what_is_heavy_only_inside_functions() -> None:
 
 
 def test_importing_the_solver_and_the_studies_loads_no_part_of_scipy() -> None:
-    code = "import sys, solver, studies; print(*[name for name in sys.argv[1:] if name in sys.modules])"
+    code = "import sys, studies; from solver import *; print(*[name for name in sys.argv[1:] if name in sys.modules])"
     words = [sys.executable, "-c", code, "scipy.optimize", "scipy.special", "scipy.linalg", "scipy.stats"]
     ran = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert ran.stdout.split() == []
+
+
+def test_the_names_and_the_units_of_quantities_need_no_numerics() -> None:
+    code = "import sys, solver.problem.quantities; print(*{'numpy', 'scipy', 'solver.solve'} & set(sys.modules))"
+    ran = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert ran.stdout.split() == []
 
 

@@ -2,6 +2,8 @@
 
 import doctest
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -48,3 +50,15 @@ def test_each_package_shows_its_public_names_and_its_version() -> None:
         assert package.__version__ == project["version"]
     for public in (solver, studies):
         assert set(dir(public)) == {*public.__all__, "__version__"}
+
+
+def test_a_name_that_a_function_shares_with_its_module_is_the_function_whatever_was_imported_before() -> None:
+    code = """
+import solver.follow, solver.solve, solver.observe.observables
+from solver.region_map import regions_of
+import solver
+from solver import equilibria, follow, loops, observe, region_map, solve, switch
+print(*[value.__name__ for value in (equilibria, follow, loops, observe, region_map, solve, switch)], solver.solve is solve)
+"""
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ran.stdout.split() == ["equilibria", "follow", "loops", "observe", "region_map", "solve", "switch", "True"]
