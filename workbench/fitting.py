@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver import Ends, observe, solve
+from solver import solve
 from solver.inverse.data import COLUMNS, DISTANCE
 from solver.inverse.fit_result import Fit
 from solver.problem.errors import InputError
 from studies.language import case_tables
 from studies.language.case_input import CaseInput, field_values
 
-from .branches.ends_study import study_text
+from .branches.ends_study import study_text, text_of_solution
 from .store import atomic, schema
 from .words import labels
 
@@ -130,13 +130,9 @@ def read_points(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
 def study_of(found: Fit, asked: CaseInput) -> str:
     """The TOML text of a study of the fitted case; of an ends problem it names the equilibrium that was fitted."""
     title = f"Fitted {', '.join(found.values)}"
-    text = study_text(title, asked.units, field_values(found.case))
-    if not isinstance(found.case.given, Ends):
-        return text
-    assert found.solution is not None
-    energy = float(observe(found.solution, ["energy"])["energy"])
-    dbeta0 = float(found.solution.dbeta[0])
-    return f"{text}\n[equilibrium]\ndbeta0 = {dbeta0!r}\nenergy = {energy!r}\n"
+    if found.solution is None:
+        return study_text(title, asked.units, field_values(found.case))
+    return text_of_solution(title, asked.units, found.solution)
 
 
 def table_of(found: Fit, asked: CaseInput) -> str:

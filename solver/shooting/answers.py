@@ -18,6 +18,7 @@ from .descent import index_of_any
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import Shape, correct, linear_at
 from .numbers import rods_of, starts_of
+from .state import LEAVES, RUBS
 from .varying_shapes import Marched, Nodes, VaryingShapes, read_starts, read_states
 
 SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error of an ends problem
@@ -191,12 +192,12 @@ def words_of(path: Path) -> str:
         return "the seed"
     said = ["the straight rod"]
     if path.wound:
-        said.append("leaves its branch where its sinusoid would lift off the wall, for a helix")
+        said.append(f"{LEAVES} where its sinusoid would lift off the wall, for a helix")
     if path.buckled is not None:
         said.append(f"which buckles at {path.buckled:.6g} times these loads")
-    said += [f"leaves its branch at {share:.4g} times them for another stable shape" for share in path.jumped]
+    said += [f"{LEAVES} at {share:.4g} times them for another stable shape" for share in path.jumped]
     if path.rubbed:
-        said.append("buckles where friction raises its compression")
+        said.append(f"{RUBS} raises its compression")
     return ", ".join([*said, *([path.why] * bool(path.why))])
 
 

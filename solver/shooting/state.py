@@ -11,6 +11,7 @@ STRAIGHT, SINUSOIDAL, HELICAL = "straight", "sinusoidal", "helical"
 BENT = 0.1  # rad of azimuth from one bend to the next: less is straight
 DYING = 0.7  # of the azimuth of the bend before: so bends die away in a straight rod below 0.97 of its buckling load
 TURN = 2 * np.pi  # of azimuth in one sense: as much is a helix
+LEAVES, RUBS = "leaves its branch", "buckles where friction"  # what a rod does on its way from the straight one
 
 
 class State(NamedTuple):

@@ -125,12 +125,17 @@ class StudyData(BaseModel):
         return next((name for name, axis in self.axes.items() if axis.follow), None)
 
     @property
+    def has_branches(self) -> bool:
+        """Whether each case is labelled with its branch: ends problems over axes."""
+        return bool(self.grid) and self.kind is Ends
+
+    @property
     def sweeps(self) -> bool:
-        """Whether the study is a sweep, whose cases are labelled with their branches: ends problems over axes.
+        """Whether the study is a sweep, whose cases continue from one another to tell their branches.
 
         With weight or friction each case continues from the straight rod, whatever its neighbours are.
         """
-        return bool(self.grid) and self.kind is Ends and not self.varies
+        return self.has_branches and not self.varies
 
     @property
     def varies(self) -> bool:

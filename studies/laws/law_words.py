@@ -187,13 +187,18 @@ def together(
 
 
 def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, Any]]) -> str:
-    """What the observable of the law does, and what its failing alternatives do. row, others: their rows."""
+    """What the observable of the law does, and what its failing alternatives do. row, others: their rows.
+
+    Of a grid also in how many of its rows an alternative is false: the law may be true there by its observable alone.
+    """
     trend = f" as a trend, with {_wrong(row)} the wrong way" if row["exceptions"] else ""
     clauses = []
     for other in others:
         reverse = other["tau"] is not None and other["tau"] <= -TREND_TAU
         does = DIRECTIONS[meant].instead if reverse else DIRECTIONS[meant].does_not
-        clauses.append(f"{other['observable']} {does}{f' at {_wrong(other)}' if other['exceptions'] else ''}")
+        rows = f", and is false in {other['line_verdicts'].get(FAILS, 0)} of {other['lines']} rows"
+        wrong = f" at {_wrong(other)}" if other["exceptions"] else ""
+        clauses.append(f"{other['observable']} {does}{wrong}{rows if other['lines'] > 1 else ''}")
     return f"{row['observable']} {DIRECTIONS[row['direction']].does}{trend}, but {' and '.join(clauses)}"
 
 

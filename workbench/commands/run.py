@@ -13,7 +13,7 @@ from .study_result import result_of
 @presents()
 def run(
     study: Annotated[str, argument("STUDY", "Name of a shipped study (see list) or TOML file.")],
-    out: Annotated[Path | None, option("FILE", "File of the stored study; default: STUDY.h5.")] = None,
+    out: Annotated[Path | None, option("FILE", "File of the stored study; default: STUDY.h5.", "--out", "-o")] = None,
     cases: Annotated[
         Path | None, option("FILE", "Solve the cases of this table, .csv or .parquet; default: [table] of the study.")
     ] = None,

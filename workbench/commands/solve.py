@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console, tables
@@ -12,6 +13,7 @@ from .present import Result, presents
 
 if TYPE_CHECKING:
     from solver import Solution
+    from studies import Study
 
     from .fidelity import Fidelity as Level
 
@@ -19,7 +21,12 @@ if TYPE_CHECKING:
 LOADS = ("FZ", "MZ", "M3")
 
 
-@presents()
+@presents(
+    plot="Picture of the rod, .png, .pdf or .svg.",
+    out="The solved case as an .h5 file, which plot, scene, export and explore read, or as a .toml study of it.",
+    suffixes=(".h5", ".toml"),
+    short="out",
+)
 @takes_case()
 def solve(
     file: CaseFile = None,
@@ -53,7 +60,11 @@ def solve(
     """
 
     from studies.language.case_input import read_case
+    from studies.language.loader import loads
+    from studies.language.study_text import dumps
 
+    from ..branches.ends_study import text_of_solution
+    from ..store import in_memory
     from ..store.case_solutions import solve_one
     from ..words import cautions, pipe_numbers, pipe_state
     from .fidelity import fidelity
@@ -83,7 +94,32 @@ def solve(
         "warnings": pipe_state.warnings(sol, asked.units, rows),
         "lift_offs": sol.lift_offs,
     }
-    return Result(lambda: found, lambda: print_case(found, every, whole), 0 if sol.solved else 1)
+
+    def study(name: str = "rod") -> "Study":
+        plain = loads(text_of_solution(f"One rod, from {asked.source}", asked.units, sol))
+        settings = {"tol": tol, "stations": sol.t.shape[-1], "observables": [*chosen.observables(sol.case.rod)]}
+        settings |= {"name": name} | ({} if method is None else {"method": method})
+        return loads(dumps(plain.model_copy(update=settings)))
+
+    return Result(
+        lambda: found,
+        lambda: print_case(found, every, whole),
+        0 if sol.solved else 1,
+        lambda: in_memory.run(study()),
+        lambda path: _write(study(path.stem), path),
+    )
+
+
+def _write(study: "Study", path: Path) -> None:
+    """Write the case as a study, or as the file of its run. Raises `InputError` where the disk refuses."""
+    from studies.language.study_text import dumps
+
+    from ..store import atomic, in_memory, writing
+
+    if path.suffix.lower() == ".toml":
+        atomic.write(path, lambda aside: aside.write_text(dumps(study), encoding="utf-8"))
+    else:
+        writing.write(in_memory.run(study), path, force=True)
 
 
 def _which(sol: "Solution", wound: bool) -> str:

@@ -38,8 +38,8 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> str:
     ax.set_title(fonts.wrap(f"{row['claim']}: {verdict}", ax), loc="left", color=colour)
     legend.add(ax)
     others = law_words.others(row, lambda name: labels.symbol(ds[name]))
-    said = "; ".join(text for text in (verdict, _measure(ds, row), others) if text)
-    return f"{row['claim']}: {sentence(ds, row)}; {said.rstrip('.')}."
+    said = "; ".join(text for text in (verdict, _measure(ds, row)) if text)
+    return f"{row['claim']}: {sentence(ds, row)}; {said.rstrip('.')}. {others}".rstrip()
 
 
 def _measure(ds: xr.Dataset, row: Mapping[str, Any]) -> str:

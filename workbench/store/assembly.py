@@ -138,7 +138,7 @@ def assemble(plan: Plan, parts: Shards, output: Path, stored: StoredRun | None, 
                 source = FileSource(str(output), held, names, places(stored, plan))
                 sources = [source, *sources] if plan.todo else [source]
             gathered = gather(sources, plan.shape, bytes_a_case(plan.study))
-            windows = ((where, _final(columns, tally)) for where, columns in gathered)
+            windows = ((where, _final(columns, tally, plan.study.sweeps)) for where, columns in gathered)
             statistics = store_cases(
                 frame, aside, bytes_of_file(plan), variables, plan.shape, windows, plan.recipe, tally
             )
@@ -170,13 +170,13 @@ def store_cases(
     return statistics
 
 
-def _final(columns: Columns, tally: Tally) -> Columns:
-    """The columns as they are stored: branches numbered from 0, and numbers that some case has not as floats.
+def _final(columns: Columns, tally: Tally, sweeps: bool) -> Columns:
+    """The columns as they are stored: branches of a sweep from 0, and numbers that some case has not as floats.
 
     Whole numbers stay whole where all cases are solved.
     """
     final = dict(columns)
-    if "branch" in final:
+    if sweeps:
         final["branch"] = outcomes.number_branches(final["branch"], tally["branch"])
     if tally["solved"][False]:
         final |= {k: v.astype(float) for k, v in final.items() if v.dtype.kind == "i" and k != "branch"}

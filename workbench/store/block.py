@@ -17,7 +17,7 @@ from solver.choose.selection import INCOMPLETE
 from studies import Study
 from studies.language import expressions
 
-from ..words import cautions
+from ..words import cautions, pipe_state
 from ..words.outcomes import NO_BRANCH
 from .case_solutions import State, show, solve_one
 from .schema import JUDGED, LOADS, Columns, curve_name, inner_shape
@@ -95,6 +95,12 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
     row["solved"] = mine
     outcomes = _with_remarks(np.asarray(sol.outcome).astype(str).reshape(-1), np.where(mine, remarks, ""))
     row["outcome"] = _with_remarks(outcomes, np.where(mine, _incomplete(sol), ""))
+    if study.varies and sol.begun is not None:
+        begun = np.asarray(sol.begun).reshape(-1)
+        ways = [pipe_state.way_of(str(text)) for text in begun]
+        row["outcome"] = _with_remarks(row["outcome"], np.where(mine, ways, ""))
+        if study.has_branches:
+            row["branch"] = np.where(mine, [pipe_state.count_left(str(text)) for text in begun], NO_BRANCH)
     caution = cautions.of_cases(sol, observed, study.units.length)
     row["caution"] = np.asarray(caution).reshape(-1)
     for name in (*JUDGED, *(name for name in LOADS if name not in study.varied)):
@@ -124,7 +130,7 @@ def unsolved(study: Study, cases: int, outcome: str) -> Columns:
     for name in (*study.recorded, *study.reactions, *(name for name in LOADS if name not in study.varied)):
         row[name] = np.full(cases, np.nan)
     row |= {name: np.full(cases, np.inf) for name in JUDGED}
-    row |= {"branch": np.full(cases, NO_BRANCH)} if study.sweeps else {}
+    row |= {"branch": np.full(cases, NO_BRANCH)} if study.has_branches else {}
     solved = np.zeros(cases, dtype=bool)
     return {**row, "solved": solved, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
 

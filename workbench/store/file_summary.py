@@ -40,7 +40,7 @@ def summary(path: Path) -> dict[str, Any]:
         data |= {"tolerance": attributes.number(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
         data |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", "equilibria")}
         counts = outcomes.count_branches(_numbers(ds["branch"])) if "branch" in ds else {}
-        data["branches"] = outcomes.branch_sentence(counts) if counts else ""
+        data["branches"] = outcomes.branches_of(ds, counts)
         data["versions"] = attributes.versions(ds, path)
         data["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
         data["sampled"] = [_axis(ds[schema.dimension(name)]) for name in schema.fields_of_samples(ds)]

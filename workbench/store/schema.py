@@ -20,6 +20,8 @@ from studies.grammar.formulas import parse
 from studies.language import expressions
 from studies.language.study_data import OUTPUTS
 
+from ..words.outcomes import LEFT
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -61,7 +63,7 @@ def case_variables(study: "Study", over: "Dimensions") -> list[CaseVariable]:
     """Every variable that is stored of each case, in order. over: the samples and axes of the study."""
     axes = tuple(map(dimension, over.names))
     along = [(name, curve_name(name), (*axes, "u", *INNER.get(name, ()))) for name in study.outputs]
-    branch = ["branch"] if study.sweeps else []
+    branch = ["branch"] if study.has_branches else []
     loads = [load for load in LOADS if load not in (*study.varied, *study.recorded)]
     of_case = [*study.recorded, "solved", *TEXTS, *branch, *JUDGED, *loads, *study.reactions]
     rows = [*along, *((name, name, axes) for name in of_case)]
@@ -144,7 +146,8 @@ def labels_in(study: "Study", name: str) -> dict[str, str]:
     """The attributes of a variable of a study: those of its quantity, or of its expression."""
     text = study.expressions.get(name.removesuffix("_error"))
     if text is None:
-        return labels(name, study.unit_system)
+        words = labels(name, study.unit_system)
+        return {**words, "long_name": LEFT} if name == "branch" and study.varies else words
     plain = name.removesuffix("_error")
     unit = expressions.unit(study, plain)
     if name != plain:

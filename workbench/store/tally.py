@@ -24,12 +24,13 @@ BLOCK = 100_000  # cases that are read at a time
 
 
 def tally_of(stored: StoredRun | None) -> Tally:
-    """The tally of an existing file, or an empty one. A sweep is never extended, so it has no branches."""
+    """The tally of an existing file, or an empty one."""
     if stored is None:
         return {name: Counter() for name in ("solved", *TEXTS, "branch")}
     statistics = stored.statistics
     texts = {"outcome": Counter(statistics["outcomes"]), "caution": Counter(statistics["cautions"])}
-    return {"solved": Counter({False: statistics["unsolved"]}), **texts, "branch": Counter()}
+    branch = Counter({int(number): cases for number, cases in statistics["branch_counts"].items()})
+    return {"solved": Counter({False: statistics["unsolved"]}), **texts, "branch": branch}
 
 
 def count(columns: Columns, tally: Tally) -> int:
@@ -63,7 +64,8 @@ def statistics(ds: "xr.Dataset", tally: Tally | None = None) -> dict[str, Any]:
         **{f"{name}s": dict(sorted(tally[name].items())) for name in TEXTS},
         "laws": law_verdicts.verdicts(ds),
         "equilibria": str(ds.attrs.get("equilibria", "")),
-        "branches": outcomes.branch_sentence(tally["branch"]) if tally["branch"] else "",
+        "branches": outcomes.branches_of(ds, tally["branch"]),
+        "branch_counts": dict(tally["branch"]),
         **{name: str(ds.attrs[name]) for name in SAMPLING if name in ds.attrs},
     }
 

@@ -67,6 +67,7 @@ def _range(texts: tuple[str, ...]) -> str:
 
 
 NO_BRANCH = -1  # the branch of a case without a solution
+LEFT = "number of branches left on the way from the straight rod (-1: not solved)"  # the label of such a `branch`
 
 
 def number_branches(branch: NDArray[np.int64], every: Iterable[int]) -> NDArray[np.int64]:
@@ -83,15 +84,36 @@ def count_branches(branch: NDArray[Any]) -> dict[int, int]:
     return {int(number): int(count) for number, count in zip(numbers, counts, strict=True)}
 
 
-def branch_sentence(counts: Mapping[int, int]) -> str:
-    """One sentence about the branches of a grid; counts: branch -> how many cases."""
-    sizes = [count for branch, count in sorted(counts.items()) if branch != NO_BRANCH]
+def branches_of(ds: "xr.Dataset", counts: Mapping[int, int]) -> str:
+    """One sentence about the branches of a study; counts: branch -> how many cases; none for a study without."""
+    if not counts:
+        return ""
+    several = sum(size > 1 for size in ds["branch"].shape) > 1
+    return branch_sentence(counts, ds["branch"].attrs.get("long_name") == LEFT, several)
+
+
+def branch_sentence(counts: Mapping[int, int], left: bool = False, several: bool = False) -> str:
+    """One sentence about branches; counts: branch -> how many cases.
+
+    left: whether the numbers count the branches that were left. several: whether the grid has several lines.
+    """
+    sizes = {branch: count for branch, count in sorted(counts.items()) if branch != NO_BRANCH}
     if not sizes:
         return "no case has an equilibrium"
+    no_law = "no law counts a step from one to another"
+    if left:
+        away, cases = sum(count for branch, count in sizes.items() if branch), sum(sizes.values())
+        if not away:
+            return "every case continues from the straight rod without leaving its branch of equilibria"
+        return (
+            f"in {away} of {cases} cases the rod leaves its branch of equilibria on the way from the straight rod: the "
+            f"outcome of a case says where, and {no_law}"
+        )
     if len(sizes) == 1:
         return "all cases lie on one branch of equilibria"
-    listed = ", ".join(map(str, sizes[:8])) + (", ..." if len(sizes) > 8 else "")
+    listed = ", ".join(map(str, list(sizes.values())[:8])) + (", ..." if len(sizes) > 8 else "")
+    at_most, of_line = ("at most ", "; those that begin on different lines are not compared") if several else ("", "")
     return (
-        f"the grid shows {len(sizes)} branches of equilibria ({listed} cases): the outcome of a case says where a "
-        "branch begins, and no law counts a step from one to another"
+        f"the grid shows {at_most}{len(sizes)} branches of equilibria ({listed} cases): the outcome of a case says "
+        f"where a branch begins, and {no_law}{of_line}"
     )

@@ -3,7 +3,7 @@
 import math
 from typing import TYPE_CHECKING, Any
 
-from solver.shooting.state import STRAIGHT, in_words
+from solver.shooting.state import LEAVES, RUBS, STRAIGHT, in_words
 
 from . import cautions, pipe_numbers
 from .pipe_numbers import Row
@@ -12,8 +12,15 @@ if TYPE_CHECKING:
     from solver import Solution
 
 SINUSOID, PRESSED = 2.0, 2.744687  # forces in sqrt(A w sin(theta)/rho), as of `studies/pipe_horizontal.toml`
+EXPECTED = (  # in a long pipe, by the number of the loads above that are reached
+    "a straight pipe",
+    "a sinusoid, as no helix can stay",
+    "a sinusoid; a helix that a larger load has left can stay, but has more energy",
+    "a sinusoid while the load grows and nothing disturbs the pipe; a helix, which has less energy, after a strong "
+    "disturbance or a larger load",
+    "a helix, as a sinusoid would lift off",
+)
 MOST = 6  # stretches that are listed
-NEWS = "leaves its branch", "buckles where friction"  # as `solver.shooting.answers` says it
 WAYS = {
     "forward": "slides along itself towards s = L everywhere",
     "backward": "slides along itself towards s = 0 everywhere",
@@ -25,6 +32,8 @@ TENSION = "in tension all along: a compression, as by a weight on the bit, is a 
 STIFFEST, DENSEST = 1.3e6, 23e3  # MPa, kg/m3: above diamond and osmium
 GRAVITY = 9.81  # m/s2
 YIELD = 0.0025  # strain at which steel of grade E-75 yields: 517 MPa over 206 GPa
+STEEL = 1.8e5, 2.2e5  # MPa
+YIELDS = "steel of drill pipe yields at 0.25 % (grade E-75, 517 MPa) to 0.45 % (S-135, 931 MPa)"
 
 
 def all_sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
@@ -46,13 +55,22 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if not sol.solved:
         return [*_buckling(sol, force), *_long_pipe(sol, force)]
     said = [f"state: {in_words(sol.states, length)}{_doubt(sol)}; {_stability(sol)}"]
-    begun = str(sol.begun or "")
-    news = next((begun[begun.index(words) :] for words in NEWS if words in begun), "")
-    said += [f"on the way to these loads the rod {news}"] * bool(news)
+    said += [way] if (way := way_of(str(sol.begun or ""))) else []
     if sol.case.cylinder.side == "inside" and min(pipe_numbers.axial_force(sol)) > 0:
         said.append(TENSION)
     said += [*_friction(sol, force), *_buckling(sol, force), *_long_pipe(sol, force)]
     return [*said, pipe_numbers.lower_end(sol)]
+
+
+def way_of(begun: str) -> str:
+    """What a rod does on its way from the straight one but buckle under its loads; begun: as a `Solution` has it."""
+    words = next((begun[begun.index(words) :] for words in (LEAVES, RUBS) if words in begun), "")
+    return words and f"on the way to these loads the rod {words}"
+
+
+def count_left(begun: str) -> int:
+    """How many branches of equilibria the way from the straight rod leaves; begun: as in `way_of`."""
+    return begun.count(LEAVES)
 
 
 def _doubt(sol: "Solution") -> str:
@@ -93,12 +111,13 @@ def warnings(sol: "Solution", units: dict[str, str], rows: list[Row]) -> list[st
         return _wrong_units(sol, units) if sol.case.varies else []
     said = [*_wrong_units(sol, units), *_lift_offs(sol, units["length"]), *_clamps(sol, rows[1])]
     if sol.case.rod.E is not None:
-        strain = rows[-1].largest / (float(sol.case.rod.E) * pipe_numbers.stress_unit(units)[1])
+        unit, size = pipe_numbers.stress_unit(units)
+        modulus = float(sol.case.rod.E) * size
+        strain = rows[-1].largest / modulus
         if strain > YIELD:
-            said.append(
-                f"caution: the strain reaches {100 * strain:.2g} %, and steel of drill pipe yields at 0.25 % (grade "
-                "E-75, 517 MPa) to 0.45 % (S-135, 931 MPa): the model is elastic"
-            )
+            steel = unit == "MPa" and STEEL[0] < modulus < STEEL[1]
+            yields = f", and {YIELDS}" if steel else "; whether the material yields there is not checked"
+            said.append(f"caution: the strain reaches {100 * strain:.2g} %{yields}: the model is elastic")
     text = str(cautions.of_cases(sol))
     others = cautions.said(", ".join(part for part in cautions.parts(text) if not part.startswith(cautions.PULLED)))
     return said + [f"caution: {others.removesuffix('.')}"] * bool(others)
@@ -172,15 +191,27 @@ def _buckling(sol: "Solution", force: str) -> list[str]:
 
 
 def _long_pipe(sol: "Solution", force: str) -> list[str]:
-    """The compressions at which a long pipe of this weight changes its state; none without weight across the axis."""
+    """The compressions at which a long pipe of this weight changes its state, and what is expected at the largest one.
+
+    Nothing without weight across the axis. The second sentence is given of a bent shape without torque and friction,
+    for which the first one holds.
+    """
     from solver.shooting.local_waves import EQUAL, LIFTED
 
     unit = math.sqrt(float(sol.case.rod.bending_stiffness) * pipe_numbers.weight_across(sol.case) / float(sol.case.rho))
     if not unit:
         return []
-    sinusoid, pressed, equal, lifted = (f"{x * unit:.4g}" for x in (SINUSOID, PRESSED, 2 + EQUAL, 2 + LIFTED))
-    return [
+    limits = [x * unit for x in (SINUSOID, PRESSED, 2 + EQUAL, 2 + LIFTED)]
+    sinusoid, pressed, equal, lifted = (f"{limit:.4g}" for limit in limits)
+    said = [
         f"local compression (-FZ) in a long pipe without torque or friction: straight below {sinusoid} {force}; "
         f"from {pressed} a helix can stay, from {equal} it has less energy than the sinusoid; above {lifted} "
-        "the sinusoid lifts off the wall: expect a helix"
+        "the sinusoid lifts off the wall"
     ]
+    given = sol.case.given
+    torque = any(float(getattr(given, load, None) or 0) for load in ("MZ", "M3"))
+    if not sol.solved or sol.case.cylinder.friction or torque or all(state.word == STRAIGHT for state in sol.states):
+        return said
+    most = -float(min(pipe_numbers.axial_force(sol)))
+    expected = EXPECTED[sum(most >= limit for limit in limits)]
+    return [*said, f"expected of a long pipe at {most:.4g} {force}, the largest compression here: {expected}"]
