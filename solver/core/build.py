@@ -18,11 +18,12 @@ SANITIZED = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover
 WASM = "rod.wasm"  # in the repository: not every installation can make it
 WASM_SOURCES = (
     "rod.c", "varying_loads.c", "measures.c", "stations.c", "stretches.c", "peaks.c", "critical_points.c",
-    "crossings.c", "lanes.h", "varying_lanes.h", "vectors.h", "widths.h", "densities.h", "stretches.h", "orbit_parts.h",
+    "crossings.c", "lanes.h", "varying_lanes.h", "vectors.h", "widths.h", "measured.h", "densities.h", "stretches.h",
+    "orbit_parts.h",
 )  # fmt: skip
 WASM_CALLS = (
     "rod_march", "rod_loaded", "rod_densities", "rod_measure_stations", "rod_landmarks_of_stations", "rod_crossings",
-    "rod_sources", "malloc", "free",
+    "rod_measured", "rod_sources", "malloc", "free",
 )  # fmt: skip
 # No operation is contracted or reordered, so that every compiler and every processor give the same bits.
 FLAGS = ("-O3", "-std=gnu11", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-Wno-pass-failed")

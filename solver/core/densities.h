@@ -4,10 +4,10 @@
 #ifndef ROD_DENSITIES_H
 #define ROD_DENSITIES_H
 
+#include "measured.h"
 #include "orbit_parts.h"
 
 enum { AT = 24, LONGEST = 64 }; /* nodes of a piece; most coefficients of its series */
-enum { ANGLE, CURVATURE, BENDING, POTENTIAL, OUTWARD, TENSION, ACROSS, ALONG, DENSITIES };
 
 /* The loads at the nodes of a piece. steepness: a bound of the change of beta_t for a unit change of beta. weight: across
    the rod, outward. divisor: what friction divides the contact force by. far_lam, far_mu: at the far end of the rod, where

@@ -22,10 +22,15 @@ class MissingCore(ImportError):
     """The compiled core is not there, or is another one than these sources make."""
 
 
+def library_path() -> Path:
+    """Where the library is."""
+    return Path(os.environ.get(OTHER) or HERE / library_name())
+
+
 @cache
 def library() -> Any:
     """The library. Raises `MissingCore` with what to do where it cannot be used."""
-    path = Path(os.environ.get(OTHER) or HERE / library_name())
+    path = library_path()
     try:
         core = ctypes.CDLL(str(path))
         core.rod_sources.restype = ctypes.c_char_p

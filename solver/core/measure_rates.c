@@ -6,10 +6,8 @@
 #include "stretches.h"
 #include "variations.h"
 
-enum { LOW, HIGH, TIGHTEST, LEAST, GREATEST, LARGEST_TENSION, CURVED, BENT, STORED, PUSHED, PULLED, SHARE, MIDDLE_PUSH,
-       FIRST_LIFT, PEAK, RATES };
 /* what is summed: the densities, the push without the pull, and the share of push */
-enum { PUSHES = 3, INTEGRALS, ALONE = INTEGRALS, ATTACHED, COLUMNS };
+enum { PUSH = 3, INTEGRALS, ALONE = INTEGRALS, ATTACHED, COLUMNS };
 enum { HALVINGS = 8, PLACES = 32, CANDIDATES = 4 + 2 * PLACES, QUERIES = 3, GAUSS = 5 };
 #define BARELY (64 * EPS) /* of the size of its terms: a push, or a difference of numbers, below this is rounding */
 #define SAME 1e-12        /* relative: extremes that differ by less are equal */
@@ -25,7 +23,7 @@ enum { HALVINGS = 8, PLACES = 32, CANDIDATES = 4 + 2 * PLACES, QUERIES = 3, GAUS
 #define MERGED 1e-6       /* of the same: places nearer than this are one */
 #define ZERO 1e-12        /* of the sum of the sizes of its terms: a value that only touches zero */
 
-static const int kinds[INTEGRALS] = {CURVATURE, BENDING, POTENTIAL, OUTWARD};
+static const int kinds[INTEGRALS] = {CURVATURE, BENDING, POTENTIAL, OUTWARD}, of_whole[PUSH] = {CURVED, BENT, STORED};
 static const double query_shares[QUERIES] = {1, 1.0 / 3, 2.0 / 3};
 
 /* F changes of each of the orbits, and what is observed. parts: (n, F, PARTS). later: (n, F), the change of the length in
@@ -165,7 +163,7 @@ static void differences(int kind, const rod_loads *l, const states *at, double *
    `differences`, where both agree. */
 static void above_rest(const rod *o, int near, const states *at, const rated *by, double out[COLUMNS][AT])
 {
-    const double nearest = o->by->base[o->nearest], push = o->still[PUSHES], level = larger(push, 0);
+    const double nearest = o->by->base[o->nearest], push = o->still[PUSH], level = larger(push, 0);
     memset(out, 0, sizeof(double) * COLUMNS * AT);
     for (int d = 0; d < INTEGRALS; d++) {
         double exact[AT];
@@ -180,10 +178,10 @@ static void above_rest(const rod *o, int near, const states *at, const rated *by
                 out[d][i] = exact[i];
         }
     }
-    for (int i = 0; i < AT && o->integrates[PUSHES]; i++) {
-        const double value = by[PUSHES].of.values[i];
+    for (int i = 0; i < AT && o->integrates[PUSH]; i++) {
+        const double value = by[PUSH].of.values[i];
         if (value > 0)
-            out[ALONE][i] = push > -BARELY ? out[PUSHES][i] : value;
+            out[ALONE][i] = push > -BARELY ? out[PUSH][i] : value;
         else
             out[ALONE][i] = level > BARELY * (1 + level) ? -level : 0;
         out[ATTACHED][i] = (value > 0) - (push > 0);
@@ -207,7 +205,7 @@ static void begin_leaf(const rod *o, double low, double high, leaf *out)
         product(n, AT, o->rates[k], polynomials, out->M[k]);
     directions_of(&out->at.angles);
     for (int d = 0; d < INTEGRALS; d++)
-        if (o->integrates[d] || d == PUSHES)
+        if (o->integrates[d] || d == PUSH)
             rate(kinds[d], &o->w->steady, &out->at, &out->by[d]);
 }
 
@@ -244,7 +242,7 @@ static double integral_to(const rod *o, const double *values, double x)
 /* The places inside a part where the push changes its sign, rising; returns their number. */
 static int zeros_on(const rod *o, const leaf *part, double *out)
 {
-    const double *push = part->by[PUSHES].of.values;
+    const double *push = part->by[PUSH].of.values;
     double series[AT];
     int count = 0;
     sign_changes found;
@@ -270,17 +268,17 @@ typedef struct {
 /* Adds the columns of a part on which the push has one sign, up to x of it. */
 static void add_leaf(const rod *o, const leaf *part, double x, sums *to)
 {
-    const rated *push = &part->by[PUSHES];
+    const rated *push = &part->by[PUSH];
     const int pushes = total_of(push->of.values, o->w->by.weight) > 0;
     double column[AT], above[COLUMNS][AT], far = 0;
     for (int i = 0; i < AT; i++)
         far = larger(far, fabs(part->at.x[i]));
     above_rest(o, far < NEAR_REST, &part->at, part->by, above);
     for (int c = 0; c < COLUMNS; c++) {
-        const int d = c < INTEGRALS ? c : PUSHES, moves = c < INTEGRALS || (c == ALONE && pushes);
+        const int d = c < INTEGRALS ? c : PUSH, moves = c < INTEGRALS || (c == ALONE && pushes);
         for (int k = 0; k < 4 && o->integrates[d]; k++) {
             for (int i = 0; i < AT; i++) {
-                const double lies = c == ATTACHED ? pushes - (o->still[PUSHES] > 0) : above[c][i];
+                const double lies = c == ATTACHED ? pushes - (o->still[PUSH] > 0) : above[c][i];
                 column[i] = (moves ? part->by[d].moved[k][i] : 0) - lies * part->M[k][i];
             }
             to->total[c][k] += part->time / 2 * integral_to(o, column, x);
@@ -321,7 +319,7 @@ static void add_part(const rod *o, const leaf *part, int halvings, query *querie
         begin_leaf(o, middle, part->high, &own), add_part(o, &own, halvings + 1, queries, to);
         return;
     }
-    const int count = o->integrates[PUSHES] ? zeros_on(o, part, zeros) : 0;
+    const int count = o->integrates[PUSH] ? zeros_on(o, part, zeros) : 0;
     for (int z = 0; z < count; z++, low = own.high)
         begin_leaf(o, low, middle + half * zeros[z], &own), add_to_all(o, &own, queries, to);
     if (count)
@@ -388,7 +386,7 @@ static void integrals_of(rod *o, double *out)
         const double *parts = o->parts + PARTS * f;
         double sum[QUERIES][COLUMNS];
         for (int q = 0; q < QUERIES; q++) {
-            const double later = query_shares[q] * o->later[f], push = by[PUSHES].of.values[1 + q];
+            const double later = query_shares[q] * o->later[f], push = by[PUSH].of.values[1 + q];
             for (int c = 0; c < COLUMNS; c++) {
                 const double kept = c < INTEGRALS ? by[c].of.values[1 + q] : c == ALONE ? larger(push, 0) : push > 0;
                 sum[q][c] = along_e(queries[q].of.total[c], parts) + kept * later - parts[0] * above[c][0] +
@@ -396,7 +394,7 @@ static void integrals_of(rod *o, double *out)
             }
         }
         out[CURVED] = sum[0][0], out[BENT] = sum[0][1], out[STORED] = sum[0][2];
-        out[PUSHED] = sum[0][ALONE], out[PULLED] = sum[0][ALONE] - sum[0][PUSHES], out[SHARE] = sum[0][ATTACHED];
+        out[PUSHED] = sum[0][ALONE], out[PULLED] = sum[0][ALONE] - sum[0][PUSH], out[SHARE] = sum[0][ATTACHED];
         out[MIDDLE_PUSH] = sum[2][ALONE] - sum[1][ALONE];
     }
 }
@@ -586,7 +584,7 @@ static void prepare_rod(rod *o)
     const int64_t begin = o->of->first[2 * o->b], end = begin + o->of->count[2 * o->b] + o->of->count[2 * o->b + 1];
     double fastest = 0;
     for (int d = 0; d < INTEGRALS; d++)
-        o->integrates[d] = d < PUSHES ? wants(o, CURVED + d)
+        o->integrates[d] = d < PUSH ? wants(o, of_whole[d])
                                       : wants(o, PUSHED) | wants(o, PULLED) | wants(o, SHARE) | wants(o, MIDDLE_PUSH);
     o->nearest = begin;
     for (int64_t panel = begin; panel < end; panel++)
@@ -603,7 +601,7 @@ static void prepare_rod(rod *o)
         leaf whole;
         enter_panel(o, panel, &whole);
         for (int i = 0; i < AT; i++) {
-            o->most_pace = larger(o->most_pace, fabs(whole.by[PUSHES].pace[i]));
+            o->most_pace = larger(o->most_pace, fabs(whole.by[PUSH].pace[i]));
             fastest = larger(fastest, whole.at.angles.speed[i]);
         }
         for (int d = 0; d < INTEGRALS; d++)

@@ -3,9 +3,6 @@
 
 #include "stretches.h"
 
-enum { ANGLES, CURVATURES, BENDINGS, POTENTIALS, PUSHES, PUSH_ALONE, LIFT_OFFS, TENSIONS, DIRECTIONS, PEAKS };
-enum { LOW, HIGH, CURVED, TIGHTEST, BENT, POTENTIAL_ENERGY, PUSHED, PULLED, SHARE, LEAST, GREATEST, PUSHED_ALONE, LIFTS,
-       LARGEST_TENSION, TURNED, RISEN, PEAK, NUMBERS };
 #define BARELY (64 * EPS)   /* of the size of its terms: a push below this is rounding */
 #define SURELY 1e4          /* times that: a push beyond this is none by the series of either */
 
@@ -137,7 +134,7 @@ static void lift_offs_of(const workspace *w, double error, double span, numbers 
 {
     const double first = smaller(first_below(w, error, -1, 0), span);
     const double early = smaller(first_below(w, error, 0, 1), span), late = smaller(first_below(w, error, 0, -1), span);
-    out->value[LIFTS] = first, out->error[LIFTS] = larger(late - first, first - early) + 8 * EPS * span;
+    out->value[FIRST_LIFT] = first, out->error[FIRST_LIFT] = larger(late - first, first - early) + 8 * EPS * span;
 }
 
 static void range_of_angles(const workspace *w, int64_t pieces, numbers *out)
@@ -155,7 +152,7 @@ static void range_of_angles(const workspace *w, int64_t pieces, numbers *out)
 /* Integrals, of all groups asked for that need no extremes. */
 static int integrals_of(workspace *w, int64_t b, double error, numbers *out)
 {
-    static const int kinds[4] = {BENDING, POTENTIAL, ACROSS, ALONG}, names[4] = {BENT, POTENTIAL_ENERGY, TURNED, RISEN};
+    static const int kinds[4] = {BENDING, POTENTIAL, ACROSS, ALONG}, names[4] = {BENT, STORED, TURNED, RISEN};
     static const int groups[4] = {BENDINGS, POTENTIALS, DIRECTIONS, DIRECTIONS};
     for (int i = 0; i < 4; i++) {
         if (!(w->all->groups >> groups[i] & 1))
@@ -255,3 +252,9 @@ void rod_densities(int kind, int64_t rods, int64_t n, const double *loads, const
         }
     }
 }
+
+/* The table of measured.h as text: the names of the densities, and of each number its group, its name and whether it has
+   rates, with a bar before each. */
+#define DENSITY_TEXT(id, name) #name " "
+#define NUMBER_TEXT(group, id, name, rated) "|" #group " " #name " " #rated
+const char *rod_measured(void) { return DENSITY_ROWS(DENSITY_TEXT) NUMBER_ROWS(NUMBER_TEXT); }

@@ -2,21 +2,26 @@
 `strand_pairs.c`, and of curves at points `crossings.c`."""
 
 import ctypes
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
+from .build import HERE
 from .library import begin_of, fine, function, share_out, widest
 from .orbits import reading
 
 NODES = 24  # of each piece, at which densities are computed
-GROUPS = (  # numbers that are measured together, in the order of measures.c
-    ("low", "high"), ("curvature", "tightest"), ("bending",), ("potential",),
-    ("pushed", "pulled", "share", "least", "most"), ("push",), ("lifts",), ("tension",), ("turned", "risen"), ("peak",),
-)  # fmt: skip
-NUMBERS = tuple(name for group in GROUPS for name in group)
+
+# the table of measured.h, which needs no library: densities; group, name and rates of the numbers
+_HEADER = (HERE / "measured.h").read_text(encoding="utf-8")
+DENSITIES = tuple(re.findall(r"ROW\(\w+, (\w+)\)", _HEADER))
+_ROWS = re.findall(r"ROW\((\w+), \w+, (\w+), ([01])\)", _HEADER)
+NUMBERS = tuple(name for _, name, _ in _ROWS)
+RATED = {name: k for k, (_, name, rated) in enumerate(_ROWS) if rated == "1"} | {"middle push": len(_ROWS)}
+GROUPS = [tuple(name for own, name, _ in _ROWS if own == group) for group in dict.fromkeys(row[0] for row in _ROWS)]
 _COUNTS = ("coefficients", "kinds", "monotone", "groups")
 _PIECES, _RODS = ("low", "high", "time", "count", "begin"), ("lam", "mu", "phi", "span", "beta0", "sign", "error")
 
@@ -83,9 +88,6 @@ def station_series(loads: Array, t: Array, beta: Array, rate: Array) -> Array:
     call = function("rod_station_series", None, *2 * [ctypes.c_int64], *5 * [ctypes.c_void_p])
     call(B, n, *(begin_of(array) for array in (*given, out)))
     return out
-
-
-DENSITIES = ("angle", "curvature", "bending", "potential", "outward", "tension", "across", "along")  # of densities.h
 
 
 class Density(NamedTuple):

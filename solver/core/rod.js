@@ -23,9 +23,7 @@ const RodCore = (() => {
   const ORBIT = 256 + 16; // bytes: `orbit` in rod.c
   const LEG = 13 * 8, AHEAD = 2 * 8, BACK = AHEAD + LEG, STATUS = BACK + LEG, SOUND = STATUS + 4 * 8;
   const STATES = 8, PARAMETERS = 7; // of varying_loads.c, with the states beta, rate, alpha, lam - mu, phi, mu, t - z
-  const CURVATURE = 1, OUTWARD = 4, TENSION = 5, ROWS = 7; // kinds of densities in densities.h; rows of one
-  const MEASURED = ["low", "high", "curvature", "tightest", "bending", "potential", "pushed", "pulled", "share", "least",
-                    "most", "push", "lifts", "tension", "turned", "risen", "peak"]; // NUMBERS of core/measures.py
+  const ROWS = 7; // of a density: `rod_densities`
   const SERIES = 1e-11, FINE = 1e-7; // error that a series of a density may have, relative: measured, and of landmarks
   const BY_ANGLE = 2, ORDER = 20; // columns of derivatives; order of their series
   const NEWTON = {columns: BY_ANGLE, deep: 13}; // for Newton's method
@@ -42,6 +40,10 @@ const RodCore = (() => {
   function core(own) {
     if (own._initialize) own._initialize();
     let room = {at: 0, bytes: 0};
+    /* The names of densities and of measured numbers, by their places: the table of measured.h. */
+    const bytes = new Uint8Array(own.memory.buffer, own.rod_measured());
+    const [first, ...rows] = new TextDecoder().decode(bytes.subarray(0, bytes.indexOf(0))).split("|");
+    const DENSITIES = first.trim().split(" "), MEASURED = rows.map(row => row.split(" ")[1]);
 
     /* Memory for arrays of so many numbers: where each begins. It is kept for the next call. */
     function reserve(...sizes) {
@@ -178,11 +180,11 @@ const RodCore = (() => {
       const n = beta.length, [loads, angle, speed, out] = reserve(4, n, n, ROWS * n);
       const numbers = new Float64Array(own.memory.buffer);
       numbers.set([lam, mu, phi, sign], loads / 8), numbers.set(beta, angle / 8), numbers.set(rate, speed / 8);
-      const values = kind => {
-        own.rod_densities(kind, 1n, BigInt(n), loads, angle, speed, out);
+      const values = name => {
+        own.rod_densities(DENSITIES.indexOf(name), 1n, BigInt(n), loads, angle, speed, out);
         return numbers.slice(out / 8, out / 8 + n);
       };
-      return {push: values(OUTWARD), curvature: values(CURVATURE), tension: values(TENSION)};
+      return {push: values("outward"), curvature: values("curvature"), tension: values("tension")};
     }
 
     /* What a function of the core writes of a rod that is known at times that rise, {t, beta, rate}: at most so many numbers.

@@ -10,7 +10,8 @@ import numpy as np
 from ..numerics.arrays import Array
 from .branches import NO_ORBIT, NUMBERS, PARTS, RATES, Grid, Level
 from .library import Cutting, address, cut, fine, functions, grid, points, share_out, widest
-from .measures import rods_of
+from .measures import NUMBERS as MEASURED
+from .measures import RATED, rods_of
 from .orbits import reading
 
 
@@ -117,10 +118,6 @@ def changes(varied: Any, t: Array, parts: Array) -> Array:
     return out
 
 
-MEASURED = (  # what has rates, in the order of measure_rates.c
-    "low", "high", "tightest", "least", "most", "tension", "curvature", "bending", "potential", "pushed", "pulled",
-    "share", "middle push", "lifts", "peak",
-)  # fmt: skip
 _SERIES_GOAL = 1e-14  # of the series of which the places of extremes are found, relative
 
 
@@ -136,7 +133,7 @@ class _Changes(ctypes.Structure):
 def measure_rates(
     varied: Any, pieces: Any, sign: Array, parts: Array, later: Array, names: Collection[str], seen: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """How some of `MEASURED` along B rods, none of them a helix, answer F changes of their orbits, (B, F) each.
+    """How some of `RATED` along B rods, none of them a helix, answer F changes of their orbits, (B, F) each.
 
     Parameters
     ----------
@@ -158,8 +155,8 @@ def measure_rates(
     given = [np.ascontiguousarray(a, dtype=float) for a in (
         parts.swapaxes(1, 2), later, seen.get("lifts", none), seen.get("peak", none), varied.base,
     )]  # fmt: skip
-    bits = sum(1 << MEASURED.index(name) for name in names)
-    by, out = _Changes(F, bits, *(address(a) for a in given)), np.full((B, F, len(MEASURED)), np.nan)
+    bits = sum(1 << RATED[name] for name in names)
+    by, out = _Changes(F, bits, *(address(a) for a in given)), np.full((B, F, len(MEASURED) + 1), np.nan)
     orbits = _VariedOrbits(*(address(varied.kept[name]) for name in KEPT))
     of, n = varied.reading[0], points(varied.orbit.panels.series.shape[2] - 1)
 
@@ -171,4 +168,4 @@ def measure_rates(
 
     share_out(part, B)
     del arrays
-    return {name: out[..., MEASURED.index(name)] for name in names}
+    return {name: out[..., RATED[name]] for name in names}

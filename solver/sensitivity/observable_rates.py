@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core.varied_orbits import MEASURED, measure_rates
+from ..core.measures import RATED
+from ..core.varied_orbits import measure_rates
 from ..numerics.arrays import Array
 from ..numerics.complex_step import slopes_of, with_slopes
 from ..observe.measurement import Reading
@@ -24,7 +25,7 @@ from ..shape import Shape
 from .measured_helices import EXTREMES, of_helices
 from .motions import MARKS, Motion, marks_of
 
-_DIFFERENTIABLE = {*MEASURED, "middle turned", "middle risen"}
+_DIFFERENTIABLE = {*RATED, "middle turned", "middle risen"}
 NO_ORBIT = "the method knows no orbit, so it has no period"
 
 
@@ -62,7 +63,7 @@ class Moving(Reading):
         if motion.varied is None:
             found = of_helices(motion, unit, rates.of("span"), sign, self._wanted, self.sol.t[motion.rows])
         else:
-            names = self._wanted & {*MEASURED}
+            names = self._wanted & {*RATED}
             seen = {name: self.plain.value(name)[motion.rows] for name in names & {"peak", "lifts"}}
             found = measure_rates(motion.varied, motion.pieces, sign, unit, rates.of("span"), names, seen)
             gain = motion.varied.kept["gain"].sum(axis=1)[:, :4]

@@ -3,6 +3,7 @@
 `.ci/run` runs this file again with a library that checks every access and operation, as that of `test_core_fuzz`.
 """
 
+import ctypes
 from dataclasses import replace
 from typing import Any
 
@@ -12,6 +13,7 @@ import scipy
 
 from solver import solve
 from solver.core import measures
+from solver.core.library import function
 from solver.observe.observables import observe
 from solver.observe.rod_pieces import Pieces
 from solver.observe.self_contact import compare_strands
@@ -125,6 +127,18 @@ def test_self_contact_of_marched_orbits_is_that_of_panels_and_is_given_up_at_the
         met = compare_strands(marched, *given, **limits)
         np.testing.assert_array_equal(compare_strands(marched.exact, *given, **limits), met)
     assert kind != "random" or 5 < met.sum() < 55
+
+
+def test_the_core_and_python_read_one_table() -> None:
+    """Python reads it in the header, and pages ask the core."""
+    densities, *rows = function("rod_measured", ctypes.c_char_p)().decode().split("|")
+    assert tuple(densities.split()) == measures.DENSITIES
+    table = [row.split() for row in rows]
+    assert tuple(name for _, name, _ in table) == measures.NUMBERS
+    assert [name for _, name, rated in table if rated == "1"] == [*measures.RATED][:-1]
+    assert [group for group, *_ in table] == [
+        table[measures.NUMBERS.index(names[0])][0] for names in measures.GROUPS for _ in names
+    ]
 
 
 @pytest.mark.parametrize("kind", measures.DENSITIES)

@@ -12,7 +12,8 @@ import pytest
 
 from solver import InputError, solve
 from solver.core import march
-from solver.core.library import OTHER, threads
+from solver.core.build import digest
+from solver.core.library import OTHER, library_path, threads
 from solver.methods import METHODS, OrbitQuadrature, SwingTaylor
 from solver.observe.observables import OBSERVABLES, observe
 from solver.orbit.pieces import ROTATION
@@ -211,6 +212,20 @@ def test_a_library_that_cannot_be_used_is_told_in_a_sentence(name: str, tmp_path
     assert run.stderr.startswith("workbench: the compiled core cannot be loaded")
     assert why in run.stderr
     assert "install rod-workbench again, or in a checkout run python -m solver.core" in run.stderr
+
+
+def test_a_library_of_other_sources_is_refused_in_a_sentence_with_the_command(tmp_path) -> None:
+    """As one that was not compiled anew after a change of a C file; the package can be imported without it."""
+    known = library_path().read_bytes()
+    assert known.count(digest().encode()) == 1
+    path = tmp_path / "rod.so"
+    path.write_bytes(known.replace(digest().encode(), b"rod-00000000"))
+    code = "import solver.core.build, workbench.cli; workbench.cli.main(['solve', '--table1'])"
+    run = subprocess.run(
+        [sys.executable, "-c", code], env=os.environ | {OTHER: str(path)}, capture_output=True, text=True, check=False
+    )
+    how = "install rod-workbench again, or in a checkout run python -m solver.core"
+    assert (run.returncode, run.stderr) == (2, f"workbench: {path} was compiled from other sources; {how}\n")
 
 
 def test_a_method_whose_package_is_missing_is_refused_with_how_to_get_it(monkeypatch) -> None:
