@@ -1,8 +1,9 @@
 """The shape of rods: beta and the unrolled curve at the stations; other quantities are computed when first read."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -14,7 +15,13 @@ from .problem.case import PAIRS, Case
 from .problem.reduced import EndsProblem, StartProblem, flat, held_of, loads_of
 from .problem.trajectory import DeadStart, Trajectory
 
+T = TypeVar("T")
 _quiet = np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
+
+
+def _property(compute: Callable[[Any], T]) -> cached_property[T]:
+    """A property that is computed, quietly, when it is first read."""
+    return cached_property(_quiet(compute))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,8 +50,7 @@ class Shape:
         """A field of the case against the stations, (*cases, 1)."""
         return flat(value, self.case.shape).reshape(*self.case.shape, 1)
 
-    @cached_property
-    @_quiet
+    @_property
     def _loads(self) -> tuple[Array, Array, Array, Array]:
         """A, l = MZ/A, m = M3/A and p = FZ/A, (*cases, 1) each, or (*cases, n) where they vary along the rod."""
         A = self._column(self.case.rod.bending_stiffness)
@@ -54,8 +60,7 @@ class Shape:
         FZ, MZ, M3 = (self._column(load) for load in self.loads)
         return A, MZ / A, M3 / A, FZ / A
 
-    @cached_property
-    @_quiet
+    @_property
     def loads(self) -> tuple[Any, Any, Any]:
         """FZ [force], MZ and M3 [force length]: those of the case, or found where displacements are held.
 
@@ -88,96 +93,81 @@ class Shape:
             return self._each(np.where(self.trajectory.solved, getattr(self.problem, name), np.nan))
         return getattr(self, name)
 
-    @cached_property
-    @_quiet
+    @_property
     def _rho(self) -> Array:
         return self._column(self.case.rho)
 
     # along the rod
 
-    @cached_property
-    @_quiet
+    @_property
     def s(self) -> Array:
         """Arc length, (*cases, n) [length]."""
         return self._along(self.t) * self._rho
 
-    @cached_property
-    @_quiet
+    @_property
     def beta(self) -> Array:
         """Angle from the axis to the tangent, (*cases, n) [rad]."""
         return self._along(self.trajectory.beta)
 
-    @cached_property
-    @_quiet
+    @_property
     def dbeta(self) -> Array:
         """d beta/ds, (*cases, n) [rad/length]."""
         return self._along(self.trajectory.dbeta) / self._rho
 
-    @cached_property
-    @_quiet
+    @_property
     def alpha(self) -> Array:
         """Azimuth, (*cases, n) [rad]; eq. (37)."""
         return self._column(self.case.given.alpha) + self._along(self.trajectory.alpha)
 
-    @cached_property
-    @_quiet
+    @_property
     def z(self) -> Array:
         """Height along the axis from the start, (*cases, n) [length]; eq. (37)."""
         return self._along(self.trajectory.z) * self._rho
 
-    @cached_property
-    @_quiet
+    @_property
     def gamma(self) -> Array:
         """Rotation of the section against the frame N, B, T, (*cases, n) [rad]; eq. (24), row 6."""
         twist = self._column(self.loads[2] / self.case.rod.torsional_stiffness)
         return self._column(self.case.given.gamma) + twist * self.s - self._along(self.trajectory.swirl())
 
-    @cached_property
-    @_quiet
+    @_property
     def position(self) -> Array:
         """Position of the centreline, (*cases, n, 3) [length]; z is the axis of the cylinder."""
         return frames.position(self._rho, self.alpha, self.z)
 
-    @cached_property
-    @_quiet
+    @_property
     def tangent(self) -> Array:
         """Unit tangent, (*cases, n, 3); eq. (3)."""
         return frames.tangent(self.alpha, self.beta)
 
-    @cached_property
-    @_quiet
+    @_property
     def normal(self) -> Array:
         """Unit inward normal of the cylinder, (*cases, n, 3); the paper's N."""
         return -frames.outward(self.alpha)
 
-    @cached_property
-    @_quiet
+    @_property
     def material_frame(self) -> Array:
         """Frame of the section: d1, d2, d3 as rows, (*cases, n, 3, 3); eq. (13)."""
         return frames.material(self.alpha, self.beta, self.gamma)
 
-    @cached_property
-    @_quiet
+    @_property
     def kappa(self) -> Array:
         """Curvature, (*cases, n) [1/length]."""
         return statics.curvature(self._rho, self.beta, self.dbeta)
 
-    @cached_property
-    @_quiet
+    @_property
     def FY(self) -> Array:
         """Circumferential force, (*cases, n) [force]; eq. (30)."""
         A, l, m, _ = self._loads
         return statics.circumferential_force(A, l, m, self._rho, self.beta)
 
-    @cached_property
-    @_quiet
+    @_property
     def F1(self) -> Array:
         """Internal force along the inward normal, (*cases, n) [force]; eq. (33), corrected."""
         A, _, m, _ = self._loads
         return statics.normal_force(A, m, self._rho, self.beta, self.dbeta)
 
-    @cached_property
-    @_quiet
+    @_property
     def _surface_forces(self) -> tuple[Array, Array]:
         A, _, _, p = self._loads
         return statics.surface_forces(self.FY, self._column(self.FZ) if p.shape[-1] == 1 else A * p, self.beta)
@@ -194,8 +184,7 @@ class Shape:
         """Internal force along the tangent, tension positive, (*cases, n) [force]; eq. (31)."""
         return self._surface_forces[1]
 
-    @cached_property
-    @_quiet
+    @_property
     def contact(self) -> Array:
         """Contact force per length, positive outward, (*cases, n) [force/length]; eq. (34), corrected."""
         A, l, m, p = self._loads
@@ -224,8 +213,7 @@ class Shape:
         """Bending moment about B, A sin^2(beta)/rho, (*cases, n) [force length]; eq. (19)."""
         return self._loads[0] * np.sin(self.beta) ** 2 / self._rho
 
-    @cached_property
-    @_quiet
+    @_property
     def h(self) -> Array:
         """First integral beta'^2 + G(beta), constant but for the error, (*cases, n) [1/length^2]; eq. (32).
 
@@ -240,20 +228,17 @@ class Shape:
 
     # of each case
 
-    @cached_property
-    @_quiet
+    @_property
     def FZ(self) -> Any:
         """Axial force, (*cases) [force]; eq. (26)."""
         return self._each(flat(self.loads[0], self.case.shape))
 
-    @cached_property
-    @_quiet
+    @_property
     def MZ(self) -> Any:
         """Axial moment, (*cases) [force length]; eq. (29)."""
         return self._each(flat(self.loads[1], self.case.shape))
 
-    @cached_property
-    @_quiet
+    @_property
     def M3(self) -> Any:
         """Twisting moment, (*cases) [force length]."""
         return self._each(flat(self.loads[2], self.case.shape))

@@ -80,7 +80,7 @@ def overlapping(read: Reading, **limits: int) -> Any:
 
     limits: options of `self_contact.overlaps`.
     """
-    bounds = (read.each(v) for v in (kappa_max(read)[0], read.value("low"), read.value("high")))
+    bounds = (read.each(v) for v in (read.scale("tightest", 1 / read.rho)[0], read.value("low"), read.value("high")))
     return np.reshape(overlaps(read.sol, *bounds, **limits), -1)
 
 
@@ -156,16 +156,6 @@ def amplitude(read: Reading) -> Pair:
     return np.where(orbit.kind == ROTATION, size_of(last - first), range_), error
 
 
-def kappa_mean(read: Reading) -> Pair:
-    """Mean curvature [1/length]."""
-    return read.scale("curvature", 1 / (read.length * read.rho))
-
-
-def kappa_max(read: Reading) -> Pair:
-    """Largest curvature [1/length]."""
-    return read.scale("tightest", 1 / read.rho)
-
-
 def wraps(read: Reading) -> Pair:
     """Turns about the axis, (alpha(L) - alpha(0))/2 pi."""
     return read.gain[0] / (2 * np.pi), _far(read) / (2 * np.pi)
@@ -179,31 +169,6 @@ def height(read: Reading) -> Pair:
 def _far(read: Reading) -> Array:
     """The error of alpha and z/rho at the far end, (B,)."""
     return read.error * np.maximum(1, read.sol.problem.span)
-
-
-def FZ(read: Reading) -> Pair:
-    """Axial force [force]: the dead load, or what holds the height; of the rod as it was computed, so without error."""
-    return read.loads[0], 0.0
-
-
-def MZ(read: Reading) -> Pair:
-    """Axial moment [force length]: the dead load, or what holds the azimuth."""
-    return read.loads[1], 0.0
-
-
-def M3(read: Reading) -> Pair:
-    """Twisting moment [force length]: the dead load, or what holds the rotation."""
-    return read.loads[2], 0.0
-
-
-def FZ0(read: Reading) -> Pair:
-    """Axial force at the start [force]; with weight or friction it differs from that at the far end."""
-    return _at_start(read, PHI, read.unit_force, read.loads[0])
-
-
-def MZ0(read: Reading) -> Pair:
-    """Axial moment at the start [force length]; with weight or friction it differs from that at the far end."""
-    return _at_start(read, Q, read.unit_moment, read.loads[1])
 
 
 def _at_start(read: Reading, number: int, unit: Array, constant: Any) -> Pair:
@@ -225,16 +190,6 @@ def neutral_at(read: Reading) -> Pair:
     return value, np.abs(value) * read.error
 
 
-def M10(read: Reading) -> Pair:
-    """Bending moment at the start, A beta'(0) [force length]: given, or what holds the angle beta(0)."""
-    return _end_moment(read, 0)
-
-
-def M1L(read: Reading) -> Pair:
-    """Bending moment at the far end, A beta'(L) [force length]: given, or what holds the angle beta(L)."""
-    return _end_moment(read, 1)
-
-
 def _end_moment(read: Reading, end: int) -> Pair:
     error = np.where(np.isfinite(read.error), read.error, 1.0) * read.steepness
     return read.end_rates[end] * read.A / read.rho, error * read.unit_moment
@@ -246,56 +201,11 @@ def contact_size_mean(read: Reading) -> Pair:
     return pushed[0] + pulled[0], pushed[1]
 
 
-def push_mean(read: Reading) -> Pair:
-    """Mean of the push over the whole length [force/length], where pull counts as 0.
-
-    push_mean L is the total push of the cylinder; push_mean + pull_mean is the mean of |f|.
-    """
-    return read.scale("pushed", read.unit_mean_push)
-
-
-def pull_mean(read: Reading) -> Pair:
-    """Mean of the pull over the whole length [force/length], not negative, where push counts as 0."""
-    return read.scale("pulled", read.unit_mean_push)
-
-
-def push_min(read: Reading) -> Pair:
-    """Smallest push of the cylinder [force/length], on either side; negative where the cylinder would have to pull."""
-    return read.scale("least", read.unit_push)
-
-
-def push_max(read: Reading) -> Pair:
-    """Largest push of the cylinder [force/length], on either side; positive where it pushes."""
-    return read.scale("most", read.unit_push)
-
-
-def push_max_at(read: Reading) -> Pair:
-    """The first s at which the push is largest [length], to within the error of `push_max`; 0 where it is constant.
-
-    Its error is the distance to the farthest s at which the push may be larger, by the error of `push_max`.
-    """
-    return read.scale("peak", read.rho)
-
-
-def attached(read: Reading) -> Pair:
-    """Share of the length on which the cylinder pushes.
-
-    Push counts where it exceeds rounding: 64 eps times the sizes of the terms of which it is the sum. A rod that lies
-    along the cylinder without any contact force is not attached.
-    """
-    return read.scale("share", 1 / read.length)
-
-
 def push_middle(read: Reading) -> Pair:
     """Mean of the push over the middle third of the length [force/length], where pull counts as 0."""
     pushed, error = read.middle("push")
     factor = 3 * read.unit_mean_push
     return pushed * factor, error * factor
-
-
-def lift_off_at(read: Reading) -> Pair:
-    """The first s at which the cylinder would have to pull [length]; L where it nowhere has to."""
-    return read.scale("lifts", read.rho)
 
 
 def pitch(read: Reading) -> Pair:
@@ -310,26 +220,6 @@ def pitch(read: Reading) -> Pair:
         a_turn = np.where(np.real(size) > doubt, 2 * np.pi * read.rho / size, np.nan)
     value = a_turn * risen
     return value, a_turn * error + size_of(value) * doubt / np.where(np.real(size) > doubt, size - doubt, np.nan)
-
-
-def F3_size_max(read: Reading) -> Pair:
-    """Largest size of the internal force along the tangent [force]."""
-    return read.scale("tension", read.unit_force)
-
-
-def bending_moment_max(read: Reading) -> Pair:
-    """Largest bending moment, A kappa_max [force length]."""
-    return read.scale("tightest", read.unit_moment)
-
-
-def bending_stress_max(read: Reading) -> Pair:
-    """Largest bending stress, E a kappa_max, at the surface of the rod [force/length^2]."""
-    return read.scale("tightest", read.E * read.a / read.rho)
-
-
-def bending_energy(read: Reading) -> Pair:
-    """Integral of A kappa^2/2 [force length]."""
-    return read.scale("bending", read.unit_moment)
 
 
 def twist_energy(read: Reading) -> Pair:
@@ -388,42 +278,51 @@ NO_TURN = "the rod does not turn about the axis in its middle third"
 TOUCHES = "the push touches zero without a change of sign, where a change makes lift-off jump"
 PLACES = "several places of the rod have the largest push, or the place may leave an end of the rod"
 
+
+def _in_unit(name: str, unit: Callable[[Reading], Any], **rest: Any) -> Observable:
+    """An observable that is a number measured along the rod, in a unit of each rod."""
+    return Observable(lambda read: read.scale(name, unit(read)), (name,), **rest)
+
+
 # The row in `problem.quantities` says whether the error is estimated; if not, the values are loads or whole numbers.
 OBSERVABLES: dict[str, Observable] = {
     "turns": Observable(turns, ("low", "high")),
     "bend_number": Observable(bend_number, ("low", "high"), not_smooth=STRAIGHT, least=0),
     "loops": Observable(loops),
     "amplitude": Observable(amplitude, ("low", "high"), least=0),
-    "kappa_mean": Observable(kappa_mean, ("curvature",), least=0),
-    "kappa_max": Observable(kappa_max, ("tightest",), least=0),
+    "kappa_mean": _in_unit("curvature", lambda read: 1 / (read.length * read.rho), least=0),
+    "kappa_max": _in_unit("tightest", lambda read: 1 / read.rho, least=0),
     "wraps": Observable(wraps),
     "height": Observable(height, most="L"),
     "pitch": Observable(pitch, ("middle turned", "middle risen"), undefined=NO_TURN, not_smooth=NO_TURN),
     "contact_size_mean": Observable(contact_size_mean, ("pushed", "pulled"), least=0),
-    "push_mean": Observable(push_mean, ("pushed",), least=0),
-    "pull_mean": Observable(pull_mean, ("pulled",), least=0),
-    "push_min": Observable(push_min, ("least",)),
-    "push_max": Observable(push_max, ("most",)),
-    "push_max_at": Observable(push_max_at, ("peak",), not_smooth=PLACES, least=0, most="L"),
+    "push_mean": _in_unit("pushed", lambda read: read.unit_mean_push, least=0),
+    "pull_mean": _in_unit("pulled", lambda read: read.unit_mean_push, least=0),
+    "push_min": _in_unit("least", lambda read: read.unit_push),
+    "push_max": _in_unit("most", lambda read: read.unit_push),
+    # its error: the distance to the farthest s at which the push may be larger, by the error of `push_max`
+    "push_max_at": _in_unit("peak", lambda read: read.rho, not_smooth=PLACES, least=0, most="L"),
     "push_middle": Observable(push_middle, ("middle push",), least=0),
-    "attached": Observable(attached, ("share",), least=0, most=1),
-    "lift_off_at": Observable(lift_off_at, ("lifts",), not_smooth=TOUCHES, least=0, most="L"),
-    "F3_size_max": Observable(F3_size_max, ("tension",), not_smooth=NO_FORCE, least=0),
-    "bending_moment_max": Observable(bending_moment_max, ("tightest",), least=0),
-    "bending_stress_max": Observable(bending_stress_max, ("tightest",), needs="E", least=0),
+    # push counts where it exceeds rounding, 64 eps times the sizes of its terms; so a rod that lies along the cylinder
+    # without any contact force is not attached
+    "attached": _in_unit("share", lambda read: 1 / read.length, least=0, most=1),
+    "lift_off_at": _in_unit("lifts", lambda read: read.rho, not_smooth=TOUCHES, least=0, most="L"),
+    "F3_size_max": _in_unit("tension", lambda read: read.unit_force, not_smooth=NO_FORCE, least=0),
+    "bending_moment_max": _in_unit("tightest", lambda read: read.unit_moment, least=0),
+    "bending_stress_max": _in_unit("tightest", lambda read: read.E * read.a / read.rho, needs="E", least=0),
     "overlaps": Observable(overlapping, ("tightest", "low", "high"), most=1),
     "energy": Observable(energy, ("potential",), undefined="a rod that slides with friction has no energy to minimise"),
-    "bending_energy": Observable(bending_energy, ("bending",), least=0),
+    "bending_energy": _in_unit("bending", lambda read: read.unit_moment, least=0),
     "twist_energy": Observable(twist_energy, least=0),
     "index": Observable(index),
-    "FZ": Observable(FZ, holds=True),
-    "MZ": Observable(MZ, holds=True),
-    "M3": Observable(M3, holds=True),
-    "FZ0": Observable(FZ0, holds=True),
-    "MZ0": Observable(MZ0, holds=True),
+    "FZ": Observable(lambda read: (read.loads[0], 0.0), holds=True),
+    "MZ": Observable(lambda read: (read.loads[1], 0.0), holds=True),
+    "M3": Observable(lambda read: (read.loads[2], 0.0), holds=True),
+    "FZ0": Observable(lambda read: _at_start(read, PHI, read.unit_force, read.loads[0]), holds=True),
+    "MZ0": Observable(lambda read: _at_start(read, Q, read.unit_moment, read.loads[1]), holds=True),
     "neutral_at": Observable(neutral_at, undefined="the axial force is nowhere 0", holds=True),
-    "M10": Observable(M10, holds=True),
-    "M1L": Observable(M1L, holds=True),
+    "M10": Observable(lambda read: _end_moment(read, 0), holds=True),
+    "M1L": Observable(lambda read: _end_moment(read, 1), holds=True),
 }
 
 

@@ -26,6 +26,12 @@ _LENGTH = (1, 0)
 _FORCE = (0, 1)
 _MOMENT = (1, 1)
 _PER_LENGTH = (-1, 0)
+_LINE_LOAD = (-1, 1)
+
+
+def _with_error(name: str, symbol: str, dimension: tuple[int, int] | str, long_name: str) -> Quantity:
+    return Quantity(name, symbol, dimension, long_name, estimated=True)
+
 
 _ROWS = (
     # the rod, the cylinder, the start and the ends
@@ -36,7 +42,7 @@ _ROWS = (
     Quantity("a", "a", _LENGTH, "radius of the rod"),
     Quantity("inner_radius", "aᵢ", _LENGTH, "inner radius of the rod"),
     Quantity("L", "L", _LENGTH, "length of the rod"),
-    Quantity("weight", "w", (-1, 1), "weight per length in the fluid"),
+    Quantity("weight", "w", _LINE_LOAD, "weight per length in the fluid"),
     Quantity("R", "R", _LENGTH, "radius of the cylinder"),
     Quantity("inclination", "θ", "rad", "angle of the axis to the upward vertical"),
     Quantity("friction", "μ", _NUMBER, "coefficient of sliding friction"),
@@ -50,8 +56,8 @@ _ROWS = (
     Quantity("betaL", "β(L)", "rad", "angle from the axis at the far end"),
     Quantity("azimuth", "Δα", "rad", "azimuth from the start to the far end"),
     Quantity("rotation", "Δγ", "rad", "rotation of the section from the start to the far end"),
-    Quantity("M10", "M₁(0)", _MOMENT, "bending moment at the start", estimated=True),
-    Quantity("M1L", "M₁(L)", _MOMENT, "bending moment at the far end", estimated=True),
+    _with_error("M10", "M₁(0)", _MOMENT, "bending moment at the start"),
+    _with_error("M1L", "M₁(L)", _MOMENT, "bending moment at the far end"),
     Quantity("dgamma", "γ₀′", "rad/length", "rate of rotation of the section at the start"),
     # along the rod
     Quantity("u", "s/L", _NUMBER, "share of the length"),
@@ -67,72 +73,50 @@ _ROWS = (
     Quantity("F2", "F₂", _FORCE, "internal force in the surface, across the rod"),
     Quantity("F3", "F₃", _FORCE, "internal force along the tangent, tension positive"),
     Quantity("FY", "FY", _FORCE, "circumferential force"),
-    Quantity("contact", "f", (-1, 1), "contact force per length, positive outward"),
+    Quantity("contact", "f", _LINE_LOAD, "contact force per length, positive outward"),
     Quantity("M1", "M₁", _MOMENT, "bending moment about the inward normal"),
     Quantity("M2", "M₂", _MOMENT, "bending moment about the binormal in the surface"),
     # constants of the rod
     Quantity("FZ", "FZ", _FORCE, "axial force"),
     Quantity("MZ", "MZ", _MOMENT, "axial moment"),
     Quantity("M3", "M₃", _MOMENT, "twisting moment"),
-    Quantity("FZ0", "FZ(0)", _FORCE, "axial force at the start", estimated=True),
-    Quantity("MZ0", "MZ(0)", _MOMENT, "axial moment at the start", estimated=True),
-    Quantity("neutral_at", "FZ = 0 at s", _LENGTH, "first s where the axial force is 0", estimated=True),
+    _with_error("FZ0", "FZ(0)", _FORCE, "axial force at the start"),
+    _with_error("MZ0", "MZ(0)", _MOMENT, "axial moment at the start"),
+    _with_error("neutral_at", "FZ = 0 at s", _LENGTH, "first s where the axial force is 0"),
     Quantity("h", "h", (-2, 0), "first integral of the angle"),
     # observables
     Quantity("turns", "bends", _NUMBER, "number of bends (interior extrema of beta)"),
-    Quantity("bend_number", "half waves", _NUMBER, "number of half waves of beta along the rod", estimated=True),
+    _with_error("bend_number", "half waves", _NUMBER, "number of half waves of beta along the rod"),
     Quantity("loops", "full turns of β", _NUMBER, "full turns of beta"),
-    Quantity("amplitude", "amplitude of β", "rad", "largest beta minus smallest beta", estimated=True),
-    Quantity("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature", estimated=True),
-    Quantity("kappa_max", "max κ", _PER_LENGTH, "largest curvature", estimated=True),
-    Quantity("wraps", "turns around", _NUMBER, "turns around the cylinder", estimated=True),
-    Quantity("height", "z(L)", _LENGTH, "axial distance of the far end", estimated=True),
-    Quantity("pitch", "pitch", _LENGTH, "height of one turn about the axis, in the middle third", estimated=True),
-    Quantity(
-        "contact_size_mean",
-        "mean |f|",
-        (-1, 1),
-        "mean size of the contact force per length (push and pull)",
-        estimated=True,
+    _with_error("amplitude", "amplitude of β", "rad", "largest beta minus smallest beta"),
+    _with_error("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature"),
+    _with_error("kappa_max", "max κ", _PER_LENGTH, "largest curvature"),
+    _with_error("wraps", "turns around", _NUMBER, "turns around the cylinder"),
+    _with_error("height", "z(L)", _LENGTH, "axial distance of the far end"),
+    _with_error("pitch", "pitch", _LENGTH, "height of one turn about the axis, in the middle third"),
+    _with_error(
+        "contact_size_mean", "mean |f|", _LINE_LOAD, "mean size of the contact force per length (push and pull)"
     ),
-    Quantity(
-        "push_mean", "mean push", (-1, 1), "mean push of the cylinder per length, pulls not counted", estimated=True
+    _with_error("push_mean", "mean push", _LINE_LOAD, "mean push of the cylinder per length, pulls not counted"),
+    _with_error("pull_mean", "mean pull", _LINE_LOAD, "mean pull of the cylinder per length, pushes not counted"),
+    _with_error(
+        "push_min", "min push", _LINE_LOAD, "smallest push of the cylinder per length, negative where it pulls"
     ),
-    Quantity(
-        "pull_mean", "mean pull", (-1, 1), "mean pull of the cylinder per length, pushes not counted", estimated=True
+    _with_error("push_max", "max push", _LINE_LOAD, "largest push of the cylinder per length"),
+    _with_error("push_max_at", "max push at s", _LENGTH, "first s of the largest push"),
+    _with_error(
+        "push_middle", "push in the middle", _LINE_LOAD, "mean push per length in the middle third, pulls not counted"
     ),
-    Quantity(
-        "push_min",
-        "min push",
-        (-1, 1),
-        "smallest push of the cylinder per length, negative where it pulls",
-        estimated=True,
-    ),
-    Quantity("push_max", "max push", (-1, 1), "largest push of the cylinder per length", estimated=True),
-    Quantity("push_max_at", "max push at s", _LENGTH, "first s of the largest push", estimated=True),
-    Quantity(
-        "push_middle",
-        "push in the middle",
-        (-1, 1),
-        "mean push per length in the middle third, pulls not counted",
-        estimated=True,
-    ),
-    Quantity("attached", "attached share", _NUMBER, "share of the length where the cylinder pushes", estimated=True),
-    Quantity("lift_off_at", "lift-off at s", _LENGTH, "first s where the cylinder pulls (L: nowhere)", estimated=True),
-    Quantity("F3_size_max", "max |F₃|", _FORCE, "largest size of the internal force along the tangent", estimated=True),
-    Quantity("bending_moment_max", "max M", _MOMENT, "largest bending moment", estimated=True),
-    Quantity("bending_stress_max", "max σ", (-2, 1), "largest bending stress, E a kappa", estimated=True),
+    _with_error("attached", "attached share", _NUMBER, "share of the length where the cylinder pushes"),
+    _with_error("lift_off_at", "lift-off at s", _LENGTH, "first s where the cylinder pulls (L: nowhere)"),
+    _with_error("F3_size_max", "max |F₃|", _FORCE, "largest size of the internal force along the tangent"),
+    _with_error("bending_moment_max", "max M", _MOMENT, "largest bending moment"),
+    _with_error("bending_stress_max", "max σ", (-2, 1), "largest bending stress, E a kappa"),
     Quantity("overlaps", "overlaps", _NUMBER, "1 where the rod intersects itself, else 0"),
-    Quantity(
-        "energy",
-        "energy",
-        _MOMENT,
-        "bending and twist energy minus the work of FZ, MZ, M3 and the weight",
-        estimated=True,
-    ),
+    _with_error("energy", "energy", _MOMENT, "bending and twist energy minus the work of FZ, MZ, M3 and the weight"),
     Quantity("held_energy", "held energy", _MOMENT, "bending and twist energy minus the work of the given loads alone"),
-    Quantity("bending_energy", "bending energy", _MOMENT, "bending energy", estimated=True),
-    Quantity("twist_energy", "twist energy", _MOMENT, "twist energy", estimated=True),
+    _with_error("bending_energy", "bending energy", _MOMENT, "bending energy"),
+    _with_error("twist_energy", "twist energy", _MOMENT, "twist energy"),
     Quantity("index", "index", _NUMBER, "Morse index (0: stable)"),
     Quantity("held_index", "index", _NUMBER, "Morse index under held ends (0: stable)"),
     Quantity("sample", "sample", _NUMBER, "sample"),
