@@ -16,9 +16,9 @@ import numpy as np
 from benchmarks.ends import REFERENCE
 from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.branches.continuation import resume
+from solver.core.orbits import critical_points
 from solver.levels.line_point import path_of
 from solver.methods.orbit import OrbitQuadrature
-from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import StartProblem, reduce
 from workbench.compare.trade_cases import ends_in_units_of_rho
 

@@ -107,8 +107,8 @@ def equilibria(
 
 def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: int, most_swings: int) -> Equilibria:
     """All equilibria of one case under dead loads, `problem` in units of rho."""
-    from .choose.each_equilibrium import equilibrium_trajectory
     from .levels.level_search import search_levels
+    from .levels.path_orbits import equilibrium_trajectory
     from .levels.transit_times import repeat
     from .observe.measurement import Reading
     from .observe.observables import OBSERVABLES

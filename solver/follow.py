@@ -144,7 +144,7 @@ def _check(solution: object) -> Solution:
 
 def _equilibrium(solution: Solution) -> tuple[Case, "Path", EndsProblem]:
     """The ends problem of a solution as a case, its path, and the problem under dead loads that it solves."""
-    from .choose.each_equilibrium import path_of_seed
+    from .choose.selection import path_of_seed
 
     case, begun = ends_case(solution), between_ends(solution)
     path = path_of_seed(seed_of(case, begun, solution))
@@ -189,12 +189,11 @@ class _Solver:
 
 def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array, Trajectory]:
     """The problem of a point, and its shape at stations s/L = u."""
-    from .choose.each_equilibrium import equilibrium_trajectory
     from .choose.held_equilibrium import at_hinges, held_trajectory
     from .equilibrium.given_numbers import Given
     from .equilibrium.system import state_of
     from .held.held_starts import Reached
-    from .levels.path_orbits import orbit_of
+    from .levels.path_orbits import equilibrium_trajectory, orbit_of
 
     problem, path = point.problem, point.path
     if {"M10", "M1L"} & set(held_of(point.case)) and not path.helix:
@@ -208,7 +207,7 @@ def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array
 
 def solutions_of(branch: Branch, stations: int) -> Solution:
     """All points of a branch as one solution over a grid of one axis."""
-    from .choose.each_equilibrium import together
+    from .levels.path_orbits import together
 
     tol, u = branch.points[0].solution.tol, np.linspace(0, 1, stations)
     case = with_field(branch.points[0].case, branch.field, branch.values)

@@ -83,7 +83,7 @@ def solve(
     >>> print(solve(Case(rod, cylinder, Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1))).selection)
     17 equilibria, 3 stable; shown: the stable shape that swings least
     """
-    from .methods.automatic import choose_method  # only a call of `solve` loads the methods
+    from .methods import choose_method  # only a call of `solve` loads the methods
 
     case, tol = check_case("solve", case), check_tolerance(tol)
     if case.varies:
@@ -110,7 +110,7 @@ def _varying(
     case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
 ) -> Solution:
     """The solution of a case whose loads vary along the rod: by Taylor series; between ends by multiple shooting."""
-    from .methods.automatic import varying_method
+    from .methods import varying_method
     from .shooting.answers import answer_ends, answer_starts
 
     name = varying_method(case.kind, method, knobs)

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Cylinder, Rod, Start
+from solver.core.orbits import critical_points
 from solver.mechanics.potential import potential
-from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import Reduced
 from tests.cases import start_of
 

@@ -10,8 +10,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.benchmark import available_ladders
-from solver.methods import METHODS, StartMethod, Verlet, available
-from solver.methods.automatic import AUTOMATIC
+from solver.methods import AUTOMATIC, METHODS, StartMethod, Verlet, available
 from solver.methods.base import Ladder, knob
 from solver.numerics.complex_step import size_of
 from solver.observe.observables import OBSERVABLES, Observable
@@ -94,7 +93,7 @@ def test_no_other_module_keeps_a_table_of_methods() -> None:
     named = [file for file in files if sum(f'"{name}"' in file.read_text(encoding="utf-8") for name in METHODS) > 1]
     lists = {str(file.relative_to(ROOT)): set(strings(file)) & set(METHODS) for file in named}
     tables = {name for name, found in lists.items() if len(found) > 1}
-    assert tables == {"solver/methods/__init__.py", "solver/methods/automatic.py"}
+    assert tables == {"solver/methods/__init__.py"}
 
 
 def test_an_observable_is_two_rows_and_is_then_observed_studied_stored_and_labelled(monkeypatch) -> None:

@@ -14,14 +14,14 @@ from ..equilibrium.system import correct_equilibrium
 from ..held.held_alternatives import alternatives_of, away
 from ..held.held_starts import Reached, from_seed, nearest_start
 from ..levels.line_point import LinePoint
-from ..levels.path_orbits import orbit_of, variations_of
+from ..levels.path_orbits import orbit_of, together, variations_of
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
 from ..problem.limits import beyond_limits, held_apart, unreachable
 from ..problem.reduced import EndsProblem, HeldProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, verdicts
-from .each_equilibrium import path_of_seed, together
+from .selection import path_of_seed
 
 _SLOW = 1e-3  # beta_t at a start
 ALTERNATIVE = "another equilibrium with the same ends"

@@ -1,4 +1,4 @@
-"""The rule that selects one of the equilibria between two ends.
+"""The rule that selects one of the equilibria between two ends, and the equilibrium that a rule or a seed means.
 
 Under dead loads the equilibrium of lowest energy of a long compressed rod points backwards: beta passes pi, which
 lets the load do more work. A user mostly means the stable equilibrium that stays near its end angles. So the default
@@ -6,13 +6,19 @@ is: among the stable equilibria the one whose beta goes least beyond its two end
 ones the one of lower energy, then the one with positive beta'(0). If none is stable, all equilibria are compared.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..levels.level_search import Found, search_levels
+from ..levels.line_point import Path, path_of
+from ..levels.path_orbits import NO_EQUILIBRIUM, equilibrium_trajectory, path_from_start
 from ..numerics.arrays import Array, Integers
 from ..problem.errors import InputError
+from ..problem.reduced import EndsProblem
+from ..problem.trajectory import Seed, Trajectory
 
 NEAREST, LOWEST = "nearest", "lowest"
 RULES = (NEAREST, LOWEST)
@@ -96,3 +102,77 @@ def none_of(choose: Choose, index: Array, total: int) -> str:
     known = sorted({int(i) for i in index})
     shown = ", ".join(map(str, known[:8])) + (f", ... up to {known[-1]}" if len(known) > 8 else "")
     return f"failed: none of the {total} equilibria found has index {choose}; their indices: {shown}"
+
+
+def selection_of(
+    problem: EndsProblem, t: Array, tol: float, slope: float | None, choose: Choose = NEAREST
+) -> Trajectory | str:
+    """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or without `slope` the one of the rule.
+
+    Returns the outcome, a sentence, where there is none.
+    """
+    known = _search(problem, slope, choose)
+    if known is None:
+        return NO_EQUILIBRIUM
+    if slope is not None:
+        return equilibrium_trajectory(problem, known.orbit.take(int(np.argmin(np.abs(known.slope - slope)))), t, tol)
+    i = select(choose, known.index, known.energy, known.stray, known.slope)
+    if i is None:
+        return none_of(choose, known.index, known.total)
+    if not isinstance(choose, int) and known.index[i] != 0 and known.remark:  # by degree there is a stable equilibrium
+        return f"failed: {known.remark}"
+    how = np.array([selection(choose, known.index, known.total, not known.remark)], dtype=object)
+    return replace(equilibrium_trajectory(problem, known.orbit.take(i), t, tol), selection=how)
+
+
+def _search(problem: EndsProblem, slope: float | None, choose: Choose) -> Found | None:
+    """The equilibria that the rule needs.
+
+    A stable one has one turning point at most, one of index K at most K + 1, and that of lowest energy is stable.
+    """
+    if slope is not None:
+        return search_levels(problem)
+    equilibria = search_levels(problem, most_turns=choose + 1 if isinstance(choose, int) else 1)
+    needs_stable = equilibria is None or not (equilibria.index == 0).any()
+    return search_levels(problem) if not isinstance(choose, int) and needs_stable else equilibria
+
+
+def select_seed(
+    problem: EndsProblem, choose: Choose = NEAREST, points: int = 2001
+) -> tuple[Seed, NDArray[np.object_], list[str]]:
+    """The equilibrium of each of B ends problems that the rule takes, as a seed at `points` stations.
+
+    Returns the seed, NaN where there is no equilibrium; (B,) how each was selected; and the outcomes that say why there
+    is none, empty where there is one.
+    """
+    u = np.linspace(0, 1, points)
+    taken, why = np.full(problem.size, None, dtype=object), [""] * problem.size
+    slopes, shapes = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)
+    for i in range(problem.size):
+        single = problem.take(slice(i, i + 1))
+        answer = selection_of(single, single.span[:, None] * u, 1e-8, None, choose)
+        if isinstance(answer, str):
+            why[i] = answer
+            continue
+        slopes[i], shapes[i] = answer.dbeta[0, 0], answer.beta[0]
+        taken[i] = None if answer.selection is None else answer.selection[0]
+    return Seed(slopes, np.tile(u, (problem.size, 1)), shapes), taken, why
+
+
+def path_of_seed(seed: Seed) -> Path | None:
+    """The path of the seed's equilibrium; None if the seed is not an equilibrium."""
+    assert seed.problem is not None
+    if not np.isfinite(seed.beta[0]).all():
+        return None
+    if seed.orbit is not None and getattr(seed.orbit, "path", None) is not None:
+        return path_of(seed.orbit.path, int(seed.row[0]))
+    path = path_from_start(seed.problem, float(seed.slope[0]))
+    if path is not None:
+        return path
+    equilibria = search_levels(seed.problem)
+    if equilibria is None:
+        return None
+    u = seed.problem.span[:, None] * seed.u[:1]
+    apart = np.abs(equilibria.orbit.at(np.repeat(u, equilibria.slope.size, axis=0))[0] - seed.beta[:1]).max(axis=1)
+    best = int(np.argmin(apart))
+    return path_of(equilibria.path, best) if apart[best] < 0.01 else None

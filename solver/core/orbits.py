@@ -1,10 +1,12 @@
 """Critical points of G and periodic orbits by the compiled core: `critical_points.c`, `orbits.c`, `conditioning.c`."""
 
 import ctypes
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..mechanics.potential import HasLoads
 from ..numerics.arrays import Array, Booleans, Integers
 from .library import Cutting, address, cut, fine, functions, grid, points
 
@@ -36,11 +38,34 @@ class FoundOrbits(NamedTuple):
     pieces: Array
 
 
-def critical_points(loads: Array) -> tuple[Array, Booleans, Integers] | None:
-    """Critical points of G, which are centres (B, K each) and their count (B,), from loads (B, 3).
+@dataclass(frozen=True, eq=False)
+class CriticalPoints:
+    """The critical points of G in [-pi, pi) of B problems, rising; padded to (B, K) with NaN.
 
-    None where a load is not finite, or critical points could not be told apart.
+    beta: (B, K). centre: (B, K), whether each is a minimum of G; they alternate. count: (B,), even, at least 2.
+    A saddle and a centre may share an angle, where H only touches zero: under twist alone, at beta = 0 or pi.
     """
+
+    beta: Array
+    centre: Booleans
+    count: Integers
+
+
+def critical_points(problem: HasLoads) -> CriticalPoints:
+    """All critical points of G, which are the helices of the loads: the roots of H, found as sign changes on a grid and
+    refined inside their brackets. None, a count of 0, where a load is not finite."""
+    loads = np.stack([problem.lam, problem.mu, problem.phi], axis=1)
+    every = _critical_points(loads)
+    if every is None:  # all are refused for the sake of those that are not finite
+        fit = np.array([_critical_points(load[None]) is not None for load in loads])
+        every = _critical_points(np.where(fit[:, None], loads, 0.0))
+        assert every is not None
+        every.beta[~fit], every.centre[~fit], every.count[~fit] = np.nan, False, 0
+    return every
+
+
+def _critical_points(loads: Array) -> CriticalPoints | None:
+    """Those of loads (B, 3); None where one is not finite, or critical points could not be told apart."""
     B, (angles, table) = loads.shape[0], grid()
     beta, centre = np.full((B, _CRITICAL), np.nan), np.zeros((B, _CRITICAL), np.bool_)
     count = np.empty(B, np.int64)
@@ -49,7 +74,7 @@ def critical_points(loads: Array) -> tuple[Array, Booleans, Integers] | None:
         address(beta), address(centre), address(count),
     )  # fmt: skip
     most = int(count.max(initial=0)) if fine(status) else 0
-    return (beta[:, :most], centre[:, :most], count) if fine(status) else None
+    return CriticalPoints(beta[:, :most], centre[:, :most], count) if fine(status) else None
 
 
 def orbits(numbers: Array, pin: Any, n: int, cutting: Cutting) -> FoundOrbits | None:

@@ -14,6 +14,7 @@ import numpy as np
 from ..branches.continuation import FOLD, Stopped, carry
 from ..branches.deflation import is_known, numbers_of
 from ..branches.held_helices import helices_of
+from ..core.orbits import critical_points
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of
 from ..equilibrium.held_index import index_of
 from ..equilibrium.system import state_of
@@ -21,7 +22,6 @@ from ..levels.line_point import Path
 from ..levels.morse_index import jacobi_zeros
 from ..levels.path_orbits import orbit_of
 from ..mechanics.potential import TAU
-from ..orbit.critical_points import critical_points
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import DeadStart
 from .held_alternatives import said_of_seed

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from ..core.orbits import CriticalPoints, critical_points
 from ..mechanics.potential import TAU, slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import bracket
-from ..orbit.critical_points import CriticalPoints, critical_points
 from ..orbit.pieces import apart
 from ..problem.reduced import EndsProblem
 from .transit_times import Boundary, Levels, fall, height_scale, wrap

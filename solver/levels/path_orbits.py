@@ -1,9 +1,11 @@
-"""The orbits of levels and paths, and the path of an orbit.
+"""The orbits of levels and paths, the path of an orbit, and the shapes of equilibria as trajectories.
 
 Orbits that stay at a saddle for longer than a gap in floating point can express have panels at rest.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,13 +14,17 @@ from ..core import orbits as core
 from ..core.library import Cutting
 from ..mechanics.potential import potential
 from ..numerics.arrays import Array, Integers
+from ..orbit.joined_orbits import join_orbits
 from ..orbit.periodic_orbit import TIGHT, Orbit, assemble, relative_orbit, solve_orbit
 from ..orbit.pieces import HELIX, Panels, join
 from ..orbit.variations import GOAL, LENGTH, POINTS, Variations, variations_on
 from ..problem.reduced import EndsProblem, StartProblem
+from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts, where_shown
 from .level_grid import LOWEST
 from .line_point import LinePoint, Path
 from .transit_times import DOWN, STRETCH, UP, Boundary, LevelPaths, Levels, Paths, half_passages, repeat, transit_times
+
+NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one exists"
 
 
 def with_saddle_panels(brief: Orbit, span: Array, gap: Array, excess: Array) -> Orbit:
@@ -154,3 +160,40 @@ def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
         return place.helix
     y = 2 * float(np.log(max(abs(slope), 1e-150)))
     return Path(place.start, 1.0, y, UP if slope > 0 else DOWN, int(orbit.turns[0]))
+
+
+def equilibrium_trajectory(problem: EndsProblem, orbit: Orbit, t: Array, tol: float) -> Trajectory:
+    """The orbits of K ends problems at stations t (K, n); their error is that of beta(L)."""
+    beta, dbeta, alpha, z = orbit.at(t)
+    condition = core.response(orbit)[0] if orbit.response is None else orbit.response
+    miss = np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
+    error = (2 * miss + 1e-14) * condition
+    calls = np.bincount(orbit.panels.arc // 2, weights=orbit.panels.calls, minlength=t.shape[0]).astype(np.int64)
+    verdict = verdicts(beta, error, condition, tol)
+    return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *verdict, error, condition, calls, orbit)
+
+
+def together(answers: Sequence[Trajectory | str], t: Array) -> Trajectory:
+    """The answers to B problems at t (B, n) as one; a problem without an answer is given by its outcome."""
+    if len(answers) == 1 and not isinstance(answers[0], str):
+        return answers[0]
+    each = [_missing(t[i : i + 1], a) if isinstance(a, str) else a for i, a in enumerate(answers)]
+    columns: dict[str, Any] = {name: np.concatenate([getattr(a, name) for a in each]) for name in _COLUMNS}
+    for name, unknown in _UNKNOWN.items():
+        columns[name] = np.concatenate([unknown if getattr(a, name) is None else getattr(a, name) for a in each])
+    shown = np.array([[not isinstance(a, str)] for a in answers])
+    orbit = join_orbits([a.orbit for a in each])
+    return Trajectory(**columns, swirl=partial(where_shown, shown, orbit.swirl, t), orbit=orbit)
+
+
+_COLUMNS = "beta", "dbeta", "alpha", "z", "solved", "outcome", "error", "condition", "evaluations"
+_UNKNOWN = {"selection": np.array([None]), "begun": np.array([None]), "held_index": np.array([np.nan])}
+
+
+def _missing(t: Array, why: str) -> Trajectory:
+    """An answer that stands for none: a plain rod, blank."""
+    plain = {name: np.array([value]) for name, value in PLAIN.items()}
+    slope, betaL = plain.pop("dbeta0"), plain.pop("betaL")
+    orbit = solve_orbit(StartProblem(**plain, dbeta0=slope), TIGHT)  # the tolerance of the others: the same series
+    answer = equilibrium_trajectory(EndsProblem(**plain, betaL=betaL), orbit, t, 1.0)
+    return blank(answer, np.array([False]), np.array([why], dtype=object))

@@ -20,9 +20,9 @@ import numpy as np
 
 from ..core import levels as core
 from ..core.library import Cutting
+from ..core.orbits import CriticalPoints
 from ..mechanics.potential import TAU, load_size
 from ..numerics.arrays import Array, Booleans, Integers
-from ..orbit.critical_points import CriticalPoints
 from ..orbit.pieces import CENTRE, Pieces
 from ..problem.reduced import EndsProblem
 

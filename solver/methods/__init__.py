@@ -1,5 +1,8 @@
-"""The methods, one file each."""
+"""The methods, one file each; the automatic ones, and the one that a caller names."""
 
+from typing import Any
+
+from ..problem.errors import InputError, choices, known_name, no_such
 from .base import EndsMethod, Method, StartMethod
 from .collocation import Collocation
 from .difference import Difference
@@ -13,26 +16,49 @@ from .shooting import Shooting
 from .swing import SwingTaylor
 from .verlet import Verlet
 
-METHODS: dict[str, type[StartMethod] | type[EndsMethod]] = {
-    "orbit": OrbitQuadrature,
-    "dop853": DOP853,
-    "lsoda": LSODA,
-    "verlet": Verlet,
-    "rk4": RK4,
-    "euler": Euler,
-    "shooting": Shooting,
-    "difference": Difference,
-    "collocation": Collocation,
-    "swing": SwingTaylor,
-    "heyoka": Heyoka,
-}
+_CLASSES: tuple[type[StartMethod] | type[EndsMethod], ...] = (
+    OrbitQuadrature, DOP853, LSODA, Verlet, RK4, Euler, Shooting, Difference, Collocation, SwingTaylor, Heyoka,
+)  # fmt: skip
+METHODS = {method.name: method for method in _CLASSES}
+
+AUTOMATIC = {"start": "swing", "ends": "shooting"}  # measured, see docs/reference/methods.md
+
+VARYING = {"start": "taylor", "ends": "shooting"}  # of rods with weight or friction
 
 __all__ = [
-    "DOP853", "LSODA", "METHODS", "RK4", "Collocation", "Difference", "EndsMethod", "Euler", "Heyoka", "Method",
-    "OrbitQuadrature", "Shooting", "StartMethod", "SwingTaylor", "Verlet", "available",
+    "AUTOMATIC", "DOP853", "LSODA", "METHODS", "RK4", "VARYING", "Collocation", "Difference", "EndsMethod", "Euler",
+    "Heyoka", "Method", "OrbitQuadrature", "Shooting", "StartMethod", "SwingTaylor", "Verlet", "available",
+    "choose_method", "varying_method",
 ]  # fmt: skip
 
 
 def available() -> dict[str, type[StartMethod] | type[EndsMethod]]:
     """The methods that can run here: those whose package is installed."""
     return {name: method for name, method in METHODS.items() if method.is_installed()}
+
+
+def varying_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> str:
+    """The name of the method for rods with weight or friction. Raises `InputError` where another one is asked for."""
+    name, choice = VARYING[kind], method if isinstance(method, str) else method.name
+    if choice not in ("auto", name) or knobs:
+        raise InputError(f"a rod with weight or friction is solved by {name} alone, without knobs; got {choice!r}")
+    return name
+
+
+def choose_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> StartMethod | EndsMethod:
+    """The method for a kind of problem that a caller asks for: "auto", a name, or a method with its knobs.
+
+    Raises `InputError` for an unknown name, a method of another kind of problem or not installed, or an invalid knob.
+    """
+    if isinstance(method, Method) and knobs:
+        raise InputError(f"set the knobs {choices(knobs)} in the method, {type(method).__name__}(...), not in solve")
+    name = method.name if isinstance(method, Method) else method
+    if not isinstance(method, Method) and not known_name(name, ["auto", *METHODS]):
+        raise no_such("method", name, ["auto", *available()])
+    name = AUTOMATIC[kind] if name == "auto" else name
+    instance = method if isinstance(method, Method) else METHODS[name].with_knobs(knobs or {})
+    if kind not in instance.problems:
+        able = [other.name for other in available().values() if kind in other.problems]
+        raise InputError(f"method {name!r} does not solve {kind} problems; choose from {choices(able)}")
+    assert isinstance(instance, StartMethod | EndsMethod)
+    return instance

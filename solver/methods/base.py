@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from ..choose.selection import NEAREST, Choose
+from ..choose.selection import NEAREST, Choose, select_seed
 from ..numerics.arrays import Array
 from ..problem.errors import InputError, choices
 from ..problem.reduced import EndsProblem, StartProblem
@@ -186,8 +186,6 @@ class SeededMethod(EndsMethod):
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
-        from ..choose.each_equilibrium import select_seed
-
         taken, why = None, [""] * problem.size
         if seed is None:
             seed, taken, why = select_seed(problem, choose)

@@ -7,11 +7,18 @@ does not resolve the equilibria, the search over levels and paths of `equilibria
 
 from dataclasses import dataclass
 
-from ..choose.selection import NEAREST, Choose
+import numpy as np
+
+from ..branches.continuation import FOLD, Stopped, resume
+from ..choose.selection import NEAREST, Choose, path_of_seed, selection_of
+from ..levels.path_orbits import equilibrium_trajectory, orbit_of, together
 from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed, Trajectory
 from .base import EndsMethod, Ladder, tens
+
+_ROUNDS = 40
 
 
 @dataclass(frozen=True)
@@ -27,6 +34,61 @@ class Shooting(EndsMethod):
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
-        from ..choose.each_equilibrium import each_equilibrium
+        if seed is not None and seed.problem is not None:
+            parts = [_carry(single, t[i : i + 1], tol, seed.take(i)) for i, single in enumerate(_each(problem))]
+            return together(parts, t)
+        slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
+        near = np.isfinite(slopes)
+        if near.all():
+            return equilibrium_trajectory(problem, solve_orbit(problem.with_start(slopes), TIGHT), t, tol)
+        answers: list[Trajectory | str] = []
+        for i, single in enumerate(_each(problem)):
+            row = t[i : i + 1]
+            if near[i]:
+                orbit = solve_orbit(single.with_start(slopes[i : i + 1]), TIGHT)
+                answers.append(equilibrium_trajectory(single, orbit, row, tol))
+            else:
+                slope = None if seed is None else float(seed.slope[i])
+                answers.append(selection_of(single, row, tol, slope, choose))
+        return together(answers, t)
 
-        return each_equilibrium(problem, t, tol, seed, choose)
+
+def _each(problem: EndsProblem) -> list[EndsProblem]:
+    """The problems as problems of size 1."""
+    return [problem.take(slice(i, i + 1)) for i in range(problem.size)]
+
+
+def _carry(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory | str:
+    """The equilibrium of one problem on the branch of the seed, or the outcome that says why there is none."""
+    assert seed.problem is not None
+    path = path_of_seed(seed)
+    if path is None:
+        return "failed: the seed is not a solution of its own ends problem"
+    result = resume(seed.problem, path, problem)
+    if isinstance(result, Stopped):
+        way = f"{result.share:.2%} of the way from the seed to this case"
+        if result.reason == FOLD:
+            return f"failed: the branch of the seed ends, at a fold or where it meets another branch, after {way}"
+        return f"failed: the branch of the seed could not be followed beyond {way}: {result.reason}"
+    return equilibrium_trajectory(problem, orbit_of(problem, result), t, tol)
+
+
+def _next_to(problem: EndsProblem, slope: Array) -> Array:
+    """beta_t(0) of the solution near a guess, (B,); NaN if Newton's rule does not converge."""
+    B = problem.size
+    twice = problem.take(np.tile(np.arange(B), 2))
+    at = np.where(np.isfinite(slope), slope, 0.0)
+    off = np.full(B, np.inf)
+    for _ in range(_ROUNDS):
+        nudge = 1e-7 * np.maximum(1, np.abs(at))
+        orbit = solve_orbit(twice.with_start(np.concatenate([at, at + nudge])), TIGHT)
+        end = orbit.at(twice.span[:, None])[0][:, 0]
+        off = end[:B] - problem.betaL
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = -off / ((end[B:] - end[:B]) / nudge)
+        step = np.clip(np.where(np.isfinite(step), step, 0.01), -0.05, 0.05)
+        if (np.abs(off) <= 2e-13 * np.maximum(1, np.abs(problem.betaL))).all():
+            break
+        at = np.where(np.abs(off) <= 2e-13 * np.maximum(1, np.abs(problem.betaL)), at, at + step)
+    met = (np.abs(off) <= 1e-10) & np.isfinite(slope) & (np.abs(at - slope) <= 0.1 * (1 + np.abs(slope)))
+    return np.where(met, at, np.nan)

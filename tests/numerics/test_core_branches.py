@@ -11,7 +11,7 @@ from solver import Case, Cylinder, Ends, Rod, equilibria, follow, solve
 from solver.branches.branch_events import Bounds, Place
 from solver.branches.branch_following import trace_branch
 from solver.branches.family import Family, dead_numbers
-from solver.choose.each_equilibrium import path_of_seed
+from solver.choose.selection import path_of_seed
 from solver.core.branches import RECORD, Point, Steps, chart_of
 from solver.core.varied_orbits import orbit_rates
 from solver.equilibrium.charts import Chart

@@ -9,8 +9,8 @@ import pytest
 from solver import Case, Cylinder, Ends, Rod, equilibria
 from solver.core import orbits as core
 from solver.core.library import Cutting
+from solver.core.orbits import critical_points
 from solver.mechanics.potential import Loads, slope
-from solver.orbit.critical_points import critical_points
 from solver.orbit.periodic_orbit import solve_orbit
 from solver.problem.reduced import Reduced, StartProblem
 from tests.cases import ends_in_units_of_rho
@@ -86,7 +86,6 @@ def test_the_width_of_the_lanes_changes_no_bit() -> None:
 def test_the_core_refuses_numbers_that_are_not_finite() -> None:
     for row in ([np.nan, 0, 0, 1, 0, 0], [0, np.inf, 0, 1, 0, 0], [0, 0, 0, 1, 0, np.nan]):
         assert core.orbits(np.array([row], dtype=float), None, 22, Cutting(0.45, 1e-14, 1.0)) is None
-    assert core.critical_points(np.array([[np.nan, 0.0, 0.0]])) is None
     empty = core.orbits(np.empty((0, 6)), None, 22, Cutting(0.45, 1e-14, 1.0))
     assert empty is not None
     assert empty.arc.size == 0

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from solver.core.orbits import critical_points
 from solver.mechanics.potential import dimensional_slope, potential, slope, slope_rate
 from solver.methods import METHODS, Difference, available
-from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import EndsProblem, Reduced, StartProblem
 
 loads = st.floats(-3, 3).map(lambda x: round(x, 6))

@@ -58,7 +58,8 @@ import solver.follow, solver.solve, solver.observe.observables
 from solver.region_map import regions_of
 import solver
 from solver import equilibria, follow, loops, observe, region_map, solve, switch
-print(*[value.__name__ for value in (equilibria, follow, loops, observe, region_map, solve, switch)], solver.solve is solve)
+named = equilibria, follow, loops, observe, region_map, solve, switch
+print(*[value.__name__ for value in named], solver.solve is solve)
 """
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.split() == ["equilibria", "follow", "loops", "observe", "region_map", "solve", "switch", "True"]

@@ -166,7 +166,7 @@ def _not_kept() -> NDArray[np.float64]:
 
 def show(study: Study, state: State, stations: Any = None) -> Solution:
     """The solution of a state by the study's method, at the study's stations or at others: a number, or values of s."""
-    from solver.methods.automatic import AUTOMATIC
+    from solver.methods import AUTOMATIC
 
     stations = study.stations if stations is None else stations
     method = study.method if study.method != "auto" else AUTOMATIC["ends"]

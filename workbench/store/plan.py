@@ -139,7 +139,7 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
 
     Raises `InputError` for a tolerance or method that `solve` refuses.
     """
-    from solver.methods.automatic import choose_method, varying_method
+    from solver.methods import choose_method, varying_method
 
     dimensions = study.dimensions()
     first = study.case_of({name: values[0] for name, values in dimensions.fields.items()})

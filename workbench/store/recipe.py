@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 import solver
 import studies
-from solver.methods import METHODS, available
-from solver.methods.automatic import VARYING
+from solver.methods import METHODS, VARYING, available
 from solver.problem.errors import InputError
 from studies import Study
 from studies.grammar.dimensions import Dimensions
