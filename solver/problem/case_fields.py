@@ -6,15 +6,14 @@ from typing import Any
 
 from .case import Case
 from .errors import InputError, choices, near
+from .quantities import AT_START
 
-# Fields of `Start` and `Ends` whose quantity has another name; `Ends` has fields beta0 and betaL.
-FIELD = {"beta0": "beta", "dbeta0": "dbeta", "alpha0": "alpha", "gamma0": "gamma"}
-_QUANTITY = {field: name for name, field in FIELD.items()}
+FIELD = {name: field for field, name in AT_START.items()}  # of `Start` and `Ends`; `Ends` has fields beta0 and betaL
 
 
 def fields_of(case: Case) -> tuple[str, ...]:
     """The names of the fields of a case with respect to which there are derivatives."""
-    given = (_QUANTITY.get(name, name) for part, name, _ in case._numeric() if part is case.given)
+    given = (AT_START.get(name, name) for part, name, _ in case._numeric() if part is case.given)
     return (*(name for part, name, _ in case._numeric() if part is not case.given), *given)
 
 

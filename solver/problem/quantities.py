@@ -129,6 +129,9 @@ _ROWS = (
     Quantity("caution", "caution", "text", "what a real rod could not do, or what was not checked; empty: none"),
 )
 
+# Fields of a case that are the value of a quantity at s = 0, which has another name.
+AT_START = {"beta": "beta0", "dbeta": "dbeta0", "alpha": "alpha0", "gamma": "gamma0"}
+
 QUANTITIES: dict[str, Quantity] = {row.name: row for row in _ROWS} | {
     f"{row.name}_error": Quantity(
         f"{row.name}_error", f"δ({row.symbol})", row.dimension, f"estimated error of: {row.long_name}"

@@ -13,9 +13,8 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from solver import Cylinder, Ends, Rod, Start
 from solver.problem.angles import angle
 from solver.problem.case import SIDES, SLIDING, STIFFNESS
-from solver.problem.case_fields import FIELD
 from solver.problem.errors import no_such
-from solver.problem.quantities import QUANTITIES, Quantity, quantity
+from solver.problem.quantities import AT_START, QUANTITIES, Quantity, quantity
 
 from .units import FORCES, LENGTHS
 
@@ -34,9 +33,6 @@ MAX_CASES = 1_000_000_000  # cases of a grid: more than a day at 0.1 ms each
 
 CLOSEST = 1e-15  # least relative difference of neighbours on an axis; closer values could round to the same float
 
-# Fields of a case that are the value of a quantity at s = 0, which has another name.
-_AT_START = {field: name for name, field in FIELD.items()}
-
 
 class Misplaced(ValueError):
     """An invalid value of a study. path: the key, relative to the model that raises the error."""
@@ -53,12 +49,12 @@ def no_key(kind: str, name: str, known: Collection[str], *path: str | int) -> Mi
 
 def quantity_of(field: str) -> Quantity:
     """The quantity of a field of a case: that of `beta` of Start is beta0."""
-    return quantity(_AT_START.get(field, field))
+    return quantity(AT_START.get(field, field))
 
 
 def is_angle(field: str) -> bool:
     """Whether a field of a case is an angle [rad]; False for an unknown name."""
-    return _AT_START.get(field, field) in QUANTITIES and quantity_of(field).dimension == "rad"
+    return AT_START.get(field, field) in QUANTITIES and quantity_of(field).dimension == "rad"
 
 
 def in_words(field: str, value: float, digits: int = 6) -> str:

@@ -14,6 +14,7 @@ from studies.language.loader import loads
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from workbench.commands import animate, console, study_scene
+from workbench.commands.present import result_of_files
 from workbench.scene import film, opengl, scene_kinds
 from workbench.store import in_memory, writing
 
@@ -100,7 +101,7 @@ def test_a_film_that_cannot_be_drawn_leaves_nothing(tmp_path) -> None:
 
 def test_scene_makes_a_film(monkeypatch) -> None:
     asked = []
-    monkeypatch.setattr(animate, "animate", lambda *given, **more: asked.append((given, more)) or 0)
+    monkeypatch.setattr(animate, "film_of", lambda *given, **more: asked.append((given, more)) or result_of_files([]))
     assert exit_status("scene", "a.h5", "--along", "E", "--out", "E.mp4") == 0
     assert asked == [((Path("a.h5"), "E", [], "contact"), {"out": [Path("E.mp4")], "force": False})]
 

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from . import console
 from .options import At, File, ForceOutput, PixelError, flag, number_option, option
+from .present import Result, presents, result_of_files
 
 RATES = (0.1, 60.0)  # frames a second
 MOST = 480  # frames that are solved for a film
@@ -19,7 +20,7 @@ def is_film(out: Path) -> bool:
     return out.suffix.lower() in film.SUFFIXES
 
 
-def animate(
+def film_of(
     file: File,
     axis: Annotated[str | None, option("AXIS", "Axis of the film; required if the study has several axes.")] = None,
     at: At = None,
@@ -36,7 +37,7 @@ def animate(
     pixel_error: PixelError = 0.5,
     dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 160 gives 1280 x 720 pixels.")] = 160,
     force: ForceOutput = False,
-) -> int:
+) -> Result:
     """Make a film of the cases along an axis.
 
     Each frame shows the rod and the curve of an observable up to that case. Between the stored cases others are solved,
@@ -70,8 +71,7 @@ def animate(
     film.check_writers(paths)
     able, advice = opengl.probe()
     if not able:
-        console.warn(advice)
-        return 1
+        return result_of_files([], warnings=[advice], status=1)
     solving = ds, axis, where, kind_of(kind), str(shown.observable), MOST
     more = None if stored else study_scene.film_cases(*solving)
     if more is not None:
@@ -80,6 +80,7 @@ def animate(
     with console.progress(len(cases), lines=True) as step:
         film.write(paths, film.frames(ds, shown, step), fps, each)
     solved = "stored cases" if more is None else "cases, solved for this film"
-    for path in paths:
-        console.say(f"{path}: {len(cases)} {solved}, {fps:g} frames per second")
-    return 0
+    return result_of_files(paths, [f"{path}: {len(cases)} {solved}, {fps:g} frames per second" for path in paths])
+
+
+animate = presents()(film_of)  # the command

@@ -1,7 +1,7 @@
 """The options for the fields of a case: one table, from which the options of solve, explore and equilibria are made.
 
-The table is written out, and not derived from the dataclasses of `solver`, because --help must not import NumPy.
-`tests/workbench/test_case_options.py` compares it with those dataclasses and with the table of quantities.
+Long names and units are those of the table of quantities. The rest is written out, and not derived from the dataclasses
+of `solver`, because --help must not import NumPy; `tests/workbench/test_case_options.py` compares it with them.
 """
 
 import inspect
@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import wraps
 from typing import Annotated, Any, TypeVar
+
+from solver.problem.quantities import AT_START, quantity, unit_of
 
 from .options import angle_of, number_option, option
 
@@ -56,47 +58,53 @@ _TWIST = "give one of F1, dgamma, M3"
 _SECTION = "give E and nu, or EI and GJ"
 _STIFFNESS = "bending stiffness of a solid section (solid), or a quarter of it as printed in the paper (paper)"
 
+WORDS_OF_UNITS = {"length": "length", "force": "force"}
+
+
+def _of_quantity(name: str, more: str = "", problem: str = "", note: str = "", default: Any = None) -> CaseField:
+    """A field that is a quantity, with its long name and unit; more: words behind that name."""
+    row = quantity(AT_START.get(name, name))
+    return CaseField(name, row.long_name + more, unit_of(row.name, WORDS_OF_UNITS), problem, note, default)
+
+
 FIELDS: dict[str, CaseField] = {
     field.name: field
     for field in (
-        CaseField("E", "Young's modulus", "force/length^2", note=_SECTION),
-        CaseField("nu", "Poisson ratio", "1", note=_SECTION),
-        CaseField("a", "radius of the rod", "length"),
-        CaseField("L", "length of the rod", "length"),
+        _of_quantity("E", note=_SECTION),
+        _of_quantity("nu", note=_SECTION),
+        _of_quantity("a"),
+        _of_quantity("L"),
         CaseField("stiffness", _STIFFNESS, "", default="solid", choices=("solid", "paper")),
-        CaseField("inner_radius", "inner radius of the rod, for a tube", "length"),
-        CaseField("EI", "bending stiffness, given", "force length^2", note=_SECTION),
-        CaseField("GJ", "torsional stiffness, given", "force length^2", note=_SECTION),
-        CaseField("weight", "weight per length in the fluid", "force/length", note="default: no weight"),
-        CaseField("R", "radius of the cylinder", "length"),
+        _of_quantity("inner_radius", ", for a tube"),
+        _of_quantity("EI", note=_SECTION),
+        _of_quantity("GJ", note=_SECTION),
+        _of_quantity("weight", note="default: no weight"),
+        _of_quantity("R"),
         CaseField("side", "side of the cylinder on which the rod lies", "", default="outside",
                   choices=("outside", "inside")),
-        CaseField("inclination", "angle of the axis to the upward vertical, 90deg: it lies", "rad",
-                  note="only with weight; default: 0"),
-        CaseField("friction", "coefficient of sliding friction", "1", note="default: no friction"),
+        _of_quantity("inclination", ", 90deg: it lies", note="only with weight; default: 0"),
+        _of_quantity("friction", note="default: no friction"),
         CaseField("sliding", "how a rod with friction moves: along itself, turning in place, or along the axis", "",
                   note="only with friction; default: forward",
                   choices=("forward", "backward", "rotating", "axial-forward", "axial-backward")),
-        CaseField("beta", "angle from the axis at the start", "rad", "start"),
-        CaseField("dbeta", "rate of the angle at the start", "rad/length", "start"),
-        CaseField("F1", "internal force along the inward normal", "force", "start", _TWIST),
-        CaseField("dgamma", "rate of rotation of the section at the start", "rad/length", "start", _TWIST),
-        CaseField("F2", "internal force in the surface, across the rod", "force", "start", default=0.0),
-        CaseField("F3", "internal force along the tangent, tension positive", "force", "start", default=0.0),
-        CaseField("beta0", "angle from the axis at the start", "rad", "ends"),
-        CaseField("betaL", "angle from the axis at the far end, full turns included", "rad", "ends"),
-        CaseField("FZ", "axial force, tension positive", "force", "ends", default=0.0),
-        CaseField("MZ", "axial moment", "force length", "ends", default=0.0),
-        CaseField("M3", "twisting moment", "force length", "start or ends",
-                  "a start needs one of F1, dgamma, M3; default for ends: 0"),
-        CaseField("height", "axial distance of the far end, held", "length", "ends", "in place of FZ"),
-        CaseField("azimuth", "azimuth from the start to the far end, held", "rad", "ends", "in place of MZ"),
-        CaseField("rotation", "rotation of the section from the start to the far end, held", "rad", "ends",
-                  "in place of M3"),
-        CaseField("M10", "bending moment at the start, 0 for a hinge", "force length", "ends", "in place of beta0"),
-        CaseField("M1L", "bending moment at the far end, 0 for a hinge", "force length", "ends", "in place of betaL"),
-        CaseField("alpha", "azimuth of the start", "rad", default=0.0),
-        CaseField("gamma", "rotation of the section at the start", "rad", default=0.0),
+        _of_quantity("beta", "", "start"),
+        _of_quantity("dbeta", "", "start"),
+        _of_quantity("F1", "", "start", _TWIST),
+        _of_quantity("dgamma", "", "start", _TWIST),
+        _of_quantity("F2", "", "start", default=0.0),
+        _of_quantity("F3", "", "start", default=0.0),
+        _of_quantity("beta0", "", "ends"),
+        _of_quantity("betaL", ", full turns included", "ends"),
+        _of_quantity("FZ", ", tension positive", "ends", default=0.0),
+        _of_quantity("MZ", "", "ends", default=0.0),
+        _of_quantity("M3", "", "start or ends", "a start needs one of F1, dgamma, M3; default for ends: 0"),
+        _of_quantity("height", ", held", "ends", "in place of FZ"),
+        _of_quantity("azimuth", ", held", "ends", "in place of MZ"),
+        _of_quantity("rotation", ", held", "ends", "in place of M3"),
+        _of_quantity("M10", ", 0 for a hinge", "ends", "in place of beta0"),
+        _of_quantity("M1L", ", 0 for a hinge", "ends", "in place of betaL"),
+        _of_quantity("alpha", default=0.0),
+        _of_quantity("gamma", default=0.0),
     )
 }  # fmt: skip
 WINDING = {

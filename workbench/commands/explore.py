@@ -10,12 +10,14 @@ from typing import Annotated, Any
 from . import console
 from .case_options import Given, takes_case
 from .options import argument, option
+from .present import Result, presents, result_of_files
 
 MISSING = "the server of the live page needs aiohttp ({why}): pip install 'rod-workbench[explore]'"
 THIS_MACHINE = ("127.0.0.1", "localhost", "::1")
 EVERYWHERE = ("0.0.0.0", "::", "")
 
 
+@presents()
 @takes_case()
 def explore(
     file: Annotated[
@@ -31,7 +33,7 @@ def explore(
     ] = None,
     *,
     given: Given,
-) -> int:
+) -> Result:
     """Serve the live page: sliders for a rod, in the browser.
 
     The page shows the shape, forces and equilibria of a rod while its sliders move. It begins with Table 1, with the
@@ -46,10 +48,9 @@ def explore(
 
     if save is not None:
         own = own_case.preset(file, given.values, given.units)
-        _save(save, PRESETS if own is None else (own, *PRESETS))
-        if own is not None:
-            console.say(own.source)
-        return 0
+        size = _save(save, PRESETS if own is None else (own, *PRESETS))
+        said = [f"wrote {save}: {size / 1e3:.0f} kB, opens in a browser without a server"]
+        return result_of_files([save], said + ([] if own is None else [own.source]))
 
     try:
         from ..web.live import server
@@ -64,19 +65,25 @@ def explore(
     port = listener.getsockname()[1]
     presets = PRESETS if own is None else (own, *PRESETS)
     app = server.application(host_names(host, port, names), presets, console.warn)
-    console.say(f"the live page is at http://{_bracket(host)}:{port}/ (Ctrl-C ends it)")
-    if own is not None:
-        console.say(own.source)
-    sys.stdout.flush()
-    if host not in THIS_MACHINE:
-        console.warn(f"everyone who can reach {host} can use the page; it has no password")
-    threading.Thread(target=server.warm, daemon=True).start()
-    _serve(app, listener)
-    return 0
+    address = f"http://{_bracket(host)}:{port}/"
+    said = [f"the live page is at {address} (Ctrl-C ends it)", *([] if own is None else [own.source])]
+    open_to_all = f"everyone who can reach {host} can use the page; it has no password"
+
+    def serve() -> None:
+        sys.stdout.flush()
+        threading.Thread(target=server.warm, daemon=True).start()
+        _serve(app, listener)
+
+    return Result(
+        lambda: {"address": address, "shown": None if own is None else own.source},
+        lambda: console.say("\n".join(said)),
+        warnings=[] if host in THIS_MACHINE else [open_to_all],
+        afterwards=serve,
+    )
 
 
-def _save(path: Path, presets: Any) -> None:
-    """Write the page as a file."""
+def _save(path: Path, presets: Any) -> int:
+    """Write the page as a file; its size in bytes."""
     from solver.problem.errors import InputError
 
     from ..store import atomic
@@ -86,7 +93,7 @@ def _save(path: Path, presets: Any) -> None:
         raise InputError(f"--save needs a file name that ends in .html, got {str(path)!r}")
     text = live_document.text(presets, served=False)
     atomic.write(path, lambda aside: aside.write_text(text, encoding="utf-8"))
-    console.say(f"wrote {path}: {len(text.encode()) / 1e3:.0f} kB, opens in a browser without a server")
+    return len(text.encode())
 
 
 def _serve(app: Any, listener: socket.socket) -> None:

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from . import console
 from .options import ForceOutput, option
+from .present import Result, presents, result_of_files
 
 DPI = 200  # of print
 SWEEP, PAGE = "hero_sweep", "hero_page"
@@ -65,13 +66,14 @@ OWN = {"inside": INSIDE, "long": LONG}  # drawn as `contact`
 ROD, VIEWS, VIEW_DPI = "rod", ("plain", "contact", "curvature", "twist"), 120  # four kinds of one rod, two by two
 
 
+@presents()
 def gallery(
     out: Annotated[Path, option("FOLDER", "Folder for the pictures.")] = Path("gallery"),
     only: Annotated[
         list[str] | None, option("NAME", "A picture to draw, such as rod or hero_sweep; repeatable; default: all.")
     ] = None,
     force: ForceOutput = False,
-) -> int:
+) -> Result:
     """Draw every kind of scene, and the two pictures at the top of the README.
 
     rod.png shows one rod in the four kinds of scene that show one. hero_sweep.webp is animated: a rod in a tube that
@@ -80,6 +82,7 @@ def gallery(
     """
     from ..scene import opengl
     from ..store import writing
+    from ..web.live import still
     from . import option_checks
 
     suffixes = _suffixes(only or [])
@@ -87,17 +90,19 @@ def gallery(
     paths = {name: option_checks.check(out / f"{name}{suffix}", (suffix,), force) for name, suffix in suffixes.items()}
     able, advice = opengl.probe() if set(paths) - {PAGE} else (True, "")
     if not able:
-        console.warn(advice)
-        return 1
-    datasets = _datasets()
-    for name, path in paths.items():
-        if name == PAGE:
-            _page(path)
-            continue
-        draw = {SWEEP: _animate, ROD: _four_views}.get(name, _scene)
-        draw(datasets[name](), path)
-        console.say(str(path))
-    return 0
+        return result_of_files([], warnings=[advice], status=1)
+    datasets, drawn, warnings = _datasets(), [], []
+    with console.progress(len(paths), lines=True) as step:
+        for name, path in paths.items():
+            step(name)
+            if name == PAGE and (why := still.take(path)):
+                warnings.append(f"{path.name} is left out: {why}")
+                continue
+            if name != PAGE:
+                draw = {SWEEP: _animate, ROD: _four_views}.get(name, _scene)
+                draw(datasets[name](), path)
+            drawn.append(path)
+    return result_of_files(drawn, warnings=warnings)
 
 
 def _suffixes(only: list[str]) -> dict[str, str]:
@@ -149,17 +154,6 @@ def _animate(ds: Any, path: Path) -> None:
 
     shown = film.Film("F3", {}, dpi=HERO_DPI, size=HERO_SIZE)
     film.write([path], film.frames(ds, shown), back=True)
-
-
-def _page(path: Path) -> None:
-    """Take the picture of the live page, or say why there is none."""
-    from ..web.live import still
-
-    why = still.take(path)
-    if why:
-        console.warn(f"{path.name} is left out: {why}")
-    else:
-        console.say(str(path))
 
 
 def _datasets() -> dict[str, Callable[[], Any]]:

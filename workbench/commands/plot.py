@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from . import console
 from .options import At, Dpi, File, ForceOutput, NoTitle, Style, Width, option
+from .present import Result, presents, result_of_files
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from ..store.file_kinds import Kind
 
 
+@presents()
 def plot(
     file: File,
     out: Annotated[
@@ -71,7 +72,7 @@ def plot(
     ] = None,
     dpi: Dpi = 200,
     force: ForceOutput = False,
-) -> int:
+) -> Result:
     """Draw the observables of a stored study, as maps over two axes or along each axis.
 
     The FILE may be the folder that reproduce wrote: then the picture tells its story in four panels, as wide as one or
@@ -109,14 +110,10 @@ def plot(
     if numbers and table.count("\n") < 2:
         raise InputError(f"--data writes lines, dots, bars and cells of maps, and the picture of {file} has none")
     canvas.save(drawn, path, dpi)
-    for note in legend.notes_of(drawn):
-        console.say(note)
-    console.say(str(path))
     if numbers:
-        with atomic.replacement(numbers) as part:
-            part.write_text(table, encoding="utf-8")
-        console.say(str(numbers))
-    return 0
+        atomic.write(numbers, lambda aside: aside.write_text(table, encoding="utf-8"))
+    paths = [path, *([numbers] if numbers else [])]
+    return result_of_files(paths, [*legend.notes_of(drawn), *map(str, paths)])
 
 
 def _other(file: Path) -> "Kind | None":
@@ -131,7 +128,7 @@ def _other(file: Path) -> "Kind | None":
     return kind
 
 
-def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) -> int:
+def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) -> Result:
     """Draw the figure of the datasets that reproduce wrote into a folder."""
     from ..figures import canvas, story
     from ..figures.sheet import sheet
@@ -141,8 +138,7 @@ def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) 
     path = option_checks.check(out, canvas.DIAGRAMS, force)
     datasets = {name: reading.read(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
     canvas.save(story.figure(datasets, sheet("paper", width or 183, titled=False)), path, dpi)
-    console.say(str(path))
-    return 0
+    return result_of_files([path])
 
 
 def _kind(ds: "xr.Dataset", kind: str | None, options: dict[str, Any]) -> tuple[str, dict[str, Any]]:

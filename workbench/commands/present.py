@@ -41,7 +41,7 @@ class Result:
     data: it as plain data. show: prints it for people. status: the exit status. dataset: it as a dataset, which is
     drawn, and stored unless `write` writes it in another form; without the two no file is written. figure: the kind of
     its figure; default: that of the kind of file. warnings: sentences for stderr. names_files: whether the written
-    files are named below what is shown.
+    files are named below what is shown. afterwards: what the command does once all is presented, as serve a page.
     """
 
     data: Callable[[], Any]
@@ -52,6 +52,16 @@ class Result:
     figure: str | None = None
     warnings: Sequence[str] = ()
     names_files: bool = False
+    afterwards: Callable[[], None] | None = None
+
+
+def result_of_files(
+    paths: Sequence[Path], sentences: Sequence[str] = (), warnings: Sequence[str] = (), status: int = 0
+) -> Result:
+    """The result of a command that has written files; sentences: that it prints, default: their paths."""
+    said = [*(sentences or map(str, paths))]
+    data = {"files": [*map(str, paths)], "said": said, "warnings": [*warnings], "status": status}
+    return Result(lambda: data, lambda: console.say("\n".join(said)) if said else None, status, warnings=warnings)
 
 
 def presents(
@@ -90,6 +100,8 @@ def presents(
             files = check_files(**chosen, kind=kind, suffixes=suffixes) if written else Files()
             result = command(*args, **options, **({"json": as_json} if takes_json else {}))
             present(result, as_json, files)
+            if result.afterwards is not None:
+                result.afterwards()
             return result.status
 
         keyword = inspect.Parameter.KEYWORD_ONLY

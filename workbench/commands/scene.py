@@ -4,8 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from . import console
 from .options import At, ForceOutput, PixelError, argument, flag, number_option, option
+from .present import Result, presents, result_of_files
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 SUFFIXES = (".png", ".jpg")
 
 
+@presents()
 def scene(
     file: Annotated[
         Path,
@@ -70,7 +71,7 @@ def scene(
         ),
     ] = None,
     force: ForceOutput = False,
-) -> int:
+) -> Result:
     """Draw the rod on its cylinder in three dimensions.
 
     A stored study with too few stations is solved again. Exit status 1 if OpenGL does not work on this machine, or if a
@@ -83,7 +84,7 @@ def scene(
 
     at, axes, span = at or [], axis or [], (low, high)
     if out is not None and animate.is_film(out):
-        return animate.animate(file, along, at, kind or "contact", out=[out], force=force)
+        return animate.film_of(file, along, at, kind or "contact", out=[out], force=force)
     if out is not None and scene_page.is_page(out):
         others = [axes, along, low is not None, high is not None, camera, color_range, bare, transparent, size]
         return scene_page.write(file, at, out, force, kind, any(others))
@@ -103,8 +104,7 @@ def scene(
     check_name(path, asked)
     able, advice = opengl.probe()
     if not able:
-        console.warn(advice)
-        return 1
+        return result_of_files([], warnings=[advice], status=1)
     from ..scene import layout
 
     part = _part_of(ds, span)
@@ -122,12 +122,12 @@ def scene(
         ds = solve(study_scene.FIRST)
     picture, stations = study_scene.at_needed_stations(ds, solve, draw)
     solved = f", solved at {stations} stations" if study or stations != ds.sizes["u"] else ""
-    console.say(" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved)
+    said = [" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved]
     if picture.error > pixel_error * (1 + 1e-9):
         reached = f"{picture.error:.1f} pixels, not {pixel_error:g}: {stations} stations are too few for that"
-        console.warn(f"drawn to within {reached}, about {picture.stations} are needed")
-        return 1
-    return 0
+        warning = f"drawn to within {reached}, about {picture.stations} are needed"
+        return result_of_files([path], said, [warning], 1)
+    return result_of_files([path], said)
 
 
 def _part_of(ds: "xr.Dataset", span: tuple[float | None, float | None]) -> tuple[float, float] | None:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import console
+from .present import Result, result_of_files
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,8 +19,8 @@ def is_page(out: Path | None) -> bool:
     return out is not None and out.suffix.lower() == SUFFIX
 
 
-def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, others: bool) -> int:
-    """Write the file; 0, or 1 where the stations are too few.
+def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, others: bool) -> Result:
+    """Write the file; of status 1 where the stations are too few.
 
     file: as of `scene.scene_file`. others: whether an option of a picture alone was given. Raises `InputError`.
     """
@@ -49,11 +49,11 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
     text = turntable_page.html(ds, where)
     atomic.write(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     missing = _stations(ds)
-    console.say(f"{path}: {len(text) / 1e6:.2g} MB, opens in a browser without a network")
+    said = [f"{path}: {len(text) / 1e6:.2g} MB, opens in a browser without a network"]
     if missing > ds.sizes["u"]:
-        console.warn(f"{ds.sizes['u']} stations are too few for a smooth rod, about {missing} are needed")
-        return 1
-    return 0
+        warning = f"{ds.sizes['u']} stations are too few for a smooth rod, about {missing} are needed"
+        return result_of_files([path], said, [warning], 1)
+    return result_of_files([path], said)
 
 
 def _free(ds: "xr.Dataset", where: Mapping[str, float]) -> list[str]:
