@@ -63,7 +63,7 @@ def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Data
         assert above > 0.5
         assert (seen.page @ np.array([0.0, 0.0, 1.0]))[0] > 0.5  # s goes to the right
     assert camera.gravity(ds, {}) is None  # one picture, two inclinations
-    rows, seen = layout._cells(ds, scene_kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
+    rows, (seen,) = layout._cells(ds, scene_kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
     assert [view.turned for view in rows[0]] == [0.0, 0.0]  # in a row of lying pipes each low side is below
     assert seen.page @ seen.down == pytest.approx([0.0, -np.sqrt(3) / 2], abs=1e-12)
     made = layout.compose(ds, {"inclination": np.pi / 2}, settings=Settings(span=(20.0, 24.0))).page
@@ -94,7 +94,7 @@ def test_of_long_pipes_one_view_shows_the_lower_part_compressed_and_lying() -> N
     pipe = {name: value for name, value in HELD.items() if name not in ("EI", "GJ")} | steel | {"azimuth": 0.0}
     ds = in_memory.run(loads(small.text(pipe, small.axis("FZ", [-210.0, -150.0]), "m kN", stations=201)))
     cases = [{"FZ": 0}, {"FZ": 1}]
-    rows, camera_ = layout._cells(ds, scene_kinds.kind_of("grid"), ["FZ"], [cases], Settings())
+    rows, (camera_,) = layout._cells(ds, scene_kinds.kind_of("grid"), ["FZ"], [cases], Settings())
     assert camera_.page @ [0, 0, 1] == pytest.approx([1, 0], abs=1e-12)
     for k, body in enumerate(view.bodies[0] for view in rows[0]):
         assert 0 < body.span[0] < body.span[1] == 600.0  # s = L is the lower end
@@ -102,8 +102,9 @@ def test_of_long_pipes_one_view_shows_the_lower_part_compressed_and_lying() -> N
         for low in np.linspace(300.0, 400.0, 11):  # the straight one too
             drawn = replace(body, span=(low, 600.0)).rings(0.01, 1.0).s
             assert drawn[[0, -1]] == pytest.approx([low, 600.0], abs=1e-9)
-        ghost = layout._thin(body, k, 2)
-        assert body.line.rho / 2 <= body.line.rho + ghost.lift < body.R - ghost.a + 1e-12
+        ghost = layout._thin(body, k)
+        far = body.R - ghost.a - (body.line.rho + ghost.lift)
+        assert far == pytest.approx(k * ghost.a, abs=1e-12)  # the first touches the wall, none floats far from it
     assert "only s = " in long_rod.notes_on(rows[0][0].bodies, "m")[1]
 
 

@@ -48,7 +48,8 @@ def scene(
         str | None,
         option(
             "CAMERA",
-            "sides, front, side, oblique, or AZIMUTH,ELEVATION in degrees; default: sides for one case, else front.",
+            "oblique, front, side, AZIMUTH,ELEVATION in degrees, or sides, two views of one case; default: oblique for "
+            "one case, else 0,12.",
         ),
     ] = None,
     color_range: Annotated[

@@ -87,14 +87,17 @@ def views_of(text: str | None) -> tuple[tuple[float, float], ...]:
     return ((azimuth, elevation),)
 
 
-def has_weight(ds: "xr.Dataset") -> bool:
-    """Whether rods of a dataset have weight."""
-    return "weight" in ds and bool(ds["weight"].values.any())
+def one_view_of(text: str | None, shown: str) -> tuple[float, float]:
+    """The same of a picture with one view of each rod; shown: what it shows. Raises `InputError` for several views."""
+    view, *others = views_of(text)
+    if others:
+        raise InputError(f"{shown} is seen from one side, and --camera {text} has several: choose front or side")
+    return view
 
 
 def gravity(ds: "xr.Dataset", where: Mapping[str, int]) -> Array | None:
     """The direction of the weight of the rods of a case, (3,); None without weight or for several directions."""
-    if not has_weight(ds):
+    if "weight" not in ds or not ds["weight"].values.any():
         return None
     angles = np.unique(ds["inclination"].isel(where, missing_dims="ignore").values) if "inclination" in ds else [0.0]
     return np.array([np.sin(angles[0]), 0.0, -np.cos(angles[0])]) if len(angles) == 1 else None

@@ -122,7 +122,10 @@ def compose(scene: Scene) -> Picture:
     scene, bar, beyond = colour_rods(_bare(scene) if settings.bare else scene)
     words = words_of(scene, bar)
     draft, room = draft_of(scene, words)
-    arranged = arrange(scene.rows, scene.camera, room, scene.pitch)
+    arranged = arrange(scene.rows, scene.camera, room, scene.pitch, scene.columns)
+    if scene.heads and fonts.width_of(scene.heads[0], fonts.NORMAL) > arranged.size[1]:  # no room beside the rows
+        case = ", ".join(text for text in (scene.case, f"rows: {scene.heads[0]}") if text)
+        return compose(replace(scene, heads=["", *scene.heads[1:]], case=case))
     camera = replace(scene.camera, per_unit=arranged.scale * dpi)
     _check_width(scene, camera)
     n, stations = _stations(scene.bodies, settings.pixel_error / camera.per_unit)

@@ -30,7 +30,7 @@ from . import long_rod, page, scene_kinds
 from .captions import Cell
 from .page import Pixels
 from .settings import Settings
-from .views import View, ends_of
+from .views import View, camera_before, ends_of
 
 if TYPE_CHECKING:
     from . import composition
@@ -121,17 +121,13 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     kind, cases = scene_kinds.kind_of(film.kind), cases_of(ds, film)
     each = [rods.of_case(ds, where, kind)[0] for where in cases]
     down = cameras.gravity(ds, {name: i for name, i in cases[0].items() if name != film.axis})
-    context = long_rod.in_view([body for body in each if body], cameras.has_weight(ds), down)
+    context = long_rod.in_view([body for body in each if body], down)
     if not context:
         raise InputError(f"no case along {film.axis} has a shape: there is nothing to show")
     fitted = iter(context)
     bodies = [next(fitted) if body else None for body in each]
-    ends = ends_of(context)
-    lying = bool(np.ptp(ends) > 1.3 * 2 * max(body.reach for body in context))
-    (azimuth, elevation), *_ = cameras.views_of(None)
-    azimuth, elevation = (azimuth, elevation) if down is None else (0.0, 0.0 if lying else elevation)
-    camera = long_rod.camera_of(context, cameras.front_camera(context, elevation, lying or down is not None, down))
-    turned, (wide, high) = -np.radians(azimuth), _room(film, lying)
+    camera, sides, lying = camera_before(context, None, down)
+    turned, ends, (wide, high) = -np.radians(sides[0][0]), ends_of(context), _room(film, lying)
     settings = Settings(film.pixel_error, film.dpi, bare=True, samples=SAMPLES,
                         size=(round(wide * film.dpi), round(high * film.dpi)))  # fmt: skip
     first = View(context[:1], Cell(), turned, ends, context)

@@ -29,12 +29,12 @@ from .composition import DEFAULT, Picture, Scene, draft_of
 from .paint import Paint
 from .scene_kinds import Kind, default_kind, kind_of
 from .settings import Settings, check, check_name
-from .views import EDGE, View, ends_of, in_rows
+from .views import EDGE, View, arrange, camera_before, ends_of, in_rows
 
 SUFFIXES = (".png", ".jpg")
-LYING = 1.3  # how much taller than wide a scene must be to be laid on its side
 HEADS = ("", "s = 0 cm")  # the room before the lines of a long rod
-GHOST = 0.3  # of its thickness is a rod drawn among others, so that none hides another
+GHOST = 0.25  # of its thickness is a rod drawn among others
+BESIDE = 0.5  # of the drawn thickness is each of these farther from the wall than the one before, so that all are seen
 MOST_ROWS = 5
 ROW, GRID = (10.0, 6.5), (10.0, 12.0)  # inches: width, and largest height, of a page
 IN_ROW = 9  # cases of one axis
@@ -140,7 +140,7 @@ def _one(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str 
     if where != asked:
         notes += [f"{captions.case_values(ds, asked, settings.digits)} is not solved; this is the nearest solved case"]
     down = cameras.gravity(ds, where)
-    body, *context = long_rod.compress([body, *context], cameras.has_weight(ds))
+    body, *context = long_rod.compress([body, *context])
     notes = [*long_rod.notes_on([body], str(ds.attrs["length_unit"])), *notes]
     if long_rod.is_long(context):
         return _in_lines(ds, kind, body, context, case, settings, notes, down)
@@ -164,16 +164,9 @@ def _nearest_solved(ds: xr.Dataset, where: Where, among: Sequence[Where] | None 
 def _from_sides(
     bodies: Sequence[Body], context: Sequence[Body], settings: Settings, down: Array | None = None
 ) -> tuple[list[list[View]], Camera]:
-    """Rods from all sides that the settings name, lying where that is larger; context: the rods that fix the frame.
-
-    Rods with weight, which acts along `down`, lie or are inclined as they are.
-    """
+    """Rods from all sides that the settings name; context, down: as of `camera_before`."""
+    camera, sides, lying = camera_before(context, settings.camera, down)
     ends = ends_of(context)
-    lying = bool(np.ptp(ends) > LYING * 2 * max(body.reach for body in context))
-    sides = cameras.views_of(settings.camera)
-    if down is not None and settings.camera is None:
-        sides = ((0.0, 0.0 if lying else sides[0][1]),)
-    camera = long_rod.camera_of(context, cameras.front_camera(context, sides[0][1], lying or down is not None, down))
     cells = [Cell(_side(*side) if len(sides) > 1 else "") for side in sides]
     views = [View(bodies, cell, -np.radians(side[0]), ends, context) for side, cell in zip(sides, cells, strict=True)]
     toward = views[0].turn.T @ camera.toward
@@ -193,7 +186,7 @@ def _in_lines(
     down: Array | None,
 ) -> Picture:  # fmt: skip
     """All of a rod that would be too thin to see in one view."""
-    azimuth, elevation = cameras.views_of(settings.camera)[0] if settings.camera else (0.0, 0.0)
+    azimuth, elevation = cameras.one_view_of(settings.camera or "front", "a rod this long, which is set in lines,")
     if elevation:
         raise InputError(
             f"a rod this long is set in lines, seen at right angles to its axis: --camera {settings.camera} has an "
@@ -220,27 +213,25 @@ def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | N
     whole = {k: body for k, body in enumerate(drawn) if body}
     if not whole:
         raise InputError(f"nothing to draw along {axis}: no case of it has a shape")
-    thin = [_thin(body, k, len(cases)) for k, body in whole.items()]
+    thin = [_thin(body, k) for k, body in whole.items()]
     words = [captions.values(ds, {axis: cases[k][axis]})[0] for k in whole]
-    share = thin[0].a / next(iter(whole.values())).a
     held = {k: i for k, i in cases[0].items() if k != axis}
     down = cameras.gravity(ds, held)
-    bodies = _in_view(thin, ds, down, settings)
+    bodies = _in_view(thin, down, settings)
     case = ", ".join([labels.axis_label(axis, ds[axis]), *captions.values(ds, held)])
     notes = [f"{len(cases)} of {len(line)} values"] if len(cases) < len(line) else []
-    notes += [f"drawn at {share:.2g} of the thickness, one above the other"]
+    notes += [f"drawn at {GHOST:.2g} of the thickness, one upon the other"]
     notes += long_rod.notes_on(bodies, str(ds.attrs["length_unit"]))
     rows, camera = _from_sides(bodies, bodies, settings, down)
     return composition.compose(Scene(ds, kind, rows, bodies, case, camera, settings, notes, ringed=False, names=words,
                                      glyph=len(rows[0]) == 1, squeeze=bodies[0].squeeze))  # fmt: skip
 
 
-def _thin(body: Body, k: int, count: int) -> Body:
-    """The k-th of so many rods on one cylinder: so thin that none cuts another, and none near the axis."""
-    a, inward = body.a, min((1 - GHOST) * body.a, body.line.rho / 2)
-    share = min(GHOST, (a + inward) / ((2 * count - 1) * a))
-    outward = k / max(count - 1, 1) * (inward + (1 - share) * a) - inward
-    return replace(body, line=replace(body.line, a=share * a), lift=outward, paint=Paint(colours.SEVERAL[k]))
+def _thin(body: Body, k: int) -> Body:
+    """The k-th of so many rods on one cylinder, thin; the first touches the wall."""
+    a, above = GHOST * body.a, 2 * BESIDE * GHOST * body.a * k
+    lift = (body.a - a - above) * (1 if body.side == "inside" else -1)
+    return replace(body, line=replace(body.line, a=a), lift=lift, paint=Paint(colours.SEVERAL[k]))
 
 
 def _row(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Picture:
@@ -251,13 +242,15 @@ def _row(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] |
         chosen.append(_nearest_solved(ds, where, [other for other in line if other not in [*asked, *chosen]]))
     chosen.sort(key=lambda where: where[names[0]])
     moved = sum(where not in chosen for where in asked)
-    rows, camera = _cells(ds, kind, names, [chosen], settings)
+    rows, both = _cells(ds, kind, names, [chosen], settings)
     size = GRID if len(chosen) > IN_ROW else ROW
     shown = [labels.axis_label(name, ds[name]) for name in names if name != "equilibrium"]
     notes = [f"{len(chosen)} of {len(line)} values"] if len(chosen) < len(line) else []
     notes += [f"in place of {moved} unsolved case{'s' * (moved > 1)} the nearest solved"] if moved else []
-    scene = _several(ds, kind, names, rows, camera, settings, chosen[0], shown, notes, size)
-    return composition.compose(replace(scene, rows=in_rows(rows[0], camera, draft_of(scene)[1])))
+    scene = _several(ds, kind, names, rows, both[0], settings, chosen[0], shown, notes, size)
+    room = draft_of(scene)[1]
+    scenes = [replace(scene, rows=in_rows(rows[0], camera, room), camera=camera) for camera in both]
+    return _compose_larger(scenes, room)
 
 
 def _table(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Picture:
@@ -265,29 +258,42 @@ def _table(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float]
     line, down = (selection.line(ds, name, at) for name in names)
     across = selection.spread(line, kind.most)
     cases = [[{**case, names[1]: row[names[1]]} for case in across] for row in selection.spread(down, MOST_ROWS)]
-    rows, camera = _cells(ds, kind, [], cases, settings)
+    rows, both = _cells(ds, kind, [], cases, settings)
     notes = [f"{count} of {of} values of {labels.axis_symbol(name)}"
              for name, count, of in zip(names, (len(across), len(cases)), (len(line), len(down)), strict=True)
              if count < of]  # fmt: skip
-    scene = _several(ds, kind, names, rows, camera, settings, cases[0][0], [], notes, GRID)
+    scene = _several(ds, kind, names, rows, both[0], settings, cases[0][0], [], notes, GRID)
     heads = captions.headings(ds, names[0], cases[0]), captions.headings(ds, names[1], [row[0] for row in cases])
-    return composition.compose(replace(scene, columns=heads[0], heads=heads[1]))
+    scene = replace(scene, columns=heads[0], heads=heads[1])
+    return _compose_larger([replace(scene, camera=camera) for camera in both], draft_of(scene)[1])
+
+
+def _compose_larger(scenes: Sequence[Scene], room: tuple[float, float]) -> Picture:
+    """The picture of cases side by side, upright or lying, whose rods take the larger share of their page."""
+
+    def share(scene: Scene) -> float:
+        arranged = arrange(scene.rows, scene.camera, room, columns=scene.columns)
+        wide, high = arranged.size
+        return arranged.scale**2 / (max(wide, composition.NARROWEST) * (high + page.FOOT))
+
+    return composition.compose(max(scenes, key=share))
 
 
 def _cells(
     ds: xr.Dataset, kind: Kind, names: list[str], cases: Sequence[Sequence[Where]], settings: Settings
-) -> tuple[list[list[View]], Camera]:
+) -> tuple[list[list[View]], list[Camera]]:
     """The views of cases, in which each rod faces the camera; of a case without a shape its reason.
 
-    Rods with weight in one direction lie or are inclined as they are.
+    The cameras have the rods upright and lying; rods with weight in one direction lie or are inclined as they are.
     """
-    azimuth, elevation = cameras.views_of(settings.camera)[0] if settings.camera else (0.0, LEVEL)
+    azimuth, elevation = cameras.one_view_of(settings.camera or f"0,{LEVEL}", f"each rod of the kind {kind.name}")
     held = {name: i for name, i in cases[0][0].items() if all(each[name] == i for row in cases for each in row)}
     down = None if settings.camera else cameras.gravity(ds, held)
     each = [[rods.of_case(ds, where, kind, settings.span) for where in row] for row in cases]
-    drawn = _in_view([body for row in each for body, _ in row if body], ds, down, settings)
-    flat = cameras.front_camera([], 0.0 if down is not None else elevation, down is not None, down)
-    camera, fitted, rows = long_rod.camera_of(drawn, flat), iter(drawn), []
+    drawn = _in_view([body for row in each for body, _ in row if body], down, settings)
+    flat = [cameras.front_camera([], elevation, lying) for lying in (False, True)]
+    both = [long_rod.camera_of(drawn, cameras.front_camera([], 0.0, True, down))] if down is not None else flat
+    fitted, rows = iter(drawn), []
     for row, found in zip(cases, each, strict=True):
         views = []
         for where, (body, why) in zip(row, found, strict=True):
@@ -297,7 +303,7 @@ def _cells(
             turned = -np.radians(azimuth) - own
             views.append(View([body] if body else [], cell, turned))
         rows.append(views)
-    return rows, camera
+    return rows, both
 
 
 def _several(
@@ -313,8 +319,8 @@ def _several(
     return Scene(ds, kind, rows, bodies, case, camera, settings, notes, size, squeeze=squeeze)
 
 
-def _in_view(bodies: Sequence[Body], ds: xr.Dataset, down: Array | None, settings: Settings) -> list[Body]:
+def _in_view(bodies: Sequence[Body], down: Array | None, settings: Settings) -> list[Body]:
     """Rods as one view shows them; the part that is asked for whole."""
     if settings.span:
-        return long_rod.compress(bodies, cameras.has_weight(ds))
-    return long_rod.in_view(bodies, cameras.has_weight(ds), down)
+        return long_rod.compress(bodies)
+    return long_rod.in_view(bodies, down)

@@ -13,7 +13,8 @@ from .body import Body, part_in_view
 from .camera import Camera, upright
 
 PITCH = lines.PITCH
-SQUEEZED = 24.0  # diameters of the cylinder, to which a long rod with weight is compressed along the axis
+SQUEEZED = 24.0  # diameters of the cylinder, to which a long rod is compressed along the axis
+WORTH = 0.5  # a rod that is compressed less than to so much of its length is not compressed
 TIGHTEST = 0.5  # of its own radius: the curvature of a bend as it is drawn
 THINNEST = 4.0  # width of a cylinder in pixels; below, nothing of its rod is seen
 UPRIGHT = 1e-9  # of the weight, along the axis: less is none
@@ -72,16 +73,16 @@ def squeeze_of(bodies: Sequence[Body]) -> float:
     return min(max(fits, bends), 1.0)
 
 
-def compress(bodies: Sequence[Body], has_weight: bool) -> list[Body]:
-    """The rods, all compressed along the axis where they have weight and one of them is long."""
-    factor = squeeze_of(bodies) if has_weight and is_long(bodies) else 1.0
-    return [replace(body, squeeze=factor) for body in bodies]
+def compress(bodies: Sequence[Body]) -> list[Body]:
+    """The rods, all compressed along the axis where one of them is long, and their bends allow it."""
+    factor = squeeze_of(bodies) if is_long(bodies) else 1.0
+    return [replace(body, squeeze=factor if factor <= WORTH else 1.0) for body in bodies]
 
 
-def in_view(bodies: Sequence[Body], has_weight: bool, down: Array | None) -> list[Body]:
+def in_view(bodies: Sequence[Body], down: Array | None) -> list[Body]:
     """The same, and of rods that are long even so the beginning, or where that is higher, the last part."""
     last = down is not None and bool(down[2] > UPRIGHT)
-    return [part_in_view(body, last) for body in compress(bodies, has_weight)]
+    return [part_in_view(body, last) for body in compress(bodies)]
 
 
 def camera_of(bodies: Sequence[Body], camera: Camera) -> Camera:

@@ -226,14 +226,14 @@ def _handle(colour: str, text: str) -> Artist:
     """What stands beside a text in the legend."""
     if colour == RING:
         ring: Any = {"marker": "o", "markersize": 7, "fillstyle": "none", "linestyle": "none"}
-        return Line2D([], [], color=colours.INK, label=text, **ring)
+        return Line2D([], [], color=colours.CROSSED, label=text, **ring)
     face, edge = (colours.SURFACE, colours.SOFT) if colour == OUTLINE else (colour, "none")
     return Patch(facecolor=face, edgecolor=edge, label=text)
 
 
 def _draw_ring(ax: Axes, x: float, y: float, radius: float) -> None:
-    """An open circle in ink with a white edge, seen on every colour."""
-    for colour, wide in (("white", 2.2), (colours.INK, 1.0)):
+    """An open circle with a white edge, seen on every colour."""
+    for colour, wide in (("white", 2.4), (colours.CROSSED, 1.2)):
         ax.add_patch(Circle((x, y), radius, fill=False, edgecolor=colour, linewidth=wide, zorder=3))
 
 

@@ -8,8 +8,9 @@ import numpy as np
 from ..figures import arrangement, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import Array
+from . import long_rod
 from .body import Body
-from .camera import Camera
+from .camera import Camera, front_camera, views_of
 from .captions import Cell
 
 BELOW = 0.05  # inches from a view to its caption
@@ -17,6 +18,7 @@ EDGE = 0.015  # around what is drawn, for its lines; above and below not where r
 EMPTY = 0.75  # least width of a column with a cell without a rod, for its reason
 DOT = 0.21  # the width of the dot of an equilibrium and the gap after it
 ROWS = 6  # rows that are tried
+LYING = 1.3  # how much taller than wide a scene must be to be laid on its side
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,16 +100,35 @@ def ends_of(bodies: Sequence[Body]) -> tuple[float, float]:
     return min(body.z.min() for body in bodies) - beyond, max(body.z.max() for body in bodies) + beyond
 
 
+def camera_before(
+    context: Sequence[Body], camera: str | None, down: Array | None
+) -> tuple[Camera, tuple[tuple[float, float], ...], bool]:
+    """The camera before rods in one view, the sides from which it sees them, and whether they lie.
+
+    They lie where that is larger; rods with weight, which acts along `down`, lie or are inclined as they are.
+    """
+    lying = bool(np.ptp(ends_of(context)) > LYING * 2 * max(body.reach for body in context))
+    sides = views_of(camera)
+    if down is not None and camera is None:
+        sides = ((0.0, 0.0 if lying else sides[0][1]),)
+    flat = front_camera(context, sides[0][1], lying or down is not None, down)
+    return long_rod.camera_of(context, flat), sides, lying
+
+
 def arrange(
-    rows: Sequence[Sequence[View]], camera: Camera, room: tuple[float, float], pitch: float = 0.0
-) -> Arrangement:
+    rows: Sequence[Sequence[View]], camera: Camera, room: tuple[float, float], pitch: float = 0.0,
+    columns: Sequence[str] = (),
+) -> Arrangement:  # fmt: skip
     """The largest arrangement of views, each above its caption, in a room of width and height in inches.
 
-    pitch: from row to row in heights of a row, where rows have no captions; default: the captions decide.
+    pitch: from row to row in heights of a row, where rows have no captions; default: the captions decide. columns: the
+    headings of columns, the first of all.
     """
     size = np.array([[np.subtract(*view.box(camera)[::-1]) if view.bodies else (0.0, 0.0) for view in row]
                      for row in rows])  # fmt: skip
     words = np.array([[_caption_size(view.cell) for view in row] for row in rows])
+    for k, head in enumerate(columns[1:]):
+        words[:, k, 0] = np.maximum(words[:, k, 0], fonts.width_of(head, fonts.NORMAL))
     size, edges = size if size.any() else np.ones_like(size), (EDGE, 0.0 if pitch else EDGE)
     return arrangement.arrange(size, words, room, edges, pitch)
 
