@@ -17,7 +17,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 
 from solver.problem.errors import no_such
@@ -28,7 +27,7 @@ from ..words import labels
 from ..words.cautions import SLIGHT
 from . import canvas, colours, drawn_rods, fonts, legend, push_scale, regions
 from .drawn_rods import DrawnRods
-from .scales import angle_locator, round_below
+from .scales import RoomLocator, round_below
 from .sheet import SCREEN, Sheet
 
 PANELS = ("beta", "kappa", "push")
@@ -196,7 +195,6 @@ def _panel(ax: Axes, rods: DrawnRods, curves: Curves, ends: tuple[float, float],
 
 def _over_s(ax: Axes, rods: DrawnRods) -> None:
     ax.set_xlim(0, max(float(rod["s"][-1]) for rod in rods.solved))
-    ax.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     ax.set_xlabel(f"s [{labels.unit(str(rods.source.attrs['length_unit']))}]")
 
 
@@ -220,7 +218,7 @@ def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> Axes:
     words = {"beta": "angle from the axis to the tangent", "push": "push of the cylinder per length"}
     ax.set_title(fonts.wrap(f"{words.get(name, title)}{coarse}", ax), loc="left")
     if unit == "°":
-        ax.yaxis.set_major_locator(angle_locator(float(np.ptp(ax.get_ylim())), 1.6))
+        ax.yaxis.set_major_locator(RoomLocator("angles"))
     _over_s(ax, rods)
     return ax
 

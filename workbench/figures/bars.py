@@ -9,7 +9,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
 
 from solver.problem.errors import InputError
 from solver.problem.quantities import quantity
@@ -18,6 +17,7 @@ from studies.grammar.dimensions import SAMPLE
 from ..store import schema, selection
 from ..words import labels
 from . import canvas, colours, fonts, legend
+from .scales import RoomLocator
 from .sheet import SCREEN, Sheet
 
 COLUMN = 3.4  # inches: the width of a column of a journal
@@ -223,7 +223,7 @@ def _write_sizes(ax: Axes, sizes: Any, texts: Sequence[str], integer: bool = Fal
     low, high = min(ends.min(), 0.0), max(ends.max(), 0.0)
     room = ROOM * (high - low or 1.0)
     ax.set_xlim(low - (room if low < 0 else room / 6), high + (room if high > 0 else room / 6))
-    ax.xaxis.set_major_locator(MaxNLocator(nbins=4, integer=integer))
+    ax.xaxis.set_major_locator(RoomLocator("counts" if integer else "numbers"))
 
 
 def _effects(ds: xr.Dataset, name: str) -> list[tuple[str, float]]:

@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
-from matplotlib.ticker import ScalarFormatter
+from matplotlib.ticker import AutoLocator, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
 
 from solver.problem.errors import InputError
@@ -22,7 +22,7 @@ from ..words import labels
 from . import fonts
 from .colours import INK, SOFT
 from .fonts import DPI, RC
-from .scales import Ticks
+from .scales import RoomLocator, Ticks
 from .sheet import MILLIMETRES, SCREEN, Sheet
 
 # inches of a figure of one column, and of two: room for a caption stays; the share of the height that is kept
@@ -64,8 +64,10 @@ def figure(
 
 
 def _write_numbers(fig: Figure) -> None:
-    """Give every linear axis without words of its own its numbers in full."""
+    """Give every linear axis without ticks or words of its own as many numbers as have room, in full."""
     for axis in (axis for ax in fig.axes for axis in (ax.xaxis, ax.yaxis)):
+        if type(axis.get_major_locator()) is AutoLocator:
+            axis.set_major_locator(RoomLocator())
         if type(axis.get_major_formatter()) is ScalarFormatter:
             axis.set_major_formatter(Ticks())
 

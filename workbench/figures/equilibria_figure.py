@@ -7,7 +7,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 
 from solver.mechanics.statics import push_from
 from solver.problem.errors import InputError, choices
@@ -15,6 +14,7 @@ from solver.problem.errors import InputError, choices
 from ..store import schema, selection
 from ..words import cautions, labels
 from . import canvas, colours, fonts, legend, point_numbers, push_scale, unrolled
+from .scales import RoomLocator
 from .sheet import SCREEN, Sheet
 from .unrolled import View
 
@@ -74,8 +74,8 @@ def against_index(
                edgecolors=colours.INK, linewidths=0.9, zorder=3)  # fmt: skip
     ax.set_xlabel(fonts.break_lines("Morse index: unstable directions", width - 0.9))
     ax.set_ylabel(fonts.shorter([labels.label(ds[name], long) for long in (True, False)], high - 0.3))
-    ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10], integer=schema.is_count(ds[name])))
-    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    ax.yaxis.set_major_locator(RoomLocator("counts" if schema.is_count(ds[name]) else "numbers"))
+    ax.xaxis.set_major_locator(RoomLocator("counts"))
     ax.margins(0.04, 0.08)
     if index.size and index.min() == index.max():
         ax.set_xlim(index.min() - 0.5, index.max() + 0.5)

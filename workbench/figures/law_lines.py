@@ -91,9 +91,7 @@ def draw(
     return entries
 
 
-def draw_map(
-    ax: Axes, law: JudgedLaw, cells: Cells, where: Mapping[str, int], inches: tuple[float, float]
-) -> list[Artist]:
+def draw_map(ax: Axes, law: JudgedLaw, cells: Cells, where: Mapping[str, int]) -> list[Artist]:
     """Draw the verdict on the line through each cell, for a law along an axis that the map does not have.
 
     where: the indices on the other axes. Returns the entries of the legend.
@@ -101,7 +99,7 @@ def draw_map(
     here = law.at(where)
     verdicts = here.sortby([*here.dims]).transpose(*cells.ds["outcome"].dims).values
     numbers = _numbers(verdicts)
-    cells.colour(ax, numbers, inches, **_COLOURS)
+    cells.colour(ax, numbers, **_COLOURS)
     cells.draw_borders(ax, numbers, colors="white", linewidths=1.0)
     return _entries(verdicts)
 
@@ -164,7 +162,7 @@ def _strip(
     numbers = np.ma.masked_where(verdicts == HOLDS, _numbers(verdicts))
     grid = (np.array([0.0, 1.0]), scale.edges, numbers[:, None]) if upward else (scale.edges, [0.0, 1.0], numbers[None])
     strip.pcolormesh(*grid, **_COLOURS, rasterized=True)
-    scale.apply(strip, "y" if upward else "x", size)
+    scale.apply(strip, "y" if upward else "x")
     strip.tick_params(left=False, bottom=False, labelleft=False, labelbottom=False)
     strip.set_axis_off()
 

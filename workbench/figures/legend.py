@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 
 from . import fonts
 from .colours import SOFT
+from .scales import RoomLocator, Ticks
 from .sheet import SCREEN, Sheet
 
 
@@ -92,5 +93,7 @@ def colour_bar(fig: Figure, colours: ScalarMappable, label: str = "", **where: A
     bar.set_label(label, size=fonts.small())
     bar.outline.set_visible(False)
     bar.ax.tick_params(length=2)
+    if "ticks" not in where:
+        bar.locator, bar.formatter = RoomLocator(), Ticks()
     bar.minorticks_off()
     return bar

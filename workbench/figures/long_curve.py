@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
@@ -119,7 +118,6 @@ def draw(
     ax.spines[:].set_visible(False)
     ax.set_ylabel(f"line from s [{unit}]")
     ax.set_xlabel(f"z from the start of a line [{unit}]")
-    ax.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]))
     return last, said(found, s, unit, "overlaps" in cautions.keys(rod.caution))
 
 

@@ -89,10 +89,10 @@ class Cells:
         values = labels.in_label_unit(self.ds[name], self.ds[name].values.astype(float))
         return np.where(self.solved & np.isfinite(values) & ~self.unbent(name), values, np.nan)
 
-    def colour(self, ax: Axes, values: NDArray[np.float64], inches: tuple[float, float], **colours: Any) -> QuadMesh:
-        """Colour the cells by values on axes of that width and height in inches; colours: options of `pcolormesh`."""
-        self.x.apply(ax, "x", inches[0])
-        self.y.apply(ax, "y", inches[1])
+    def colour(self, ax: Axes, values: NDArray[np.float64], **colours: Any) -> QuadMesh:
+        """Colour the cells by values; colours: options of `pcolormesh`."""
+        self.x.apply(ax, "x")
+        self.y.apply(ax, "y")
         return ax.pcolormesh(self.x.edges, self.y.edges, np.ma.masked_invalid(values), rasterized=True, **colours)
 
     def draw_borders(self, ax: Axes, values: NDArray[np.float64], **look: Any) -> None:

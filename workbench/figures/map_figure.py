@@ -134,14 +134,14 @@ class _Maps:
             self._label(ax, leftmost=k == 0, lowest=lowest or not short)
             panels = [*panels, ax] if short else [ax]
             if not short or k == len(self.columns) - 1:
-                self.colours[name].bar(mesh, panels, self.inches[1])
+                self.colours[name].bar(mesh, panels)
 
     def draw_laws(self, fig: Figure, cells: Sequence[Any], laws: Sequence[law_lines.JudgedLaw]) -> None:
         """Draw a map of its own for each of at most two laws along a further axis."""
         for cell, law in zip(cells, laws, strict=True):
             ax = fig.add_subplot(cell)
             where = self.places[0]
-            self.entries += law_lines.draw_map(ax, law, self.columns[0], where, self.small)
+            self.entries += law_lines.draw_map(ax, law, self.columns[0], where)
             self._label(ax, leaving=law.row["axis"])
             said = f"{law_lines.sentence(law, self.ds, self.choice)}; lines: {law_lines.counts(law, where)}"
             self.more.append(f"Law {said}.")

@@ -10,7 +10,6 @@ from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, N
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from studies.laws.verdicts import NOISE
@@ -62,19 +61,14 @@ class Colours:
         """``, 3 in all cases`` of a constant, which has no bar; else nothing."""
         return f", {labels.value(self.low, self.array)} in all cases" if self.constant else ""
 
-    def bar(self, mesh: Any, axes: list[Axes], inches: float) -> None:
-        """The bar of colours beside the panels, which are so many inches high; none of a constant."""
+    def bar(self, mesh: Any, axes: list[Axes]) -> None:
+        """The bar of colours beside the panels; none of a constant."""
         if self.constant:
             return
         fig = axes[0].get_figure(root=True)
         assert fig is not None
-        bar = legend.colour_bar(fig, mesh, ax=axes, pad=0.015, aspect=30 * inches / 3, fraction=0.05)
-        if isinstance(self.norm, LogNorm):
-            bar.locator, bar.formatter = LogLocator(numticks=6), labels.power_of_ten  # type: ignore[assignment]
-        else:
-            bar.locator = RoomLocator(self.low, self.high, 8 if self.count else 6, self.count)
-        bar.update_ticks()
-        bar.minorticks_off()
+        bar = legend.colour_bar(fig, mesh, ax=axes, pad=0.015, aspect=30, fraction=0.05)
+        bar.locator = RoomLocator("counts" if self.count else "numbers")
 
 
 def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float, float], pale: float = 1.0) -> Any:
@@ -84,7 +78,7 @@ def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float,
     """
     values = cells.values(name)
     x, y = cells.x.edges, cells.y.edges
-    mesh = cells.colour(ax, values, inches, cmap=scale.cmap, norm=scale.norm, alpha=pale)
+    mesh = cells.colour(ax, values, cmap=scale.cmap, norm=scale.norm, alpha=pale)
     if cells.unbent(name).any():
         ax.add_patch(PathPatch(regions.path(cells.unbent(name), x, y), facecolor=colours.BAND, linewidth=0))
     if not cells.solved.all():

@@ -11,7 +11,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from solver.mechanics.potential import TAU, Loads, potential, slope, slope_rate
@@ -22,7 +21,7 @@ from ..store import schema
 from ..words import labels
 from . import canvas, colours, drawn_rods, fonts, legend
 from .drawn_rods import DrawnRod
-from .scales import angle_locator
+from .scales import RoomLocator
 from .sheet import SCREEN, Sheet
 
 PANELS = {"portrait": "phase portrait", "potential": "potential"}
@@ -246,9 +245,7 @@ def _frame(ax: Axes, name: str, one: Orbit, alone: bool, j: int, leftmost: bool,
         fits = fonts.width_of(one.rod.name, fonts.small()) < wide - 0.3
         ax.set_title(one.rod.name if fits else one.rod.value, loc="left", size=fonts.small())
     ax.set_xlabel("angle to the axis  β [°]" if wide > COLUMN + 0.5 else "β [°]")
-    span = float(np.degrees(np.ptp(one.window)))
-    ax.xaxis.set_major_locator(angle_locator(span, wide - 0.5))
-    ax.yaxis.set_major_locator(MaxNLocator(nbins=5))
+    ax.xaxis.set_major_locator(RoomLocator("angles"))
     ax.yaxis.label.set_visible(leftmost)
 
 

@@ -1,15 +1,16 @@
 """The scale of an axis of stored values: logarithmic or linear, the edges of their cells, ticks at 1, 2 and 5."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import floor, log10
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
-from matplotlib.ticker import FixedLocator, Formatter, LogLocator, MaxNLocator, MultipleLocator, NullLocator
+from matplotlib.ticker import Formatter, Locator, LogLocator, MaxNLocator, MultipleLocator, NullLocator
 from numpy.typing import NDArray
 
 from ..words import labels
@@ -23,26 +24,56 @@ MOST, GAP = 8, 0.09  # ticks of an axis; inches between two numbers
 ROUNDING = 1e-9  # share of the range by which a tick may lie outside it
 SPARE = 0.04  # share of a span that stays free at either end
 FEW = 3  # ticks that a logarithmic axis has at least
-CLOSE = 0.7  # of two heights of a letter, which Matplotlib leaves from one number to the next
+ANGLES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720, 1800, 3600, 7200, 18000)  # degrees between two ticks
+NARROW, WHOLE = 5.0, 135.0  # degrees: a narrower axis has ticks as of numbers; a wider one ticks at right angles
 
 
-class RoomLocator(MaxNLocator):
-    """Ticks of Matplotlib between two values, at most so many, and no more than the drawn axis has room for."""
+class RoomLocator(Locator):
+    """Round numbers of Matplotlib's locators, as many as have room on the axis when it is drawn.
 
-    def __init__(self, low: float, high: float, most: int, integer: bool) -> None:
-        super().__init__(most, integer=integer)
-        self.low, self.high, self.most = low, high, most
+    At 1, 2 and 5 times powers of ten on a logarithmic axis, or at the powers alone; evenly spaced where `FEW` such
+    numbers do not lie on it. of: ``counts`` are whole; ``angles`` over more than `NARROW` degrees are parts and
+    multiples of a right angle.
+    """
+
+    def __init__(self, of: str = "numbers") -> None:
+        self.of, self.letters = of, fonts.small()
 
     def __call__(self) -> list[float]:
-        """The ticks; the layout may have made the axis shorter than it was planned."""
+        """The ticks between the ends of the axis."""
         assert self.axis is not None
-        room = int(self.axis.get_tick_space() / CLOSE)
-        self.set_params(nbins=max(min(self.most, room), 1))
-        return [
-            value
-            for value in np.asarray(self.tick_values(self.low, self.high)).tolist()
-            if self.low <= value <= self.high
-        ]
+        return self.tick_values(*sorted(self.axis.get_view_interval()))
+
+    def tick_values(self, vmin: float, vmax: float) -> list[float]:
+        """The ticks between two ends."""
+        axis: Any = self.axis
+        logarithmic, upward = axis.get_scale() == "log", axis.axis_name == "y"
+        box, change = axis.axes.get_window_extent(), log10 if logarithmic else float
+        inches = (box.height if upward else box.width) / axis.axes.get_figure(root=True).dpi
+        per_unit = inches / ((change(vmax) - change(vmin)) or 1.0)
+        low, high = vmin - ROUNDING * abs(vmin), vmax + ROUNDING * abs(vmax)
+        chosen: list[float] = []
+        for locator in self._candidates(vmax - vmin, logarithmic):
+            inside = [float(value) for value in locator.tick_values(low, high) if low <= value <= high]
+            chosen = inside if len(inside) >= (FEW if isinstance(locator, LogLocator) else 1) else chosen
+            texts = Ticks().format_ticks(chosen)
+            sizes = [self.letters / 72 if upward else fonts.width_of(text, self.letters) for text in texts]
+            gaps = [per_unit * (change(b) - change(a)) - (left + right) / 2
+                    for (a, left), (b, right) in pairwise(zip(chosen, sizes, strict=True))]  # fmt: skip
+            if chosen is inside and min(gaps, default=GAP) >= GAP:
+                return chosen
+        return chosen[-1:]
+
+    def _candidates(self, span: float, logarithmic: bool) -> Iterator[Locator]:
+        """Matplotlib's locators, from that of most ticks to that of one."""
+        if logarithmic:
+            yield LogLocator(subs=(1, 2, 5), numticks=MOST)
+            yield from (LogLocator(numticks=count) for count in range(MOST, 2, -1))
+        if self.of == "angles" and span > NARROW:
+            steps = ANGLES if span < WHOLE else [step for step in ANGLES if step >= 90]
+            yield from (MultipleLocator(step) for step in steps if span <= MOST * step)
+        for count in range(MOST, 0, -1):
+            yield MaxNLocator(count, steps=[1, 2, 5, 10], integer=self.of == "counts", min_n_ticks=1)
 
 
 def is_geometric(values: Values) -> bool:
@@ -96,59 +127,27 @@ class Scale:
         shares = [self.share(float(edge)) for edge in self.edges[1:-1]]
         return int(np.searchsorted(shares, share, side="right"))
 
-    def apply(self, ax: Axes, which: str, inches: float) -> None:
-        """Give the axis `x` or `y` of a panel, so many inches long, this scale."""
-        set_scale(ax.xaxis if which == "x" else ax.yaxis, (self.edges[0], self.edges[-1]), self.logarithmic, inches)
+    def apply(self, ax: Axes, which: str) -> None:
+        """Give the axis `x` or `y` of a panel this scale."""
+        set_scale(ax.xaxis if which == "x" else ax.yaxis, (self.edges[0], self.edges[-1]), self.logarithmic)
 
 
-def set_scale(axis: XAxis | YAxis, ends: tuple[float, float], logarithmic: bool, inches: float) -> None:
-    """Give an axis of so many inches its ends, its scale, and round ticks that have room."""
-    axis.axes.set(**{f"{axis.axis_name}scale": "log" if logarithmic else "linear", f"{axis.axis_name}lim": ends})
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_locator(FixedLocator(ticks(ends, logarithmic, inches, axis.axis_name == "y")))
-    axis.set_major_formatter(Ticks())
-
-
-def set_span(axis: XAxis | YAxis, low: float, high: float, logarithmic: bool, inches: float) -> None:
-    """Give an axis of so many inches a scale from a little below one value to a little beyond another."""
+def set_scale(axis: XAxis | YAxis, ends: tuple[float, float], logarithmic: bool, spare: float = 0.0) -> None:
+    """Give an axis its ends and its scale; spare: the share of it that stays free beyond either end."""
     change, back = (np.log, np.exp) if logarithmic else (np.asarray, np.asarray)
-    ends = np.array([change(low), change(high)])
-    ends = back(ends + SPARE * np.ptp(ends) * np.array([-1, 1]))
-    set_scale(axis, (float(ends[0]), float(ends[1])), logarithmic, inches)
-
-
-def ticks(ends: tuple[float, float], logarithmic: bool, inches: float, upward: bool = False) -> list[float]:
-    """As many round numbers of Matplotlib's locators as have room on an axis: at 1, 2 and 5 times powers of ten on a
-    logarithmic one, or at the powers alone; evenly spaced ones where `FEW` such numbers do not lie between the ends."""
-    change = log10 if logarithmic else float
-    per_unit = inches / (change(ends[1]) - change(ends[0]))
-    low, high = ends[0] - ROUNDING * abs(ends[0]), ends[1] + ROUNDING * abs(ends[1])
-    counts = range(MOST, 0, -1)
-    decades = [LogLocator(subs=(1, 2, 5), numticks=MOST), *(LogLocator(numticks=count) for count in counts[:-2])]
-    even = [MaxNLocator(count, steps=[1, 2, 5, 10], min_n_ticks=1) for count in counts]
-    chosen: list[float] = []
-    for locator in (*decades, *even) if logarithmic else even:
-        inside = [float(value) for value in locator.tick_values(low, high) if low <= value <= high]
-        chosen = inside if len(inside) >= (FEW if isinstance(locator, LogLocator) else 1) else chosen
-        wide = [fonts.small() / 72 if upward else fonts.width_of(labels.tick(value), fonts.small()) for value in chosen]
-        gaps = [per_unit * (change(b) - change(a)) - (left + right) / 2
-                for (a, left), (b, right) in pairwise(zip(chosen, wide, strict=True))]  # fmt: skip
-        if chosen is inside and min(gaps, default=GAP) >= GAP:
-            return chosen
-    return chosen[-1:]
+    low, high = change(ends)
+    limits = back(np.array([low, high]) + spare * (high - low) * np.array([-1, 1])) if spare else ends
+    scale, name = "log" if logarithmic else "linear", axis.axis_name
+    axis.axes.set(**{f"{name}scale": scale, f"{name}lim": tuple(limits)})
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_locator(RoomLocator())
+    axis.set_major_formatter(Ticks())
 
 
 def round_below(value: float) -> float:
     """The largest of 1, 2 and 5 times a power of ten that is not above a positive value."""
     power = 10.0 ** floor(log10(value) + 1e-9)
     return max(digit * power for digit in (1, 2, 5) if digit * power <= value * (1 + 1e-9))
-
-
-def angle_locator(span: float, inches: float) -> MultipleLocator:
-    """Ticks of an axis of so many inches over a span of degrees: each 90 degrees, or a part or a multiple of it."""
-    steps = (0.5, 1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720, 1800, 3600)
-    least = 90 if 135 < span < 1000 * inches else 0
-    return MultipleLocator(next((step for step in steps if step >= least and span <= step * inches / 0.45), steps[-1]))
 
 
 def scale_of(axis: xr.DataArray) -> Scale:

@@ -8,7 +8,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from studies.grammar.dimensions import SAMPLE
@@ -17,7 +16,7 @@ from studies.laws.verdicts import FAILS
 from ..store import schema, selection
 from ..words import labels
 from . import colours, fonts
-from .scales import WIDE, set_span
+from .scales import SPARE, WIDE, RoomLocator, set_scale
 
 ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel; of all
 NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches of a panel at least; of ticks and label
@@ -97,7 +96,7 @@ def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None
     """One observable against one field, on a panel of so many inches."""
     x, y = labels.in_label_unit(ds[field], ds[field].values), labels.in_label_unit(ds[name], ds[name].values)
     solved = np.isfinite(y)
-    logarithmic = _scale(ax, x, room)
+    logarithmic = _scale(ax, x)
     if solved.sum() > MANY:
         _density(ax, x[solved], y[solved], logarithmic)
     else:
@@ -109,7 +108,7 @@ def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None
                 clip_on=False, transform=ax.get_xaxis_transform(), rasterized=x.size > MANY)  # fmt: skip
     if (found := rank_correlation(x[solved], y[solved])) is not None:
         ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=fonts.small(), color=colours.SOFT, pad=2)
-    ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=selection.is_count(ds, name)))
+    ax.yaxis.set_major_locator(RoomLocator("counts" if selection.is_count(ds, name) else "numbers"))
     ax.margins(y=0.12)
 
 
@@ -122,12 +121,12 @@ def rank_correlation(x: Values, y: Values) -> float | None:
     return float(np.corrcoef(rankdata(x), rankdata(y))[0, 1])
 
 
-def _scale(ax: Axes, x: Values, inches: float) -> bool:
-    """A logarithmic axis where the samples are spread more evenly so; whether it is one. inches: its length."""
+def _scale(ax: Axes, x: Values) -> bool:
+    """A logarithmic axis where the samples are spread more evenly so; whether it is one."""
     low, middle, high = float(x.min()), float(np.median(x)), float(x.max())
     even = low > 0 and abs(middle - np.sqrt(low * high)) < abs(middle - (low + high) / 2)
     logarithmic = even and high > WIDE * low
-    set_span(ax.xaxis, low, high, logarithmic, inches)
+    set_scale(ax.xaxis, (low, high), logarithmic, SPARE)
     return logarithmic
 
 

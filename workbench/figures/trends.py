@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from solver.problem.errors import no_such
 from studies.laws.verdicts import FAILS, NOISE
@@ -14,7 +13,7 @@ from studies.laws.verdicts import FAILS, NOISE
 from ..store import selection
 from ..words import labels
 from . import colours, fonts
-from .scales import WIDE, is_geometric, set_span
+from .scales import SPARE, WIDE, RoomLocator, is_geometric, set_scale
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
 
@@ -51,7 +50,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     ax.margins(y=0.1)
     drawn = lines.values[np.isfinite(lines.values)]
     if selection.is_count(ds, observable):
-        ax.yaxis.set_major_locator(MaxNLocator(int(np.clip(fonts.inches(ax)[1] / 0.3, 2, 9)), integer=True))
+        ax.yaxis.set_major_locator(RoomLocator("counts"))
         if drawn.size and np.ptp(drawn) < 2:
             count = round(float(drawn.mean()))
             ax.set_ylim(max(count - 2, min(count, 0) - 0.5), count + 2)
@@ -84,4 +83,4 @@ def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
     """A logarithmic axis where the values are spaced so or were refined so, with ticks at 1, 2 and 5."""
     low, high = float(along.min()), float(along.max())
     refined_so = ds[axis].attrs.get("spacing") == "geometric" and low > 0 and high > WIDE * low
-    set_span(ax.xaxis, low, high, refined_so or is_geometric(along), fonts.inches(ax)[0])
+    set_scale(ax.xaxis, (low, high), refined_so or is_geometric(along), SPARE)

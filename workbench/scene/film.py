@@ -236,7 +236,7 @@ def _draw_scales(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str,
     known = values[np.isfinite(values)]
     logarithmic = along[0] > 0 and along[-1] > WIDE * along[0]
     ax.set_label(DIAGRAM_LABEL)
-    set_scale(ax.xaxis, (along[0], along[-1]), logarithmic, fonts.inches(ax)[0])
+    set_scale(ax.xaxis, (along[0], along[-1]), logarithmic)
     ax.set_xlabel(labels.axis_label(film.axis, ds[film.axis]))
     if known.size:
         room = 0.08 * (float(np.ptp(known)) or 1.0)
