@@ -121,7 +121,7 @@ def test_a_crossing_is_found_where_it_is_and_neighbours_are_none() -> None:
 
 
 def test_rings_stand_on_the_rods_whose_caution_says_that_they_pass_through_themselves(ds) -> None:
-    views = unrolled.Panel(drawn_rods.choose(ds, unrolled.NAMES), (8.0, 5.0), 8.0).views
+    views = unrolled.panel_of(drawn_rods.choose(ds, unrolled.NAMES), (8.0, 5.0), 8.0).views
     ringed = [bool(view.rings) for view in views]
     assert ringed == ["overlaps" in text for text in ds["caution"].values]
     assert any(ringed)
@@ -131,7 +131,7 @@ def test_rings_stand_on_the_rods_whose_caution_says_that_they_pass_through_thems
 def test_the_views_along_an_axis_have_equal_room_do_not_touch_and_are_as_large_as_the_page_allows(ds) -> None:
     rods = drawn_rods.choose(ds, unrolled.NAMES)
     for room in ((8.0, 5.0), (2.9, 3.0), (8.0, 1.6)):
-        panel = unrolled.Panel(rods, room, 8.0)
+        panel = unrolled.panel_of(rods, room, 8.0)
         form, sizes = panel.form, np.array([view.size for view in panel.views])
         assert form.factor == 1
         assert (np.array(form.size) <= np.array(room) * (1 + 1e-9)).all()

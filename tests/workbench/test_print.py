@@ -182,7 +182,7 @@ def test_no_two_numbers_of_an_axis_meet(low: float, high: float, inches: float) 
         ax = fig.add_axes((1 / (inches + 2), 0.5, inches / (inches + 2), 0.4))
         ax.set_yticks([])
         ax.tick_params(labelsize=fonts.SMALL)
-        scales.set_scale(ax.xaxis, (low, high), logarithmic, inches)
+        scales.set_scale(ax.xaxis, (low, high), logarithmic)
         assert faults(fig) == []
 
 

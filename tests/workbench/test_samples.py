@@ -16,6 +16,7 @@ from tests.workbench.command import run
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench.commands import study_scene
 from workbench.figures import canvas, scatter, study_figure
+from workbench.figures.sheet import SCREEN
 from workbench.scene import captions, scene_kinds
 from workbench.store import file_merge, in_memory, reading, selection, stored_case, writing
 from workbench.store.file_summary import summary
@@ -266,7 +267,7 @@ def test_a_scene_of_one_sample_solves_that_sample_alone(tmp_path) -> None:
 
 def drawn(ds: xr.Dataset) -> list:
     names = selection.observables(ds)
-    return canvas.figure((9, 6), lambda fig: scatter.scatter(ds, names, fig, fig.add_gridspec(1, 1)[0, 0], 9.0)).axes
+    return canvas.page(None, SCREEN, scatter.rows(ds, names, 9.0, narrow=False)).axes
 
 
 @pytest.mark.slow

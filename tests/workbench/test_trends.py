@@ -76,7 +76,8 @@ def test_a_push_is_drawn_upward_on_either_side_and_lift_off_is_shaded(side: str)
     rods = drawn_rods.choose(
         ds.drop_attrs().assign_attrs({k: v for k, v in ds.attrs.items() if k != "study"}), ["push"]
     )
-    ax = along.alone(axes(), rods, "push")
+    ax = axes()
+    along.alone(ax, rods, "push")
     np.testing.assert_array_equal(ax.lines[0].get_ydata(), ds["contact"] * (1 if side == "outside" else -1))
     assert any("lift off" in entry for entry in ax.get_legend_handles_labels()[1])
 

@@ -25,7 +25,7 @@ from studies.laws.verdicts import NOISE
 from ..store import schema
 from ..words import labels
 from ..words.cautions import SLIGHT
-from . import canvas, colours, drawn_rods, fonts, legend, push_scale, regions
+from . import canvas, colours, drawn_rods, fonts, push_scale, regions
 from .drawn_rods import DrawnRods
 from .scales import RoomLocator, round_below
 from .sheet import SCREEN, Sheet
@@ -83,20 +83,18 @@ def figure(
     tall = float(np.clip(EACH * (ends[1] - ends[0]), *TALL))
     if sheet.narrow:
         tall = float(np.clip(tall, NARROW[0], NARROW[1] / len(names)))
-    rows, columns = (len(names), 1) if sheet.narrow else (1, len(names))
 
-    def draw(fig: Figure) -> None:
-        axes = fig.subplots(rows, columns, squeeze=False, sharex=True).ravel()
-        for i, (ax, one) in enumerate(zip(axes, curves, strict=True)):
-            _panel(ax, rods, one, ends, tall, labelled=sheet.narrow or i == 0)
-            ax.xaxis.label.set_visible(not sheet.narrow or i == len(names) - 1)
-        lines = ["Faint line: where the quantity of a rod is 0."] * any(
-            not curve.foot for curve in curves if len(names) > 1
-        )
-        legend.below(fig, entries(rods, names), [*lines, *rods.said(), *rods.notes], sheet)
+    def panel(i: int, ax: Axes) -> None:
+        _panel(ax, rods, curves[i], ends, tall, labelled=sheet.narrow or i == 0)
+        if sheet.narrow and i < len(names) - 1:
+            ax.xaxis.label.set_visible(False)
+            ax.tick_params(labelbottom=False)
 
-    height = rows * (tall + (0.3 if sheet.narrow else 0.75)) + 0.75
-    return canvas.figure((sheet.width, height), draw, rods.source, sheet=sheet)
+    panels = [partial(panel, i) for i in range(len(names))]
+    rows: list[canvas.Row] = [(tall + 0.3, [one]) for one in panels] if sheet.narrow else [(tall + 0.75, panels)]
+    faint = len(names) > 1 and any(not curve.foot for curve in curves)
+    said = ["Faint line: where the quantity of a rod is 0."] * faint + rods.said() + rods.notes
+    return canvas.page(rods.source, sheet, rows, [*entries(rods, names), *said], 0.75)
 
 
 states = partial(figure, show=(STATES,))
@@ -198,10 +196,10 @@ def _over_s(ax: Axes, rods: DrawnRods) -> None:
     ax.set_xlabel(f"s [{labels.unit(str(rods.source.attrs['length_unit']))}]")
 
 
-def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> Axes:
+def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> list[Artist]:
     """A quantity of one rod over s, on an axis of its numbers; shaded where the cylinder would have to pull.
 
-    dots: whether the stations miss bends.
+    dots: whether the stations miss bends. Returns the entries of the legend.
     """
     rod, (title, unit, change) = rods.solved[0], _words(rods.source, name)
     s, values = rod["s"], change(rod[name])
@@ -220,7 +218,7 @@ def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> Axes:
     if unit == "°":
         ax.yaxis.set_major_locator(RoomLocator("angles"))
     _over_s(ax, rods)
-    return ax
+    return [shade for shade in ax.collections if shade.get_label() in (push_scale.PULLS, push_scale.PUSHES)]
 
 
 def _shade_pulls(ax: Axes, s: Any, push: Any) -> None:

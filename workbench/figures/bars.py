@@ -1,11 +1,11 @@
 """Bars, a panel an observable: the cases along an axis, Sobol' indices of a sampled study, tornado diagrams."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -16,7 +16,7 @@ from studies.grammar.dimensions import SAMPLE
 
 from ..store import schema, selection
 from ..words import labels
-from . import canvas, colours, fonts, legend
+from . import canvas, colours, fonts
 from .scales import RoomLocator
 from .sheet import SCREEN, Sheet
 
@@ -64,10 +64,10 @@ def of_cases(
     cases = selection.line(ds, axis, at)
     held = {name: i for name, i in cases[0].items() if name != axis}
     notes = [f"All bars: {labels.equations(ds, held)}."] if held else []
-    return _panels(ds, names, count, lambda ax, name: _cases(ds, ax, name, axis, cases), [], notes, sheet)
+    return _panels(ds, names, count, partial(_cases, ds, axis, cases), notes, sheet)
 
 
-def _cases(ds: xr.Dataset, ax: Axes, name: str, axis: str, cases: Sequence[dict[str, int]]) -> None:
+def _cases(ds: xr.Dataset, axis: str, cases: Sequence[dict[str, int]], name: str, ax: Axes) -> None:
     """One observable of the cases along an axis, the first on top."""
     array = ds[name]
     sizes = np.array([float(labels.in_label_unit(array, array.isel(case).values)) for case in cases])
@@ -97,8 +97,7 @@ def indices(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
     ]
     share = f"{100 * ds.attrs['confidence']:g} %"
     notes = [f"Shares of the variance; lines: {share} intervals.", *_notes_of_errors(ds)]
-    return _panels(ds, names, 2 * ds.sizes["field"], lambda ax, name: _indices(ds, ax, name, limits), entries, notes,
-                   sheet)  # fmt: skip
+    return _panels(ds, names, 2 * ds.sizes["field"], partial(_indices, ds, limits), [*entries, *notes], sheet)
 
 
 def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
@@ -116,17 +115,16 @@ def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
     values = [f"{symbol} = {_in_unit(float(row['at']), str(row['field_unit'].values))}" for symbol, row in at]
     titled = ds.assign_attrs(title=", ".join([str(ds.attrs["title"]), *values]))
     entries = [Patch(color=colours.PAIR[k], label=word) for k, word in ((1, "rises"), (0, "falls"))]
-    notes = ["The change of each observable if a field rises by 1 %, or by the amount beside it."]
-    return _panels(titled, names, most, lambda ax, name: draw_tornado(ds, ax, name), entries, notes, sheet)
+    note = "The change of each observable if a field rises by 1 %, or by the amount beside it."
+    return _panels(titled, names, most, partial(_tornado, ds), [*entries, note], sheet)
 
 
 def _panels(
     ds: xr.Dataset,
     names: Sequence[str],
     bars: int,
-    panel: Callable[[Axes, str], None],
-    entries: Sequence[Artist],
-    notes: Sequence[str],
+    panel: Callable[[str, Axes], None],
+    said: canvas.Said,
     sheet: Sheet | None,
 ) -> Figure:
     """A panel for each of the names, with room for so many bars, and one legend below."""
@@ -134,14 +132,8 @@ def _panels(
     if sheet is not None:
         columns = 1 if sheet.narrow else min(len(names), max(int(sheet.width / COLUMN), 1))
     page = sheet or Sheet(COLUMN * columns)
-    rows = -(-len(names) // columns)
-
-    def draw(fig: Figure) -> None:
-        for i, name in enumerate(names):
-            panel(fig.add_subplot(rows, columns, i + 1), name)
-        legend.below(fig, entries, notes, sheet or SCREEN)
-
-    return canvas.figure((page.width, rows * (FRAME + BAR * max(bars, 2)) + AROUND), draw, ds, sheet=page)
+    rows = canvas.in_rows([partial(panel, name) for name in names], columns, FRAME + BAR * max(bars, 2))
+    return canvas.page(ds, page, rows, said, AROUND)
 
 
 def _look(ax: Axes, ticks: Sequence[str]) -> None:
@@ -153,7 +145,7 @@ def _look(ax: Axes, ticks: Sequence[str]) -> None:
     ax.spines["left"].set_visible(False)
 
 
-def _indices(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -> None:
+def _indices(ds: xr.Dataset, limits: tuple[float, float], name: str, ax: Axes) -> None:
     """The indices of one observable, the field of the largest total on top."""
     row = ds.sel(observable=name)
     ax.set_title(str(row["symbol"].values), loc="left", pad=4)
@@ -196,7 +188,7 @@ def _limits(ds: xr.Dataset) -> tuple[float, float]:
     return min(np.nan_to_num(low), 0.0) - 0.03, max(np.nan_to_num(high), 1.0) + 0.03
 
 
-def draw_tornado(ds: xr.Dataset, ax: Axes, name: str) -> None:
+def _tornado(ds: xr.Dataset, name: str, ax: Axes) -> None:
     """The tornado diagram of one observable."""
     row, found = ds.sel(observable=name), _effects(ds, name)
     shown, rest = found[:MOST], found[MOST:]

@@ -60,28 +60,21 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
     count = min(ds.sizes.get("shape", 0), MOST[sheet.narrow])
     shapes, high = _shapes(ds, count), HIGH[sheet.narrow] * sheet.width
     room = sheet.width - unrolled.BESIDE, TALL[not sheet.narrow] * sheet.width
-    form = unrolled.plan(shapes, room, sheet.small) if shapes else None
-    below = form.size[1] if form is not None else 0.0
+    laws = _laws(ds)
 
-    def draw(fig: Figure) -> None:
-        notes = _laws(ds)
-        grid = fig.add_gridspec(1 + bool(shapes), 1, height_ratios=[high, *[below] * bool(shapes)])
-        ax = panel(ds, fig.add_subplot(grid[0]), shown, high)
-        key = legend.entries(ax)
-        if len({one.get_label() for one in key}) <= MOST_INSIDE:
+    def diagram(ax: Axes) -> canvas.Said:
+        key = legend.entries(panel(ds, ax, shown, high))
+        if few := len({entry.get_label() for entry in key}) <= MOST_INSIDE:
             legend.add(ax)
-            key = []
-        if form is not None:
-            cell = fig.add_subplot(grid[1])
-            unrolled.draw(cell, shapes, form, labels.unit(str(ds["shape_z"].attrs.get("units", "1"))))
-            key += unrolled.ring_entries(cell)
-            some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
-            notes.append(unrolled.sentence(form, f", of the points with their numbers{some}"))
-            notes += _alike(ds, shown)
-        legend.below(fig, key, notes, sheet)
+        return [*([] if few else key), *laws]
 
-    height = high + below + 0.45 + 0.2 * len(_laws(ds)) * sheet.titled
-    return canvas.figure((sheet.width, height), draw, ds, sheet=sheet)
+    rows: list[canvas.Row] = [(high, [diagram])]
+    if shapes:
+        views = unrolled.Panel(shapes, room, sheet.small, labels.unit(str(ds["shape_z"].attrs.get("units", "1"))))
+        some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
+        said = f", of the points with their numbers{some}"
+        rows.append((views.height, [lambda ax: [*views.draw(ax, said), *_alike(ds, shown)]]))
+    return canvas.page(ds, sheet, rows, more=0.45 + 0.2 * len(laws) * sheet.titled)
 
 
 def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:

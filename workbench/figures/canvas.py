@@ -1,15 +1,20 @@
 """The canvas of every figure: a Matplotlib `Figure` without pyplot, its title, and the file it is saved to."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from io import BytesIO
+from itertools import groupby
 from pathlib import Path
 from string import ascii_lowercase
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from matplotlib import rc_context
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, ScalarFormatter
@@ -19,7 +24,7 @@ from solver.problem.errors import InputError
 
 from ..store import atomic
 from ..words import labels
-from . import fonts
+from . import fonts, legend
 from .colours import INK, SOFT
 from .fonts import DPI, RC
 from .scales import RoomLocator, Ticks
@@ -30,6 +35,9 @@ TALLEST, TALLEST_PAGE, LEAST = 120 / MILLIMETRES, 185 / MILLIMETRES, 0.62
 MARGIN, AFTER, TITLE = 0.15, 0.1, 0.62  # inches around a title, below it, and of all of it where its lines are short
 MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and columns name
 DIAGRAMS = (".png", ".pdf", ".svg")
+Said = Iterable[str | Artist]  # below a figure: sentences, and entries of its legend
+Panel = Callable[[Axes], Said | None]  # draws, and returns what is said of it
+Row = tuple[float, Sequence[Panel | None]]  # its height in inches, and its panels
 
 
 def figure(
@@ -61,6 +69,55 @@ def figure(
         _write_numbers(fig)
         lower_indices(fig)
     return fig
+
+
+def page(
+    ds: xr.Dataset | None, sheet: Sheet, rows: Sequence[Row], said: Said = (), more: float = 0.5,
+    ratios: Sequence[float] | None = None, width: float | None = None, **options: Any,
+) -> Figure:  # fmt: skip
+    """A figure of panels in rows, with one legend below.
+
+    Parameters
+    ----------
+    ds
+        As of `figure`, which takes the further options.
+    sheet
+        What it is drawn for.
+    rows
+        The height of each in inches, and what draws each panel; None leaves a place free. Rows of equal numbers share
+        their columns. A panel returns what is said below the figure: sentences, and entries of the legend.
+    said
+        What is said after that of the panels.
+    more
+        Inches of the figure beside the rows.
+    ratios
+        Of the widths of the panels of a row.
+    width
+        Inches; default: of the sheet.
+    """
+
+    def draw(fig: Figure) -> None:
+        below: list[str | Artist] = []
+        groups = [list(group) for _, group in groupby(rows, lambda row: len(row[1]))]
+        outer = GridSpec(len(groups), 1, fig, height_ratios=[sum(high for high, _ in group) for group in groups])
+        for i, group in enumerate(groups):
+            across = len(group[0][1])
+            sizes: Any = {"height_ratios": [high for high, _ in group], "width_ratios": ratios if across > 1 else None}
+            alone = len(groups) == 1
+            grid = (fig.add_gridspec if alone else outer[i, 0].subgridspec)(len(group), across, **sizes)
+            for k, panel in np.ndenumerate(np.array([panels for _, panels in group], dtype=object)):
+                below += (panel and panel(fig.add_subplot(grid[k]))) or ()
+        legend.below(fig, [*below, *said], sheet)
+
+    return figure((width or sheet.width, sum(high for high, _ in rows) + more), draw, ds, sheet=sheet,
+                  **options)  # fmt: skip
+
+
+def in_rows(panels: Sequence[Panel], across: int, high: float) -> list[Row]:
+    """Panels in rows of so many, which are so many inches high."""
+    across = max(across, 1)
+    padded = [*panels, *[None] * (-len(panels) % across)]
+    return [(high, padded[i : i + across]) for i in range(0, len(padded), across)]
 
 
 def _write_numbers(fig: Figure) -> None:

@@ -79,7 +79,8 @@ class DrawnRods:
 
     def said(self) -> list[str]:
         """A sentence on the values at which the other axes are held, where there are any."""
-        return [f"{'All rods' if len(self.rods) > 1 else 'The rod'}: {self.at()}."] if self.at() else []
+        of = "The rod" if self.axis is None else f"Rods along {labels.axis_symbol(self.axis)}"
+        return [f"{of}: {self.at()}."] if self.at() else []
 
     def axis_label(self) -> str:
         """The axis with its unit, and the values at which the others are held."""

@@ -13,7 +13,7 @@ from solver.problem.errors import InputError, choices
 
 from ..store import schema, selection
 from ..words import cautions, labels
-from . import canvas, colours, fonts, legend, point_numbers, push_scale, unrolled
+from . import canvas, colours, fonts, point_numbers, push_scale, unrolled
 from .scales import RoomLocator
 from .sheet import SCREEN, Sheet
 from .unrolled import View
@@ -38,19 +38,14 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
     if reaction is not None:
         texts = [f"{text}: {labels.value(float(ds[reaction][k]), ds[reaction])}" for k, text in enumerate(texts)]
     shapes = [_shape(ds, k, texts[k], look(int(ds["index"][k]))) for k in range(count)]
-    form = unrolled.plan(shapes, _room(sheet), sheet.small)
-
-    def draw(fig: Figure) -> None:
-        grid = fig.add_gridspec(2, 1, height_ratios=[form.size[1], high])
-        ax = fig.add_subplot(grid[0])
-        unrolled.draw(ax, shapes, form, labels.unit(str(ds["z"].attrs.get("units", "1"))))
-        said = against_index(ds, fig.add_subplot(grid[1]), name, sheet.width, high)
-        some = f"; {count} of {ds.sizes['equilibrium']} are shown" if count < ds.sizes["equilibrium"] else ""
-        beside = "" if reaction is None else f", {labels.symbol(ds[reaction])} beside the number"
-        said.append(unrolled.sentence(form, f"{beside}{some}"))
-        legend.below(fig, [*_entries(ds["index"].values), *unrolled.ring_entries(ax)], said, sheet)
-
-    return canvas.figure((sheet.width, form.size[1] + high + 0.45), draw, ds, sheet=sheet)
+    panel = unrolled.Panel(shapes, _room(sheet), sheet.small, labels.unit(str(ds["z"].attrs.get("units", "1"))))
+    some = f"; {count} of {ds.sizes['equilibrium']} are shown" if count < ds.sizes["equilibrium"] else ""
+    beside = "" if reaction is None else f", {labels.symbol(ds[reaction])} beside the number"
+    rows: list[canvas.Row] = [
+        (panel.height, [lambda ax: [*_entries(ds["index"].values), *panel.draw(ax, f"{beside}{some}")]]),
+        (high, [lambda ax: against_index(ds, ax, name, sheet.width, high)]),
+    ]
+    return canvas.page(ds, sheet, rows, more=0.45)
 
 
 def one_shown(names: Sequence[str]) -> Sequence[str]:
@@ -103,21 +98,13 @@ def loops(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
             f"{k + 1}: {waves} wave{'s' * (waves > 1)}, {stable}\n{labels.value(float(one['energy']), one['energy'])}"
         )
         shapes.append(_shape(ds, k, text, {"push": pushes[k], "norm": norm}))
-    form = unrolled.plan(shapes, _room(sheet), sheet.small)
-
-    def draw(fig: Figure) -> None:
-        ax = fig.add_subplot()
-        drawn = unrolled.draw(ax, shapes, form, labels.unit(str(ds.attrs["length_unit"])))
-        assert drawn is not None
-        push_scale.bar(fig, drawn, [ax], push_scale.unit(ds), sheet.width, below=True)
-        said = [
-            unrolled.sentence(form),
-            f"The rod lies {ds.attrs['side']}.",
-            "Below each number the energy. Unstable (2): in 2 ways, as a closed rod whose section is free to turn.",
-        ]
-        legend.below(fig, unrolled.ring_entries(ax), said, sheet)
-
-    return canvas.figure((sheet.width, form.size[1] + 1.25), draw, ds, sheet=sheet)
+    panel = unrolled.Panel(shapes, _room(sheet), sheet.small, labels.unit(str(ds.attrs["length_unit"])))
+    said = [
+        f"The rod lies {ds.attrs['side']}.",
+        "Below each number the energy. Unstable (2): in 2 ways, as a closed rod whose section is free to turn.",
+    ]
+    bar = push_scale.unit(ds), sheet.width
+    return canvas.page(ds, sheet, [(panel.height, [lambda ax: panel.draw(ax, bar=bar)])], said, 1.25)
 
 
 def _room(sheet: Sheet) -> tuple[float, float]:

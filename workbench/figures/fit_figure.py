@@ -1,5 +1,6 @@
 """The figure of a fit: the fitted unrolled view with the measured points, the joint region, which data decide."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,19 +30,13 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     lower = LOWER if not sheet.narrow else min(LOWER, 0.8 * sheet.width)
     parts = [region, shares] if ds.sizes["field"] > 1 else [shares]
 
-    across = 1 if sheet.narrow else len(parts)
-    below = -(-len(parts) // across)
-
-    def draw(fig: Figure) -> None:
-        rows = fig.add_gridspec(1 + below, across, height_ratios=(upper, *[lower] * below))
-        curve(ds, fig.add_subplot(rows[0, :]), room)
-        for k, part in enumerate(parts):
-            part(ds, fig.add_subplot(rows[1 + k // across, k % across]))
-
-    return canvas.figure((sheet.width, upper + lower * below), draw, ds, sheet=sheet)
+    rows: list[canvas.Row] = [(upper, [lambda ax: curve(ds, ax, room)])]
+    for beside in [[part] for part in parts] if sheet.narrow else [parts]:
+        rows.append((lower, [partial(part, ds) for part in beside]))
+    return canvas.page(ds, sheet, rows, more=0.0)
 
 
-def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
+def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> None:
     """The fitted unrolled view, seen from outside, with the measured points.
 
     z is to the right and rho alpha down.
@@ -65,7 +60,6 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     ax.set_ylabel(fonts.shorter(words, fonts.inches(ax)[1]))
     ax.margins(x=max(0.06, 0.55 / room[0]), y=0.12)  # room for s = 0
     ax.invert_yaxis()
-    return ax
 
 
 def _places(ds: xr.Dataset, name: str) -> Any:
@@ -88,7 +82,7 @@ def _height(ds: xr.Dataset, room: tuple[float, float]) -> float:
     return float(np.clip(drawn, 0.6, TALLEST)) + LABELS
 
 
-def region(ds: xr.Dataset, ax: Axes) -> Axes:
+def region(ds: xr.Dataset, ax: Axes) -> None:
     """The ellipse of the first two fields that holds both with 95 %, and the interval of each."""
     values, low, high = (_show(ds, ds[name].values[:2]) for name in ("value", "low", "high"))
     names = [labels.symbol_of(str(name)) for name in ds["field"].values[:2]]
@@ -102,7 +96,7 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
     also = CROSSES[bool(ds.attrs["exact"])] if len(others) else ""
     if not np.isfinite(covariance).all() or not np.isfinite([low, high]).all():
         ax.set_title(fonts.wrap(f"{' and '.join(names)}: no region is known{also}", ax), loc="left")
-        return ax
+        return
     around = values[:, None] + _ellipse(covariance, _size(ds))
     ax.fill(*around, color=colours.PAIR[1], alpha=0.18, linewidth=0)
     ax.plot(*around, color=colours.PAIR[1], linewidth=1.2)
@@ -111,10 +105,9 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
             draw(end, color=colours.SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
     text = f"95 % region; dashed: 95 % intervals{also}"
     ax.set_title(fonts.wrap(text, ax), loc="left")
-    return ax
 
 
-def shares(ds: xr.Dataset, ax: Axes) -> Axes:
+def shares(ds: xr.Dataset, ax: Axes) -> None:
     """The share of each datum in what is known of each field: along the rod for points, else by observable."""
     names = [labels.symbol_of(str(name)) for name in ds["field"].values]
     known = [name for name, row in zip(names, ds["share"].values, strict=True) if np.isfinite(row).all()]
@@ -143,7 +136,6 @@ def shares(ds: xr.Dataset, ax: Axes) -> Axes:
         title = "no field has shares"
     ax.set_title(fonts.wrap(title, ax), loc="left")
     legend.add(ax, loc="best", ncols=max(len(known), 1))
-    return ax
 
 
 def _factors(ds: xr.Dataset) -> Any:

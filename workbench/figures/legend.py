@@ -1,6 +1,6 @@
 """Legends, each label once, and the sentences that belong to a figure: below it, or kept for its caption."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from matplotlib.artist import Artist
@@ -62,14 +62,17 @@ def entries(ax: Axes) -> list[Any]:
     )
 
 
-def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), sheet: Sheet = SCREEN) -> Legend | None:
-    """One legend below all axes of a figure with a constrained layout: notes as text, then its entries in columns.
+def below(fig: Figure, said: Iterable[str | Artist], sheet: Sheet = SCREEN) -> Legend | None:
+    """One legend below all axes of a figure with a constrained layout: sentences, then entries in columns.
 
-    On a sheet without a title the notes are kept for the caption.
+    On a sheet without a title the sentences are kept for the caption.
     """
+    said = list(said)
+    notes = [note for note in said if isinstance(note, str)]
+    entries = [entry for entry in said if isinstance(entry, Artist)]
     if not sheet.titled:
         keep(fig, notes)
-        notes = ()
+        notes = []
     width = fig.get_figwidth() - 0.3
     room = width - HANDLE
     once = {fonts.break_lines(str(entry.get_label()), room, fonts.small()): entry for entry in entries}
@@ -87,9 +90,11 @@ def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), she
     return found
 
 
-def colour_bar(fig: Figure, colours: ScalarMappable, label: str = "", **where: Any) -> Colorbar:
-    """The bar of a scale of colours with a name in small letters; where: options of `Figure.colorbar`."""
-    bar = fig.colorbar(colours, **where)
+def colour_bar(beside: Sequence[Axes], colours: ScalarMappable, label: str = "", **where: Any) -> Colorbar:
+    """The bar of a scale of colours beside axes, with a name in small letters; where: options of `Figure.colorbar`."""
+    fig = beside[0].get_figure(root=True)
+    assert fig is not None
+    bar = fig.colorbar(colours, **{} if "cax" in where else {"ax": list(beside)}, **where)  # type: ignore[arg-type]
     bar.set_label(label, size=fonts.small())
     bar.outline.set_visible(False)
     bar.ax.tick_params(length=2)

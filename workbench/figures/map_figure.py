@@ -1,17 +1,16 @@
 """The maps of a stored study over two axes: one for each observable, and for each of some values of a third axis."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from functools import partial
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..store import law_verdicts, refined, selection
 from ..words import labels
-from . import canvas, fonts, law_lines, legend, map_panel, thumbnails
+from . import canvas, fonts, law_lines, map_panel, thumbnails
 from .map_cells import MOST_MAPS, Cells, Choice, cells, choose
 from .sheet import SCREEN, Sheet
 from .study_figure import level_notes
@@ -71,24 +70,13 @@ def figure(
     maps.asked = bool(show)
     maps.more = law_lines.of_coarse_grid(whole, verdicts) if whole is not None else []
     mixed = [law for law in elsewhere if law.is_mixed()]
-    pairs = _in_rows(mixed, maps.across)
-    heights = maps.heights() + [maps.small[1] + 1.2] * len(pairs) + ([maps.of_shapes[1] + 0.8] if shapes else [])
-
-    def draw(fig: Figure) -> None:
-        across = max(map(len, [*maps.rows, *pairs]))
-        grid = fig.add_gridspec(len(heights), across, height_ratios=heights)  # one grid: maps have equal widths
-        alone = max(map(len, maps.rows)) == 1
-        for i, row in enumerate(maps.rows):
-            maps.draw_row(fig, [grid[i, :] if alone else grid[i, k] for k in range(len(row))], i)
-        for i, pair in enumerate(pairs, len(maps.rows)):
-            maps.draw_laws(fig, [grid[i, k] for k in range(len(pair))], pair)
-        if shapes is not None:
-            maps.draw_shapes(fig.add_subplot(grid[len(heights) - 1, :]), shapes)
-        entries, notes = map_panel.entries(columns, choice.shown)
-        alike = [f"Law {law_lines.sentence(law, ds, choice)}." for law in elsewhere if law not in mixed]
-        legend.below(fig, [*entries, *maps.entries], [*notes, *maps.notes(), *alike], sheet)
-
-    return canvas.figure((sheet.width, 0.4 + sum(heights)), draw, ds, sheet=sheet)
+    rows = maps.rows_of_panels()
+    rows += canvas.in_rows([partial(maps.draw_law, law) for law in mixed], len(rows[0][1]), maps.small[1] + 1.2)
+    if shapes is not None:
+        rows.append((maps.of_shapes[1] + 0.8, [partial(maps.draw_shapes, shapes)]))
+    alike = [f"Law {law_lines.sentence(law, ds, choice)}." for law in elsewhere if law not in mixed]
+    said = [*map_panel.entries(columns, choice.shown), *maps.notes(), *alike]
+    return canvas.page(ds, sheet, rows, said, 0.4)
 
 
 class _Maps:
@@ -105,57 +93,53 @@ class _Maps:
         self.of_shapes = self.width - 1.4, (self.width - 1.4) * 0.52
         self.ds, self.choice, self.columns, self.laws = ds, choice, columns, laws
         self.places = choice.places()
-        self.entries: list[Artist] = []
         self.more: list[str] = []
+        self.drawn: dict[str, list[Axes]] = {}
         self.asked = False
         shown = choice.shown
-        # the maps of each row: an observable, and the column of the third axis
-        self.rows = _in_rows([(name, 0) for name in shown], self.across)
         self.inches = self.large if len(shown) == 1 else self.small
         if choice.along:
-            self.rows = [[(name, k) for k in range(len(columns))] for name in shown]
             self.inches = (self.width - 1.8) / len(columns) - 0.15, COLUMN
         values = {name: np.stack([column.values(name) for column in columns]) for name in shown}
         self.colours = {name: map_panel.Colours(ds, name, values[name]) for name in shown}
 
-    def heights(self) -> list[float]:
-        """The height of each row with its titles and labels, in inches."""
-        return [self.inches[1] + (0.6 if self.choice.along else 0.85)] * len(self.rows)
+    def rows_of_panels(self) -> list[canvas.Row]:
+        """The maps in rows; along a third axis a row an observable."""
+        shown, high = self.choice.shown, self.inches[1] + (0.6 if self.choice.along else 0.85)
+        if not self.choice.along:
+            return canvas.in_rows([partial(self.draw, name, 0, True) for name in shown], self.across, high)
+        return [(high, [partial(self.draw, name, k, name == shown[-1]) for k in range(len(self.columns))])
+                for name in shown]  # fmt: skip
 
-    def draw_row(self, fig: Figure, cells: Sequence[Any], row: int) -> None:
-        """Draw the maps of a row in its cells, each with its bar of colours; along a third axis they share one."""
-        short, lowest = self.choice.along is not None, row == len(self.rows) - 1
-        panels: list[Axes] = []
-        for cell, (name, k) in zip(cells, self.rows[row], strict=True):
-            ax, column, where = fig.add_subplot(cell), self.columns[k], self.places[k]
-            mesh = map_panel.draw(ax, column, name, self.colours[name], self.inches)
-            self.entries += law_lines.draw(ax, self._laws_of(name), column, self.choice, where, self.inches)
-            self._title(ax, name, where, leftmost=k == 0)
-            self._label(ax, leftmost=k == 0, lowest=lowest or not short)
-            panels = [*panels, ax] if short else [ax]
-            if not short or k == len(self.columns) - 1:
-                self.colours[name].bar(mesh, panels)
+    def draw(self, name: str, k: int, lowest: bool, ax: Axes) -> canvas.Said:
+        """Draw the map of an observable in a column, with its bar of colours; along a third axis they share one."""
+        column, where = self.columns[k], self.places[k]
+        mesh = map_panel.draw(ax, column, name, self.colours[name], self.inches)
+        entries = law_lines.draw(ax, self._laws_of(name), column, self.choice, where, self.inches)
+        said = self._title(ax, name, where, leftmost=k == 0)
+        self._label(ax, leftmost=k == 0, lowest=lowest)
+        self.drawn[name] = [*self.drawn.get(name, []), ax]
+        if k == len(self.columns) - 1 or not self.choice.along:
+            self.colours[name].bar(mesh, self.drawn[name])
+        return [*entries, *said]
 
-    def draw_laws(self, fig: Figure, cells: Sequence[Any], laws: Sequence[law_lines.JudgedLaw]) -> None:
-        """Draw a map of its own for each of at most two laws along a further axis."""
-        for cell, law in zip(cells, laws, strict=True):
-            ax = fig.add_subplot(cell)
-            where = self.places[0]
-            self.entries += law_lines.draw_map(ax, law, self.columns[0], where)
-            self._label(ax, leaving=law.row["axis"])
-            said = f"{law_lines.sentence(law, self.ds, self.choice)}; lines: {law_lines.counts(law, where)}"
-            self.more.append(f"Law {said}.")
-            along = f"verdicts on {law.row['observable']} along {labels.axis_symbol(law.row['axis'])}"
-            ax.set_title(along, loc="left")
+    def draw_law(self, law: law_lines.JudgedLaw, ax: Axes) -> canvas.Said:
+        """Draw a map of its own for a law along a further axis."""
+        where = self.places[0]
+        entries = law_lines.draw_map(ax, law, self.columns[0], where)
+        self._label(ax, leaving=law.row["axis"])
+        ax.set_title(f"verdicts on {law.row['observable']} along {labels.axis_symbol(law.row['axis'])}", loc="left")
+        said = f"{law_lines.sentence(law, self.ds, self.choice)}; lines: {law_lines.counts(law, where)}"
+        return [*entries, f"Law {said}."]
 
-    def draw_shapes(self, ax: Axes, shapes: thumbnails.Shapes) -> None:
+    def draw_shapes(self, shapes: thumbnails.Shapes, ax: Axes) -> canvas.Said:
         """Draw the panel of shapes: those of the first column, on a pale map of the first observable."""
         name, column = self.choice.shown[0], self.columns[0]
         map_panel.draw(ax, column, name, self.colours[name], self.of_shapes, pale=0.3)
         self._label(ax)
         held = [labels.equations(self.ds, self.places[0])] if self.choice.along else []
         ax.set_title(", ".join([f"unrolled views over the {labels.long_name(self.ds[name])}", *held]), loc="left")
-        self.more += thumbnails.draw(ax, column, shapes, self.of_shapes)
+        return thumbnails.draw(ax, column, shapes, self.of_shapes)
 
     def notes(self) -> list[str]:
         """What the figure says in words."""
@@ -176,21 +160,23 @@ class _Maps:
     def _laws_of(self, name: str) -> list[law_lines.JudgedLaw]:
         return [law for law in self.laws if law.row["observable"] == name]
 
-    def _title(self, ax: Axes, name: str, where: Mapping[str, int], leftmost: bool) -> None:
-        """The observable and the value of the third axis; what is said of each law is kept."""
+    def _title(self, ax: Axes, name: str, where: Mapping[str, int], leftmost: bool) -> list[str]:
+        """The observable and the value of the third axis; returns what is said of each law."""
         laws = self._laws_of(name)
         above = sum(law.row["axis"] == self.choice.y for law in laws) * (law_lines.THICK + law_lines.GAP) * 72
         along = self.choice.along
         value = labels.equations(self.ds, {along: where[along]}) if along else ""
+        told = []
         for law in laws:
             said, lines = law_lines.sentence(law, self.ds, self.choice), law_lines.counts(law, where)
             text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
-            self.more.append(f"Law {text}{f' at {value}' if value else ''}.")
+            told.append(f"Law {text}{f' at {value}' if value else ''}.")
         title = labels.label(self.ds[name], long=True) + self.colours[name].said()
         title = fonts.break_lines(title, self.inches[0] + 0.3)
         if self.choice.along:
             title = f"{title}\n{value}" if leftmost else value
         ax.set_title(title, loc="left", pad=above + 6)
+        return told
 
     def _label(self, ax: Axes, leftmost: bool = True, lowest: bool = True, leaving: str = "") -> None:
         """The labels of the two axes at the edge of the figure; the values of further axes stand behind that of x.
@@ -212,7 +198,3 @@ class _Maps:
             ax.set_ylabel(fonts.shorter(words, 0.7 * self.inches[1]))
         else:
             ax.tick_params(labelleft=False)
-
-
-def _in_rows(all_of: Sequence[Any], across: int) -> list[list[Any]]:
-    return [list(all_of[i : i + across]) for i in range(0, len(all_of), across)]

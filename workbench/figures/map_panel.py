@@ -65,9 +65,7 @@ class Colours:
         """The bar of colours beside the panels; none of a constant."""
         if self.constant:
             return
-        fig = axes[0].get_figure(root=True)
-        assert fig is not None
-        bar = legend.colour_bar(fig, mesh, ax=axes, pad=0.015, aspect=30, fraction=0.05)
+        bar = legend.colour_bar(axes, mesh, pad=0.015, aspect=30, fraction=0.05)
         bar.locator = RoomLocator("counts" if self.count else "numbers")
 
 
@@ -94,8 +92,8 @@ def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float,
     return mesh
 
 
-def entries(panels: list[Cells], shown: tuple[str, ...]) -> tuple[list[Artist], list[str]]:
-    """The legend of the cases and of cells without a number: its entries, and its notes."""
+def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
+    """What is said below of the cases and of cells without a number."""
     barred = np.concatenate([panel.samples()[2] for panel in panels])
     most = max(panel.samples()[2].size for panel in panels)
     few = f" (one of {-(-most // MOST_SAMPLES)} is shown)" if most > MOST_SAMPLES else ""
@@ -119,7 +117,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> tuple[list[Artist], 
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
     if unchecked:
         notes.append(f"{unchecked} of {cases} rods were not checked for all cautions.")
-    return found, notes
+    return [*found, *notes]
 
 
 def _classes(values: Values, scale: Colours) -> tuple[Values, int]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import ceil
 from typing import Any
 
@@ -15,11 +16,11 @@ from numpy.typing import NDArray
 
 from solver.mechanics.potential import TAU, Loads, potential, slope, slope_rate
 from solver.numerics.roots import bracket
-from solver.problem.errors import InputError, no_such
+from solver.problem.errors import InputError
 
 from ..store import schema
 from ..words import labels
-from . import canvas, colours, drawn_rods, fonts, legend
+from . import canvas, colours, drawn_rods, fonts
 from .drawn_rods import DrawnRod
 from .scales import RoomLocator
 from .sheet import SCREEN, Sheet
@@ -53,51 +54,58 @@ def figure(
     sheet : Sheet
         What the figure is drawn for. Its panel is ``portrait`` or ``potential``.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     InputError
         As of `drawn_rods.choose`, and for an unknown panel.
     """
-    if sheet.panel is not None and sheet.panel not in PANELS:
-        raise no_such("panel", sheet.panel, PANELS)
-    names = [name for name in PANELS if sheet.panel in (None, name)]
+    names = sheet.choose(PANELS)
     most = max(int((sheet.width - 0.6) / COLUMN), 1)
-    bands = 1 if sheet.narrow else BANDS
     if schema.loads_vary(ds):
         raise InputError("a portrait needs loads that are constant along the rod; choose --kind ridge or states")
-    found = drawn_rods.choose(ds, ("beta", "dbeta"), x, at, bands * most)
+    found = drawn_rods.choose(ds, ("beta", "dbeta"), x, at, most * (1 if sheet.narrow else BANDS))
     windows = np.array([window_of(rod) for rod in found.solved])
     window = float(windows[:, 0].min()), float(windows[:, 1].max())
     orbits = [orbit(rod, window) for rod in found.solved]
     alone = len(orbits) == 1
-    bands = ceil(len(orbits) / most)
-    across = len(names) if alone and not sheet.narrow else ceil(len(orbits) / bands)
-    rows = 1 if alone and not sheet.narrow else len(names) * bands
+    columns = ceil(len(orbits) / ceil(len(orbits) / most))
+    across = columns if not alone else 1 if sheet.narrow else len(names)
     tall = min(0.75 * sheet.width / across, 3.6) if alone else 1.9
     tall = min(tall, 1.25) if sheet.narrow else tall
     unit = labels.unit(str(found.source.attrs["length_unit"]))
     source = found.source
+    heights = {name: np.array([one.ends(name) for one in orbits]) for name in names}
     if found.axis is None and found.at():
         source = source.assign_attrs(title=f"{source.attrs['title']}, {found.at()}")
 
-    def draw(fig: Figure) -> None:
-        grid = fig.add_gridspec(rows, across)
-        for i, one in enumerate(orbits):
-            for j, name in enumerate(names):
-                cell = divmod(j, across) if alone else ((i // across) * len(names) + j, i % across)
-                ax = fig.add_subplot(grid[cell])
-                (_portrait if name == "portrait" else _potential)(ax, one, unit)
-                _frame(ax, name, one, alone, j, leftmost=alone or cell[1] == 0, wide=sheet.width / across)
-        if not alone:
-            _share(fig.axes, len(names), across)
-        said = found.said() if source is found.source or not sheet.titled else []  # the title says it
-        legend.below(fig, _entries(orbits, names), [*said, *found.notes], sheet)
+    def panel(i: int, name: str, ax: Axes) -> None:
+        """Draw a panel of a rod; among others it has numbers at the left and below only."""
+        one, wide = orbits[i], sheet.width / across
+        (_portrait if name == "portrait" else _potential)(ax, one)
+        ax.set(xlim=np.degrees(one.window), ylim=(heights[name][:, 0].min(), heights[name][:, 1].max()))
+        ax.set_label(f"{one.rod.name}, {PANELS[name]}")
+        ax.xaxis.set_major_locator(RoomLocator("angles"))
+        left, lowest = alone or i % across == 0, alone or name == names[-1]
+        ax.tick_params(labelleft=left, labelbottom=lowest)
+        if lowest:
+            ax.set_xlabel("angle to the axis  β [°]" if wide > COLUMN + 0.5 else "β [°]")
+        if left:
+            ax.set_ylabel(f"β′ [1/{unit}]" if name == "portrait" else f"G, h [1/{unit}²]")
+        if alone:
+            ax.set_title(PANELS[name] if name == "portrait" else "potential G and level h", loc="left")
+        elif name == names[0]:
+            fits = fonts.width_of(one.rod.name, fonts.small()) < wide - 0.3
+            ax.set_title(one.rod.name if fits else one.rod.value, loc="left", size=fonts.small())
 
-    return canvas.figure((sheet.width, rows * (tall + 0.65) + 0.9), draw, source, sheet=sheet)
+    high = tall + 0.65
+    rows = canvas.in_rows([partial(panel, 0, name) for name in names], across, high)
+    if not alone:
+        groups = [range(first, min(first + across, len(orbits))) for first in range(0, len(orbits), across)]
+        rows = [row for band in groups for name in names
+                for row in canvas.in_rows([partial(panel, i, name) for i in band], across, high)]  # fmt: skip
+    said = found.said() if source is found.source or not sheet.titled else []  # the title says it
+    below: list[str | Artist] = [*_entries(orbits, names), *said, *found.notes]
+    return canvas.page(source, sheet, rows, below, 0.9)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +131,20 @@ class Orbit:
     def angles(self) -> NDArray[np.float64]:
         """Angles over the window."""
         return np.linspace(*self.window, ANGLES)
+
+    def fastest(self) -> float:
+        """The largest beta' of the rod and of the separatrices [1/length]."""
+        lowest = float(self.G(self.angles()).min())
+        heights = np.sqrt(np.maximum(self.G(self.saddles) - lowest, 0.0))
+        return float(max(np.abs(self.dbeta).max(), heights.max(initial=1e-12)))
+
+    def ends(self, name: str) -> tuple[float, float]:
+        """The lowest and the highest place of a panel."""
+        if name == "portrait":
+            return -1.15 * self.fastest(), 1.15 * self.fastest()
+        lowest = float(self.G(self.angles()).min())
+        low, high = min(lowest, self.h), max(lowest, self.h, self.G(self.saddles).max(initial=lowest))
+        return low - 0.08 * (high - low or 1.0), high + 0.14 * (high - low or 1.0)
 
 
 def window_of(rod: DrawnRod) -> tuple[float, float]:
@@ -160,19 +182,15 @@ def _loads(rod: DrawnRod) -> Loads:
     return Loads(rod.lam, rod.mu, rod.phi)
 
 
-def _portrait(ax: Axes, one: Orbit, unit: str) -> None:
+def _portrait(ax: Axes, one: Orbit) -> None:
     """The orbit, the separatrices and some level sets."""
     G = one.G(one.angles())
-    fastest = max(float(np.abs(one.dbeta).max()), *(_height(one.G(b), G) for b in one.saddles), 1e-12)
-    levels = np.linspace(float(G.min()), float(G.min()) + 1.4 * (fastest**2 + 1e-12), LEVELS + 2)[1:]
-    for level in levels:
+    for level in np.linspace(float(G.min()), float(G.min()) + 1.4 * (one.fastest() ** 2 + 1e-12), LEVELS + 2)[1:]:
         _level_set(ax, one, float(level), color=colours.FAINT, linewidth=0.8, label="_level", zorder=1)
     for level in _levels(one):
         _level_set(ax, one, level, **SEPARATRIX)
-    ax.plot(np.degrees(one.beta), one.dbeta, color=colours.PUSHED, linewidth=1.4, label="rod", zorder=5)
+    ax.plot(np.degrees(one.beta), one.dbeta, color=colours.DATA, linewidth=1.4, label="rod", zorder=5)
     _mark(ax, one, lambda angles: 0 * angles, one.dbeta[[0, -1]])
-    ax.set_ylim(-1.15 * fastest, 1.15 * fastest)
-    ax.set_ylabel(f"β′ [1/{unit}]")
 
 
 def _mark(ax: Axes, one: Orbit, height: Callable[[Any], Any], ends: Any) -> None:
@@ -196,11 +214,6 @@ def _levels(one: Orbit) -> list[float]:
     return found
 
 
-def _height(level: Any, G: Any) -> float:
-    """The largest beta' of a level set."""
-    return float(np.sqrt(max(float(level) - float(G.min()), 0.0)))
-
-
 def _level_set(ax: Axes, one: Orbit, level: float, **look: Any) -> None:
     """Both halves of beta' = +-sqrt(level - G), with the angles where they meet."""
     angles = np.sort(np.concatenate([one.angles(), one.saddles]))
@@ -208,62 +221,32 @@ def _level_set(ax: Axes, one: Orbit, level: float, **look: Any) -> None:
     size = ROUNDING * (abs(level) + float(np.ptp(above)))
     above = np.where(np.abs(above) < size, 0.0, above)
     k = np.flatnonzero(above[1:] * above[:-1] < 0)
-    low, high = np.where(above[k] < 0, angles[k], angles[k + 1]), np.where(above[k] < 0, angles[k + 1], angles[k])
-    for _ in range(50):
-        middle = (low + high) / 2
-        inside = one.G(middle) < level
-        low, high = np.where(inside, low, middle), np.where(inside, middle, high)
-    order = np.argsort(np.concatenate([angles, high]), kind="stable")
-    angles, above = (np.concatenate(pair)[order] for pair in ((angles, high), (above, np.zeros(high.size))))
+    rises, loads = np.sign(above[k + 1]), _loads(one.rod)
+    meet = bracket(lambda b: (rises * (level - one.G(b)), -2 * rises * slope(loads, b) / one.rod.rho**2), angles[k],
+                   angles[k + 1])  # fmt: skip
+    order = np.argsort(np.concatenate([angles, meet]), kind="stable")
+    angles, above = (np.concatenate(pair)[order] for pair in ((angles, meet), (above, np.zeros(meet.size))))
     rate = np.sqrt(np.where(above < 0, np.nan, above))
     for half in (rate, -rate):
         ax.plot(np.degrees(angles), half, **look)
 
 
-def _potential(ax: Axes, one: Orbit, unit: str) -> None:
+def _potential(ax: Axes, one: Orbit) -> None:
     """G over the angle, and the level h of the rod, where it lies above G."""
     angles = one.angles()
-    G = one.G(angles)
-    ax.plot(np.degrees(angles), G, color=colours.INK, linewidth=1.0, label="G", zorder=3)
+    ax.plot(np.degrees(angles), one.G(angles), color=colours.INK, linewidth=1.0, label="G", zorder=3)
     reached = (float(one.beta.min()), float(one.beta.max()))
-    ax.plot(np.degrees(reached), [one.h, one.h], color=colours.PUSHED, linewidth=1.4, label="h", zorder=4)
+    ax.plot(np.degrees(reached), [one.h, one.h], color=colours.DATA, linewidth=1.4, label="h", zorder=4)
     for level in _levels(one):
         ax.plot(np.degrees(one.window), [level, level], **SEPARATRIX)
     _mark(ax, one, one.G, [one.h, one.h])
-    low, high = min(float(G.min()), one.h), max(one.h, *one.G(one.saddles), float(G.min()))
-    ax.set_ylim(low - 0.08 * (high - low or 1.0), high + 0.14 * (high - low or 1.0))
-    ax.set_ylabel(f"G, h [1/{unit}²]")
-
-
-def _frame(ax: Axes, name: str, one: Orbit, alone: bool, j: int, leftmost: bool, wide: float) -> None:
-    """The title and the scales of a panel."""
-    ax.set_xlim(*np.degrees(one.window))
-    ax.set_label(f"{one.rod.name}, {PANELS[name]}")
-    if alone:
-        ax.set_title(PANELS[name] if name == "portrait" else "potential G and level h", loc="left")
-    elif j == 0:
-        fits = fonts.width_of(one.rod.name, fonts.small()) < wide - 0.3
-        ax.set_title(one.rod.name if fits else one.rod.value, loc="left", size=fonts.small())
-    ax.set_xlabel("angle to the axis  β [°]" if wide > COLUMN + 0.5 else "β [°]")
-    ax.xaxis.set_major_locator(RoomLocator("angles"))
-    ax.yaxis.label.set_visible(leftmost)
-
-
-def _share(axes: Sequence[Axes], panels: int, across: int) -> None:
-    """For each quantity one range of numbers over all rods, with numbers at the left and below only."""
-    for j in range(panels):
-        ends = [ax.get_ylim() for ax in axes[j::panels]]
-        for i, ax in enumerate(axes[j::panels]):
-            ax.set_ylim(np.min(ends), np.max(ends))
-            ax.tick_params(labelleft=i % across == 0, labelbottom=j == panels - 1)
-            ax.xaxis.label.set_visible(j == panels - 1)
 
 
 def _entries(orbits: Sequence[Orbit], names: Sequence[str]) -> list[Artist]:
     """The legend."""
     rod = "the rod, at its level h" if "potential" in names else "the rod"
     looks: list[tuple[bool, str, dict[str, Any]]] = [
-        (True, rod, {"color": colours.PUSHED, "linewidth": 1.8}),
+        (True, rod, {"color": colours.DATA, "linewidth": 1.8}),
         (True, "s = 0", {"marker": "o", "markersize": 4, "linestyle": "none"}),
         (True, "s = L", {"marker": "s", "markersize": 4, "linestyle": "none"}),
         (any(one.saddles.size for one in orbits), SADDLE, {"linewidth": 0.9, "linestyle": (0, (4, 2))}),

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..words import labels
@@ -48,18 +47,13 @@ def line(
     return drawn
 
 
-def bar(
-    fig: Figure, drawn: ScalarMappable, axes: Sequence[Axes], unit: str, inches: float, below: bool = False
-) -> None:
-    """The bar of the colours to the right of axes, or below them, that are so many inches long there."""
-    length = min(inches, 2.2)
-    said = f"push [{labels.unit(unit)}]"
-    pulled = any(
-        isinstance(collection, LineCollection) and pulls(collection.get_array()) for collection in axes[0].collections
-    )
-    found = legend.colour_bar(fig, drawn, ax=list(axes), location="bottom" if below else "right", anchor=(0.0, 1.0),
-                              fraction=0.05, pad=0.02, aspect=20, shrink=length / inches)  # fmt: skip
-    found.set_label(said + "; below 0: lifts off" * pulled, size=fonts.small(), loc="left" if below else None)
+def bar(ax: Axes, drawn: ScalarMappable, unit: str, inches: float) -> None:
+    """The bar of the colours below axes that are so many inches wide."""
+    lines = [collection for collection in ax.collections if isinstance(collection, LineCollection)]
+    said = f"push [{labels.unit(unit)}]" + "; below 0: lifts off" * any(pulls(line.get_array()) for line in lines)
+    found = legend.colour_bar([ax], drawn, location="bottom", anchor=(0.0, 1.0), fraction=0.05, pad=0.02, aspect=20,
+                              shrink=min(inches, 2.2) / inches)  # fmt: skip
+    found.set_label(said, size=fonts.small(), loc="left")
 
 
 def pulls(push: Any) -> bool:

@@ -48,19 +48,16 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
         raise no_such("quantity of this map", shown, known)
     high = sheet.width * (HIGH if not sheet.narrow else 1.0)
 
-    def draw(fig: Figure) -> None:
-        ax = fig.add_subplot()
-        box = sheet.width - 1.1, high - 0.6
-        notes, unnumbered = panel(ds, ax, box, None if shown in along else shown)
+    def draw(ax: Axes) -> canvas.Said:
+        said = panel(ds, ax, (sheet.width - 1.1, high - 0.6), None if shown in along else shown)
         if shown in along:
             _colour_curves(ds, ax, shown)
-            notes.append(f"Colours beside the curves: {labels.long_name(ds[f'curve_{shown}'])}.")
+            said.append(f"Colours beside the curves: {labels.long_name(ds[f'curve_{shown}'])}.")
         elif shown != COUNT:
-            notes.append(f"Colours of the regions: {labels.long_name(ds[shown])}.")
-        given = [line for line in ax.lines if line.get_label() in GIVEN]
-        legend.below(fig, [*unnumbered, *entries(ds), *given], notes, sheet)
+            said.append(f"Colours of the regions: {labels.long_name(ds[shown])}.")
+        return [*said, *entries(ds), *(line for line in ax.lines if line.get_label() in GIVEN)]
 
-    return canvas.figure((sheet.width, high + 0.5), draw, ds, sheet=sheet)
+    return canvas.page(ds, sheet, [(high, [draw])])
 
 
 def _along_curves(ds: xr.Dataset) -> list[str]:
@@ -91,15 +88,13 @@ def _colour_curves(ds: xr.Dataset, ax: Axes, name: str) -> None:
     drawn = LineCollection(list(segments[known]), cmap=colours.map_colours(), linewidths=6.0, zorder=2,
                            array=middles[known], label=name)  # fmt: skip
     ax.add_collection(drawn, autolim=False)
-    fig = ax.get_figure(root=True)
-    assert fig is not None
-    legend.colour_bar(fig, drawn, labels.label(array), ax=ax, pad=0.015, aspect=30, fraction=0.05)
+    legend.colour_bar([ax], drawn, labels.label(array), pad=0.015, aspect=30, fraction=0.05)
 
 
-def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str | None) -> tuple[list[str], list[Artist]]:
+def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str | None) -> list[str | Artist]:
     """Draw the map on axes of about that width and height; shown: the count that colours the regions; None: nothing.
 
-    Returns notes on what is drawn, and for the legend the colours that no number explains.
+    Returns what is said of it: notes, and the colours that no number explains.
     """
     x, y = json.loads(ds.attrs["fields"])
     edges = [labels.in_label_unit(ds[name], np.array([ds.attrs[end][k] for end in ("low", "high")]))
@@ -114,7 +109,7 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str | No
     _mark_given_case(ds, ax, (x, y))
     notes, left_out = _name_regions(ds, ax, inches)
     if shown is None:
-        return notes, []
+        return [*notes]
     sides = np.array(edges)
     scaled = [(line - sides[:, 0]) / np.ptp(sides, axis=1) for line in lines]
     raster = regions.fine(ds["region_at"].values, scaled)
@@ -129,8 +124,9 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str | No
     unsaid = sorted({int(ds[shown].values[k]) for k in left_out} - said)
     noun = "stable equilibri" if shown == STABLE else "equilibri"
     shades = {count: ramp(int(np.searchsorted(known, count)))[:3] for count in unsaid}
-    return notes, [
-        Patch(color=(*shades[count], 0.8), label=f"{count} {noun}{'um' if count == 1 else 'a'}") for count in unsaid
+    return [
+        *notes,
+        *(Patch(color=(*shades[count], 0.8), label=f"{count} {noun}{'um' if count == 1 else 'a'}") for count in unsaid),
     ]
 
 

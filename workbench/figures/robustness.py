@@ -37,17 +37,16 @@ DPI = 300  # its letters are small
 def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     """Draw the map of a dataset of `compare.extremes`, as wide as its table is; sheet: whether it has a title."""
     rows, columns = ds.sizes["extreme"], ds.sizes["method"]
-    size = (max(_NAMES + _COLUMN * (columns + 2), LEAST_WIDTH), _ROW * rows + 1.9)
 
-    def draw(fig: Figure) -> None:
-        ax = panel(ds, fig.add_subplot())
+    def draw(ax: Axes) -> None:
         scale = ScalarMappable(Normalize(LEAST, MOST), SOLVED)
         said = "solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error [rad]"
-        legend.colour_bar(fig, scale, said, ax=ax, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035,
+        legend.colour_bar([panel(ds, ax)], scale, said, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035,
                           ticks=range(-8, 2))  # fmt: skip
 
     titled = ds.assign_attrs(title=labels.powers_of_ten(str(ds.attrs["title"])))
-    return canvas.figure(size, draw, titled, dpi=DPI, sheet=Sheet(size[0], "paper", sheet.titled))
+    page = Sheet(max(_NAMES + _COLUMN * (columns + 2), LEAST_WIDTH), "paper", sheet.titled)
+    return canvas.page(titled, page, [(_ROW * rows, [draw])], more=1.9, dpi=DPI)
 
 
 def promise_kept(ds: xr.Dataset) -> Any:

@@ -72,8 +72,9 @@ class RoomLocator(Locator):
         if self.of == "angles" and span > NARROW:
             steps = ANGLES if span < WHOLE else [step for step in ANGLES if step >= 90]
             yield from (MultipleLocator(step) for step in steps if span <= MOST * step)
-        for count in range(MOST, 0, -1):
-            yield MaxNLocator(count, steps=[1, 2, 5, 10], integer=self.of == "counts", min_n_ticks=1)
+        counts = self.of == "counts"
+        for count in range(MOST + counts, 0, -1):  # half a count more lies at either end of a bar of their colours
+            yield MaxNLocator(count, steps=[1, 2, 5, 10], integer=counts, min_n_ticks=1)
 
 
 def is_geometric(values: Values) -> bool:

@@ -1,13 +1,12 @@
 """Scatter diagrams of a study of samples: a row for each observable, a column for each sampled field."""
 
 from collections.abc import Sequence
-from typing import Any
+from functools import partial
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from studies.grammar.dimensions import SAMPLE
@@ -15,7 +14,7 @@ from studies.laws.verdicts import FAILS
 
 from ..store import schema, selection
 from ..words import labels
-from . import colours, fonts
+from . import canvas, colours, fonts
 from .scales import SPARE, WIDE, RoomLocator, set_scale
 
 ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel; of all
@@ -38,12 +37,6 @@ def blocks_of(ds: xr.Dataset, width: float) -> list[list[str]]:
     return [fields[i : i + across] for i in range(0, len(fields), across)]
 
 
-def height(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) -> float:
-    """The inches of all blocks on a figure of so many inches."""
-    row, blocks = NARROW_ROW if narrow else ROW_HEIGHT, len(blocks_of(ds, width))
-    return min(blocks * (row * len(names) + 0.5), max(TALLEST, 1.1 * blocks * len(names)))
-
-
 def said(ds: xr.Dataset) -> str:
     """How many samples there are, where the axes are held, and what r is."""
     at = labels.equations(ds, {axis: i for axis, i in selection.case(ds).items() if axis != SAMPLE})
@@ -52,44 +45,34 @@ def said(ds: xr.Dataset) -> str:
     return f"{count}{f', at {at}' if at else ''}; r: rank correlation{dense}."
 
 
-def scatter(ds: xr.Dataset, names: Sequence[str], fig: Figure, cell: Any, width: float) -> None:
-    """Draw each of these observables against each sampled field in a cell of a grid of a figure of so many inches.
+def rows(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) -> list[canvas.Row]:
+    """Each of these observables against each sampled field, in rows of panels of a figure of so many inches.
 
     Beside samples the dataset may have axes: they are held where the laws or Table 1 put them. Each panel says the rank
     correlation (Spearman) of its two quantities, over the solved samples.
     """
     held = {axis: i for axis, i in selection.case(ds).items() if axis != SAMPLE}
-    here = ds.isel(held)
-    blocks = blocks_of(ds, width)
+    here, blocks, high = ds.isel(held), blocks_of(ds, width), NARROW_ROW if narrow else ROW_HEIGHT
+    whole = min(len(blocks) * (high * len(names) + 0.5), max(TALLEST, 1.1 * len(blocks) * len(names)))
     across = max(map(len, blocks))
-    grid = cell.subgridspec(len(names) * len(blocks), across, hspace=0.06, wspace=0.04)
     room = (width - BESIDE) / across - 0.1
-    lefts: list[Axes] = []
-    for k, fields in enumerate(blocks):
-        lefts += _block(here, names, fig, grid, k * len(names), fields, room)
-    fig.align_ylabels(lefts)
 
+    def draw(name: str, field: str, fields: list[str], ax: Axes) -> None:
+        ax.set_label(f"{name} against {field}")
+        _panel(here, ax, name, field, room)
+        ax.tick_params(labelleft=field == fields[0], labelbottom=name == names[-1])
+        if name == names[-1]:
+            words = [labels.axis_label(field, ds[field], long) for long in (True, False)]
+            ax.set_xlabel(fonts.shorter(words, room))
+        if field == fields[0]:
+            words = [fonts.break_lines(labels.label(ds[name], long), 1.2) for long in (True, False)]
+            ax.set_ylabel(words[words[0].count("\n") > 1])
 
-def _block(
-    ds: xr.Dataset, names: Sequence[str], fig: Figure, grid: Any, first: int, fields: list[str], room: float
-) -> list[Axes]:
-    """Draw a block of fields from a row of the grid on; its leftmost panels. room: inches of a panel."""
-    lefts = []
-    for i, name in enumerate(names):
-        left: Axes | None = None
-        for j, field in enumerate(fields):
-            ax = fig.add_subplot(grid[first + i, j], sharey=left, label=f"{name} against {field}")
-            _panel(ds, ax, name, field, room)
-            left = left or ax
-            ax.tick_params(labelleft=j == 0, labelbottom=i == len(names) - 1)
-            if i == len(names) - 1:
-                words = [labels.axis_label(field, ds[field], long) for long in (True, False)]
-                ax.set_xlabel(fonts.shorter(words, room))
-        assert left is not None
-        words = [fonts.break_lines(labels.label(ds[name], long), 1.2) for long in (True, False)]
-        left.set_ylabel(words[words[0].count("\n") > 1])
-        lefts.append(left)
-    return lefts
+    return [
+        (whole / len(names) / len(blocks), [*(partial(draw, name, field, fields) for field in fields),
+                                            *[None] * (across - len(fields))])
+        for fields in blocks for name in names
+    ]  # fmt: skip
 
 
 def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None:

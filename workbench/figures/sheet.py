@@ -1,5 +1,6 @@
 """The sheet that a figure is drawn for: its width, the sizes of its letters, and whether the title stands on it."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,6 +44,12 @@ class Sheet:
     def narrow(self) -> bool:
         """Whether panels stand one below the other."""
         return self.width < ONE_COLUMN
+
+    def choose(self, panels: Iterable[str]) -> list[str]:
+        """Those of the panels of a figure that are drawn. Raises `InputError` for a panel that it has not."""
+        if self.panel is not None and self.panel not in (known := list(panels)):
+            raise no_such("panel", self.panel, known)
+        return list(panels) if self.panel is None else [self.panel]
 
     def settings(self) -> dict[str, Any]:
         """Matplotlib's settings of the letters."""

@@ -130,9 +130,7 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
             _write(ax, foot, rod.value if rod.arrays is not None else "unsolved", (0, -5))
     _frame(ax)
     ax.set_title(found.axis_label(), loc="center", size=fonts.small(), pad=2)
-    fig = ax.get_figure(root=True)
-    assert fig is not None
-    legend.colour_bar(fig, ScalarMappable(norm, colours.push_ramp()), cax=below, orientation="horizontal")
+    legend.colour_bar([ax], ScalarMappable(norm, colours.push_ramp()), cax=below, orientation="horizontal")
     said = f"push of the cylinder [{labels.unit(push_scale.unit(ds))}]\nbelow 0: the rod would lift off"
     _write(below, (0, 0.5), said, (-14, -4), xycoords="axes fraction", ha="right")
 

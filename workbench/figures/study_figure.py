@@ -4,10 +4,12 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.problem.errors import InputError, choices, no_such
@@ -97,83 +99,66 @@ def figure(
     tallest = law_height - LABELS if beside else strips_high
     rods = [drawn_rods.choose(curves, ("alpha", "z"), axis, most=MOST_CURVES) for axis in strips]
     box = width * (BESIDE if beside else 1) - unrolled.BESIDE, tallest
-    views = [unrolled.Panel(rod, box, sheet.small, coloured=False) for rod in rods]
-    heights = [
-        max(law_height, view.height + AROUND) if beside and i < count else view.height + LABELS
-        for i, view in enumerate(views)
-    ]
-    lines = -(-count // across)
-    below = 0.0 if beside else law_height * lines
+    views = [unrolled.panel_of(rod, box, sheet.small, coloured=False) for rod in rods]
+    below = 0.0 if beside else law_height * -(-count // across)
     if sheet.style == "paper" and not sheet.narrow:
-        below = min(below, max(canvas.TALLEST_PAGE - 0.3 - sum(heights), LEAST_LINE * lines))
-    heights += [below] if below else []
-    if sampled and sheet.style == SCREEN.style and not sheet.narrow:
-        width = max(width, scatter.LEAST_WIDTH * len(scatter.fields_of(ds)) + 0.8)
-    heights += [scatter.height(ds, sampled, width, sheet.narrow)] if sampled else []
+        left = canvas.TALLEST_PAGE - 0.3 - sum(view.height + LABELS for view in views)
+        below = min(below, max(left, LEAST_LINE * -(-count // across)))
 
-    def draw(fig: Figure) -> None:
-        ratios = (BESIDE, 1 - BESIDE) if beside else (1,)
-        grid = fig.add_gridspec(len(heights), len(ratios), height_ratios=heights, width_ratios=ratios)
-        cells = [grid[i, 1].subgridspec(1, 1)[0] for i in range(count)] if beside else []
-        if below:
-            cells = _in_rows(grid[len(strips), 0], count, across)
-        said: dict[str, None] = {}
-        for i, (one, view) in enumerate(zip(rods, views, strict=True)):
-            ax = fig.add_subplot(grid[i, 0].subgridspec(1, 1)[0])
-            view.draw(ax)
-            ax.set_label(f"unrolled views along {one.axis}")
-            said |= dict.fromkeys([*view.notes, *one.said(), *one.notes])
-        if sampled:
-            scatter.scatter(ds, sampled, fig, grid[len(heights) - 1, 0], width)
-            said[scatter.said(ds)] = None
-        for one, cell in zip(panels, cells, strict=False):
-            ax = fig.add_subplot(cell)
-            if not isinstance(one, str):
-                said[panel(ds, ax, one)] = None
-                continue
-            trend(ds, ax, one, axis_of_trends).set_label(labels.long_name(ds[one]))
-            legend.add(ax)
-        rest = cautions.restable(ds)
-        legend.below(fig, [], [*said, *[f"{rest[:1].upper()}{rest[1:]}."] * bool(rest), *chosen.level], sheet)
-        legend.keep(
-            fig, [f"Not drawn: {', '.join(chosen.left_out)}; choose with --show or --panel."] if chosen.left_out else []
-        )
+    def law_of(one: Any, ax: Axes) -> canvas.Said:
+        if not isinstance(one, str):
+            return [panel(ds, ax, one)]
+        trend(ds, ax, one, axis_of_trends).set_label(labels.long_name(ds[one]))
+        legend.add(ax)
+        return []
 
-    return canvas.figure((width, 0.3 * bool(sampled) + sum(heights)), draw, ds, sheet=sheet)
+    def strip(one: drawn_rods.DrawnRods, view: Any, ax: Axes) -> canvas.Said:
+        ax.set_label(f"unrolled views along {one.axis}")
+        return [*view.draw(ax), *one.said(), *one.notes]
+
+    strips_of = [partial(strip, *pair) for pair in zip(rods, views, strict=True)]
+    laws_of = [partial(law_of, one) for one in panels]
+    lines: list[canvas.Row] = [(view.height + LABELS, [one]) for one, view in zip(strips_of, views, strict=True)]
+    if beside:
+        lines[:count] = [(max(law_height, view.height + AROUND), [one, law])
+                        for one, view, law in zip(strips_of, views, laws_of, strict=False)]  # fmt: skip
+    else:
+        lines += canvas.in_rows(laws_of, min(across, count), below / max(-(-count // across), 1))
+    if sampled:
+        wide = sheet.style == SCREEN.style and not sheet.narrow
+        width = max(width, scatter.LEAST_WIDTH * len(scatter.fields_of(ds)) + 0.8) if wide else width
+        lines += scatter.rows(ds, sampled, width, sheet.narrow)
+    rest = cautions.restable(ds)
+    said = [*([scatter.said(ds)] if sampled else []), *[f"{rest[:1].upper()}{rest[1:]}."] * bool(rest), *chosen.level]
+    ratios = (BESIDE, 1 - BESIDE) if beside else None
+    fig = canvas.page(ds, sheet, lines, said, 0.3 * bool(sampled), width=width, ratios=ratios)
+    left_out = [f"Not drawn: {', '.join(chosen.left_out)}; choose with --show or --panel."] * bool(chosen.left_out)
+    legend.keep(fig, left_out)
+    return fig
 
 
 def one_rod(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     """The angle, the push and the unrolled view of one rod; what is not stored is left out. Raises `InputError`."""
     stored = {"angle": "beta", "push": "contact", "curve": "alpha"}
-    names = [panel for panel, name in stored.items() if name in ds.data_vars and sheet.panel in (None, panel)]
+    names = [panel for panel in sheet.choose(stored) if stored[panel] in ds.data_vars]
     if not names:
         raise no_such("panel", sheet.panel, stored)
     arrays = {"angle": ["beta"], "push": ["push"], "curve": ["alpha", "z"] + ["push"] * ("contact" in ds.data_vars)}
     rods = drawn_rods.choose(ds, list(dict.fromkeys(name for panel in names for name in arrays[panel])))
     room = sheet.width - unrolled.BESIDE, STRIPS[not sheet.narrow] * sheet.width
-    view = unrolled.Panel(rods, room, sheet.small, "contact" in ds.data_vars) if "curve" in names else None
+    view = unrolled.panel_of(rods, room, sheet.small, "contact" in ds.data_vars) if "curve" in names else None
     each = LEAST_LAW * max(min(sheet.width / SCREEN.width, 1.0), ONE_ROD)
-    heights = [view.height + LABELS if view and name == "curve" else each for name in names]
+    coarse = view is not None and unrolled.is_coarse(rods.rods[0])
 
-    def draw(fig: Figure) -> None:
-        grid, said = fig.add_gridspec(len(names), 1, height_ratios=heights), list[str]()
-        for i, name in enumerate(names):
-            ax = fig.add_subplot(grid[i, 0])
-            if view and name == "curve":
-                view.draw(ax)
-                said = view.notes
-            else:
-                along.alone(ax, rods, arrays[name][0], view is not None and unrolled.is_coarse(rods.rods[0]))
-        artists = [
-            collection
-            for ax in fig.axes
-            for collection in ax.collections
-            if str(collection.get_label()).startswith("the cylinder")
-        ]
-        rings = unrolled.entries(fig.axes[-1], rods) if view and not artists else unrolled.ring_entries(fig.axes[-1])
-        legend.below(fig, [*artists, *rings], [*said, *rods.notes], sheet)
+    def curve(ax: Axes) -> canvas.Said:
+        assert view is not None
+        return [*([] if "push" in names else unrolled.entries(rods)), *view.draw(ax)]
 
-    return canvas.figure((sheet.width, sum(heights) + 0.5), draw, ds, sheet=sheet)
+    rows: list[canvas.Row] = [
+        (view.height + LABELS, [curve]) if view and name == "curve"
+        else (each, [partial(along.alone, rods=rods, name=arrays[name][0], dots=coarse)]) for name in names
+    ]  # fmt: skip
+    return canvas.page(ds, sheet, rows, rods.notes)
 
 
 @dataclass(frozen=True)
@@ -264,9 +249,3 @@ def _name(rows: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
             words = [row["claim"], row["observable"]]
             found[" ".join([*words, row["axis"]] if short[tuple(words)] > 1 else words)] = row
     return found
-
-
-def _in_rows(cell: Any, count: int, across: int) -> list[Any]:
-    """That many cells, so many a row."""
-    grid = cell.subgridspec(-(-count // across), min(count, across))
-    return [grid[i // across, i % across] for i in range(count)]

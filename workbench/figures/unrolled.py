@@ -22,11 +22,10 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from solver.mechanics import frames
-from solver.problem.errors import no_such
 
 from ..geometry import self_contact
 from ..words import cautions, labels
-from . import arrangement, canvas, colours, drawn_rods, fonts, legend, long_curve, push_scale
+from . import arrangement, canvas, colours, drawn_rods, fonts, long_curve, push_scale
 from .arrangement import Arrangement
 from .drawn_rods import DrawnRod, DrawnRods
 from .scales import round_below
@@ -226,78 +225,82 @@ def figure(
     sheet : Sheet
         What the figure is drawn for; its only panel is called ``curves``.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     InputError
         As of `drawn_rods.choose`, and for an unknown panel.
     """
-    if sheet.panel not in (None, "curves"):
-        raise no_such("panel", str(sheet.panel), ["curves"])
+    sheet.choose(["curves"])
     rods = drawn_rods.choose(ds, NAMES, x, at, MOST)
-    panel = Panel(rods, (sheet.width - BESIDE, TALLEST * sheet.width), sheet.small)
-
-    def draw_on(fig: Figure) -> None:
-        ax = fig.add_subplot()
-        coloured = panel.draw(ax)
-        if coloured is not None:
-            push_scale.bar(fig, coloured, [ax], push_scale.unit(rods.source), sheet.width - 0.3, below=True)
-        legend.below(fig, ring_entries(ax), [*panel.notes, *rods.said(), *rods.notes], sheet)
-
-    return canvas.figure((sheet.width, panel.height + BELOW), draw_on, rods.source, sheet=sheet)
+    panel = panel_of(rods, (sheet.width - BESIDE, TALLEST * sheet.width), sheet.small)
+    bar = push_scale.unit(rods.source), sheet.width - 0.3
+    rows = [(panel.height, [lambda ax: panel.draw(ax, bar=bar)])]
+    return canvas.page(rods.source, sheet, rows, [*rods.said(), *rods.notes], BELOW)
 
 
 class Panel:
+    """Unrolled views in a room of inches, in rows. height: inches of all; unit: of lengths; notes: said of them."""
+
+    def __init__(
+        self, views: Sequence[View], room: tuple[float, float], letters: float, unit: str, even: bool = False,
+        notes: Sequence[str] = (),
+    ) -> None:  # fmt: skip
+        self.views, self.letters, self.unit, self.notes = views, letters, unit, list(dict.fromkeys(notes))
+        self.form = plan(views, room, letters, even)
+        self.height = self.form.size[1]
+
+    def draw(self, ax: Axes, more: str = "", bar: tuple[str, float] | None = None) -> list[str | Artist]:
+        """Draw the views; returns what is said of them.
+
+        more: said before the dot. bar: the unit of the push, and the inches below which its bar of colours stands.
+        """
+        coloured = draw(ax, self.views, self.form, self.unit, self.letters)
+        if bar and coloured is not None:
+            push_scale.bar(ax, coloured, *bar)
+        return [*ring_entries(ax), sentence(self.form, more), *self.notes]
+
+
+class LongPanel:
+    """The unrolled view of one long rod in lines; as `Panel`."""
+
+    def __init__(self, rod: DrawnRod, lines: long_curve.Lines, unit: str, coloured: bool) -> None:
+        self.rod, self.lines, self.unit, self.coloured, self.height = rod, lines, unit, coloured, lines.height
+
+    def draw(self, ax: Axes, more: str = "", bar: tuple[str, float] | None = None) -> list[str | Artist]:
+        """As of `Panel`."""
+        coloured, said = long_curve.draw(ax, self.rod, self.lines, self.unit, is_coarse(self.rod), self.coloured)
+        if bar and coloured is not None:
+            push_scale.bar(ax, coloured, *bar)
+        return [*said]
+
+
+def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True) -> "Panel | LongPanel":
     """The unrolled views of rods of a study in a room of inches: in rows, or one long rod in lines.
 
-    height: inches of all. notes: what is to be said, after `draw`.
+    coloured: whether the lines have the colours of the push. A rod whose stations are too far apart is drawn as dots.
     """
-
-    def __init__(self, rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True) -> None:
-        """coloured: whether the lines have the colours of the push."""
-        self.rods, self.letters, self.coloured, self.notes = rods, letters, coloured, list[str]()
-        self.lines = long_curve.lines_for(rods.solved[0], long_curve.room(room[0])) if len(rods.rods) == 1 else None
-        if self.lines is None:
-            self.views = self._views()
-            self.form = plan(self.views, room, letters, even=True)
-        self.height = self.lines.height if self.lines else self.form.size[1]
-
-    def draw(self, ax: Axes) -> LineCollection | None:
-        """Draw the rods; returns a line in the colours of the push."""
-        unit = labels.unit(str(self.rods.source.attrs["length_unit"]))
-        if self.lines:
-            rod = self.rods.rods[0]
-            drawn, self.notes = long_curve.draw(ax, rod, self.lines, unit, is_coarse(rod), self.coloured)
-            return drawn
-        self.notes = [sentence(self.form), *dict.fromkeys(self.notes)]
-        return draw(ax, self.views, self.form, unit, self.letters)
-
-    def _views(self) -> list[View]:
-        """The view of each rod: a line where its stations are close enough, else dots."""
-        rods = self.rods
-        norm = push_scale.scale([rod["push"] for rod in rods.solved]) if self.coloured else None
-        views = []
-        for k, rod in enumerate(rods.rods):
-            text = "" if rods.axis is None else rod.name if k == 0 else rod.value
-            if rod.arrays is None:
-                views.append(View(np.zeros(0), np.zeros(0), text, {}))
-                continue
-            look: dict[str, Any] = {"color": colours.DATA, "linewidth": 1.1}
-            rings: list[Any] = []
-            if is_coarse(rod):
-                look = {"color": colours.DATA, "marker": ".", "markersize": 3, "linestyle": "none"}
-                self.notes.append(f"Dots: {rods.source.sizes['u']} stations miss bends.")
-            elif norm is not None:
-                look = {"push": rod["push"], "norm": norm, "width": 1.6}
-            if norm is not None and "overlaps" in cautions.keys(rod.caution):
-                found = crossings(rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a)
-                self.notes += [f"The rod of {rod.name} {TOO_LONG}."] * (found is None)
-                rings = found or []
-            views.append(View(*rod.plane_points(), text, look, rings, rod.name))
-        return views
+    unit = labels.unit(str(rods.source.attrs["length_unit"]))
+    lines = long_curve.lines_for(rods.solved[0], long_curve.room(room[0])) if len(rods.rods) == 1 else None
+    if lines:
+        return LongPanel(rods.rods[0], lines, unit, coloured)
+    norm = push_scale.scale([rod["push"] for rod in rods.solved]) if coloured else None
+    views, notes = [], list[str]()
+    for k, rod in enumerate(rods.rods):
+        text = "" if rods.axis is None else rod.name if k == 0 else rod.value
+        if rod.arrays is None:
+            views.append(View(np.zeros(0), np.zeros(0), text, {}))
+            continue
+        look: dict[str, Any] = {"color": colours.DATA, "linewidth": 1.1}
+        if is_coarse(rod):
+            look = {"color": colours.DATA, "marker": ".", "markersize": 3, "linestyle": "none"}
+            notes.append(f"Dots: {rods.source.sizes['u']} stations miss bends.")
+        elif norm is not None:
+            look = {"push": rod["push"], "norm": norm, "width": 1.6}
+        passes = norm is not None and "overlaps" in cautions.keys(rod.caution)
+        rings = crossings(rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a) if passes else []
+        notes += [f"The rod of {rod.name} {TOO_LONG}."] * (rings is None)
+        views.append(View(*rod.plane_points(), text, look, rings or [], rod.name))
+    return Panel(views, room, letters, unit, even=True, notes=notes)
 
 
 def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float) -> list[tuple[Any, Any]] | None:
@@ -333,13 +336,10 @@ def inset(
     view.set_axis_off()
 
 
-def entries(ax: Axes, rods: DrawnRods) -> list[Artist]:
-    """The legend: what orange and a ring are."""
+def entries(rods: DrawnRods) -> list[Artist]:
+    """The legend: what orange is, where a rod is pulled."""
     pulled = any(push_scale.pulls(rod["push"]) for rod in rods.solved if "push" in (rod.arrays or {}))
-    orange: list[Artist] = (
-        [Line2D([], [], color=colours.PULLED, linewidth=2.2, label=push_scale.PULLS)] if pulled else []
-    )
-    return [*orange, *ring_entries(ax)]
+    return [Line2D([], [], color=colours.PULLED, linewidth=2.2, label=push_scale.PULLS)] * pulled
 
 
 def ring_entries(ax: Axes) -> list[Artist]:

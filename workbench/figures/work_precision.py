@@ -1,5 +1,6 @@
 """Work-precision diagrams of a stored trade: error against seconds or evaluations, a panel for each of six cases."""
 
+from functools import partial
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from matplotlib.ticker import NullFormatter
 from solver.problem.errors import no_such
 
 from ..words import labels
-from . import canvas, colours, fonts, legend
+from . import canvas, colours, fonts
 from .sheet import SCREEN, Sheet
 
 if TYPE_CHECKING:
@@ -54,21 +55,20 @@ def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figu
     some = f", {len(cases)} of {ds.sizes['case']} cases" if len(cases) < ds.sizes["case"] else ""
     titled = ds.assign_attrs(title=f"{ds.attrs['title']}: {COSTS[cost]}{some}" if ds.attrs["title"] else "")
 
-    def draw(fig: Figure) -> None:
-        axes = fig.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
-        for case, ax in zip(cases, axes.flat, strict=False):
-            panel(ds, ax, case, cost)
-        for ax in axes.flat[len(cases) :]:
-            ax.remove()
-        for i, ax in enumerate(axes.flat[: len(cases)]):
-            ax.tick_params(labelbottom=True)
-            ax.set_xlabel(COSTS[cost] if i + columns >= len(cases) else "")
-        error = "error achieved: of angle [rad], or of position over max(ρ, L)"
-        fig.supylabel(error if lines > 2 else fill(error, 34), size=fonts.normal())
-        legend.below(fig, _entries(ds), sheet=sheet)
+    spent = ds[cost].sel(case=cases).values
+    ends = np.nanmin(spent) / 2, 2 * np.nanmax(spent)
 
-    size = max(sheet.width, 2 * PANEL[0]), lines * PANEL[1] + LEGEND
-    return canvas.figure(size, draw, titled, sheet=sheet)
+    def draw(i: int, ax: Axes) -> None:
+        panel(ds, ax, cases[i], cost).set_xlim(*ends)
+        ax.tick_params(labelleft=i % columns == 0)
+        ax.set_xlabel(COSTS[cost] if i + columns >= len(cases) else "")
+        if i == 0:
+            error, fig = "error achieved: of angle [rad], or of position over max(ρ, L)", ax.get_figure(root=True)
+            assert fig is not None
+            fig.supylabel(error if lines > 2 else fill(error, 34), size=fonts.normal())
+
+    rows = canvas.in_rows([partial(draw, i) for i in range(len(cases))], columns, PANEL[1])
+    return canvas.page(titled, sheet, rows, _entries(ds), LEGEND, width=max(sheet.width, 2 * PANEL[0]))
 
 
 def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:

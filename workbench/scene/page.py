@@ -110,7 +110,7 @@ class Page:
         self.ax = fig.add_axes((0.0, 0.0, 1.0, 1.0)) if self.bare else fig.add_subplot()
         self.ax.axis("off")
         if not self.bare:
-            legend.below(fig, [_handle(*entry) for entry in self.words.legend], self.words.notes)
+            legend.below(fig, [*(_handle(*entry) for entry in self.words.legend), *self.words.notes])
 
     def panel(self) -> tuple[float, float, float, float]:
         """Lay out the page; returns left, low, width and height of the panel in inches."""
@@ -274,10 +274,9 @@ def draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None
 
 def draw_bar(ax: Axes, bar: Bar, corner: tuple[float, float], size: tuple[float, float]) -> None:
     """A colour bar with a few round values below and its quantity above; corner and size in inches of the panel."""
-    fig: Any = ax.get_figure(root=True)
     place = ax.inset_axes((*corner, *size), transform=ax.transData)
     scale = ScalarMappable(Normalize(bar.paint.low, bar.paint.high), bar.paint.ramp)
-    legend.colour_bar(fig, scale, cax=place, orientation="horizontal", ticks=MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
+    legend.colour_bar([ax], scale, cax=place, orientation="horizontal", ticks=MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
     place.set_xlim(bar.low, bar.high)
     place.xaxis.set_major_formatter(lambda value, _: labels.minus_signs(labels.number(value)))
     place.tick_params(labelcolor=colours.INK, pad=1)
