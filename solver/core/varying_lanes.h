@@ -398,8 +398,9 @@ static inline ALWAYS TARGET void NAME(left_out)(const NAME(lanes) *x, vec h, vec
     }
 }
 
-/* The covariance of the errors of the first `inner` numbers, and what the rounded loads shift them by, after a step of
-   length h. */
+/* The errors of the first `inner` numbers after a step of length h, and what the rounded loads shift them by. Their
+   covariance is spread * spread^T, where spread is lower triangular: of a product of covariances, rounding would lose
+   the small errors next to the large ones, and these can shrink before the small ones grow. */
 static inline ALWAYS TARGET void NAME(spread)(NAME(lanes) *x, const int inner, vec h)
 {
     const vec *at = x->at, bent = vabs(x->s[0]) + h * vabs(at[SPEED]);
@@ -407,33 +408,45 @@ static inline ALWAYS TARGET void NAME(spread)(NAME(lanes) *x, const int inner, v
     const vec fresh[WIDE] = {EPS * (vabs(at[BETA]) + h * vabs(at[SPEED])), EPS * (vabs(at[SPEED]) + h * pull),
                              EPS * (vabs(at[ALPHA]) + h * bent), EPS * (vabs(at[Q]) + h * vabs(x->rod[ACROSS])),
                              EPS * vabs(at[PHI]), EPS * vabs(at[MU])};
-    vec half[WIDE][WIDE], shift[WIDE], out[WIDE];
+    vec rows[WIDE][2 * WIDE], shift[WIDE], out[WIDE];
     NAME(left_out)(x, h, out, inner);
     for (int i = 0; i < inner; i++) {
         shift[i] = ZERO;
         for (int k = 0; k < inner; k++)
             shift[i] += x->transfer[i][k] * x->shift[k];
         for (int j = 0; j < inner; j++) {
-            half[i][j] = ZERO;
-            for (int k = 0; k < inner; k++)
-                half[i][j] += x->transfer[i][k] * x->spread[k][j];
+            rows[i][j] = ZERO, rows[i][inner + j] = i == j ? out[i] + fresh[i] : ZERO;
+            for (int k = j; k < inner; k++)
+                rows[i][j] += x->transfer[i][k] * x->spread[k][j];
         }
     }
-    for (int i = 0; i < inner; i++) {
+    for (int i = 0; i < inner; i++) { /* Gram and Schmidt */
+        vec size = ZERO;
         x->shift[i] = shift[i];
-        for (int j = 0; j <= i; j++) {
-            vec sum = ZERO;
-            for (int k = 0; k < inner; k++)
-                sum += half[i][k] * x->transfer[j][k];
-            x->spread[i][j] = x->spread[j][i] = sum;
+        for (int k = 0; k < 2 * inner; k++)
+            size += rows[i][k] * rows[i][k];
+        x->spread[i][i] = size = vroot(size);
+        size = 1.0 / (size + 1e-300);
+        for (int k = 0; k < 2 * inner; k++)
+            rows[i][k] *= size;
+        for (int j = i + 1; j < inner; j++) {
+            vec share = ZERO;
+            for (int k = 0; k < 2 * inner; k++)
+                share += rows[j][k] * rows[i][k];
+            x->spread[j][i] = share;
+            for (int k = 0; k < 2 * inner; k++)
+                rows[j][k] -= share * rows[i][k];
         }
-        const vec size = out[i] + fresh[i];
-        x->spread[i][i] += size * size;
     }
     x->shift[SPEED] += EPS * h * pull;
     x->shift[Q] += EPS * h * vabs(x->rod[ACROSS]);
-    x->worst[0] = vmax(x->worst[0], vroot(x->spread[BETA][BETA]) + vabs(x->shift[BETA]));
-    x->worst[1] = vmax(x->worst[1], vroot(x->spread[ALPHA][ALPHA]) + vabs(x->shift[ALPHA]));
+    for (int i = 0; i < 2; i++) {
+        const int row = i ? ALPHA : BETA;
+        vec square = ZERO;
+        for (int k = 0; k <= row; k++)
+            square += x->spread[row][k] * x->spread[row][k];
+        x->worst[i] = vmax(x->worst[i], vroot(square) + vabs(x->shift[row]));
+    }
 }
 
 static inline ALWAYS TARGET void NAME(vary)(NAME(lanes) *x, const marches *all, vec h, const int rubbed)

@@ -20,7 +20,7 @@ with o = 1 outside and -1 inside. */
 #define STATES 8
 #define WIDE 6   /* columns: changes by the first six numbers of the state, */
 #define GIVENS 9 /* and by the weight along, the weight across and the friction */
-#define SHALLOW 6 /* order of the derivatives that carry the error */
+#define SHALLOW 12 /* order of the derivatives that carry the error: a change can shrink a thousandfold and grow again */
 #define MOST_STEPS 200000 /* a second or two; as in varying_loads.py */
 #define USUAL 5.0 /* the ratio of a term to the next, at the end of a usual step */
 

@@ -613,6 +613,22 @@ def test_the_estimated_error_of_a_start_problem_bounds_the_true_one(tol: float, 
     assert np.median(sol.error[kept]) < tol
 
 
+def test_a_change_that_shrinks_and_grows_again_keeps_its_size() -> None:
+    """A pipe that is let go turns and comes back many times: its start counts less than its rounding on the way."""
+    rng, N = np.random.default_rng(5), 200
+    pipe = Rod(E=2.06e8, nu=0.3, a=0.0635, inner_radius=0.0543, L=rng.uniform(2, 40, N), weight=0.241)
+    hole = Cylinder(**HOLE, inclination=np.pi / 2)
+    given = Start(rng.uniform(-0.3, 0.3, N), 0.0, F3=rng.uniform(-300, 100, N), M3=0.0, alpha=rng.uniform(-1, 1, N))
+    loose, tight = (solve(Case(pipe, hole, given), tol=tol, stations=101) for tol in (1e-2, 1e-8))
+    assert loose.solved.all()
+    assert tight.solved.all()
+    np.testing.assert_allclose(loose.condition, tight.condition, rtol=2)
+    off = abs(loose.beta - tight.beta).max(axis=1)
+    assert (off <= loose.error + tight.error).all()
+    moved = off > 0
+    assert np.median(loose.error[moved] / off[moved]) < 300
+
+
 @pytest.mark.slow
 def test_a_march_that_does_not_end_is_given_up_in_words() -> None:
     sol = solve(Case(Rod(**(ROD | {"L": 1e6})), Cylinder(R=1.0, inclination=1.0), Start(0.5, 0.3, F3=1.0, M3=1.0)))
