@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from solver import Case, solve
-from solver.observe.observables import OBSERVABLES, observe
+from solver import Case, Cylinder, Ends, Rod, solve
+from solver.observe.observables import OBSERVABLES, is_count, observe
 from solver.problem.quantities import QUANTITIES
 from tests.cases import ELLIPTIC_PERIOD, EXACT, GENERAL, elliptic, in_units_of_rho, table_1
 
@@ -25,6 +25,19 @@ by_both = pytest.mark.parametrize("method", METHODS)
 
 def test_every_observable_has_a_row_of_its_own() -> None:
     assert set(OBSERVABLES) <= set(QUANTITIES)
+
+
+def test_whole_numbers_and_the_loads_of_the_far_end_alone_have_no_error_and_each_error_covers_a_finer_solve() -> None:
+    pipe = Rod(EI=1.0, GJ=0.8, a=0.05, L=8.0, weight=0.3)
+    wall = Cylinder(R=0.3, side="inside", inclination=1.2, friction=0.1, sliding="rotating")
+    case = Case(pipe, wall, Ends(beta0=0.3, betaL=0.2, FZ=-0.5, MZ=0.1, M3=0.2))
+    names = [name for name, row in OBSERVABLES.items() if row.needs != "E"]
+    rough, fine = (observe(solve(case, tol=tol), names, errors=True) for tol in (1e-4, 1e-12))
+    known = {name for name in names if not is_count(name)} - {"FZ", "MZ", "M3"}
+    assert {name.removesuffix("_error") for name in rough if name.endswith("_error")} == known
+    for name in known:
+        off = abs(rough[name] - fine[name])
+        assert np.isnan(off) or off <= rough[f"{name}_error"] + fine[f"{name}_error"] + 1e-12, name  # rounding
 
 
 @by_both

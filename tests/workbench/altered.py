@@ -1,6 +1,8 @@
 """Stored studies with one thing altered: every variable and every attribute, each in a dozen ways, by rule.
 
-Run as a program: the commands on them, all in one process, and what is wrong with how they end.
+Run as a program: the commands on them, all in one process, and what is wrong with how they end. The two ways in which
+commands read a file are tried on every altered file. What they let in is given to all commands, some alterations of one
+way at a time: those of another are halved until a single one is wrong. So is every 30th of what they refuse.
 """
 
 import contextlib
@@ -9,8 +11,10 @@ import json
 import shutil
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import h5py
@@ -53,8 +57,8 @@ HDF5S_OWN = ("DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME", "_Netcdf4Dimid
              "_NCProperties", "_nc3_strict")  # fmt: skip
 
 
-def alterations(path: Path) -> Iterator[tuple[str, Change]]:
-    """Name and change of every altered file that is made of the one at `path`."""
+def alterations(path: Path) -> Iterator[tuple[str, str, Change]]:
+    """Place, way and change of every altered file that is made of the one at `path`."""
     with xr.open_dataset(path, engine="h5netcdf") as ds:
         variables = {str(name): (variable.dtype.kind, variable.ndim) for name, variable in ds.variables.items()}
     with h5py.File(path) as file:
@@ -62,18 +66,18 @@ def alterations(path: Path) -> Iterator[tuple[str, Change]]:
         theirs = {name: [key for key in file[name].attrs if key not in HDF5S_OWN] for name in file}
     for name, (kind, ndim) in variables.items():
         for what, change in (_numbers() if kind in "biuf" else _words()).items():
-            yield f"{name} {what}", _in_place(name, change)
+            yield name, what, _in_place(name, change)
         for what, made in _structures(ndim).items():
-            yield f"{name} {what}", _rewritten(name, made)
+            yield name, what, _rewritten(name, made)
     for where, keys in {"": own, **theirs}.items():
         for key in keys:
             for what, value in {**TEXTS, **OTHERS}.items():
                 if where and what not in LABELS:
                     continue
-                yield f"{where} @{key} {what}".strip(), _attribute(where, key, value)
+                yield f"{where} @{key}", what, _attribute(where, key, value)
         if where:
             for key, value in DECODED.items():
-                yield f"{where} @{key} that is decoded", _attribute(where, key, value)
+                yield f"{where} @{key}", "that is decoded", _attribute(where, key, value)
 
 
 def _numbers() -> dict[str, Callable[[Any], Any]]:
@@ -246,23 +250,54 @@ def ended(words: list[str], out: Path) -> tuple[Any, list[str]]:
     return status, found
 
 
-def main(base: Path, good: Path, folder: Path, stride: str, offset: str, *names: str) -> None:
-    """Alter the study at `base` in every stride-th way, and print as JSON lines what is wrong with the commands."""
-    out = folder / "out"
-    out.mkdir()
+Altered = tuple[str, str, Change]
+DOORS = ("check", "export csv")  # which read lazily and at once, as all others do
+TOGETHER = 8  # alterations of one way that commands are given in one file
+
+
+def faults_of(altered: list[Altered], base: Path, good: Path, names: Sequence[str] = ()) -> tuple[set[Any], list[str]]:
+    """How the named commands end on a file with these alterations (default: all), and what is wrong with that."""
+    path, out = base.with_name("altered.h5"), base.with_name("out")
+    out.mkdir(exist_ok=True)
+    shutil.copy(base, path)
+    for _, _, change in altered:
+        change(path)
+    where = ", ".join(place for place, _, _ in altered)
+    ends = {name: ended(words, out) for name, words in commands(path, good, out).items() if not names or name in names}
+    said = [f"{where} {altered[0][1]}: {name} {fault}" for name, (_, faults) in ends.items() for fault in faults]
+    return {status for status, _ in ends.values()}, said
+
+
+def halved(altered: list[Altered], base: Path, good: Path) -> Iterator[str]:
+    """What is wrong with how all commands end on files that are let in; some may be refused together alone."""
+    statuses, faults = faults_of(altered, base, good)
+    if len(altered) == 1 or not (faults or statuses - {0, 1}):
+        yield from faults
+        return
+    middle = len(altered) // 2
+    yield from halved(altered[:middle], base, good)
+    yield from halved(altered[middle:], base, good)
+
+
+def main(base: Path, good: Path, count: str) -> None:
+    """Alter the study at `base` and print each fault as a JSON line.
+
+    count: of so many alterations, drawn with a seed, by the doors alone; 0: of all, by all commands.
+    """
     with h5py.File(base, "a") as file:  # which would refuse nearly all of them first
         file.attrs.pop("checksums", None)
-    for i, (name, change) in enumerate(alterations(base)):
-        if i % int(stride) != int(offset):
-            continue
-        path = folder / "altered.h5"
-        shutil.copy(base, path)
-        change(path)
-        for command, words in commands(path, good, out).items():
-            if not names or command in names:
-                for fault in ended(words, out)[1]:
-                    print(json.dumps({"alteration": name, "command": command, "fault": fault}), flush=True)
+    rows, let_in = list(alterations(base)), defaultdict[str, list[Altered]](list)
+    for k, row in enumerate(Random(1).sample(rows, int(count) or len(rows))):
+        statuses, faults = faults_of([row], base, good, () if k % 30 == 29 else DOORS)
+        for fault in faults:
+            print(json.dumps(fault), flush=True)
+        if not int(count) and 2 not in statuses:
+            let_in[row[1]].append(row)
+    for same in let_in.values():
+        for k in range(0, len(same), TOGETHER):
+            for fault in halved(same[k : k + TOGETHER], base, good):
+                print(json.dumps(fault), flush=True)
 
 
 if __name__ == "__main__":
-    main(*map(Path, sys.argv[1:4]), *sys.argv[4:])
+    main(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])

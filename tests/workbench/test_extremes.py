@@ -7,8 +7,10 @@ import pytest
 from matplotlib.colors import to_hex
 
 from solver.methods import available
+from tests.workbench.command import exit_status
+from workbench.compare import extreme_runs
 from workbench.compare.extreme_cases import extremes, references
-from workbench.compare.extreme_runs import INACCURATE, REFUSED, VERDICTS, attempts_at, dataset_of
+from workbench.compare.extreme_runs import INACCURATE, REFUSED, VERDICTS, Attempt, attempts_at, dataset_of
 from workbench.figures import canvas, robustness
 from workbench.figures import colours as palette
 from workbench.store import reading, writing
@@ -56,6 +58,17 @@ def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
     assert kept[i, j] == pytest.approx(np.log10(float(one["error"]) / (1e-6 * float(one["condition"]))))
     cells = [patch for patch in fig.axes[0].patches if patch.get_xy() in ((j, i), (0, i))]
     assert len({cell.get_facecolor() for cell in cells}) == 2  # dop853 keeps its promise less well than orbit
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_the_command_ends_with_status_1_where_a_method_calls_an_inaccurate_answer_solved(
+    verdict: str, tmp_path: Path, monkeypatch
+) -> None:
+    row = extremes()[0].name, dict.fromkeys(available(), Attempt(verdict, verdict, 1e-7, 1e-7, 1.0, 1.0, 1.0))
+    monkeypatch.setattr(extreme_runs, "rows_of", lambda named, step: (row for _ in "1"))
+    assert exit_status("extremes", "--out", tmp_path) == (1 if verdict == INACCURATE else 0)
+    stored = reading.read(tmp_path / "extremes.h5", study=False)
+    assert set(stored["verdict"].values.flat) == {verdict}
 
 
 def test_a_solved_cell_whose_bound_is_wide_has_a_colour_of_its_own() -> None:

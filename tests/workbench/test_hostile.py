@@ -130,28 +130,16 @@ BASES = {
 }
 
 
-def altered_files_end_in_a_sentence(base: str, stride: int, tmp_path: Path, *commands: str) -> None:
+@pytest.mark.parametrize(("base", "count"), [("one axis", 5), ("samples", 5), *(slow(base, 0) for base in BASES)])
+def test_a_study_that_is_altered_in_one_place_is_read_or_refused_in_a_sentence(base: str, count: int, tmp_path) -> None:
+    if not (count or opengl.probe()[0]):
+        pytest.skip("scenes cannot be drawn here")
     paths = tmp_path / "base.h5", tmp_path / "good.h5"
     for path, study in zip(paths, (BASES[base], small.study(ONE_AXIS.format("[3e4]"), HEAD)), strict=True):
         writing.write(in_memory.run(study), path)
-    run = forked.run("-m", "tests.workbench.altered", *paths, tmp_path, stride, 0, *commands, timeout=3600)
+    run = forked.run("-m", "tests.workbench.altered", *paths, count, timeout=3600)
     assert run.returncode == 0, run.stderr[-2000:]
     assert [json.loads(line) for line in run.stdout.splitlines()] == []
-
-
-@pytest.mark.parametrize(
-    ("base", "commands"), [("one axis", ("check", "export csv")), ("samples", ("check", "summary"))]
-)
-def test_a_study_that_is_altered_in_one_place_is_read_or_refused_in_a_sentence(base, commands, tmp_path: Path) -> None:
-    altered_files_end_in_a_sentence(base, 997, tmp_path, *commands)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("base", BASES)
-def test_every_alteration_of_a_study_ends_in_a_sentence(base: str, tmp_path: Path) -> None:
-    if not opengl.probe()[0]:
-        pytest.skip("scenes cannot be drawn here")
-    altered_files_end_in_a_sentence(base, 1, tmp_path)
 
 
 UNITS = ("$\\mathrm{", "$x$ and $\\frac{", "\\alpha $")
