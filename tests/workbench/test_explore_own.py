@@ -127,6 +127,35 @@ def test_of_a_list_of_equilibria_the_lowest_is_shown_and_named(tmp_path) -> None
     assert float(drawn.sol.dbeta[0]) == pytest.approx(found[0].dbeta0, rel=1e-6)
 
 
+HELD = small.text(
+    {"E": 325.95, "nu": 0.25, "a": 0.25, "R": 0.75, "L": 5.0, "beta0": 0.5, "betaL": 0.5, "height": 2.0}, title="held"
+)
+
+
+def test_a_rod_with_a_held_height_is_shown_under_the_loads_that_hold_it(tmp_path) -> None:
+    own = begun(tmp_path, HELD)
+    assert "under the loads that hold its height" in own.source
+    drawn = page_shape.shape(page_model.study_of(own.state)).sol
+    assert float(drawn.z[-1] - drawn.z[0]) == pytest.approx(2.0, abs=1e-6)
+
+
+def test_of_branches_and_of_a_map_a_rod_in_the_middle_is_shown_and_named(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rod.toml").write_text(HELD.replace("height = 2.0", "FZ = -0.5"))
+    for axis, out, place in (
+        (["FZ=-1:0:3"], "branches.h5", "in the middle: FZ = -0.5"),
+        (["height=1:3:3"], "held.h5", "in the middle: height = 2"),
+        (["FZ=-1:0", "betaL=20deg:40deg"], "map.h5", "in the middle: FZ = "),
+    ):
+        command = "folds" if out == "map.h5" else "equilibria"
+        options = [part for text in axis for part in ("--axis", text)]
+        assert exit_status(command, "rod.toml", *options, "--out", out) == 0
+        own = own_case.preset(Path(out), {}, {})
+        assert own is not None
+        assert place in own.source
+        assert page_shape.shape(page_model.study_of(own.state)).sol.solved
+
+
 def test_nothing_given_begins_with_table_1() -> None:
     assert own_case.preset(None, {}, {}) is None
 

@@ -7,6 +7,7 @@ from . import console
 from .options import AT, File, ForceOutput, flag, number_option, option
 from .present import Result, presents
 
+FACTS = ("tolerance", "solution_error", "unit", "R")  # in the order in which they are printed, after the others
 SUFFIXES = ".step .stp .stl .obj .glb .gltf .usda .vtp .pvd .csv"  # of `formats.FORMATS`, which --help does not import
 
 
@@ -27,9 +28,10 @@ def export(
     ] = None,
     tolerance: Annotated[
         float | None,
-        number_option("Largest distance between the shape in the file and the rod [length]; default for .step: 1e-6 of "
-                      "the distance from the axis of the cylinder to the centreline; for meshes and .usda: 1e-3 of the "
-                      "rod's radius. The formats .vtp, .pvd and .csv hold the stored stations and take no tolerance."),
+        number_option("Largest distance between the shape in the file and the stored rod [length], whose own error, "
+                      "which --tol of run and solve bounds, comes on top; default for .step: 1e-6 of the distance from "
+                      "the axis of the cylinder to the centreline; for meshes and .usda: 1e-3 of the rod's radius. The "
+                      "formats .vtp, .pvd and .csv hold the stored stations and take no tolerance."),
     ] = None,
     centreline: Annotated[
         bool, flag("Write the centreline to STEP, without a solid.", "--centreline")
@@ -59,7 +61,8 @@ def export(
     def show() -> None:
         where = ", ".join(f"{name}={value:g}" for name, value in done.at.items())
         unit = str(ds.attrs["length_unit"])
-        facts = ", ".join(_fact(key, value, unit) for key, value in done.facts.items() if key != "values")
+        order = sorted(done.facts, key=lambda key: FACTS.index(key) if key in FACTS else -1)
+        facts = ", ".join(_fact(key, done.facts[key], unit) for key in order if key != "values")
         console.say(f"{done.path}{f' at {where}' if where else ''}: {facts}")
 
     data = {"file": str(done.path), "at": done.at, **done.facts, "warnings": done.warnings, "status": status}
@@ -68,6 +71,10 @@ def export(
 
 def _fact(name: str, value: Any, unit: str) -> str:
     """A number about a file in words; unit: that of length in the study, which is that of the tolerance."""
-    text = f"{value:g}" if isinstance(value, float) else str(value)
-    words = {"tolerance": f"tolerance {text} {unit}", "R": f"without the cylinder of radius {text}"}
+    text = f"{value:.2g}" if name == "solution_error" else f"{value:g}" if isinstance(value, float) else str(value)
+    words = {
+        "tolerance": f"within {text} {unit} of the stored rod",
+        "solution_error": f"whose own error is estimated at {text} {unit} at most",
+        "R": f"without the cylinder of radius {text}",
+    }
     return words.get(name, f"{name} {text}")

@@ -102,6 +102,9 @@ def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str,
         rod.line.check(tolerance, format.curve_share, format.cubic)
         unit = format.unit or rod.unit
         rod, facts = replace(rod, tolerance=tolerance), {"tolerance": tolerance, "unit": unit}
+        if "error" in rod.ds:  # of beta, and of alpha and z/rho divided by max(1, L/rho)
+            error = float(rod.ds["error"].isel(rod.where))
+            facts["solution_error"] = error * max(rod.line.L, rod.line.rho)
         facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * metres(rod.unit) / metres(unit)
     written: dict[str, Any] = {}
     write_file(path, lambda aside: written.update(format.write(aside, rod)), force)

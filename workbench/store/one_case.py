@@ -89,23 +89,24 @@ def case_at(study: Study, at: Mapping[str, Any], values: Mapping[str, Any], name
 
 
 def open_case(file: Path, values: Mapping[str, Any]) -> CaseInput:
-    """The case of any study or stored file: of several the one at which the laws or Table 1 put it, named in `source`.
+    """The case of any study or stored file of rods, named in `source`.
 
-    values: fields that replace those of the case. Raises `InputError` for a file that holds neither the cases of a
-    study nor equilibria.
+    Of several cases of a study it is the one at which the laws or Table 1 put it, of a map or of branches over an axis
+    the one in the middle, of several equilibria the first. values: fields that replace those of the case. Raises
+    `InputError` for a file that holds no rods.
     """
     if is_study(file):
         study = load(str(file))
         return case_at(study, {}, values, _part(file.name, study))
     with reading.raw(file) as ds:
         kind = file_kinds.kind_of(ds)
-        if kind is not file_kinds.STUDY and not kind.scene:
-            raise file_kinds.other_kind(file, kind, "explore opens studies, equilibria and closed rods")
-        if kind is file_kinds.STUDY or "betaL" not in ds.variables:
+        if kind in (file_kinds.STUDY, file_kinds.LOOPS):
             study = stored_case.study_of(ds)
             first = "" if kind is file_kinds.STUDY else f"{file.name}, the first of {ds.sizes['equilibrium']}"
             return case_at(study, {}, values, first or _part(file.name, study))
-        return _first_equilibrium(ds, file.name, values)
+        if "L" not in ds.variables:
+            raise file_kinds.other_kind(file, kind, "explore opens files with all fields of a rod")
+        return _equilibrium_of(ds, file.name, values)
 
 
 def _part(name: str, study: Study) -> str:
@@ -116,15 +117,23 @@ def _part(name: str, study: Study) -> str:
     return f"{name}, the case at {place}, one of {study.size}" if place else name
 
 
-def _first_equilibrium(ds: xr.Dataset, name: str, values: Mapping[str, Any]) -> CaseInput:
-    """The first equilibrium of a stored list, that of the lowest energy, with its own case."""
-    numbers = {field: float(ds[field]) for field in FIELDS if field in ds.variables and not ds[field].ndim}
+def _equilibrium_of(ds: xr.Dataset, name: str, values: Mapping[str, Any]) -> CaseInput:
+    """The first equilibrium of a list, or of those in the middle of branches or of a map, with its own case."""
+    fields = [field for field in FIELDS if field in ds.variables and ds[field].dims in ((), (field,))]
+    middle = {field: ds.sizes[field] // 2 for field in fields if ds[field].dims}
+    rods = ds.isel(middle)
+    numbers = {field: float(rods[field]) for field in fields}
     given = [field for field in WORDS if field in ds.attrs and not (field == "stiffness" and "EI" in numbers)]
-    words = {field: str(ds.attrs[field]) for field in given}
-    case, _ = from_values(numbers | words, Ends)
-    which = Which(index=None, dbeta0=float(ds["dbeta0"][0]), energy=float(ds["energy"][0]))
+    case, _ = from_values(numbers | {field: str(ds.attrs[field]) for field in given}, Ends)
+    places = [in_words(field, numbers[field]) for field in sorted(middle)]
+    place = f", in the middle: {', '.join(places)}" if places else ""
+    which = None
+    if {"dbeta0", "energy"} <= set(rods):
+        energies = np.atleast_1d(rods["energy"].values)
+        first, count = int(np.nanargmin(energies)), int(np.isfinite(energies).sum())
+        which = Which(index=None, dbeta0=float(np.atleast_1d(rods["dbeta0"].values)[first]), energy=energies[first])
+        place += f", the equilibrium of the lowest energy, one of {count}" if count > 1 else ""
     units = {kind: str(ds.attrs[f"{kind}_unit"]) for kind in ("length", "force")}
-    source = f"{name}, the equilibrium of the lowest energy, one of {ds.sizes['equilibrium']}"
     if values:
-        return CaseInput(with_fields(case, values), units, f"{source}, except {choices(values)}")
-    return CaseInput(case, units, source, which=which)
+        return CaseInput(with_fields(case, values), units, f"{name}{place}, except {choices(values)}")
+    return CaseInput(case, units, f"{name}{place}", which=which)

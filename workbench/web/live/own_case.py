@@ -1,18 +1,23 @@
 """The preset of the live page that a file or options give, in its own units."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from solver import Case
-from studies.grammar.axes import quantity_of
+from solver import Case, Ends, observe, solve
+from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices
+from solver.problem.reduced import held_of
+from studies.grammar.axes import Which, quantity_of
 from studies.language.case_input import CaseInput, field_values, read_case
 from studies.language.readings import TABLE_1
 
+from ...store.case_solutions import solve_one
 from ...store.one_case import open_case
-from .page_shape import check_shown
+from .page_shape import BETWEEN
 from .presets import Preset
 
 NAME = "own"
+DEAD_LOADS = ("FZ", "MZ", "M3")
 HIDDEN = ("alpha", "gamma")  # they turn the whole rod; a value of 0 is left out
 WITH_WEIGHT = {"inclination": 0.0, "friction": 0.0, "sliding": "forward"}  # have a slider where there is weight
 
@@ -30,12 +35,28 @@ def preset(file: Path | None, options: dict[str, Any], units: dict[str, str]) ->
         rod = read_case(file, options, units)
     else:
         rod = open_case(file, options)
-    check_shown(rod.case)
+    rod = _under_dead_loads(rod)
     named = "A rod of the command line's options" if file is None else file.name
     title = named if rod.study is None else rod.study.title
     assumed = ", ".join(f"{name} = {value}" for name, value in rod.assumed.items())
     source = f"From {rod.source}.{f' Assumed: {assumed}.' if assumed else ''} {_units(rod)}."
     return Preset(NAME, title, source, _state(rod, title, not options), _spans(rod.case))
+
+
+def _under_dead_loads(rod: CaseInput) -> CaseInput:
+    """The rod under the loads and end angles that hold it where its ends are held otherwise. Raises `InputError`."""
+    held = () if rod.case.varies else held_of(rod.case)
+    if not held:
+        return rod
+    sol = solve_one(rod.case, rod.which, DEFAULT_TOLERANCE, "auto", BETWEEN)
+    if not sol.solved:
+        raise InputError(f"this rod is not solved: {sol.outcome}")
+    ends = Ends(float(sol.beta[0]), float(sol.beta[-1]), **{name: float(getattr(sol, name)) for name in DEAD_LOADS})
+    case = replace(rod.case, given=ends)
+    dead = solve(case, stations=BETWEEN, seed=float(sol.dbeta[0]))
+    which = Which(index=None, dbeta0=float(dead.dbeta[0]), energy=float(observe(dead, ["energy"])["energy"]))
+    source = f"{rod.source}, under the loads that hold its {choices(held)}"
+    return replace(rod, case=case, source=source, which=which, study=None)
 
 
 def _units(rod: CaseInput) -> str:

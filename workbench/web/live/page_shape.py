@@ -23,7 +23,6 @@ from studies.language.case_input import field_values
 TOL, NEAR = DEFAULT_TOLERANCE, 1e-6  # tolerances of a rod, and of one that follows another as a slider moves
 STATIONS, BETWEEN, MOST = 201, 401, 4001  # of a start problem, an ends problem, and a rod with many bends or weight
 MOST_LISTED = 100  # half periods of a rod between two ends whose equilibria are all found, in some tenths of a second
-MOST_SELECTED = 1000  # half periods of a rod whose equilibrium is selected by the rule, without a list
 MOST_NODES = 1500  # of a rod with weight or friction: a pipe of some 3 km, which takes seconds
 SAME = 1e-3  # relative difference that beta'(0) may have from the one that is named
 CHORD = 0.4  # rad by which the rod may turn between two stations before more stations are solved
@@ -132,7 +131,7 @@ def _between(study: Study, case: Case, lost: bool) -> Solution:
         which = None
     rule = NEAREST if which is None or which.rule is None else which.rule
     if half_periods > MOST_LISTED:
-        return _of_many(case, which, rule, half_periods)
+        return _of_many(case, which, rule)
     listed = equilibria(case, TOL, BETWEEN)
     if not listed:
         raise InputError("no equilibrium has these end angles under these loads")
@@ -162,19 +161,17 @@ def _follow(study: Study, case: Case, near: Solution) -> Solution | None:
     return None
 
 
-def _of_many(case: Case, which: Which | None, rule: str | int, half_periods: float) -> Solution:
+def _of_many(case: Case, which: Which | None, rule: str | int) -> Solution:
     """Of more equilibria than are listed the one with the named beta'(0), or else the one that the rule selects."""
     named = which is not None and which.dbeta0 is not None
     if which is not None and named:
         sol = solve(case, NEAR, "difference", BETWEEN, seed=which.dbeta0)
         if sol.solved and _same(sol, which):
             return sol
-    if half_periods <= MOST_SELECTED:
-        sol = solve(case, TOL, stations=BETWEEN, choose=rule)
-        if which is None or not named or (sol.solved and _same(sol, which)):
-            return sol
-        raise InputError(f"the named equilibrium is not the one selected by default, and {_too_many(half_periods)}")
-    raise InputError(_too_many(half_periods))
+    sol = solve(case, TOL, stations=BETWEEN, choose=rule)
+    if which is None or not named or (sol.solved and _same(sol, which)):
+        return sol
+    raise InputError(f"the named equilibrium is not the one selected by default, and {_too_many(_half_periods(case))}")
 
 
 def _same(sol: Solution, which: Which) -> bool:
