@@ -126,7 +126,7 @@ def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: in
     together = equilibrium_trajectory(wide, orbit, t, tol)
     read = Reading(Solution(_repeat(case, K), wide, together, t, "shooting", tol))
     for name, angle in (("low", all_of_them.lowest), ("high", all_of_them.highest)):
-        read.know(name, angle, read.error)
+        read.know({name: (angle, read.error)})
     turns, attached = OBSERVABLES["turns"].compute(read), OBSERVABLES["attached"].compute(read)[0]
     energy = read.unit_moment * all_of_them.energy - OBSERVABLES["twist_energy"].compute(read)[0]
     listed = []

@@ -36,12 +36,6 @@ typedef struct {
     int rising, whole_turns, passed, helix;
 } place;
 
-/* The grid of the search for critical points: angles (m,), table (5, 2 m). */
-typedef struct {
-    int64_t m;
-    const double *angles, *table;
-} grid;
-
 static inline int64_t floored(int64_t a, int64_t b) { return a / b - (a % b != 0 && (a % b < 0) != (b < 0)); }
 
 /* UP or DOWN at the start, or at the far end. */

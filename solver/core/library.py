@@ -160,6 +160,7 @@ def functions() -> Any:
     nothing = "orbits_fetch", "orbits_read", "orbits_action", "variations_places", "variations_changes"
     for name in nothing:
         getattr(core, f"rod_{name}").restype = None
+    core.rod_cover.restype = ctypes.c_int64
     core.rod_fall.restype = ctypes.c_double
     core.rod_fall.argtypes = [ctypes.c_double] * 5 + [ctypes.c_int]
     return core

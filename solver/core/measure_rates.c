@@ -3,12 +3,11 @@
    A change of an orbit has a part a along its flow, which moves a density by a times its pace. That part is integrated by
    parts, so that what is summed depends on the angle alone and whole periods add by their number. */
 
-#include "stretches.h"
-#include "variations.h"
+#include "measure_rates.h"
 
 /* what is summed: the densities, the push without the pull, and the share of push */
 enum { PUSH = 3, INTEGRALS, ALONE = INTEGRALS, ATTACHED, COLUMNS };
-enum { HALVINGS = 8, PLACES = 32, CANDIDATES = 4 + 2 * PLACES, QUERIES = 3, GAUSS = 5 };
+enum { HALVINGS = 8, QUERIES = 3, GAUSS = 5 };
 #define BARELY (64 * EPS) /* of the size of its terms: a push, or a difference of numbers, below this is rounding */
 #define SAME 1e-12        /* relative: extremes that differ by less are equal */
 #define ONE_POINT 1e-9    /* rad: critical points that are this near are one */
@@ -25,14 +24,6 @@ enum { HALVINGS = 8, PLACES = 32, CANDIDATES = 4 + 2 * PLACES, QUERIES = 3, GAUS
 
 static const int kinds[INTEGRALS] = {CURVATURE, BENDING, POTENTIAL, OUTWARD}, of_whole[PUSH] = {CURVED, BENT, STORED};
 static const double query_shares[QUERIES] = {1, 1.0 / 3, 2.0 / 3};
-
-/* F changes of each of the orbits, and what is observed. parts: (n, F, PARTS). later: (n, F), the change of the length in
-   t. lifts, peak: (n,), the t of lift-off and of the largest push. wanted: bits of the rates. base: (P,), the angle, with
-   whole turns, from which beta counts on each panel. */
-typedef struct {
-    int64_t F, wanted;
-    const double *parts, *later, *lifts, *peak, *base;
-} changes;
 
 /* AT places of one orbit, at `angles.beta` = base + x up to whole turns. v: beta_t with its sign. */
 typedef struct {
@@ -644,6 +635,19 @@ static int rates_of(rod *o, double *out)
     return DONE;
 }
 
+int rod_rates(workspace *w, reader *from, const points *at, const varied_orbits *varied, const changes *by, int64_t b,
+              double *room, double *out)
+{
+    const read_orbits *of = from->of;
+    rod one = {.w = w, .from = from, .of = of, .at = at, .varied = varied, .by = by, .b = b};
+    const double both = of->duration[2 * b] + of->duration[2 * b + 1];
+    one.a = room, one.slopes = room + CANDIDATES * by->F, one.faint = one.slopes + CANDIDATES * by->F;
+    one.parts = by->parts + PARTS * by->F * b, one.later = by->later + by->F * b, one.span = w->all->span[b];
+    one.period = of->kind[b] == LIBRATION ? 2 * both : both;
+    rod_varied_place_at(from, b, 0, &one.start);
+    return rates_of(&one, out);
+}
+
 /* How what is measured along rods answers F changes, rods from `begin` to `end`, none of them a helix, into out
    (n, F, RATES): the rates that are wanted.
 
@@ -659,15 +663,8 @@ int rod_measure_rates(const rods *all, const read_orbits *of, const points *at, 
     int failed = w && from && room ? DONE : NO_MEMORY;
     if (from)
         from->of = of, from->series = varied->series, from->gain = varied->gain, from->panel = -1;
-    for (int64_t b = begin; b < end && !failed; b++) {
-        rod one = {.w = w, .from = from, .of = of, .at = at, .varied = varied, .by = by, .b = b};
-        one.a = room, one.slopes = room + CANDIDATES * by->F, one.faint = one.slopes + CANDIDATES * by->F;
-        one.parts = by->parts + PARTS * by->F * b, one.later = by->later + by->F * b, one.span = all->span[b];
-        const double both = of->duration[2 * b] + of->duration[2 * b + 1];
-        one.period = of->kind[b] == LIBRATION ? 2 * both : both;
-        rod_varied_place_at(from, b, 0, &one.start);
-        failed = rates_of(&one, out + RATES * by->F * b);
-    }
+    for (int64_t b = begin; b < end && !failed; b++)
+        failed = rod_rates(w, from, at, varied, by, b, room, out + RATES * by->F * b);
     rod_workspace_free(w);
     free(from);
     free(room);

@@ -6,10 +6,6 @@
 #define BARELY (64 * EPS)   /* of the size of its terms: a push below this is rounding */
 #define SURELY 1e4          /* times that: a push beyond this is none by the series of either */
 
-struct numbers {
-    double value[NUMBERS], error[NUMBERS];
-};
-
 /* The error of the integral by truncation and rounding. */
 static double left_out(const workspace *w)
 {
@@ -164,7 +160,7 @@ static int integrals_of(workspace *w, int64_t b, double error, numbers *out)
     return DONE;
 }
 
-static int measured(workspace *w, int64_t b, numbers *out)
+int rod_measured_numbers(workspace *w, int64_t b, numbers *out)
 {
     const rods *all = w->all;
     const double error = all->error[b];
@@ -221,7 +217,7 @@ int rod_measure(const rods *all, numbers *out, int64_t begin, int64_t end, int l
     workspace *w = rod_workspace(all, lanes);
     int failed = w ? DONE : NO_MEMORY;
     for (int64_t b = begin; b < end && !failed; b++)
-        failed = measured(w, b, out + b);
+        failed = rod_measured_numbers(w, b, out + b);
     rod_workspace_free(w);
     return failed;
 }

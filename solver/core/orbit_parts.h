@@ -34,6 +34,12 @@ typedef struct {
     int centre[CRITICAL];
 } critical;
 
+/* The grid of the search for critical points: angles (m,), table (5, 2 m). */
+typedef struct {
+    int64_t m;
+    const double *angles, *table;
+} grid;
+
 /* G about one critical point o. */
 typedef struct {
     double lam, mu, phi, o, level, s, c, turn, bend, fixed;
@@ -82,6 +88,12 @@ typedef struct {
     const int64_t *kind, *first, *count;
     const double *beta0, *direction, *duration, *gain, *since, *width, *series;
 } read_orbits;
+
+/* Pieces of rods that lie on orbits: `rod_cover`. */
+typedef struct {
+    int64_t *of, *row;
+    double *low, *high, *time, *count, *begin;
+} covered;
 
 /* Where a time lies on an orbit: `pieces.Phase`. */
 typedef struct {
@@ -282,6 +294,7 @@ double rod_across(int n, const double *v, const double *H, const double *rate, d
 /* orbits.c */
 int64_t rod_place(const read_orbits *, int64_t b, double t, phase *, double *x);
 void rod_orbit_at(const read_orbits *, int64_t b, double t, double *out);
+int64_t rod_cover(const read_orbits *, int64_t n, const double *span, const covered *out);
 double rod_unfolded(double value, const phase *, double there, double after, int librates);
 
 /* transit_times.c */

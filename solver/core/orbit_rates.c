@@ -4,55 +4,6 @@
 
 #define SAME 1e-9 /* rad: critical points that are this near are one */
 
-/* One orbit on its panels, in the order of travel: those of the forward arc, then those of the backward one; and its
-   variations. base: the angle from which beta counts on each panel, with whole turns; origin: without. */
-typedef struct {
-    const ends_problem *p;
-    const points *at;
-    int64_t count[2], first[2], kind;
-    double direction, duration[2], closing[2 * PAIRS], gain[2 * SUMS];
-    double *room, *base, *origin;
-    varied_nodes *nodes;
-    read_orbits of;
-    varied_orbits varied;
-} course;
-
-static void free_course(course *o)
-{
-    free(o->nodes);
-    free(o->room);
-}
-
-/* The panels of the arcs. */
-static int course_of(const ends_problem *p, const arcs *from, const panels *cut, const points *at, course *o)
-{
-    const int64_t n = at->n, each = FUNCTIONS * (n + 1), varied = VARIED * (n + 1);
-    int64_t P = 0, k = 0;
-    for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next)
-        P++;
-    *o = (course){.p = p, .at = at, .kind = from->kind, .direction = from->direction};
-    o->nodes = malloc(sizeof(varied_nodes) * (size_t)P);
-    o->room = malloc(sizeof(double) * (size_t)(P * (5 + n + PAIRS + each + varied)));
-    if (!o->nodes || !o->room)
-        return NO_MEMORY;
-    double *since = o->room + P * n, *width = since + P, *series = width + P, *least = series + P * each;
-    double *jump = least + P, *kept = jump + P * PAIRS;
-    o->base = kept + P * varied, o->origin = o->base + P;
-    for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next, k++) {
-        const piece *own = &from->pieces[cut->rows[i].piece];
-        since[k] = o->duration[own->arc], width[k] = cut->rows[i].duration;
-        o->base[k] = own->base, o->origin[k] = own->local.o;
-        o->duration[own->arc] += width[k];
-        o->count[own->arc]++;
-        memcpy(series + each * k, cut->series + each * i, sizeof(double) * (size_t)each);
-    }
-    o->first[1] = o->count[0];
-    o->of = (read_orbits){n + 1, P, &o->kind, o->first, o->count, NULL, &o->direction, o->duration, NULL, since, width,
-                          series};
-    o->varied = (varied_orbits){least, NULL, jump, o->closing, kept, o->gain};
-    return o->count[0] ? DONE : NOT_POSSIBLE;
-}
-
 /* What changes of the loads and of the level add to y. */
 static void add_level(const place *o, const path *level, double nearest, double *values, double *rows, double *by_span)
 {
@@ -76,15 +27,16 @@ static void add_level(const place *o, const path *level, double nearest, double 
 }
 
 /* The numbers of the orbit, and how they answer. level: NULL where y is not wanted; beta(L) is then that of the orbit. */
-static void numbers_of(course *o, const place *at, const path *level, double length, orbit_numbers *out)
+static void numbers_of(lone_orbit *o, const ends_problem *p, const points *by, const place *at, const path *level,
+                       double length, orbit_numbers *out)
 {
-    const ends_problem *p = o->p;
     double x, *values = out->values, *rows = out->rows, *by_span = out->by_span;
     varied_place start, far;
     phase where;
     const int64_t first = rod_place(&o->of, 0, 0, &where, &x), last = rod_place(&o->of, 0, length, &where, &x);
-    const int64_t only[2] = {first, last}, n = o->at->n;
-    const int64_t nearest = rod_vary(&p->lam, &o->of, 0, o->origin, o->at, only, o->nodes, o->room, &o->varied);
+    const int64_t only[2] = {first, last}, n = by->n;
+    o->varied.M = NULL; /* it is not read */
+    const int64_t nearest = rod_vary(&p->lam, &o->of, 0, o->origin, by, only, o->nodes, o->room, &o->varied);
     reader from = {.of = &o->of, .series = o->varied.series, .gain = o->varied.gain, .panel = -1};
     rod_varied_place_at(&from, 0, 0, &start), rod_varied_place_at(&from, 0, length, &far);
     const double turns = o->kind == LIBRATION ? 0 : o->direction * where.periods;
@@ -96,40 +48,20 @@ static void numbers_of(course *o, const place *at, const path *level, double len
     const double s = sin(betaL), c = cos(betaL);
     const double later[NUMBERS] = {0, far.v, 0, -far.H, s, s * c, c, 0, 0, 0, 0};
     static const int order[3] = {ALPHA, SWIRL, Z};
+    varied_unit here, there;
+    rod_varied_unit(&start, &start, &here), rod_varied_unit(&start, &far, &there);
     memset(rows, 0, sizeof(double) * NUMBERS * PARTS);
     memcpy(by_span, later, sizeof later);
     for (int part = 0; part < PARTS; part++) {
-        double unit[PARTS] = {0}, here[5], there[5];
-        unit[part] = 1;
-        rod_varied_change(&start, &start, unit, here);
-        rod_varied_change(&start, &far, unit, there);
-        rows[PARTS * BETA0 + part] = here[BETA], rows[PARTS * DBETA0 + part] = here[RATE];
-        rows[PARTS * BETAL + part] = there[BETA], rows[PARTS * DBETAL + part] = there[RATE];
+        rows[PARTS * BETA0 + part] = here.by[BETA][part], rows[PARTS * DBETA0 + part] = here.by[RATE][part];
+        rows[PARTS * BETAL + part] = there.by[BETA][part], rows[PARTS * DBETAL + part] = there.by[RATE][part];
         for (int q = 0; q < 3; q++)
-            rows[PARTS * order[q] + part] = (q == 1 ? -1 : 1) * there[LIFTS + q];
+            rows[PARTS * order[q] + part] = (q == 1 ? -1 : 1) * there.by[LIFTS + q][part];
     }
     for (int q = 0; q < 3; q++)
         rows[PARTS * (LAM + q) + 2 + q] = 1;
     if (level)
         add_level(at, level, o->origin[nearest], values, rows, by_span);
-}
-
-/* The course of an orbit that is no helix; to be freed in any case. */
-static int course_from(const start_problem *start, double pin, double gap, const critical *found, const ends_problem *p,
-                       const points *at, const cutting *how, course *out)
-{
-    arcs from, cut;
-    panels made = {0};
-    int failed = rod_arcs(start, pin, gap, found, &from);
-    if (failed || from.kind == HELIX || !from.count)
-        return failed ? failed : NOT_POSSIBLE;
-    cut = from;
-    for (int i = 0; i < cut.count; i++)
-        cut.pieces[i].base = 0;
-    failed = rod_panelled(start, cut.pieces, cut.count, at, how, &made);
-    failed = failed ? failed : course_of(p, &from, &made, at, out);
-    rod_panels_free(&made);
-    return failed;
 }
 
 /* The length at which the path meets beta(L). */
@@ -148,7 +80,7 @@ int rod_orbit_numbers(const place *o, const path *level, const points *at, const
                       orbit_numbers *out)
 {
     const ends_problem *p = &o->p;
-    course on = {0};
+    lone_orbit on = {0};
     if (at->n > NODES || at->n < 4 || !(level->y >= DEEPEST) || !isfinite(level->pin) || level->turns < 0 ||
         level->turns > 1000000000)
         return NOT_POSSIBLE;
@@ -158,10 +90,10 @@ int rod_orbit_numbers(const place *o, const path *level, const points *at, const
     const double gap = level->sign * exp(level->y), v2 = gap + rod_place_fall(o, level->pin, o->start);
     const double speed = (double)level->leaving * sqrt(larger(v2, 0));
     const start_problem start = {p->lam, p->mu, p->phi, out->length, o->start, speed};
-    failed = course_from(&start, level->pin, gap, &o->found, p, at, how, &on);
+    failed = rod_lone_orbit(&start, level->pin, gap, &o->found, at, how, &on);
     if (!failed)
-        numbers_of(&on, o, level, out->length, out);
-    free_course(&on);
+        numbers_of(&on, p, at, o, level, out->length, out);
+    rod_lone_orbit_free(&on);
     return failed;
 }
 
@@ -172,7 +104,7 @@ int rod_start_rates(const start_problem *of, const grid *by, const points *at, c
 {
     const ends_problem p = {of->lam, of->mu, of->phi, of->span, of->beta0, of->beta0};
     critical found;
-    course on = {0};
+    lone_orbit on = {0};
     const double *numbers = &of->lam;
     for (int k = 0; k < 6; k++)
         if (!isfinite(numbers[k]))
@@ -180,11 +112,11 @@ int rod_start_rates(const start_problem *of, const grid *by, const points *at, c
     if (at->n > NODES || at->n < 4)
         return NOT_POSSIBLE;
     int failed = rod_critical(p.lam, p.mu, p.phi, by->m, by->angles, by->table, &found);
-    failed = failed ? failed : course_from(of, wrapped(of->beta0), square(of->dbeta0), &found, &p, at, how, &on);
+    failed = failed ? failed : rod_lone_orbit(of, wrapped(of->beta0), square(of->dbeta0), &found, at, how, &on);
     if (!failed)
-        numbers_of(&on, NULL, NULL, of->span, out);
+        numbers_of(&on, &p, at, NULL, NULL, of->span, out);
     out->length = of->span;
-    free_course(&on);
+    rod_lone_orbit_free(&on);
     return failed;
 }
 

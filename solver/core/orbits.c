@@ -246,3 +246,37 @@ void rod_orbits_read(const read_orbits *o, int64_t n, int64_t stations, const do
                 out[f * n * stations + i] = values[f];
         }
 }
+
+/* The pieces that n rods of these lengths cover of their orbits, and how often: `rod_pieces.Pieces`, (3 P,) each. The panel
+   in which a rod ends is cut there. Reads kind, first, count, duration, since and width. Returns their number. */
+int64_t rod_cover(const read_orbits *o, int64_t n, const double *span, const covered *out)
+{
+    int64_t size = 0;
+    for (int64_t b = 0; b < n; b++) {
+        const double ahead = o->duration[2 * b], back = o->duration[2 * b + 1];
+        const int folded = o->kind[b] == LIBRATION, repeats = o->kind[b] != HELIX;
+        const double period = (folded ? 2 : 1) * (ahead + back), rest = repeats ? fmod(span[b], period) : span[b];
+        const double periods = repeats ? rint((span[b] - rest) / period) : 0;
+        for (int cut = 0; cut < 3; cut++) /* whole pieces, then those that are cut on the way out and on the way back */
+            for (int64_t j = 0; j < o->count[2 * b] + o->count[2 * b + 1]; j++) {
+                const int second = j >= o->count[2 * b];
+                const int64_t i = second ? o->first[2 * b + 1] + j - o->count[2 * b] : o->first[2 * b] + j;
+                const double since = o->since[i], width = o->width[i], late = second ? back : 0;
+                const double begins[2] = {since + (second ? 2 * ahead : 0), 2 * (ahead + late) - since - width};
+                double share[2];
+                for (int way = 0; way < 2; way++)
+                    share[way] = smaller(larger((rest - begins[way]) / width, 0), 1);
+                share[1] = folded ? share[1] : 0;
+                const double times = periods * (folded ? 2 : 1) + (share[0] == 1) + (share[1] == 1);
+                const double part = cut ? share[cut - 1] : 1, edge = 2 * part - 1;
+                if (cut ? !(part > 0 && part < 1) : !(times > 0))
+                    continue;
+                out->of[size] = b, out->row[size] = i;
+                out->low[size] = cut == 2 ? -edge : -1, out->high[size] = cut == 1 ? edge : 1;
+                out->time[size] = part * width, out->count[size] = cut ? 1 : times;
+                out->begin[size] = cut ? periods * (repeats ? period : 0) + begins[cut - 1] : begins[0];
+                size++;
+            }
+    }
+    return size;
+}

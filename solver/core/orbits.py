@@ -133,6 +133,40 @@ def reading(orbit: Any) -> tuple[_ReadOrbits, Any]:
     return _ReadOrbits(panels.series.shape[2], panels.arc.size, *(address(a) for a in kept)), kept
 
 
+class _Covered(ctypes.Structure):
+    """`covered` in orbit_parts.h."""
+
+    _fields_ = [(name, ctypes.c_void_p) for name in ("of", "row", "low", "high", "time", "count", "begin")]
+
+
+def cover(
+    span: Array, kind: Integers, first: Integers, count: Integers, duration: Array, since: Array, width: Array
+) -> tuple[Integers, Integers, Array, Array, Array, Array, Array]:
+    """The pieces that B rods cover of their orbits: the columns of `observe.rod_pieces.Pieces`, (Q,) each.
+
+    Parameters
+    ----------
+    span, kind : (B,)
+        The lengths in t, and the kinds of the orbits.
+    first, count, duration : (2 B,)
+        Of the arcs: their first panels, the numbers of these, and how long they last.
+    since, width : (P,)
+        Of the panels: the time from the start, and how long they last.
+    """
+    given = [np.ascontiguousarray(a, dtype=np.int64) for a in (kind, first, count)]
+    times = [np.ascontiguousarray(a, dtype=float) for a in (duration, since, width)]
+    places = dict(
+        zip(("kind", "first", "count", "duration", "since", "width"), map(address, given + times), strict=True)
+    )
+    of, row = np.empty((2, 3 * since.size), dtype=np.int64)
+    numbers, span = np.empty((5, 3 * since.size)), np.ascontiguousarray(span, dtype=float)
+    size = functions().rod_cover(
+        ctypes.byref(_ReadOrbits(**places)), ctypes.c_int64(span.size), address(span),
+        ctypes.byref(_Covered(*map(address, (of, row, *numbers)))),
+    )  # fmt: skip
+    return of[:size], row[:size], *numbers[:, :size]
+
+
 def read(orbit: Any, t: Array) -> Array:
     """beta, beta_t, alpha, z and the swirl of the orbits at t (B, n): (5, B, n)."""
     t, (of, kept) = np.ascontiguousarray(t), reading(orbit)

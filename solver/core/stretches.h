@@ -120,7 +120,12 @@ void rod_derivative(const double *series, double *out);
 double rod_turning_place(const double *series, double sign, double low, double high);
 
 /* measures.c */
-typedef struct numbers numbers;
+typedef struct {
+    double value[NUMBERS], error[NUMBERS];
+} numbers;
+
+/* Those of the groups of rod b that are asked for. Returns DONE or NO_MEMORY. */
+int rod_measured_numbers(workspace *, int64_t b, numbers *out);
 int rod_measure(const rods *, numbers *out, int64_t begin, int64_t end, int lanes);
 
 /* peaks.c */

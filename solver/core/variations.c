@@ -322,30 +322,35 @@ static double across_flow(const varied_place *at)
     return D > 0 ? D : 1;
 }
 
-/* What the places at the ends add to the integral of H_q d beta; lift: g v/D. */
-static double end_term(const varied_place *at, double a, double lift, int q)
-{
-    return at->shift[q] * lift - a * (at->gamma[q] + at->shift[q] * at->H);
-}
-
-void rod_varied_change(const varied_place *start, const varied_place *there, const double parts[PARTS], double out[5])
+void rod_varied_unit(const varied_place *start, const varied_place *there, varied_unit *out)
 {
     static const int place[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
-    const double *e = parts + 1;
-    double rise[4] = {0}, g = 0, g0 = 0, shift = 0;
-    for (int k = 0; k < 4; k++) {
-        if (e[k] == 0)
-            continue; /* next to a saddle a column of M may be infinite */
-        g += there->gamma[k] * e[k], g0 += start->gamma[k] * e[k], shift += there->shift[k] * e[k];
-        for (int j = 0; j < 4; j++)
-            rise[j] += (there->M[place[j][k]] - start->M[place[j][k]]) * e[k];
+    const double D = across_flow(there), D0 = across_flow(start);
+    for (int part = 0; part < PARTS; part++) {
+        const int k = part - 1; /* of e; the part before is a, along the flow */
+        const double a = part ? there->M[place[0][k]] - start->M[place[0][k]] : 1;
+        const double g = part ? there->gamma[k] : 0, g0 = part ? start->gamma[k] : 0, shift = part ? there->shift[k] : 0;
+        const double lift = g * (there->v / D), lift0 = g0 * (start->v / D0);
+        out->by[BETA][part] = shift + a * there->v + g * (there->c * there->H / D);
+        out->by[RATE][part] = -a * there->H + lift;
+        for (int q = 1; q < 4; q++) {
+            const double rise = part ? there->M[place[q][k]] - start->M[place[q][k]] : 0;
+            const double far = there->shift[q] * lift - a * (there->gamma[q] + there->shift[q] * there->H);
+            const double near = start->shift[q] * lift0 - (part ? 0 : start->gamma[q] + start->shift[q] * start->H);
+            out->by[LIFTS + q - 1][part] = rise + (far - near);
+        }
     }
-    const double a = parts[0] + rise[0], D = across_flow(there), lift = g * (there->v / D);
-    const double lift0 = g0 * (start->v / across_flow(start));
-    out[BETA] = shift + a * there->v + g * (there->c * there->H / D);
-    out[RATE] = -a * there->H + lift;
-    for (int q = 1; q < 4; q++)
-        out[LIFTS + q - 1] = rise[q] + (end_term(there, a, lift, q) - end_term(start, parts[0], lift0, q));
+}
+
+void rod_varied_directions(const varied_place *start, double out[PARTS][PARTS])
+{
+    const double v = start->v, H = start->H, c = start->c, D = across_flow(start);
+    memset(out, 0, sizeof(double) * PARTS * PARTS);
+    out[0][0] = v / D, out[1][0] = H, out[0][1] = -c * H / D, out[1][1] = v;
+    for (int q = 1; q < 4; q++) {
+        out[q + 1][q + 1] = 1;
+        out[0][q + 1] = -start->shift[q] * v / D, out[1][q + 1] = -(start->gamma[q] + start->shift[q] * H);
+    }
 }
 
 void rod_varied_place_on(reader *from, int64_t panel, double x, varied_place *out)
@@ -401,15 +406,70 @@ void rod_variations_changes(const read_orbits *of, int64_t n, int64_t stations, 
     const int64_t each = n * F * stations;
     for (int64_t b = 0; b < n; b++) {
         varied_place start, there;
-        double change[5];
+        varied_unit unit;
         rod_varied_place_at(&from, b, 0, &start);
         for (int64_t i = 0; i < stations; i++) {
             rod_varied_place_at(&from, b, t[b * stations + i], &there);
-            for (int64_t f = b * F; f < (b + 1) * F; f++) {
-                rod_varied_change(&start, &there, parts + PARTS * f, change);
+            rod_varied_unit(&start, &there, &unit);
+            for (int64_t f = b * F; f < (b + 1) * F; f++)
                 for (int k = 0; k < 5; k++)
-                    out[each * k + stations * f + i] = change[k];
-            }
+                    out[each * k + stations * f + i] = of_parts(unit.by[k], parts + PARTS * f);
         }
     }
+}
+
+void rod_lone_orbit_free(lone_orbit *o)
+{
+    free(o->nodes);
+    free(o->room);
+}
+
+/* The panels of the arcs. */
+static int panels_of(const arcs *from, const panels *cut, const points *at, lone_orbit *o)
+{
+    const int64_t n = at->n, each = FUNCTIONS * (n + 1), varied = VARIED * (n + 1);
+    int64_t P = 0, k = 0;
+    for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next)
+        P++;
+    o->nodes = malloc(sizeof(varied_nodes) * (size_t)P);
+    o->room = malloc(sizeof(double) * (size_t)(P * (5 + n + PAIRS * (n + 1) + each + varied)));
+    if (!o->nodes || !o->room)
+        return NO_MEMORY;
+    double *since = o->room + P * n, *width = since + P, *series = width + P, *least = series + P * each;
+    double *jump = least + P, *kept = jump + P * PAIRS, *M = kept + P * varied;
+    o->base = M + P * PAIRS * n, o->origin = o->base + P;
+    for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next, k++) {
+        const piece *own = &from->pieces[cut->rows[i].piece];
+        since[k] = o->duration[own->arc], width[k] = cut->rows[i].duration;
+        o->base[k] = own->base, o->origin[k] = own->local.o;
+        o->duration[own->arc] += width[k];
+        o->count[own->arc]++;
+        memcpy(series + each * k, cut->series + each * i, sizeof(double) * (size_t)each);
+    }
+    o->first[1] = o->count[0];
+    o->of = (read_orbits){n + 1, P, &o->kind, o->first, o->count, NULL, &o->direction, o->duration, NULL, since, width,
+                          series};
+    o->varied = (varied_orbits){least, M, jump, o->closing, kept, o->gain};
+    return o->count[0] ? DONE : NOT_POSSIBLE;
+}
+
+int rod_lone_orbit(const start_problem *start, double pin, double gap, const critical *found, const points *at,
+                   const cutting *how, lone_orbit *out)
+{
+    arcs from, cut;
+    panels made = {0};
+    *out = (lone_orbit){.kind = LOST};
+    int failed = rod_arcs(start, pin, gap, found, &from);
+    if (failed)
+        return failed;
+    out->kind = from.kind, out->direction = from.direction;
+    if (from.kind == HELIX || !from.count)
+        return NOT_POSSIBLE;
+    cut = from;
+    for (int i = 0; i < cut.count; i++)
+        cut.pieces[i].base = 0;
+    failed = rod_panelled(start, cut.pieces, cut.count, at, how, &made);
+    failed = failed ? failed : panels_of(&from, &made, at, out);
+    rod_panels_free(&made);
+    return failed;
 }

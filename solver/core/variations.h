@@ -48,8 +48,44 @@ void rod_varied_place_on(reader *from, int64_t panel, double x, varied_place *ou
 /* The state of orbit b at t. */
 void rod_varied_place_at(reader *from, int64_t b, double t, varied_place *out);
 
-/* What a change with these parts adds at a place, (5,): to beta, to beta_t and to the integrals up to there. */
-void rod_varied_change(const varied_place *start, const varied_place *there, const double parts[PARTS], double out[5]);
+/* What a unit of each part of a change adds at a place: to beta, to beta_t and to the integrals up to there. */
+typedef struct {
+    double by[5][PARTS];
+} varied_unit;
+
+void rod_varied_unit(const varied_place *start, const varied_place *there, varied_unit *out);
+
+/* The parts of a unit of beta(0), beta_t(0), lam, mu and phi at the start, each with the others held: [part][of]. */
+void rod_varied_directions(const varied_place *start, double out[PARTS][PARTS]);
+
+/* A sum over the parts, without those that do not change: next to a saddle a column of M may be infinite. */
+static inline double of_parts(const double *unit, const double *parts)
+{
+    double total = 0;
+    for (int k = 0; k < PARTS; k++)
+        total += parts[k] != 0 ? unit[k] * parts[k] : 0;
+    return total;
+}
+
+enum { LOST = -1 };
+
+/* One orbit on its panels, in the order of travel: those of the forward arc, then those of the backward one; and its
+   variations. base: the angle from which beta counts on each panel, with whole turns; origin: without. It is not moved in
+   memory, for `of` and `varied` point into it. */
+typedef struct {
+    int64_t count[2], first[2], kind;
+    double direction, duration[2], closing[2 * PAIRS], gain[2 * SUMS];
+    double *room, *base, *origin;
+    varied_nodes *nodes;
+    read_orbits of;
+    varied_orbits varied;
+} lone_orbit;
+
+/* The orbit of a problem, with its level above `pin`; to be freed in any case. Returns DONE, NO_MEMORY or NOT_POSSIBLE, as for
+   a helix; `kind` is that of the orbit. */
+int rod_lone_orbit(const start_problem *, double pin, double gap, const critical *, const points *, const cutting *,
+                   lone_orbit *out);
+void rod_lone_orbit_free(lone_orbit *);
 
 /* -(G_q(angle) - G_q(other))/2 for q = lam, mu, phi. */
 void rod_height_rates(double angle, double other, double *out);

@@ -5,8 +5,9 @@ between the stations, and the error is the change when every other station is le
 do not resolve every bend or do not cover the whole rod.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -67,11 +68,7 @@ class Reading:
 
     def _measure(self, wanted: set[str], until: float = 1.0) -> dict[str, Pair]:
         """The numbers of the groups that contain these names, over the first share `until` of the length."""
-        sol = self.sol
-        sign = flat(sol.case.outward, sol.case.shape)
-        error = np.where(np.isfinite(sol.trajectory.error), sol.trajectory.error, 1.0)
-        error = np.maximum(error, 4 * EPS) * (SPREAD if isinstance(sol.trajectory.orbit, MarchedOrbit) else 1)
-        goal = max(_SHARE * sol.tol, _FINEST)
+        sol, sign, error, goal = self.sol, self.sign, self.doubt, self.goal
         found: list[dict[str, Pair]] = []
         for some in blocks(sol):
             pieces, given = pieces_of(sol, some, until), {"sign": sign[some], "error": error[some]}
@@ -96,9 +93,26 @@ class Reading:
             joined[name] = np.concatenate(values), np.concatenate(errors)
         return joined
 
-    def know(self, name: str, values: Array, errors: Array) -> None:
-        """Take a number that is known already, and its error, (B,) each, in place of what would be measured."""
-        self._known[name] = values, errors
+    def know(self, numbers: Mapping[str, Pair], middle: Mapping[str, Pair] = MappingProxyType({})) -> None:
+        """Take numbers that are known already, and over the middle third, in place of what would be measured."""
+        self._known.update(numbers)
+        self._middle.update(middle)
+
+    @cached_property
+    def sign(self) -> Array:
+        """The sign of the push, (B,)."""
+        return flat(self.sol.case.outward, self.sol.case.shape)
+
+    @cached_property
+    def doubt(self) -> Array:
+        """What beta may be off for the errors of what is measured, (B,)."""
+        error = np.where(np.isfinite(self.error), self.error, 1.0)
+        return np.maximum(error, 4 * EPS) * (SPREAD if isinstance(self.sol.trajectory.orbit, MarchedOrbit) else 1)
+
+    @property
+    def goal(self) -> float:
+        """The allowed error of the series of densities, relative."""
+        return float(max(_SHARE * self.sol.tol, _FINEST))
 
     def get(self, name: str) -> Pair:
         """A number measured along the rod and its error, (B,) each."""

@@ -14,14 +14,14 @@ import numpy as np
 from numpy.polynomial import chebyshev as C
 
 from ..core.measures import NODES, station_series
+from ..core.orbits import cover
 from ..mechanics.potential import Loads, slope_rate
 from ..numerics.arrays import Array, Booleans
 from ..numerics.chebyshev import basis, series_at, through
 from ..orbit.marched_orbit import MarchedOrbit
-from ..orbit.pieces import LIBRATION
 from ..problem.reduced import Reduced
 from ..shape import Shape
-from .rod_pieces import Pieces, join_pieces
+from .rod_pieces import COLUMNS, Pieces, join_pieces
 
 _CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
 _RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend
@@ -84,15 +84,11 @@ def of_orbit(orbit: Any, some: slice, until: float = 1.0) -> Pieces:
 
 def _of_panels(orbit: Any, own: Array, case: Array, some: slice, until: float, whole: Any = None) -> Pieces:
     """The pieces of the problems `own` of an `Orbit`, which are the problems `case` of the block."""
-    panels = orbit.panels
-    first, last = np.searchsorted(panels.arc, [2 * own[0], 2 * own[-1] + 2])
-    mine = slice(int(first), int(last))
-    arc = panels.arc[mine]
-    local = arc // 2 - own[0]
-    problem = orbit.problem.take(own)
-    times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
-    clock = orbit.since[mine], panels.duration[mine]
-    found = _cover(problem, panels.series[mine, :2], local, arc % 2 == 1, *clock, *times, until)
+    panels, problem = orbit.panels, orbit.problem.take(own)
+    both = slice(2 * int(own[0]), 2 * int(own[-1]) + 2)
+    arcs = orbit.first[both], orbit.count[both], orbit.duration[both]
+    covered = cover(problem.span * until, orbit.kind[own], *arcs, orbit.since, panels.duration)
+    found = _covered(problem, panels.series[:, :2], covered, until)
     block = (orbit if whole is None else whole).problem.take(some)
     return replace(found, problem=block, case=np.asarray(case)[found.case])
 
@@ -101,9 +97,8 @@ def _of_steps(orbit: MarchedOrbit, some: slice, case: Array, until: float) -> Pi
     """The pieces of the problems `case` of a block of a marched orbit: its steps, marched again."""
     own = some.start + case
     problem = orbit.problem.take(own)
-    steps, number = orbit.pick(own).steps, orbit.found["count"][own]
+    steps, count = orbit.pick(own).steps, orbit.found["count"][own].reshape(-1)
     width, taylor = steps.width, steps.series
-    arc = np.repeat(np.arange(2 * case.size), number.reshape(-1))
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
         order = np.arange(taylor.shape[2])
         power = width[:, None] ** order
@@ -112,48 +107,18 @@ def _of_steps(orbit: MarchedOrbit, some: slice, case: Array, until: float) -> Pi
     series = np.zeros((width.size, 2, order.size))
     series[:, 0] = through(angle, _from_powers(order.size))
     series[:, 1, :-1] = through(rate, _from_powers(order.size - 1))
-    times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
-    found = _cover(problem, series, arc // 2, arc % 2 == 1, steps.since, width, *times, until)
+    arcs = np.cumsum(count) - count, count, np.stack([orbit.ahead[own], orbit.back[own]], axis=1)
+    covered = cover(problem.span * until, orbit.kind[own], *arcs, steps.since, width)
+    found = _covered(problem, series, covered, until)
     return replace(found, problem=orbit.problem.take(some), case=case[found.case])
 
 
-def _cover(
-    problem: Reduced,
-    series: Array,
-    case: Array,
-    second: Array,
-    since: Array,
-    duration: Array,
-    ahead: Array,
-    back: Array,
-    period: Array,
-    kind: Array,
-    until: float,
-) -> Pieces:
-    """The pieces of panels that the rods cover up to a share of their length, and how often, on arcs that last ahead
-    and back."""
-    span, repeats = problem.span * until, np.isfinite(period)
-    folded, late = (kind == LIBRATION)[case], second * back[case]
-    begins = np.stack([since + np.where(second, 2 * ahead[case], 0), 2 * (ahead[case] + late) - since - duration])
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        rest = np.where(repeats, np.fmod(span, period), span)
-        periods = np.where(repeats, np.round((span - rest) / period), 0.0)
-        share = np.clip((rest[case] - begins) / duration, 0, 1)
-    share[1, ~folded] = 0
-    whole = periods[case] * np.where(folded, 2, 1) + (share == 1).sum(axis=0)
-    returns, cut = np.nonzero((share > 0) & (share < 1))
-    parts, met = share[returns, cut], np.flatnonzero(whole > 0)
-    edge, done = 2 * parts - 1, periods * np.where(repeats, period, 0.0)
-    row, one = np.concatenate([met, cut]), np.ones(met.size)
-    low = np.concatenate([-one, np.where(returns, -edge, -1)])
-    high = np.concatenate([one, np.where(returns, 1, edge)])
-    time = np.concatenate([duration[met], parts * duration[cut]])
-    count = np.concatenate([whole[met], np.ones(cut.size)])
-    enters = np.concatenate([begins[0, met], done[case[cut]] + begins[returns, cut]])
-    found = Pieces(problem, series, case[row], row, low, high, time, count, enters, monotone=True)
+def _covered(problem: Reduced, series: Array, covered: tuple[Array, ...], until: float) -> Pieces:
+    """The pieces that the rods cover, on panels with these series, up to a share of their length."""
+    found = Pieces(problem, series, **dict(zip(COLUMNS, covered, strict=True)), monotone=True)
     still = np.flatnonzero(np.bincount(found.case, minlength=problem.size) == 0)  # nothing moves
     if still.size:
-        found = join_pieces([found, _still(problem, still, span[still])], problem)
+        found = join_pieces([found, _still(problem, still, until * problem.span[still])], problem)
     return found
 
 

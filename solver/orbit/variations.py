@@ -32,6 +32,7 @@ from .periodic_orbit import Orbit, relative_orbit
 from .pieces import Arcs
 
 POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
+HOW = Cutting(LENGTH, GOAL, 1.0, relative=True)
 _PAIRS = np.triu_indices(4)  # the rows and columns of M that are kept
 _MATRIX = np.zeros((4, 4), dtype=int)  # where the elements of M are kept
 _MATRIX[_PAIRS] = _MATRIX[_PAIRS[::-1]] = range(10)
@@ -75,6 +76,12 @@ class Change:
     beta: Array
     rate: Array
     integrals: Array
+
+    @property
+    def rows(self) -> Array:
+        """The same, (5, b, F, n), of changes at n places of b orbits."""
+        every = self.beta, self.rate, *np.moveaxis(self.integrals, -1, 0)
+        return np.ascontiguousarray(np.stack(every).swapaxes(2, 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +152,7 @@ def directions(start: Place) -> Array:
 
 def orbits_to_vary(problem: StartProblem) -> Orbit:
     """The orbits of start problems as `variations_on` takes them, helices included."""
-    return relative_orbit(problem, POINTS, Cutting(LENGTH, GOAL, 1.0))
+    return relative_orbit(problem, POINTS, HOW)
 
 
 def variations_on(orbit: Orbit, arcs: Arcs) -> Variations:

@@ -17,9 +17,7 @@ from ..observe.measurement import MIDDLE
 from ..observe.rod_pieces import Pieces
 from ..observe.solution_pieces import of_orbit
 from ..orbit import helix_variations
-from ..orbit.periodic_orbit import Orbit
-from ..orbit.pieces import HELIX
-from ..orbit.variations import Change, Place, Variations, directions, orbits_to_vary, variations_on
+from ..orbit.variations import Change, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat, given_numbers
 from ..shape import Shape
 
@@ -50,51 +48,31 @@ class Motion:
         assert self.varied is not None
         return of_orbit(self.varied.absolute, slice(0, self.problem.size))
 
-    @cached_property
-    def end(self) -> Place:
-        """The places of the far ends, (b,) each, of orbits that are no helices."""
-        assert self.varied is not None
-        return self.varied.at(self.problem.span[:, None]).take((slice(None), 0))
+
+def of_equilibria(sol: Shape, outcome: Array) -> Iterator[Motion]:
+    """The motions of the solved cases of an ends problem. outcome: (B,), set where one of them has none."""
+    for i in np.flatnonzero(sol.trajectory.solved):
+        one = sol.problem.take(slice(i, i + 1))
+        assert isinstance(one, EndsProblem)
+        path = _path(sol, one, int(i))
+        if path is None:
+            outcome[i] = NO_PATH
+        else:
+            yield _of_equilibrium(sol, one, path, int(i))
 
 
-def motions(sol: Shape, outcome: Array) -> Iterator[Motion]:
-    """The motions of the solved cases, some at a time. outcome: (B,), set where a solved case has none."""
-    solved = np.flatnonzero(sol.trajectory.solved)
-    if isinstance(sol.problem, EndsProblem):
-        for i in solved:
-            one = sol.problem.take(slice(i, i + 1))
-            path = _path(sol, one, int(i))
-            if path is None:
-                outcome[i] = NO_PATH
-            else:
-                yield _of_equilibrium(sol, one, path, int(i))
-        return
-    for block in (solved[k : k + _BLOCK] for k in range(0, solved.size, _BLOCK)):
+def of_helices(sol: Shape, rows: Integers) -> Iterator[Motion]:
+    """The motions of start problems whose orbits are helices, some at a time."""
+    for block in (rows[k : k + _BLOCK] for k in range(0, rows.size, _BLOCK)):
         problem = sol.problem.take(block)
         assert isinstance(problem, StartProblem)
-        orbit = orbits_to_vary(problem)
-        still = orbit.kind == HELIX
-        if not still.any():
-            yield _of_orbits(block, orbit)
-            continue
-        yield _of_helices(block[still], problem.take(still))
-        if not still.all():
-            yield _of_orbits(block[~still], orbits_to_vary(problem.take(~still)))
-
-
-def _of_orbits(rows: Integers, orbit: Orbit) -> Motion:
-    varied = variations_on(orbit, orbit.arcs)
-    return Motion(rows, orbit.problem, varied.change, directions(varied.start), varied)
+        parts = np.broadcast_to(np.eye(5), (block.size, 5, 5))
+        yield Motion(block, problem, partial(_helix_change, helix_variations.start, problem), parts)
 
 
 def marks_of(problem: Reduced) -> Array:
     """t at the shares `MARKS` of the length, (b, 4)."""
     return np.asarray(problem.span[:, None] * MARKS)
-
-
-def _of_helices(rows: Integers, problem: StartProblem) -> Motion:
-    parts = np.broadcast_to(np.eye(5), (rows.size, 5, 5))
-    return Motion(rows, problem, partial(_helix_change, helix_variations.start, problem), parts)
 
 
 def _helix_change(way: Callable[[Any, Array], Change], problem: Any, t: Array, amounts: Array) -> Change:

@@ -13,17 +13,18 @@ from typing import Any
 import numpy as np
 
 from ..core.measures import RATED
+from ..core.sensitivities import LOST, PARTLY, Measured, StartRates, shape_rates
 from ..core.varied_orbits import measure_rates
 from ..numerics.arrays import Array
 from ..numerics.complex_step import slopes_of, with_slopes
 from ..observe.measurement import Reading
 from ..observe.observables import OBSERVABLES, SEVERAL, STRAIGHT, check_names, is_count
+from ..orbit.pieces import HELIX
 from ..problem.errors import InputError, choices
 from ..problem.field_rates import FieldRates
-from ..problem.reduced import flat
 from ..shape import Shape
 from .measured_helices import EXTREMES, of_helices
-from .motions import MARKS, Motion, marks_of
+from .motions import Motion, marks_of
 
 _DIFFERENTIABLE = {*RATED, "middle turned", "middle risen"}
 NO_ORBIT = "the method knows no orbit, so it has no period"
@@ -50,25 +51,43 @@ class Moving(Reading):
         self._plain = Reading(sol)
         self._rates = rates
         self._wanted = set(measured)
-        self.plain.measure(self._wanted)
         shape = sol.problem.size, len(rates.fields)
         self._slopes = {name: np.full(shape, np.nan) for name in (*self._wanted, *_OWN_SLOPES, "half_period")}
+
+    def measured(self, rows: Any) -> Measured | None:
+        """What is to be measured of start problems."""
+        plain, names = self.plain, self._wanted & {*RATED}
+        observed = names & {"peak", "lifts"} if self.sol.trajectory.orbit is None else ()
+        self.plain.measure(observed)
+        values = {*names, "push"} - {"middle push"} if "middle push" in names else names
+        middle = [name for name in PARTLY if f"middle {name}" in self._wanted]
+        seen = {name: plain.value(name)[rows] for name in observed}
+        return Measured(plain.sign[rows], plain.doubt[rows], names, values, middle, plain.goal, seen)
+
+    def take(self, rows: Any, found: StartRates) -> None:
+        """Take the derivatives of start problems; and what was measured, where the method knows the orbits of all."""
+        for name, value in (found.rates | {"half_period": found.half_period} | _at_marks(found.marks)).items():
+            self._slopes[name][rows] = value
+        moves = (found.kind != LOST) & (found.kind != HELIX)
+        if self.sol.trajectory.orbit is not None and moves.all() and moves.size == self.sol.problem.size:
+            self.plain.know(found.values, found.middle)
 
     def add(self, motion: Motion, unit: Array, rates: FieldRates) -> None:
         """Differentiate what is measured on the cases of a motion.
 
         unit: of `solution_derivatives.amounts`. rates: of these cases.
         """
-        sign = flat(self.sol.case.outward, self.sol.case.shape)[motion.rows]
+        sign, later = self.plain.sign[motion.rows], rates.of("span")
         if motion.varied is None:
-            found = of_helices(motion, unit, rates.of("span"), sign, self._wanted, self.sol.t[motion.rows])
+            found = of_helices(motion, unit, later, sign, self._wanted, self.sol.t[motion.rows])
         else:
             names = self._wanted & {*RATED}
+            self.plain.measure(self._wanted)
             seen = {name: self.plain.value(name)[motion.rows] for name in names & {"peak", "lifts"}}
-            found = measure_rates(motion.varied, motion.pieces, sign, unit, rates.of("span"), names, seen)
+            found = measure_rates(motion.varied, motion.pieces, sign, unit, later, names, seen)
             gain = motion.varied.kept["gain"].sum(axis=1)[:, :4]
             found["half_period"] = -np.einsum("bk,bkf->bf", gain, unit[:, 1:])
-        for name, value in (found | _at_marks(motion, unit, rates.of("span"))).items():
+        for name, value in (found | _at_marks(_marks_of(motion, unit, later))).items():
             self._slopes[name][motion.rows] = value
 
     @property
@@ -147,19 +166,25 @@ class Moving(Reading):
         return with_slopes(self.plain.half_period, self._slopes["half_period"])
 
 
-def _at_marks(motion: Motion, unit: Array, later: Array) -> dict[str, Array]:
+def _marks_of(motion: Motion, unit: Array, later: Array) -> Array:
+    """The derivatives at the marks in units of rho, (5, b, F, 4), as of `core.sensitivities.StartRates`."""
+    problem, t = motion.problem, marks_of(motion.problem)
+    beta, rate = np.broadcast_to(problem.beta0[:, None], t.shape), np.zeros(t.shape)
+    if motion.varied is not None:
+        beta, rate = motion.varied.absolute.at(t)[0], motion.varied.at(t).v
+    out = motion.change(t, unit).rows
+    loads = np.stack([problem.lam, problem.mu, problem.phi], axis=1)
+    known = {"t": t, "beta": beta, "rate": rate, "z": np.zeros(t.shape), "loads": loads, "span": problem.span}
+    shape_rates(out, {**known, "later": later})
+    return out
+
+
+def _at_marks(marks: Array) -> dict[str, Array]:
     """The derivatives of `_OWN_SLOPES`, (b, F) each: of beta and beta_t at the ends, of what alpha and z/rho gain."""
-    problem, t, moves = motion.problem, marks_of(motion.problem), motion.varied is not None
-    beta = problem.beta0[:, None] if motion.varied is None else motion.varied.absolute.at(t)[0]
-    pace, bend = (motion.end.v[:, None], motion.end.H[:, None]) if moves else (0.0, 0.0)
-    change, longer = motion.change(t, unit), later[:, None, :] * MARKS[:, None]
-    turned = change.integrals[..., 0] + np.sin(beta)[..., None] * longer
-    risen = change.integrals[..., 2] + np.cos(beta)[..., None] * longer
+    beta, rate, turned, risen, _ = np.moveaxis(marks, -1, 1)
     return {
-        "alpha": turned[:, 3], "z": risen[:, 3],
-        "middle turned": turned[:, 2] - turned[:, 1], "middle risen": risen[:, 2] - risen[:, 1],
-        "beta0": change.beta[:, 0], "betaL": change.beta[:, 3] + pace * later,
-        "dbeta0": change.rate[:, 0], "dbetaL": change.rate[:, 3] - bend * later,
+        "alpha": turned[3], "z": risen[3], "beta0": beta[0], "betaL": beta[3], "dbeta0": rate[0], "dbetaL": rate[3],
+        "middle turned": turned[2] - turned[1], "middle risen": risen[2] - risen[1],
     }  # fmt: skip
 
 

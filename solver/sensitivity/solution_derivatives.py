@@ -10,14 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.potential import Loads, slope
+from ..core.sensitivities import shape_rates, start_sensitivities
 from ..numerics.arrays import EPS, Array
+from ..orbit.pieces import HELIX
+from ..orbit.variations import HOW, POINTS
 from ..problem.case_fields import check_fields
 from ..problem.field_rates import FieldRates, field_rates
 from ..problem.reduced import EndsProblem, flat, given_numbers
 from ..problem.trajectory import SHAPELESS, SOLVED
 from ..shape import Shape
-from .motions import Motion, motions
+from .motions import Motion, of_equilibria, of_helices
 from .observable_rates import Moving, check_observables, derivative_of, measure_of, why_missing
 from .varying_rates import STEP, varying_rates
 
@@ -38,33 +40,38 @@ def amounts(motion: Motion, rates: FieldRates) -> Array:
     return np.matmul(motion.parts, np.concatenate([rates.given, rates.of("span")[:, None]], axis=1))
 
 
-def along(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> dict[str, Array]:
-    """The derivatives of beta, dbeta, alpha, z and gamma at the stations, (b, F, n) each.
+def _shape_of(sol: Shape, rates: FieldRates, rows: Any) -> dict[str, Array]:
+    """Some cases as `core.sensitivities.shape_rates` takes them. rates: of these cases."""
+    case, known = sol.case, sol.trajectory
+    scales = {"ratio": flat(case.rod.stiffness_ratio, case.shape), "rho": flat(case.rho, case.shape)}
+    shapes = {"t": sol.t, "beta": known.beta, "rate": known.dbeta, "z": known.z}
+    own = {name: array[rows] for name, array in {**shapes, **scales}.items()}
+    return own | {"by": rates.table, "later": rates.of("span")}
 
-    unit: (b, 5, F), of `amounts`. rates: of these cases.
-    """
-    rows, t, problem = motion.rows, sol.t[motion.rows], motion.problem
-    change = motion.change(t, unit)
-    beta, v, z = (getattr(sol.trajectory, name)[rows][:, None, :] for name in ("beta", "dbeta", "z"))
-    later = rates.of("span")[:, :, None] * (t / problem.span[:, None])[:, None, :]  # the change of t at a constant s/L
-    case = sol.case
-    ratio, rho = (flat(value, case.shape)[rows, None, None] for value in (case.rod.stiffness_ratio, case.rho))
-    d_mu, d_ratio, d_rho, alpha0, gamma0 = (
-        rates.of(name)[:, :, None] for name in ("mu", "ratio", "rho", "alpha", "gamma")
-    )
 
-    s, c = np.sin(beta), np.cos(beta)
-    force = slope(Loads.columns(problem), beta[:, 0])[:, None, :]
-    alpha, minus_swirl, height = (change.integrals[..., k].swapaxes(1, 2) for k in range(3))
-    mu = problem.mu[:, None, None]
-    twist = (d_mu * ratio + mu * d_ratio) * t[:, None, :] + mu * ratio * later
-    return {
-        "beta": change.beta.swapaxes(1, 2) + v * later,
-        "dbeta": (change.rate.swapaxes(1, 2) - force * later - v / rho * d_rho) / rho,
-        "alpha": alpha0 + alpha + s * later,
-        "z": rho * (height + c * later) + z * d_rho,
-        "gamma": gamma0 + twist + minus_swirl - s * c * later,
-    }
+def _of_motion(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> Array:
+    """The derivatives of beta, dbeta, alpha, z and gamma at the stations, (5, b, F, n). unit: (b, 5, F), of `amounts`.
+    rates: of these cases."""
+    shape = _shape_of(sol, rates, motion.rows)
+    out = motion.change(shape["t"], unit).rows
+    loads = np.stack([motion.problem.lam, motion.problem.mu, motion.problem.phi], axis=1)
+    shape_rates(out, {**shape, "loads": loads, "span": motion.problem.span})
+    return out
+
+
+def _of_starts(sol: Shape, rates: FieldRates, read: Moving | None, out: Array) -> tuple[Array, Array]:
+    """Derive the solved start problems that are no helices; all of them, (5, B, F, n), and which are helices."""
+    solved = np.flatnonzero(sol.trajectory.solved)
+    every = solved.size == sol.problem.size
+    rows = slice(None) if every else solved
+    problem, own = (sol.problem, rates) if every else (sol.problem.take(solved), rates.take(solved))
+    shape = _shape_of(sol, own, rows)
+    found = start_sensitivities(problem, shape, POINTS, HOW, None if read is None else read.measured(rows))
+    if read is not None:
+        read.take(rows, found)
+    if not every:
+        out[:, solved] = found.along
+    return (found.along if every else out), solved[found.kind == HELIX]
 
 
 _ROUNDING = 32 * EPS  # of a derivative, times the condition number
@@ -125,20 +132,24 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
     if sol.case.varies:
         known = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
         with np.errstate(all="ignore"):
-            return _judge(sol, names, *varying_rates(sol, names, _ALONG, wanted), known, error / STEP)
+            curves, numbers = varying_rates(sol, names, _ALONG, wanted)
+            return _judge(sol, names, np.stack([*curves.values()]), numbers, known, error / STEP)
     rates = ends_field_rates(sol, names) if ends else field_rates(sol.case, names)
-    B, n = sol.t.shape
-    out = {name: np.full((B, len(names), n), np.nan) for name in _ALONG}
+    out = np.full((len(_ALONG), sol.problem.size, len(names), sol.t.shape[1]), np.nan)
     outcome = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
     read = Moving(sol, rates, (key for name in wanted for key in measure_of(name))) if wanted else None
     with np.errstate(all="ignore"):  # what leaves the finite numbers is told by the outcome
-        for motion in motions(sol, outcome):
+        if ends:
+            moving = of_equilibria(sol, outcome)
+        else:
+            out, still = _of_starts(sol, rates, read, out)
+            moving = of_helices(sol, still)
+        for motion in moving:
             unit = amounts(motion, rates.take(motion.rows))
             for name, moved in zip(("lam", "mu", "phi"), unit[:, 2:].swapaxes(0, 1), strict=True):
                 rates.of(name)[motion.rows] = moved  # held ends find them
             own = rates.take(motion.rows)
-            for name, values in along(sol, motion, unit, own).items():
-                out[name][motion.rows] = values
+            out[:, motion.rows] = _of_motion(sol, motion, unit, own)
             if read is not None:
                 read.add(motion, unit, own)
         found = {name: derivative_of(name, read) for name in wanted if read is not None}
@@ -146,31 +157,28 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
 
 
 def _judge(
-    sol: Shape, names: tuple[str, ...], out: dict[str, Array], found: dict[str, Array], outcome: Array, error: Array
+    sol: Shape, names: tuple[str, ...], out: Array, found: dict[str, Array], outcome: Array, error: Array
 ) -> Sensitivity:
     """The result; a case in which no digit is left gets an outcome that says so. error: (B,), by rounding."""
     growth, held = np.asarray(sol.trajectory.condition), isinstance(sol.problem, EndsProblem)
-    finite = np.logical_and.reduce([np.isfinite(value).all(axis=(1, 2)) for value in out.values()])
+    finite = np.isfinite(out).all(axis=(0, 2, 3))
     begun = outcome == SOLVED
     where = "at a fold, or next to one" if held else "next to a separatrix"
     for i in np.flatnonzero(begun & ~((error < SHAPELESS) & finite)):
         outcome[i] = f"failed: {where}, condition {growth[i]:.1e} leaves no digit of the derivatives"
     solved, shape = outcome == SOLVED, sol.case.shape
-    shaped = {
-        name: np.where(solved[:, None, None], value, np.nan).reshape(*shape, *value.shape[1:])
-        for name, value in out.items()
-    }
-    stated = np.where(solved, error + _CARRIED * np.asarray(sol.trajectory.error), np.inf)
-    each = {"solved": solved, "outcome": outcome, "error": stated}
     table = np.array([*found.values()]).reshape(len(found), solved.size, len(names))
     missing = solved & ~np.isfinite(table).all(axis=2)
-    table[:, ~solved] = np.nan
-    values = {name: rows.reshape(*shape, len(names)) for name, rows in zip(found, table, strict=True)}
+    if not solved.all():
+        out[:, ~solved] = table[:, ~solved] = np.nan
+    along = dict(zip(_ALONG, out.reshape(len(_ALONG), *shape, *out.shape[2:]), strict=True))
+    stated = np.where(solved, error + _CARRIED * np.asarray(sol.trajectory.error), np.inf)
+    values = dict(zip(found, table.reshape(len(found), *shape, len(names)), strict=True))
     remarks = {}
     for name, rows in zip(found, missing, strict=True):
         remark = np.full(solved.size, "", dtype=object)
         if rows.any():
             remark[rows] = why_missing(name, sol)
         remarks[name] = sol._each(remark)
-    told = {name: sol._each(value) for name, value in each.items()}
-    return Sensitivity(sol, names, **shaped, **told, observables=values, remarks=remarks)
+    told = {name: sol._each(value) for name, value in (("solved", solved), ("outcome", outcome), ("error", stated))}
+    return Sensitivity(sol, names, **along, **told, observables=values, remarks=remarks)

@@ -10,10 +10,14 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
+from solver.core.sensitivities import start_sensitivities
 from solver.observe.observables import OBSERVABLES, is_count
+from solver.orbit.pieces import HELIX
+from solver.orbit.variations import HOW, POINTS
 from solver.problem.case_fields import check_fields, fields_of
+from solver.problem.field_rates import NUMBERS
 from solver.problem.reduced import StartProblem, given_numbers, reduce
-from solver.sensitivity.motions import motions
+from solver.sensitivity.motions import of_equilibria, of_helices
 from tests.cases import START, ends_in_units_of_rho
 from tests.slow import slow_but
 from tests.workbench import doc_pages
@@ -55,8 +59,18 @@ def along(names: tuple[str, ...]) -> Any:
 
 def jacobian(solution: Any) -> Any:
     """Derivatives of beta, beta_t, alpha, z, swirl (n, 5) in the five directions of the references, (n, 5, 5)."""
-    outcome = np.array(["solved"], dtype=object)
-    (motion,) = motions(solution, outcome)
+    if isinstance(solution.problem, StartProblem):
+        by, none = np.zeros((len(NUMBERS), 1, 5)), np.zeros(1)
+        by[[NUMBERS.index(name) for name in ("beta0", "end", "lam", "mu", "phi")], 0, range(5)] = 1
+        known = {"t": solution.t, "by": by, "later": np.zeros((1, 5)), "ratio": none, "rho": none + 1}
+        known |= {key: getattr(solution.trajectory, n) for key, n in (("beta", "beta"), ("rate", "dbeta"), ("z", "z"))}
+        answer = start_sensitivities(solution.problem, known, POINTS, HOW)
+        if answer.kind[0] != HELIX:
+            beta, rate, alpha, z, minus_swirl = answer.along[:, 0]
+            return np.stack([beta, rate, alpha, z, -minus_swirl]).transpose(2, 0, 1)
+        (motion,) = of_helices(solution, np.array([0]))
+    else:
+        (motion,) = of_equilibria(solution, np.array(["solved"], dtype=object))
     along = motion.change(solution.t, motion.parts)
     alpha, minus_swirl, z = (along.integrals[0, ..., k] for k in range(3))
     found = np.stack([along.beta[0], along.rate[0], alpha, z, -minus_swirl], axis=1)

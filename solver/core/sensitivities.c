@@ -1,0 +1,262 @@
+/* The derivatives of start problems by fields of their cases, in one pass over each orbit: solver/sensitivity. */
+
+#include "measure_rates.h"
+
+/* The numbers of a case that have rates: NUMBERS in problem/field_rates.py */
+enum { LAM, MU, PHI, LENGTH, BETA0, END, STIFFNESS, RHO, RATIO, AZIMUTH, TWIST };
+enum { MARKS = 4, CHUNK = 64 };
+
+/* Shapes at n stations, B rods. t, beta, rate, z: (B, n), in units of rho. by: (11, B, F), rates of the numbers of the case;
+   NULL for the units of rho, whose rates are 0. later: (B, F), of the length in t. loads: (B, 3). ratio, rho: (B,). out:
+   (5, B, F, n), the changes of beta, beta_t and the integrals of H_q d beta, which become the derivatives of beta, dbeta,
+   alpha, z and gamma at constant s/L. */
+typedef struct {
+    int64_t size, stations, F;
+    const double *t, *beta, *rate, *z, *loads, *span, *by, *later, *ratio, *rho;
+    double *out;
+} shapes;
+
+static void derive_shape(const shapes *of, int64_t b)
+{
+    const int64_t n = of->stations, F = of->F, each = of->size * F * n, table = of->size * F;
+    const double lam = of->loads[3 * b], mu = of->loads[3 * b + 1], phi = of->loads[3 * b + 2];
+    const double rho = of->by ? of->rho[b] : 1, ratio = of->by ? of->ratio[b] : 0;
+    for (int64_t begin = 0; begin < n; begin += CHUNK) {
+        const int64_t at = b * n + begin;
+        const int many = (int)(n - begin < CHUNK ? n - begin : CHUNK);
+        const double *t = of->t + at, *v = of->rate + at, *z = of->z + at;
+        double s[CHUNK], c[CHUNK], H[CHUNK];
+        sin_cos_of(many, of->beta + at, s, c);
+        for (int i = 0; i < many; i++) {
+            if (!(fabs(of->beta[at + i]) < FAR))
+                s[i] = sin(of->beta[at + i]), c[i] = cos(of->beta[at + i]);
+            H[i] = (lam - (c[i] < 0 ? -mu : mu)) * c[i] + mu * (s[i] * s[i] * (1 + 2 * fabs(c[i])) / (1 + fabs(c[i]))) -
+                   (phi + 2 * c[i] * (s[i] * s[i])) * s[i];
+        }
+        for (int64_t f = 0; f < F; f++) {
+            const double *by = of->by ? of->by + b * F + f : NULL, longer = of->later[b * F + f] / of->span[b];
+            const double d_rho = by ? by[table * RHO] : 0, d_mu = by ? by[table * MU] : 0;
+            const double alpha = by ? by[table * AZIMUTH] : 0, gamma = by ? by[table * TWIST] : 0;
+            const double twist = d_mu * ratio + mu * (by ? by[table * RATIO] : 0), over = 1 / rho;
+            double *out = of->out + n * (b * F + f) + begin;
+            for (int i = 0; i < many; i++) {
+                const double later = longer * t[i], turned = out[2 * each + i], swirled = out[3 * each + i];
+                out[i] += v[i] * later;
+                out[each + i] = (out[each + i] - H[i] * later - v[i] * d_rho * over) * over;
+                out[2 * each + i] = alpha + turned + s[i] * later;
+                out[3 * each + i] = rho * (out[4 * each + i] + c[i] * later) + z[i] * d_rho;
+                out[4 * each + i] = gamma + twist * t[i] + mu * ratio * later + swirled - s[i] * c[i] * later;
+            }
+        }
+    }
+}
+
+/* The derivatives of shapes from the changes of their orbits. */
+void rod_shape_rates(const shapes *of)
+{
+    for (int64_t b = 0; b < of->size; b++)
+        derive_shape(of, b);
+}
+
+/* What is asked of B start problems. along: their shapes, whose `out` is filled; marks: those at the shares 0, 1/3, 2/3 and 1
+   of the length, without the units of cases, of which all but t is filled. sign, error: (B,), as of `rods`. wanted: bits of
+   rates; groups: of numbers along the whole rod, and partly: of those over its first and second third. lifts, peak: (B,),
+   what is observed; NULL for what is measured. Filled: kind (B,), of the orbits, LOST where there is none; half_period
+   (B, F); found (3, B), numbers along the rod, over its first third, and over two; rates (B, F, RATES). Of helices only
+   the kind is filled. */
+typedef struct {
+    shapes along, marks;
+    double *beta, *rate; /* of the marks */
+    const start_problem *problems;
+    const double *sign, *error, *lifts, *peak;
+    int64_t wanted, groups, partly;
+    double goal, rates_goal;
+    int64_t *kind;
+    double *half_period, *rates;
+    numbers *found;
+} sensitivities;
+
+/* What a thread needs. */
+typedef struct {
+    const sensitivities *all;
+    const grid *by;
+    const points *at;
+    const cutting *how;
+    workspace *w;
+    rods rod;
+    reader from;
+    lone_orbit orbit;
+    double *parts, *room, *pieces;
+    int64_t piece_room;
+    varied_place start;
+    double unit[5 * PARTS][CHUNK];
+} worker;
+
+/* The changes of a shape: sums over the parts, next to a saddle without those that do not change. */
+static void change_shape(worker *o, const shapes *of, int64_t b)
+{
+    const int64_t F = of->F, n = of->stations, each = of->size * F * n;
+    for (int64_t begin = 0; begin < n; begin += CHUNK) {
+        const int many = (int)(n - begin < CHUNK ? n - begin : CHUNK);
+        for (int i = 0; i < many; i++) {
+            varied_place there;
+            varied_unit unit;
+            rod_varied_place_at(&o->from, 0, of->t[b * n + begin + i], &there);
+            rod_varied_unit(&o->start, &there, &unit);
+            for (int k = 0; k < 5 * PARTS; k++)
+                o->unit[k][i] = unit.by[k / PARTS][k % PARTS];
+        }
+        for (int64_t f = 0; f < F; f++)
+            for (int k = 0; k < 5; k++) {
+                double *to = of->out + each * k + n * (b * F + f) + begin;
+                memset(to, 0, sizeof(double) * (size_t)many);
+                for (int part = 0; part < PARTS; part++) {
+                    const double amount = o->parts[PARTS * f + part], *unit = o->unit[PARTS * k + part];
+                    for (int i = 0; amount != 0 && i < many; i++)
+                        to[i] += unit[i] * amount;
+                }
+            }
+    }
+    derive_shape(of, b);
+}
+
+static void find_marks(worker *o, int64_t b)
+{
+    const read_orbits *of = &o->orbit.of;
+    const int n = (int)of->coefficients;
+    for (int64_t k = MARKS * b; k < MARKS * (b + 1); k++) {
+        varied_place place;
+        phase where;
+        double x;
+        const int64_t panel = rod_place(of, 0, o->all->marks.t[k], &where, &x);
+        rod_varied_place_at(&o->from, 0, o->all->marks.t[k], &place);
+        o->all->beta[k] = o->orbit.base[panel] + at_place(of->series + FUNCTIONS * n * panel, n, x);
+        o->all->rate[k] = place.v;
+    }
+}
+
+/* The pieces of the first share of the rod. Returns DONE or NO_MEMORY. */
+static int cover_rod(worker *o, int64_t b, double share)
+{
+    const read_orbits *of = &o->orbit.of;
+    const int64_t P = of->panels, n = of->coefficients, kept = 2 * n * (P + 1);
+    const start_problem *p = &o->all->problems[b];
+    const double span = share * p->span;
+    if (rod_roomy((void **)&o->pieces, &o->piece_room, kept + 7 * 3 * P + 7 + 2, sizeof(double)))
+        return NO_MEMORY;
+    double *series = o->pieces, *at = series + kept;
+    const int64_t m = 3 * P + 1;
+    int64_t *row = (int64_t *)at, *rod = row + m, *first = (int64_t *)(at + 7 * m);
+    const covered out = {rod, row, at + 2 * m, at + 3 * m, at + 4 * m, at + 5 * m, at + 6 * m};
+    for (int64_t i = 0; i < P; i++) {
+        memcpy(series + 2 * n * i, of->series + FUNCTIONS * n * i, sizeof(double) * (size_t)(2 * n));
+        series[2 * n * i] += o->orbit.base[i];
+    }
+    first[0] = 0, first[1] = rod_cover(of, 1, &span, &out);
+    if (!first[1]) { /* nothing moves */
+        memset(series + 2 * n * P, 0, sizeof(double) * (size_t)(2 * n));
+        series[2 * n * P] = p->beta0;
+        row[0] = P, out.low[0] = -1, out.high[0] = 1, out.time[0] = span, out.count[0] = 1, out.begin[0] = 0;
+        first[1] = 1;
+    }
+    o->rod = (rods){n, 2, 1, o->rod.groups, o->rod.goal, series, first, row, out.low, out.high, out.time, out.count,
+                    out.begin, &p->lam, &p->mu, &p->phi, &p->span, &p->beta0, o->all->sign + b, o->all->error + b};
+    return DONE;
+}
+
+static int measure_rod(worker *o, int64_t b)
+{
+    const sensitivities *all = o->all;
+    const int64_t F = all->along.F, B = all->along.size;
+    numbers *found = all->found + b;
+    o->rod.groups = all->groups, o->rod.goal = all->goal;
+    if (cover_rod(o, b, 1) || rod_measured_numbers(o->w, 0, found))
+        return NO_MEMORY;
+    const changes by = {F, all->wanted, o->parts, all->along.later + F * b,
+                        all->lifts ? all->lifts + b : &found->value[FIRST_LIFT],
+                        all->peak ? all->peak + b : &found->value[PEAK], o->orbit.base};
+    o->rod.goal = all->rates_goal;
+    if (all->wanted && rod_rates(o->w, &o->from, o->at, &o->orbit.varied, &by, 0, o->room, all->rates + RATES * F * b))
+        return NO_MEMORY;
+    o->rod.groups = all->partly, o->rod.goal = all->goal;
+    for (int third = 1; third < 3 && all->partly; third++)
+        if (cover_rod(o, b, third / 3.0) || rod_measured_numbers(o->w, 0, found + B * third))
+            return NO_MEMORY;
+    return DONE;
+}
+
+/* The orbit of rod b and its variations; its kind is LOST where a number is not finite, or critical points could not be told
+   apart. Returns DONE or NO_MEMORY. */
+static int vary_rod(worker *o, int64_t b)
+{
+    const start_problem *p = &o->all->problems[b];
+    const double *number = &p->lam;
+    critical found;
+    o->orbit = (lone_orbit){.kind = LOST}, o->all->kind[b] = LOST;
+    for (int k = 0; k < 6; k++)
+        if (!isfinite(number[k]))
+            return DONE;
+    int failed = rod_critical(p->lam, p->mu, p->phi, o->by->m, o->by->angles, o->by->table, &found);
+    failed = failed ? failed : rod_lone_orbit(p, wrapped(p->beta0), square(p->dbeta0), &found, o->at, o->how, &o->orbit);
+    o->all->kind[b] = failed && o->orbit.kind != HELIX ? LOST : o->orbit.kind;
+    if (failed)
+        return failed == NO_MEMORY ? failed : DONE;
+    rod_vary(&p->lam, &o->orbit.of, 0, o->orbit.origin, o->at, NULL, o->orbit.nodes, o->orbit.room, &o->orbit.varied);
+    o->from.of = &o->orbit.of, o->from.series = o->orbit.varied.series, o->from.gain = o->orbit.varied.gain;
+    o->from.panel = -1;
+    rod_varied_place_at(&o->from, 0, 0, &o->start);
+    return DONE;
+}
+
+static int derive_rod(worker *o, int64_t b)
+{
+    static const int given[PARTS] = {BETA0, END, LAM, MU, PHI};
+    const sensitivities *all = o->all;
+    const int64_t F = all->along.F, table = all->along.size * F;
+    double by_start[PARTS][PARTS];
+    const int failed = vary_rod(o, b);
+    if (failed || all->kind[b] == LOST || all->kind[b] == HELIX)
+        return failed;
+    rod_varied_directions(&o->start, by_start);
+    for (int64_t f = 0; f < F; f++) {
+        double *parts = o->parts + PARTS * f, later = 0;
+        for (int part = 0; part < PARTS; part++) {
+            parts[part] = 0;
+            for (int k = 0; k < PARTS; k++)
+                parts[part] += by_start[part][k] * all->along.by[table * given[k] + b * F + f];
+        }
+        for (int k = 0; k < 4; k++)
+            later -= (o->orbit.gain[k] + o->orbit.gain[SUMS + k]) * parts[1 + k];
+        all->half_period[b * F + f] = later;
+    }
+    change_shape(o, &all->along, b);
+    find_marks(o, b);
+    change_shape(o, &all->marks, b);
+    return all->wanted || all->groups || all->partly ? measure_rod(o, b) : DONE;
+}
+
+/* The derivatives of start problems from `begin` to `end`. Returns DONE or NO_MEMORY, or NOT_POSSIBLE for other points. */
+int rod_sensitivities(const sensitivities *all, const grid *by, const points *at, const cutting *how, int64_t begin,
+                      int64_t end)
+{
+    if (at->n > NODES || at->n < 4)
+        return NOT_POSSIBLE;
+    const int64_t F = all->along.F;
+    worker *o = calloc(1, sizeof(worker));
+    int failed = o ? DONE : NO_MEMORY;
+    if (o) {
+        o->all = all, o->by = by, o->at = at, o->how = how, o->rod.coefficients = at->n + 1;
+        o->parts = malloc(sizeof(double) * (size_t)((PARTS + 3 * CANDIDATES) * F));
+        o->w = rod_workspace(&o->rod, how->lanes);
+        o->room = o->parts + PARTS * F;
+        failed = o->parts && o->w ? DONE : NO_MEMORY;
+    }
+    for (int64_t b = begin; b < end && !failed; b++) {
+        failed = derive_rod(o, b);
+        rod_lone_orbit_free(&o->orbit);
+    }
+    if (o)
+        rod_workspace_free(o->w), free(o->parts), free(o->pieces);
+    free(o);
+    return failed;
+}
