@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from .equilibria import Equilibrium, equilibria
     from .equilibrium_branch import Branch
     from .follow import follow
-    from .inverse import fit
+    from .inverse.fit_search import fit
     from .loops import Loop, loops
-    from .observe import observe
+    from .observe.observables import observe
     from .problem.case import Case, Cylinder, Ends, Rod, Start
     from .problem.errors import InputError
     from .problem.rod import weight_in_fluid
@@ -53,8 +53,8 @@ __all__ = [
 _HOMES = {
     "Branch": "equilibrium_branch", "Case": "problem.case", "Cylinder": "problem.case", "Ends": "problem.case",
     "Equilibrium": "equilibria", "InputError": "problem.errors", "Loop": "loops", "Rod": "problem.case",
-    "Solution": "solution", "Start": "problem.case", "fit": "inverse", "fold_curves": "region_map",
-    "trace_fold": "traced_folds", "weight_in_fluid": "problem.rod",
+    "Solution": "solution", "Start": "problem.case", "fit": "inverse.fit_search", "fold_curves": "region_map",
+    "observe": "observe.observables", "trace_fold": "traced_folds", "weight_in_fluid": "problem.rod",
 }  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from .choose.selection import NEAREST, Choose, select
 from .equilibrium_list import Equilibria, Equilibrium, in_order
 from .held_equilibria import TRIES, held_energy, held_equilibria, stray
 from .numerics.arrays import Array
-from .observe import observe
+from .observe.observables import observe
 from .problem.case import Case, Ends, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, whole_number
 from .problem.limits import OUT_OF_RANGE, TOO_LARGE, TOO_LONG, beyond, dimensionless, not_too_long, representable

@@ -12,7 +12,7 @@ from .equilibrium.held_index import dead_index_of
 from .equilibrium_list import Equilibrium, HeldEquilibria, HeldSearch, in_order
 from .held.held_search import HeldFound, held_search
 from .held.held_starts import Reached
-from .observe import observe
+from .observe.observables import observe
 from .problem.case import PAIRS, Case, Ends
 from .problem.errors import InputError, no_such, show
 from .problem.limits import OUT_OF_RANGE, beyond, beyond_limits, held_apart, too_far, units_held

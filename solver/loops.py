@@ -177,7 +177,7 @@ def _loop(
 ) -> Loop:
     """The loop of an orbit; about: 1, or -1 for the mirror image of the orbit."""
     from .closed.loop_orbits import index_of, meets_itself
-    from .observe import observe
+    from .observe.observables import observe
 
     case = Case(rod, cylinder, _start(rod, cylinder, about * orbit.lowest, about * orbit.lam))
     sol = solve(case, tol=TOL, stations=stations)

@@ -21,7 +21,7 @@ DENSITIES = tuple(re.findall(r"ROW\(\w+, (\w+)\)", _HEADER))
 _ROWS = re.findall(r"ROW\((\w+), \w+, (\w+), ([01])\)", _HEADER)
 NUMBERS = tuple(name for _, name, _ in _ROWS)
 RATED = {name: k for k, (_, name, rated) in enumerate(_ROWS) if rated == "1"} | {"middle push": len(_ROWS)}
-GROUPS = [tuple(name for own, name, _ in _ROWS if own == group) for group in dict.fromkeys(row[0] for row in _ROWS)]
+GROUPS = [tuple(name for kind, name, _ in _ROWS if kind == group) for group in dict.fromkeys(row[0] for row in _ROWS)]
 _COUNTS = ("coefficients", "kinds", "monotone", "groups")
 _PIECES, _RODS = ("low", "high", "time", "count", "begin"), ("lam", "mu", "phi", "span", "beta0", "sign", "error")
 

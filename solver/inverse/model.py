@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..observe import observe
+from ..observe.observables import observe
 from ..problem.case import Case, Ends
 from ..problem.errors import InputError
 from ..solution import Solution

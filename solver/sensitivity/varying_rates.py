@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..observe import observe
+from ..observe.observables import observe
 from ..problem.case import Case, Start
 from ..problem.case_fields import unchecked_with_field, values_of
 from ..problem.quantities import quantity

@@ -16,7 +16,7 @@ from solver.held.held_search import held_search
 from solver.levels.level_search import Found, search_levels
 from solver.levels.line_point import path_of
 from solver.numerics.arrays import Array
-from solver.observe import observe
+from solver.observe.observables import observe
 from solver.problem.reduced import EndsProblem, reduce_held
 from tests.laws.test_held_ends import discrete_index
 
