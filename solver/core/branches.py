@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from .library import Cutting, address, cut, fine, functions, grid, points
+from .library import Cutting, address, cut, fine, functions, on_grid, points
 
 LEFT_TO_CALLER, AT_END, IS_CLOSED, ENOUGH = range(4)  # why the steps end
 KINDS = ("saddle", "start", "end")
@@ -126,14 +126,13 @@ class Steps:
     def __init__(self, numbers: Numbers, scale: float, n: int, how: tuple[Cutting, Cutting], held: Any = None) -> None:
         self._raised: list[BaseException] = []
         self._scale, self._held = scale, held
-        angles, table = self._arrays = grid()
         self._pointed = points(n), cut(how[0], True), cut(how[1], False)
         pointers = (ctypes.cast(pointer, ctypes.c_void_p) for pointer in self._pointed)
         self._curve = _Curve(
             _call(numbers, 7 if held else 6, self._raised),
             None,
             None,
-            Grid(angles.size, address(angles), address(table)),
+            Grid(*on_grid()),
             *pointers,
         )
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans, Integers
-from .library import Cutting, address, cut, fine, functions, grid, points
+from .library import Cutting, address, cut, fine, functions, on_grid, points
 
 
 class _Boundary(ctypes.Structure):
@@ -95,10 +95,9 @@ def resume(
     tuple or None
         Pin, sign, y, leaving and turns; None where the branch ends, or where it needs a leap or passes a helix.
     """
-    angles, table = grid()
     at, route = np.array(level, dtype=float), np.array(way, dtype=np.int64)
     status = functions().rod_continued(
-        address(first), address(last), ctypes.c_int64(angles.size), address(angles), address(table),
+        address(first), address(last), *on_grid(),
         points(n), cut(how, True), address(at), address(route),
     )  # fmt: skip
     return (*at.tolist(), *route.tolist()) if fine(status) else None

@@ -153,6 +153,13 @@ def grid() -> tuple[Array, Array]:
 
 
 @cache
+def on_grid() -> tuple[Any, Any, Any]:
+    """The grid as arguments of the core: M, and where its arrays are."""
+    angles, table = grid()
+    return ctypes.c_int64(angles.size), address(angles), address(table)
+
+
+@cache
 def functions() -> Any:
     """The library with the types of what its functions return."""
     core = library()
@@ -171,3 +178,11 @@ def fine(status: int) -> bool:
     if status == _NO_MEMORY:
         raise MemoryError
     return status == 0
+
+
+def numbers_of(problem: Any) -> Array:
+    """lam, mu, phi, span, beta(0) and beta_t(0) of B start problems, (B, 6); of ends problems beta(L) in its place."""
+    numbers = np.empty((problem.size, 6))
+    for k, number in enumerate(vars(problem).values()):
+        numbers[:, k] = number
+    return numbers

@@ -2,7 +2,6 @@
 
 import ctypes
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -105,11 +104,3 @@ def _rows(out: Array | None, n: int) -> list[tuple[int | None, int]]:
         return [(None, n) for _ in range(4)]
     begin, size = begin_of(out), out.nbytes // 4
     return [(begin + k * size, n) for k in range(4)]
-
-
-def problems_of(problem: Any) -> Array:
-    """The numbers of B start problems as `march` takes them, (B, 6)."""
-    numbers = np.empty((problem.size, 6))
-    for k, name in enumerate(("lam", "mu", "phi", "span", "beta0", "dbeta0")):
-        numbers[:, k] = getattr(problem, name)
-    return numbers

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..mechanics.potential import HasLoads
 from ..numerics.arrays import Array, Booleans, Integers
-from .library import Cutting, address, cut, fine, functions, grid, points
+from .library import Cutting, address, cut, fine, functions, numbers_of, on_grid, points
 
 _CRITICAL = 16  # most critical points of a problem
 FUNCTIONS, PIECE_COLUMNS = 5, 17  # series of a panel; numbers of a piece
@@ -66,11 +66,11 @@ def critical_points(problem: HasLoads) -> CriticalPoints:
 
 def _critical_points(loads: Array) -> CriticalPoints | None:
     """Those of loads (B, 3); None where one is not finite, or critical points could not be told apart."""
-    B, (angles, table) = loads.shape[0], grid()
+    B = loads.shape[0]
     beta, centre = np.full((B, _CRITICAL), np.nan), np.zeros((B, _CRITICAL), np.bool_)
     count = np.empty(B, np.int64)
     status = functions().rod_critical_points(
-        ctypes.c_int64(B), address(loads), ctypes.c_int64(angles.size), address(angles), address(table),
+        ctypes.c_int64(B), address(loads), *on_grid(),
         address(beta), address(centre), address(count),
     )  # fmt: skip
     most = int(count.max(initial=0)) if fine(status) else 0
@@ -99,10 +99,9 @@ def orbits(numbers: Array, pin: Any, n: int, cutting: Cutting) -> FoundOrbits | 
     kind, direction, count = np.empty(B, np.int64), np.empty(B), np.empty(2 * B, np.int64)
     pieces, status = ctypes.c_int64(), ctypes.c_int64()
     pinned = (None, None) if pin is None else tuple(np.ascontiguousarray(v, dtype=float) for v in pin)
-    angles, table = grid()
     handle = core.rod_orbits(
-        ctypes.c_int64(B), address(numbers), address(pinned[0]), address(pinned[1]), ctypes.c_int64(angles.size),
-        address(angles), address(table), points(n), cut(cutting, False),
+        ctypes.c_int64(B), address(numbers), address(pinned[0]), address(pinned[1]), *on_grid(), points(n),
+        cut(cutting, False),
         address(kind), address(direction), address(count), ctypes.byref(pieces), ctypes.byref(status),
     )  # fmt: skip
     if handle is None:
@@ -176,12 +175,6 @@ def read(orbit: Any, t: Array) -> Array:
     )
     del kept
     return out
-
-
-def numbers_of(problem: Any) -> Array:
-    """lam, mu, phi, span, beta(0) and beta_t(0) of B start problems, (B, 6)."""
-    p = problem
-    return np.stack([p.lam, p.mu, p.phi, p.span, p.beta0, p.dbeta0], axis=1)
 
 
 def judge(orbit: Any) -> tuple[Array, Array]:

@@ -2,21 +2,21 @@
 them, by the compiled core: `orbit_rates.c`, `variations.c` and `measure_rates.c`."""
 
 import ctypes
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
 from .branches import NO_ORBIT, NUMBERS, PARTS, RATES, Grid, Level
-from .library import Cutting, address, cut, fine, functions, grid, points, share_out, widest
+from .library import Cutting, address, cut, fine, functions, on_grid, points, share_out, widest
 from .measures import NUMBERS as MEASURED
 from .measures import RATED, rods_of
 from .orbits import reading
 
 
 def orbit_rates(
-    numbers: Sequence[float], path: Any, n: int, how: tuple[Cutting, Cutting]
+    numbers: Array, path: Any, n: int, how: tuple[Cutting, Cutting]
 ) -> tuple[Array, Array, Array, Array] | None:
     """The values (11,), rows (11, 5), derivatives by the length (11,), and length () of one equilibrium.
 
@@ -31,17 +31,16 @@ def orbit_rates(
     """
     if path.helix:
         return None
-    angles, table = grid()
-    searched, out = Grid(angles.size, address(angles), address(table)), np.full(RATES, np.nan)
+    out = np.full(RATES, np.nan)
     level = Level(path.pin, path.sign, path.y, path.leaving, path.turns)
     status = functions().rod_orbit_rates(
-        (ctypes.c_double * 6)(*numbers), ctypes.byref(level), ctypes.byref(searched), points(n), cut(how[0], True),
-        cut(how[1], False), address(out),
+        (ctypes.c_double * 6)(*numbers), ctypes.byref(level), ctypes.byref(Grid(*on_grid())), points(n),
+        cut(how[0], True), cut(how[1], False), address(out),
     )  # fmt: skip
     return split(out) if status == NO_ORBIT or fine(status) else None
 
 
-def start_rates(numbers: Sequence[float], n: int, how: Cutting) -> tuple[Array, Array, Array, Array] | None:
+def start_rates(numbers: Array, n: int, how: Cutting) -> tuple[Array, Array, Array, Array] | None:
     """The same of the orbit of a start problem, at its far end; y has no value and no row.
 
     Parameters
@@ -50,10 +49,9 @@ def start_rates(numbers: Sequence[float], n: int, how: Cutting) -> tuple[Array, 
     n, how
         As of `orbit_rates`; how panels of the orbit are cut.
     """
-    angles, table = grid()
-    searched, out = Grid(angles.size, address(angles), address(table)), np.full(RATES, np.nan)
+    out = np.full(RATES, np.nan)
     status = functions().rod_start_rates(
-        (ctypes.c_double * 6)(*numbers), ctypes.byref(searched), points(n), cut(how, False), address(out)
+        (ctypes.c_double * 6)(*numbers), ctypes.byref(Grid(*on_grid())), points(n), cut(how, False), address(out)
     )
     return split(out) if fine(status) else None
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..core import varied_orbits as core
-from ..core.library import Cutting
+from ..core.library import Cutting, numbers_of
 from ..levels.line_point import LinePoint, Path
 from ..levels.path_orbits import variations_of
 from ..levels.transit_times import CUTTING, STRETCH
@@ -117,10 +117,10 @@ def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
     -------
     OrbitRates
     """
-    B = problem.size
+    B, numbers = problem.size, numbers_of(problem)
     values, rows, by_span, span = np.empty((B, 11)), np.empty((B, 11, 5)), np.empty((B, 11)), np.empty(B)
     for i, path in enumerate(paths):
-        found = core.orbit_rates(_numbers(problem, i), path, POINTS, HOW)
+        found = core.orbit_rates(numbers[i], path, POINTS, HOW)
         if found is None:
             one = _rates_beyond_core(problem.take(slice(i, i + 1)), path)
             found = one.values[0], one.rows[0], one.by_span[0], one.length[0]
@@ -134,7 +134,7 @@ def start_rates(problem: StartProblem) -> OrbitRates:
     They are regular where the rod is at rest at an end, or at both: there the length at which an orbit meets beta(L)
     has no derivative. y has neither value nor row. NaN for a helix, and where the core cannot follow the orbit.
     """
-    numbers = [float(getattr(problem, name)[0]) for name in ("lam", "mu", "phi", "span", "beta0", "dbeta0")]
+    numbers = numbers_of(problem)[0]
     numbers[5] = numbers[5] if abs(numbers[5]) > _REST else 0.0
     found = core.start_rates(numbers, POINTS, HOW[1])
     values, rows, by_span = (
@@ -143,10 +143,6 @@ def start_rates(problem: StartProblem) -> OrbitRates:
     values[NUMBERS.index("dbeta0")] = problem.dbeta0[0]  # not as it is read from the orbit
     rows[_Y] = by_span[_Y] = np.nan
     return OrbitRates(problem.with_end(values[[NUMBERS.index("betaL")]]), values[None], rows[None], by_span[None])
-
-
-def _numbers(problem: EndsProblem, i: int) -> list[float]:
-    return [float(number[i]) for number in vars(problem).values()]
 
 
 def _rates_beyond_core(problem: EndsProblem, path: Path) -> OrbitRates:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..core import march as core
+from ..core.library import numbers_of
 from ..numerics.arrays import Array, Booleans, Integers
 from ..problem.reduced import StartProblem
 from .periodic_orbit import Orbit, solve_orbit
@@ -79,7 +80,7 @@ class MarchedOrbit:
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
         out = np.full((4, *t.shape), np.nan)
-        core.march(core.problems_of(self.problem), self.tol, np.ascontiguousarray(t), out)
+        core.march(numbers_of(self.problem), self.tol, np.ascontiguousarray(t), out)
         if self.rest is not None:
             out[:, self.lost] = self.rest.at(t[self.lost])
         return out[0], out[1], out[2], out[3]
@@ -87,7 +88,7 @@ class MarchedOrbit:
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
         out = np.full(t.shape, np.nan)
-        core.march(core.problems_of(self.problem), self.tol, np.ascontiguousarray(t), swirl=out)
+        core.march(numbers_of(self.problem), self.tol, np.ascontiguousarray(t), swirl=out)
         if self.rest is not None:
             out[self.lost] = self.rest.swirl(t[self.lost])
         return out
@@ -113,7 +114,7 @@ class MarchedOrbit:
         steps, mine = core.room_for(self.found), np.flatnonzero(~self.lost)
         # a lost orbit has no room: the march of one that was too inaccurate would write beyond the arrays
         own = replace(steps, first=steps.first[mine])
-        core.march(core.problems_of(self.problem.take(mine)), self.tol, np.empty((mine.size, 0)), steps=own)
+        core.march(numbers_of(self.problem.take(mine)), self.tol, np.empty((mine.size, 0)), steps=own)
         return steps
 
     def complete(self, lost: Booleans, answer: "Trajectory") -> "MarchedOrbit":
@@ -146,5 +147,5 @@ def march_orbit(problem: StartProblem, tol: float, t: Array, out: Array) -> Marc
     MarchedOrbit
         `lost` where the march fails.
     """
-    found = core.march(core.problems_of(problem), tol, np.ascontiguousarray(t), out)
+    found = core.march(numbers_of(problem), tol, np.ascontiguousarray(t), out)
     return MarchedOrbit(problem, tol, found, found["status"][:, 0] == core.LOST)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..core import orbits as core
-from ..core.library import Cutting
+from ..core.library import Cutting, numbers_of
 from ..numerics.arrays import Array, Integers
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import PLAIN
@@ -151,7 +151,7 @@ def relative_orbit(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[A
 
 def _orbits(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, Array] | None) -> Orbit:
     """The orbits by the core; those of a problem that is not finite, which the core refuses, are NaN."""
-    numbers, pinned = core.numbers_of(problem), None if pin is None else np.stack(pin, axis=1)
+    numbers, pinned = numbers_of(problem), None if pin is None else np.stack(pin, axis=1)
 
     def solve(rows: Any) -> core.FoundOrbits | None:
         own = None if pinned is None else (pinned[rows, 0], pinned[rows, 1])

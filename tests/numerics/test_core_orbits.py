@@ -8,7 +8,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria
 from solver.core import orbits as core
-from solver.core.library import Cutting
+from solver.core.library import Cutting, numbers_of
 from solver.core.orbits import critical_points
 from solver.mechanics.potential import Loads, slope
 from solver.orbit.periodic_orbit import solve_orbit
@@ -75,7 +75,7 @@ def test_an_orbit_is_the_same_bits_alone_in_a_batch_and_in_any_thread() -> None:
 
 def test_the_width_of_the_lanes_changes_no_bit() -> None:
     for kind in KINDS:
-        numbers = core.numbers_of(problems(kind, 20))
+        numbers = numbers_of(problems(kind, 20))
         one, two = (core.orbits(numbers, None, 22, Cutting(0.45, 1e-14, 1.0, lanes)) for lanes in (2, 0))
         assert one is not None
         assert two is not None

@@ -13,7 +13,7 @@ import pytest
 from solver import InputError, solve
 from solver.core import march
 from solver.core.build import digest
-from solver.core.library import OTHER, library_path, threads
+from solver.core.library import OTHER, library_path, numbers_of, threads
 from solver.methods import METHODS, OrbitQuadrature, SwingTaylor
 from solver.observe.observables import OBSERVABLES, observe
 from solver.orbit.pieces import ROTATION
@@ -128,7 +128,7 @@ def test_steps_of_rods_that_go_to_the_quadrature_overwrite_no_others() -> None:
     """Some of these marches end, but too inaccurately: they are not kept and have no room among the steps."""
     case = draw(150, 0, "helix")
     orbit = solve(case, tol=1e-6, stations=3).trajectory.orbit
-    ended = march.march(march.problems_of(orbit.problem), orbit.tol, np.empty((case.size, 0)))["count"][:, 0] > 0
+    ended = march.march(numbers_of(orbit.problem), orbit.tol, np.empty((case.size, 0)))["count"][:, 0] > 0
     assert (orbit.lost & ended).any()
     assert not orbit.lost.all()
     first = orbit.steps.first[~orbit.lost]
@@ -155,7 +155,7 @@ def test_observables_are_those_of_the_quadrature(name: str) -> None:
 
 def test_results_are_equal_to_the_bit_for_every_width_of_lanes_and_number_of_threads(monkeypatch) -> None:
     problem = random(1100, 9, 1, (0, 2.5))
-    numbers, t = march.problems_of(problem), problem.span[:, None] * np.linspace(0, 1, 37)
+    numbers, t = numbers_of(problem), problem.span[:, None] * np.linspace(0, 1, 37)
 
     def run(lanes: int, threads: str) -> tuple[bytes, ...]:
         monkeypatch.setenv("OMP_NUM_THREADS", threads)
@@ -190,7 +190,7 @@ def test_the_number_of_threads_is_that_of_the_environment(monkeypatch) -> None:
 def test_an_empty_batch_and_no_station_are_no_error() -> None:
     assert march.march(np.empty((0, 6)), 1e-9, np.empty((0, 5)), np.empty((4, 0, 5))).size == 0
     problem = random(3, 1, 1, (0, 1))
-    assert np.isfinite(march.march(march.problems_of(problem), 1e-9, np.empty((3, 0)))["error"]).all()
+    assert np.isfinite(march.march(numbers_of(problem), 1e-9, np.empty((3, 0)))["error"]).all()
 
 
 ANOTHER = Path(_ctypes.__file__).read_bytes()
@@ -239,7 +239,7 @@ def test_its_linearised_growth_is_that_of_the_arrays() -> None:
     for kind in (*KINDS, *NEAR):
         p = problems(kind, 200, 1)
         steady, growth = beside_helix(p)
-        found = march.march(march.problems_of(p), 1e-9, np.empty((p.size, 0)))
+        found = march.march(numbers_of(p), 1e-9, np.empty((p.size, 0)))
         clear = steady & (growth < 1e10) & (found["status"][:, 0] != march.LOST)
         differs = ~np.isclose(found["condition"][clear], growth[clear], rtol=1e-9)
         assert differs.sum() <= 1  # one rod may lie on the limit of what counts as steady

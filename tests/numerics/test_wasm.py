@@ -11,6 +11,7 @@ import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.core import build, march
+from solver.core.library import numbers_of
 from solver.core.measures import NUMBERS, measure
 from solver.observe.solution_pieces import pieces_of
 from solver.problem.reduced import StartProblem
@@ -56,7 +57,7 @@ def test_the_core_for_browsers_gives_the_numbers_of_this_machine(tmp_path: Path)
     problem = problems()
     t = problem.span[:, None] * np.linspace(0, 1, STATIONS)
     out, swirl = np.empty((4, *t.shape)), np.empty(t.shape)
-    known = march.march(march.problems_of(problem), TOL, t, out, swirl)
+    known = march.march(numbers_of(problem), TOL, t, out, swirl)
     told = in_node(tmp_path, problem, t)
     ends = [("marched", "turns", "goes round")[status] for status in known["status"][:, 0]]
     ends[2] = "lost"  # a change of this straight rod grows to 1e97
