@@ -2,13 +2,14 @@
 the values of one knob, from cheap to dear, for the comparison of accuracy against cost."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache, partial
 from importlib.util import find_spec
 from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..choose.selection import NEAREST, Choose, select_seed
 from ..numerics.arrays import Array
@@ -19,6 +20,7 @@ from ..problem.trajectory import Seed, Trajectory, verdicts
 # Evaluations after which a ladder ends: about 0.4 s on the machine of docs/reference/methods.md. Evaluations, not
 # seconds, so that a busy machine runs the same rungs. The first limit is for methods that call Python at each one.
 MOST_CALLED, MOST_COMPILED = 20_000, 1_000_000
+TIGHTEST = 3e-14  # tolerance of a step or of a residual: scipy refuses one below 100 eps
 _LOOSE = 0.9  # the tolerance of a rung whose knob is another one: only a rung without a digit fails
 
 
@@ -150,6 +152,63 @@ class Method(ABC):
         return cls(**knobs)
 
 
+# beta, beta_t, alpha, z and swirl of one case at n stations, (5, n); error, condition number, evaluations, and why it
+# failed or an empty text
+Answer = tuple[Array, float, float, int, str]
+
+
+def one_by_one(
+    answer: Callable[[int], Answer], t: Array, tol: float, selection: NDArray[np.object_] | None = None
+) -> Trajectory:
+    """The answers to B problems at t (B, n), one after the other."""
+    columns, numbers = np.empty((5, *t.shape)), np.empty((2, t.shape[0]))
+    work, why = np.zeros(t.shape[0], dtype=np.int64), np.empty(t.shape[0], dtype=object)
+    for i in range(t.shape[0]):
+        columns[:, i], *numbers[:, i], work[i], why[i] = answer(i)
+    return trajectory_of(columns, numbers[0], numbers[1], work, tol, why, selection)
+
+
+def trajectory_of(
+    columns: Array, error: Array, condition: Array, work: Any, tol: float, why: Any = "", selection: Any = None
+) -> Trajectory:
+    """The answer of a method that knows no orbit; columns: (5, B, n), as of `Answer`."""
+    beta, dbeta, alpha, z, swirl = columns
+    rest = *verdicts(beta, error, condition, tol).failed(why), error, condition, work, None, selection
+    return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *rest)
+
+
+def largest(off: Array, reach: Any) -> Array:
+    """The largest of beta, and of alpha and z over max(1, reach), in differences of columns (5, ..., n), (...)."""
+    most: Array = np.maximum(off[0], np.maximum(off[2], off[3]) / np.maximum(1, reach)).max(axis=-1, initial=0.0)
+    return most
+
+
+def tighten(
+    attempt: Callable[[float], tuple[Array, int, str]], rounding: Callable[[int], float], reach: float, tol: float,
+    rtol: float | None, tightest: float, loosest: float = 1e-2,
+) -> tuple[Array, float, int, str]:  # fmt: skip
+    """The columns of one case by a method whose tolerance is one of a step; their error, evaluations, and why there are
+    none or an empty text.
+
+    A run at thirty times the tolerance is compared, and unless `rtol` gives the tolerance, it is tightened until the
+    two agree. attempt: columns at a tolerance, evaluations and why it failed. rounding: an error to be added, of all
+    evaluations.
+    """
+    accuracy = float(np.clip(0.1 * tol if rtol is None else rtol, tightest, loosest))
+    coarse, calls, why = attempt(30 * accuracy)
+    while not why:  # a tighter run would take longer still
+        fine, more, why = attempt(accuracy)
+        calls += more
+        error = float(largest(np.abs(fine - coarse), reach))
+        if why or not np.isfinite(error):
+            return fine, np.inf, calls, why
+        error += rounding(calls)
+        if rtol is not None or error <= tol or accuracy <= tightest:
+            return fine, error, calls, ""
+        coarse, accuracy = fine, max(tightest, accuracy / 30)
+    return coarse, np.inf, calls, why
+
+
 class StartMethod(Method):
     """A method for start problems."""
 
@@ -179,29 +238,21 @@ class SeededMethod(EndsMethod):
     """
 
     @abstractmethod
-    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> tuple[Array, float, float, int, str]:
-        """beta, beta_t, alpha, z and swirl of one case at t (n,), (5, n); error, condition number, evaluations, and why
-        it failed or an empty text."""
+    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Answer:
+        """The answer to one case at t (n,)."""
 
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
-        taken, why = None, [""] * problem.size
-        if seed is None:
-            seed, taken, why = select_seed(problem, choose)
-        columns = np.full((5, problem.size, t.shape[1]), np.nan)
-        error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
-        work = np.zeros(problem.size, dtype=np.int64)
-        for i in range(problem.size):
-            single, near = problem.take(slice(i, i + 1)), seed.take(i)
+        begin, taken, why = (seed, None, [""] * problem.size) if seed is not None else select_seed(problem, choose)
+
+        def answer(i: int) -> Answer:
+            near = begin.take(i)
             if np.isfinite(near.beta).all():
-                columns[:, i], error[i], condition[i], work[i], why[i] = self.solve_one(single, t[i], tol, near)
-            else:
-                why[i] = why[i] or "failed: the seed has no shape"
-        verdict = verdicts(columns[0], error, condition, tol).failed(why)
-        beta, dbeta, alpha, z, swirl = columns
-        shape = beta, dbeta, alpha, z, partial(np.asarray, swirl)
-        return Trajectory(*shape, *verdict, error, condition, work, None, taken)
+                return self.solve_one(problem.take(slice(i, i + 1)), t[i], tol, near)
+            return np.full((5, t.shape[1]), np.nan), np.inf, np.inf, 0, why[i] or "failed: the seed has no shape"
+
+        return one_by_one(answer, t, tol, taken)
 
 
 @cache

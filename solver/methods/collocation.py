@@ -6,23 +6,21 @@ finds the solution near its seed; without a seed, near the equilibrium that the 
 its Newton iteration limits the error to about 1e-11.
 """
 
-import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ..levels.morse_index import response
 from ..mechanics.potential import slope, slope_rate
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed
-from .base import MOST_COMPILED, TOLERANCES, Ladder, SeededMethod, knob
+from .base import MOST_COMPILED, TIGHTEST, TOLERANCES, Answer, Ladder, SeededMethod, knob, tighten
 
-_FIRST, _MOST = (
-    (257, 2049),
-    10_000,
-)  # nodes: of the first mesh, and of the next if that is too coarse for the seed; of any mesh
-_TIGHTEST, _LOOSEST = 3e-14, 1e-2
+# nodes: of the first mesh, and of the next if that is too coarse for the seed; of any mesh
+_FIRST, _MOST = (257, 2049), 10_000
 _GAUSS = np.polynomial.legendre.leggauss(5)
 
 
@@ -42,42 +40,35 @@ class Collocation(SeededMethod):
     rtol: float | None = knob(float)
     nodes: int | None = knob(int, least=5)
 
-    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> tuple[Array, float, float, int, str]:
-        return _solve_one(problem, t, tol, self.rtol, self.nodes, seed)
+    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Answer:
+        span, condition = float(problem.span[0]), np.inf
+        answer: Any = None
+
+        def attempt(rtol: float) -> tuple[Array, int, str]:
+            nonlocal answer
+            work, sizes = 0, _FIRST if self.nodes is None else (self.nodes,)
+            for x, y in [(answer.x, answer.y)] if answer else _guesses(problem, seed, sizes):
+                answer, more = _collocate(problem, x, y, rtol)
+                work += more
+                if answer.status == 0:
+                    return _columns(answer, t), work, ""
+            return np.full((5, t.size), np.nan), work, f"failed: solve_bvp: {answer.message.rstrip('.').lower()}"
+
+        def rounding(_: int) -> float:
+            nonlocal condition
+            even = np.linspace(0, span, max(answer.x.size, 1025))
+            condition = float(response(problem, even[1:2], answer.sol(even)[:1])[0])
+            return 1e-15 * condition
+
+        columns, error, work, why = tighten(attempt, rounding, span, tol, self.rtol, TIGHTEST)
+        return columns, error, np.inf if why else condition, work, why
 
 
-def _solve_one(
-    problem: EndsProblem, t: Array, tol: float, rtol: float | None, nodes: int | None, seed: Seed
-) -> tuple[Array, float, float, int, str]:
-    """Columns (5, n), error, condition, evaluations, and why it failed or an empty text."""
-    from ..levels.morse_index import response
-
-    span, work = float(problem.span[0]), 0
-    accuracy = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
-    answer: Any = None
-    for size in _FIRST if nodes is None else (nodes,):
-        x = np.linspace(0, span, size)
-        guess = seed.on(problem, size)
-        answer, more = _collocate(problem, x, np.stack([guess, np.gradient(guess, x)]), 30 * accuracy)
-        work += more
-        if answer.status == 0:
-            break
-    coarse = _columns(answer, t)
-    while True:
-        if answer.status == 0:
-            answer, more = _collocate(problem, answer.x, answer.y, accuracy)
-            work += more
-        if answer.status != 0:
-            said = answer.message.rstrip(".").lower()
-            return np.full((5, t.size), np.nan), math.inf, math.inf, work, f"failed: solve_bvp: {said}"
-        fine = _columns(answer, t)
-        off = np.abs(fine - coarse).max(axis=1)
-        even = np.linspace(0, span, max(answer.x.size, 1025))
-        condition = float(response(problem, even[1:2], answer.sol(even)[:1])[0])
-        error = float(max(off[0], max(off[2], off[3]) / max(1.0, span))) + 1e-15 * condition
-        if rtol is not None or error <= tol or accuracy <= _TIGHTEST:
-            return fine, error, condition, work, ""
-        coarse, accuracy = fine, max(_TIGHTEST, accuracy / 30)
+def _guesses(problem: EndsProblem, seed: Seed, sizes: tuple[int, ...]) -> Iterator[tuple[Array, Array]]:
+    """Equal steps x (m,) of so many nodes, and the seed there, (2, m)."""
+    for size in sizes:
+        x, beta = np.linspace(0, float(problem.span[0]), size), seed.on(problem, size)
+        yield x, np.stack([beta, np.gradient(beta, x)])
 
 
 def _collocate(problem: EndsProblem, x: Array, y: Array, rtol: float) -> tuple[Any, int]:

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..levels.morse_index import response
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import EPS, Array
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed
-from .base import MOST_COMPILED, Ladder, SeededMethod, knob, twos
+from .base import MOST_COMPILED, Answer, Ladder, SeededMethod, knob, largest, twos
 
 _FIRST, _LARGEST_FIRST, _MOST = 129, 2**13 + 1, 2**17 + 1  # nodes
 _FEWEST = 17  # nodes of the coarsest mesh that may measure the error of another
@@ -44,7 +45,7 @@ class Difference(SeededMethod):
     nodes: int | None = knob(int, least=5)
     extrapolate: bool = knob(bool, default=True)
 
-    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> tuple[Array, float, float, int, str]:
+    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Answer:
         return _solve_one(problem, t, tol, self.nodes, self.extrapolate, seed)
 
 
@@ -64,13 +65,11 @@ class _Mesh:
 
 def _solve_one(
     problem: EndsProblem, t: Array, tol: float, nodes: int | None, extrapolate: bool, seed: Seed, halves: bool = True
-) -> tuple[Array, float, float, int, str]:
+) -> Answer:
     """Columns (5, n), error, condition, work, and that Newton's rule did not converge, or an empty text.
 
     halves: whether a coarser mesh may be used.
     """
-    from ..levels.morse_index import response
-
     span, most = float(problem.span[0]), _MOST if nodes is None else 0
     halved = halves and nodes is not None and extrapolate and nodes % 2 == 1 and nodes >= 2 * _FEWEST
     mesh, work = _first(problem, seed, (nodes + 1) // 2 if nodes is not None and halved else nodes)
@@ -86,7 +85,7 @@ def _solve_one(
             return np.full((5, t.size), np.nan), np.inf, np.inf, work, _MISSED
         answers.append((4 * finer.columns[:, ::2] - mesh.columns) / 3 if extrapolate else mesh.columns)
         if len(answers) > 1:
-            before, apart = apart, _difference(answers[-2], answers[-1][:, ::2], span)
+            before, apart = apart, float(largest(np.abs(answers[-2] - answers[-1][:, ::2]), span))
             if nodes is None:
                 converges = apart < before / (8 if extrapolate else 3)
             else:
@@ -215,11 +214,6 @@ def _refine(beta: Array) -> Array:
     fine[1] = (3 * beta[0] + 6 * beta[1] - beta[2]) / 8
     fine[-2] = (3 * beta[-1] + 6 * beta[-2] - beta[-3]) / 8
     return fine
-
-
-def _difference(coarse: Array, fine: Array, span: float) -> float:
-    off = np.abs(coarse - fine).max(axis=1)
-    return float(max(off[0], max(off[2], off[3]) / max(1, span)))
 
 
 def _read(problem: EndsProblem, columns: Array, t: Array) -> Array:

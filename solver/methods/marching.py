@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
-from ..problem.trajectory import Trajectory, verdicts
+from ..problem.trajectory import Trajectory
+from .base import largest, trajectory_of
 from .swing import condition_numbers
 
 # beta, beta_t, alpha, z and swirl of B problems, (B,) each, and what a scheme keeps from one step to the next
@@ -81,8 +81,8 @@ def march(
             marches, answers, left = [marches[-1][:, pending]], [answers[-1][:, pending]], left[pending]
         n *= 2
     condition = condition_numbers(problem, t)
-    skipped = base.shape[1] - t.shape[1]
-    return _trajectory(tol, answer[:, :, skipped:], _error(base, off), condition, work)
+    error = _error(base, off) + 2e-16 * np.sqrt(work) * condition
+    return trajectory_of(answer[:, :, base.shape[1] - t.shape[1] :], error, condition, work, tol)
 
 
 def _extrapolate(order: int, coarse: Array, fine: Array) -> Array:
@@ -92,13 +92,5 @@ def _extrapolate(order: int, coarse: Array, fine: Array) -> Array:
 
 
 def _error(t: Array, off: Array) -> Array:
-    """The largest of beta, and of alpha and z over max(1, t), in the difference of two answers, (B,)."""
-    reach = np.maximum(1, t[:, -1:])
-    return np.nan_to_num(np.max(np.maximum(off[0], np.maximum(off[2], off[3]) / reach), axis=1), nan=np.inf)
-
-
-def _trajectory(tol: float, answer: Array, error: Array, condition: Array, work: Array) -> Trajectory:
-    beta, dbeta, alpha, z, swirl = answer
-    error = error + 2e-16 * np.sqrt(work) * condition
-    verdict = verdicts(beta, error, condition, tol)
-    return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, work)
+    """The error of the answers at t (B, n) whose difference is off (5, B, n), (B,)."""
+    return np.nan_to_num(largest(off, t[:, -1:]), nan=np.inf)
