@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .choose.selection import NEAREST, Choose, select
-from .equilibrium_list import Equilibria, Equilibrium, in_order
-from .held_equilibria import TRIES, held_energy, held_equilibria, stray
+from .equilibrium_list import Equilibria, Equilibrium, equilibrium_of, in_order
+from .held_equilibria import TRIES, held_equilibria
 from .numerics.arrays import Array
-from .observe.observables import observe
 from .problem.case import Case, Ends, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, whole_number
 from .problem.limits import OUT_OF_RANGE, TOO_LARGE, TOO_LONG, beyond, dimensionless, not_too_long, representable
@@ -89,6 +88,10 @@ def equilibria(
         values = whole_number("values", values, 2, MOST_VALUES)
     if within is not None and not isinstance(within, Mapping):
         raise InputError(f"within must be a mapping of a reaction to its lowest and highest value, got {within!r}")
+    if not isinstance(case.given, Ends):
+        raise InputError(f"equilibria needs a Case with Ends, got {type(case.given).__name__}")
+    if case.shape:
+        raise InputError(f"equilibria takes one case at a time, got a grid of shape {case.shape}")
     if case.varies:
         if within:
             raise InputError("with weight equilibria searches over ranges of its own; leave within out")
@@ -97,22 +100,19 @@ def equilibria(
         return held_equilibria(case, tol, stations, most_swings, dict(within or {}), tries, values)
     if within:
         raise InputError(f"within takes reactions of held ends, and the case holds none; got {choices(within)}")
-    problem = reduce(case)
-    if not isinstance(problem, EndsProblem):
-        raise InputError(f"equilibria needs a Case with Ends, got {type(case.given).__name__}")
-    if case.shape:
-        raise InputError(f"equilibria takes one case at a time, got a grid of shape {case.shape}")
-    return _under_dead_loads(case, problem, tol, stations, MOST_SWINGS if most_swings is None else most_swings)
+    return _under_dead_loads(case, tol, stations, MOST_SWINGS if most_swings is None else most_swings)
 
 
-def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: int, most_swings: int) -> Equilibria:
-    """All equilibria of one case under dead loads, `problem` in units of rho."""
+def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -> Equilibria:
+    """All equilibria of one case under dead loads."""
     from .levels.level_search import search_levels
     from .levels.path_orbits import equilibrium_trajectory
     from .levels.transit_times import repeat
     from .observe.measurement import Reading
     from .observe.observables import OBSERVABLES
 
+    problem = reduce(case)
+    assert isinstance(problem, EndsProblem)
     within = representable(case, problem), dimensionless(problem), not_too_long(problem)
     for fine, why in zip(within, (OUT_OF_RANGE, TOO_LARGE, TOO_LONG), strict=True):
         if not fine.all():
@@ -182,16 +182,12 @@ def without_weight(case: Case) -> Case:
 
 
 def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
-    """The equilibria that a search finds, lowest energy first. Raises `InputError` for what it does not search."""
+    """Those of a rod with weight that a search finds. Raises `InputError` for what it does not search."""
     from .problem.reduced import flat
     from .shooting.answers import answer_ends, shape_path
     from .shooting.numbers import rods_of
     from .shooting.search import HEAVIEST, LONGEST, MOST_NODES, search_shapes
 
-    if not isinstance(case.given, Ends):
-        raise InputError(f"equilibria needs a Case with Ends, got {type(case.given).__name__}")
-    if case.shape:
-        raise InputError(f"equilibria takes one case at a time, got a grid of shape {case.shape}")
     (rod,) = rods_of(case)
     if rod.rubbed:
         raise InputError("equilibria of a rod with friction are not searched for; solve gives the one without jumps")
@@ -207,9 +203,7 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
     for shape, index, how in zip(result.shapes, result.index, result.how, strict=True):
         path = shape_path(shape, index)
         solution = Solution(case, *answer_ends(case, t, tol, [path]), t, "shooting", tol)
-        seen = observe(solution, ["turns", "attached"])
-        numbers = held_energy(solution), float(solution.dbeta[0]), int(seen["turns"]), float(seen["attached"])
-        listed.append(Equilibrium(solution, index, *numbers, stray(solution), path, -1, how))
+        listed.append(equilibrium_of(solution, index, path, -1, how))
     ways = ["from the straight rod"]
     if follows:
         ways.append(f"from {len(light)} equilibria without weight, which grows to {HEAVIEST:g} times this one")

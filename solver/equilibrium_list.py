@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from .observe.observables import observe
+from .problem.case import PAIRS, Ends
 from .problem.shown import table_of
 from .solution import Solution
 
@@ -58,6 +60,37 @@ class Equilibrium:
     path: Any = field(repr=False)
     dead_index: int = field(repr=False)
     found_by: str = field(default="levels", repr=False)
+
+
+def equilibrium_of(solution: Solution, index: int, path: Any, dead_index: int, found_by: str) -> Equilibrium:
+    """An equilibrium with what is observed of its shape."""
+    seen = observe(solution, ["turns", "attached"])
+    numbers = held_energy(solution), float(solution.dbeta[0]), int(seen["turns"]), float(seen["attached"])
+    ends = solution.beta[[0, -1]]
+    stray = max(float(solution.beta.max() - ends.max()), float(ends.min() - solution.beta.min()), 0.0)
+    return Equilibrium(solution, index, *numbers, stray, path, dead_index, found_by)
+
+
+def held_energy(solution: Solution) -> float:
+    """The bending and twist energy of one rod minus the work of the loads and end moments that its case gives.
+
+    The observable `energy` subtracts the work of FZ, MZ and M3, also where they are reactions. A reaction does no work
+    when neighbouring shapes with the same held ends are compared, so their order is that of this number.
+    """
+    return float(observe(solution, ["energy"])["energy"]) + _work_of_reactions(solution)
+
+
+def _work_of_reactions(solution: Solution) -> float:
+    """The work of loads that are reactions, less that of the end moments that are given."""
+    ends = solution.case.given
+    assert isinstance(ends, Ends)
+    along = zip(PAIRS[2:], (solution.z, solution.alpha, solution.gamma), strict=True)
+    work = sum(float(getattr(solution, load) * (values[-1] - values[0])) for (load, held), values in along
+               if held in solution.held)  # fmt: skip
+    for name, sign, beta in (("M10", -1, solution.problem.beta0), ("M1L", 1, solution.problem.betaL)):  # type: ignore[union-attr]
+        if name in solution.held:
+            work -= sign * float(getattr(ends, name)) * float(beta[0])
+    return work
 
 
 def stability(index: int) -> str:

@@ -9,11 +9,10 @@ import numpy as np
 from .choose.held_equilibrium import held_trajectory
 from .equilibrium.given_numbers import Given, OrbitState
 from .equilibrium.held_index import dead_index_of
-from .equilibrium_list import Equilibrium, HeldEquilibria, HeldSearch, in_order
+from .equilibrium_list import Equilibrium, HeldEquilibria, HeldSearch, equilibrium_of, in_order
 from .held.held_search import HeldFound, held_search
 from .held.held_starts import Reached
-from .observe.observables import observe
-from .problem.case import PAIRS, Case, Ends
+from .problem.case import PAIRS, Case
 from .problem.errors import InputError, no_such, show
 from .problem.limits import OUT_OF_RANGE, beyond, beyond_limits, held_apart, too_far, units_held
 from .problem.reduced import NUMBER_OF, held_of, reduce_held, value_of_number
@@ -22,7 +21,6 @@ from .solution import Solution
 TRIES, MOST_SWINGS = 10, 8
 _FAR_WIDER = 2.5  # times the range around the equilibria that were found
 _REACTION_OF = {held: field for field, held in PAIRS}
-_WORK = {"height": "FZ", "azimuth": "MZ", "rotation": "M3"}
 ANY_LOAD = "a straight rod or a helix is an equilibrium under any load and is not listed"
 
 
@@ -36,8 +34,6 @@ def held_equilibria(
     values: int | None,
 ) -> HeldEquilibria:
     """The equilibria of a case with held ends; the parameters are those of `equilibria.equilibria`."""
-    if case.shape:
-        raise InputError(f"equilibria takes one case at a time, got a grid of shape {case.shape}")
     ranges = _ranges(case, within)
     swings = MOST_SWINGS if most_swings is None else most_swings
     problem = reduce_held(case)
@@ -84,48 +80,8 @@ def _equilibrium(case: Case, given: Given, state: OrbitState, how: str, t: Any, 
     """One equilibrium with its shape at stations t (1, n)."""
     trajectory = held_trajectory(Reached(state, how), given, t, tol)
     solution = Solution(case, state.problem, trajectory, t, "shooting", tol)
-    seen = observe(solution, ["turns", "attached"])
-    held, dead = float(solution.held_index), dead_index_of(state)
-    return Equilibrium(
-        solution,
-        int(held) if np.isfinite(held) else -1,
-        held_energy(solution),
-        float(solution.dbeta[0]),
-        int(seen["turns"]),
-        float(seen["attached"]),
-        stray(solution),
-        state.path.level_path,
-        int(dead) if np.isfinite(dead) else -1,
-        how,
-    )
-
-
-def held_energy(solution: Solution) -> float:
-    """The bending and twist energy of one rod minus the work of the loads and end moments that its case gives.
-
-    The observable `energy` subtracts the work of FZ, MZ and M3, also where they are reactions. A reaction does no work
-    when neighbouring shapes with the same held ends are compared, so their order is that of this number.
-    """
-    return float(observe(solution, ["energy"])["energy"]) + _work_of_reactions(solution)
-
-
-def _work_of_reactions(solution: Solution) -> float:
-    """The work of loads that are reactions, less that of the end moments that are given."""
-    ends = solution.case.given
-    assert isinstance(ends, Ends)
-    along = {"height": solution.z, "azimuth": solution.alpha, "rotation": solution.gamma}
-    work = sum(float(getattr(solution, _WORK[name]) * (values[-1] - values[0])) for name, values in along.items()
-               if name in solution.held)  # fmt: skip
-    for name, sign, beta in (("M10", -1, solution.problem.beta0), ("M1L", 1, solution.problem.betaL)):  # type: ignore[union-attr]
-        if name in solution.held:
-            work -= sign * float(getattr(ends, name)) * float(beta[0])
-    return work
-
-
-def stray(solution: Solution) -> float:
-    """The most that beta goes beyond its end angles, above the larger or below the smaller one [rad]."""
-    ends = solution.beta[[0, -1]]
-    return max(float(solution.beta.max() - ends.max()), float(ends.min() - solution.beta.min()), 0.0)
+    index, dead = (int(i) if np.isfinite(i) else -1 for i in (float(solution.held_index), dead_index_of(state)))
+    return equilibrium_of(solution, index, state.path.level_path, dead, how)
 
 
 def _narrower(listed: list[Equilibrium], search: HeldSearch, given: Collection[str]) -> dict[str, tuple[float, float]]:

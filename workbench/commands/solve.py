@@ -168,7 +168,7 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
 
 def _held_energy(sol: "Solution", wanted: bool) -> dict[str, float]:
     """The energy by which the equilibria of held ends are listed; empty under dead loads."""
-    from solver.held_equilibria import held_energy
+    from solver.equilibrium_list import held_energy
 
     return {"held_energy": held_energy(sol)} if wanted and sol.held and sol.solved and not sol.case.varies else {}
 
