@@ -112,12 +112,19 @@ class Nodes:
         low, high = self.t[where[:1]], self.t[where[:1] + 1]
         return float(bisect(lambda t: self.at(t)[:, PHI], low, high, 60)[0])
 
-    def turns(self) -> int:
-        """The number of interior extrema of beta."""
-        speed = self.between(np.linspace(-1, 1, 17))[:, :-1, SPEED].reshape(-1)[1:]
-        sign = np.sign(np.append(speed, self.y[-1, SPEED])[:-1])
-        sign = sign[sign != 0]
-        return int(np.count_nonzero(sign[1:] != sign[:-1]))
+    def bends(self, rho: float) -> tuple[tuple[float, float], ...]:
+        """The interior extrema of beta: s in the unit of rho, and the size [rad], the smaller one of the changes of
+        beta from there to the next ones or to an end."""
+        t, y = self.dense
+        moving = np.flatnonzero(y[1:-1, SPEED]) + 1
+        speed = y[moving, SPEED]
+        k = np.flatnonzero(np.sign(speed[1:]) != np.sign(speed[:-1]))
+        first, share = moving[k], speed[k] / (speed[k] - speed[k + 1])
+        after = share * (t[moving[k + 1]] - t[first])  # beta_t is linear between the two
+        beta = np.concatenate([y[:1, BETA], y[first, BETA] + speed[k] * after / 2, y[-1:, BETA]])
+        change = np.abs(np.diff(beta))
+        sizes = np.minimum(change[1:], change[:-1])
+        return tuple(zip(((t[first] + after) * rho).tolist(), sizes.tolist(), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +180,7 @@ class VaryingShapes:
     def turns(self) -> Array:
         """The number of interior extrema of beta of each rod, (B,); NaN for a rod without a shape."""
         shapes = [self.of(i) for i in range(self.index.size)]
-        return np.array([np.nan if shape is None else shape.turns() for shape in shapes])
+        return np.array([np.nan if shape is None else len(shape.bends(1.0)) for shape in shapes])
 
 
 def read_states(y: Array, t: Array, alpha0: Array, twist: Array) -> dict[str, Any]:

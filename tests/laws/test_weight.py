@@ -791,3 +791,19 @@ def test_a_short_hinged_pipe_buckles_also_where_its_second_mode_is_hidden_by_the
     sol = solve(Case(Rod(L=length, **PIPE), cylinder, ends))
     assert sol.solved
     assert sol.held_index == 0
+
+
+def test_bends_have_the_sizes_that_dense_stations_show_and_their_number_counts_ripples() -> None:
+    rod, hole = Rod(EI=1.0, GJ=0.8, a=0.01, L=60.0, weight=0.02), Cylinder(1.01, "inside", inclination="90deg")
+    solution = solve(Case(rod, hole, Ends(0.4, -0.4, FZ=-0.05)), stations=20_001)
+    places, sizes = np.array(solution.bends).T
+    back = np.flatnonzero(solution.dbeta[1:] * solution.dbeta[:-1] < 0)
+    change = np.abs(np.diff(solution.beta[[0, *back, -1]]))
+    np.testing.assert_allclose(
+        sizes, np.minimum(change[1:], change[:-1]), rtol=1e-4, atol=1e-9
+    )  # vertices of parabolas
+    np.testing.assert_allclose(places, solution.s[back], atol=0.01)
+    assert observe(solution, ["turns"])["turns"] == sizes.size == 6
+    assert sizes.min() < 0.002 * sizes.max()
+    light = replace(solution.case, rod=replace(rod, weight=None), cylinder=replace(hole, inclination=None))
+    assert solve(light).bends is None

@@ -21,6 +21,7 @@ EXPECTED = (  # in a long pipe, by the number of the loads above that are reache
     "a helix, as a sinusoid would lift off",
 )
 MOST = 6  # stretches that are listed
+SLIGHT = 0.1  # of the largest bend: a smaller one is a ripple beside it
 WAYS = {
     "forward": "slides along itself towards s = L everywhere",
     "backward": "slides along itself towards s = 0 everywhere",
@@ -55,6 +56,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if not sol.solved:
         return [*_buckling(sol, force), *_long_pipe(sol, force)]
     said = [f"state: {in_words(sol.states, length)}{_doubt(sol)}; {_stability(sol)}"]
+    said += _ripples(sol)
     said += [way] if (way := way_of(str(sol.begun or ""))) else []
     if sol.case.cylinder.side == "inside" and min(pipe_numbers.axial_force(sol)) > 0:
         said.append(TENSION)
@@ -103,6 +105,18 @@ def _friction(sol: "Solution", force: str) -> list[str]:
     if pulled > 5e-4 * pushed:  # the model's friction turns round with the push
         text += f"; where the wall would pull, the model takes {pulled:.4g} {force} off again"
     return [text]
+
+
+def _ripples(sol: "Solution") -> list[str]:
+    """That some bends are much smaller than others, as the number of bends counts all of them."""
+    sizes = [math.degrees(size) for _, size in sol.bends]
+    if not sizes or all(state.word == STRAIGHT for state in sol.states) or min(sizes) > SLIGHT * max(sizes):
+        return []
+    ripples = sum(size <= SLIGHT * max(sizes) for size in sizes)
+    return [
+        f"bends: the largest of the {len(sizes)} changes the angle by {max(sizes):.3g} deg; {ripples} of them "
+        f"{'is a ripple' if ripples == 1 else 'are ripples'} of less than a tenth of that, down to {min(sizes):.2g} deg"
+    ]
 
 
 def warnings(sol: "Solution", units: dict[str, str], rows: list[Row]) -> list[str]:
