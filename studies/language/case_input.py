@@ -81,10 +81,7 @@ def read_case(
     """
     changed = f", except {choices(values)}" if values else ""
     if file is not None:
-        if table1:
-            raise InputError(f"{file.name} and --table1 exclude each other: each describes a whole rod")
-        if units:
-            raise InputError(f"{file.name} states its own units: change them in the file")
+        check_alone(file, units, table1)
         study = _study(file).under(reading)
         return CaseInput(
             with_fields(study.case(), values),
@@ -103,6 +100,14 @@ def read_case(
     assumed |= {f"unit of {kind}": unit for kind, unit in TABLE_UNITS.items() if kind not in units}
     which = helix_of(case) if set(WOUND) & set(values) else None
     return CaseInput(case, {**TABLE_UNITS, **units}, "the options", assumed, which=which)
+
+
+def check_alone(file: Path, units: Mapping[str, str], table1: bool = False) -> None:
+    """Raise `InputError` for units, or Table 1, beside a file."""
+    if table1:
+        raise InputError(f"{file.name} and --table1 exclude each other: each describes a whole rod")
+    if units:
+        raise InputError(f"{file.name} states its own units: change them in the file")
 
 
 def check_units(units: Mapping[str, str]) -> None:

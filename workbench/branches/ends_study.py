@@ -9,7 +9,7 @@ from solver.equilibria import Equilibrium
 from solver.problem.errors import choices
 from solver.problem.reduced import held_of
 from studies import Study, load
-from studies.language.case_input import field_values, from_values, with_fields
+from studies.language.case_input import check_alone, field_values, from_values, with_fields
 from studies.language.loader import loads
 from studies.language.readings import TABLE_UNITS
 
@@ -26,11 +26,11 @@ def study_and_case(
 
     Raises `InputError` for held ends unless `held`, and as of `ends_problem`.
     """
+    if file is not None:
+        check_alone(file, units)
     if not units:
         study = load(DEFAULT if file is None else str(file))
         case = with_fields(ends_problem(study, held=True), values)
-    elif file is not None:
-        raise InputError(f"{file.name} states its own units: change them in the file")
     else:
         case, defaults = from_values(values, Ends)
         given = {name: value for name, value in (defaults | dict(values)).items() if value is not None}

@@ -112,7 +112,7 @@ def _case(file: Path | None, at: list[str], given: Given, table1: bool, reading:
     """The case, of a study at a place of its axes."""
     from solver import InputError
     from studies import load
-    from studies.language.case_input import read_case
+    from studies.language.case_input import check_alone, read_case
 
     from ..store.one_case import case_at, outline
     from .option_checks import axis_values
@@ -121,10 +121,7 @@ def _case(file: Path | None, at: list[str], given: Given, table1: bool, reading:
         if at:
             raise InputError(f"--at {at[0]} names an axis of a study, and no study is given")
         return read_case(None, given.values, given.units, table1, reading)
-    if table1:
-        raise InputError(f"{file.name} and --table1 exclude each other: each describes a whole rod")
-    if given.units:
-        raise InputError(f"{file.name} states its own units: change them in the file")
+    check_alone(file, given.units, table1)
     study = load(str(file)).under(reading)
     if study.follow is not None:
         raise InputError(

@@ -20,7 +20,7 @@ from studies.language import expressions
 from ..words import cautions, pipe_state
 from ..words.outcomes import NO_BRANCH
 from .case_solutions import State, show, solve_one
-from .schema import JUDGED, LOADS, Columns, curve_name, inner_shape
+from .schema import JUDGED, LOADS, Columns, curve_name, inner_shape, shapes
 from .shards import encode, join
 from .sweep import states_of_block
 
@@ -125,14 +125,8 @@ def _with_remarks(outcomes: NDArray[Any], remarks: NDArray[Any]) -> NDArray[Any]
 
 def unsolved(study: Study, cases: int, outcome: str) -> Columns:
     """The columns of cases that were not solved, with that outcome."""
-    along = {curve_name(name): (cases, study.stations, *inner_shape(name)) for name in study.outputs}
-    row = {name: np.full(shape, np.nan) for name, shape in along.items()}
-    for name in (*study.recorded, *study.reactions, *(name for name in LOADS if name not in study.varied)):
-        row[name] = np.full(cases, np.nan)
-    row |= {name: np.full(cases, np.inf) for name in JUDGED}
-    row |= {"branch": np.full(cases, NO_BRANCH)} if study.has_branches else {}
-    solved = np.zeros(cases, dtype=bool)
-    return {**row, "solved": solved, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
+    known = {"solved": False, "outcome": outcome, "caution": "", "branch": NO_BRANCH, **dict.fromkeys(JUDGED, np.inf)}
+    return {name: np.full((cases, *shape), known.get(name, np.nan)) for name, shape in shapes(study).items()}
 
 
 def _where(mine: NDArray[np.bool_], values: NDArray[Any]) -> NDArray[Any]:

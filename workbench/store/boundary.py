@@ -1,5 +1,6 @@
 """The boundary of an observable: the pairs of neighbouring cases between which it changes."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,26 +43,34 @@ def boundary(ds: "xr.Dataset", name: str, step: float | None = None) -> "xr.Data
     InputError
         For an unknown observable, a real one without a step, a dataset of more than two axes, or lost cases.
     """
-    import xarray as xr
-
     numbers, step = _numbers(ds, name, step)
     cells = _refinement(ds, numbers)
     pairs, along = cells.edges()
     change = np.abs(np.diff(cells.numbers[pairs, 0], axis=1)[:, 0])
     unknown = int((np.isnan(cells.numbers[pairs, 0]).sum(axis=1) == 1).sum())
     pairs, along = pairs[change > step], along[change > step]
-    values = cells.lattice.values(cells.places)
-    result: dict[str, Any] = {}
-    for k, (axis, row) in enumerate(values.items()):
+    places = {}
+    for k, (axis, row) in enumerate(cells.lattice.values(cells.places).items()):
         low, high = row[pairs].T
-        label = dict(ds[axis].attrs)
-        result[axis] = ("pair", np.where(along == k, low + (high - low) / 2, low), label)
-        half = {**label, "long_name": f"half the distance of the two cases along {axis}"}
-        result[f"{axis}_half_width"] = ("pair", np.where(along == k, (high - low) / 2, 0.0), half)
+        places[axis] = low, np.where(along == k, high, low)
     label = {} if name == OUTCOME else dict(ds[name].attrs)
-    for key, side in (("before", 0), ("after", 1)):
-        result[key] = ("pair", cells.numbers[pairs[:, side], 0], label)
-    return xr.Dataset(result, attrs={"observable": name, "step": step, "unknown": unknown}).set_coords(list(values))
+    sides = [("pair", cells.numbers[pairs[:, side], 0], label) for side in (0, 1)]
+    return _pairs(ds, places, sides, "cases").assign_attrs(observable=name, step=step, unknown=unknown)
+
+
+def _pairs(ds: "xr.Dataset", places: "Mapping[str, tuple[Values, Values]]", sides: list[Any], of: str) -> "xr.Dataset":
+    """The dataset of a boundary. places: axis -> its values on the two sides of each pair. of: what makes a pair."""
+    import xarray as xr
+
+    result: dict[str, Any] = dict(zip(("before", "after"), sides, strict=True))
+    for axis, (low, high) in places.items():
+        label = dict(ds[axis].attrs)
+        half = {**label, "long_name": f"half the distance of the two {of} along {axis}"}
+        result |= {
+            axis: ("pair", low + (high - low) / 2, label),
+            f"{axis}_half_width": ("pair", (high - low) / 2, half),
+        }
+    return xr.Dataset(result).set_coords(list(places))
 
 
 def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
@@ -84,8 +93,6 @@ def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
     InputError
         For an unknown claim, or a dataset that is not refined in the plane.
     """
-    import xarray as xr
-
     law = next((stated for stated in attributes.laws(ds) if stated.claim == claim), None)
     if law is None:
         raise no_such("law", claim, [stated.claim for stated in attributes.laws(ds)])
@@ -104,15 +111,9 @@ def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
     grid = refined.grid_of(ds, index.reshape([row.size for row in values.values()]), values)
     verdicts = law_verdicts.verdicts_of_lines(grid, law).values
     change = np.flatnonzero(verdicts[1:] != verdicts[:-1])
-    low, high = values[across][change], values[across][change + 1]
-    half = {**ds[across].attrs, "long_name": f"half the distance of the two lines along {across}"}
-    result: dict[str, Any] = {
-        across: ("pair", low + (high - low) / 2, dict(ds[across].attrs)),
-        f"{across}_half_width": ("pair", (high - low) / 2, half),
-        "before": ("pair", verdicts[change].astype(str)),
-        "after": ("pair", verdicts[change + 1].astype(str)),
-    }
-    return xr.Dataset(result, attrs={"law": claim}).set_coords(across)
+    sides = [("pair", verdicts[change + side].astype(str)) for side in (0, 1)]
+    places = {across: (values[across][change], values[across][change + 1])}
+    return _pairs(ds, places, sides, "lines").assign_attrs(law=claim)
 
 
 def _numbers(ds: "xr.Dataset", name: str, step: float | None) -> "tuple[Values, float]":

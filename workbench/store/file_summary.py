@@ -15,16 +15,12 @@ from solver.problem.errors import InputError
 from studies.grammar.dimensions import SAMPLE
 from studies.laws import law_words
 
-from ..words import cautions, labels, outcomes
-from . import attributes, file_checks, file_kinds, law_verdicts, reading, refined, schema, selection
+from ..words import cautions, labels
+from . import attributes, file_checks, file_kinds, reading, refined, schema, selection, tally
 from .boundary import boundary, boundary_of_law
-from .grid_io import blocks
 from .stored_case import study_of
 
-BLOCK = 100_000  # cases that are read at a time
-DISTINCT = 100  # texts that are counted apart
 MOST_PLACES = 12  # of a boundary along one axis that are listed
-OTHERS = "(others)"
 MOST_STATES, DENSE = 50, 3  # rods whose states are listed; stations from one change of sign of beta to the next
 TOO_FEW = "too few stations along the rod are stored"
 
@@ -38,24 +34,21 @@ def summary(path: Path) -> dict[str, Any]:
         data: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
         data |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
         data |= {"tolerance": attributes.number(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
-        data |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", "equilibria")}
-        counts = outcomes.count_branches(_numbers(ds["branch"])) if "branch" in ds else {}
-        data["branches"] = outcomes.branches_of(ds, counts)
+        data |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", *schema.SAMPLING)}
         data["versions"] = attributes.versions(ds, path)
         data["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
         data["sampled"] = [_axis(ds[schema.dimension(name)]) for name in schema.fields_of_samples(ds)]
-        data |= {key: str(ds.attrs.get(key, "")) for key in schema.SAMPLING}
         data["stations"] = ds.sizes.get("u", 0)
         data["along"] = [name for name in schema.CURVES if name in ds.data_vars]
         data["boundaries"] = _boundaries(ds)
         data["cases"] = ds["outcome"].size
-        data["unsolved"] = law_verdicts.unsolved(ds)
-        data["outcomes"] = dict(text_counts(ds["outcome"], ds["solved"]).most_common())
+        counted = tally.statistics(ds)
+        data |= {key: counted[key] for key in ("unsolved", "equilibria", "branches", "laws")}
+        data["outcomes"] = dict(Counter(counted["outcomes"]).most_common())
         data["observables"] = [_spread(ds[name]) for name in _observables(ds)]
         data["states"] = _states(ds)
         data["worst"] = [_worst(ds, name) for name in ("error", "condition")]
-        rows = law_verdicts.verdicts(ds)
-        data |= {"verdicts": law_words.tally(rows), "laws": rows}
+        data["verdicts"] = law_words.tally(data["laws"])
     return data
 
 
@@ -133,21 +126,6 @@ def _axis(axis: xr.DataArray) -> dict[str, Any]:
     values = axis.values
     ends = {"count": int(values.size), "from": float(values.min()), "to": float(values.max())}
     return {"name": str(axis.name), **ends, "units": str(axis.attrs.get("units", ""))}
-
-
-def text_counts(variable: xr.DataArray, solved: xr.DataArray | None = None) -> Counter[str]:
-    """How often each text occurs; beyond the first `DISTINCT` the others are counted together.
-
-    solved: where given, the others are counted apart by whether their case is solved.
-    """
-    counts: Counter[str] = Counter()
-    for where in blocks(variable.shape, BLOCK):
-        texts = variable[where].values.ravel().tolist()
-        kinds = [""] * len(texts) if solved is None else np.where(solved[where].values.ravel(), "solved ", "failed ")
-        for (text, kind), count in Counter(zip(texts, kinds, strict=True)).items():
-            kept = str(text) in counts or len(counts) < DISTINCT
-            counts[str(text) if kept else f"{kind}{OTHERS}"] += count
-    return counts
 
 
 def _numbers(variable: xr.DataArray) -> NDArray[np.float64]:

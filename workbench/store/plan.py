@@ -22,7 +22,7 @@ from . import refined, shards, sweep
 from .block import Chunk
 from .case_solutions import State
 from .recipe import recipe_of
-from .schema import LOADS, inner_shape
+from .schema import TEXTS, shapes
 
 Coordinates = Mapping[str, NDArray[np.float64]]
 
@@ -178,8 +178,10 @@ def _first_of(plan: Plan) -> str:
 
 def bytes_a_case(study: Study) -> int:
     """Bytes of a case in memory and, at most, in the file."""
-    along = sum(math.prod(inner_shape(name)) for name in study.outputs) * study.stations
-    return 8 * (along + len(study.recorded) + 2 + len(LOADS) + len(study.reactions)) + TEXT_BYTES
+    return (
+        8 * sum(math.prod(shape) for name, shape in shapes(study).items() if name not in ("solved", *TEXTS))
+        + TEXT_BYTES
+    )
 
 
 def bytes_of_file(plan: Plan) -> int:

@@ -62,12 +62,17 @@ class CaseVariable:
 def case_variables(study: "Study", over: "Dimensions") -> list[CaseVariable]:
     """Every variable that is stored of each case, in order. over: the samples and axes of the study."""
     axes = tuple(map(dimension, over.names))
-    along = [(name, curve_name(name), (*axes, "u", *INNER.get(name, ()))) for name in study.outputs]
+    outputs = {curve_name(name): name for name in study.outputs}
+    dims = {name: (*axes, *(("u", *INNER.get(outputs[name], ())) if name in outputs else ())) for name in shapes(study)}
+    return [CaseVariable(name, dims[name], labels_in(study, outputs.get(name, name))) for name in dims]
+
+
+def shapes(study: "Study") -> dict[str, tuple[int, ...]]:
+    """The variables that are stored of each case, in order, and the shape that each has for one case."""
+    along = {curve_name(name): (study.stations, *inner_shape(name)) for name in study.outputs}
     branch = ["branch"] if study.has_branches else []
     loads = [load for load in LOADS if load not in (*study.varied, *study.recorded)]
-    of_case = [*study.recorded, "solved", *TEXTS, *branch, *JUDGED, *loads, *study.reactions]
-    rows = [*along, *((name, name, axes) for name in of_case)]
-    return [CaseVariable(name, dims, labels_in(study, row)) for row, name, dims in rows]
+    return along | dict.fromkeys([*study.recorded, "solved", *TEXTS, *branch, *JUDGED, *loads, *study.reactions], ())
 
 
 def numbers_of_case(case: "Case") -> dict[str, Any]:
