@@ -98,14 +98,14 @@ def study_text(title: str, units: Mapping[str, str], values: Mapping[str, Any]) 
     return f'title = "{title}"\n\n[units]\nlength = "{units["length"]}"\nforce = "{units["force"]}"\n\n[base]\n{base}\n'
 
 
-def text_of_solution(title: str, units: Mapping[str, str], sol: Solution) -> str:
+def text_of_solution(title: str, units: Mapping[str, str], sol: Solution, named: bool = True) -> str:
     """The TOML text of a study of one case that takes the same solution again.
 
-    Between ends under dead loads it names the equilibrium. Held ends, and rods with weight or friction, have the
-    solution of their rule.
+    named: whether it names the equilibrium of two ends, by which it is found among all. Held ends and start problems
+    have the solution of their rule.
     """
     text = study_text(title, units, field_values(sol.case))
-    if not (isinstance(sol.case.given, Ends) and sol.solved) or sol.held or sol.case.varies:
+    if not (named and isinstance(sol.case.given, Ends) and sol.solved) or sol.held:
         return text
     dbeta0, energy = float(sol.dbeta[0]), float(observe(sol, ["energy"])["energy"])
     return f"{text}\n[equilibrium]\ndbeta0 = {dbeta0!r}\nenergy = {energy!r}\n"

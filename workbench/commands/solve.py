@@ -96,7 +96,8 @@ def solve(
     }
 
     def study(name: str = "rod") -> "Study":
-        plain = loads(text_of_solution(f"One rod, from {asked.source}", asked.units, sol))
+        named = which is not None or not asked.case.varies  # with weight the default takes no list of equilibria
+        plain = loads(text_of_solution(f"One rod, from {asked.source}", asked.units, sol, named))
         settings = {"tol": tol, "stations": sol.t.shape[-1], "observables": [*chosen.observables(sol.case.rod)]}
         settings |= {"name": name} | ({} if method is None else {"method": method})
         return loads(dumps(plain.model_copy(update=settings)))

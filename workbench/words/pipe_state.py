@@ -1,7 +1,7 @@
 """A rod with weight or friction in words: its state along the length, when that changes, and what to mind."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from solver.shooting.state import LEAVES, RUBS, STRAIGHT, in_words
 
@@ -88,7 +88,7 @@ def _stability(sol: "Solution") -> str:
     """Whether the shape is stable, in words."""
     if sol.case.cylinder.friction:
         return "whether it is stable is not known, as friction has no energy"
-    index: Any = sol.held_index
+    index = float(sol.held_index)
     if not math.isfinite(index):
         return "of a start problem with weight no Morse index is computed"
     return "stable (index 0)" if index == 0 else f"unstable in {index:.0f} way{'s' * (index != 1)}"
