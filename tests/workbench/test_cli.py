@@ -1,10 +1,8 @@
 """The command line, run as its users run it."""
 
 import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -178,42 +176,6 @@ def test_a_full_disk_behind_stdout_and_stderr_leaves_the_status(tmp_path) -> Non
     with open("/dev/full", "w") as full:
         command = [sys.executable, "-m", "workbench.cli", "list"]
         assert subprocess.run(command, stdout=full, stderr=full, cwd=tmp_path, env=env, check=False).returncode == 2
-
-
-@pytest.mark.skipif(os.name == "nt", reason="signals are sent otherwise there")
-@pytest.mark.slow
-def test_an_interrupted_run_says_so_and_leaves_no_half_file(tmp_path) -> None:
-    study = small.TEXT[: small.TEXT.index("[axes.E]")].replace("stations = 21", "stations = 2001")
-    (tmp_path / "long.toml").write_text(study + "[axes.E]\nfrom = 1e4\nto = 2e4\ncount = 2000\n")
-    command = [sys.executable, "-c", INTERRUPTIBLE, "run", "long.toml", "--method", "dop853"]
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    with subprocess.Popen(command, cwd=tmp_path, env=env, stdout=-1, stderr=-1, text=True) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline().startswith("2000 cases")
-        assert process.stdout.readline() == "solving\n"
-        time.sleep(0.1)
-        process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=600)
-    assert process.returncode == 130
-    assert said.startswith("workbench: interrupted; ")
-    assert len(said.splitlines()) == 1
-    assert not (tmp_path / "long.h5").exists()
-
-
-# Says on stdout when the solving begins, so that the test need not guess how long importing takes.
-INTERRUPTIBLE = """
-import signal
-signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
-from workbench import cli
-from workbench.store import in_memory, study_store
-solve = study_store._solve
-def told(*args, **kwargs):
-    print("solving", flush=True)
-    return solve(*args, **kwargs)
-study_store._solve = told
-if __name__ == "__main__":
-    cli.main()
-"""
 
 
 def test_a_closed_stdout_is_said_in_one_sentence() -> None:

@@ -29,7 +29,7 @@ from workbench.commands import plot as plot_command
 from workbench.export import formats, step
 from workbench.export.base import Format, Options
 from workbench.export.base import Rod as StoredRod
-from workbench.export.stored_rod import export, write_file
+from workbench.export.stored_rod import export
 from workbench.figures import kinds
 from workbench.geometry import centreline, self_contact, stored_line
 from workbench.store import in_memory, writing
@@ -452,28 +452,6 @@ def test_the_help_lists_the_endings_and_the_kinds_of_pictures_that_a_refusal_lis
     assert export_command.SUFFIXES.split() == list(formats.FORMATS)
     help_of_kinds = get_type_hints(plot_command.plot, include_extras=True)["kind"].__metadata__[0].help
     assert re.findall(r"(\w+):", help_of_kinds.split("Default")[0]) == list(kinds.OF_STUDIES)
-
-
-@pytest.mark.parametrize("at", ["write", "fsync", "replace"])
-def test_a_writer_that_fails_leaves_what_was_there(tmp_path, monkeypatch, at) -> None:
-    path = tmp_path / "rod.csv"
-    path.write_text("before")
-
-    def fails(*args: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    def work(aside: Path) -> None:
-        aside.write_text("half")
-        if at == "write":
-            fails()
-
-    if at != "write":
-        monkeypatch.setattr(os, at, fails)
-    with pytest.raises(InputError, match="No space left"):
-        write_file(path, work, force=True)
-    monkeypatch.undo()
-    assert [p.name for p in tmp_path.iterdir()] == ["rod.csv"]
-    assert path.read_text() == "before"
 
 
 TUBE = small.text(

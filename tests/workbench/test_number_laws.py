@@ -2,7 +2,6 @@
 
 import shutil
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -94,16 +93,6 @@ def test_each_kind_of_law_is_judged_from_what_is_stored(ds: xr.Dataset) -> None:
     assert law_words.law_in_words(rows["equals"]) == "kappa_max equals kappa_mean/share within 1e-07 % along R"
     assert law_words.measure(rows["scales"]).startswith("exponent 2 ± ")
     assert law_words.measure(rows["boundary"]) == "passes between 0.75 and 1"
-
-
-def test_a_run_to_a_file_stores_what_a_run_in_memory_gives(ds: xr.Dataset, tmp_path: Path, monkeypatch: Any) -> None:
-    from workbench.store.study_store import run_to_file
-
-    run_to_file(study(), tmp_path / "small.h5")
-    with xr.open_dataset(tmp_path / "small.h5") as stored:
-        for name in ("share", "share_error", "tight", "gap", "outcome"):
-            np.testing.assert_array_equal(stored[name], ds[name])
-            assert stored[name].attrs == ds[name].attrs
 
 
 @pytest.mark.slow

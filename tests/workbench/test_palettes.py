@@ -17,6 +17,7 @@ import workbench
 from solver.benchmark import ladders
 from workbench.figures import bars, colours, push_scale, robustness
 from workbench.scene import paint
+from workbench.web.report import report_document
 
 WHITE = "#ffffff"
 TEXT, LINE = 4.5, 3.0
@@ -54,9 +55,9 @@ def nearest(colours, kind: str) -> tuple[float, tuple]:
     return min((float(np.linalg.norm(lab(a, kind) - lab(b, kind))), (a, b)) for a, b in combinations(colours, 2))
 
 
-def of_css(path: str) -> tuple[dict[str, str], dict[str, str]]:
-    """The variables of a style sheet, as they are in the light and in the dark scheme."""
-    text = (Path(workbench.__file__).parent / path).read_text(encoding="utf-8")
+def of_css(*paths: str) -> tuple[dict[str, str], dict[str, str]]:
+    """The variables of style sheets, as they are in the light and in the dark scheme."""
+    text = "".join((Path(workbench.__file__).parent / path).read_text(encoding="utf-8") for path in paths)
     light, _, dark = text.partition("prefers-color-scheme: dark")
     found = [dict(re.findall(r"--([a-z-]+):\s*(#[0-9a-fA-F]{3,6})", part)) for part in (light, dark)]
     return found[0], {**found[0], **found[1]}
@@ -168,6 +169,14 @@ def test_text_and_lines_of_page_and_report_stand_out_in_both_schemes(path: str, 
         for paper in ("paper", "raised", "paper-soft"):
             if paper in found:
                 assert contrast(found[name], found[paper]) >= least, (name, paper)
+
+
+def test_the_verdicts_of_the_report_stand_out_in_the_dark_too() -> None:
+    """In the light they have the colours of the figures."""
+    light, dark = of_css("web/turntable/scheme.css", "web/report/report.css")
+    assert contrast(light["paper"]) < 15 < contrast(dark["paper"])
+    for verdict in report_document.CLASSES.values():
+        assert contrast(dark[verdict], dark["paper"]) >= TEXT, verdict
 
 
 def test_what_is_not_solved_is_darker_than_every_colour_of_a_map() -> None:

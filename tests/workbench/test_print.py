@@ -23,7 +23,7 @@ from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands import plot
 from workbench.figures import canvas, equilibria_figure, fonts, map_figure, scales, study_figure
-from workbench.figures.sheet import SCREEN, sheet
+from workbench.figures.sheet import sheet
 from workbench.scene import opengl
 from workbench.store import in_memory, law_verdicts, writing
 
@@ -104,14 +104,6 @@ def test_without_background_only_what_is_drawn_is_opaque(ds, tmp_path) -> None:
         assert np.asarray(clear)[..., 3].min() == 0
         differ = np.abs(np.asarray(over.convert("RGB")).astype(int) - np.asarray(white.convert("RGB")))
     assert np.quantile(differ, 0.999) <= 6
-
-
-@pytest.mark.slow
-def test_the_pages_of_a_pdf_are_as_wide_as_the_pictures(ds, tmp_path) -> None:
-    canvas.save(study_figure.figure(ds), tmp_path / "one.pdf")
-    box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ([0-9.]+) ?\]", (tmp_path / "one.pdf").read_bytes())
-    assert box is not None
-    assert float(box[1]) == pytest.approx(72 * SCREEN.width, abs=0.5)  # points
 
 
 @pytest.fixture(scope="module")

@@ -164,21 +164,6 @@ def test_a_damaged_shard_of_an_early_round_is_solved_again(stored: Path, tmp_pat
 
 
 @pytest.mark.slow
-def test_a_killed_run_continues_to_the_same_file(tmp_path) -> None:
-    (tmp_path / "many.toml").write_text(study(PLANE + LAW).text)
-    assert runs.run(tmp_path, "many.toml", "--out", "whole.h5").returncode in (0, 1)
-    kill = "import os, workbench.store.shards as shards\nput, n = shards.Shards.store, [0]\n"
-    kill += "def store(*args):\n    put(*args)\n    n[0] += 1\n    n[0] < 4 or os.kill(os.getpid(), 9)\n"
-    kill += "shards.Shards.store = store\n"
-    (tmp_path / "b").mkdir()
-    (tmp_path / "b" / "many.toml").write_text(study(PLANE + LAW).text)
-    assert runs.run(tmp_path / "b", "many.toml", "--out", "whole.h5", before=kill).returncode == -9
-    (tmp_path / "b" / "main.py").unlink()
-    assert runs.run(tmp_path / "b", "many.toml", "--out", "whole.h5").returncode in (0, 1)
-    assert runs.contents(tmp_path / "b" / "whole.h5") == runs.contents(tmp_path / "whole.h5")
-
-
-@pytest.mark.slow
 def test_a_finer_tolerance_solves_only_the_new_cases(stored: Path, tmp_path) -> None:
     path, finer = tmp_path / "small.h5", study(PLANE + LAW, REFINE.replace("15", "30"))
     path.write_bytes(stored.read_bytes())

@@ -25,7 +25,6 @@ from studies.laws import law_words
 from tests import transcripts
 from tests.workbench import browser, node, small
 from tests.workbench.pictures import shares_of_push
-from tests.workbench.test_palettes import contrast
 from workbench.figures import canvas, colours
 from workbench.scene import opengl
 from workbench.store import in_memory, law_verdicts, reading, writing
@@ -441,27 +440,6 @@ def test_in_a_browser_a_picture_is_enlarged_and_closed(shown) -> None:
 def test_axe_finds_nothing_that_bars_people_from_the_report(shown, tmp_path, scheme) -> None:
     browser.emulate(shown, prefers_color_scheme=scheme)
     assert browser.barriers(shown, browser.axe(tmp_path)) == []
-
-
-def variables(style_: str) -> dict[str, dict[str, str]]:
-    """The colours of the light and of the dark scheme of a style, by name."""
-    dark = "".join(
-        re.findall(r"@media screen and \(prefers-color-scheme: dark\) \{\s*:root \{(.*?)\}", style_, re.DOTALL)
-    )
-    light = "".join(re.findall(r"(?:^|\n):root \{(.*?)\}", style_, re.DOTALL))
-    found = [dict(re.findall(r"--([\w-]+): (#[0-9a-f]{3,6});", part)) for part in (light, dark)]
-    return {"light": found[0], "dark": found[0] | found[1]}
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_every_colour_of_text_is_read_on_every_paper_of_its_scheme(text, scheme) -> None:
-    known = variables(text.partition("<style>")[2].partition("</style>")[0])[scheme]
-    verdicts = list(report_document.CLASSES.values())
-    assert {"ink", "soft", "line", "bad", *verdicts} <= known.keys()
-    for paper_ in ("paper", "raised"):
-        for name in ("ink", "soft", "line", "bad", *(verdicts if paper_ == "paper" else ())):
-            assert contrast(known[name], known[paper_]) >= 4.5, (paper_, name)  # what WCAG asks of text
-    assert (contrast(known["paper"]) > 15) == (scheme == "dark")
 
 
 @pytest.mark.slow

@@ -36,8 +36,9 @@ def snapping(count: int, tables: str = "") -> Study:
 
 SAMPLES = '[sample]\nsize = 40\nseed = 3\nE = { from = 5e3, to = 4e4, distribution = "log-uniform" }\n'
 PLANE = "[base]\nL = 6.0\n" + small.axis("E", (5e3, 4e4, 5), spacing="geometric") + small.axis("R", (0.5, 1.5, 4))
+EXPRESSIONS = '[expressions]\nshare = "turns/wraps"\ngap = "1/(F1 - 5*N)"\n'  # which has no value in the middle
 STUDIES = {
-    "grid": table_1(small.axis("E", (5e3, 4e4, 3)) + small.axis("F1", (1.0, 9.0, 13))),
+    "grid": table_1(EXPRESSIONS + small.axis("E", (5e3, 4e4, 3)) + small.axis("F1", (1.0, 9.0, 13))),
     "samples": table_1(SAMPLES + "R = { from = 0.5, to = 1.5 }\n"),
     "refined": table_1(PLANE + '[refine]\nwatch = ["turns"]\npoints = 15\n' + small.law("turns", "E", "falls")),
     "sweep": pushed(small.axis("FZ", (-60.0, -40.0, 11))),
@@ -79,7 +80,7 @@ def test_a_study_in_memory_has_the_bits_of_the_stored_one(whole, name: str) -> N
     ds = in_memory.run(STUDIES[name])
     with xr.open_dataset(whole[name]) as stored:
         assert list(stored.dims) == list(ds.dims)
-        xr.testing.assert_identical(stored.load().drop_attrs(), ds.drop_attrs())
+        xr.testing.assert_identical(stored.load().drop_attrs(deep=False), ds.drop_attrs(deep=False))
         assert {**ds.attrs, "created": ""}.items() <= {**stored.attrs, "created": ""}.items()
 
 

@@ -11,7 +11,7 @@ from tests.slow import slow_but
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from workbench import cli
-from workbench.store import file_summary, grid_io, in_memory, tally, writing
+from workbench.store import file_summary, in_memory, tally, writing
 
 AXES = small.axis("E", [1e4, 2e4]) + small.axis("R", [0.5, 0.75, 1.0])
 LAW = small.law("kappa_max", "R", "falls", claim="(2)")
@@ -32,34 +32,12 @@ def file(tmp_path):
 HELD = {**small.SHORT, "beta0": "20deg", "betaL": "20deg"}
 
 
-@pytest.mark.slow
-def test_the_reactions_of_held_ends_are_among_the_observables(tmp_path) -> None:
-    for end, names in (({}, ["wraps", "FZ", "held_index"]),
-                       ({"betaL": None, "M1L": 0.0}, ["wraps", "betaL", "FZ", "held_index"])):  # fmt: skip
-        heights = small.axis("height", [4.5, 4.4, 4.3])
-        ds = in_memory.run(loads(small.text(HELD | end, heights, observables=["wraps"], stations=21)))
-        path = writing.write(ds, tmp_path / "held.h5", force=True)
-        rows = {row["name"]: row for row in file_summary.summary(path)["observables"]}
-        assert list(rows) == names
-        force = ds["FZ"].values
-        assert (rows["FZ"]["min"], rows["FZ"]["max"], rows["FZ"]["units"]) == (force.min(), force.max(), "N")
-
-
 @pytest.mark.parametrize("most", slow_but([1, 2, 4], 2))
 def test_small_blocks_tell_the_same(file, most: int, monkeypatch) -> None:
     path, _ = file
     whole = file_summary.summary(path)
     monkeypatch.setattr(tally, "BLOCK", most)
     assert file_summary.summary(path) == whole
-
-
-@pytest.mark.parametrize("shape", [(), (7,), (3, 4), (1, 1, 9), (2, 3, 4)])
-@pytest.mark.parametrize("most", [1, 5, 12, 100])
-def test_blocks_cover_an_array_once_and_in_order(shape: tuple[int, ...], most: int) -> None:
-    array = np.arange(np.prod(shape, dtype=int)).reshape(shape)
-    parts = [array[where].ravel() for where in grid_io.blocks(shape, most)]
-    np.testing.assert_array_equal(np.concatenate(parts), array.ravel())
-    assert max(part.size for part in parts) <= most
 
 
 def test_failures_that_differ_in_their_numbers_are_told_together(file, tmp_path) -> None:

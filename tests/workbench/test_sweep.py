@@ -13,8 +13,7 @@ from tests.slow import slow, slow_but
 from tests.workbench import small
 from workbench.commands import study_scene
 from workbench.scene import scene_kinds
-from workbench.store import case_solutions, in_memory, law_verdicts, plan, sweep
-from workbench.store.block import solve_chunk
+from workbench.store import case_solutions, in_memory, law_verdicts, sweep
 from workbench.store.study_store import run_to_file
 
 PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "R": 0.108}
@@ -179,22 +178,6 @@ def test_the_first_case_is_the_one_that_equilibrium_chooses() -> None:
     energy = 1e3
     text = FORCES.replace("21", "3") + f"[equilibrium]\ndbeta0 = {named!r}\nenergy = {energy!r}\n"
     assert "the one next to beta'(0)" in in_memory.run(study(text)).attrs["equilibria"]
-
-
-@pytest.mark.slow
-def test_a_chunk_is_the_same_alone_as_among_others() -> None:
-    work = plan.plan(study(GRID))
-    whole = solve_chunk(work.light, work.chunk(0, work.size), work.block)
-    again = plan.plan(study(GRID))
-    last = solve_chunk(again.light, again.chunk(work.block, work.size), work.block) if work.block < work.size else whole
-    assert len(last) > 0
-    single = plan.plan(study())
-    parts = [single.chunk(a, min(a + single.block, single.size)) for a in range(0, single.size, single.block)]
-    fresh = plan.plan(study())  # follows its cases in another order
-    for part in reversed(parts):
-        assert solve_chunk(fresh.light, fresh.chunk(part.start, part.stop), fresh.block) == solve_chunk(
-            single.light, part, single.block
-        )
 
 
 def test_a_sweep_that_is_extended_is_solved_anew(tmp_path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver.benchmark import available_ladders, ladders, measure
+from solver.benchmark import available_ladders, measure
 from solver.observe.observables import OBSERVABLES
 from tests.workbench import forked, small
 from tests.workbench.command import exit_status
@@ -110,11 +110,6 @@ def test_a_method_that_hands_over_has_two_lines_and_no_line_between_them(ds) -> 
     rows = measure({"x": (CASES["gap 1e-08"].case, reference("gap 1e-08"), None)}, swing)
     assert {row.answered for row in rows} == {"orbit"}
     assert {str(name) for name in np.unique(ds["answered"].sel(ladder="orbit"))} == {"", "orbit"}
-
-
-def test_no_two_methods_share_a_colour() -> None:
-    looks = [ladder.colour for ladder in ladders().values()]
-    assert len(set(looks)) == len(looks)
 
 
 def test_the_advice_names_the_method_that_reaches_a_level_in_the_most_cases(ran, ds, capsys) -> None:
