@@ -228,7 +228,7 @@ def _part(every: Sequence[str], verdict: str, at: Mapping[str, float]) -> str:
     """In how many rows of the grid the law is as good as where it was judged, how many are worse, and where that is."""
     place = ", ".join(f"{axis} = {value:.4g}" for axis, value in at.items())
     agree = sum(as_good(row, verdict) for row in every)
-    left = [f", {every.count(kind)} {PLAIN[kind]}" for kind in (TREND, UNDECIDED) if kind in every and kind != verdict]
+    left = [f", {every.count(kind)} {PLAIN[kind]}" for kind in dict.fromkeys(every) if not as_good(kind, verdict)]
     return f"{agree} of {len(every)} rows agree{''.join(left)} (judged at {place})"
 
 

@@ -140,6 +140,16 @@ def test_an_observable_that_is_constant_but_for_rounding_is_not_coloured(regimes
     assert np.unique(meshes(fig)[0].to_rgba(values.T)).tolist() == [1.0]  # white
 
 
+def test_differences_that_the_errors_of_the_numbers_allow_are_no_structure(regimes) -> None:
+    noise = 1e-12 * np.sin(np.arange(regimes["attached"].size)).reshape(regimes["attached"].shape)
+    for error, is_level in ((2e-12, True), (1e-14, False)):
+        ds = regimes.assign(attached=regimes["attached"].copy(data=noise))
+        ds["attached_error"] = ds["attached"].copy(data=np.full(noise.shape, error))
+        fig = map_figure.figure(ds, show=["attached"])
+        assert (np.unique(meshes(fig)[0].to_rgba(noise.T)).tolist() == [1.0]) == is_level  # white
+        assert ("0 within 10⁻¹² in all cases" in maps(fig)[0].get_title(loc="left")) == is_level
+
+
 def test_a_cross_is_a_case_no_real_rod_takes_and_cells_without_a_solution_or_a_number_have_their_own_colours(
     regimes,
 ) -> None:

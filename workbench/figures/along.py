@@ -149,14 +149,14 @@ def _curves(rods: DrawnRods, name: str) -> Curves:
     drawn = [value for value in values if value is not None]
     low, high = min(one.min() for one in drawn), max(one.max() for one in drawn)
     far = low > 2 * (high - low) or high < -2 * (high - low)  # 0 lies far from all curves
-    foot = float(low) if far and high - low > NOISE * max(abs(low), abs(high)) else 0.0
+    foot = float(low) if far and name != "push" and high - low > NOISE * max(abs(low), abs(high)) else 0.0
     size = float(np.max([max(one.max(), foot) - min(one.min(), foot) for one in drawn])) or 1.0
-    step = _clear_step(rods, values, foot, name == "push")
+    step = _clear_step(rods, values, foot, name == "push" or (not foot and low >= 0))
     return Curves(name, title, unit, values, foot, max(step, 0.25 * size), size)
 
 
 def _clear_step(rods: DrawnRods, values: Sequence[Any], foot: float, filled: bool) -> float:
-    """From the line of one curve to the next, so that no curve reaches the next one; filled: down to its line."""
+    """From the line of one curve to the next, so that no curve reaches the next one; filled: nor its line."""
     rows = [(rod["s"], one - foot) for rod, one in zip(rods.rods, values, strict=True) if one is not None]
     most = 0.0
     for (s, low), (s_next, high) in pairwise(rows):
@@ -255,14 +255,15 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
 
 
 def _draw_states(ax: Axes, rod: drawn_rods.DrawnRod, values: Any, where: Any, order: float) -> None:
-    """A curve in the colours of the states of a rod; marks at its line where the cylinder would have to pull."""
+    """A curve in the colours of the states of a rod; marks on it where the cylinder would have to pull."""
     s = rod["s"]
     for state in _states(rod):
         part = (s >= state.begin) & (s <= state.end)
         ax.plot(s[part], values[part], color=colours.STATES[state.word], linewidth=1.0, transform=where, zorder=order,
                 label=f"{rod.name}, {state.word}")  # fmt: skip
     _, first, after = regions.runs((rod["push"] < -SLIGHT * np.abs(rod["push"]).max())[None])
-    ax.plot((s[first] + s[after - 1]) / 2, np.zeros(first.size), **PULLS, transform=where, zorder=order + 0.01,
+    middle = (s[first] + s[after - 1]) / 2
+    ax.plot(middle, np.interp(middle, s, values), **PULLS, transform=where, zorder=order + 0.01,
             label=f"{rod.name}, would lift off")  # fmt: skip
 
 

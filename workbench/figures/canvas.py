@@ -140,7 +140,11 @@ def lower_indices(fig: Figure) -> None:
 
 def _letter_panels(fig: Figure) -> None:
     """Give several panels with scales their letters, and the labels of each column one place."""
-    shown = {ax: ax.get_subplotspec() for ax in fig.axes if ax.get_label() != "<colorbar>" and len(ax.get_xticks())}
+    shown = {
+        ax: ax.get_subplotspec()
+        for ax in fig.axes
+        if ax.get_label() != "<colorbar>" and ax.xaxis.get_visible() and len(ax.get_xticks())
+    }
     grids = {ax: place.get_gridspec() for ax, place in shown.items() if place is not None}
     panels = list(grids)
     for grid in grids.values():

@@ -22,18 +22,18 @@ SEVERAL = ("#5b2a86", "#c2457f", "#259e73")  # several rods on one cylinder
 CROSSED = "#7d2ea0"  # rings where a rod passes through itself
 UNSOLVED, UNKNOWN = INK, "#ffffff"  # a cell without a solution, darker than every colour of a map; one without a number
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
-VERDICTS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#bb5802", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
+VERDICTS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#946b00", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
 STABLE: dict[str, Any] = {"color": INK, "linewidth": 1.7, "linestyle": "-"}
 UNSTABLE: dict[str, Any] = {"color": SOFT, "linewidth": 0.8, "linestyle": (0, (4, 1.6))}
 STATES = {"straight": "#8f949c", "sinusoidal": "#3f8fc4", "helical": "#123a6b"}  # of `solver.shooting.state`
 # cells of the map of extremes; solved ones by how near their error is to what the method promises
-EXTREMES = {"refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#f3cf8a", "vague": "#c9d8f2"}
+EXTREMES = {"refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#e0cdea", "vague": "#c9d8f2"}
 SOLVED = ("#7fc6a6", "#cfe8dc", "#f8f7d8")
 
 # A rod on its cylinder
 NEUTRAL = "#8d96a1"  # a rod in one colour
 UNPAINTED, STRIPE = "#d9c9a3", "#5d4a72"  # the rod beside its stripe, and the stripe; no colours of the push
-LETTERED = (0.36, 0.55, 0.74)  # the rod that shows the letters of its geometry
+LETTERED = (0.60, 0.63, 0.68)  # the rod that shows the letters of its geometry: grey, as blue would be a push
 CUT = "#f4f1eb"  # the end of a drawn cylinder
 SURFACE = "#e6e1d8"  # the cylinder: warm, so a pale blue rod stands out from it
 DEPTH = 0.55  # of the shadow on it where nothing of the light from all around arrives

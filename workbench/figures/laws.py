@@ -12,6 +12,7 @@ from studies.laws import law_words
 from studies.laws.law import Law
 from studies.laws.law_kinds import MONOTONE
 from studies.laws.law_words import PLAIN
+from studies.laws.verdicts import FAILS
 
 from ..store import law_verdicts, selection
 from ..words import labels
@@ -35,11 +36,28 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> str:
             ax.plot(ends, heights, color=colour, linewidth=3, alpha=0.6, zorder=3,
                     label="a case outside" if case else "a step the wrong way", **how)  # fmt: skip
     draw_curve(ds, ax, row)
+    _draw_alternative(ds, ax, row)
     ax.set_title(fonts.wrap(f"{row['claim']}: {verdict}", ax), loc="left", color=colour)
     legend.add(ax)
     others = law_words.others(row, lambda name: labels.symbol(ds[name]))
     said = "; ".join(text for text in (verdict, _measure(ds, row)) if text)
     return f"{row['claim']}: {sentence(ds, row)}; {said.rstrip('.')}. {others}".rstrip()
+
+
+def _draw_alternative(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
+    """Draw the first alternative observable of which the law is false, on an axis at the right, on the same line."""
+    also = next((also for also in row["also"] if also["alternative"] and also["verdict"] == FAILS), None)
+    if also is None:
+        return
+    axis, array, places = row["axis"], ds[also["observable"]], selection.line(ds, row["axis"], row["at"])
+    along = labels.in_label_unit(ds[axis], ds[axis].values[[place[axis] for place in places]])
+    right, colour = ax.twinx(), colours.PAIR[0]
+    right.plot(along, labels.in_label_unit(array, [float(array.isel(place)) for place in places]), color=colour,
+               linewidth=1.0, linestyle=DASHED, label=str(array.name))  # fmt: skip
+    right.set_ylabel(f"{labels.label(array)}: {PLAIN[FAILS]}", color=colour)
+    right.tick_params(axis="y", colors=colour)
+    right.spines["right"].set(visible=True, color=colour)
+    right.margins(y=0.1)
 
 
 def _measure(ds: xr.Dataset, row: Mapping[str, Any]) -> str:

@@ -12,8 +12,6 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from studies.laws.verdicts import NOISE
-
 from ..store import selection
 from ..words import labels
 from . import colours, fonts, legend, regions
@@ -34,12 +32,11 @@ class Colours:
     """The one scale of colours of an observable, over all its panels."""
 
     def __init__(self, ds: xr.Dataset, name: str, values: Values) -> None:
-        self.array = ds[name]
         self.count = selection.is_count(ds, name)
         known = values[np.isfinite(values)]
         self.low, self.high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
-        size = max(abs(self.low), abs(self.high))
-        self.constant = self.high - self.low <= NOISE * size  # rounding is no news
+        self.constant = selection.is_level(ds, name)  # what rounding and errors allow is no news
+        self.text = labels.level(ds[name], *selection.level(ds, name))
         self.cmap: Colormap = colours.map_colours()
         self.norm = self._norm()
 
@@ -59,7 +56,7 @@ class Colours:
 
     def said(self) -> str:
         """``, 3 in all cases`` of a constant, which has no bar; else nothing."""
-        return f", {labels.value(self.low, self.array)} in all cases" if self.constant else ""
+        return f", {self.text} in all cases" if self.constant else ""
 
     def bar(self, mesh: Any, axes: list[Axes]) -> None:
         """The bar of colours beside the panels; none of a constant."""

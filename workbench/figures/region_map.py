@@ -1,6 +1,7 @@
 """The map of a dataset of regions: the number of equilibria over two fields, fold curves, cusps, stable shapes."""
 
 import json
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -57,7 +58,10 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
             said.append(f"Colours of the regions: {labels.long_name(ds[shown])}.")
         return [*said, *entries(ds), *(line for line in ax.lines if line.get_label() in GIVEN)]
 
-    return canvas.page(ds, sheet, [(high, [draw])])
+    subject = {COUNT: "", STABLE: "The number of stable equilibria"}.get(shown)
+    subject = f"Folds, and their {labels.long_name(ds[f'curve_{shown}'])}," if subject is None else subject
+    title = re.sub(r"^The number of equilibria", lambda words: subject or words[0], str(ds.attrs["title"]))
+    return canvas.page(ds.assign_attrs(title=title), sheet, [(high, [draw])])
 
 
 def _along_curves(ds: xr.Dataset) -> list[str]:

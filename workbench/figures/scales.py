@@ -20,7 +20,7 @@ Values = NDArray[np.float64]
 
 WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
 EVEN = 1e-6  # share by which the steps of a geometric axis may differ
-MOST, GAP = 8, 0.09  # ticks of an axis; inches between two numbers
+MOST, GAP = 8, 0.08  # ticks of an axis; inches between two numbers
 ROUNDING = 1e-9  # share of the range by which a tick may lie outside it
 SPARE = 0.04  # share of a span that stays free at either end
 FEW = 3  # ticks that a logarithmic axis has at least
@@ -52,17 +52,18 @@ class RoomLocator(Locator):
         inches = (box.height if upward else box.width) / axis.axes.get_figure(root=True).dpi
         per_unit = inches / ((change(vmax) - change(vmin)) or 1.0)
         low, high = vmin - ROUNDING * abs(vmin), vmax + ROUNDING * abs(vmax)
-        chosen: list[float] = []
+        fallback: list[float] = []
         for locator in self._candidates(vmax - vmin, logarithmic):
             inside = [float(value) for value in locator.tick_values(low, high) if low <= value <= high]
-            chosen = inside if len(inside) >= (FEW if isinstance(locator, LogLocator) else 1) else chosen
-            texts = Ticks().format_ticks(chosen)
+            texts = Ticks().format_ticks(inside)
             sizes = [self.letters / 72 if upward else fonts.width_of(text, self.letters) for text in texts]
             gaps = [per_unit * (change(b) - change(a)) - (left + right) / 2
-                    for (a, left), (b, right) in pairwise(zip(chosen, sizes, strict=True))]  # fmt: skip
-            if chosen is inside and min(gaps, default=GAP) >= GAP:
-                return chosen
-        return chosen[-1:]
+                    for (a, left), (b, right) in pairwise(zip(inside, sizes, strict=True))]  # fmt: skip
+            if min(gaps, default=GAP) >= GAP:
+                if len(inside) >= (FEW if isinstance(locator, LogLocator) else 2):
+                    return inside
+                fallback = max(fallback, inside, key=len)
+        return fallback
 
     def _candidates(self, span: float, logarithmic: bool) -> Iterator[Locator]:
         """Matplotlib's locators, from that of most ticks to that of one."""
@@ -75,6 +76,8 @@ class RoomLocator(Locator):
         counts = self.of == "counts"
         for count in range(MOST + counts, 0, -1):  # half a count more lies at either end of a bar of their colours
             yield MaxNLocator(count, steps=[1, 2, 5, 10], integer=counts, min_n_ticks=1)
+        for count in (3, 2):  # at 3 and 4 too, where so few at 1, 2 and 5 do not lie on it
+            yield MaxNLocator(count, steps=[1, 2, 3, 4, 5, 10], integer=counts, min_n_ticks=1)
 
 
 def is_geometric(values: Values) -> bool:

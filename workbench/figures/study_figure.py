@@ -227,15 +227,15 @@ def _for_column(chosen: _Choice) -> _Choice:
 
 def level_notes(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
     """A sentence about each observable that is the same in all cases."""
-    level = [(ds[name], float(ds[name].max())) for name in names if selection.is_level(ds, name)]
+    level = [(ds[name], selection.level(ds, name)) for name in names if selection.is_level(ds, name)]
     asked = re.compile(r"[<>]|==|!=|\b(and|or|not)\b")  # an expression that is true or false
-    said = [("false", "true")[bool(value)] if asked.search(str(array.attrs.get("expression", "")))
-            else labels.value(value, array) for array, value in level]  # fmt: skip
+    said = [("false", "true")[bool(round(sum(ends) / 2))] if asked.search(str(array.attrs.get("expression", "")))
+            else labels.level(array, *ends) for array, ends in level]  # fmt: skip
     texts = []
-    for (array, value), text in zip(level, said, strict=True):
+    for (array, ends), text in zip(level, said, strict=True):
         flag = re.fullmatch("1 where (.*), else 0", labels.long_name(array))
         does = flag[1] if flag else f"{labels.long_name(array)}: {text}"
-        texts.append(f"{does} in {'no case' if flag and not value else 'all cases'}.")
+        texts.append(f"{does} in {'no case' if flag and not round(sum(ends) / 2) else 'all cases'}.")
     return [text[0].upper() + text[1:] for text in texts]
 
 

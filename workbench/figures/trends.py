@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from solver.problem.errors import no_such
-from studies.laws.verdicts import FAILS, NOISE
+from studies.laws.verdicts import FAILS
 
 from ..store import selection
 from ..words import labels
@@ -54,9 +54,12 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
         if drawn.size and np.ptp(drawn) < 2:
             count = round(float(drawn.mean()))
             ax.set_ylim(max(count - 2, min(count, 0) - 0.5), count + 2)
-    elif drawn.size and 0 < np.ptp(drawn) < NOISE * np.abs(drawn).max():  # rounding is no news
+    elif (
+        drawn.size and np.ptp(drawn) and selection.is_level(ds, observable)
+    ):  # what rounding and errors allow is no news
         middle = float(drawn.mean())
-        ax.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
+        half = max(0.1 * abs(middle), 10 * np.ptp(drawn))
+        ax.set_ylim(middle - half, middle + half)
     return ax
 
 

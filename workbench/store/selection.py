@@ -206,9 +206,22 @@ def is_count(ds: xr.Dataset, name: str) -> bool:
 
 
 def is_level(ds: xr.Dataset, name: str) -> bool:
-    """Whether a number is the same in all cases, but for rounding."""
-    values = ds[name].values[np.isfinite(ds[name].values)]
-    return bool(values.size and np.ptp(values) <= NOISE * np.abs(values).max())
+    """Whether a number is the same in all cases, but for rounding and its estimated errors: one value lies within the
+    error of each."""
+    low, high = level(ds, name)
+    return low <= high
+
+
+def level(ds: xr.Dataset, name: str) -> tuple[float, float]:
+    """The ends of what all cases may have in common of a number, within rounding and their estimated errors; the first
+    is the larger where they have nothing in common."""
+    values = np.asarray(ds[name].values, dtype=float)
+    known = np.isfinite(values)
+    if not known.any():
+        return np.inf, -np.inf
+    errors = ds[f"{name}_error"].values if f"{name}_error" in ds else np.zeros(values.shape)
+    errors = np.maximum(np.nan_to_num(errors), NOISE / 2 * np.abs(values[known]).max())[known]
+    return float((values[known] - errors).max()), float((values[known] + errors).min())
 
 
 def names_of(ds: xr.Dataset, names: Sequence[str]) -> list[str]:

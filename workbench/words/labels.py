@@ -51,6 +51,14 @@ def value(number_: float, array: xr.DataArray, digits: int = 4) -> str:
     return (f"{text}°" if is_angle(array) else f"{text} {_unit_of(array)}".strip()).replace("-", "−")
 
 
+def level(array: xr.DataArray, low: float, high: float) -> str:
+    """A value between two ends that all cases have in common: ``3``; 0 where it lies there: ``0 within 10⁻⁹``."""
+    middle, half = (low + high) / 2, (high - low) / 2
+    if array.dtype.kind == "f" and low <= 0 <= high and half:
+        return f"{value(0.0, array)} within {value(half, array, 1)}"
+    return value(middle, array)
+
+
 def distinct(array: xr.DataArray, values: Any) -> list[str]:
     """Values of a variable with their unit, as `value`, with as many digits as it takes to tell them apart."""
     values = [float(entry) for entry in values]
