@@ -102,8 +102,23 @@ def test_a_film_that_cannot_be_drawn_leaves_nothing(tmp_path) -> None:
 def test_scene_makes_a_film(monkeypatch) -> None:
     asked = []
     monkeypatch.setattr(animate, "film_of", lambda *given, **more: asked.append((given, more)) or result_of_files([]))
-    assert exit_status("scene", "a.h5", "--along", "E", "--out", "E.mp4") == 0
-    assert asked == [((Path("a.h5"), "E", [], "contact"), {"out": [Path("E.mp4")], "force": False})]
+    for way in ("--along", "--axis"):
+        assert exit_status("scene", "a.h5", way, "E", "--out", "E.mp4", "--dpi", "90") == 0
+        given, more = asked.pop()
+        assert given == (Path("a.h5"), "E", [], "contact", None, [Path("E.mp4")])
+        assert more == {"pixel_error": 0.5, "dpi": 90, "force": False}
+    for other in (["--camera", "front"], ["--bare"], ["--axis", "E", "--along", "R"]):
+        assert exit_status("scene", "a.h5", "--out", "E.mp4", *other) == 2, "it would be ignored"
+
+
+@draws
+def test_a_film_of_a_study_needs_no_file(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(animate, "MOST", 6)  # frames
+    base = small.SHORT | {"beta": 0.5, "dbeta": 0.5, "M3": 0.0}
+    Path("two.toml").write_text(small.text(base, small.axis("F3", [1.0, 2.0]), observables=["turns"]))
+    assert exit_status("scene", "two.toml", "-o", "two.gif", "--dpi", "30", "--pixel-error", "5") == 0
+    assert Path("two.gif").stat().st_size > 0
 
 
 def test_the_old_command_names_the_new_one(ds, tmp_path, monkeypatch, capsys) -> None:

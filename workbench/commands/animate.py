@@ -47,11 +47,13 @@ def film_of(
 
     from ..scene import film, opengl
     from ..scene.scene_kinds import kind_of
-    from ..store import reading, schema
+    from ..store import in_memory, schema
     from ..words import outcomes
     from . import option_checks, study_scene
 
-    ds = reading.read(file)
+    study, ds = study_scene.open_rods(file)
+    if study is not None:
+        ds = in_memory.run(study)
     outcomes.check_any_solved(ds)
     axes = schema.axes_of(ds)
     if not axes:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ..scene.composition import Picture
 
 SUFFIXES = (".png", ".jpg")
+DPI, FILM_DPI = 200, 160
 
 
 @presents()
@@ -43,7 +44,10 @@ def scene(
     low: Annotated[float | None, number_option("First arc length drawn [length]; default: 0.", "--from")] = None,
     high: Annotated[float | None, number_option("Last arc length drawn [length]; default: L.", "--to")] = None,
     pixel_error: PixelError = 0.5,
-    dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 200 gives 1600 pixels of width for one case.")] = 200,
+    dpi: Annotated[
+        int | None,
+        option("DPI", "Resolution [pixels/inch]; default: 200, 1600 pixels of width for one case; of a film 160."),
+    ] = None,
     camera: Annotated[
         str | None,
         option(
@@ -78,20 +82,26 @@ def scene(
     A stored study with too few stations is solved again. Exit status 1 if OpenGL does not work on this machine, or if a
     file without a study has too few stations for --pixel-error.
     """
+    from solver.problem.errors import InputError
+
     from ..scene import opengl, scene_kinds
     from ..scene.settings import Settings, check, check_name, color_range_of, size_of
     from ..store import schema, selection
     from . import animate, option_checks, scene_page, study_scene
 
     at, axes, span = at or [], axis or [], (low, high)
+    others = [low is not None, high is not None, camera, color_range, bare, transparent, size]
     if out is not None and animate.is_film(out):
-        return animate.film_of(file, along, at, kind or "contact", out=[out], force=force)
+        if any(others) or len({*axes, along} - {None}) > 1:
+            raise InputError(f"a film takes --axis, --at, --kind, --pixel-error and --dpi alone, got {out.name!r}")
+        way = along or next(iter(axes), None)
+        return animate.film_of(file, way, at, kind or "contact", None, [out], pixel_error=pixel_error,
+                               dpi=dpi or FILM_DPI, force=force)  # fmt: skip
     if out is not None and scene_page.is_page(out):
-        others = [axes, along, low is not None, high is not None, camera, color_range, bare, transparent, size]
-        return scene_page.write(file, at, out, force, kind, any(others))
+        return scene_page.write(file, at, out, force, kind, any([axes, along, *others]))
     asked = Settings(
-        pixel_error, dpi, camera=camera, color_range=color_range_of(color_range), bare=bare, transparent=transparent,
-        size=size_of(size),
+        pixel_error, dpi or DPI, camera=camera, color_range=color_range_of(color_range), bare=bare,
+        transparent=transparent, size=size_of(size),
     )  # fmt: skip
     check(asked)
     study, ds = study_scene.open_rods(file)
