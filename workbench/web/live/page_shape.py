@@ -1,7 +1,7 @@
 """The solved rod of a state, fast enough for a page.
 
-Between two ends the rod follows the one before it where that works. Else all equilibria are searched for the one that
-the study names, or that the rule of `solve` selects. A search that would take minutes is refused.
+Between two ends the rod follows the one before it where that works. Else it is the equilibrium that the study names, or
+that the rule of `solve` selects. A search that would take minutes is refused.
 """
 
 from dataclasses import dataclass, replace
@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from solver import Case, Ends, Solution, equilibria, solve
-from solver.choose.selection import NEAREST
-from solver.equilibria import meant, nearest
+from solver import Case, Ends, Solution, solve
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices
 from solver.problem.reduced import held_of, reduce
 from solver.shooting.numbers import rods_of
 from studies import Study
 from studies.grammar.axes import Which
 from studies.language.case_input import field_values
+
+from ...store.case_solutions import rule_of, solve_one
 
 TOL, NEAR = DEFAULT_TOLERANCE, 1e-6  # tolerances of a rod, and of one that follows another as a slider moves
 STATIONS, BETWEEN, MOST = 201, 401, 4001  # of a start problem, an ends problem, and a rod with many bends or weight
@@ -127,20 +127,16 @@ def _resolve(study: Study, case: Case, sol: Solution) -> Shape:
 
 def _between(study: Study, case: Case, lost: bool) -> Solution:
     which, half_periods = study.equilibrium, _half_periods(case)
-    if lost and half_periods > MOST_LISTED:
-        which = None
-    rule = NEAREST if which is None or which.rule is None else which.rule
-    if half_periods > MOST_LISTED:
-        return _of_many(case, which, rule)
-    listed = equilibria(case, TOL, BETWEEN)
-    if not listed:
-        raise InputError("no equilibrium has these end angles under these loads")
-    if which is not None and which.dbeta0 is not None and which.energy is not None:
-        return nearest(listed, which.dbeta0, which.energy).solution
-    equilibrium = meant(listed, rule)
-    if equilibrium is None:
-        raise InputError(f"none of the {len(listed)} equilibria has index {rule}")
-    return equilibrium.solution
+    many = half_periods > MOST_LISTED
+    if which is None or which.dbeta0 is None or (lost and many):
+        return solve(case, TOL, stations=BETWEEN, choose=rule_of(None if lost and many else which))
+    near: tuple[dict[str, Any], ...] = ({"seed": which.dbeta0}, {"choose": rule_of(which)})
+    for sol in (solve(case, TOL, stations=BETWEEN, **how) for how in near):
+        if sol.solved and _same(sol, which):
+            return sol
+    if many:
+        raise InputError(f"the named equilibrium is not the one selected by default, and {_too_many(half_periods)}")
+    return solve_one(case, which, TOL, "auto", BETWEEN)
 
 
 def _follow(study: Study, case: Case, near: Solution) -> Solution | None:
@@ -159,19 +155,6 @@ def _follow(study: Study, case: Case, near: Solution) -> Solution | None:
             if sol.solved:
                 return sol
     return None
-
-
-def _of_many(case: Case, which: Which | None, rule: str | int) -> Solution:
-    """Of more equilibria than are listed the one with the named beta'(0), or else the one that the rule selects."""
-    named = which is not None and which.dbeta0 is not None
-    if which is not None and named:
-        sol = solve(case, NEAR, "difference", BETWEEN, seed=which.dbeta0)
-        if sol.solved and _same(sol, which):
-            return sol
-    sol = solve(case, TOL, stations=BETWEEN, choose=rule)
-    if which is None or not named or (sol.solved and _same(sol, which)):
-        return sol
-    raise InputError(f"the named equilibrium is not the one selected by default, and {_too_many(_half_periods(case))}")
 
 
 def _same(sol: Solution, which: Which) -> bool:
