@@ -6,8 +6,6 @@ it is a file that works offline.
 
 import base64
 import gzip
-import hashlib
-import json
 import re
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -21,7 +19,7 @@ from studies.language.readings import READINGS
 
 from ...figures import colours
 from ...words import labels
-from ...words.escaping import finite
+from .. import pages
 from . import page_model, page_shape
 from .page_model import study_of
 from .presets import Preset
@@ -39,12 +37,8 @@ def text(presets: Sequence[Preset], served: bool, style: str = "") -> str:
     those of the page.
     """
     style = read("shared.css") + read("page.css") + style
-    core, program = core_script(), bundle()
-    parts = {
-        "style": style, "core": core, "program": program, "data": json_text(_data(presets, served)),
-        "policy": policy(style, core, program, served),
-    }  # fmt: skip
-    return re.sub(r"{{ (\w+) }}", lambda match: parts[match[1]], read("index.html"))
+    scripts = {"core": core_script(), "program": bundle()}
+    return pages.page(read("index.html"), style, scripts, _data(presets, served), served)
 
 
 def core_text() -> str:
@@ -60,7 +54,7 @@ def core_script() -> str:
 
 def read(name: str) -> str:
     """The text of a file of the page."""
-    return (PAGE / name).read_text(encoding="utf-8")
+    return pages.read(__package__, "page", name)
 
 
 def bundle(first: str = FIRST) -> str:
@@ -82,19 +76,6 @@ def _module(name: str, source: str) -> str:
     exported = ", ".join(export for _, export in _EXPORT.findall(source))
     body = _EXPORT.sub(r"\1", _IMPORT.sub(r"const \1 = module_\2;", source))
     return f"const module_{name} = (() => {{\n{body}return {{ {exported} }};\n}})();"
-
-
-def policy(style: str, core: str, program: str, served: bool) -> str:
-    """The content security policy: the scripts and the style of this text, WebAssembly, and at most its own server."""
-    scripts, server = " ".join(_hash(script) for script in (core, program)), "'self'" if served else "'none'"
-    return (
-        f"default-src 'none'; script-src {scripts} 'wasm-unsafe-eval'; style-src {_hash(style)}; img-src data: blob:; "
-        f"connect-src {server}; base-uri 'none'; form-action 'none'"
-    )
-
-
-def _hash(text: str) -> str:
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
 def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
@@ -120,8 +101,3 @@ def _begin(preset: Preset) -> dict[str, Any]:
         return {}
     rows = {"s": sol.s, "beta": sol.beta, "dbeta": sol.dbeta}
     return {"shape": {name: [float(f"{v:.9g}") for v in row] for name, row in rows.items()}}
-
-
-def json_text(data: Any) -> str:
-    """Plain data as JSON that may stand inside a script element."""
-    return json.dumps(finite(data), ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")

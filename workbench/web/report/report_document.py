@@ -4,14 +4,12 @@ import base64
 import json
 import re
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from jinja2 import Environment, StrictUndefined
 from PIL import Image, ImageChops
 
 from solver.problem.errors import InputError
@@ -22,7 +20,7 @@ from ...store import atomic, law_verdicts
 from ...store.in_memory import StudyResult
 from ...store.schema import axes_of
 from ...words import cautions, labels
-from ..live.live_document import policy
+from .. import pages
 from ..turntable import turntable_page
 from . import measured_runs, sisters, sources, turning
 from .errata import ERRATA, mark_up
@@ -74,20 +72,17 @@ def html(
     """The report as text, with every picture, a turntable for each panel and the compiled core inside it."""
     if not results:
         raise InputError("a report needs at least one study")
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=with_hard_spaces
-    )
-    template = environment.from_string(_text(TEMPLATE))
     figures = {f"turn-{result.ds.attrs['study_name']}": turning.figure_of(result.ds) for result in results}
     figures = {name: figure for name, figure in figures.items() if figure is not None}
     sections = [_section(result, figures) for result in results]
     datasets = [*(result.ds for result in results), *([] if readings is None else [readings])]
     laws = [row for section in sections for row in section["laws"]]
     verdicts = "".join(f" --{CLASSES[name]}: {colour};" for name, colour in colours.VERDICTS.items())
-    style_ = f":root {{{verdicts} }}\n{turntable_page.look()}{_text('report.css')}"
+    style = f":root {{{verdicts} }}\n{turntable_page.look()}{_text('report.css')}"
     program = f"{turntable_page.program()}\n{_text('enlarge.js')}"
     claims = claims_of(sections)
-    return template.render(
+    return pages.page(
+        _text(TEMPLATE), style, {"program": program}, turntable_page.data(figures), finalize=with_hard_spaces,
         reading=str(results[0].ds.attrs["reading"]),
         claims=claims,
         tally=law_words.tally_of(claims, "claim"),
@@ -107,15 +102,11 @@ def html(
         version=sources.version(datasets),
         turntable=turntable_page.figure,
         captions=CAPTIONS,
-        style=style_,
-        program=program,
-        policy=policy(style_, program, "", served=False),
-        data=turntable_page.data(figures),
         measured=[_measure(run) for run in measured],
         story=[] if story is None else [_picture(story, STORY, DRAWING) | _column(story)],
         left_out=cautions.LEFT_OUT,
         equilibria=_equilibria(*equilibria) if equilibria else None,
-    )
+    )  # fmt: skip
 
 
 def _column(story: Path) -> dict[str, Any]:
@@ -210,7 +201,7 @@ def _ink_box(picture: Image.Image) -> tuple[int, int, int, int]:
 
 def _text(name: str) -> str:
     """The text of a file of this folder."""
-    return (files(__package__) / name).read_text(encoding="utf-8")
+    return pages.read(__package__, name)
 
 
 HARD = "\u00a0"  # a space at which no line ends

@@ -2,15 +2,14 @@
 
 from collections.abc import Mapping
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
 import xarray as xr
-from jinja2 import Environment, StrictUndefined
 
 from ...figures import colours
 from ...store import selection
 from ...words import labels
+from .. import pages
 from ..live import live_document
 from .stored import turntable_of_dataset
 
@@ -33,20 +32,16 @@ def html(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> str:
         As of `stored`.
     """
     stored = turntable_of_dataset(ds, at)
-    style, script = look() + read("page.css"), program()
+    style = look() + read("page.css")
     sliders = len(stored.data["axes"])
-    return render(
-        "page.html.j2",
+    return pages.page(
+        read("page.html.j2"), style, {"program": program()}, data({"rod": stored.data}),
         title=str(ds.attrs["title"]),
         lead=". ".join(part for part in (labels.reading(ds), _held(ds, at or {})) if part),
         figure=figure("rod", "The rod on its cylinder", reset=bool(sliders)),
         sliders=sliders,
         left_out=stored.left_out,
-        style=style,
-        program=script,
-        data=data({"rod": stored.data}),
-        policy=live_document.policy(style, script, "", served=False),
-    )
+    )  # fmt: skip
 
 
 def figure(name: str, label: str, still: str = "", caption: str = "", reset: bool = True, row: bool = False) -> str:
@@ -54,13 +49,12 @@ def figure(name: str, label: str, still: str = "", caption: str = "", reset: boo
 
     row: whether `still` shows all rods of the turntable, so that it stays above the one that turns.
     """
-    return render("figure.html.j2", id=name, label=label, still=still, caption=caption, reset=reset, row=row)
+    return pages.fill(read("figure.html.j2"), id=name, label=label, still=still, caption=caption, reset=reset, row=row)
 
 
-def data(figures: Mapping[str, Any]) -> str:
-    """The data of all turntables of a page, and the core, as JSON that may stand inside a script element."""
-    plain = {"colours": colours.for_pages(), "figures": dict(figures), "core": live_document.core_text()}
-    return live_document.json_text(plain)
+def data(figures: Mapping[str, Any]) -> dict[str, Any]:
+    """The data of all turntables of a page, and the core."""
+    return {"colours": colours.for_pages(), "figures": dict(figures), "core": live_document.core_text()}
 
 
 @cache
@@ -74,16 +68,9 @@ def look() -> str:
     return read("scheme.css") + live_document.read("shared.css") + read("turntable.css")
 
 
-@cache
 def read(name: str) -> str:
     """The text of a file of this folder."""
-    return (files(__package__) / name).read_text(encoding="utf-8")
-
-
-def render(name: str, **values: Any) -> str:
-    """A template of this folder, filled in."""
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    return environment.from_string(read(name)).render(**values)
+    return pages.read(__package__, name)
 
 
 def _held(ds: xr.Dataset, at: Mapping[str, Any]) -> str:
