@@ -8,9 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
-from .library import Cutting, address, cut, fine, functions, grid, points, share_out
+from .library import Cutting, address, cut, fine, functions, numbers_of, on_grid, points, share_out
 from .measures import GROUPS, NUMBERS, RATED
-from .orbits import numbers_of
 
 LOST, PARTLY = -1, ("push", "turned", "risen")  # measured over the middle third
 SERIES_GOAL = 1e-14  # of the series of which the places of extremes are found, relative
@@ -127,8 +126,7 @@ def start_sensitivities(
         task.wanted = sum(1 << RATED[name] for name in measured.names)
         task.groups, task.partly = _groups_of(measured.plain), _groups_of(measured.middle)
         task.goal, task.rates_goal = measured.goal, SERIES_GOAL
-    angles, table = grid()
-    searched = _Grid(angles.size, address(angles), address(table))
+    searched = _Grid(*on_grid())
 
     def part(a: int, b: int) -> None:
         fine(functions().rod_sensitivities(
