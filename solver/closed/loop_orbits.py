@@ -32,7 +32,7 @@ _TOL = 1e-12  # of the orbits that are searched
 _FINEST = -30.0  # of log(gap): lam holds no smaller gap
 _SHORT = 100.0  # at gap = (_SHORT/T)^2 the period is below T; it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap)
 _FAR = 60.0  # bound of the log of a period
-_ROUNDS, _ROUGH, _NARROW = 60, 1e-3, 1e-6  # of the search of lam, by the log of the period; Newton's method follows
+_ROUGH, _NARROW = 1e-3, 1e-6  # of the search of lam, by the log of the period; Newton's method follows
 _STEPS = 12  # of Newton's method
 CLOSE = 1e-9  # the largest error of an orbit that was found
 
@@ -69,7 +69,7 @@ def _crossings(lowest: Array, y: Array, mean: Array, period: float, azimuth: flo
         at, guess = (float(v[k] + (v[k + 1] - v[k]) * excess[k] / (excess[k] - excess[k + 1])) for v in (lowest, y))
         orbit = _polish(at, guess, period, azimuth)
         inside = lowest[k + 1] <= orbit.lowest <= lowest[k]
-        orbits.append(orbit if orbit.error < CLOSE and inside else _refine(lowest[cell], excess[cell], period, azimuth))
+        orbits.append(orbit if orbit.error < CLOSE and inside else _refine(lowest[cell], period, azimuth))
     return orbits
 
 
@@ -84,22 +84,12 @@ def _angles(period: float, azimuth: float) -> Array:
 
 def _gaps(lowest: Array, period: float, narrow: float) -> Array:
     """log(gap) at which the orbits from the lowest angles (n,) have the period; NaN where lam cannot hold it."""
-    low, high = np.full(lowest.size, _FINEST), np.full(lowest.size, 2 * np.log(_SHORT / period))
-    f_low, f_high = (_excess(lowest, y, period) for y in (low, high))
-    y, reached = low.copy(), np.full(lowest.size, _FAR)
-    open_ = np.flatnonzero((f_low > 0) & (f_high < 0))
-    for k in range(_ROUNDS):
-        if not open_.size:
-            break
-        a, b, fa, fb = low[open_], high[open_], f_low[open_], f_high[open_]
-        at = (a + b) / 2 if k % 3 == 2 else (a * fb - b * fa) / (fb - fa)
-        f = _excess(lowest[open_], at, period)
-        above = f > 0
-        low[open_], f_low[open_] = np.where(above, at, a), np.where(above, f, fa)
-        high[open_], f_high[open_] = np.where(above, b, at), np.where(above, fb, f)
-        y[open_], reached[open_] = at, np.abs(f)
-        open_ = open_[(np.abs(f) > narrow) & (high[open_] - low[open_] > _NARROW)]
-    return np.where(reached < 2 * _ROUGH, y, np.nan)
+    from scipy.optimize.elementwise import find_root
+
+    ends = np.full(lowest.size, _FINEST), np.full(lowest.size, 2 * np.log(_SHORT / period))
+    goal = {"fatol": narrow, "xatol": _NARROW, "frtol": 0.0, "xrtol": 0.0}
+    root_of = find_root(lambda y, b1: _excess(b1, y, period), ends, args=(lowest,), tolerances=goal)
+    return np.where(np.abs(root_of.f_x) < 2 * _ROUGH, root_of.x, np.nan)
 
 
 def _excess(lowest: Array, y: Array, period: float) -> Array:
@@ -107,18 +97,19 @@ def _excess(lowest: Array, y: Array, period: float) -> Array:
     return np.nan_to_num(np.clip(np.log(_measure(lowest, y)[0] / period), -_FAR, _FAR), nan=_FAR)
 
 
-def _refine(lowest: Array, excess: Array, period: float, azimuth: float) -> ClosedOrbit:
-    """The orbit between two lowest angles (2,), at which the mean of sin(beta) exceeds the wanted one by `excess`."""
-    (a, b), (fa, fb) = lowest, excess
-    at, y = a, np.zeros(1)
-    for k in range(6):
-        at = (a + b) / 2 if k % 2 else (a * fb - b * fa) / (fb - fa)
-        y = _gaps(np.array([at]), period, _NARROW)
-        if np.isnan(y[0]):
-            return ClosedOrbit(float(at), np.nan, np.inf)
-        f = _mean(np.array([at]), y)[0] - azimuth / period
-        a, b, fa, fb = (at, b, f, fb) if np.sign(f) == np.sign(fa) else (a, at, fa, f)
-    return _polish(float(at), float(y[0]), period, azimuth)
+def _refine(lowest: Array, period: float, azimuth: float) -> ClosedOrbit:
+    """The orbit between two lowest angles (2,)."""
+    from scipy.optimize import brentq
+
+    def off(at: float) -> float:
+        b1 = np.array([at])
+        return float((_mean(b1, _gaps(b1, period, _NARROW)) - azimuth / period)[0])
+
+    try:
+        at = brentq(off, *lowest, xtol=_NARROW, disp=False)
+    except ValueError:  # lam cannot hold the gap of an orbit between them
+        return ClosedOrbit(float(lowest[0]), np.nan, np.inf)
+    return _polish(at, float(_gaps(np.array([at]), period, _NARROW)[0]), period, azimuth)
 
 
 def _polish(b1: float, y: float, period: float, azimuth: float) -> ClosedOrbit:

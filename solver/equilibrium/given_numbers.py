@@ -107,8 +107,7 @@ def rows_of(rates: OrbitRates, names: tuple[str, ...], ratio: float) -> tuple[Ar
 
 def parts_by_given(rates: OrbitRates, names: tuple[str, ...], ratio: float) -> Array:
     """The five parts of a change of one equilibrium by a unit of each given number, and last of the length, (5, 6)."""
-    rows, by_span = rows_of(rates, names, ratio)
-    return solve(rows[None], np.column_stack([np.eye(5), -by_span])[None])[0]
+    return parts_of(rates, Given(names, np.zeros(5), 0.0, ratio), np.eye(5, 6), np.eye(6)[5])
 
 
 def answer(rates: OrbitRates, given: Given, values: Array, span: Array) -> Array:

@@ -18,7 +18,6 @@ from ..core.orbits import CriticalPoints, critical_points
 from ..mechanics.potential import TAU, slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import bracket
-from ..orbit.pieces import apart
 from ..problem.reduced import EndsProblem
 from .transit_times import Boundary, Levels, fall, height_scale, wrap
 
@@ -60,7 +59,7 @@ def boundary_of(problem: EndsProblem) -> Boundary:
     rising = ends[0] <= ends[1]
     around = [wrap(b) for b in sorted(ends)]
     for i, b in enumerate(around):
-        near = angles[np.abs(apart(np.full(angles.size, b), angles)) < _ON]
+        near = angles[np.abs(_apart(np.full(angles.size, b), angles)) < _ON]
         around[i] = float(near[0]) if near.size else b
     low, high = around if helix is None else (helix[0], helix[0])
     rest = high - low + (TAU if high < low else 0.0)
@@ -68,6 +67,12 @@ def boundary_of(problem: EndsProblem) -> Boundary:
     behind = [int(np.count_nonzero(angles <= b)) - 1 for b in (low, high)]
     passed = behind[1] - behind[0] + (angles.size if high < low else 0)
     return Boundary(problem, found, low, high, whole_turns, passed, rising, np.empty(0), np.empty((0, 2)), LOWEST)
+
+
+def _apart(a: Array, b: Array) -> Array:
+    """a - b moved into [-pi, pi), of angles in [-pi, pi); exact where they are neighbours across the cut at pi."""
+    x = a - b
+    return np.where(x >= np.pi, (a - TAU) - b, np.where(x < -np.pi, (a + TAU) - b, x))
 
 
 def helix_of(problem: EndsProblem, found: CriticalPoints) -> tuple[float, float] | None:

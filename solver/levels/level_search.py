@@ -10,7 +10,7 @@ from ..numerics.arrays import EPS, Array, Booleans
 from ..orbit.periodic_orbit import Orbit
 from ..problem.limits import LARGEST
 from ..problem.reduced import EndsProblem
-from .level_brackets import brackets_on_grid, join_brackets, roots_in
+from .level_brackets import Brackets, brackets_on_grid, join_brackets, roots_in
 from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
 from .morse_index import jacobi_zeros
 from .path_orbits import energies, solve_orbits
@@ -175,12 +175,17 @@ def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_tur
             f"only equilibria of at most {most} bends were solved: all {turns.size} would take too many evaluations"
         )
     odd = (turns - brackets.rises) % 2 == 1
-    some = brackets.take(kept)
-    y, more = roots_in(boundary, some, every.counts(boundary.rising)[some.path])
-    found = ~np.isnan(y)
-    levels = Levels(some.pin[found], some.sign[found], y[found])
-    total, signed, lost = turns.size, int(np.where(odd, -1, 1).sum()), int(np.count_nonzero(~found))
-    return Roots(levels, every.take(some.path[found]), some.rises[found], total, signed, lost, calls + more), reason
+    signed = int(np.where(odd, -1, 1).sum())
+    return _roots_in(boundary, brackets.take(kept), every, turns.size, signed, calls), reason
+
+
+def _roots_in(boundary: Boundary, some: Brackets, paths: Paths, total: int, signed: int, calls: int) -> Roots:
+    """The roots in some brackets of paths, and the numbers that are known of all."""
+    y, more = roots_in(boundary, some, paths.counts(boundary.rising)[some.path])
+    known = ~np.isnan(y)
+    some, lost = some.take(known), int(np.count_nonzero(~known))
+    levels = Levels(some.pin, some.sign, y[known])
+    return Roots(levels, paths.take(some.path), some.rises, total, signed, lost, calls + more)
 
 
 def _most_needed(boundary: Boundary, grid: LevelGrid, seen: TransitTimes) -> int:
@@ -214,11 +219,7 @@ def near_misses(problem: EndsProblem, most_periods: int) -> tuple[int, Counter[t
 def roots_on(boundary: Boundary, grid: LevelGrid, some: Paths) -> Roots:
     """Every level at which one of these paths has the length of the rod."""
     brackets, calls = brackets_on_grid(boundary, grid, transit_times(boundary, grid.levels), some, 0)
-    y, more = roots_in(boundary, brackets, some.counts(boundary.rising)[brackets.path])
-    found = ~np.isnan(y)
-    levels = Levels(brackets.pin[found], brackets.sign[found], y[found])
-    path, rises = brackets.path[found], brackets.rises[found]
-    return Roots(levels, some.take(path), rises, path.size, 0, int(np.count_nonzero(~found)), calls + more)
+    return _roots_in(boundary, brackets, some, brackets.path.size, 0, calls)
 
 
 def level_paths_of(boundary: Boundary, roots: Roots, helix: Any) -> tuple[LevelPaths, Array]:

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.potential import TAU
 from ..numerics.arrays import Array, Booleans, Integers
 
 PASS, SADDLE, CENTRE = 0, 1, 2
@@ -59,12 +58,6 @@ class Arcs:
     kind: Integers
     direction: Array
     pieces: Pieces
-
-
-def apart(a: Array, b: Array) -> Array:
-    """a - b moved into [-pi, pi), of angles in [-pi, pi); exact where they are neighbours across the cut at pi."""
-    x = a - b
-    return np.where(x >= np.pi, (a - TAU) - b, np.where(x < -np.pi, (a + TAU) - b, x))
 
 
 MOST = 10_000  # panels of one orbit beyond which none is halved any more
