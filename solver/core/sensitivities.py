@@ -113,10 +113,10 @@ def start_sensitivities(
     t = numbers[:, 3, None] * (np.arange(4) / 3)
     places = {"t": t, "beta": state[0], "rate": state[1], "z": state[2], "later": kept["later"]}
     marks, kept_marks = _shapes_of(ends, {**places, "loads": kept["loads"], "span": kept["span"]})
-    found, rates = np.zeros((3, B, 2, len(NUMBERS))), np.full((B, F, len(NUMBERS) + 1), np.nan)
+    seen, rates = np.zeros((3, B, 2, len(NUMBERS))), np.full((B, F, len(NUMBERS) + 1), np.nan)
     task = _Sensitivities(
         along, marks, address(state[0]), address(state[1]), address(numbers),
-        kind=address(kind), half_period=address(half), rates=address(rates), found=address(found),
+        kind=address(kind), half_period=address(half), rates=address(rates), found=address(seen),
     )  # fmt: skip
     if measured is not None:
         arrays = {"sign": measured.sign, "error": measured.error, **measured.seen}
@@ -138,11 +138,10 @@ def start_sensitivities(
     if measured is None:
         return StartRates(kind, out, ends, half, {}, {}, {})
     places_of = {name: NUMBERS.index(name) for name in _members(measured.plain)}
-    values = {name: (found[0, :, 0, k], found[0, :, 1, k]) for name, k in places_of.items()}
+    values = {name: (seen[0, :, 0, k], seen[0, :, 1, k]) for name, k in places_of.items()}
     thirds = {name: NUMBERS.index(name) for name in _members(measured.middle)}
     middle = {
-        name: (found[2, :, 0, k] - found[1, :, 0, k], found[2, :, 1, k] + found[1, :, 1, k])
-        for name, k in thirds.items()
+        name: (seen[2, :, 0, k] - seen[1, :, 0, k], seen[2, :, 1, k] + seen[1, :, 1, k]) for name, k in thirds.items()
     }
     return StartRates(kind, out, ends, half, {name: rates[..., RATED[name]] for name in measured.names}, values, middle)
 

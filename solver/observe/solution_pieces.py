@@ -88,7 +88,7 @@ def _of_panels(orbit: Any, own: Array, case: Array, some: slice, until: float, w
     both = slice(2 * int(own[0]), 2 * int(own[-1]) + 2)
     arcs = orbit.first[both], orbit.count[both], orbit.duration[both]
     covered = cover(problem.span * until, orbit.kind[own], *arcs, orbit.since, panels.duration)
-    found = _covered(problem, panels.series[:, :2], covered, until)
+    found = _cover(problem, panels.series[:, :2], covered, until)
     block = (orbit if whole is None else whole).problem.take(some)
     return replace(found, problem=block, case=np.asarray(case)[found.case])
 
@@ -109,11 +109,11 @@ def _of_steps(orbit: MarchedOrbit, some: slice, case: Array, until: float) -> Pi
     series[:, 1, :-1] = through(rate, _from_powers(order.size - 1))
     arcs = np.cumsum(count) - count, count, np.stack([orbit.ahead[own], orbit.back[own]], axis=1)
     covered = cover(problem.span * until, orbit.kind[own], *arcs, steps.since, width)
-    found = _covered(problem, series, covered, until)
+    found = _cover(problem, series, covered, until)
     return replace(found, problem=orbit.problem.take(some), case=case[found.case])
 
 
-def _covered(problem: Reduced, series: Array, covered: tuple[Array, ...], until: float) -> Pieces:
+def _cover(problem: Reduced, series: Array, covered: tuple[Array, ...], until: float) -> Pieces:
     """The pieces that the rods cover, on panels with these series, up to a share of their length."""
     found = Pieces(problem, series, **dict(zip(COLUMNS, covered, strict=True)), monotone=True)
     still = np.flatnonzero(np.bincount(found.case, minlength=problem.size) == 0)  # nothing moves

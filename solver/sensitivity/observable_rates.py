@@ -54,7 +54,7 @@ class Moving(Reading):
         shape = sol.problem.size, len(rates.fields)
         self._slopes = {name: np.full(shape, np.nan) for name in (*self._wanted, *_OWN_SLOPES, "half_period")}
 
-    def measured(self, rows: Any) -> Measured | None:
+    def measurement(self, rows: Any) -> Measured | None:
         """What is to be measured of start problems."""
         plain, names = self.plain, self._wanted & {*RATED}
         observed = names & {"peak", "lifts"} if self.sol.trajectory.orbit is None else ()

@@ -66,7 +66,7 @@ def _of_starts(sol: Shape, rates: FieldRates, read: Moving | None, out: Array) -
     rows = slice(None) if every else solved
     problem, own = (sol.problem, rates) if every else (sol.problem.take(solved), rates.take(solved))
     shape = _shape_of(sol, own, rows)
-    found = start_sensitivities(problem, shape, POINTS, HOW, None if read is None else read.measured(rows))
+    found = start_sensitivities(problem, shape, POINTS, HOW, None if read is None else read.measurement(rows))
     if read is not None:
         read.take(rows, found)
     if not every:
