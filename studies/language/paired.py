@@ -77,9 +77,14 @@ def check(study: StudyData) -> None:
     if study.axes and study.kind is Ends:
         why = f"the cases of an ends problem are compared along an axis, and those of {table} have no order"
         raise Misplaced(f"{why}: give {choices(study.axes)} in {table} too, or remove {table}", "axes")
+    check_equilibrium(study, f"{table} gives {study.samples_count}")
+
+
+def check_equilibrium(study: StudyData, several: str) -> None:
+    """Raise `Misplaced` where a study of several cases, as the words say, names the equilibrium of one."""
     if study.equilibrium is not None and study.equilibrium.dbeta0 is not None:
-        why = f"dbeta0 and energy name the equilibrium of one case, and {table} gives {study.samples_count}"
-        raise Misplaced(f"{why}: give choose or index", "equilibrium", "dbeta0")
+        why = f"dbeta0 and energy name the equilibrium of one case, and {several}: give choose or index"
+        raise Misplaced(why, "equilibrium", "dbeta0")
 
 
 def tell(study: StudyData) -> str:

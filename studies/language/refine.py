@@ -14,6 +14,7 @@ from ..grammar.formulas import parse
 from ..laws.law import Law
 from ..laws.verdicts import by_line
 from .lattice import OUTCOME, Lattice, Lines
+from .paired import check_equilibrium
 from .refinement import Refinement
 from .study_data import StudyData
 
@@ -43,9 +44,7 @@ def check(study: StudyData) -> None:
         _check_watched(study, name, name in table.steps)
     for claim in table.laws:
         _check_law(study, claim)
-    if study.equilibrium is not None and study.equilibrium.dbeta0 is not None:
-        why = "dbeta0 and energy name the equilibrium of one case, and refine solves many: give choose or index"
-        raise Misplaced(why, "equilibrium", "dbeta0")
+    check_equilibrium(study, "refine solves many")
     _check_finest(study)
 
 

@@ -33,12 +33,13 @@ def check_link(path: Path) -> None:
 
 
 @contextmanager
-def refusing(path: Path) -> Iterator[None]:
-    """An `OSError` of the body becomes an `InputError` that names the path."""
+def refusing(path: Path, more: str = "") -> Iterator[None]:
+    """An `OSError` of the body becomes an `InputError` of one sentence that names the path; more: what it adds."""
     try:
         yield
     except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}") from None
+        why = error.strerror or str(error).partition(",")[0]
+        raise InputError(f"cannot write {path}: {why}{more and f'; {more}'}") from None
 
 
 def move(aside: Path, path: Path) -> None:

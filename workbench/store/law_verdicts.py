@@ -50,13 +50,18 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
         ds = refined.coarse(ds)
     rows = []
     for law in attributes.laws(ds):
-        axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
         observed = {name: ds[name].values for name in law.observables if name in ds}
         steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
-        counts = [name for name in observed if schema.is_count(ds[name])]
-        row = decide(law, observed, axes, steps, counts, numbers_of_law(ds, law))
+        row = decide(law, observed, *_grid(ds, law, steps))
         rows.append(_row_of_untested(law, row) if _is_inert(ds, law) else row)
     return rows
+
+
+def _grid(ds: "xr.Dataset", law: Law, steps: "NDArray[np.bool_] | None") -> tuple[Any, ...]:
+    """What a law is judged with beside its observables: axes, steps, counts and numbers, as of `decide`."""
+    axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
+    counts = [name for name in law.observables if name in ds and schema.is_count(ds[name])]
+    return axes, steps, counts, numbers_of_law(ds, law)
 
 
 def _is_inert(ds: "xr.Dataset", law: Law) -> bool:
@@ -78,15 +83,13 @@ def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
     """The verdict on a law on each line of the grid along its axis, over the other axes; see `verdicts.by_line`."""
     import xarray as xr
 
-    axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
+    axes = schema.axes_of(ds)
     others = [dim for dim in axes if dim != law.axis]
     if _is_inert(ds, law):
         values = np.full([ds.sizes[dim] for dim in others], UNDECIDED)
-        return xr.DataArray(values, {dim: ds[dim] for dim in others}, others)
-    observed = ds[law.observable].transpose(*axes)
-    counts = [law.observable] if schema.is_count(observed) else []
-    known = numbers_of_law(ds, law)
-    values = by_line(law, observed.values, axes, crossings(ds, law.axis), counts, known)
+    else:
+        observed = ds[law.observable].transpose(*axes).values
+        values = by_line(law, observed, *_grid(ds, law, crossings(ds, law.axis)))
     return xr.DataArray(values, {dim: ds[dim] for dim in others}, others)
 
 

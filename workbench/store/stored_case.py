@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from solver import Case, Solution, solve
 from solver.end_angle_branch import own_ends
 from solver.mechanics.statics import push_from
+from solver.orbit.joined_orbits import Rows
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.errors import InputError, no_such
-from solver.problem.reduced import EndsProblem, flat
-from solver.problem.trajectory import Trajectory
+from solver.problem.reduced import flat
 from studies import Study
 from studies.grammar.axes import FIELDS, WORDS, quantity_of
 from studies.grammar.dimensions import SAMPLE, Dimension
@@ -27,7 +27,6 @@ from .case_solutions import between, solve_one
 from .schema import axes_left, axes_of, curve_name, dimension, field_of, fields_of_samples, own_dimension
 from .selection import SAME, real
 
-_HELD = ("begun", "held_index")  # of a trajectory between held ends
 AGREES = 1e-4  # rad, or a share of the length or of the largest value: by which a rod may differ that is solved again
 MOST_SOLVED = 10_000  # cases that are solved again: seconds
 
@@ -162,17 +161,12 @@ def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -
 
 def _together(case: Case, solutions: list[Solution]) -> Solution:
     """Solutions of single cases as the one solution of their grid."""
-    names = ("beta", "dbeta", "alpha", "z", "solved", "outcome", "error", "condition", "evaluations")
-    columns: dict[str, Any] = {
-        name: np.concatenate([getattr(sol.trajectory, name) for sol in solutions]) for name in names
-    }
-    swirl = np.concatenate([sol.trajectory.swirl() for sol in solutions])
-    t = np.concatenate([sol.t for sol in solutions])
-    if solutions[0].held:
-        columns |= {name: np.concatenate([getattr(sol.trajectory, name) for sol in solutions]) for name in _HELD}
-    rows = [vars(sol.problem) for sol in solutions]
-    problem = EndsProblem(**{name: np.concatenate([row[name] for row in rows]) for name in rows[0]})
-    answer = Trajectory(**columns, swirl=partial(np.asarray, swirl))
+    rows = Rows(len(solutions))
+    for sol in solutions:
+        answer = replace(sol.trajectory, swirl=None, orbit=None)  # type: ignore[arg-type]
+        rows.add((answer, sol.problem, sol.t, sol.trajectory.swirl()))
+    answer, problem, t, swirl = rows.join()
+    answer = replace(answer, swirl=partial(np.asarray, swirl))
     return Solution(case, problem, answer, t, solutions[0].method, solutions[0].tol)
 
 

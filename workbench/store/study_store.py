@@ -2,8 +2,8 @@
 
 import json
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 from solver.problem.errors import InputError
 from studies import Study
 
-from . import engines, shards, worker_processes
+from . import atomic, engines, shards, worker_processes
 from .block import unsolved
 from .growth import Growth, compare, rounds
 from .plan import Plan, plan, room
@@ -42,6 +42,7 @@ class Options:
 
 
 DEFAULT = Options()
+KEPT = "finished cases are kept; run the same command again to continue"
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,7 @@ def run_to_file(
 
     check_parent(output)
     folder = shards.folder_of(output)
-    with _refusing_disk(output), shards.lock(folder):
+    with atomic.refusing(output, KEPT), shards.lock(folder):
         growth = compare(output, work, options.restart)
         if growth.is_finished:  # by the run that held the lock
             return _already(growth)
@@ -208,14 +209,3 @@ def _keep(work: Plan, folder: Path) -> str:
     done = work.size - sum(stop - start for start, stop in missing)
     kept = f"{done} of {work.size} cases are kept in {folder}; run the same command again to continue"
     return f"interrupted; {kept if done else 'no case was finished yet'}"
-
-
-@contextmanager
-def _refusing_disk(output: Path) -> Iterator[None]:
-    """An `OSError` of the body becomes an `InputError` of one sentence; finished shards stay."""
-    try:
-        yield
-    except OSError as error:
-        why = error.strerror or str(error).partition(",")[0]
-        kept = "finished cases are kept; run the same command again to continue"
-        raise InputError(f"cannot write {output}: {why}; {kept}") from None
