@@ -37,3 +37,12 @@ def test_on_windows_only_the_compiler_that_the_user_names_is_taken(
     assert build.compiler() == found
     monkeypatch.setenv("CC", "mycc -m64")
     assert build.compiler() == ["mycc", "-m64"]
+
+
+def test_a_compiler_that_fails_is_quoted_and_leaves_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    fails = [sys.executable, "-c", "import sys; print('on stdout'); sys.exit('no such machine')"]
+    monkeypatch.setattr(build, "commands", lambda: [fails, fails])
+    library, why = build.build(tmp_path / "core.so")
+    assert library is None
+    assert why.count(": no such machine") == 2
+    assert list(tmp_path.iterdir()) == []

@@ -3,6 +3,7 @@
 from collections import Counter
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 from solver import Branch, Case, Cylinder, Ends, Rod, equilibria, fold_curves, follow, solve, trace_fold
+from solver.folds import linked_search
 from solver.folds.fold_curves import FoldCurve
 
 
@@ -147,3 +149,10 @@ def test_a_curve_under_dead_loads_goes_on_where_the_gap_to_a_saddle_is_lost_in_r
     fewer, more = sorted(counts, key=Counter.total)
     assert curve.lower == 0
     assert more - fewer == Counter({0: 1, 1: 2, 2: 1})  # the fold of one more bend lies closer than rounding
+
+
+def test_places_where_branches_meet_without_a_curve_are_counted_in_the_remark() -> None:
+    searched, branches = SimpleNamespace(curves=()), SimpleNamespace(count=3, stopped=1, whole=False)
+    said = "1 of them could not be followed to the border; more were met and not followed; "
+    remark = linked_search.remark_of(searched, branches, 2, np.zeros(1))
+    assert remark.endswith(f"{said}of 2 points where branches meet no curve was found")

@@ -15,6 +15,7 @@ from tests.workbench import small
 from tests.workbench.command import exit_status
 from workbench.commands import animate, console, study_scene
 from workbench.commands.present import result_of_files
+from workbench.figures import canvas
 from workbench.scene import film, opengl, scene_kinds
 from workbench.store import in_memory, writing
 
@@ -45,6 +46,8 @@ def test_the_cylinder_stands_still_the_rod_moves_and_the_curve_grows_to_the_righ
     walls = [np.flatnonzero((rod.min(axis=-1) < 230).any(axis=0))[[0, -1]] for rod in rods]
     assert np.ptp(walls, axis=0).max() <= 1
     assert (np.abs(rods[0].astype(int) - rods[2]).max(axis=-1) > 24).mean() > 0.02
+    head = made[0][: round((canvas.MARGIN + 0.3) * DPI), made[0].shape[1] // 2 :]
+    assert (head.min(axis=-1) < 200).any()  # the name of the axis
     curves = [frame[-foot:] for frame in made]
     grown = [np.abs(curve.astype(int) - curves[0]).max(axis=(0, -1)) > 60 for curve in curves[1:]]
     ends = [np.flatnonzero(columns).max() for columns in grown]

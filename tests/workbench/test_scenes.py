@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import to_hex, to_rgb
+from matplotlib.figure import Figure
 from PIL import Image
 
 from solver.mechanics import frames
@@ -393,6 +394,24 @@ def test_the_shadow_of_contact_is_that_of_a_bar_on_a_plane() -> None:
     lost = 1 - (1 + np.cos(height)) / 2
     scale = shading.REACH**2 / (shading.REACH**2 - 1)  # nothing is lost at the reach
     np.testing.assert_allclose(1 - light, shading.DEPTH * (1 - (1 - lost) * scale), atol=1e-4)
+
+
+@draws
+def test_the_texture_of_a_wall_goes_once_around_it(fig6) -> None:
+    from workbench.scene import surfaces
+
+    wall = surfaces.wall([body(fig6)], (0.0, 20.0), 40.0)
+    columns, corners = wall.texture.shape[1], surfaces.FACETS + 1
+    np.testing.assert_allclose(wall.at[:corners, 0] * columns, np.linspace(0.5, columns - 0.5, corners))
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.0, 2.5, 4.0])
+def test_the_eye_of_the_glyph_is_outside_the_cylinder_and_within_the_glyphs_room(angle: float) -> None:
+    ax = Figure().add_subplot()
+    page._draw_glyph(ax, 0.0, 0.0, np.array([np.cos(angle), np.sin(angle), 0.0]))
+    wall, eye = ax.patches
+    away = np.hypot(*np.subtract(eye.center, wall.center))
+    assert wall.radius + eye.radius < away < page.GLYPH / 2 - eye.radius
 
 
 @draws
