@@ -151,18 +151,6 @@ def test_the_file_opens_bare_with_levels_along_the_samples(stored: Path) -> None
         assert ds.rod.sel(sample=57).rod.case.shape == ()
 
 
-def test_a_damaged_shard_of_an_early_round_is_solved_again(stored: Path, tmp_path) -> None:
-    path, work = tmp_path / "small.h5", study(PLANE + LAW)
-    with pytest.raises(KeyboardInterrupt):
-        run_to_file(work, path, Options(workers=1, chunk=16), progress=runs.stop_after(61))
-    shard = sorted(path.with_name("small.h5.parts").glob("*.shard"))[1]
-    content = bytearray(shard.read_bytes())
-    content[200] ^= 1
-    shard.write_bytes(bytes(content))
-    run_to_file(work, path, Options(workers=1))
-    assert runs.contents(path) == runs.contents(stored)
-
-
 @pytest.mark.slow
 def test_a_finer_tolerance_solves_only_the_new_cases(stored: Path, tmp_path) -> None:
     path, finer = tmp_path / "small.h5", study(PLANE + LAW, REFINE.replace("15", "30"))
