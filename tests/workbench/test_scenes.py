@@ -544,6 +544,16 @@ def test_self_intersections_are_ringed_and_said_once(fig6) -> None:
 
 
 @draws
+def test_the_places_of_rings_are_measured_from_the_middle_of_what_is_drawn(fig6, monkeypatch) -> None:
+    scenes: list = []
+    monkeypatch.setattr(composition, "_rings", lambda *scene: scenes.append(scene) or [])
+    pixels = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 100)).page.pixels
+    ((_, middle),) = composition._middles(*scenes[0])
+    rows = np.flatnonzero((pixels.min(axis=-1) < 250).any(axis=1))
+    assert rows[[0, -1]].mean() / 100 == pytest.approx(middle[1], abs=0.05)
+
+
+@draws
 def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6) -> None:
     ds = dataset(axes="[axes.F3]\nvalues = [1.0, 10.0, 40.0]\n")
     taken = layout.compose(ds, None, "grid", ["F3"], settings=composition.Settings(2.0, 50)).page
