@@ -6,10 +6,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.linalg import solve_banded
+from scipy.optimize import brentq
 
 from solver import Case, Ends, Start, equilibria, solve
 from solver.end_angle_branch import to_fold
 from solver.equilibria import Equilibrium
+from solver.levels import level_grid
 from solver.levels.level_search import search_levels
 from solver.levels.morse_index import jacobi_zeros, morse_index
 from solver.levels.transit_times import repeat
@@ -345,3 +347,17 @@ def test_a_start_problem_shares_its_shape_with_one_of_its_ends_problem() -> None
     solutions = found(*MANY, 20.0, np.pi / 6, float(sol.beta[-1]))
     own = min(solutions, key=lambda one: abs(one.dbeta0 - 1.0))
     np.testing.assert_allclose(own.solution.beta, sol.beta, atol=1e-8)
+
+
+@pytest.mark.parametrize("phi", (-0.5, -0.2, 0.5, 2.0))
+def test_a_feature_of_the_levels_above_an_extremum_is_where_the_potential_stops_being_a_parabola(phi: float) -> None:
+    """A parabola rises four times as high at twice the distance."""
+    problem = reduce(ends_in_units_of_rho(0.0, 0.0, phi, 5.0, 0.3, 0.4))
+    gap = np.exp(level_grid._features(problem, 0.0, np.empty(0), (0.3, 0.4), extremum=True)[-1])
+
+    def height(beta: float) -> float:
+        return abs(level_grid.fall(problem, 0.0, beta, True))
+
+    place = brentq(lambda beta: height(beta) - gap, 1e-3, 1.2)
+    assert 0.05 < abs(height(place) / height(place / 2) / 4 - 1) < 0.5
+    assert height(place / 100) / height(place / 200) == pytest.approx(4, rel=1e-4)
