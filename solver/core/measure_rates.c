@@ -61,6 +61,7 @@ typedef struct {
     const double *parts, *later;
     double span, period, shortest, most_pace, still[INTEGRALS], top[INTEGRALS][5], rates[4][NODES];
     double *a, *slopes, *faint; /* (CANDIDATES, F): of places */
+    leaf *panels;               /* whole ones */
     varied_place start;
 } rod;
 
@@ -318,13 +319,12 @@ static void add_part(const rod *o, const leaf *part, int halvings, query *querie
     add_to_all(o, count ? &own : part, queries, to);
 }
 
-static void enter_panel(rod *o, int64_t panel, leaf *whole)
+static void enter_panel(rod *o, int64_t panel)
 {
     const int n = (int)o->at->n;
     o->panel = panel;
     for (int k = 0; k < 4; k++)
         product(n, n, o->varied->M + (PAIRS * panel + k) * n, o->at->analyse, o->rates[k]);
-    begin_leaf(o, -1, 1, whole);
 }
 
 /* The sums along the arcs up to the queries. first: the columns at the start less those at rest. */
@@ -335,16 +335,16 @@ static void sum_up(rod *o, double first[COLUMNS][AT], query *queries)
     for (int arc = 0; arc < 2; arc++) {
         sums to = {.pushes = -1};
         for (int64_t panel = begin[arc]; panel < begin[arc] + count[arc]; panel++) {
-            leaf whole;
-            enter_panel(o, panel, &whole);
-            above_rest(o, 1, &whole.at, whole.by, above);
+            const leaf *whole = &o->panels[panel - begin[0]];
+            enter_panel(o, panel);
+            above_rest(o, 1, &whole->at, whole->by, above);
             for (int c = 0; c < COLUMNS; c++)
                 for (int k = 0; k < 4; k++)
                     to.total[c][k] -= above[c][0] * o->varied->jump[PAIRS * panel + k];
             for (query *q = queries; q < queries + QUERIES; q++)
                 if (q->panel == panel)
                     q->of = to;
-            add_part(o, &whole, 0, queries, &to);
+            add_part(o, whole, 0, queries, &to);
         }
         for (int c = 0; c < COLUMNS; c++)
             for (int k = 0; k < 4; k++)
@@ -589,16 +589,17 @@ static void prepare_rod(rod *o)
         o->still[d] = found.of.values[0];
     }
     for (int64_t panel = begin; panel < end; panel++) {
-        leaf whole;
-        enter_panel(o, panel, &whole);
+        leaf *whole = &o->panels[panel - begin];
+        enter_panel(o, panel);
+        begin_leaf(o, -1, 1, whole);
         for (int i = 0; i < AT; i++) {
-            o->most_pace = larger(o->most_pace, fabs(whole.by[PUSH].pace[i]));
-            fastest = larger(fastest, whole.at.angles.speed[i]);
+            o->most_pace = larger(o->most_pace, fabs(whole->by[PUSH].pace[i]));
+            fastest = larger(fastest, whole->at.angles.speed[i]);
         }
         for (int d = 0; d < INTEGRALS; d++)
             for (int k = 0; k < 5 && o->integrates[d]; k++)
                 o->top[d][k] = larger(
-                    o->top[d][k], highest_term(o, k ? whole.by[d].moved[k - 1] : whole.by[d].of.values, 0));
+                    o->top[d][k], highest_term(o, k ? whole->by[d].moved[k - 1] : whole->by[d].of.values, 0));
     }
     o->shortest = 1 / sqrt(square(o->w->steady.steepness[0]) + fastest * fastest);
 }
@@ -617,7 +618,8 @@ static int rates_of(rod *o, double *out)
     if (rod_angles(o->w, o->b))
         return NO_MEMORY;
     prepare_rod(o);
-    integrals_of(o, out);
+    if (o->integrates[0] || o->integrates[1] || o->integrates[2] || o->integrates[PUSH])
+        integrals_of(o, out);
     for (size_t i = 0; i < sizeof extremes / sizeof *extremes; i++) {
         const int kind = extremes[i].kind, rate_of = extremes[i].rate;
         if (!wants(o, rate_of))
@@ -645,7 +647,10 @@ int rod_rates(workspace *w, reader *from, const points *at, const varied_orbits 
     one.parts = by->parts + PARTS * by->F * b, one.later = by->later + by->F * b, one.span = w->all->span[b];
     one.period = of->kind[b] == LIBRATION ? 2 * both : both;
     rod_varied_place_at(from, b, 0, &one.start);
-    return rates_of(&one, out);
+    one.panels = malloc(sizeof(leaf) * (size_t)(of->count[2 * b] + of->count[2 * b + 1]));
+    const int failed = one.panels ? rates_of(&one, out) : NO_MEMORY;
+    free(one.panels);
+    return failed;
 }
 
 /* How what is measured along rods answers F changes, rods from `begin` to `end`, none of them a helix, into out
@@ -662,7 +667,7 @@ int rod_measure_rates(const rods *all, const read_orbits *of, const points *at, 
     double *room = malloc(sizeof(double) * (size_t)(3 * CANDIDATES * by->F));
     int failed = w && from && room ? DONE : NO_MEMORY;
     if (from)
-        from->of = of, from->series = varied->series, from->gain = varied->gain, from->panel = -1;
+        from->of = of, from->series = varied->series, from->gain = varied->gain, from->panel = -1, from->lanes = lanes;
     for (int64_t b = begin; b < end && !failed; b++)
         failed = rod_rates(w, from, at, varied, by, b, room, out + RATES * by->F * b);
     rod_workspace_free(w);

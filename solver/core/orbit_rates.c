@@ -37,7 +37,8 @@ static void numbers_of(lone_orbit *o, const ends_problem *p, const points *by, c
     const int64_t only[2] = {first, last}, n = by->n;
     o->varied.M = NULL; /* it is not read */
     const int64_t nearest = rod_vary(&p->lam, &o->of, 0, o->origin, by, only, o->nodes, o->room, &o->varied);
-    reader from = {.of = &o->of, .series = o->varied.series, .gain = o->varied.gain, .panel = -1};
+    reader from = {.of = &o->of, .series = o->varied.series, .gain = o->varied.gain, .panel = -1,
+                   .lanes = o->varied.lanes};
     rod_varied_place_at(&from, 0, 0, &start), rod_varied_place_at(&from, 0, length, &far);
     const double turns = o->kind == LIBRATION ? 0 : o->direction * where.periods;
     const double end = o->base[last] + at_place(o->of.series + FUNCTIONS * (n + 1) * last, (int)n + 1, x) + TAU * turns;

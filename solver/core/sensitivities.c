@@ -203,7 +203,7 @@ static int vary_rod(worker *o, int64_t b)
         return failed == NO_MEMORY ? failed : DONE;
     rod_vary(&p->lam, &o->orbit.of, 0, o->orbit.origin, o->at, NULL, o->orbit.nodes, o->orbit.room, &o->orbit.varied);
     o->from.of = &o->orbit.of, o->from.series = o->orbit.varied.series, o->from.gain = o->orbit.varied.gain;
-    o->from.panel = -1;
+    o->from.panel = -1, o->from.lanes = o->how->lanes;
     rod_varied_place_at(&o->from, 0, 0, &o->start);
     return DONE;
 }

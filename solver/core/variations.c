@@ -227,7 +227,7 @@ static void weights_of(const points *at, double *out)
 }
 
 /* The series of a panel but for the constants of its sums. */
-static void keep_series(const varied_nodes *one, const points *at, double half, double *series)
+INLINE void keep_series(const varied_nodes *one, const points *at, double half, double *series)
 {
     const int n = (int)at->n;
     memset(series, 0, sizeof(double) * (size_t)(9 * (n + 1)));
@@ -243,6 +243,40 @@ static void keep_series(const varied_nodes *one, const points *at, double half, 
             series[(9 + m) * (n + 1) + k] *= half;
     }
 }
+
+/* The values of the series of a panel at x; rows: one coefficient of all after the other. */
+INLINE void series_at(int size, const double (*restrict rows)[VARIED], double x, double *restrict value)
+{
+    double older = 1, now = x;
+    for (int k = 0; k < VARIED; k++)
+        value[k] = rows[0][k] + x * rows[1][k];
+    for (int m = 2; m < size; m++) {
+        const double next = 2 * x * now - older;
+        older = now, now = next;
+        for (int k = 0; k < VARIED; k++)
+            value[k] += next * rows[m][k];
+    }
+}
+
+/* The functions above for lanes of one width; all give the same bits. */
+#define KERNELS(TARGET, SUFFIX)                                                                                        \
+    static TARGET void keep_##SUFFIX(const varied_nodes *one, const points *at, double half, double *series)           \
+    {                                                                                                                  \
+        keep_series(one, at, half, series);                                                                            \
+    }                                                                                                                  \
+    static TARGET void read_##SUFFIX(int size, const double (*rows)[VARIED], double x, double *value)                  \
+    {                                                                                                                  \
+        series_at(size, rows, x, value);                                                                               \
+    }
+
+#define NARROW
+KERNELS(NARROW, narrow)
+#ifdef WIDE
+KERNELS(WIDE, wide)
+#define FOR_LANES(lanes, name) ((lanes) >= 4 ? name##_wide : name##_narrow)
+#else
+#define FOR_LANES(lanes, name) name##_narrow
+#endif
 
 int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const double *origin, const points *at,
                  const int64_t *only, varied_nodes *nodes, double *x, const varied_orbits *out)
@@ -270,7 +304,7 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const do
         vary_rates(loads, origin[first + nearest], n, x + n * i, &nodes[i]);
         vary_entry(nodes, count, i, of->direction[b], jump);
         if (wanted)
-            keep_series(&nodes[i], at, half, series);
+            FOR_LANES(out->lanes, keep)(&nodes[i], at, half, series);
         for (int m = 0; m < SUMS; m++) {
             double gained = 0;
             for (int k = 0; k < n; k++)
@@ -356,19 +390,12 @@ void rod_varied_directions(const varied_place *start, double out[PARTS][PARTS])
 void rod_varied_place_on(reader *from, int64_t panel, double x, varied_place *out)
 {
     const int size = (int)from->of->coefficients;
-    double value[VARIED], older = 1, now = x;
+    double value[VARIED];
     for (int k = 0; panel != from->panel && k < VARIED; k++)
         for (int m = 0; m < size; m++)
             from->last[m][k] = from->series[size * (VARIED * panel + k) + m];
     from->panel = panel;
-    for (int k = 0; k < VARIED; k++)
-        value[k] = from->last[0][k] + x * from->last[1][k];
-    for (int m = 2; m < size; m++) {
-        const double next = 2 * x * now - older;
-        older = now, now = next;
-        for (int k = 0; k < VARIED; k++)
-            value[k] += next * from->last[m][k];
-    }
+    FOR_LANES(from->lanes, read)(size, (const double (*)[VARIED])from->last, x, value);
     out->v = value[0], out->H = value[1], out->c = value[2], out->shift[0] = 0, out->gamma[0] = 1;
     memcpy(out->shift + 1, value + 3, sizeof(double) * 3), memcpy(out->gamma + 1, value + 6, sizeof(double) * 3);
     memcpy(out->M, value + 9, sizeof out->M);
@@ -392,7 +419,7 @@ void rod_varied_place_at(reader *from, int64_t b, double t, varied_place *out)
 void rod_variations_places(const read_orbits *of, int64_t n, int64_t stations, const double *series, const double *gain,
                            const double *t, varied_place *out)
 {
-    reader from = {of, series, gain, -1, {{0}}};
+    reader from = {.of = of, .series = series, .gain = gain, .panel = -1};
     for (int64_t i = 0; i < n * stations; i++)
         rod_varied_place_at(&from, i / stations, t[i], out + i);
 }
@@ -402,7 +429,7 @@ void rod_variations_places(const read_orbits *of, int64_t n, int64_t stations, c
 void rod_variations_changes(const read_orbits *of, int64_t n, int64_t stations, int64_t F, const double *series,
                             const double *gain, const double *t, const double *parts, double *out)
 {
-    reader from = {of, series, gain, -1, {{0}}};
+    reader from = {.of = of, .series = series, .gain = gain, .panel = -1};
     const int64_t each = n * F * stations;
     for (int64_t b = 0; b < n; b++) {
         varied_place start, there;
@@ -425,7 +452,7 @@ void rod_lone_orbit_free(lone_orbit *o)
 }
 
 /* The panels of the arcs. */
-static int panels_of(const arcs *from, const panels *cut, const points *at, lone_orbit *o)
+static int panels_of(const arcs *from, const panels *cut, const points *at, int lanes, lone_orbit *o)
 {
     const int64_t n = at->n, each = FUNCTIONS * (n + 1), varied = VARIED * (n + 1);
     int64_t P = 0, k = 0;
@@ -449,7 +476,7 @@ static int panels_of(const arcs *from, const panels *cut, const points *at, lone
     o->first[1] = o->count[0];
     o->of = (read_orbits){n + 1, P, &o->kind, o->first, o->count, NULL, &o->direction, o->duration, NULL, since, width,
                           series};
-    o->varied = (varied_orbits){least, M, jump, o->closing, kept, o->gain};
+    o->varied = (varied_orbits){least, M, jump, o->closing, kept, o->gain, lanes};
     return o->count[0] ? DONE : NOT_POSSIBLE;
 }
 
@@ -469,7 +496,7 @@ int rod_lone_orbit(const start_problem *start, double pin, double gap, const cri
     for (int i = 0; i < cut.count; i++)
         cut.pieces[i].base = 0;
     failed = rod_panelled(start, cut.pieces, cut.count, at, how, &made);
-    failed = failed ? failed : panels_of(&from, &made, at, out);
+    failed = failed ? failed : panels_of(&from, &made, at, how->lanes, out);
     rod_panels_free(&made);
     return failed;
 }

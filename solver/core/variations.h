@@ -25,6 +25,7 @@ enum { VARIED = 9 + SUMS }; /* series of a panel: |beta_t|, H, c, shifts, gammas
 /* What the variations of orbits are kept in, P panels and n nodes: `variations.Variations`. */
 typedef struct {
     double *least, *M, *jump, *closing, *series, *gain;
+    int64_t lanes; /* what rod_lanes says, or fewer; changes no bit */
 } varied_orbits;
 
 /* What reads them: `series` and `gain` of `varied_orbits`; the series of the panel that was read last, -1 for none, one
@@ -32,7 +33,7 @@ typedef struct {
 typedef struct {
     const read_orbits *of;
     const double *series, *gain;
-    int64_t panel;
+    int64_t panel, lanes;
     double last[NODES + 1][VARIED];
 } reader;
 

@@ -71,7 +71,7 @@ KEPT = ("least", "M", "jump", "closing", "series", "gain")
 class _VariedOrbits(ctypes.Structure):
     """`varied_orbits` in variations.h."""
 
-    _fields_ = [(name, ctypes.c_void_p) for name in KEPT]
+    _fields_ = [*((name, ctypes.c_void_p) for name in KEPT), ("lanes", ctypes.c_int64)]
 
 
 def variations(orbit: Any, origin: Array) -> dict[str, Array]:
@@ -87,7 +87,7 @@ def variations(orbit: Any, origin: Array) -> dict[str, Array]:
     out = dict(zip(KEPT, map(np.empty, (*shapes, (P, _SERIES, n + 1), (B, 2, _SUMS))), strict=True))
     fine(functions().rod_variations(
         ctypes.c_int64(B), address(loads), ctypes.byref(of), address(origin), points(n),
-        ctypes.byref(_VariedOrbits(*(address(a) for a in out.values()))),
+        ctypes.byref(_VariedOrbits(*(address(a) for a in out.values()), lanes=widest())),
     ))  # fmt: skip
     del kept
     return out
@@ -155,7 +155,7 @@ def measure_rates(
     )]  # fmt: skip
     bits = sum(1 << RATED[name] for name in names)
     by, out = _Changes(F, bits, *(address(a) for a in given)), np.full((B, F, len(MEASURED) + 1), np.nan)
-    orbits = _VariedOrbits(*(address(varied.kept[name]) for name in KEPT))
+    orbits = _VariedOrbits(*(address(varied.kept[name]) for name in KEPT), lanes=widest())
     of, n = varied.reading[0], points(varied.orbit.panels.series.shape[2] - 1)
 
     def part(a: int, b: int) -> None:

@@ -23,8 +23,8 @@ def with_slopes(value: Array, slopes: Array) -> Array:
 
 
 def slopes_of(number: Any) -> Array:
-    """The derivatives (B, F) that numbers (F, B) carry."""
-    return np.asarray(number.imag.T / STEP)
+    """The derivatives (..., B, F) that numbers (..., F, B) carry."""
+    return np.asarray(number.imag.swapaxes(-1, -2) / STEP)
 
 
 def size_of(number: Any) -> Any:

@@ -6,7 +6,7 @@ differentiated by the core, and along helices by `measured_helices`. The derivat
 exists.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -188,12 +188,15 @@ def _at_marks(marks: Array) -> dict[str, Array]:
     }  # fmt: skip
 
 
-def derivative_of(name: str, read: Moving) -> Array:
-    """The derivatives of an observable, (B, F)."""
-    if is_count(name):
-        return np.zeros((read.sol.problem.size, len(read._rates.fields)))
-    found = OBSERVABLES[name].compute(read)[0]
-    return slopes_of(found) if np.iscomplexobj(found) else read.unknown
+def derivatives_of(names: Sequence[str], read: Moving) -> Array:
+    """The derivatives of observables, (K, B, F); NaN of one that depends on nothing that has derivatives."""
+    unknown = complex(0.0, np.nan)
+    numbers = np.zeros((len(names), len(read._rates.fields), read.sol.problem.size), dtype=complex)
+    for k, name in enumerate(names):
+        if not is_count(name):
+            found = OBSERVABLES[name].compute(read)[0]
+            numbers[k] = found if np.iscomplexobj(found) else unknown
+    return slopes_of(numbers)
 
 
 def measure_of(name: str) -> tuple[str, ...]:

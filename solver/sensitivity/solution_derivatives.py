@@ -20,7 +20,7 @@ from ..problem.reduced import EndsProblem, flat, given_numbers
 from ..problem.trajectory import SHAPELESS, SOLVED
 from ..shape import Shape
 from .motions import Motion, of_equilibria, of_helices
-from .observable_rates import Moving, check_observables, derivative_of, measure_of, why_missing
+from .observable_rates import Moving, check_observables, derivatives_of, measure_of, why_missing
 from .varying_rates import STEP, varying_rates
 
 
@@ -59,7 +59,12 @@ def _of_motion(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> Ar
     return out
 
 
-def _of_starts(sol: Shape, rates: FieldRates, read: Moving | None, out: Array) -> tuple[Array, Array]:
+def _unknown(sol: Shape, rates: FieldRates) -> Array:
+    """NaN in place of all derivatives along the rods, (5, B, F, n)."""
+    return np.full((len(_ALONG), sol.problem.size, len(rates.fields), sol.t.shape[1]), np.nan)
+
+
+def _of_starts(sol: Shape, rates: FieldRates, read: Moving | None) -> tuple[Array, Array]:
     """Derive the solved start problems that are no helices; all of them, (5, B, F, n), and which are helices."""
     solved = np.flatnonzero(sol.trajectory.solved)
     every = solved.size == sol.problem.size
@@ -69,9 +74,10 @@ def _of_starts(sol: Shape, rates: FieldRates, read: Moving | None, out: Array) -
     found = start_sensitivities(problem, shape, POINTS, HOW, None if read is None else read.measurement(rows))
     if read is not None:
         read.take(rows, found)
+    out = found.along if every else _unknown(sol, rates)
     if not every:
         out[:, solved] = found.along
-    return (found.along if every else out), solved[found.kind == HELIX]
+    return out, solved[found.kind == HELIX]
 
 
 _ROUNDING = 32 * EPS  # of a derivative, times the condition number
@@ -133,16 +139,16 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
         known = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
         with np.errstate(all="ignore"):
             curves, numbers = varying_rates(sol, names, _ALONG, wanted)
-            return _judge(sol, names, np.stack([*curves.values()]), numbers, known, error / STEP)
+            table = np.array([*numbers.values()]).reshape(len(wanted), known.size, len(names))
+            return _judge(sol, names, np.stack([*curves.values()]), wanted, table, known, error / STEP)
     rates = ends_field_rates(sol, names) if ends else field_rates(sol.case, names)
-    out = np.full((len(_ALONG), sol.problem.size, len(names), sol.t.shape[1]), np.nan)
     outcome = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
     read = Moving(sol, rates, (key for name in wanted for key in measure_of(name))) if wanted else None
     with np.errstate(all="ignore"):  # what leaves the finite numbers is told by the outcome
         if ends:
-            moving = of_equilibria(sol, outcome)
+            out, moving = _unknown(sol, rates), of_equilibria(sol, outcome)
         else:
-            out, still = _of_starts(sol, rates, read, out)
+            out, still = _of_starts(sol, rates, read)
             moving = of_helices(sol, still)
         for motion in moving:
             unit = amounts(motion, rates.take(motion.rows))
@@ -152,14 +158,17 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
             out[:, motion.rows] = _of_motion(sol, motion, unit, own)
             if read is not None:
                 read.add(motion, unit, own)
-        found = {name: derivative_of(name, read) for name in wanted if read is not None}
-    return _judge(sol, names, out, found, outcome, error)
+        found = np.empty((0, sol.problem.size, len(names))) if read is None else derivatives_of(wanted, read)
+    return _judge(sol, names, out, wanted, found, outcome, error)
 
 
 def _judge(
-    sol: Shape, names: tuple[str, ...], out: Array, found: dict[str, Array], outcome: Array, error: Array
+    sol: Shape, names: tuple[str, ...], out: Array, wanted: tuple[str, ...], table: Array, outcome: Array, error: Array
 ) -> Sensitivity:
-    """The result; a case in which no digit is left gets an outcome that says so. error: (B,), by rounding."""
+    """The result; a case in which no digit is left gets an outcome that says so.
+
+    out: (5, B, F, n), along the rods. table: (K, B, F), of the observables. error: (B,), by rounding.
+    """
     growth, held = np.asarray(sol.trajectory.condition), isinstance(sol.problem, EndsProblem)
     finite = np.isfinite(out).all(axis=(0, 2, 3))
     begun = outcome == SOLVED
@@ -167,18 +176,15 @@ def _judge(
     for i in np.flatnonzero(begun & ~((error < SHAPELESS) & finite)):
         outcome[i] = f"failed: {where}, condition {growth[i]:.1e} leaves no digit of the derivatives"
     solved, shape = outcome == SOLVED, sol.case.shape
-    table = np.array([*found.values()]).reshape(len(found), solved.size, len(names))
     missing = solved & ~np.isfinite(table).all(axis=2)
     if not solved.all():
         out[:, ~solved] = table[:, ~solved] = np.nan
     along = dict(zip(_ALONG, out.reshape(len(_ALONG), *shape, *out.shape[2:]), strict=True))
     stated = np.where(solved, error + _CARRIED * np.asarray(sol.trajectory.error), np.inf)
-    values = dict(zip(found, table.reshape(len(found), *shape, len(names)), strict=True))
-    remarks = {}
-    for name, rows in zip(found, missing, strict=True):
-        remark = np.full(solved.size, "", dtype=object)
-        if rows.any():
-            remark[rows] = why_missing(name, sol)
-        remarks[name] = sol._each(remark)
+    values = dict(zip(wanted, table.reshape(len(wanted), *shape, len(names)), strict=True))
+    remarks = np.full(missing.shape, "", dtype=object)
+    for k in np.flatnonzero(missing.any(axis=1)):
+        remarks[k, missing[k]] = why_missing(wanted[k], sol)
     told = {name: sol._each(value) for name, value in (("solved", solved), ("outcome", outcome), ("error", stated))}
-    return Sensitivity(sol, names, **along, **told, observables=values, remarks=remarks)
+    sentences = {name: sol._each(row) for name, row in zip(wanted, remarks, strict=True)}
+    return Sensitivity(sol, names, **along, **told, observables=values, remarks=sentences)
