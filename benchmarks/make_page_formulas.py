@@ -1,9 +1,10 @@
 """Write the formulas of the solver as JavaScript, for pages: workbench/web/live/page/formulas.mjs.
 
-The functions that the solver runs are run on terms in place of numbers, which write down what is computed of them. Run
-from the root: python -m benchmarks.make_page_formulas
+The functions that the solver runs are run on terms in place of numbers, which write down what is computed of them; its
+tables of fields stand before them. Run from the root: python -m benchmarks.make_page_formulas
 """
 
+import json
 from dataclasses import fields
 from types import SimpleNamespace
 from typing import Any
@@ -14,13 +15,14 @@ from solver import Cylinder, Rod, Start
 from solver.mechanics.potential import Loads, potential
 from solver.observe.measurement import Reading
 from solver.observe.observables import OBSERVABLES
-from solver.problem.case import SIDES, TWISTS, Case
+from solver.problem.case import PAIRS, SIDES, SLIDING, TWISTS, Case
+from solver.problem.field_values import ANGLES, RANGES
 from solver.problem.reduced import dimensionless_problem
-from solver.problem.rod import GIVEN, STIFFNESS
+from solver.problem.rod import DIRECT, ELASTIC, GIVEN, STIFFNESS
 from workbench.web.live.live_document import PAGE
 
 FILE = PAGE / "formulas.mjs"
-HEAD = """// Formulas of the solver, written by benchmarks/make_page_formulas.py: change them there.
+HEAD = """// Tables and formulas of the solver, written by benchmarks/make_page_formulas.py: change them there.
 // v: fields of a case by name; A, C, rho, and the loads FZ, MZ and M3; the numbers of its problem; what is measured.
 
 """
@@ -152,9 +154,20 @@ def tables() -> dict[str, dict[str, Any]]:
     }
 
 
+def plain_tables() -> dict[str, Any]:
+    """The tables of the fields of cases: names, partners, and where their values must be."""
+    ranges = {
+        name: {"low": row.low, "closed": row.closed} | ({"high": row.high} if np.isfinite(row.high) else {})
+        for name, row in RANGES.items()
+    }
+    sides = {side: int(sign) for side, sign in SIDES.items()}
+    words = {"TWISTS": TWISTS, "DIRECT": DIRECT, "ELASTIC": ELASTIC, "ANGLES": ANGLES, "SLIDING": [*SLIDING]}
+    return words | {"SIDES": sides, "HELD": dict(PAIRS), "RANGES": ranges}
+
+
 def text() -> str:
     """The file."""
-    parts = []
+    parts = [f"export const {name} = {json.dumps(table)};\n" for name, table in plain_tables().items()]
     for name, rows in tables().items():
         lines = "".join(f"  {key}: {formula(value, '  ')},\n" for key, value in rows.items())
         parts.append(f"export const {name} = {{\n{lines}}};\n")

@@ -13,7 +13,7 @@ import numpy as np
 
 from .errors import InputError, choices, known_name, no_such, show
 from .field_values import ANGLES as ANGLES
-from .field_values import check_field_names, check_numbers, refuse
+from .field_values import check_field_names, check_numbers, refuse, refuse_outside
 from .rod import STIFFNESS as STIFFNESS
 from .rod import Rod as Rod
 from .shown import table_of
@@ -74,18 +74,15 @@ class Cylinder:
 
     def __post_init__(self) -> None:
         check_numbers(self, skip=("side", "sliding"))
-        refuse("Cylinder", "R", self.R, np.less_equal(self.R, 0), "positive and finite")
+        refuse_outside(self, "R")
         if not known_name(self.side, SIDES):
             raise no_such("side", self.side, SIDES)
         if self.sliding is not None and not known_name(self.sliding, SLIDING):
             raise no_such("sliding", self.sliding, SLIDING)
         if self.sliding is not None and self.friction is None:
             raise InputError(f"sliding matters only with friction, got sliding={self.sliding!r} and no friction")
-        if self.inclination is not None:
-            off = np.less(self.inclination, 0) | np.greater(self.inclination, np.pi * (1 + 1e-15))
-            refuse("Cylinder", "inclination", self.inclination, off, "from 0 to pi rad (180 deg)")
+        refuse_outside(self, "inclination", "friction")
         if self.friction is not None:
-            refuse("Cylinder", "friction", self.friction, np.less(self.friction, 0), "at least 0")
             object.__setattr__(self, "sliding", self.sliding or next(iter(SLIDING)))
 
     @property

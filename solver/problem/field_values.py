@@ -1,7 +1,7 @@
 """The values of the fields of a case: numbers and arrays, validated when a part of the case is made."""
 
 from collections.abc import Callable
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, dataclass, fields
 from functools import wraps
 from typing import Any, TypeVar
 
@@ -15,6 +15,40 @@ T = TypeVar("T")
 
 # the fields that may be text, read by `angles.angle`
 ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma", "azimuth", "rotation", "inclination")
+
+
+@dataclass(frozen=True)
+class Range:
+    """Where the values of a field must be: above `low`, or from it on if it is `closed`, to `high`. rule: in words."""
+
+    low: float
+    rule: str
+    closed: bool = False
+    high: float = float("inf")
+
+    def excludes(self, value: ArrayLike) -> Any:
+        """Which values are outside."""
+        below = np.less(value, self.low) if self.closed else np.less_equal(value, self.low)
+        return below | np.greater(value, self.high)
+
+
+_POSITIVE, _NOT_NEGATIVE = Range(0, "positive and finite"), Range(0, "at least 0", closed=True)
+RANGES = {
+    **dict.fromkeys(("E", "EI", "GJ", "a", "L", "R"), _POSITIVE),
+    "nu": Range(-1, "in (-1, 0.5]", high=0.5),
+    "inner_radius": Range(0, "at least 0 and less than Rod.a", closed=True),
+    "weight": _NOT_NEGATIVE,
+    "friction": _NOT_NEGATIVE,
+    "inclination": Range(0, "from 0 to pi rad (180 deg)", closed=True, high=np.pi * (1 + 1e-15)),
+}
+
+
+def refuse_outside(part: Any, *names: str) -> None:
+    """Raise `InputError` for the first of these fields, of those that are given, that is outside its `RANGES`."""
+    for name in names:
+        value = getattr(part, name)
+        if value is not None:
+            refuse(type(part).__name__, name, value, RANGES[name].excludes(value), RANGES[name].rule)
 
 
 def check_field_names(kind: type[T]) -> type[T]:

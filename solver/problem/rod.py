@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from .errors import InputError, choices, known_name, no_such
-from .field_values import check_field_names, check_numbers, refuse
+from .field_values import check_field_names, check_numbers, refuse, refuse_outside
 
 STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}  # A / (E (a^4 - inner_radius^4))
 GIVEN = "given"  # in files, in place of a word of STIFFNESS: EI and GJ are given
@@ -93,19 +93,14 @@ class Rod:
 
     def __post_init__(self) -> None:
         check_numbers(self, skip=("stiffness",))
-        for name in ("E", "EI", "GJ", "a", "L"):  # before missing fields are named: a wrong value stays wrong
-            value = getattr(self, name)
-            if value is not None:
-                refuse("Rod", name, value, np.less_equal(value, 0), "positive and finite")
-        if self.nu is not None:
-            refuse("Rod", "nu", self.nu, np.less_equal(self.nu, -1) | np.greater(self.nu, 0.5), "in (-1, 0.5]")
+        # before missing fields are named: a wrong value stays wrong
+        refuse_outside(self, "E", "EI", "GJ", "a", "L", "nu")
         self._check_fields()
         if self.EI is not None:
             self._check_ratio()
         if self.inner_radius is not None:
             self._check_bore()
-        if self.weight is not None:
-            refuse("Rod", "weight", self.weight, np.less(self.weight, 0), "at least 0")
+        refuse_outside(self, "weight")
 
     def _check_fields(self) -> None:
         """Raise `InputError` unless the fields say one section, in one way."""
@@ -134,8 +129,8 @@ class Rod:
 
     def _check_bore(self) -> None:
         """Raise `InputError` unless 0 <= inner_radius < a."""
+        refuse_outside(self, "inner_radius")
         bore = self.inner_radius
-        refuse("Rod", "inner_radius", bore, np.less(bore, 0), "at least 0 and less than Rod.a")
         full = np.greater_equal(bore, self.a)
         rule = f"less than Rod.a = {self.a!s}"
         refuse("Rod", "inner_radius", np.broadcast_to(bore, np.shape(full)), full, rule)

@@ -1,5 +1,21 @@
-// Formulas of the solver, written by benchmarks/make_page_formulas.py: change them there.
+// Tables and formulas of the solver, written by benchmarks/make_page_formulas.py: change them there.
 // v: fields of a case by name; A, C, rho, and the loads FZ, MZ and M3; the numbers of its problem; what is measured.
+
+export const TWISTS = ["F1", "dgamma", "M3"];
+
+export const DIRECT = ["EI", "GJ"];
+
+export const ELASTIC = ["E", "nu"];
+
+export const ANGLES = ["beta", "beta0", "betaL", "alpha", "gamma", "azimuth", "rotation", "inclination"];
+
+export const SLIDING = ["forward", "backward", "rotating", "axial-forward", "axial-backward"];
+
+export const SIDES = {"outside": 1, "inside": -1};
+
+export const HELD = {"beta0": "M10", "betaL": "M1L", "FZ": "height", "MZ": "azimuth", "M3": "rotation"};
+
+export const RANGES = {"E": {"low": 0, "closed": false}, "EI": {"low": 0, "closed": false}, "GJ": {"low": 0, "closed": false}, "a": {"low": 0, "closed": false}, "L": {"low": 0, "closed": false}, "R": {"low": 0, "closed": false}, "nu": {"low": -1, "closed": false, "high": 0.5}, "inner_radius": {"low": 0, "closed": true}, "weight": {"low": 0, "closed": true}, "friction": {"low": 0, "closed": true}, "inclination": {"low": 0, "closed": true, "high": 3.1415926535897967}};
 
 export const RHO = {
   outside: (v) => v.R + (1 * v.a),

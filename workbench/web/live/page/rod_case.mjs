@@ -1,21 +1,18 @@
 // A case from the state of the page: validation, and the solver's formulas of loads and of the dimensionless problem.
 
+import * as tables from "./formulas.mjs";
 import { BENDING, LOADS, RHO, TORSION, problemOf } from "./formulas.mjs";
 
 export const DEGREE = Math.PI / 180;
-const SIDE = { outside: 1, inside: -1 };
-const TWISTS = ["F1", "dgamma", "M3"];
-const DIRECT = ["EI", "GJ"];
-const ELASTIC = ["E", "nu", "inner_radius"];
+export const { SLIDING } = tables;
+const { TWISTS, DIRECT, HELD, RANGES, SIDES } = tables;
+const ELASTIC = [...tables.ELASTIC, "inner_radius"];
 const PRINTED = ["E", "nu", "R", "a", "L", "beta", "dbeta", "dgamma", "F1", "F3"]; // by Table 1
 const START = ["beta", "dbeta", "F1", "F2", "F3", "dgamma", "M3"],
-  ENDS = ["beta0", "betaL", "FZ", "MZ", "M3"];
-const HELD = { beta0: "M10", betaL: "M1L", FZ: "height", MZ: "azimuth", M3: "rotation" }; // of a rod with weight
+  ENDS = Object.keys(HELD); // or what is held in place of each
 const OUTSIDE = ["weight", "inclination", "friction"]; // what makes the loads vary along the rod
-export const SLIDING = ["forward", "backward", "rotating", "axial-forward", "axial-backward"];
-const POSITIVE = ["E", "EI", "GJ", "a", "L", "R", "weight"],
-  ANGLES = ["beta", "beta0", "betaL", "azimuth", "rotation"],
-  OPTIONAL = ["F2", "F3", "FZ", "MZ", "M3"];
+const POSITIVE = [...Object.keys(RANGES).filter((name) => RANGES[name].low === 0 && !RANGES[name].closed), "weight"],
+  OPTIONAL = ["F2", "F3", ...ENDS.filter((name) => !tables.ANGLES.includes(name))];
 const AT_START = { beta: "beta0", dbeta: "dbeta0" }; // fields that are the value of another quantity at s = 0
 
 /* An invalid value: a sentence for the one who typed it, and the field ("" if it is about none). */
@@ -31,7 +28,7 @@ export const quantityOf = (name) => AT_START[name] || name;
 const KINDS = { nu: "ratio", inner_radius: "bore", inclination: "tilt", friction: "share" };
 export const isDegrees = (name) => ["angle", "tilt"].includes(kindOf(name));
 export const kindOf = (name) =>
-  POSITIVE.includes(name) ? "positive" : KINDS[name] || (ANGLES.includes(name) ? "angle" : "signed");
+  POSITIVE.includes(name) ? "positive" : KINDS[name] || (tables.ANGLES.includes(name) ? "angle" : "signed");
 export const isEnds = (state) => state.reading === undefined && ("betaL" in state.base || "M1L" in state.base);
 /* Whether the loads vary along the rod: then the server solves it. */
 export const varies = ({ base }) => OUTSIDE.some((name) => base[name] !== undefined);
@@ -42,7 +39,7 @@ export function isState({ base, units, reading, equilibrium, title = "" }, readi
   if (!base || !units || !isText(units.length) || !isText(units.force) || !isText(title)) return false;
   if (reading !== undefined && !readings.includes(reading)) return false;
   if (equilibrium && !Object.values(equilibrium).every(Number.isFinite)) return false;
-  return (base.side || "outside") in SIDE && (base.stiffness || "solid") in BENDING;
+  return (base.side || "outside") in SIDES && (base.stiffness || "solid") in BENDING;
 }
 
 /* The names of the numbers of a state that the page shows, in order. */
@@ -90,7 +87,7 @@ export function caseOf(state, symbols) {
     alpha: base.alpha || 0,
     stiffness: reading ? reading[2] : base.stiffness || "solid",
   };
-  one.sign = SIDE[one.side];
+  one.sign = SIDES[one.side];
   if (one.sign < 0 && one.R <= one.a)
     throw new Refused("The cylinder is too narrow: R must be greater than a where the rod lies inside.", "R");
   if (one.inner_radius >= one.a)
@@ -110,14 +107,12 @@ export function caseOf(state, symbols) {
 function checked(name, value, symbols) {
   const letter = symbols[name] || name;
   if (typeof value !== "number" || !Number.isFinite(value)) throw new Refused(`${letter} needs a number.`, name);
-  if (POSITIVE.includes(name) && !(value > 0)) throw new Refused(`${letter} must be greater than 0.`, name);
-  if (name === "inner_radius" && !(value >= 0)) throw new Refused(`${letter} must be at least 0.`, name);
-  if (name === "friction" && !(value >= 0)) throw new Refused(`${letter} must be at least 0.`, name);
-  if (name === "inclination" && !(value >= 0 && value <= Math.PI * (1 + 1e-15)))
-    throw new Refused(`${letter} must be from 0 to 180°.`, name);
-  if (name === "nu" && !(value > -1 && value <= 0.5))
-    throw new Refused(`${letter} must be greater than −1 and at most 0.5.`, name);
-  return value;
+  const { low = -Infinity, closed, high = Infinity } = POSITIVE.includes(name) ? { low: 0 } : RANGES[name] || {};
+  if ((closed ? value >= low : value > low) && value <= high) return value;
+  const written = (bound) => `${isDegrees(name) ? `${Math.round(bound / DEGREE)}°` : bound}`.replace("-", "−");
+  if (closed && high < Infinity) throw new Refused(`${letter} must be from ${low} to ${written(high)}.`, name);
+  const most = high < Infinity ? ` and at most ${written(high)}` : "";
+  throw new Refused(`${letter} must be ${closed ? "at least" : "greater than"} ${written(low)}${most}.`, name);
 }
 
 /* The forces and the one twist that a start problem is given; reading: its words, or null. */
