@@ -359,5 +359,5 @@ def test_a_feature_of_the_levels_above_an_extremum_is_where_the_potential_stops_
         return abs(level_grid.fall(problem, 0.0, beta, True))
 
     place = brentq(lambda beta: height(beta) - gap, 1e-3, 1.2)
-    assert 0.05 < abs(height(place) / height(place / 2) / 4 - 1) < 0.5
+    assert 0.02 < abs(height(place) / height(place / 2) / 4 - 1) < 0.5  # it departs by some percent, and not by more
     assert height(place / 100) / height(place / 200) == pytest.approx(4, rel=1e-4)
