@@ -9,7 +9,7 @@ from .study_result import result_of
 def check(file: File) -> Result:
     """Judge the laws of a stored study.
 
-    Exit status 1 if a case is unsolved, or if a law fails, is not decided or is qualified.
+    Exit status 1 if a case is unsolved, or if a law fails, is not decided or is true in part only.
     """
     from solver.problem import angles
     from studies.language.loader import notices

@@ -19,7 +19,7 @@ def merge(
 ) -> Result:
     """Join stored studies that extend each other along one axis.
 
-    Exit status 1 if a case is unsolved, or if a law fails, is not decided or is qualified.
+    Exit status 1 if a case is unsolved, or if a law fails, is not decided or is true in part only.
     """
     from ..store import law_verdicts
     from ..store.file_merge import merge as join

@@ -29,7 +29,7 @@ def reproduce(
 
     Solves, stores, draws and judges every panel and writes report.html. A panel that is already complete in the
     folder is not solved again. Exit status 1 if a panel is omitted, a case is unsolved, or a law fails or is not
-    decided; a qualified law gives 0, because under every reading of the paper some laws are qualified.
+    decided; a law that is true in part gives 0, because under every reading of the paper some laws are.
     """
     from studies import READINGS, load, names
 

@@ -43,7 +43,7 @@ def run(
     If anything else in the study has changed, all cases are solved again, the results in the file are replaced, and a
     line says what differs.
 
-    Exit status 1 if a case is unsolved, or if a law fails, is not decided or is qualified.
+    Exit status 1 if a case is unsolved, or if a law fails, is not decided or is true in part only.
     """
     from studies import load
 

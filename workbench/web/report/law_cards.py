@@ -128,7 +128,7 @@ def in_degrees(text: str) -> str:
 
 
 def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
-    """Why a claim was not tested, or how it is qualified."""
+    """Why a claim was not tested, or why it is true in part only."""
     if untested := [row for row in laws if not row["lines"]]:
         others = [
             f"along {labels.axis_symbol(row['axis'])} it is {law_words.PLAIN[row['verdict']]}"
