@@ -6,12 +6,10 @@ small and the branch goes on (an end of the rod crosses a saddle, in a range as 
 in `continuation`.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-import scipy  # its parts are imported when used
 
 from ..equilibrium.charts import CORNER
 from ..equilibrium.held_index import index_of
@@ -19,7 +17,8 @@ from ..equilibrium.system import state_of
 from ..levels.line_point import Path
 from ..levels.path_orbits import orbit_of
 from ..numerics import arclength
-from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK, advance
+from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK
+from ..numerics.roots import locate
 from .branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
 from .branch_leaps import creeps, held_leap, is_near_helix, leap_from, leap_on
 from .branch_states import BranchState, begin_at, in_other_charts, rechart
@@ -181,8 +180,7 @@ def _step(state: BranchState, step: float, bounds: Bounds) -> BranchState | str:
     ahead = float((halt - node.w[1]) / state.rises) if state.rises else np.inf
     if abs(state.rises) > _STEEP and 0 < ahead <= step:
         step, across = ahead, np.eye(node.w.size)[1]
-    found = advance(curve, node, step, across)
-    return found if isinstance(found, str) else BranchState(curve, found)
+    return state.ahead(step, across)
 
 
 def _pass(state: BranchState, there: BranchState | str, bounds: Bounds) -> tuple[BranchState | str, list[Place]]:
@@ -196,43 +194,23 @@ def _pass(state: BranchState, there: BranchState | str, bounds: Bounds) -> tuple
 
 def _place_at(state: BranchState, one: BranchState, other: BranchState, value: float) -> Place | None:
     """The equilibrium at a value of p, between two points of the step that leads from a state."""
-    low, high = (float(state.node.tangent @ (at.node.w - state.node.w)) for at in (one, other))
-    found = _locate(state, low, high, lambda at: at.p - value)
+    ends = {float(state.node.tangent @ (at.node.w - state.node.w)): at for at in (one, other)}
+    found = locate(state.ahead, ends, lambda at: at.p - value)
     return None if found is None else found.record()
 
 
 def _special(state: BranchState, there: BranchState) -> list[tuple[BranchState, str]] | None:
-    """Where p has an extremum, and where beta_t passes through 0 at both ends together; None: not located."""
-    found, chart = [], state.curve.chart
+    """Where beta_t passes through 0 at both ends together, or where p has an extremum; None: not located."""
+    chart, at, kind = state.curve.chart, None, FOLD
     reach = float(state.node.tangent @ (there.node.w - state.node.w))
     if not chart.logarithmic and chart.kind != CORNER and state.x * there.x < 0:
         at = state.curve.at(state.node.w)
-        if at is not None and at[0].is_tied:
-            helix = at[0].start in at[0].angles and state.rises * there.rises > 0
-            found.append((_locate(state, 0.0, reach, lambda at: at.x), BRANCH_POINT if helix else PITCHFORK))
-    if state.rises * there.rises < 0 and not found:
-        found.append((_locate(state, 0.0, reach, lambda at: at.rises), FOLD))
-    special = [(at, kind) for at, kind in found if at is not None]
-    return special if len(special) == len(found) else None
-
-
-def _locate(state: BranchState, low: float, high: float, zero: Callable[[BranchState], float]) -> BranchState | None:
-    """The state where a function of it is zero, between two distances along the tangent of another one."""
-
-    def at(distance: float) -> BranchState:
-        if distance == 0:
-            return state
-        found = advance(state.curve, state.node, distance)
-        if isinstance(found, str):
-            raise ArithmeticError(found)
-        return BranchState(state.curve, found)
-
-    try:
-        if zero(at(low)) * zero(at(high)) > 0:
-            return None
-        return at(float(scipy.optimize.brentq(lambda one: zero(at(one)), low, high, xtol=1e-14, rtol=1e-14)))
-    except ArithmeticError:
-        return None
+    if at is not None and at[0].is_tied:
+        kind = BRANCH_POINT if at[0].start in at[0].angles and state.rises * there.rises > 0 else PITCHFORK
+    elif state.rises * there.rises >= 0:
+        return []
+    point = locate(state.ahead, {0.0: state, reach: there}, lambda at: at.rises if kind == FOLD else at.x)
+    return None if point is None else [(point, kind)]
 
 
 def _is_same(first: Place, place: Place) -> bool:

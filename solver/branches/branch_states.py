@@ -7,7 +7,7 @@ import numpy as np
 
 from ..equilibrium.charts import Chart, charts, coordinate
 from ..levels.line_point import Path
-from ..numerics.arclength import LEFT, Node, correct_point, node_at
+from ..numerics.arclength import LEFT, Node, advance, correct_point, node_at
 from ..numerics.arrays import Array
 from .branch_events import Place
 from .equilibrium_curve import AHEAD, EquilibriumCurve, curve_through
@@ -39,6 +39,11 @@ class BranchState:
     def rises(self) -> float:
         """dp along the branch, in scales."""
         return float(self.node.tangent[1])
+
+    def ahead(self, step: float, across: Array | None = None) -> "BranchState | str":
+        """The state after a step, as of `arclength.advance`."""
+        node = advance(self.curve, self.node, step, across)
+        return node if isinstance(node, str) else BranchState(self.curve, node)
 
     def path(self) -> Path:
         found = self.curve.at(self.node.w)

@@ -81,8 +81,7 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
 def curve_through(kind: str, point: DeadPoint) -> WholeCurve:
     """The curve of a kind under dead loads through one of its points."""
     how = Tracing(LENGTHS, MOST, cusps_between if kind == FOLD else sides_between, in_other_form)
-    along = np.append(np.zeros(point.w.size - 2), point.way)
-    return whole_curve(kind, special_line(point, along, how), point.lower)
+    return whole_curve(kind, special_line(point, how), point.lower)
 
 
 def _ticks(lattice: int) -> Array:

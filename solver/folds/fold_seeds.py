@@ -19,7 +19,8 @@ from ..numerics.arrays import Array
 from .curve_crossings import Pieces, change_along
 from .orbit_folds import GivenAt, OrbitFold, fold_on_line, pitchfork_on_line
 from .parameter_plane import ParameterPlane
-from .separatrix_folds import DeadPoint, separatrix_guess, separatrix_point
+from .separatrix_folds import DeadPoint, separatrix_guess
+from .special_line import point_on_line
 
 _FIRST, _LAST = 0.02, 1e-7  # lengths of a line, in shares: from where Newton's rule is tried, and where it ends
 _DEEP = 1e-3  # length from which on the pair may be next to a separatrix
@@ -159,10 +160,9 @@ class Seeds:
         is_short: whether the line is so short that they may lie next to a separatrix.
         """
         if kind == FOLD:
-            w, none = np.append(equilibria.slope[list(pair)].mean() / self.scale, z), np.zeros(2)
-            point: DeadPoint | None = fold_on_line(
-                OrbitFold(self.given_at, np.array([self.scale]), w, none, none), axis
-            )
+            w = np.append(equilibria.slope[list(pair)].mean() / self.scale, z)
+            fold = OrbitFold(given_at=self.given_at, scales=np.array([self.scale]), w=w)
+            point: DeadPoint | None = fold_on_line(fold, axis)
         else:
             point = pitchfork_on_line(self.given_at, z, axis)
         if point is not None:
@@ -170,6 +170,6 @@ class Seeds:
         for i in pair if is_short else ():
             slope, turns = float(equilibria.slope[i]), int(equilibria.turns[i])
             guess = separatrix_guess(self.given_at, self.scale, z, slope, turns, kind)
-            deep = None if guess is None else separatrix_point(guess, axis)
+            deep = None if guess is None else point_on_line(guess, axis)
             if deep is not None:
                 yield deep

@@ -25,20 +25,20 @@ from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, rates_of_helices, sta
 from ..equilibrium.system import corner_state
 from ..levels.morse_index import helix_half_waves
 from ..mechanics.potential import load_size, slope
-from ..numerics.arclength import Curve, Lengths, Node, difference_rates, node_at
+from ..numerics.arclength import Lengths, Node
 from ..numerics.arrays import Array
 from ..numerics.roots import enclose, root, solve
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import StartProblem
-from .parameter_plane import MARGIN, ParameterPlane, reflect
-from .special_line import ROUNDS, Ahead, Point, border_point, step_from, with_no_side
+from .parameter_plane import ParameterPlane, reflect
+from .special_line import LONGEST, Ahead, Point, SpecialPoint, point_on_line, step_from, with_no_side
 
 GivenAt = Callable[[Array], Given]
 LENGTHS = Lengths(first=0.01, longest=0.05, least=2e-6)  # of steps, in the sizes of the unknowns and of z
 START = ("beta0", "dbeta0", "lam", "mu", "phi")  # the numbers with which an orbit starts
 _STEP = 1e-7  # of derivatives of the determinant, in the sizes of the unknowns and of z
 _BEND = 2e-4  # of beta_t(0), in its size: of the second derivative of the Jacobi field by it
-_LONGEST = 0.5  # change of an unknown in a step of Newton's rule
+_SIDES = 2.0**-25  # of a step: how closely a change of side is enclosed
 _MOVES = 1e-6  # least change of the equations of a fold by z
 _BESIDE = 0.02  # how far beside a fold its two indices are read, in the sizes of the unknowns
 _UNFOLDED, _STRAY = 1e-8, 1e-3  # rad: the largest miss of beta(L) at a pitchfork; how far along its curve too
@@ -77,20 +77,13 @@ def own_mark(rates: OrbitRates) -> Array:
     return mark_of(rates.values[0, :-1], float(load_size(rates.problem)[0]), float(rates.problem.span[0]))
 
 
-@dataclass(frozen=True, eq=False)
-class OrbitFold:
-    """A fold, a `special_line.SpecialPoint`. w: the unknown numbers of the start over `scales`, and z."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OrbitFold(SpecialPoint):
+    """A fold. w: the unknown numbers of the start over `scales`, and z."""
 
     given_at: GivenAt
     scales: Array
-    w: Array
-    way: Array
-    more: Array
-
-    @property
-    def z(self) -> Array:
-        """Its place, (2,)."""
-        return self.w[-2:]
+    nudge = _STEP
 
     @property
     def slope(self) -> float:
@@ -121,34 +114,6 @@ class OrbitFold:
         found = np.append(off[met], np.linalg.det(by_free))
         return found if np.isfinite(found).all() else None
 
-    def jacobian(self, w: Array) -> Array | None:
-        """Its derivatives by w."""
-        return difference_rates(self.value, w, _STEP)
-
-    def rate(self, tangent: Array) -> Array:
-        """As of `SpecialPoint`."""
-        return np.asarray(tangent[-2:])
-
-    def after(self, node: Node) -> "Ahead[OrbitFold]":
-        """As of `SpecialPoint`."""
-        way = node.tangent[-2:]
-        return replace(self, w=node.w, way=way / np.linalg.norm(way), more=self._side(node.jacobian)), node
-
-    def _side(self, jacobian: Array) -> Array:
-        """Towards the side of two more equilibria, (2,).
-
-        Along the left null vector of the derivatives by the unknowns, the equations are to second order a change by z
-        and a square of the distance along the right one; its sign is that of the change of the determinant.
-        """
-        n = jacobian.shape[1] - 2
-        left, _, right = np.linalg.svd(jacobian[:-1, :n])
-        bend = float(jacobian[-1, :n] @ right[-1]) * np.linalg.det(left) * np.linalg.det(right)
-        return np.asarray(-np.sign(bend) * (left[:, -1] @ jacobian[:-1, n:]))
-
-    def at_border(self, node: Node) -> "OrbitFold | None":
-        """As of `SpecialPoint`."""
-        return border_point(self, node)
-
     @cached_property
     def lower(self) -> int:
         """The lower Morse index of the two equilibria that meet.
@@ -175,7 +140,7 @@ class OrbitFold:
                 return None
             return np.append(value[:-1], rows @ (w - self.w) - [a, 0.0]), np.vstack([rates[:-1], rows])
 
-        w = root(equations, self.w + a * along, _LONGEST)
+        w = root(equations, self.w + a * along, LONGEST)
         if w is None:
             return np.nan
         given, rates = self.at(w)
@@ -192,48 +157,26 @@ def fold_near(given_at: GivenAt, z: Array, axis: int, numbers: Array) -> OrbitFo
     free = [name for name in START if name not in given.names]
     scales = np.array([sizes[name] for name in free])
     w = np.append(numbers[[NUMBERS.index(name) for name in free]] / scales, z)
-    return fold_on_line(OrbitFold(given_at, scales, w, np.zeros(2), np.zeros(2)), axis)
+    return fold_on_line(OrbitFold(given_at=given_at, scales=scales, w=w), axis)
 
 
 def fold_on_line(guess: OrbitFold, axis: int) -> OrbitFold | None:
     """The fold next to a guess on the line along number `axis`; None where there is none, or none that moves with z."""
-    node = node_on_line(guess, guess.w, axis)
-    fold = None if node is None else guess.after(node)[0]
+    fold = point_on_line(guess, axis)
     return fold if fold is not None and np.abs(fold.more).max() > _MOVES else None
 
 
-def node_on_line(curve: Curve, guess: Array, axis: int) -> Node | None:
-    """The node of a curve, whose last two coordinates are z, next to a guess on the line along number `axis` of z."""
-    held = guess.size - 1 - axis
-    row = np.eye(guess.size)[held]
-
-    def equations(w: Array) -> tuple[Array, Array] | None:
-        value, rates = (
-            f(w) if np.abs(w[-2:] - 0.5).max() <= 0.5 + MARGIN else None for f in (curve.value, curve.jacobian)
-        )
-        if value is None or rates is None:
-            return None
-        return np.append(value, w[held] - guess[held]), np.vstack([rates, row])
-
-    w = root(equations, guess, _LONGEST)
-    node = None if w is None else node_at(curve, w, row)
-    return None if isinstance(node, str) else node
-
-
-@dataclass(frozen=True, eq=False)
-class OrbitPitchfork:
-    """A pitchfork under dead loads, a `special_line.SpecialPoint`. w: z."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OrbitPitchfork(SpecialPoint):
+    """A pitchfork under dead loads. w: z."""
 
     given_at: GivenAt
-    w: Array
-    way: Array
-    more: Array
-    slope: float = 0.0
+    nudge = _STEP
 
     @property
-    def z(self) -> Array:
-        """Its place, (2,)."""
-        return self.w
+    def slope(self) -> float:
+        """0: the rod starts at rest."""
+        return 0.0
 
     @property
     def mark(self) -> Array:
@@ -255,24 +198,11 @@ class OrbitPitchfork:
         given, rates = orbit_at(self.given_at, np.array([v]), z)
         return float(rates_by_start(rates, given)[given.names.index("betaL"), START.index("dbeta0")])
 
-    def jacobian(self, w: Array) -> Array | None:
-        """Its derivatives by z."""
-        return difference_rates(self.value, w, _STEP)
-
-    def rate(self, tangent: Array) -> Array:
-        """As of `SpecialPoint`."""
-        return tangent
-
-    def after(self, node: Node) -> "Ahead[OrbitPitchfork]":
+    def side_of(self, node: Node) -> Array:
         """As of `SpecialPoint`. The miss of beta(L) is E v + B v^3/6: the two others exist where E B < 0."""
         v = _BEND * np.sqrt(1 + float(load_size(self.own[1].problem)[0]))
         low, middle, high = (self._field(node.w, one) for one in (-v, 0.0, v))
-        more = -np.sign(low + high - 2 * middle) * node.jacobian[0]
-        return replace(self, w=node.w, way=node.tangent, more=more), node
-
-    def at_border(self, node: Node) -> "OrbitPitchfork | None":
-        """As of `SpecialPoint`."""
-        return border_point(self, node)
+        return np.asarray(-np.sign(low + high - 2 * middle) * node.jacobian[0])
 
     @property
     def is_true(self) -> bool:
@@ -316,26 +246,23 @@ def meets_pitchforks(fold: OrbitFold, node: Node) -> bool:
 
 def pitchfork_on_line(given_at: GivenAt, z: Array, axis: int) -> OrbitPitchfork | None:
     """The pitchfork near z on the line along number `axis`; None where there is none."""
-    guess = OrbitPitchfork(given_at, z, np.zeros(2), np.zeros(2))
-    node = node_on_line(guess, z, axis)
-    found = None if node is None else guess.after(node)[0]
-    return found if found is not None and found.is_true else None
+    pitchfork = point_on_line(OrbitPitchfork(given_at=given_at, w=z), axis)
+    return pitchfork if pitchfork is not None and pitchfork.is_true else None
 
 
-def sides_between(point: Point, node: Node, step: float, taken: Ahead[Point]) -> tuple[list[Point], str] | None:
+def sides_between(point: Point, node: Node, step: float, taken: Ahead[Point]) -> list[Point] | None:
     """As of `special_line.Between`, of pitchforks: where a fold curve ends on the line, and the side of two more
     equilibria changes."""
 
-    def side_of(there: Ahead[Point]) -> float:
-        way = there[0].rate(there[1].tangent)
-        return float(np.sign(way[0] * there[0].more[1] - way[1] * there[0].more[0]))
+    def is_left(there: Ahead[Point]) -> bool:
+        way, more = there[1].tangent[-2:], there[0].more
+        return bool(way[0] * more[1] > way[1] * more[0])
 
-    def side_at(place: float) -> tuple[Point, float] | None:
-        there = step_from(point, node, place)
-        return None if isinstance(there, str) else (there[0], side_of(there))
-
-    ends = side_of((point, node)), side_of(taken)
-    if ends[0] == ends[1]:
-        return [], ""
-    sides = [there for _, there, _ in enclose(side_at, step, ends, ROUNDS, kept=1.0)]
-    return ([with_no_side(sides[-1])], "") if sides else None
+    begin = point, node
+    if is_left(begin) == is_left(taken):
+        return []
+    ends = {0.0: begin, step: taken}
+    (_, last), _ = enclose(
+        partial(step_from, point, node), ends, lambda there: is_left(there) != is_left(begin), _SIDES * step
+    )
+    return [with_no_side(last[0])]

@@ -31,10 +31,9 @@ from .orbit_folds import (
     fold_on_line,
     meets_pitchforks,
     mirror_image,
-    node_on_line,
     pitchfork_on_line,
 )
-from .special_line import Ahead, border_point
+from .special_line import Ahead, SpecialPoint, point_on_line
 
 UNIT = 20.0  # of log gap in the metric of the curve
 DEEP = 1e-6  # of the gap: where beta_t at the start tells little
@@ -46,9 +45,9 @@ _NUDGE, _STEP = 1e-6, 1e-3  # of the derivatives by z, and by log gap
 _SAME = 0.02  # largest distance between a point and itself in another form
 
 
-@dataclass(frozen=True, eq=False)
-class SeparatrixPoint:
-    """Such a fold or pitchfork, a `special_line.SpecialPoint`; w: log gap over `UNIT`, and z.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SeparatrixPoint(SpecialPoint):
+    """Such a fold or pitchfork. w: log gap over `UNIT`, and z.
 
     scale: of beta_t(0). saddle: an angle near it. end: at rest, "start" or "end". sign: of the gap. leaving, turns: the
     path of the rod. weight: ends at the turning point that act on T, 0 to 2.
@@ -63,14 +62,7 @@ class SeparatrixPoint:
     leaving: int
     turns: int
     weight: int
-    w: Array
-    way: Array
-    more: Array
-
-    @property
-    def z(self) -> Array:
-        """Its place, (2,)."""
-        return self.w[1:]
+    nudge = np.array([_STEP / UNIT, _NUDGE, _NUDGE])
 
     @property
     def mark(self) -> Array:
@@ -82,25 +74,9 @@ class SeparatrixPoint:
         found = self._three(float(w[0]) * UNIT, w[1:])[:2]
         return found if np.isfinite(found).all() else None
 
-    def jacobian(self, w: Array) -> Array | None:
-        """Its derivatives by w, (2, 3)."""
-        steps = np.diag([_STEP / UNIT, _NUDGE, _NUDGE])
-        pairs = [(self.value(w + step), self.value(w - step)) for step in steps]
-        columns = [high - low for high, low in pairs if high is not None and low is not None]
-        return np.column_stack(columns) / (2 * steps.sum(axis=0)) if len(columns) == 3 else None
-
-    def rate(self, tangent: Array) -> Array:
+    def side_of(self, node: Node) -> Array:
         """As of `SpecialPoint`."""
-        return np.asarray(tangent[1:])
-
-    def after(self, node: Node) -> "Ahead[SeparatrixPoint]":
-        """As of `SpecialPoint`."""
-        way = node.tangent[1:]
-        return replace(self, w=node.w, way=way / np.linalg.norm(way), more=-node.jacobian[0, 1:]), node
-
-    def at_border(self, node: Node) -> "SeparatrixPoint | None":
-        """As of `SpecialPoint`."""
-        return border_point(self, node)
+        return -node.jacobian[0, 1:]
 
     def _three(self, y: float, z: Array) -> Array:
         """D - g + x^2, T - L/rho and x."""
@@ -215,27 +191,10 @@ def separatrix_guess(
     weight = (0 if kind == PITCHFORK else 2) if equal else 1
     leaving, sign = (1 if slope_ > 0 else -1), (1.0 if gaps[k] > 0 else -1.0)
     y = float(np.log(max(abs(gaps[k]), 1e-250)))
-    way = np.zeros(2)
     return SeparatrixPoint(
-        given_at,
-        kind,
-        scale,
-        float(place.saddles[k]),
-        end,
-        sign,
-        leaving,
-        turns,
-        weight,
-        np.array([y / UNIT, *z]),
-        way,
-        way,
-    )
-
-
-def separatrix_point(guess: SeparatrixPoint, axis: int) -> SeparatrixPoint | None:
-    """The point next to a guess on the line along number `axis`; None where there is none."""
-    node = node_on_line(guess, guess.w, axis)
-    return None if node is None else guess.after(node)[0]
+        given_at=given_at, kind=kind, scale=scale, saddle=float(place.saddles[k]), end=end, sign=sign, leaving=leaving,
+        turns=turns, weight=weight, w=np.array([y / UNIT, *z]),
+    )  # fmt: skip
 
 
 DeadPoint = OrbitFold | OrbitPitchfork | SeparatrixPoint
@@ -243,7 +202,7 @@ DeadPoint = OrbitFold | OrbitPitchfork | SeparatrixPoint
 
 def in_other_form(point: DeadPoint, node: Node, stuck: bool) -> Iterator[Ahead[DeadPoint]]:
     """As of `special_line.Others`; there are several forms under dead loads alone."""
-    way = point.rate(node.tangent)
+    way = node.tangent[-2:]
     if isinstance(point, SeparatrixPoint):
         yield from _from_separatrix(point, node, way, stuck)
     elif isinstance(point, OrbitFold) and meets_pitchforks(point, node):
@@ -252,7 +211,7 @@ def in_other_form(point: DeadPoint, node: Node, stuck: bool) -> Iterator[Ahead[D
         kind, scale = (FOLD, float(point.scales[0])) if isinstance(point, OrbitFold) else (PITCHFORK, 1.0)
         guess = separatrix_guess(point.given_at, scale, point.z, point.slope, point.lower + 1, kind)
         if guess is not None:
-            yield from _onward(separatrix_point(guess, int(np.argmin(np.abs(way)))), point, way)
+            yield from _onward(point_on_line(guess, int(np.argmin(np.abs(way)))), point, way)
 
 
 def _from_separatrix(point: SeparatrixPoint, node: Node, way: Array, stuck: bool) -> Iterator[Ahead[DeadPoint]]:
@@ -261,10 +220,10 @@ def _from_separatrix(point: SeparatrixPoint, node: Node, way: Array, stuck: bool
     if not point.is_shallow and abs(_apart(saddle, point.saddle)) > _FOLLOWED:
         yield replace(point, saddle=saddle), node
     elif point.is_shallow or stuck:
-        scales, none = np.array([point.scale]), np.zeros(2)
         if point.kind == FOLD:
             w = np.append(point.slope / point.scale, point.z)
-            yield from _onward(fold_on_line(OrbitFold(point.given_at, scales, w, none, none), axis), point, way)
+            guess = OrbitFold(given_at=point.given_at, scales=np.array([point.scale]), w=w)
+            yield from _onward(fold_on_line(guess, axis), point, way)
         else:
             yield from _onward(pitchfork_on_line(point.given_at, point.z, axis), point, way)
 

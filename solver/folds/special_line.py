@@ -1,8 +1,10 @@
 """A line of special points of one kind, folds or pitchforks, over two numbers z in the unit square."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from typing import Generic, Protocol, TypeVar
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import ClassVar, Generic, TypeVar
 
 import numpy as np
 
@@ -14,81 +16,86 @@ from ..numerics.arclength import (
     advance,
     border_distances,
     correct_point,
+    difference_rates,
     node_at,
     trace,
 )
 from ..numerics.arrays import Array
-from ..numerics.roots import enclose
+from ..numerics.roots import locate, root
+from .parameter_plane import MARGIN
 
 NARROW = 1e-3  # a step, below which other coordinates are tried
 CLOSE = 1e-9  # to the border
 BORDER, CLOSED, CROSSING, STOPPED = ENDS = "border", "closed", "crossing", "stopped"  # how a line ends
 TURNS = "the sense of the line turns, as it does where its equation is lost in rounding"
-ROUNDS = 25  # steps of a search of the border, of a cusp, or of a change of side
-FLAT, ENCLOSED = 1e-6, 1e-6  # of the rate of z at a cusp, whose square is lost of z; of the step that holds it
 SENSE, ASIDE = 0.8, 0.2  # cosine to the first step, and distance over that of a step, of one that closes the line
 ALONE = 3  # points after the first before a line can close
+LONGEST = 0.5  # change of an unknown in a step of Newton's rule
 
 
-class SpecialPoint(Protocol):
-    """A special point, and the equation of its line nearby, a `numerics.arclength.Curve`."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpecialPoint(ABC):
+    """A special point, and the equation of its line nearby, a `numerics.arclength.Curve`.
+
+    w: (n + 1,), in the coordinates of the equation, z last. way: (2,), the direction of the line there, in either
+    sense, of length 1. more: (2,), towards the side of two more equilibria; zero where that changes, as at a cusp, NaN
+    where there is none.
+    """
+
+    w: Array
+    way: Array = field(default_factory=lambda: np.zeros(2))
+    more: Array = field(default_factory=lambda: np.zeros(2))
+    nudge: ClassVar[float | Array]  # of each coordinate, for the derivatives of the equation
 
     @property
     def z(self) -> Array:
         """Its place, (2,)."""
-        ...
+        return self.w[-2:]
 
     @property
-    def way(self) -> Array:
-        """The direction of the line there, in either sense, (2,), of length 1."""
-        ...
-
-    @property
-    def more(self) -> Array:
-        """A vector towards the side of two more equilibria, (2,); zero at a cusp."""
-        ...
-
-    @property
+    @abstractmethod
     def slope(self) -> float:
         """beta_t(0) of the equilibrium."""
-        ...
 
     @property
+    @abstractmethod
     def mark(self) -> Array:
         """Numbers of about 1 that tell the equilibrium from others."""
-        ...
 
     @property
-    def w(self) -> Array:
-        """The same in the coordinates of the equation, (n + 1,)."""
-        ...
+    @abstractmethod
+    def lower(self) -> int:
+        """The lower Morse index of the two equilibria that meet."""
 
+    @abstractmethod
     def value(self, w: Array) -> Array | None:
         """As of `numerics.arclength.Curve`."""
-        ...
 
     def jacobian(self, w: Array) -> Array | None:
         """As of `numerics.arclength.Curve`."""
-        ...
+        return difference_rates(self.value, w, self.nudge)
 
-    def rate(self, tangent: Array) -> Array:
-        """The change of z by a tangent at its own w, (2,)."""
-        ...
+    def side_of(self, node: Node) -> Array:
+        """What `more` is at a node of the equation; of a fold, whose last equation is a determinant.
+
+        Along the left null vector of the derivatives of the others by the unknowns, these are to second order a change
+        by z and a square of the distance along the right one; its sign is that of the change of the determinant.
+        """
+        jacobian, n = node.jacobian, node.w.size - 2
+        left, _, right = np.linalg.svd(jacobian[:-1, :n])
+        bend = float(jacobian[-1, :n] @ right[-1]) * np.linalg.det(left) * np.linalg.det(right)
+        return np.asarray(-np.sign(bend) * (left[:, -1] @ jacobian[:-1, n:]))
 
     def after(self: "Point", node: Node) -> "Ahead[Point] | None":
         """The special point at a node of the equation, and its own node, travelled in the same direction."""
-        ...
-
-    def at_border(self: "Point", node: Node) -> "Point | None":
-        """The one on the border that the line meets next from its own node; None where it meets none nearby."""
-        ...
+        way = node.tangent[-2:]
+        return replace(self, w=node.w, way=way / np.linalg.norm(way), more=self.side_of(node)), node
 
 
 Point = TypeVar("Point", bound=SpecialPoint)
 Ahead = tuple[Point, Node]
-# Of a point, its node, a step and where that leads: the points on the way, in order, and why the line ends, else "";
-# None where they are not located
-Between = Callable[[Point, Node, float, Ahead[Point]], tuple[list[Point], str] | None]
+# Of a point, its node, a step and where that leads: the points on the way, in order; None where they are not located
+Between = Callable[[Point, Node, float, Ahead[Point]], list[Point] | None]
 # Of a point, its node, and whether no step succeeds from it: the same point where other forms of the equation suit the
 # line better
 Others = Callable[[Point, Node, bool], Iterator[Ahead[Point]]]
@@ -96,12 +103,14 @@ Others = Callable[[Point, Node, bool], Iterator[Ahead[Point]]]
 
 @dataclass(frozen=True, eq=False)
 class Tracing(Generic[Point]):
-    """How lines of one kind are traced. most: points in each sense."""
+    """How lines of one kind are traced. most: points in each sense. is_known: of a point where another line passes, at
+    which this one ends."""
 
     lengths: Lengths
     most: int
     between: Between[Point]
     others: Others[Point] = lambda *_: iter(())
+    is_known: Callable[[Point], bool] = lambda _: False
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,11 +121,9 @@ class SpecialLine(Generic[Point]):
     ends: tuple[str, str]
 
 
-def special_line(first: Point, along: Array, how: Tracing[Point]) -> SpecialLine[Point]:
-    """The line through a point to the border of 0 < z < 1, or closed.
-
-    along: its direction at the point in the coordinates of that, (n + 1,).
-    """
+def special_line(first: Point, how: Tracing[Point]) -> SpecialLine[Point]:
+    """The line through a point to the border of 0 < z < 1, or closed."""
+    along = np.append(np.zeros(first.w.size - 2), first.way)
     ahead, end = line_from(first, along, how)
     if end == CLOSED:
         return SpecialLine([first, *ahead, first], (CLOSED, CLOSED))
@@ -129,8 +136,8 @@ def line_from(first: Point, direction: Array, how: Tracing[Point]) -> tuple[list
 
     def stride(here: Ahead[Point], step: float, before: list[Point]) -> Stride[Point, Ahead[Point]] | str:
         point, node = next(how.others(*here, False), here)
-        if _is_beyond(point.z + step * point.rate(node.tangent)):
-            last = point.at_border(node)
+        if _is_beyond(point.z + step * node.tangent[-2:]):
+            last = border_point(point, node)
             if last is not None:
                 return Stride([last] * bool(np.abs(last.z - point.z).max() > CLOSE), here, step, BORDER)
         taken = step_from(point, node, step)
@@ -145,10 +152,10 @@ def line_from(first: Point, direction: Array, how: Tracing[Point]) -> tuple[list
             return BORDER
         if taken[1].sign != node.sign:
             return TURNS
-        met = how.between(point, node, step, taken)
-        if met is None:
+        end = CROSSING if how.is_known(taken[0]) else ""
+        passed = [] if end else how.between(point, node, step, taken)
+        if passed is None:
             return "a point on the way could not be located"
-        passed, end = met
         if len(before) > ALONE and _passes(first, before[0], point, taken[0]):
             return Stride(passed, taken, step, CLOSED)
         return Stride([*passed, taken[0]], taken, step * (1.0 if passed else 1.5), end)
@@ -163,46 +170,61 @@ def line_from(first: Point, direction: Array, how: Tracing[Point]) -> tuple[list
 def step_from(point: Point, node: Node, step: float) -> Ahead[Point] | str:
     """The special point after a step and its node, or why there is none."""
     ahead = advance(point, node, step)
-    return ahead if isinstance(ahead, str) else point.after(ahead) or LEFT
+    there = ahead if isinstance(ahead, str) else point.after(ahead)
+    return LEFT if there is None or (not isinstance(there, str) and np.isnan(there[0].more).any()) else there
 
 
-def cusps_between(point: Point, node: Node, step: float, taken: Ahead[Point]) -> tuple[list[Point], str] | None:
+def point_on_line(guess: Point, axis: int) -> Point | None:
+    """The point next to a guess on the line along number `axis` of z; None where Newton's rule reaches none."""
+    row = np.eye(guess.w.size)[-1 - axis]
+
+    def equations(w: Array) -> tuple[Array, Array] | None:
+        within = np.abs(w[-2:] - 0.5).max() <= 0.5 + MARGIN
+        value, rates = (f(w) if within else None for f in (guess.value, guess.jacobian))
+        if value is None or rates is None:
+            return None
+        return np.append(value, row @ (w - guess.w)), np.vstack([rates, row])
+
+    w = root(equations, guess.w, LONGEST)
+    return None if w is None else point_at(guess, w, row)
+
+
+def point_at(near: Point, w: Array, along: Array) -> Point | None:
+    """The point at w, in the coordinates of another one nearby, travelled in a direction like `along`."""
+    node = node_at(near, w, along)
+    there = None if isinstance(node, str) else near.after(node)
+    return None if there is None else there[0]
+
+
+def cusps_between(point: Point, node: Node, step: float, taken: Ahead[Point]) -> list[Point] | None:
     """As of `Between`, of folds: a cusp where z turns back within a step."""
-    before = point.rate(node.tangent)
-    before = before / np.linalg.norm(before)
-    after = float(before @ taken[0].rate(taken[1].tangent))
-    if after >= 0:
-        return [], ""
-
-    def rate_at(place: float) -> tuple[Point, float] | None:
-        there = step_from(point, node, place)
-        return None if isinstance(there, str) else (there[0], float(before @ there[0].rate(there[1].tangent)))
-
-    ends = float(before @ point.rate(node.tangent)), after
-    for width, cusp, rate in enclose(rate_at, step, ends, ROUNDS, kept=0.5):
-        if abs(rate) < FLAT or width < ENCLOSED * step:
-            return [with_no_side(cusp)], ""
-    return None
+    before = node.tangent[-2:]
+    if before @ taken[1].tangent[-2:] >= 0:
+        return []
+    cusp = locate(
+        partial(step_from, point, node),
+        {0.0: (point, node), step: taken},
+        lambda there: float(before @ there[1].tangent[-2:]),
+    )
+    return None if cusp is None else [with_no_side(cusp[0])]
 
 
 def with_no_side(point: Point) -> Point:
     """The same where the side of two more equilibria changes."""
-    return replace(point, more=np.zeros(2))  # type: ignore[type-var]
+    return replace(point, more=np.zeros(2))
 
 
 def border_point(point: Point, node: Node) -> Point | None:
-    """The point on the border that a line meets next from its own node; the last two coordinates of its w are z."""
+    """The point on the border that a line meets next from its own node; None where it meets none nearby."""
     rate = node.tangent[-2:]
     ways = border_distances(point.z, rate, np.zeros(2), np.ones(2))
     for k in np.argsort(ways):
-        across = np.eye(node.w.size)[node.w.size - 2 + k]
+        across = np.eye(node.w.size)[k - 2]
         w = correct_point(point, node.w + ways[k] * node.tangent, across, node.jacobian) if ways[k] < 1 else LEFT
         if isinstance(w, str) or np.abs(w[-2:] - 0.5).max() > 0.5 + CLOSE:
             continue
-        w[node.w.size - 2 + k] = float(rate[k] > 0)
-        at = node_at(point, w, node.tangent)
-        there = None if isinstance(at, str) else point.after(at)
-        return None if there is None else there[0]
+        w[k - 2] = float(rate[k] > 0)
+        return point_at(point, w, node.tangent)
     return None
 
 

@@ -166,11 +166,14 @@ def correct_point(curve: Curve, guess: Array, across: Array, jacobian: Array) ->
     return newton(guess, step, _ENDING)
 
 
-def difference_rates(value: Callable[[Array], Array | None], w: Array, step: float) -> Array | None:
-    """The derivatives of a function of w (n + 1,), (n, n + 1), by central differences; None where it has no value."""
+def difference_rates(value: Callable[[Array], Array | None], w: Array, step: float | Array) -> Array | None:
+    """The derivatives of a function of w (n + 1,), (n, n + 1), by central differences; None where it has no value.
+
+    step: of all coordinates, or of each.
+    """
     pairs = [(value(w + nudge), value(w - nudge)) for nudge in step * np.eye(w.size)]
-    columns = [(high - low) / (2 * step) for high, low in pairs if high is not None and low is not None]
-    return np.column_stack(columns) if len(columns) == w.size else None
+    columns = [high - low for high, low in pairs if high is not None and low is not None]
+    return np.column_stack(columns) / (2 * step) if len(columns) == w.size else None
 
 
 def _null(jacobian: Array) -> Array:

@@ -1,15 +1,17 @@
 """Small linear systems, scaled; the root of several equations by Newton's rule; roots of many functions at once."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
+import scipy  # its parts are imported when used
 
 from .arrays import Array
 
 Point = TypeVar("Point")
 DIVERGED = "Newton's rule does not converge"
+EXACT = 1e-14  # how closely the place of a root is enclosed
 CLOSE = 1e-7  # a step of Newton's rule this short is the last: the next would be of the size of its square
 
 
@@ -153,41 +155,60 @@ def bracket(
     return x
 
 
-def enclose(
-    at: Callable[[float], tuple[Point, float] | None],
-    high: float,
-    values: tuple[float, float],
-    rounds: int,
-    kept: float,
-) -> Iterator[tuple[float, Point, float]]:
-    """Points ever nearer to where a value changes its sign between 0 and `high`, by false position.
+def locate(
+    at: Callable[[float], Point | str | None],
+    ends: dict[float, Point],
+    value: Callable[[Point], float],
+    flat: float = 0.0,
+) -> Point | None:
+    """The point of a way where a value of it is zero; None where its sign is the same at both ends, or a point is
+    missing.
 
-    Yields the width of the bracket that a point leaves, the point, and its value; ends where there is no point.
-
-    Parameters
-    ----------
-    at : callable
-        Of a place: the point and the value there; None where there is none.
-    values : tuple of two floats
-        At 0 and at `high`.
-    rounds : int
-        Of points, at most.
-    kept : float
-        Factor of the value at an end that stays: 0.5 is the Illinois rule; 1, with values 1 and -1, bisection.
+    at: the point at a place; None, or why there is none. ends: the two ends of the way, by their places. flat: a value
+    that is as good as 0.
     """
-    before, after = values
-    low = 0.0
-    for _ in range(rounds):
-        middle = low + (high - low) * min(0.95, max(0.05, before / (before - after)))
-        answer = at(middle)
-        if answer is None:
-            return
-        point, value = answer
-        if value * before > 0:
-            low, before, after = middle, value, kept * after
-        else:
-            high, before, after = middle, kept * before, value
-        yield high - low, point, value
+    points = dict(ends)
+
+    def value_at(place: float) -> float:
+        if place not in points:
+            point = at(place)
+            if point is None or isinstance(point, str):
+                raise ArithmeticError
+            points[place] = point
+        size = float(value(points[place]))
+        return 0.0 if abs(size) <= flat else size
+
+    if value_at(min(ends)) * value_at(max(ends)) > 0:
+        return None
+    try:
+        return points[scipy.optimize.brentq(value_at, *ends, xtol=EXACT, rtol=EXACT)]
+    except ArithmeticError:
+        return None
+
+
+def enclose(
+    at: Callable[[float], Point | str | None],
+    ends: dict[float, Point],
+    is_changed: Callable[[Point], object],
+    width: float,
+) -> list[tuple[float, Point]]:
+    """The last point of a way before a change, and the first one after it, with their places.
+
+    at, ends: as of `locate`. A missing point counts as one after the change, where equations may be singular. width:
+    below which the change is not enclosed more closely.
+    """
+    points = dict(ends)
+
+    def is_after(place: float) -> object:
+        point = at(place)
+        if point is None or isinstance(point, str):
+            return True
+        points[place] = point
+        return is_changed(point)
+
+    low, _ = halve(is_after, min(ends), max(ends), width)
+    high = min(place for place in points if place > low)
+    return [(low, points[low]), (high, points[high])]
 
 
 def halve(holds: Callable[[float], object], low: float, high: float, width: float) -> tuple[float, float]:

@@ -1,7 +1,6 @@
 """Where a straight rod buckles, and the stable shape into which it does."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -97,9 +96,7 @@ def buckle(rod: LoadedRod, t: Array, critical: float) -> tuple[Shape, float] | N
     modes = weakest_modes(begin, 2)
     curve = Curve(rod.share, 1.0, begin.rod.scale)
     for amplitude, mode in product(AMPLITUDES, modes):
-        across = curve.direction(mode, 0.0)
-        guess = replace(begin, y=begin.y + amplitude * mode)
-        found = curve.correct(guess, critical, across)
+        found = next(curve.split_off(begin, mode, (amplitude,), critical), None)
         if found is None or found.x > 1:
             continue
         if found.x < critical:

@@ -3,7 +3,7 @@
 The unknowns are the states at the nodes, in fixed scales, and x over its size. The nodes keep their shares of the span.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,7 @@ from .loaded_rod import ALPHA, BETA, LoadedRod
 from .newton import ENDING, Shape, linear_at, open_at, share_within, size_of, with_known_loads
 
 DIFFERENCE = 1e-5  # of x over its size: for derivatives by x
+SOFT = 1e-14  # springs that hardly change the equations, in the scales
 REACH = 1.0  # the longest step of the angles, in their scales
 
 
@@ -54,6 +55,12 @@ class Curve:
         """From one point to another, (8 N + 1,)."""
         return np.append(((b.shape.y - a.shape.y) / self.scale).reshape(-1), (b.x - a.x) / self.size)
 
+    def split_off(self, shape: Shape, mode: Array, sizes: Sequence[float], x: float) -> Iterator[Point]:
+        """The equilibria near x that differ from a shape by so much of a mode (N, 8): x is what follows."""
+        across = self.direction(mode, 0.0)
+        points = (self.correct(replace(shape, y=shape.y + size * mode), x, across) for size in sizes)
+        return (point for point in points if point is not None)
+
     def rate(self, shape: Shape, x: float) -> Array:
         """The derivative of what is open by x over its size, (8 N,)."""
         h = DIFFERENCE * self.size
@@ -68,6 +75,8 @@ class Curve:
             linear = linear_at(shape)
             right = np.stack([linear.open, self.rate(shape, now.x)], axis=1)
             found = linear.solve(right)
+            if found is None:  # at a fold, where a pivot may vanish
+                found = replace(linear, stiffness=np.full((shape.t.size, 2), SOFT)).solve(right)
             if found is None:
                 return DIVERGED
             whole, by_x = np.append(found[:, 0], 0.0), np.append(-found[:, 1], 1.0)

@@ -1,12 +1,13 @@
 """Follow an equilibrium of a rod whose loads vary along it, while one number x changes, through folds."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from ..branches.branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
 from ..numerics.arclength import BRANCH_POINT, FOLD, PITCHFORK, Lengths, Stride, trace
-from ..numerics.roots import enclose
+from ..numerics.roots import enclose, locate
 from ..problem.errors import InputError
 from .curve import REACH, Curve, Point, inner
 from .descent import index_of_any
@@ -18,8 +19,8 @@ LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes
 MOST_POINTS = 150  # in each sense, of a branch that a search follows
 SHORT = 1e-3  # step, within which several branch points are one
 COSINE = 0.9  # least, of the turn of the tangent in a step
-NARROW = 1e-4  # of a step: how closely a branch point is enclosed, at which the equations are singular
 FLAT = 1e-6  # of dx along the curve at a fold: its square is lost of x
+NARROW = 1e-4  # of a step: how closely a branch point is enclosed, at which the equations are singular
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,27 +93,16 @@ def special_between(
 
     A change of branch has no place at which the points on both sides meet, so it is not enclosed.
     """
-    turned = before.rises * after.rises < 0
-    if not turned and before.index == after.index:
+    way, ends = partial(ahead, curve, before), {0.0: before, step: after}
+    if before.rises * after.rises < 0:
+        turn = locate(way, ends, lambda point: point.rises, FLAT)
+        is_fold = before.index != after.index or after.point.shape.rod.rubbed
+        return None if turn is None else [(turn, FOLD if is_fold else PITCHFORK)]
+    if before.index == after.index:
         return []
-    width, low, high = step, before, after
-
-    def sense_at(place: float) -> tuple[ShapeOnBranch, float] | None:
-        found = ahead(curve, before, place)
-        if found is None:
-            return None
-        return found, found.rises if turned else 1.0 if found.index == before.index else -1.0
-
-    ends = (before.rises, after.rises) if turned else (1.0, -1.0)
-    for width, found, value in enclose(sense_at, step, ends, 60, kept=0.5 if turned else 1.0):
-        if turned and abs(value) < FLAT:
-            is_fold = before.index != after.index or found.point.shape.rod.rubbed
-            return [(found, FOLD if is_fold else PITCHFORK)]
-        low, high = (found, high) if value * ends[0] > 0 else (low, found)
-        if not turned and width < narrow * step:
-            break
+    (near, low), (far, high) = enclose(way, ends, lambda point: point.index != before.index, narrow * step)
     change = curve.direction_between(low.point, high.point)
-    return None if turned or inner(change, change) > (2 * width + SAME) ** 2 else [(high, BRANCH_POINT)]
+    return None if inner(change, change) > (2 * (far - near) + SAME) ** 2 else [(high, BRANCH_POINT)]
 
 
 def trace_shapes(

@@ -5,21 +5,15 @@ along one mode meets no resistance. The stiffness against that push, smooth over
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from ..folds.special_line import (
-    CROSSING,
-    Ahead,
-    SpecialLine,
-    Tracing,
-    border_point,
-    special_line,
-    step_from,
-)
-from ..numerics.arclength import Lengths, Node, correct_point, difference_rates, node_at
+from ..folds.special_line import Ahead, SpecialLine, SpecialPoint, Tracing, point_on_line, special_line, step_from
+from ..numerics.arclength import Lengths, Node, node_at
 from ..numerics.arrays import Array
+from ..numerics.roots import enclose
 from .curve import Curve
 from .descent import index_at, weakest_modes
 from .fold_line import MOST, STEP, RodAt
@@ -34,21 +28,24 @@ NEAR = 3  # weakest modes: where another such curve crosses, that of this one is
 SMALL = 0.02  # of the angles, in their scales: of the shapes that split off
 
 
-@dataclass(frozen=True, eq=False)
-class PitchforkPoint:
-    """A pitchfork, and the equation of its curve nearby, a `numerics.arclength.Curve` in z.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PitchforkPoint(SpecialPoint):
+    """A pitchfork. w: z over their sizes. more: NaN where the two others lie on different sides.
 
-    z: (2,), over their sizes. shape: the equilibrium there that the symmetry keeps. mode: (N, 8), along which others
-    split off. lower: the lower index of that equilibrium beside the curve. more: (2,), towards the side of the two
-    others, of length 1; NaN where they lie on different sides.
+    shape: the equilibrium there that the symmetry keeps. mode: (N, 8), along which others split off. index: the lower
+    one of that equilibrium beside the curve.
     """
 
     rod_at: RodAt
-    z: Array
     shape: Shape
     mode: Array
-    lower: int = 0
-    more: Array = field(default_factory=lambda: np.full(2, np.nan))
+    index: int = 0
+    nudge = STEP
+
+    @property
+    def lower(self) -> int:
+        """As of `SpecialPoint`."""
+        return self.index
 
     def shape_at(self, z: Array) -> Shape | None:
         """The equilibrium that the symmetry keeps, at z."""
@@ -68,12 +65,8 @@ class PitchforkPoint:
             return np.zeros(1)
         return 1 / np.array([(push * found.reshape(self.mode.shape)[:, [BETA, ALPHA]]).sum()])
 
-    def jacobian(self, w: Array) -> Array | None:
-        """Its derivatives by z, (1, 2)."""
-        return difference_rates(self.value, w, STEP)
-
-    def at(self, node: Node) -> "PitchforkPoint | None":
-        """The pitchfork at a node, with its index and its side."""
+    def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
+        """As of `SpecialPoint`, with its index and its mode."""
         across = node.jacobian[0] / np.linalg.norm(node.jacobian[0])
         beside = (self.shape_at(node.w + sign * BESIDE * across) for sign in (1, -1))
         sides = [one for one in beside if one is not None]
@@ -83,21 +76,12 @@ class PitchforkPoint:
         shape = replace(shape, y=(sides[0].y + sides[1].y) / 2, t=shape.t * (shape.rod.span / shape.t[-1]))
         mode = max(weakest_modes(sides[0], NEAR), key=lambda one: abs(likeness(one, self.mode)))
         curve = Curve(lambda n: self.rod_at(node.w + n * across), 1.0, shape.rod.scale)
-        split = [curve.correct(replace(shape, y=shape.y + sign * SMALL * mode), 0.0, curve.direction(mode, 0.0))
-                 for sign in (1, -1)]  # fmt: skip
-        turns = {float(np.sign(one.x)) for one in split if one is not None}
+        turns = {float(np.sign(one.x)) for one in curve.split_off(shape, mode, (SMALL, -SMALL), 0.0)}
         more = across * turns.pop() if len(turns) == 1 else np.full(2, np.nan)
-        return replace(self, z=node.w, shape=shape, mode=mode, lower=min(map(index_at, sides)), more=more)
-
-    @property
-    def w(self) -> Array:
-        """The same as z."""
-        return self.z
-
-    @property
-    def way(self) -> Array:
-        """As of `SpecialPoint`."""
-        return np.array([-self.more[1], self.more[0]])
+        index, way = min(map(index_at, sides)), node.tangent
+        there = replace(self, w=node.w, way=way, more=more, shape=shape, mode=mode, index=index)
+        own = node_at(there, there.w, node.tangent)
+        return None if isinstance(own, str) else (there, own)
 
     @property
     def slope(self) -> float:
@@ -109,22 +93,6 @@ class PitchforkPoint:
         """As of `SpecialPoint`."""
         return angles_of(self.shape)
 
-    def rate(self, tangent: Array) -> Array:
-        """As of `SpecialPoint`."""
-        return tangent
-
-    def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
-        """As of `SpecialPoint`; None where the two others lie on different sides."""
-        there = self.at(node)
-        if there is None or np.isnan(there.more).any():
-            return None
-        own = node_at(there, there.w, node.tangent)
-        return None if isinstance(own, str) else (there, own)
-
-    def at_border(self, node: Node) -> "PitchforkPoint | None":
-        """As of `SpecialPoint`."""
-        return border_point(self, node)
-
 
 def likeness(one: Array, other: Array) -> float:
     """The cosine of the angle between the azimuths of two modes (N, 8)."""
@@ -134,13 +102,7 @@ def likeness(one: Array, other: Array) -> float:
 
 def pitchfork_at(rod_at: RodAt, z: Array, axis: int, shape: Shape) -> PitchforkPoint | None:
     """The pitchfork near z on the line along number `axis`, of an equilibrium that its symmetry keeps; None without."""
-    guess = PitchforkPoint(rod_at, z, shape, weakest_modes(shape)[0])
-    jacobian = guess.jacobian(z)
-    if jacobian is None:
-        return None
-    w = correct_point(guess, z, np.eye(2)[1 - axis], jacobian)
-    node = w if isinstance(w, str) else node_at(guess, w, np.eye(2)[1 - axis])
-    return None if isinstance(node, str) else guess.at(node)
+    return point_on_line(PitchforkPoint(w=z, rod_at=rod_at, shape=shape, mode=weakest_modes(shape)[0]), axis)
 
 
 def pitchfork_line(first: PitchforkPoint, known: Callable[[Array, Shape], bool]) -> SpecialLine[PitchforkPoint]:
@@ -148,28 +110,18 @@ def pitchfork_line(first: PitchforkPoint, known: Callable[[Array, Shape], bool])
 
     known: whether a place and its shape lie on a known curve.
     """
-
-    def between(
-        point: PitchforkPoint, node: Node, step: float, taken: Ahead[PitchforkPoint]
-    ) -> tuple[list[PitchforkPoint], str]:
-        there = taken[0]
-        if known(there.z, there.shape):
-            return [], CROSSING
-        return [] if there.lower == point.lower else crossing_between(point, node, step, there), ""
-
-    how = Tracing(LENGTHS, MOST, between)
-    return special_line(first, first.way, how)
+    how = Tracing(LENGTHS, MOST, crossing_between, is_known=lambda there: known(there.z, there.shape))
+    return special_line(first, how)
 
 
-def crossing_between(point: PitchforkPoint, node: Node, step: float, there: PitchforkPoint) -> list[PitchforkPoint]:
-    """Pitchforks within a step, on either side of where another curve crosses and close to it."""
-    low, high, before, after = 0.0, step, point, there
-    while high - low > CROSSED:
-        taken = step_from(point, node, (low + high) / 2)
-        if isinstance(taken, str):  # so close to it that the index is not clear
-            high = (low + high) / 2
-            continue
-        same = taken[0].lower == point.lower
-        low, high = ((low + high) / 2, high) if same else (low, (low + high) / 2)
-        before, after = (taken[0], after) if same else (before, taken[0])
-    return [one for one in (before, after) if one is not point and one is not there]
+def crossing_between(
+    point: PitchforkPoint, node: Node, step: float, taken: Ahead[PitchforkPoint]
+) -> list[PitchforkPoint]:
+    """As of `Between`: pitchforks on either side of where another curve crosses, and close to it."""
+    if taken[0].lower == point.lower:
+        return []
+    sides = enclose(
+        partial(step_from, point, node), {0.0: (point, node), step: taken},
+        lambda there: there[0].lower != point.lower, CROSSED,
+    )  # fmt: skip
+    return [there for _, (there, _) in sides if there is not point and there is not taken[0]]

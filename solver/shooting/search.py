@@ -106,14 +106,10 @@ def buckling_shapes(rod: LoadedRod, t: Array) -> Iterator[Shape]:
     for share, count in islice(buckling_shares(rod, t), MOST_MODES):
         at_load = straight_shape(rod.share(share), t)
         for mode in weakest_modes(at_load, count):
-            point = curve.correct(replace(at_load, y=at_load.y + SMALL * mode), share, curve.direction(mode, 0.0))
-            if point is None:
-                continue
-            rises = bool(point.tangent[-1] >= 0)
-            places, _ = trace_shapes(curve, on_branch(point), rises, Bounds(0.0, 1.0, (), MOST_POINTS))
-            for place in places:
-                if place.p == 1:
-                    shape = replace(place.path, rod=rod)
+            for point in curve.split_off(at_load, mode, (SMALL,), share):
+                rises = bool(point.tangent[-1] >= 0)
+                places, _ = trace_shapes(curve, on_branch(point), rises, Bounds(0.0, 1.0, (), MOST_POINTS))
+                for shape in (replace(place.path, rod=rod) for place in places if place.p == 1):
                     yield shape
                     mirror = correct(replace(shape, y=2 * straight.y - shape.y), most=15)
                     if mirror is not None:

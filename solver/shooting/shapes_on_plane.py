@@ -1,7 +1,7 @@
 """Shapes of a rod whose loads vary along it, over a plane of two numbers z: their branches, and their curves."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -55,11 +55,9 @@ class ShapesOnPlane:
         return [Stage(one.p, one.path, k, one.kind) for one, k in zip(places, index, strict=True)], whole
 
     def splits(self, z: Array, axis: int, stage: Stage[Shape]) -> list[tuple[float, Shape]]:
-        shape, x, curve = stage.equilibrium, stage.x, self.line(z, axis)
-        mode = weakest_modes(shape)[0]
-        across = curve.direction(mode, 0.0)
-        found = (curve.correct(replace(shape, y=shape.y + sign * SPLIT * mode), x, across) for sign in (1, -1))
-        return [(one.x, one.shape) for one in found if one is not None and 0 < one.x < 1]
+        shape = stage.equilibrium
+        points = self.line(z, axis).split_off(shape, weakest_modes(shape)[0], (SPLIT, -SPLIT), stage.x)
+        return [(point.x, point.shape) for point in points if 0 < point.x < 1]
 
     def curves(self, meeting: Meeting[Shape], is_known: Callable[[Array, Shape], bool]) -> list[WholeCurve] | None:
         shape = meeting.stages[1].equilibrium
