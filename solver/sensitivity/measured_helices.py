@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core.measures import densities
+from ..core.measures import DENSITIES, densities
 from ..mechanics.potential import slopes_by_loads
 from ..numerics.arrays import Array
 from ..observe.measurement import BARELY
@@ -16,7 +16,6 @@ EXTREMES = {  # the density, and whether the size counts
     "low": ("angle", False), "high": ("angle", False), "tightest": ("curvature", False), "least": ("outward", False),
     "most": ("outward", False), "tension": ("tension", True),
 }  # fmt: skip
-INTEGRALS = ("curvature", "bending", "potential")  # of the densities of these names
 PUSHES = {"pushed", "pulled", "share", "middle push", "lifts"}
 
 _STEADY = 1e-10  # relative: a change that is the same all along a helix
@@ -34,7 +33,7 @@ def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: s
     for name in wanted:
         if name in EXTREMES:
             found[name] = rods.extreme(*EXTREMES[name])
-        elif name in INTEGRALS:
+        elif name in DENSITIES:  # its integral has the same name
             found[name] = rods.integral(name)[:, 3]
     if "peak" in wanted:  # it stays at the start of a rod that remains a helix
         found["peak"] = 0 * rods.extreme("outward")
