@@ -15,9 +15,9 @@ import numpy as np
 from ..core.measures import RATED
 from ..core.sensitivities import LOST, PARTLY, Measured, StartRates, shape_rates
 from ..core.varied_orbits import measure_rates
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.complex_step import slopes_of, with_slopes
-from ..observe.measurement import Reading
+from ..observe.measurement import Pair, Reading
 from ..observe.observables import OBSERVABLES, SEVERAL, STRAIGHT, check_names, is_count
 from ..orbit.pieces import HELIX
 from ..problem.errors import InputError, choices
@@ -65,12 +65,21 @@ class Moving(Reading):
         return Measured(plain.sign[rows], plain.doubt[rows], names, values, middle, plain.goal, seen)
 
     def take(self, rows: Any, found: StartRates) -> None:
-        """Take the derivatives of start problems; and what was measured, where the method knows the orbits of all."""
+        """Take the derivatives of start problems; where the method knows the orbits, what was measured on them too."""
         for name, value in (found.rates | {"half_period": found.half_period} | _at_marks(found.marks)).items():
             self._slopes[name][rows] = value
+        if self.sol.trajectory.orbit is None:
+            return
         moves = (found.kind != LOST) & (found.kind != HELIX)
-        if self.sol.trajectory.orbit is not None and moves.all() and moves.size == self.sol.problem.size:
+        own = np.arange(self.sol.problem.size)[rows][moves]
+        if own.size == self.sol.problem.size:
             self.plain.know(found.values, found.middle)
+            return
+        self.plain.measure(found.values)
+        others = ({name: self.plain.get(name) for name in found.values}, found.values), (
+            {name: self.plain.middle(name) for name in found.middle}, found.middle
+        )  # fmt: skip
+        self.plain.know(*({name: _merged(old[name], own, new[name], moves) for name in new} for old, new in others))
 
     def add(self, motion: Motion, unit: Array, rates: FieldRates) -> None:
         """Differentiate what is measured on the cases of a motion.
@@ -164,6 +173,13 @@ class Moving(Reading):
     @property
     def half_period(self) -> Any:
         return with_slopes(self.plain.half_period, self._slopes["half_period"])
+
+
+def _merged(old: Pair, rows: Integers, new: Pair, moves: Booleans) -> Pair:
+    """Numbers and errors (B,), in some rows those of others."""
+    values, errors = (np.array(array) for array in old)
+    values[rows], errors[rows] = (array[moves] for array in new)
+    return values, errors
 
 
 def _marks_of(motion: Motion, unit: Array, later: Array) -> Array:

@@ -281,3 +281,22 @@ def test_the_code_of_the_page_runs() -> None:
     exec("\n".join(blocks), space)
     assert space["found"].outcome == "solved"
     assert space["compliance"] == pytest.approx(space["compliance"].T, rel=1e-9)
+
+
+def test_the_derivatives_of_a_rod_do_not_depend_on_the_other_rods_of_the_call() -> None:
+    """Among them a helix and a rod that is not solved."""
+    E, beta, dbeta, F3 = [1e4, 2e4, 1e4, 1e4], [0.5, 0.5, 0.0, 0.5], [0.5, 0.5, 0.0, 1e200], [10.0, 10.0, 5.0, 10.0]
+    cases = [
+        Case(Rod(E=stiff, nu=0.25, a=0.25, L=20.0), Cylinder(0.75), Start(angle, rate, F3=force, M3=0.0))
+        for stiff, angle, rate, force in zip(E, beta, dbeta, F3, strict=True)
+    ]
+    together = Case(Rod(E=E, nu=0.25, a=0.25, L=20.0), Cylinder(0.75), Start(beta, dbeta, F3=F3, M3=0.0))
+    names = [name for name in OBSERVABLES if name != "neutral_at"]
+    found = solve(together, stations=7).sensitivity(("R", "beta0", "F3"), names)
+    assert found.solved.tolist() == [True, True, True, False]
+    for i, case in enumerate(cases):
+        own = solve(case, stations=7).sensitivity(("R", "beta0", "F3"), names)
+        for array in ALONG:
+            np.testing.assert_array_equal(getattr(found, array)[i], getattr(own, array))
+        for name in names:
+            np.testing.assert_allclose(found.observables[name][i], own.observables[name], rtol=1e-12, atol=1e-14)
