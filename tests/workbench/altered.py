@@ -255,28 +255,33 @@ DOORS = ("check", "export csv")  # which read lazily and at once, as all others 
 TOGETHER = 16  # alterations of one way that commands are given in one file
 
 
-def faults_of(altered: list[Altered], base: Path, good: Path, names: Sequence[str] = ()) -> tuple[set[Any], list[str]]:
-    """How the named commands end on a file with these alterations (default: all), and what is wrong with that."""
+def ends_of(altered: list[Altered], base: Path, good: Path, names: Sequence[str] = ()) -> dict[str, tuple[Any, list]]:
+    """The status of each named command (default: all) on a file with these alterations, and what is wrong with it."""
     path, out = base.with_name("altered.h5"), base.with_name("out")
     out.mkdir(exist_ok=True)
     shutil.copy(base, path)
     for _, _, change in altered:
         change(path)
-    where = ", ".join(place for place, _, _ in altered)
-    ends = {name: ended(words, out) for name, words in commands(path, good, out).items() if not names or name in names}
-    said = [f"{where} {altered[0][1]}: {name} {fault}" for name, (_, faults) in ends.items() for fault in faults]
-    return {status for status, _ in ends.values()}, said
+    return {name: ended(words, out) for name, words in commands(path, good, out).items() if not names or name in names}
 
 
-def halved(altered: list[Altered], base: Path, good: Path) -> Iterator[str]:
-    """What is wrong with how all commands end on files that are let in; some may be refused together alone."""
-    statuses, faults = faults_of(altered, base, good)
-    if len(altered) == 1 or not (faults or statuses - {0, 1}):
-        yield from faults
-        return
+def tell(altered: Altered, ends: dict[str, tuple[Any, list]]) -> None:
+    """Print each fault as a JSON line."""
+    for name, (_, faults) in ends.items():
+        for fault in faults:
+            print(json.dumps(f"{altered[0]} {altered[1]}: {name} {fault}"), flush=True)
+
+
+def halve(altered: list[Altered], base: Path, good: Path, names: Sequence[str] = ()) -> None:
+    """Give commands a file with alterations that are let in; those that refuse it or fail get each half of them."""
+    ends = ends_of(altered, base, good, names)
+    wrong = [name for name, (status, faults) in ends.items() if faults or status not in (0, 1)]
     middle = len(altered) // 2
-    yield from halved(altered[:middle], base, good)
-    yield from halved(altered[middle:], base, good)
+    if not middle:
+        tell(altered[0], ends)
+    elif wrong:
+        halve(altered[:middle], base, good, wrong)
+        halve(altered[middle:], base, good, wrong)
 
 
 def main(base: Path, good: Path, count: str) -> None:
@@ -288,15 +293,13 @@ def main(base: Path, good: Path, count: str) -> None:
         file.attrs.pop("checksums", None)
     rows, let_in = list(alterations(base)), defaultdict[str, list[Altered]](list)
     for k, row in enumerate(Random(1).sample(rows, int(count) or len(rows))):
-        statuses, faults = faults_of([row], base, good, () if k % 100 == 99 else DOORS)
-        for fault in faults:
-            print(json.dumps(fault), flush=True)
-        if not int(count) and 2 not in statuses:
+        ends = ends_of([row], base, good, () if k % 100 == 99 else DOORS)
+        tell(row, ends)
+        if not int(count) and all(ends[door][0] in (0, 1) for door in DOORS):
             let_in[row[1]].append(row)
     for same in let_in.values():
         for k in range(0, len(same), TOGETHER):
-            for fault in halved(same[k : k + TOGETHER], base, good):
-                print(json.dumps(fault), flush=True)
+            halve(same[k : k + TOGETHER], base, good)
 
 
 if __name__ == "__main__":
