@@ -130,6 +130,17 @@ def test_a_table_of_a_rod_with_friction_holds_the_solution_s_own_arrays(sliding,
             np.testing.assert_allclose(column, getattr(sol, name), atol=1e-12, err_msg=name)
 
 
+def test_the_picture_of_a_pipe_has_its_azimuth_and_push_and_the_states_at_zero(ds: xr.Dataset) -> None:
+    table = [row for row in csv.reader(drawn_numbers.table(along.pipe(ds)).splitlines()) if row[3] == "line"]
+    states, curves = ([row for row in table if bool(row[7]) == has_push] for has_push in (False, True))
+    assert {row[6] for row in states if row[4].split(", ")[-1] in colours.STATES} == {"0.0"}
+    azimuth, push = (np.array([float(row[k]) for row in curves]) for k in (6, 7))
+    assert azimuth.max() == pytest.approx(np.degrees(ds["alpha"].values.max()), rel=0.01)
+    assert push.max() == pytest.approx(np.abs(ds["contact"].values).max(), rel=0.02)
+    (axis,) = ds["outcome"].dims
+    assert along.pipe(ds, at={axis: float(ds[axis][0])}).axes[0].get_ylabel() == "azimuth α [°]"
+
+
 def test_the_diagram_of_states_has_the_stretches_of_the_rods(ds: xr.Dataset) -> None:
     drawn = along.states(ds)
     lines = [line for line in drawn.axes[0].lines if line.get_label().split(", ")[-1] in colours.STATES]

@@ -28,8 +28,9 @@ def plot(
             "map: each observable over two axes; lines: unrolled views, and observables along each axis with their "
             "laws, or against the sampled fields; curves: unrolled views in the colours of the push; ridge: β, κ, the "
             "push or other arrays along s; portrait: (β, β′) beside the potential G; states: where rods are straight, "
-            "sinusoidal or helical; bars: observables along an axis of at most twelve values. Default: map for a grid "
-            "of two axes or more, else lines.",
+            "sinusoidal or helical; pipe: the azimuth along s in the colours of the push, with these states; bars: "
+            "observables along an axis of at most twelve values. Default: map for a grid of two axes or more, else "
+            "lines.",
         ),
     ] = None,
     x: Annotated[

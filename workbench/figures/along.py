@@ -1,7 +1,8 @@
 """Quantities along the rods of an axis: a panel a quantity, in it a curve a rod, one above the other over s.
 
 One rod alone has an axis of numbers in each panel. The states of a rod (straight, sinusoidal, helical) are colours of
-its angle beta.
+its angle beta; in the picture of a pipe they are those of the line at its azimuth 0, and the azimuth has the colours of
+the push.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -14,6 +15,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -26,17 +28,17 @@ from ..store import schema
 from ..words import labels
 from ..words.cautions import SLIGHT
 from . import canvas, colours, drawn_rods, fonts, push_scale, regions
-from .drawn_rods import DrawnRods
+from .drawn_rods import DrawnRod, DrawnRods
 from .scales import RoomLocator, round_below
 from .sheet import SCREEN, Sheet
 
 PANELS = ("beta", "kappa", "push")
-STATES = "states"
-TITLES = {"beta": "angle β to the axis", "kappa": "curvature κ"}
+STATES, PIPE = "states", "pipe"  # panels that are no array
+ARRAYS = {STATES: ("beta", "alpha", "push"), PIPE: ("alpha", "beta", "push")}  # what they need; the first is drawn
+TITLES = {"beta": "angle β to the axis", "kappa": "curvature κ", PIPE: "azimuth α; the line at 0: the state"}
 # a mark where the cylinder would have to pull
 PULLS: dict[str, Any] = {"color": colours.PULLED, "marker": "o", "markersize": 3.5, "markeredgecolor": "white",
                          "markeredgewidth": 0.5, "linestyle": "none"}  # fmt: skip
-NEEDED = {STATES: ("beta", "alpha", "push")}  # arrays of a panel that is no array itself
 MOST, MOST_PANELS = 60, 6
 CLEAR = 1.25  # the step from one curve to the next over the least at which no curve reaches the next
 # inches: of one curve; of a panel, least and most; of all panels on a narrow sheet
@@ -62,7 +64,7 @@ def figure(
     x, at
         As `axis` and `at` of `drawn_rods.choose`.
     show : sequence of str
-        Arrays along the rod, or ``states``; default: beta, kappa and push.
+        Arrays along the rod, ``states`` or ``pipe``; default: beta, kappa and push.
     sheet : Sheet
         What the figure is drawn for. Its panel is one of them.
 
@@ -72,12 +74,12 @@ def figure(
         As of `drawn_rods.choose`, and for an unknown panel.
     """
     names = list(dict.fromkeys([sheet.panel] if sheet.panel else show or PANELS))
-    known = dict.fromkeys([*PANELS, STATES, *(name for name in schema.CURVES.values() if name not in schema.INNER)])
+    known = dict.fromkeys([*PANELS, *ARRAYS, *(name for name in schema.CURVES.values() if name not in schema.INNER)])
     for name in names:
         if name not in known:
             raise no_such("panel", name, known)
     names = names[:MOST_PANELS]
-    rods = drawn_rods.choose(ds, list(dict.fromkeys(a for n in names for a in NEEDED.get(n, (n,)))), x, at, MOST)
+    rods = drawn_rods.choose(ds, list(dict.fromkeys(a for n in names for a in ARRAYS.get(n, (n,)))), x, at, MOST)
     curves = [_curves(rods, name) for name in names]
     ends = min(curve.ends()[0] for curve in curves), max(curve.ends()[1] for curve in curves)
     tall = float(np.clip(EACH * (ends[1] - ends[0]), *TALL))
@@ -97,19 +99,20 @@ def figure(
     return canvas.page(rods.source, sheet, rows, [*entries(rods, names), *said], 0.75)
 
 
-states = partial(figure, show=(STATES,))
+states, pipe = partial(figure, show=(STATES,)), partial(figure, show=(PIPE,))
 
 
 def entries(rods: DrawnRods, names: Sequence[str]) -> list[Artist]:
     """The legend of panels: the states, and what the colours of a push are."""
-    seen = {state.word for rod in rods.solved for state in _states(rod)} if STATES in names else set()
+    stated = bool({*ARRAYS} & {*names})
+    seen = {state.word for rod in rods.solved for state in _states(rod)} if stated else set()
     found: list[Artist] = [
         Line2D([], [], color=colour, label=word) for word, colour in colours.STATES.items() if word in seen
     ]
     if "push" in names:
         found.append(Patch(color=colours.PUSHED, label=push_scale.PUSHES))
-    pulled = {"push", STATES} & set(names) and any(push_scale.pulls(rod["push"]) for rod in rods.solved)
-    if pulled and STATES in names:
+    pulled = (stated or "push" in names) and any(push_scale.pulls(rod["push"]) for rod in rods.solved)
+    if pulled and stated:
         found.append(Line2D([], [], **PULLS, label="would lift off"))
     elif pulled:
         found.append(Patch(color=colours.PULLED, label=push_scale.PULLS))
@@ -142,9 +145,9 @@ class Curves:
 
 def _curves(rods: DrawnRods, name: str) -> Curves:
     """The curves of one quantity, so far from each other that none reaches the next."""
-    shown = "beta" if name == STATES else name
+    shown = ARRAYS.get(name, (name,))[0]
     _, unit, change = _words(rods.source, shown)
-    title = TITLES.get(shown, labels.symbol_of(shown))
+    title = TITLES.get(name if name == PIPE else shown, labels.symbol_of(shown))
     values = [change(rod[shown]) if rod.arrays is not None else None for rod in rods.rods]
     drawn = [value for value in values if value is not None]
     low, high = min(one.min() for one in drawn), max(one.max() for one in drawn)
@@ -180,15 +183,23 @@ def _words(ds: xr.Dataset, name: str) -> tuple[str, str, Callable[[Any], Any]]:
 
 def _panel(ax: Axes, rods: DrawnRods, curves: Curves, ends: tuple[float, float], tall: float, labelled: bool) -> None:
     """One quantity of all rods, on axes of that height in inches. ends: of all panels, in steps."""
-    if len(rods.rods) == 1 and curves.name != STATES:
+    if len(rods.rods) == 1 and curves.name not in ARRAYS:
         alone(ax, rods, curves.name)
         return
     _draw_curves(ax, rods, curves)
     margin = 0.02 * (ends[1] - ends[0])
     ax.set_ylim(curves.foot + (ends[0] - margin) * curves.step, curves.foot + (ends[1] + margin) * curves.step)
+    _over_s(ax, rods)
+    if curves.name == PIPE:
+        scale = ScalarMappable(push_scale.scale([rod["push"] for rod in rods.solved]), colours.push_ramp())
+        push_scale.bar(ax, scale, push_scale.unit(rods.source), fonts.inches(ax)[0])
+    if len(rods.rods) == 1 and curves.name == PIPE:
+        ax.set_ylabel("azimuth α [°]")
+        ax.set_title(fonts.wrap(curves.title, ax), loc="left")
+        ax.yaxis.set_major_locator(RoomLocator("angles"))
+        return
     _name_curves(ax, rods, curves, tall, labelled)
     _bar(ax, curves)
-    _over_s(ax, rods)
 
 
 def _over_s(ax: Axes, rods: DrawnRods) -> None:
@@ -236,7 +247,7 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
     """The curves of all rods, each at its offset."""
     count, step, foot = len(curves.values), curves.step, curves.foot
     shades = colours.ramp_colours(count)
-    norm = push_scale.scale([values for values in curves.values if values is not None])
+    norm = push_scale.scale([rod["push"] for rod in rods.solved] if curves.name in ("push", PIPE) else [])
     width = float(np.clip(16 / count, 0.7, 1.4))
     for k, (rod, values) in enumerate(zip(rods.rods, curves.values, strict=True)):
         ax.axhline(k * step + foot, color=colours.FAINT, linewidth=0.6, zorder=1)
@@ -244,8 +255,13 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
         where = Affine2D().translate(0, k * step) + ax.transData
         if values is None:
             _say_unsolved(ax, k * step + foot)
-        elif curves.name == STATES:
-            _draw_states(ax, rod, values, where, order)
+        elif curves.name in ARRAYS:
+            if curves.name == PIPE:
+                push_scale.line(ax, rod["s"], values, rod["push"], norm, width, rod.name, where, order)
+                _draw_states(ax, rod, np.full(values.shape, foot), 2.2 * width, where, order - 0.01)
+            else:
+                _draw_states(ax, rod, values, 1.0, where, order)
+            _mark_pulls(ax, rod, values, where, order)
         elif curves.name == "push":
             for side, colour in ((np.maximum(values, 0), colours.PUSHED), (np.minimum(values, 0), colours.PULLED)):
                 ax.fill_between(rod["s"], 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order)
@@ -254,20 +270,23 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
             ax.plot(rod["s"], values, color=shades[k], linewidth=1.1, transform=where, zorder=order, label=rod.name)
 
 
-def _draw_states(ax: Axes, rod: drawn_rods.DrawnRod, values: Any, where: Any, order: float) -> None:
-    """A curve in the colours of the states of a rod; marks on it where the cylinder would have to pull."""
-    s = rod["s"]
+def _draw_states(ax: Axes, rod: DrawnRod, values: Any, width: float, where: Any, order: float) -> None:
+    """A curve in the colours of the states of a rod."""
     for state in _states(rod):
-        part = (s >= state.begin) & (s <= state.end)
-        ax.plot(s[part], values[part], color=colours.STATES[state.word], linewidth=1.0, transform=where, zorder=order,
-                label=f"{rod.name}, {state.word}")  # fmt: skip
+        part = (rod["s"] >= state.begin) & (rod["s"] <= state.end)
+        ax.plot(rod["s"][part], values[part], color=colours.STATES[state.word], linewidth=width, transform=where,
+                zorder=order, label=f"{rod.name}, {state.word}")  # fmt: skip
+
+
+def _mark_pulls(ax: Axes, rod: DrawnRod, values: Any, where: Any, order: float) -> None:
+    """Marks on a curve where the cylinder would have to pull, in the middle of each stretch."""
     _, first, after = regions.runs((rod["push"] < -SLIGHT * np.abs(rod["push"]).max())[None])
-    middle = (s[first] + s[after - 1]) / 2
-    ax.plot(middle, np.interp(middle, s, values), **PULLS, transform=where, zorder=order + 0.01,
+    middle = (rod["s"][first] + rod["s"][after - 1]) / 2
+    ax.plot(middle, np.interp(middle, rod["s"], values), **PULLS, transform=where, zorder=order + 0.01,
             label=f"{rod.name}, would lift off")  # fmt: skip
 
 
-def _states(rod: drawn_rods.DrawnRod) -> Sequence[Any]:
+def _states(rod: DrawnRod) -> Sequence[Any]:
     from solver.shooting.state import states
 
     return states(rod["s"], rod["beta"], rod["alpha"])

@@ -51,6 +51,7 @@ KINDS = {
     "ridge": Kind(along.figure, ("x", "at", "show")),
     "portrait": Kind(portrait.figure, ("x", "at")),
     "states": Kind(along.states, ("x", "at")),
+    "pipe": Kind(along.pipe, ("x", "at")),
     "bars": Kind(bars.of_cases, ("x", "at", "show")),
     "equilibria": Kind(equilibria_figure.figure, ("show",), of="equilibria"),
     "loops": Kind(equilibria_figure.loops, of="loops"),

@@ -85,7 +85,7 @@ def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None
     else:
         size, alpha = (16, 0.75) if x.size <= FEW else (5, 0.45)
         area = size * min(room / ROW_HEIGHT, 1.0) ** 2
-        ax.scatter(x[solved], y[solved], s=area, color=colours.PUSHED, alpha=alpha, linewidths=0, zorder=3)
+        ax.scatter(x[solved], y[solved], s=area, color=colours.DATA, alpha=alpha, linewidths=0, zorder=3)
     if not solved.all():
         ax.plot(x[~solved], np.zeros(int((~solved).sum())), "x", color=colours.VERDICTS[FAILS], markersize=4,
                 clip_on=False, transform=ax.get_xaxis_transform(), rasterized=x.size > MANY)  # fmt: skip
