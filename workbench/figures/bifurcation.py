@@ -206,7 +206,8 @@ def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     holds = _holds(row)
     stable = row["index"] == 0
     look = (colours.STABLE if stable else colours.UNSTABLE) | {"zorder": 4 if stable else 3 if holds else 2}
-    return look | ({"color": colours.VERDICTS[HOLDS]} if holds else {}), ("stable" if stable else "unstable") + _judge(row)
+    look |= {"color": colours.VERDICTS[HOLDS]} if holds else {}
+    return look, ("stable" if stable else "unstable") + _judge(row)
 
 
 def _look_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> dict[str, Any]:
