@@ -646,6 +646,16 @@ def test_each_rod_of_a_row_faces_the_viewer() -> None:
 
 
 @draws
+def test_many_rods_stand_and_few_lie_where_they_fill_the_page_better_and_each_is_seen_from_one_side() -> None:
+    ds = dataset(axes="[axes.E]\nfrom = 1e4\nto = 4e4\ncount = 9\n")
+    rows = [layout.compose(ds.isel(E=slice(n)), None, "grid", ["E"], settings=layout.Settings(2.0, 50)).page.cells
+            for n in (2, 9)]  # fmt: skip
+    assert [(len(cells), len(cells[0])) for cells in rows] == [(2, 1), (1, 9)]
+    with pytest.raises(InputError, match="each rod of the kind grid is seen from one side, and --camera sides has sev"):
+        layout.compose(ds, None, "grid", ["E"], settings=layout.Settings(camera="sides"))
+
+
+@draws
 def test_a_picture_of_a_row_knows_the_places_of_its_rods(tmp_path) -> None:
     import json
 
