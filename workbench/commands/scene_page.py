@@ -66,16 +66,7 @@ def _free(ds: "xr.Dataset", where: Mapping[str, float]) -> list[str]:
 
 def _stations(ds: "xr.Dataset") -> int:
     """About how many stations the rods need for a curve without corners; as many as there are where these suffice."""
-    from itertools import product
-
-    from ..geometry import stored_line
-    from ..store import schema
+    from ..geometry.stored_line import solved_lines
     from ..web.turntable.stored import stations_for
 
-    axes = schema.axes_of(ds)
-    most = int(ds.sizes["u"])
-    for indices in product(*(range(ds.sizes[name]) for name in axes)):
-        where = dict(zip(axes, indices, strict=True))
-        if bool(ds["solved"].isel(where)):
-            most = max(most, stations_for(stored_line.read(ds, where)))
-    return most
+    return max(int(ds.sizes["u"]), *map(stations_for, solved_lines(ds)), 0)

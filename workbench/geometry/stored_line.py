@@ -1,6 +1,6 @@
 """The centreline of a case, read from its dataset; of a rod with weight or friction from its angles and its push."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -50,6 +50,13 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     if varies:
         return VaryingLine(*known, stored_contact=np.asarray(case["contact"], dtype=float))
     return Centreline(*known)
+
+
+def solved_lines(ds: xr.Dataset) -> Iterator[Centreline]:
+    """The centreline of every solved case of a dataset. Raises `InputError` as `read` does."""
+    solved = ds["solved"]
+    for place in np.argwhere(np.asarray(solved.values, dtype=bool)):
+        yield read(ds, dict(zip(map(str, solved.dims), map(int, place), strict=True)))
 
 
 DEGREE = 5  # of the splines through the stations

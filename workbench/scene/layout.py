@@ -111,7 +111,8 @@ def compose(
         return _one(ds, chosen, at, along, settings)
     if along:
         raise InputError(f"a scene of kind {kind} shows a whole axis already: it takes no --along")
-    chosen.check(ds)
+    if chosen.of_equilibria and default_kind(ds) != kind:
+        raise InputError(f"a scene of kind {kind} takes a dataset that `workbench equilibria --out FILE` stored")
     names = [selection.axis_of(ds, name) for name in axes] or axes_of(ds)[:1]
     most = 1 if chosen.cells == "together" else 2
     if not names:

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import xarray as xr
 
-from solver.problem.errors import InputError, no_such
+from solver.problem.errors import no_such
 
 from ..figures import colours
 from ..geometry import centreline
@@ -17,16 +17,6 @@ from . import paint as paints
 from .captions import Cell
 
 CURVE = frozenset(centreline.NEEDED)
-
-
-def accept(ds: xr.Dataset) -> None:
-    """Accept every dataset."""
-
-
-def accept_equilibria(ds: xr.Dataset) -> None:
-    """Raise `InputError` unless the dataset is one of equilibria."""
-    if default_kind(ds) != "equilibria":
-        raise InputError("a scene of kind equilibria takes a dataset that `workbench equilibria --out FILE` stored")
 
 
 @dataclass(frozen=True)
@@ -48,8 +38,8 @@ class Kind:
         Colours that the bar does not explain, each with its meaning.
     cell
         The words of the cell of a case, from the dataset, the axes named below it and the case's indices.
-    check
-        Raises `InputError` for a dataset that the kind cannot show.
+    of_equilibria
+        Whether it shows stored equilibria alone.
     most
         Cells of one axis that are shown.
     notes
@@ -64,7 +54,7 @@ class Kind:
     paint: Callable[[dict[str, str], paints.Extremes], paints.Painted] = paints.one_colour
     legend: tuple[tuple[str, str], ...] = ()
     cell: Callable[[xr.Dataset, list[str], dict[str, int]], Cell] = captions.value_cell
-    check: Callable[[xr.Dataset], None] = accept
+    of_equilibria: bool = False
     most: int = 9
     notes: tuple[str, ...] = ()
 
@@ -81,7 +71,7 @@ TABLE = (
     Kind("ghosts", "every case of an axis in one scene", "together", most=3),
     Kind("grid", "every case of one axis or two, side by side at one scale", "each", **PUSH),
     Kind("equilibria", "every equilibrium between two ends", "each", CURVE | {"energy", "index"}, **PUSH,
-         cell=captions.equilibrium, check=accept_equilibria, most=18, notes=("below each rod its energy",)),
+         cell=captions.equilibrium, of_equilibria=True, most=18, notes=("below each rod its energy",)),
 )  # fmt: skip
 KINDS = {kind.name: kind for kind in TABLE}
 
