@@ -184,7 +184,7 @@ def without_weight(case: Case) -> Case:
 def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
     """Those of a rod with weight that a search finds. Raises `InputError` for what it does not search."""
     from .problem.reduced import flat
-    from .shooting.answers import answer_ends, shape_path
+    from .shooting.answers import answer_ends, shape_path, why_unsolved
     from .shooting.numbers import rods_of
     from .shooting.search import HEAVIEST, LONGEST, MOST_NODES, search_shapes
 
@@ -195,6 +195,8 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
         raise InputError(
             "with weight equilibria needs FZ and M3, got a held height or rotation; solve gives one of them"
         )
+    if why := why_unsolved(rod):
+        return Equilibria([], why)
     follows = not held_of(case) and rod.nodes().size <= MOST_NODES
     light = equilibria(without_weight(case), tol, FINE) if follows else []
     result = search_shapes(rod, [equilibrium.solution for equilibrium in light])

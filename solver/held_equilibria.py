@@ -39,7 +39,7 @@ def held_equilibria(
     problem = reduce_held(case)
     why = beyond_limits(np.append(problem.values[0], problem.ratio[0]), float(problem.span[0]))
     why = why if units_held(case).all() else OUT_OF_RANGE
-    said = f"not proved complete: {str(beyond(why, case)[0]).removeprefix('failed: ')}" if why else ""
+    said = str(beyond(why, case)[0]).removeprefix("failed: ") if why else ""
     if sentence := said or too_far(*held_apart(problem)):
         return HeldEquilibria([], HeldSearch({}, swings, 0, 0, 0, 0, 0, sentence))
     size = _sizes(case)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
+from scipy.spatial.distance import pdist
 
 from solver import Branch, Case, Cylinder, Ends, Rod, equilibria, fold_curves, follow, solve, trace_fold
 from solver.folds import linked_search
@@ -105,6 +106,22 @@ def test_the_folds_of_a_branch_lie_on_one_curve_through_a_cusp() -> None:
     for curve in curves:
         assert curve.cusps.shape == (1, 2)
     assert curves[0].cusps == pytest.approx(curves[1].cusps, abs=1e-7)
+
+
+def cusps_of_closed_curve(branch: Branch, number: int) -> np.ndarray:
+    """The cusps (8, 2) of the curve of a fold over the azimuth and the far angle, which runs once round."""
+    curve = trace_fold(branch, number, azimuth=(-6.0, 6.0), betaL=(-6.0, 7.5))
+    assert curve.ends == ("closed", "closed")
+    assert curve.values[0].tolist() == curve.values[-1].tolist()
+    assert curve.cusps.shape == (8, 2)
+    assert pdist(curve.cusps).min() > 0.1
+    return np.asarray(curve.cusps[np.argsort(curve.cusps[:, 0])])
+
+
+def test_a_curve_with_height_and_azimuth_held_closes() -> None:
+    """Both folds of the branch lie on it."""
+    first, second = (cusps_of_closed_curve(over_the_azimuth(), number) for number in (0, 1))
+    assert first == pytest.approx(second, abs=1e-7)
 
 
 def test_a_curve_under_dead_loads_is_that_of_the_equations_in_the_slope_at_the_start() -> None:
