@@ -37,7 +37,7 @@ def held_equilibria(
     ranges = _ranges(case, within)
     swings = MOST_SWINGS if most_swings is None else most_swings
     problem = reduce_held(case)
-    why = beyond_limits(np.append(problem.values[0], problem.ratio[0]), float(problem.span[0]))
+    why = beyond_limits(problem)
     why = why if units_held(case).all() else OUT_OF_RANGE
     said = str(beyond(why, case)[0]).removeprefix("failed: ") if why else ""
     if sentence := said or too_far(*held_apart(problem)):

@@ -14,13 +14,13 @@ from ..equilibrium.system import correct_equilibrium
 from ..held.held_alternatives import alternatives_of, away
 from ..held.held_starts import Reached, from_seed, nearest_start
 from ..levels.line_point import LinePoint
-from ..levels.path_orbits import orbit_of, together, variations_of
+from ..levels.path_orbits import orbit_of, together, trajectory_on, variations_of
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
 from ..problem.limits import beyond_limits, held_apart, unreachable
 from ..problem.reduced import EndsProblem, HeldProblem
-from ..problem.trajectory import PLAIN, Seed, Trajectory, verdicts
+from ..problem.trajectory import PLAIN, Seed, Trajectory
 from .selection import path_of_seed
 
 _SLOW = 1e-3  # beta_t at a start
@@ -35,23 +35,16 @@ def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Tr
     if orbit.lengthens is not None and orbit.turns[0] > 0 and not state.path.helix:
         lengthens = orbit.turns - dead_index_of(state)  # differences of the length fail at a hinge
         orbit = replace(orbit, lengthens=lengthens)
-    beta, dbeta, alpha, z = orbit.at(t)
-    condition = np.array([response_of(state, wanted)])
     values = values_of(_at_length(state, orbit), float(state.problem.span[0]), wanted)
     size = {"z": wanted.span, "alpha": wanted.span, "turn": wanted.span, "dbeta0": _pace(state), "dbetaL": _pace(state)}
     miss = max(
         abs(float(value - given)) / max(size.get(name, 1.0), 1.0)
         for name, value, given in zip(wanted.names, values, wanted.values, strict=True)
     )
-    error = (2 * miss + 1e-14) * condition
-    calls = np.array([int(orbit.panels.calls.sum())])
-    how = np.array([reached.begun], dtype=object)
-    verdict = verdicts(beta, error, condition, tol)
-    known: dict[str, Any] = {"error": error, "condition": condition, "evaluations": calls, "orbit": orbit, "begun": how}
-    known["held_index"] = np.array([index_of(state, wanted)])
-    if reached.seed is not None:
-        known["alternatives"] = partial(_alternatives, reached.seed, reached.state, wanted, tol)
-    return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *verdict, **known)
+    shape = trajectory_on(orbit, t, np.array([miss]), np.array([response_of(state, wanted)]), tol)
+    find = None if reached.seed is None else partial(_alternatives, reached.seed, reached.state, wanted, tol)
+    how, index = np.array([reached.begun], dtype=object), np.array([index_of(state, wanted)])
+    return replace(shape, begun=how, held_index=index, alternatives=find)
 
 
 def _alternatives(seed: OrbitState, found: OrbitState, wanted: Given, tol: float, t: Array) -> list[tuple[Any, ...]]:
@@ -131,7 +124,7 @@ def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> 
 
 
 def _reach(problem: HeldProblem, seed: Seed | None) -> Reached | str:
-    if why := beyond_limits(np.append(problem.values[0], problem.ratio[0]), float(problem.span[0])):
+    if why := beyond_limits(problem):
         return why
     if why := unreachable(*held_apart(problem)):
         return f"failed: {why}"

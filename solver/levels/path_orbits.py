@@ -164,13 +164,16 @@ def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
 
 def equilibrium_trajectory(problem: EndsProblem, orbit: Orbit, t: Array, tol: float) -> Trajectory:
     """The orbits of K ends problems at stations t (K, n); their error is that of beta(L)."""
-    beta, dbeta, alpha, z = orbit.at(t)
     condition = core.response(orbit)[0] if orbit.response is None else orbit.response
-    miss = np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
+    return trajectory_on(orbit, t, np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL), condition, tol)
+
+
+def trajectory_on(orbit: Orbit, t: Array, miss: Array, condition: Array, tol: float) -> Trajectory:
+    """The same; miss: by how much each orbit misses what is given at its ends."""
+    beta, dbeta, alpha, z = orbit.at(t)
     error = (2 * miss + 1e-14) * condition
-    calls = np.bincount(orbit.panels.arc // 2, weights=orbit.panels.calls, minlength=t.shape[0]).astype(np.int64)
-    verdict = verdicts(beta, error, condition, tol)
-    return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *verdict, error, condition, calls, orbit)
+    rest = *verdicts(beta, error, condition, tol), error, condition, orbit.evaluations, orbit
+    return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *rest)
 
 
 def together(answers: Sequence[Trajectory | str], t: Array) -> Trajectory:

@@ -40,5 +40,5 @@ def _run(problem: StartProblem, t: Array, tol: float) -> Trajectory:
     spent = np.bincount(orbit.panels.arc // 2, minlength=problem.size) > MOST
     why = np.where(spent & (error > tol * growth), SPENT, "")
     verdict = verdicts(beta, error, growth, tol).failed(why)
-    calls = np.bincount(orbit.panels.arc // 2, weights=orbit.panels.calls, minlength=problem.size).astype(np.int64)
-    return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *verdict, error, growth, calls, orbit)
+    rest = *verdict, error, growth, orbit.evaluations, orbit
+    return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *rest)

@@ -78,6 +78,12 @@ class Orbit:
             return self.passed
         return self.locate(self.problem.span[:, None]).turns[:, 0]
 
+    @property
+    def evaluations(self) -> Integers:
+        """Evaluations of G for each orbit, (B,)."""
+        calls = np.bincount(self.panels.arc // 2, weights=self.panels.calls, minlength=self.problem.size)
+        return calls.astype(np.int64)
+
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
         beta, dbeta, alpha, z, _ = core.read(self, t)

@@ -11,9 +11,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from .errors import InputError, choices, known_name, no_such, show
+from .errors import InputError, known_name, no_such, show
 from .field_values import ANGLES as ANGLES
-from .field_values import check_field_names, check_numbers, refuse, refuse_outside
+from .field_values import check_field_names, check_numbers, refuse, refuse_outside, write_fields
 from .rod import STIFFNESS as STIFFNESS
 from .rod import Rod as Rod
 from .shown import table_of
@@ -91,8 +91,7 @@ class Cylinder:
         return SLIDING[self.sliding or "forward"]
 
     def __repr__(self) -> str:
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return f"Cylinder({choices(f'{name}={value!r}' for name, value in values.items() if value is not None)})"
+        return write_fields(self)
 
 
 @check_field_names
@@ -264,8 +263,7 @@ class Ends:
         return cls(beta0=beta, betaL=beta, **{name: np.asarray(value)[()] for name, value in loads.items()})
 
     def __repr__(self) -> str:
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return f"Ends({choices(f'{name}={value!r}' for name, value in values.items() if value is not None)})"
+        return write_fields(self)
 
 
 @check_field_names

@@ -131,6 +131,12 @@ def check_numbers(self: Any, skip: tuple[str, ...] = ()) -> None:
                 _notice(field.name, value, read)
 
 
+def write_fields(self: Any, skip: tuple[str, ...] = ()) -> str:
+    """A part of a case as it would be made: ``Cylinder(R=0.75, side='inside')``, without fields that are None."""
+    values = ((field.name, getattr(self, field.name)) for field in fields(self) if field.name not in skip)
+    return f"{type(self).__name__}({choices(f'{name}={value!r}' for name, value in values if value is not None)})"
+
+
 def _notice(field: str, value: Any, read: NDArray[np.float64] | float) -> None:
     """Warn of an angle that a program gives without a unit if it may be meant in degrees."""
     large = np.abs(read) > np.pi

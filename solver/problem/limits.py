@@ -29,8 +29,9 @@ def dimensionless(problem: Reduced) -> NDArray[np.bool_]:
         return np.asarray((np.abs(numbers) < LARGEST).all(axis=0) & (problem.span > SHORTEST))
 
 
-def beyond_limits(numbers: NDArray[np.float64], span: float) -> str:
-    """The outcome of one problem between two ends whose numbers or L/rho are beyond a limit; else ""."""
+def beyond_limits(problem: HeldProblem) -> str:
+    """The outcome of one problem whose numbers or L/rho are beyond a limit; else ""."""
+    numbers, span = np.append(problem.values[0], problem.ratio[0]), float(problem.span[0])
     if not (np.abs(numbers) < LARGEST).all() or not SHORTEST < span < LARGEST:
         return TOO_LARGE
     return "" if span < LONGEST else TOO_LONG

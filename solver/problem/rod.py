@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from .errors import InputError, choices, known_name, no_such
-from .field_values import check_field_names, check_numbers, refuse, refuse_outside
+from .field_values import check_field_names, check_numbers, refuse, refuse_outside, write_fields
 
 STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}  # A / (E (a^4 - inner_radius^4))
 GIVEN = "given"  # in files, in place of a word of STIFFNESS: EI and GJ are given
@@ -142,9 +142,7 @@ class Rod:
         refuse("Rod", "EI", np.broadcast_to(self.EI, np.shape(off)), off, rule)
 
     def __repr__(self) -> str:
-        word = {"stiffness": self.stiffness} if self.EI is None else {}
-        values = {field.name: getattr(self, field.name) for field in fields(self)} | {"stiffness": None} | word
-        return f"Rod({choices(f'{name}={value!r}' for name, value in values.items() if value is not None)})"
+        return write_fields(self, skip=() if self.EI is None else ("stiffness",))
 
     def given(self) -> list[tuple[str, Any]]:
         """Name and value of each numeric field that is given, in order."""
