@@ -24,7 +24,7 @@ from ..mechanics.frames import position
 from ..numerics.arrays import Array
 from ..numerics.roots import root
 from ..orbit.periodic_orbit import Orbit, solve_orbit
-from ..orbit.variations import Variations, directions, orbits_to_vary, variations_on
+from ..orbit.variations import Variations, orbits_to_vary, variations_on
 from ..problem.reduced import StartProblem
 
 AMPLITUDES = 32  # of the curve of one period, at which the azimuth is compared with the wanted one
@@ -127,7 +127,7 @@ def residual(b1: float, y: float, goal: Array) -> tuple[Array, Array]:
     problem = start(np.array([b1]), np.array([_load(b1, y)]))
     varied = vary_from(problem)
     T = varied.orbit.period
-    parts = directions(varied.start)
+    parts = varied.directions
     gained = varied.change(T[:, None], parts).integrals[0, 0, :, 0]
     later = -2 * varied.kept["gain"][0, :, :4].sum(axis=0) @ parts[0, 1:]
     plain = np.stack([later, gained + np.sin(b1) * later])[:, [0, 2]]  # by b1 and by lam

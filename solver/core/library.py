@@ -164,8 +164,8 @@ def functions() -> Any:
     """The library with the types of what its functions return."""
     core = library()
     core.rod_orbits.restype = ctypes.c_void_p
-    nothing = "orbits_fetch", "orbits_read", "orbits_action", "variations_places", "variations_changes"
-    for name in nothing:
+    varied = (f"variations_{name}" for name in ("places", "changes", "directions"))
+    for name in ("orbits_fetch", "orbits_read", "orbits_action", *varied):
         getattr(core, f"rod_{name}").restype = None
     core.rod_cover.restype = ctypes.c_int64
     core.rod_fall.restype = ctypes.c_double

@@ -424,6 +424,18 @@ void rod_variations_places(const read_orbits *of, int64_t n, int64_t stations, c
         rod_varied_place_at(&from, i / stations, t[i], out + i);
 }
 
+/* `rod_varied_directions` of n orbits, none of them a helix, (n, PARTS, PARTS). */
+void rod_variations_directions(const read_orbits *of, int64_t n, const double *series, const double *gain,
+                               double (*out)[PARTS][PARTS])
+{
+    reader from = {.of = of, .series = series, .gain = gain, .panel = -1};
+    for (int64_t b = 0; b < n; b++) {
+        varied_place start;
+        rod_varied_place_at(&from, b, 0, &start);
+        rod_varied_directions(&start, out[b]);
+    }
+}
+
 /* The changes of n orbits, none of them a helix, by F directions with the parts (n, F, PARTS) at t (n, stations), into
    out (5, n, F, stations). */
 void rod_variations_changes(const read_orbits *of, int64_t n, int64_t stations, int64_t F, const double *series,

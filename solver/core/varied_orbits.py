@@ -104,6 +104,16 @@ def places(varied: Any, t: Array) -> Array:
     return out
 
 
+def directions(varied: Any) -> Array:
+    """The parts of a unit of beta(0), beta_t(0), lam, mu and phi of varied orbits, (B, 5, 5)."""
+    out = np.empty((varied.orbit.problem.size, PARTS, PARTS))
+    given = [np.ascontiguousarray(a) for a in (varied.kept["series"], varied.kept["gain"])]
+    functions().rod_variations_directions(
+        ctypes.byref(varied.reading[0]), ctypes.c_int64(len(out)), *map(address, given), address(out)
+    )
+    return out
+
+
 def changes(varied: Any, t: Array, parts: Array) -> Array:
     """The changes of varied orbits at t (B, n) by F directions with the parts (B, 5, F): (5, B, F, n), of beta, of
     beta_t and of the integrals of H_q d beta up to t."""

@@ -54,16 +54,6 @@ class Place:
     M: Array
     integrals: Array
 
-    @property
-    def D(self) -> Array:
-        """beta_t^2 + c H^2; 1 at rest, where nothing is across the flow."""
-        found = self.v * self.v + self.c * self.H * self.H
-        return np.where(found > 0, found, 1.0)
-
-    def take(self, index: Any) -> "Place":
-        """The places that an index picks."""
-        return Place(**{name: value[index] for name, value in vars(self).items()})
-
 
 @dataclass(frozen=True, eq=False)
 class Change:
@@ -117,9 +107,9 @@ class Variations:
         return reading(self.orbit)
 
     @cached_property
-    def start(self) -> Place:
-        """The places at the starts of the rods, (B,) each."""
-        return self.at(np.zeros((self.orbit.problem.size, 1))).take((slice(None), 0))
+    def directions(self) -> Array:
+        """The parts of a unit of beta(0), beta_t(0), lam, mu and phi, each with the others held, (B, 5, 5)."""
+        return core.directions(self)
 
     @property
     def nearest(self) -> Array:
@@ -135,19 +125,6 @@ class Variations:
         series = self.orbit.panels.series.copy()
         series[:, 0, 0] += self.base
         return replace(self.orbit, panels=replace(self.orbit.panels, series=series))
-
-
-def directions(start: Place) -> Array:
-    """The parts of a unit of beta(0), beta_t(0), lam, mu and phi, each with the others held, (B, 5, 5)."""
-    parts = np.zeros((*start.v.shape, 5, 5))
-    v, H, c, D = start.v, start.H, start.c, start.D
-    parts[:, :2, 0] = np.stack([v / D, H], axis=1)
-    parts[:, :2, 1] = np.stack([-c * H / D, v], axis=1)
-    full = start.gamma + start.shift * H[..., None]
-    for q in (1, 2, 3):
-        parts[:, q + 1, q + 1] = 1
-        parts[:, :2, q + 1] = np.stack([-start.shift[..., q] * v / D, -full[..., q]], axis=1)
-    return parts
 
 
 def orbits_to_vary(problem: StartProblem) -> Orbit:

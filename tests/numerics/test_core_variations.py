@@ -10,7 +10,7 @@ from solver.equilibrium.orbit_rates import orbit_numbers, orbit_rates
 from solver.levels.level_search import search_levels
 from solver.levels.line_point import Path, path_of
 from solver.orbit.pieces import HELIX
-from solver.orbit.variations import Variations, directions, orbits_to_vary, variations_on
+from solver.orbit.variations import Variations, orbits_to_vary, variations_on
 from solver.problem.reduced import EndsProblem, StartProblem
 
 
@@ -29,7 +29,7 @@ def test_variations_are_those_of_a_march_of_the_variational_equation() -> None:
     found = variations(2, 12)
     p = found.orbit.problem
     rows = np.flatnonzero(p.span < 12)[:4]
-    change = found.change(p.span[:, None], directions(found.start))
+    change = found.change(p.span[:, None], found.directions)
     assert rows.size == 4
     for i in rows:
         loads = float(p.lam[i]), float(p.mu[i]), float(p.phi[i])

@@ -14,7 +14,6 @@ from solver.mechanics.potential import slope_rate
 from solver.observe.observables import observe
 from solver.orbit.periodic_orbit import solve_orbit
 from solver.orbit.pieces import LIBRATION
-from solver.orbit.variations import directions
 from solver.problem.reduced import EndsProblem, StartProblem, reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 
@@ -67,7 +66,7 @@ def test_the_response_beside_a_saddle_is_that_of_the_variations(numbers: Any, pi
     found = orbit_of(problem, path).response
     assert found is not None
     varied = variations_of(problem, path, place)
-    eta = varied.change(np.linspace(0, problem.span[0], 20001)[None], directions(varied.start)).beta[0, :, 1]
+    eta = varied.change(np.linspace(0, problem.span[0], 20001)[None], varied.directions).beta[0, :, 1]
     assert found[0] == pytest.approx(max(1.0, np.abs(eta).max() / abs(eta[-1])), rel=1e-4)  # between stations
 
 
