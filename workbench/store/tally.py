@@ -65,7 +65,7 @@ def statistics(ds: "xr.Dataset", tally: Tally | None = None) -> dict[str, Any]:
         "laws": law_verdicts.verdicts(ds),
         "equilibria": str(ds.attrs.get("equilibria", "")),
         "branches": outcomes.branches_of(ds, tally["branch"]),
-        "branch_counts": dict(tally["branch"]),
+        "branch_counts": dict(sorted(tally["branch"].items())),
         **{name: str(ds.attrs[name]) for name in SAMPLING if name in ds.attrs},
     }
 
