@@ -43,8 +43,12 @@ def numbers_of(state: OrbitState) -> Array:
 
 def is_known(state: OrbitState, known: list[Array]) -> bool:
     """Whether a state is one of the known equilibria, given by their `numbers_of`."""
-    here = numbers_of(state)
-    return any(bool((np.abs(here - one) < _SAME * (1 + np.abs(one))).all()) for one in known)
+    return any(are_same(numbers_of(state), one) for one in known)
+
+
+def are_same(one: Array, other: Array) -> bool:
+    """Whether two equilibria with the same given numbers are one, from their `numbers_of`."""
+    return bool((np.abs(one - other) < _SAME * (1 + np.abs(other))).all())
 
 
 def deflate(start: OrbitState, wanted: Given, known: list[Array]) -> OrbitState | None:

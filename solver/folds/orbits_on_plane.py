@@ -4,10 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
 from ..branches.branch_events import Bounds, Place
 from ..branches.branch_following import branch_through
+from ..branches.deflation import are_same
 from ..branches.family import family_of
 from ..equilibrium.orbit_rates import NUMBERS
 from ..equilibrium.system import state_of
@@ -23,7 +22,6 @@ from .parameter_plane import ParameterPlane
 from .whole_curve import WholeCurve, point_alone
 
 MOST = 1000  # points of a branch in each sense
-_SAME = 1e-5  # of the numbers of two equilibria that are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +58,7 @@ class OrbitsOnPlane:
         return orbit.signature
 
     def are_same(self, one: PlaneOrbit, other: PlaneOrbit) -> bool:
-        return bool(np.abs(one.signature - other.signature).max() < _SAME)
+        return are_same(one.numbers, other.numbers)
 
     def branch(
         self, z: Array, axis: int, orbit: PlaneOrbit, wanted: Array
