@@ -79,7 +79,7 @@ class Moving(Reading):
         others = ({name: self.plain.get(name) for name in found.values}, found.values), (
             {name: self.plain.middle(name) for name in found.middle}, found.middle
         )  # fmt: skip
-        self.plain.know(*({name: _merged(old[name], own, new[name], moves) for name in new} for old, new in others))
+        self.plain.know(*({name: _merge(old[name], own, new[name], moves) for name in new} for old, new in others))
 
     def add(self, motion: Motion, unit: Array, rates: FieldRates) -> None:
         """Differentiate what is measured on the cases of a motion.
@@ -175,7 +175,7 @@ class Moving(Reading):
         return with_slopes(self.plain.half_period, self._slopes["half_period"])
 
 
-def _merged(old: Pair, rows: Integers, new: Pair, moves: Booleans) -> Pair:
+def _merge(old: Pair, rows: Integers, new: Pair, moves: Booleans) -> Pair:
     """Numbers and errors (B,), in some rows those of others."""
     values, errors = (np.array(array) for array in old)
     values[rows], errors[rows] = (array[moves] for array in new)

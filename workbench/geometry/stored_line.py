@@ -52,7 +52,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     return Centreline(*known)
 
 
-def solved_lines(ds: xr.Dataset) -> Iterator[Centreline]:
+def lines_of_solved(ds: xr.Dataset) -> Iterator[Centreline]:
     """The centreline of every solved case of a dataset. Raises `InputError` as `read` does."""
     solved = ds["solved"]
     for place in np.argwhere(np.asarray(solved.values, dtype=bool)):
