@@ -13,13 +13,12 @@ from .fold_seeds import Counted, Seeds, change_beyond, strip_between
 from .orbit_folds import LENGTHS, given_on, sides_between
 from .parameter_plane import ParameterPlane
 from .separatrix_folds import DeadPoint, in_other_form
-from .special_line import Tracing, cusps_between, special_line
+from .special_line import MOST, Tracing, cusps_between, special_line
 from .whole_curve import WholeCurve, whole_curve
 
 _INSIDE = 1e-4  # shares of the ranges: how far the lattice stays away from the border, where the curves end
 _ASKEW = np.array([0.13, -0.17])  # of a gap: lines of the lattice stay off lines of symmetry, on which cusps lie
 _PROBES = 30  # random points that are looked at beside the lattice
-MOST = 4000  # points of a curve in each sense
 _EACH = 6  # curves at most that are searched for on one line
 
 

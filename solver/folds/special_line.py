@@ -29,6 +29,7 @@ CLOSE = 1e-9  # to the border
 BORDER, CLOSED, CROSSING, STOPPED = ENDS = "border", "closed", "crossing", "stopped"  # how a line ends
 TURNS = "the sense of the line turns, as it does where its equation is lost in rounding"
 SENSE, ASIDE = 0.8, 0.2  # cosine to the first step, and distance over that of a step, of one that closes the line
+MOST = 4000  # points of a line in each sense
 ALONE = 3  # points after the first before a line can close
 LONGEST = 0.5  # change of an unknown in a step of Newton's rule
 

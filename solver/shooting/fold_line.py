@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..folds.special_line import Ahead, SpecialPoint, Tracing, cusps_between, point_at, special_line
+from ..folds.special_line import MOST, Ahead, SpecialPoint, Tracing, cusps_between, point_at, special_line
 from ..folds.whole_curve import WholeCurve, whole_curve
 from ..numerics.arclength import FOLD, Lengths, Node, node_at
 from ..numerics.arrays import Array
@@ -24,7 +24,6 @@ from .newton import Shape
 RodAt = Callable[[Array], LoadedRod]
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-4)  # of steps, in the sizes of the equilibrium and of z
 STEP = 1e-4  # of derivatives by a and z
-MOST = 500  # points of a curve in each sense
 BESIDE = 0.02  # how far beside a fold its two indices are read
 
 

@@ -10,13 +10,13 @@ from functools import partial
 
 import numpy as np
 
-from ..folds.special_line import Ahead, SpecialLine, SpecialPoint, Tracing, point_on_line, special_line, step_from
+from ..folds.special_line import MOST, Ahead, SpecialLine, SpecialPoint, Tracing, point_on_line, special_line, step_from
 from ..numerics.arclength import Lengths, Node, node_at
 from ..numerics.arrays import Array
 from ..numerics.roots import enclose
 from .curve import Curve
 from .descent import index_at, weakest_modes
-from .fold_line import MOST, STEP, RodAt
+from .fold_line import STEP, RodAt
 from .further_shapes import angles_of
 from .loaded_rod import ALPHA, BETA, SPEED, Q
 from .newton import Shape, correct, linear_at

@@ -124,6 +124,17 @@ def test_a_curve_with_height_and_azimuth_held_closes() -> None:
     assert first == pytest.approx(second, abs=1e-7)
 
 
+@pytest.mark.slow
+def test_a_curve_of_a_rod_with_weight_closes_as_that_without() -> None:
+    """A weight of 1e-8 moves no cusp by more than 1e-6."""
+    case = case_of(7.0, betaL=0.8, height=2.5, azimuth=0.5)
+    rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=7.0, weight=1e-8)
+    heavy = Case(rod, Cylinder(R=0.75, inclination=1.0), case.given)
+    branches = over_the_azimuth(), follow(solve(heavy), azimuth=[-2.0, 3.0])
+    without, with_weight = (cusps_of_closed_curve(branch, 0) for branch in branches)
+    assert with_weight == pytest.approx(without, abs=1e-6)
+
+
 def test_a_curve_under_dead_loads_is_that_of_the_equations_in_the_slope_at_the_start() -> None:
     case = case_of(3.0, betaL=0.8, FZ=-40.0)
     (known,) = fold_curves(case, FZ=(-60, -20), L=(1.5, 3), lattice=3).curves
