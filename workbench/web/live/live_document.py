@@ -75,6 +75,8 @@ def bundle(first: str = FIRST) -> str:
 def _module(name: str, source: str) -> str:
     exported = ", ".join(export for _, export in _EXPORT.findall(source))
     body = _EXPORT.sub(r"\1", _IMPORT.sub(r"const \1 = module_\2;", source))
+    if unknown := re.search(r"^(?:import|export)\b.*", body, re.M):
+        raise ValueError(f"{name}.mjs: write import {{ ... }} or export const, function or class, not {unknown[0]}")
     return f"const module_{name} = (() => {{\n{body}return {{ {exported} }};\n}})();"
 
 

@@ -1,18 +1,15 @@
 // A case from the state of the page: validation, and the solver's formulas of loads and of the dimensionless problem.
 
-import * as tables from "./formulas.mjs";
-import { BENDING, LOADS, RHO, TORSION, problemOf } from "./formulas.mjs";
+import { ANGLES, BENDING, DIRECT, ELASTIC, HELD, LOADS, RANGES, RHO, SIDES, TORSION, TWISTS, problemOf } from "./formulas.mjs";
 
 export const DEGREE = Math.PI / 180;
-export const { SLIDING } = tables;
-const { TWISTS, DIRECT, HELD, RANGES, SIDES } = tables;
-const ELASTIC = [...tables.ELASTIC, "inner_radius"];
+const OF_SECTION = [...ELASTIC, "inner_radius"]; // not beside DIRECT
 const PRINTED = ["E", "nu", "R", "a", "L", "beta", "dbeta", "dgamma", "F1", "F3"]; // by Table 1
 const START = ["beta", "dbeta", "F1", "F2", "F3", "dgamma", "M3"],
   ENDS = Object.keys(HELD); // or what is held in place of each
 const OUTSIDE = ["weight", "inclination", "friction"]; // what makes the loads vary along the rod
 const POSITIVE = [...Object.keys(RANGES).filter((name) => RANGES[name].low === 0 && !RANGES[name].closed), "weight"],
-  OPTIONAL = ["F2", "F3", ...ENDS.filter((name) => !tables.ANGLES.includes(name))];
+  OPTIONAL = ["F2", "F3", ...ENDS.filter((name) => !ANGLES.includes(name))];
 const AT_START = { beta: "beta0", dbeta: "dbeta0" }; // fields that are the value of another quantity at s = 0
 
 /* An invalid value: a sentence for the one who typed it, and the field ("" if it is about none). */
@@ -28,7 +25,7 @@ export const quantityOf = (name) => AT_START[name] || name;
 const KINDS = { nu: "ratio", inner_radius: "bore", inclination: "tilt", friction: "share" };
 export const isDegrees = (name) => ["angle", "tilt"].includes(kindOf(name));
 export const kindOf = (name) =>
-  POSITIVE.includes(name) ? "positive" : KINDS[name] || (tables.ANGLES.includes(name) ? "angle" : "signed");
+  POSITIVE.includes(name) ? "positive" : KINDS[name] || (ANGLES.includes(name) ? "angle" : "signed");
 export const isEnds = (state) => state.reading === undefined && ("betaL" in state.base || "M1L" in state.base);
 /* Whether the loads vary along the rod: then the server solves it. */
 export const varies = ({ base }) => OUTSIDE.some((name) => base[name] !== undefined);
@@ -75,7 +72,7 @@ export const isUnused = (state, name) => meaning(state, name).startsWith("Not us
 export function caseOf(state, symbols) {
   const values = {},
     { base } = state;
-  if (DIRECT.some((name) => name in base) && ELASTIC.some((name) => name in base))
+  if (DIRECT.some((name) => name in base) && OF_SECTION.some((name) => name in base))
     throw new Refused("Give E and ν, or EI and GJ: a rod has one section.");
   for (const name of fieldNames(state))
     values[name] = checked(name, base[name] ?? (OPTIONAL.includes(name) ? 0 : null), symbols);
