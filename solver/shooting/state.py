@@ -28,7 +28,7 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
 
     Between two changes of sign the azimuth goes one way. There the rod is helical if it goes once round or more,
     straight if it goes less than `BENT`, else sinusoidal; where a helix dies away into a straight piece or an end of
-    the rod, what goes less than `BENT` is straight. Two helices that meet turn in different senses. Bends from an end
+    the rod, where beta is less than half of its largest, what goes less than `BENT` is straight. Two helices that meet turn in different senses. Bends from an end
     to a straight stretch are straight too where each is at most `DYING` of the one before: there the rod turns from the
     azimuth of its end to where it lies.
     """
@@ -40,9 +40,10 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
         if turned < TURN:
             found.append(State(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
             continue
-        way = np.abs(alpha[first : last + 1] - alpha[first])
-        leaves = s[first if around[0] else first + int(np.searchsorted(way, BENT))]
-        arrives = s[last if around[1] else first + int(np.searchsorted(way, turned - BENT))]
+        way, size = np.abs(alpha[first : last + 1] - alpha[first]), np.abs(beta[first : last + 1])
+        wound = size[[0, -1]] > size.max() / 2
+        leaves = s[first if around[0] or wound[0] else first + int(np.searchsorted(way, BENT))]
+        arrives = s[last if around[1] or wound[1] else first + int(np.searchsorted(way, turned - BENT))]
         found += [State(STRAIGHT, s[first], leaves), State(HELICAL, leaves, arrives), State(STRAIGHT, arrives, s[last])]
     found = [one for one in found if one.end > one.begin]
     return tuple(_join(_without_end_turns(_without_end_turns(found)[::-1])[::-1]))

@@ -118,7 +118,7 @@ def check_units(units: Mapping[str, str]) -> None:
 
 
 def _study(file: Path) -> Study:
-    if file.suffix != ".toml":
+    if file.suffix.lower() != ".toml":
         raise InputError(f"a case is read from a .toml file, got {str(file)!r}")
     study = load(file)
     if study.varied:

@@ -69,7 +69,7 @@ def load(study: str | Path, cases: Path | None = None, draw: bool = True) -> Stu
     """
     text = str(study)
     path = Path(text)
-    if path.suffix != ".toml":
+    if path.suffix.lower() != ".toml":
         if path.suffix == ".h5":
             reads = "the commands check, summary, plot, scene and export read it"
             raise InputError(f"no study {text!r}: a file .h5 holds stored results, and {reads}; give a .toml file")

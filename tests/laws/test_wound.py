@@ -5,6 +5,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, solve
 from solver.mechanics.potential import Loads, slope
+from solver.shooting.state import HELICAL, states
 
 ROPE = Rod(E=2e5, nu=0.3, a=1.0, L=1500.0)  # N and mm
 
@@ -36,3 +37,9 @@ def test_the_loads_of_a_wound_rod_make_it_a_helix_under_its_tension(lay: float, 
 def test_a_wound_rod_may_be_a_family() -> None:
     ends = Ends.helix(ROPE, Cylinder([60.0, 80.0]), 500.0, "80deg")
     assert ends.MZ.shape == (2,)
+
+
+def test_a_rod_that_ends_wound_is_helical_to_its_ends() -> None:
+    sol = solve(Case(ROPE, Cylinder(60.0), Ends.helix(ROPE, Cylinder(60.0), 500.0, "80deg")))
+    (state,) = states(sol.s, sol.beta, sol.alpha)
+    assert (state.word, state.begin, state.end) == (HELICAL, 0.0, 1500.0)

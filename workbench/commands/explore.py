@@ -7,9 +7,9 @@ import threading
 from pathlib import Path
 from typing import Annotated, Any
 
-from . import console
+from . import console, option_checks
 from .case_options import Given, takes_case
-from .options import argument, option
+from .options import ForceOutput, argument, option
 from .present import Result, presents, result_of_files
 
 MISSING = "the server of the live page needs aiohttp ({why}): pip install 'rod-workbench[explore]'"
@@ -31,6 +31,7 @@ def explore(
     save: Annotated[
         Path | None, option("FILE", "Write the page as one HTML file that works offline, and serve nothing.")
     ] = None,
+    force: ForceOutput = False,
     *,
     given: Given,
 ) -> Result:
@@ -47,6 +48,7 @@ def explore(
     from ..web.live.presets import PRESETS
 
     if save is not None:
+        option_checks.check(save, (".html",), force)
         own = own_case.preset(file, given.values, given.units)
         size = _save(save, PRESETS if own is None else (own, *PRESETS))
         said = [f"wrote {save}: {size / 1e3:.0f} kB, opens in a browser without a server"]
@@ -84,13 +86,9 @@ def explore(
 
 def _save(path: Path, presets: Any) -> int:
     """Write the page as a file; its size in bytes."""
-    from solver.problem.errors import InputError
-
     from ..store import atomic
     from ..web.live import live_document
 
-    if path.suffix != ".html":
-        raise InputError(f"--save needs a file name that ends in .html, got {str(path)!r}")
     text = live_document.text(presets, served=False)
     atomic.write(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     return len(text.encode())

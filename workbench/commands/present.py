@@ -192,5 +192,7 @@ def present(result: Result, as_json: bool, files: Files) -> None:
         for path in (files.out, files.picture) if result.names_files else ():
             if path is not None:
                 console.say(str(path))
+    if (files.out or files.picture) and result.dataset is None and result.write is None:
+        console.warn("no file is written: there is no solved case to store or draw")
     for sentence in result.warnings:
         console.warn(sentence)

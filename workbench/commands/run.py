@@ -9,6 +9,8 @@ from .options import Fidelity, ForceStudy, Json, Method, Reading, Tol, argument,
 from .present import Result, presents
 from .study_result import result_of
 
+READ = (".toml", ".csv", ".parquet")  # the files of studies and tables
+
 
 @presents()
 def run(
@@ -45,6 +47,7 @@ def run(
 
     Exit status 1 if a case is unsolved, or if a law fails, is not decided or is true in part only.
     """
+    from solver.problem.errors import InputError
     from studies import load
 
     from ..store import worker_processes
@@ -57,6 +60,10 @@ def run(
     if stations is not None:
         chosen = chosen.at_stations(stations)
     path = out or Path(f"{chosen.name}.h5")
+    if path.suffix.lower() in READ:
+        raise InputError(
+            f"a run reads {path.suffix} files and writes none, got {str(path)!r}; give a name such as {path.stem}.h5"
+        )
     changes = {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}
     chosen = chosen.model_copy(update=changes)
     _check_free(path, chosen.name, force)

@@ -1,6 +1,7 @@
 """The command solve: one case from a file, from options or from Table 1."""
 
 import math
+import re
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -102,13 +103,19 @@ def solve(
         settings |= {"name": name} | ({} if method is None else {"method": method})
         return loads(dumps(plain.model_copy(update=settings)))
 
+    if not sol.solved:  # another rule might solve it
+        return Result(lambda: found, lambda: print_case(found, every, whole), 1)
     return Result(
         lambda: found,
         lambda: print_case(found, every, whole),
-        0 if sol.solved else 1,
-        lambda: in_memory.run(study()),
-        lambda path: _write(study(path.stem), path),
+        dataset=lambda: in_memory.run(study()),
+        write=lambda path: _write(study(_name_of(path)), path),
     )
+
+
+def _name_of(path: Path) -> str:
+    """The name of the study in a file: that of the file, with the letters that a study may have."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem)[:200].strip("-") or "rod"
 
 
 def _write(study: "Study", path: Path) -> None:

@@ -187,7 +187,7 @@ def _panel(ax: Axes, rods: DrawnRods, curves: Curves, ends: tuple[float, float],
         alone(ax, rods, curves.name)
         return
     _draw_curves(ax, rods, curves)
-    margin = 0.02 * (ends[1] - ends[0])
+    margin = 0.02 * (ends[1] - ends[0]) or 1.0  # about rods that are straight
     ax.set_ylim(curves.foot + (ends[0] - margin) * curves.step, curves.foot + (ends[1] + margin) * curves.step)
     _over_s(ax, rods)
     if curves.name == PIPE:

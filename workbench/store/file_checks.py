@@ -72,7 +72,7 @@ def _check_file(path: Path) -> None:
         raise InputError(f"cannot read {str(path)!r}: {said}") from None
     if stat.S_ISDIR(mode):
         raise InputError(f"{path} is a folder, not a dataset")
-    if path.suffix == ".toml":
+    if path.suffix.lower() == ".toml":
         raise InputError(f"{path} is a study, not a dataset; make the dataset with: workbench run {path}")
     if not stat.S_ISREG(mode):
         raise InputError(f"{path} is not a regular file")

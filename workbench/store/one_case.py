@@ -21,7 +21,7 @@ from .plan import plan
 
 def is_study(file: Path) -> bool:
     """Whether the path means a study, by its name or its TOML file, and not a stored dataset."""
-    return file.suffix == ".toml" or not (file.exists() or file.is_symlink() or file.suffix)
+    return file.suffix.lower() == ".toml" or not (file.exists() or file.is_symlink() or file.suffix)
 
 
 def outline(study: Study) -> xr.Dataset:
