@@ -28,9 +28,9 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
 
     Between two changes of sign the azimuth goes one way. There the rod is helical if it goes once round or more,
     straight if it goes less than `BENT`, else sinusoidal; where a helix dies away into a straight piece or an end of
-    the rod, where beta is less than half of its largest, what goes less than `BENT` is straight. Two helices that meet turn in different senses. Bends from an end
-    to a straight stretch are straight too where each is at most `DYING` of the one before: there the rod turns from the
-    azimuth of its end to where it lies.
+    the rod, where beta is less than half of its largest, what goes less than `BENT` is straight. Two helices that meet
+    turn in different senses. Bends from an end to a straight stretch are straight too where each is at most `DYING` of
+    the one before: there the rod turns from the azimuth of its end to where it lies.
     """
     cuts = [0, *(np.flatnonzero(np.sign(beta[1:]) * np.sign(beta[:-1]) < 0) + 1), s.size - 1]
     found: list[State] = []
