@@ -65,13 +65,13 @@ class Equilibrium:
 def equilibrium_of(solution: Solution, index: int, path: Any, dead_index: int, found_by: str) -> Equilibrium:
     """An equilibrium with what is observed of its shape."""
     seen = observe(solution, ["turns", "attached"])
-    numbers = held_energy(solution), float(solution.dbeta[0]), int(seen["turns"]), float(seen["attached"])
+    numbers = energy_as_held(solution), float(solution.dbeta[0]), int(seen["turns"]), float(seen["attached"])
     ends = solution.beta[[0, -1]]
     stray = max(float(solution.beta.max() - ends.max()), float(ends.min() - solution.beta.min()), 0.0)
     return Equilibrium(solution, index, *numbers, stray, path, dead_index, found_by)
 
 
-def held_energy(solution: Solution) -> float:
+def energy_as_held(solution: Solution) -> float:
     """The bending and twist energy of one rod minus the work of the loads and end moments that its case gives.
 
     The observable `energy` subtracts the work of FZ, MZ and M3, also where they are reactions. A reaction does no work

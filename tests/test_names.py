@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PARTICIPLE = re.compile(r"[a-z]{2,}(?:ed|ing)|told|shown|drawn|kept|begun|found|made|grown")
-# Nouns, and adjectives that begin a noun: `bending_stiffness`, `held_energy`.
+# Nouns, and adjectives that begin a noun: `bending_stiffness`, `held_index`.
 NOUNS = """
     arriving attached beginning bending branching buckling ceasing closed crossing dataset drawing embedding
     failed feed following given heading held hinged holding judging lacking lying meaning missing need

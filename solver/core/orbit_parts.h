@@ -129,10 +129,15 @@ static inline double square(double x) { return x * x; }
 static inline int modulo(int64_t k, int64_t m) { return (int)(((k % m) + m) % m); }
 
 /* H and H' */
+static inline double slope_by(double lam, double mu, double phi, double s, double c)
+{
+    const double s2 = s * s, size = fabs(c);
+    return (lam - (c < 0 ? -mu : mu)) * c + mu * (s2 * (1 + 2 * size) / (1 + size)) - (phi + 2 * c * s2) * s;
+}
+
 static inline double slope(double lam, double mu, double phi, double beta)
 {
-    const double s = sin(beta), c = cos(beta), s2 = s * s, size = fabs(c);
-    return (lam - (c < 0 ? -mu : mu)) * c + mu * (s2 * (1 + 2 * size) / (1 + size)) - (phi + 2 * c * s2) * s;
+    return slope_by(lam, mu, phi, sin(beta), cos(beta));
 }
 
 static inline double slope_rate(double lam, double mu, double phi, double beta)

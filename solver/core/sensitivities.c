@@ -30,8 +30,7 @@ static void derive_shape(const shapes *of, int64_t b)
         for (int i = 0; i < many; i++) {
             if (!(fabs(of->beta[at + i]) < FAR))
                 s[i] = sin(of->beta[at + i]), c[i] = cos(of->beta[at + i]);
-            H[i] = (lam - (c[i] < 0 ? -mu : mu)) * c[i] + mu * (s[i] * s[i] * (1 + 2 * fabs(c[i])) / (1 + fabs(c[i]))) -
-                   (phi + 2 * c[i] * (s[i] * s[i])) * s[i];
+            H[i] = slope_by(lam, mu, phi, s[i], c[i]);
         }
         for (int64_t f = 0; f < F; f++) {
             const double *by = of->by ? of->by + b * F + f : NULL, longer = of->later[b * F + f] / of->span[b];

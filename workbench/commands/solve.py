@@ -169,16 +169,16 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
         "begun": sol.begun or "",
         "indices": _indices(sol),
         "observables": {name: np.asarray(value).item() for name, value in seen.items()}
-        | _held_energy(sol, "energy" in seen),
+        | _energy_as_held(sol, "energy" in seen),
         "along": {name: getattr(sol, name).tolist() for name in level.along},
     }
 
 
-def _held_energy(sol: "Solution", wanted: bool) -> dict[str, float]:
+def _energy_as_held(sol: "Solution", wanted: bool) -> dict[str, float]:
     """The energy by which the equilibria of held ends are listed; empty under dead loads."""
-    from solver.equilibrium_list import held_energy
+    from solver.equilibrium_list import energy_as_held
 
-    return {"held_energy": held_energy(sol)} if wanted and sol.held and sol.solved and not sol.case.varies else {}
+    return {"held_energy": energy_as_held(sol)} if wanted and sol.held and sol.solved and not sol.case.varies else {}
 
 
 def _indices(sol: "Solution") -> dict[str, int]:
