@@ -7,7 +7,7 @@ import numpy as np
 
 from ..core.measures import DENSITIES, densities
 from ..mechanics.potential import slopes_by_loads
-from ..numerics.arrays import Array
+from ..numerics.arrays import EPS, Array
 from ..observe.measurement import BARELY
 from ..problem.reduced import StartProblem
 from .motions import MARKS, Motion, marks_of
@@ -19,6 +19,7 @@ EXTREMES = {  # the density, and whether the size counts
 PUSHES = {"pushed", "pulled", "share", "middle push", "lifts"}
 
 _STEADY = 1e-10  # relative: a change that is the same all along a helix
+_ROUNDED = 4 * EPS  # of the terms of a density, for a change of 1
 
 
 def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: set[str], t: Array) -> dict[str, Array]:
@@ -90,10 +91,17 @@ class _Helices:
         moved = rates.by_beta[..., None] * self.along
         return moved + rates.own[..., None], np.abs(moved).max(axis=2) + np.abs(rates.own)
 
+    def least(self, rates: _Rates, size: Array) -> Array:
+        """What counts as no difference between changes of a density, (b, F); size: of their terms.
+
+        Also what rounding makes of changes that cancel: those of the fields by which `unit` moves the helix.
+        """
+        return _STEADY * size + _ROUNDED * rates.size[:, None] * np.abs(self.unit).sum(axis=1)
+
     def extreme(self, density: str, size_counts: bool = False) -> Array:
         rates = self.rates(density)
         change, size = self.changes(rates)
-        steady = np.ptp(change, axis=2) <= _STEADY * size
+        steady = np.ptp(change, axis=2) <= self.least(rates, size)
         if not size_counts:
             return np.where(steady, change[..., 0], np.nan)
         none = np.abs(rates.values) <= BARELY * rates.size
@@ -113,7 +121,7 @@ class _Helices:
         none = np.abs(rates.values) <= BARELY * rates.size
         pushes, pulls = ((turn * rates.values > 0)[:, None] & ~none[:, None] for turn in (1, -1))
         change, size = self.changes(rates)
-        unsure = none[:, None] & (np.abs(change).max(axis=2) > _STEADY * size)
+        unsure = none[:, None] & (np.abs(change).max(axis=2) > self.least(rates, size))
         whole = self.integral("outward")
         found = {
             "pushed": np.where(pushes, whole[:, 3], 0.0),

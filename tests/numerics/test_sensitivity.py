@@ -300,3 +300,12 @@ def test_the_derivatives_of_a_rod_do_not_depend_on_the_other_rods_of_the_call() 
             np.testing.assert_array_equal(getattr(found, array)[i], getattr(own, array))
         for name in names:
             np.testing.assert_allclose(found.observables[name][i], own.observables[name], rtol=1e-12, atol=1e-14)
+
+
+def test_extremes_of_a_ring_answer_what_leaves_it_a_ring() -> None:
+    """A change of beta acts to second order on kappa = sin(beta)^2/rho and on the push F3/rho; rounding does not act."""
+    case = Case(Rod(E=1e4, nu=0.25, a=0.25, L=20.0), Cylinder(0.75), Start(np.pi / 2, 0.0, F3=1.0, M3=0.0))
+    fields = ["E", "R", "F3", "L", "beta0", "M3"]
+    rates = solve(case).sensitivity(fields, ["kappa_max", "push_max"])
+    np.testing.assert_allclose(rates.observables["kappa_max"], [0, -1, 0, 0, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(rates.observables["push_max"], [0, -1, 1, 0, 0, 0], atol=1e-12)
