@@ -303,7 +303,7 @@ def test_the_derivatives_of_a_rod_do_not_depend_on_the_other_rods_of_the_call() 
 
 
 def test_extremes_of_a_ring_answer_what_leaves_it_a_ring() -> None:
-    """A change of beta acts to second order on kappa = sin(beta)^2/rho and on the push F3/rho; rounding does not act."""
+    """A change of beta acts to second order on kappa = sin(beta)^2/rho and on the push F3/rho."""
     case = Case(Rod(E=1e4, nu=0.25, a=0.25, L=20.0), Cylinder(0.75), Start(np.pi / 2, 0.0, F3=1.0, M3=0.0))
     fields = ["E", "R", "F3", "L", "beta0", "M3"]
     rates = solve(case).sensitivity(fields, ["kappa_max", "push_max"])
