@@ -16,7 +16,7 @@ from solver.problem.case import SIDES, SLIDING, STIFFNESS
 from solver.problem.errors import no_such
 from solver.problem.quantities import AT_START, QUANTITIES, Quantity, quantity
 
-from .units import FORCES, LENGTHS
+from .formulas import FORCES, LENGTHS
 
 STRICT = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 

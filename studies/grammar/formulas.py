@@ -1,38 +1,47 @@
 """Formulas: arithmetic on named numbers with units, in the grammar of Python, read as a tree and never run as code.
 
-A formula has numbers, names, ``+ - * / **``, comparisons, ``and or not``, and the functions of `FUNCTIONS`.
-`parse` reads it, `evaluate` computes its values, `units.dimension` its unit.
+A formula has numbers, names, ``+ - * / **``, comparisons, ``and or not``, and the functions of `FUNCTIONS`. `parse`
+reads it, `evaluate` computes its values, `dimension` its unit; in units angles and counts are plain numbers. `size_of`
+reads products of units that an expression may state.
 """
 
 import ast
+import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
+from fractions import Fraction
+from functools import cache, reduce
+from math import isfinite, pi
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices, near
+from solver.problem.quantities import unit_text
 
 MOST_TEXT = 500  # characters of a formula
 MOST_DEPTH = 60  # levels of a formula
+MOST_POWER = 12  # of a quantity with a unit, and the largest denominator
 
-BINARY: dict[type, tuple[str, Callable[..., Any]]] = {
+OPERATORS: dict[type, tuple[str, Callable[..., Any]]] = {
     ast.Add: ("+", np.add),
     ast.Sub: ("-", np.subtract),
     ast.Mult: ("*", np.multiply),
     ast.Div: ("/", np.divide),
     ast.Pow: ("**", np.power),
-}
-COMPARED: dict[type, tuple[str, Callable[..., Any]]] = {
+    ast.UAdd: ("+", np.positive),
+    ast.USub: ("-", np.negative),
     ast.Lt: ("<", np.less),
     ast.LtE: ("<=", np.less_equal),
     ast.Gt: (">", np.greater),
     ast.GtE: (">=", np.greater_equal),
     ast.Eq: ("==", np.equal),
     ast.NotEq: ("!=", np.not_equal),
+    ast.And: ("and", np.logical_and),
+    ast.Or: ("or", np.logical_or),
+    ast.Not: ("not", np.logical_not),
 }
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "sqrt": np.sqrt,
@@ -48,6 +57,9 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
 CONSTANTS = {"pi": float(np.pi)}
 IN = " in "  # between the formula of an expression and the unit of its value
 OF_SEVERAL = ("min", "max")  # functions of two or more values
+
+Dimension = tuple[Fraction, Fraction]  # exponents of length and force
+PLAIN: Dimension = (Fraction(0), Fraction(0))
 
 
 @dataclass(frozen=True)
@@ -68,7 +80,7 @@ class Formula:
 
 @cache
 def parse(text: str) -> Formula:
-    """The formula of a text, whose names are checked by `formula_units.dimension`. Raises `InputError`."""
+    """The formula of a text, whose names are checked by `dimension`. Raises `InputError`."""
     if len(text) > MOST_TEXT:
         raise InputError(f"the formula has {len(text)} characters; the limit is {MOST_TEXT}")
     expression, _, unit = text.partition(IN)
@@ -80,9 +92,8 @@ def parse(text: str) -> Formula:
         raise InputError(f"{text!r} is not a formula: {_why(error, expression.strip())}") from None
     except (ValueError, RecursionError, MemoryError):
         raise InputError(f"{text[:60]!r} is not a formula") from None
-    names = dict.fromkeys(_names(tree, text, 1))
-    whole = isinstance(tree, ast.Compare | ast.BoolOp) or (isinstance(tree, ast.UnaryOp) and is_not(tree))
-    return Formula(text, tree, tuple(name for name in names if name not in CONSTANTS), whole, unit.strip())
+    names = dict.fromkeys(_names(tree, text))
+    return Formula(text, tree, tuple(name for name in names if name not in CONSTANTS), _is_truth(tree), unit.strip())
 
 
 def _why(error: SyntaxError, text: str) -> str:
@@ -93,65 +104,69 @@ def _why(error: SyntaxError, text: str) -> str:
     return f"{said} at character {error.offset}, {text[error.offset - 1 :][:20]!r}"
 
 
-def _names(node: ast.AST, text: str, depth: int) -> Iterator[str]:
+def _is_truth(node: ast.expr) -> bool:
+    """Whether the values of a node are true or false."""
+    return isinstance(node, ast.Compare | ast.BoolOp) or (
+        isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not)
+    )
+
+
+def _operands(node: ast.AST) -> list[Any]:
+    """The nodes on which a node works, in order."""
+    below = node.args if isinstance(node, ast.Call) else ast.iter_child_nodes(node)
+    return [part for part in below if isinstance(part, ast.expr)]
+
+
+def _names(node: ast.AST, text: str, depth: int = 1) -> Iterator[str]:
     """The names of a tree, each node checked against what a formula may hold. Raises `InputError`."""
     if depth > MOST_DEPTH:
         raise InputError(f"the formula {text[:60]!r} has more than {MOST_DEPTH} levels")
+    _check(node, text)
     if isinstance(node, ast.Name):
-        if node.id in FUNCTIONS:
-            raise InputError(f"{node.id} in {text!r} is a function: write {node.id}(...)")
         yield node.id
-    for child in _parts(node, text):
-        yield from _names(child, text, depth + 1)
+    for part in _operands(node):
+        yield from _names(part, text, depth + 1)
 
 
-def _parts(node: ast.AST, text: str) -> list[Any]:
-    """The nodes below an allowed node. Raises `InputError` for any other node."""
+def _check(node: ast.AST, text: str) -> None:
+    """Raise `InputError` unless a formula may hold the node."""
     match node:
-        case ast.BinOp() if type(node.op) in BINARY:
-            return [node.left, node.right]
-        case ast.BinOp() if isinstance(node.op, ast.BitXor):
-            raise InputError(f"{text!r}: a power is written with **, not ^")
-        case ast.UnaryOp() if isinstance(node.op, ast.UAdd | ast.USub | ast.Not):
-            return [node.operand]
-        case ast.BoolOp():
-            return list(node.values)
-        case ast.Compare() if all(type(op) in COMPARED for op in node.ops):
-            return [node.left, *node.comparators]
+        case ast.Name(id=name):
+            if name in FUNCTIONS:
+                raise InputError(f"{name} in {text!r} is a function: write {name}(...)")
+            return
         case ast.Call(func=ast.Name(id=name), keywords=[]):
-            return _arguments(name, list(node.args), text)
+            _check_arguments(name, len(node.args), text)
+            return
         case ast.Constant() if _is_finite(node.value):
-            return []
-        case ast.Name():
-            return []
+            return
+        case ast.BinOp(op=ast.BitXor()):
+            raise InputError(f"{text!r}: a power is written with **, not ^")
+        case ast.BinOp() | ast.UnaryOp() | ast.BoolOp() if type(node.op) in OPERATORS:
+            return
+        case ast.Compare() if all(type(op) in OPERATORS for op in node.ops):
+            return
     parts = "numbers, names, + - * / **, < <= > >= == !=, and or not, pi"
     shown = ast.unparse(node)[:60]
     raise InputError(f"a formula cannot hold {shown!r}; it has {parts} and the functions {choices(FUNCTIONS)}")
 
 
-def _arguments(name: str, given: list[Any], text: str) -> list[Any]:
+def _check_arguments(name: str, count: int, text: str) -> None:
     if name not in FUNCTIONS:
         raise InputError(
             f"no function {name[:60]!r} in a formula{near(name[:60], FUNCTIONS)}; choose from {choices(FUNCTIONS)}"
         )
     several = name in OF_SEVERAL
-    if len(given) < 1 + several or (len(given) > 1 and not several):
+    if count < 1 + several or (count > 1 and not several):
         need = "two values or more" if several else "one value"
-        raise InputError(f"{name} in {text!r} needs {need}, got {len(given)}")
-    return given
+        raise InputError(f"{name} in {text!r} needs {need}, got {count}")
 
 
 def _is_finite(value: object) -> bool:
-    if not isinstance(value, int | float) or isinstance(value, bool):
-        return False
     try:
-        return bool(np.isfinite(float(value)))
+        return type(value) in (int, float) and isfinite(value)  # type: ignore[arg-type]
     except OverflowError:
         return False
-
-
-def is_not(node: ast.UnaryOp) -> bool:
-    return isinstance(node.op, ast.Not)
 
 
 def evaluate(formula: Formula, values: Mapping[str, Any]) -> tuple[NDArray[np.float64], NDArray[np.str_]]:
@@ -159,14 +174,14 @@ def evaluate(formula: Formula, values: Mapping[str, Any]) -> tuple[NDArray[np.fl
 
     values: name -> array of numbers; all broadcast to one shape, which both results have.
     """
-    run = _Run(values)
+    faults: list[tuple[Any, str]] = []
     with np.errstate(all="ignore"):
-        numbers = np.array(run.of(formula.tree), dtype=float)
+        numbers = np.array(_value(formula.tree, values, faults), dtype=float)
     shape = np.broadcast_shapes(numbers.shape, *(np.shape(values[name]) for name in formula.names))
     result = np.array(np.broadcast_to(numbers, shape))
     why = np.full(shape, "", dtype=object)
     bad = ~np.isfinite(result)
-    for mask, reason in run.faults:  # the first fault of a case is the cause, whatever became of it
+    for mask, reason in faults:  # the first fault of a case is the cause, whatever became of it
         mine = np.broadcast_to(mask, shape)
         why[mine & (why == "")] = reason
         bad |= mine
@@ -175,84 +190,187 @@ def evaluate(formula: Formula, values: Mapping[str, Any]) -> tuple[NDArray[np.fl
     return result, why.astype(str)
 
 
-def run(values: Mapping[str, Any], node: ast.expr) -> Any:
-    """The values of a node of a formula."""
-    with np.errstate(all="ignore"):
-        return _Run(values).of(node)
+def _value(node: ast.expr, values: Mapping[str, Any], faults: list[tuple[Any, str]]) -> Any:
+    """The values of a node. To faults is added where and why a value is not finite."""
+    parts = [_value(part, values, faults) for part in _operands(node)]
+    faults += [(mask, reason) for mask, reason in _faults(node, parts, values) if np.any(mask)]
+    match node:
+        case ast.Constant():
+            return np.float64(node.value)  # type: ignore[arg-type]
+        case ast.Name(id=name):
+            return np.float64(CONSTANTS[name]) if name in CONSTANTS else np.asarray(values[name], dtype=float)
+        case ast.Call(func=ast.Name(id=name)):
+            return _apply(FUNCTIONS[name], parts)
+        case ast.Compare():
+            pairs = zip(node.ops, parts, parts[1:], strict=False)
+            return _truth(reduce(np.logical_and, [OPERATORS[type(op)][1](a, b) for op, a, b in pairs]), parts)
+        case ast.BinOp() | ast.UnaryOp() | ast.BoolOp():
+            value = _apply(OPERATORS[type(node.op)][1], parts)
+            return _truth(value, parts) if _is_truth(node) else value
+    raise AssertionError(node)
 
 
-class _Run:
-    """The values of the nodes of a formula. faults: where and why a value is not finite."""
+def _apply(rule: Callable[..., Any], parts: list[Any]) -> Any:
+    """A function of one value, or of two, applied to several in turn."""
+    return reduce(rule, parts) if parts[1:] else rule(parts[0])
 
-    def __init__(self, values: Mapping[str, Any]) -> None:
-        self.values = values
-        self.faults: list[tuple[Any, str]] = []
 
-    def of(self, node: ast.expr) -> Any:
+def _faults(node: ast.expr, parts: list[Any], values: Mapping[str, Any]) -> Iterator[tuple[Any, str]]:
+    """Where a node has no value, and why."""
+    match node:
+        case ast.Name(id=name) if name not in CONSTANTS:
+            yield ~np.isfinite(np.asarray(values[name], dtype=float)), f"{name} has no value"
+        case ast.Call(func=ast.Name(id="sqrt")):
+            yield parts[0] < 0, f"sqrt of a negative number in {ast.unparse(node)!r}"
+        case ast.Call(func=ast.Name(id="log")):
+            yield parts[0] <= 0, f"log of a number that is not positive in {ast.unparse(node)!r}"
+        case ast.BinOp(op=ast.Div(), right=right):
+            yield parts[1] == 0, f"division by zero: {ast.unparse(right)!r} is 0"
+        case ast.BinOp(op=ast.Pow(), left=left):
+            a, b = parts
+            yield (a == 0) & (b < 0), f"division by zero: {ast.unparse(left)!r} is 0"
+            yield (a < 0) & (b != np.round(b)), f"power of a negative number in {ast.unparse(node)!r}"
+
+
+def _truth(truth: Any, parts: list[Any]) -> Any:
+    """1 and 0 for true and false, NaN where a part is NaN."""
+    unknown = reduce(np.logical_or, map(np.isnan, parts))
+    return np.where(unknown, np.nan, np.where(truth, 1.0, 0.0))
+
+
+def dimension(formula: Formula, known: Mapping[str, Dimension], units: Mapping[str, str]) -> Dimension:
+    """The dimension of a formula over names with these dimensions. Raises `InputError`.
+
+    known: name -> dimension. units: of length and force, for messages.
+    """
+    for name in formula.names:
+        if name not in known:
+            meant = near(name, known)
+            raise InputError(f"no name {name[:60]!r} in a formula{meant}; choose from {choices([*known, *CONSTANTS])}")
+    return _Units(known, units).of(formula.tree) or PLAIN
+
+
+def is_zero(formula: Formula) -> bool:
+    """Whether a formula is the number 0, which fits every unit."""
+    return not formula.names and _Units({}, {}).of(formula.tree) is None
+
+
+def unit_words(dimension: Dimension, units: Mapping[str, str]) -> str:
+    """``a plain number``, ``in N/cm^2``."""
+    return "a plain number" if dimension == PLAIN else f"in {unit_text(dimension, units)}"
+
+
+@dataclass(frozen=True)
+class _Units:
+    """The dimensions of the nodes of a formula; None for the number 0, which fits every unit."""
+
+    known: Mapping[str, Dimension]
+    units: Mapping[str, str]
+
+    def of(self, node: ast.expr) -> Dimension | None:
+        parts = [(part, self.of(part)) for part in _operands(node)]
+        dims = [dim or PLAIN for _, dim in parts]
         match node:
             case ast.Constant():
-                assert isinstance(node.value, int | float)
-                return np.float64(node.value)
-            case ast.Name():
-                return self._name(node.id)
-            case ast.UnaryOp():
-                value = self.of(node.operand)
-                return _truth(value == 0, value) if is_not(node) else -value if isinstance(node.op, ast.USub) else value
-            case ast.BoolOp():
-                parts = [self.of(value) for value in node.values]
-                rule = np.logical_and if isinstance(node.op, ast.And) else np.logical_or
-                truth = parts[0] != 0
-                for part in parts[1:]:
-                    truth = rule(truth, part != 0)
-                return _truth(truth, *parts)
+                return None if node.value == 0 else PLAIN
+            case ast.Name(id=name):
+                return PLAIN if name in CONSTANTS else self.known[name]
+            case ast.Call(func=ast.Name(id="sqrt")):
+                return dims[0][0] / 2, dims[0][1] / 2
+            case ast.Call(func=ast.Name(id=name)):
+                return self._equal(parts, name) if name in ("abs", *OF_SEVERAL) else self._plain(parts, name)
             case ast.Compare():
-                parts = [self.of(node.left), *map(self.of, node.comparators)]
-                truth = np.True_
-                for op, left, right in zip(node.ops, parts, parts[1:], strict=False):
-                    truth = truth & COMPARED[type(op)][1](left, right)
-                return _truth(truth, *parts)
-            case ast.Call():
-                return self._call(node)
-            case ast.BinOp():
-                return self._compute(node)
+                self._equal(parts, OPERATORS[type(node.ops[0])][0])
+                return PLAIN
+            case ast.BoolOp() | ast.UnaryOp(op=ast.Not()):
+                return self._plain(parts, OPERATORS[type(node.op)][0])
+            case ast.BinOp(op=ast.Mult()):
+                return dims[0][0] + dims[1][0], dims[0][1] + dims[1][1]
+            case ast.BinOp(op=ast.Div()):
+                return dims[0][0] - dims[1][0], dims[0][1] - dims[1][1]
+            case ast.BinOp(op=ast.Pow()):
+                self._plain(parts[1:], "the exponent of **")
+                return PLAIN if dims[0] == PLAIN else self._power(node, dims[0])
+            case ast.BinOp() | ast.UnaryOp():
+                return self._equal(parts, OPERATORS[type(node.op)][0])
         raise AssertionError(node)
 
-    def _name(self, name: str) -> Any:
-        if name in CONSTANTS:
-            return np.float64(CONSTANTS[name])
-        value = np.asarray(self.values[name], dtype=float)
-        self._fault(~np.isfinite(value), f"{name} has no value")
-        return value
+    def _power(self, node: ast.BinOp, base: Dimension) -> Dimension:
+        if any(isinstance(part, ast.Name) and part.id not in CONSTANTS for part in ast.walk(node.right)):
+            raise InputError(
+                f"{self._tell(node.left, base)}: its exponent must be a number, got {ast.unparse(node.right)!r}"
+            )
+        with np.errstate(all="ignore"):
+            exponent = float(_value(node.right, {}, []))
+        share = Fraction(exponent).limit_denominator(MOST_POWER) if isfinite(exponent) else Fraction(0)
+        if abs(exponent) > MOST_POWER or abs(float(share) - exponent) > 1e-12:
+            limit = f"must be a fraction of at most {MOST_POWER}"
+            raise InputError(f"{self._tell(node.left, base)}: its exponent {limit}, got {exponent:g}")
+        return base[0] * share, base[1] * share
 
-    def _call(self, node: ast.Call) -> Any:
-        assert isinstance(node.func, ast.Name)
-        parts = [self.of(arg) for arg in node.args]
-        if node.func.id == "sqrt":
-            self._fault(parts[0] < 0, f"sqrt of a negative number in {ast.unparse(node)!r}")
-        if node.func.id == "log":
-            self._fault(parts[0] <= 0, f"log of a number that is not positive in {ast.unparse(node)!r}")
-        value = FUNCTIONS[node.func.id](*parts[:2])
-        for part in parts[2:]:
-            value = FUNCTIONS[node.func.id](value, part)
-        return value
+    def _plain(self, parts: list[tuple[ast.expr, Dimension | None]], user: str) -> Dimension:
+        """No dimension. Raises `InputError` where a part has one."""
+        for node, dim in parts:
+            if dim not in (None, PLAIN):
+                raise InputError(f"{self._tell(node, dim)}, but {user} needs a plain number")
+        return PLAIN
 
-    def _compute(self, node: ast.BinOp) -> Any:
-        a, b = self.of(node.left), self.of(node.right)
-        if isinstance(node.op, ast.Div):
-            self._fault(b == 0, f"division by zero: {ast.unparse(node.right)!r} is 0")
-        if isinstance(node.op, ast.Pow):
-            self._fault((a == 0) & (b < 0), f"division by zero: {ast.unparse(node.left)!r} is 0")
-            self._fault((a < 0) & (b != np.round(b)), f"power of a negative number in {ast.unparse(node)!r}")
-        return BINARY[type(node.op)][1](a, b)
+    def _equal(self, parts: list[tuple[ast.expr, Dimension | None]], user: str) -> Dimension | None:
+        """The one dimension of the parts. Raises `InputError` where they differ."""
+        sized = [(node, dim) for node, dim in parts if dim is not None]
+        for node, dim in sized:
+            if dim != sized[0][1]:
+                raise InputError(f"{self._tell(*sized[0])} and {self._tell(node, dim)}, but {user} needs equal units")
+        return sized[0][1] if sized else None
 
-    def _fault(self, mask: Any, reason: str) -> None:
-        if np.any(mask):
-            self.faults.append((mask, reason))
+    def _tell(self, node: ast.expr, dim: Dimension | None) -> str:
+        return f"{ast.unparse(node)[:60]!r} is {unit_words(dim or PLAIN, self.units)}"
 
 
-def _truth(truth: Any, *parts: Any) -> Any:
-    """1 and 0 for true and false, NaN where a part is NaN."""
-    unknown = np.False_
-    for part in parts:
-        unknown = unknown | np.isnan(part)
-    return np.where(unknown, np.nan, np.where(truth, 1.0, 0.0))
+# in metres
+LENGTHS = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048}
+_POUND = 4.4482216152605
+FORCES = {  # in newtons
+    "pN": 1e-12, "nN": 1e-9, "uN": 1e-6, "mN": 1e-3, "N": 1.0, "daN": 10.0, "kN": 1e3, "MN": 1e6, "dyn": 1e-5,
+    "gf": 9.80665e-3, "kgf": 9.80665, "lbf": _POUND,
+}  # fmt: skip
+STRESSES = {  # in newtons per square metre
+    "Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5,
+    "psi": _POUND / 0.0254**2, "ksi": 1e3 * _POUND / 0.0254**2,
+}  # fmt: skip
+ENERGIES = {"J": 1.0, "kJ": 1e3}  # in newton metres
+NUMBERS = {"deg": pi / 180, "rad": 1.0, "turn": 2 * pi, "percent": 0.01}
+
+_DIMENSIONS: tuple[tuple[Mapping[str, float], Dimension], ...] = (
+    (LENGTHS, (Fraction(1), Fraction(0))),
+    (FORCES, (Fraction(0), Fraction(1))),
+    (STRESSES, (Fraction(-2), Fraction(1))),
+    (ENERGIES, (Fraction(1), Fraction(1))),
+    (NUMBERS, PLAIN),
+)
+NAMED = ("Pa", "kPa", "MPa", "GPa", "ksi", "deg")  # at the end of a name they claim to be its unit
+
+
+def size_of(text: str, units: Mapping[str, str]) -> tuple[float, Dimension]:
+    """The size of a unit such as ``MPa``, ``deg/(30 m)`` or ``kN m`` in the units of a study, and its dimension.
+
+    Raises `InputError` for a text that is no product of known units.
+    """
+    sizes, known = {}, {}
+    for table, (length, force) in _DIMENSIONS:
+        in_study = LENGTHS[units["length"]] ** float(length) * FORCES[units["force"]] ** float(force)
+        for unit, size in table.items():
+            name = "inch" if unit == "in" else unit
+            sizes[name], known[name] = size / in_study, (length, force)
+    product = re.sub(r"(?<=[\w)])\s+(?=[\w(])", "*", re.sub(r"\bin\b", "inch", text.strip().replace("^", "**")))
+    try:
+        formula = parse(product)
+        if unknown := [name for name in formula.names if name not in known]:
+            raise InputError(f"no unit {unknown[0]!r}{near(unknown[0], known)}; choose from {choices(known)}")
+        dim = dimension(formula, known, units)
+    except InputError as error:
+        raise InputError(f"unit {text!r}: {error}") from None
+    value = float(evaluate(formula, sizes)[0])
+    if not value > 0:
+        raise InputError(f"unit {text!r} is not a product of units, such as MPa or deg/(30 m)")
+    return value, dim

@@ -14,7 +14,7 @@ from solver.problem.quantities import unit_of
 from solver.problem.rod import DIRECT, ELASTIC, lacking
 
 from ..grammar.axes import Which, quantity_of
-from ..grammar.units import FORCES, LENGTHS
+from ..grammar.formulas import FORCES, LENGTHS
 from .loader import load
 from .model import Study
 from .readings import DEFAULT, TABLE_UNITS, parse

@@ -16,8 +16,21 @@ from solver.problem.quantities import QUANTITIES, unit_text
 from solver.problem.reduced import flat
 
 from ..grammar.axes import FIELDS, WORDS, Misplaced, quantity_of
-from ..grammar.formulas import CONSTANTS, FUNCTIONS, IN, Formula, evaluate, parse
-from ..grammar.units import NAMED, PLAIN, Dimension, dimension, is_zero, size_of, unit_words
+from ..grammar.formulas import (
+    CONSTANTS,
+    FUNCTIONS,
+    IN,
+    NAMED,
+    PLAIN,
+    Dimension,
+    Formula,
+    dimension,
+    evaluate,
+    is_zero,
+    parse,
+    size_of,
+    unit_words,
+)
 from ..laws.law import Law
 from .readings import TABLE_1
 from .study_data import StudyData

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import xarray as xr
 
 from solver.problem.errors import no_such
-from studies.grammar.units import LENGTHS
+from studies.grammar.formulas import LENGTHS
 
 from ..geometry.centreline import Centreline
 

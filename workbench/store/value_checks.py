@@ -15,7 +15,7 @@ from solver.observe.observables import OBSERVABLES
 from solver.problem.case import SIDES, SLIDING
 from solver.problem.errors import choices
 from solver.problem.rod import DIRECT, ELASTIC, GIVEN
-from studies.grammar.units import FORCES, LENGTHS
+from studies.grammar.formulas import FORCES, LENGTHS
 
 from ..words import escaping
 from . import schema
