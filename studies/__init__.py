@@ -3,8 +3,8 @@
 from .language.loader import load, loads, names
 from .language.model import Study
 from .language.readings import READINGS, TABLE_1, Reading
-from .laws.law import Law
-from .laws.verdicts import Verdict, judge
+from .laws.line_verdicts import Verdict, judge
+from .laws.verdicts import Law
 
 __version__ = "0.2.0"
 __all__ = ["READINGS", "TABLE_1", "Law", "Reading", "Study", "Verdict", "judge", "load", "loads", "names"]

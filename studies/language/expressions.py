@@ -31,7 +31,7 @@ from ..grammar.formulas import (
     size_of,
     unit_words,
 )
-from ..laws.law import Law
+from ..laws.verdicts import Law
 from .readings import TABLE_1
 from .study_data import StudyData
 

@@ -11,8 +11,7 @@ from solver.problem.errors import choices, near
 from ..grammar.axes import Misplaced, no_key
 from ..grammar.dimensions import SAMPLE, Dimension, Values
 from ..grammar.formulas import parse
-from ..laws.law import Law
-from ..laws.verdicts import by_line
+from ..laws.verdicts import Law, by_line
 from .lattice import OUTCOME, Lattice, Lines
 from .paired import check_equilibrium
 from .refinement import Refinement

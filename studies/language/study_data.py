@@ -17,7 +17,7 @@ from solver.problem.rod import DIRECT
 from ..grammar import axes as parts
 from ..grammar.axes import CYLINDER, ENDS, ROD, START, Axis, Base, Units, Which
 from ..grammar.dimensions import Dimension
-from ..laws.law import Law
+from ..laws.verdicts import Law
 from .case_tables import Table
 from .lattice import Refine
 from .readings import TABLE_1, parse

@@ -17,7 +17,7 @@ from pydantic import BaseModel, ValidationError
 from solver.problem.errors import choices, near
 
 from ..grammar.axes import Axis, Base, Misplaced, Units, Which
-from ..laws.law import Law
+from ..laws.verdicts import Law
 from .case_tables import Table
 from .lattice import Refine
 from .model import Study

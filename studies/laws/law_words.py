@@ -1,23 +1,24 @@
 """The sentences about a law: what it claims, its verdict, what was measured, why it is true in part.
 
-Why a line is not decided is said where that is judged, in `line_verdicts` and `law_kinds`.
+Why a line is not decided, what a kind of law claims and what was measured of it is said in `line_verdicts`.
 
 Commands, figures and the report take their words here. How a number or a formula is written is theirs: a `Show`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from .line_verdicts import (
     DIRECTIONS,
     FAILS,
     HOLDS,
+    KINDS,
     QUALIFIED,
     TREND,
     TREND_TAU,
     UNDECIDED,
     VERDICTS,
+    Show,
     Verdict,
     as_good,
     worst,
@@ -48,92 +49,15 @@ MEANING = {  # verdict -> what it means
     FAILS: "none of these",
 }
 
-# Writes a number or a formula; of what: the "observable", the "axis", or a "place" on the axis.
-Show = Callable[[Any, str], str]
-
-
-def as_given(value: Any, of: str) -> str:
-    """A number with four digits, a formula as the study has it."""
-    return value if isinstance(value, str) else f"{value:.4g}"
-
-
-@dataclass(frozen=True)
-class KindWords:
-    """The words of a kind of law.
-
-    does: what the observable does, of the law's keys. finding: what was measured, of the numbers of the verdict, the
-    law's keys and the axis.
-    """
-
-    does: Callable[[Mapping[str, Any], Show], str]
-    finding: Callable[[Mapping[str, float], Mapping[str, Any], str, Show], str] | None = None
-
-
-def _equals(rule: Mapping[str, Any], show: Show) -> str:
-    relative = rule.get("relative")
-    near = show(rule["absolute"], "observable") if relative is None else f"{100 * relative:.4g} %"
-    return f"equals {show(rule['formula'], 'observable')} within {near}"
-
-
-def _off(numbers: Mapping[str, float], rule: Mapping[str, Any], axis: str, show: Show) -> str:
-    off = f"{100 * numbers['off']:.3g} %" if "relative" in rule else show(numbers["off"], "observable")
-    return f"at most {off} off, at {axis} = {show(numbers['at'], 'axis')}"
-
-
-def _bounds(rule: Mapping[str, Any], show: Show) -> str:
-    of = "observable"
-    ends = (("least", "at least"), ("most", "at most"))
-    return f"is {' and '.join(f'{words} {show(rule[key], of)}' for key, words in ends if key in rule)}"
-
-
-def _range(numbers: Mapping[str, float], rule: Mapping[str, Any], axis: str, show: Show) -> str:
-    return f"{show(numbers['smallest'], 'observable')} to {show(numbers['largest'], 'observable')}"
-
-
-def _scales(rule: Mapping[str, Any], show: Show) -> str:
-    return f"scales with the exponent {rule['exponent']:.4g} within {rule['within']:.4g}"
-
-
-def _exponent(numbers: Mapping[str, float], rule: Mapping[str, Any], axis: str, show: Show) -> str:
-    return f"exponent {numbers['exponent']:.4g} ± {numbers['interval']:.2g}"
-
-
-def _passes(rule: Mapping[str, Any], show: Show) -> str:
-    place = f"{show(rule['x'], 'place')} within {show(rule['within'], 'axis')}"
-    return f"passes {show(rule['passes'], 'observable')} at {place}"
-
-
-def _gap(numbers: Mapping[str, float], rule: Mapping[str, Any], axis: str, show: Show) -> str:
-    return f"passes between {show(numbers['from'], 'axis')} and {show(numbers['to'], 'axis')}"
-
-
-KIND_WORDS: dict[str, KindWords] = {
-    "monotone": KindWords(lambda rule, show: DIRECTIONS[rule["direction"]].does),
-    "equals": KindWords(_equals, _off),
-    "bounded": KindWords(_bounds, _range),
-    "scales": KindWords(_scales, _exponent),
-    "boundary": KindWords(_passes, _gap),
-}
-
-
-def does(kind: str, rule: Mapping[str, Any], show: Show = as_given) -> str:
-    """What the observable of a law does, of its kind and keys: ``falls``, ``is at least 0.9``."""
-    return KIND_WORDS[kind].does(rule, show)
-
-
-def finding(kind: str, numbers: Mapping[str, float], rule: Mapping[str, Any], axis: str, show: Show = as_given) -> str:
-    """What was measured of a law with numbers: ``at most 0.02 % off, at FZ = -300``."""
-    words = KIND_WORDS[kind].finding
-    assert words is not None
-    return words(numbers, rule, axis, show)
-
 
 def finding_of(row: Mapping[str, Any], show: Show) -> str:
     """What was measured, of a row of a verdict; as it is stored where its numbers do not say it all."""
     several = row["found"].count("between") > 1
     if not row["numbers"] or None in row["numbers"].values() or several:
         return str(row["found"])
-    return finding(row["kind"], row["numbers"], row["rule"], row["axis"], show)
+    finding = KINDS[row["kind"]].finding
+    assert finding is not None
+    return finding(row["numbers"], row["rule"], row["axis"], show)
 
 
 def others(row: Mapping[str, Any], name: Callable[[str], str]) -> str:
@@ -258,7 +182,7 @@ def law_in_words(row: Mapping[str, Any], noun: str = "", axis: str = "", show: S
 
     show: of the numbers and formulas of a law with numbers; default: as they are stored.
     """
-    claim = row["does"] if show is None else does(row["kind"], row["rule"], show)
+    claim = row["does"] if show is None else KINDS[row["kind"]].does(row["rule"], show)
     words = f"{noun or row['observable']} {claim}"
     if not axis:
         return f"{words} along {row['axis']}"

@@ -10,8 +10,7 @@ from studies import READINGS, TABLE_1
 from studies.grammar.axes import FORCES, LENGTHS, in_rad
 from studies.language.readings import TABLE_UNITS
 from studies.language.study_data import OUTPUTS
-from studies.laws.law_kinds import KINDS, MONOTONE
-from studies.laws.verdicts import DIRECTIONS
+from studies.laws.line_verdicts import DIRECTIONS, KINDS, MONOTONE
 
 # For each field a range in which the solver takes every value, whatever the others are.
 RANGES = {

@@ -4,18 +4,19 @@ import numpy as np
 import pytest
 from scipy.stats import kendalltau
 
-from studies.laws.line_verdicts import DIRECTIONS, Direction, Line, Verdict
-from studies.laws.verdicts import (
+from studies.laws.line_verdicts import (
+    DIRECTIONS,
     FAILS,
     HOLDS,
     QUALIFIED,
     TREND,
     UNDECIDED,
-    Law,
-    by_line,
-    decide,
+    Direction,
+    Line,
+    Verdict,
     judge,
 )
+from studies.laws.verdicts import Law, by_line, decide
 
 LAW = Law(claim="(1)", observable="turns", axis="E", direction="falls", source="a sentence")
 

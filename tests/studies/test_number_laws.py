@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import linregress, t
 
 from studies.language.loader import loads
-from studies.laws.law_kinds import fit_power
+from studies.laws.line_verdicts import fit_power
 
 HEAD = 'title = "one"\nreading = "force-first/tension/paper"\n[units]\nlength = "cm"\nforce = "N"\n'
 AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.beta]\nvalues = [0.3, 0.6]\n"

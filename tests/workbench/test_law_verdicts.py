@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
+from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 from tests.workbench import small
 from workbench.store import in_memory, law_verdicts
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
 from studies import load
-from studies.laws.verdicts import HOLDS, VERDICTS, judge
+from studies.laws.line_verdicts import HOLDS, VERDICTS, judge
 from tests.workbench.command import exit_status
 from tests.workbench.pictures import pixels
 from tests.workbench.small import THREE, grid, law, study

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from solver import InputError
 from studies import Study, load
 from studies.laws import law_words
-from studies.laws.verdicts import FAILS, HOLDS, UNDECIDED
+from studies.laws.line_verdicts import FAILS, HOLDS, UNDECIDED
 from tests.workbench import small
 from workbench import cli
 from workbench.figures import study_figure

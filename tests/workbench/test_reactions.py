@@ -9,7 +9,7 @@ import xarray as xr
 from solver import Case, Cylinder, Ends, Rod, Start, fit, observe, solve
 from studies import Study
 from studies.language.loader import loads
-from studies.laws.verdicts import HOLDS
+from studies.laws.line_verdicts import HOLDS
 from tests.workbench import small
 from workbench.store import in_memory, law_verdicts
 from workbench.store.study_store import Options, run_to_file

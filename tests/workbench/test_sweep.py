@@ -8,7 +8,7 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import Case, Ends, solve
 from studies import Study
 from studies.language.loader import loads
-from studies.laws.verdicts import FAILS, UNDECIDED
+from studies.laws.line_verdicts import FAILS, UNDECIDED
 from tests.slow import slow, slow_but
 from tests.workbench import small
 from workbench.commands import study_scene

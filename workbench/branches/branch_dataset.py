@@ -16,8 +16,8 @@ from solver.problem.errors import no_such
 from solver.problem.reduced import held_of
 from studies import Study
 from studies.grammar.axes import quantity_of
-from studies.laws.law import Law
-from studies.laws.verdicts import QUALIFIED, decide
+from studies.laws.line_verdicts import QUALIFIED
+from studies.laws.verdicts import Law, decide
 
 from ..store import dataset, schema
 from .equilibria_dataset import COUNT, DEAD_LOADS, EACH, PUSH, attributes, with_case

@@ -153,7 +153,7 @@ def _print(results: "list[StudyResult]", readings: "xr.Dataset", out: Path, advi
 def _verdict_rows(readings: "xr.Dataset") -> list[list[str]]:
     """One row for each reading: the verdict of each claim."""
     from studies.laws.law_words import PLAIN
-    from studies.laws.verdicts import TREND
+    from studies.laws.line_verdicts import TREND
 
     table = zip(readings["reading"].values, readings["claim_verdict"].values, strict=True)
     words = {**PLAIN, TREND: "trend"}

@@ -22,7 +22,7 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import Affine2D
 
 from solver.problem.errors import no_such
-from studies.laws.verdicts import NOISE
+from studies.laws.line_verdicts import NOISE
 
 from ..store import schema
 from ..words import labels

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
 from solver.problem.errors import no_such
-from studies.laws.line_verdicts import DIRECTIONS
-from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED
+from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, QUALIFIED
 
 from ..branches.branch_dataset import branches
 from ..words import labels

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
+from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
 if TYPE_CHECKING:
     from matplotlib.colors import Colormap, ListedColormap

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from studies.laws import law_words
 from studies.laws.law_words import PLAIN, count
-from studies.laws.verdicts import HOLDS, VERDICTS
+from studies.laws.line_verdicts import HOLDS, VERDICTS
 
 from ..store import attributes, law_verdicts, refined
 from ..store.schema import SAMPLING

@@ -9,10 +9,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from studies.laws import law_words
-from studies.laws.law import Law
-from studies.laws.law_kinds import MONOTONE
 from studies.laws.law_words import PLAIN
-from studies.laws.verdicts import FAILS
+from studies.laws.line_verdicts import FAILS, MONOTONE, Show
+from studies.laws.verdicts import Law
 
 from ..store import law_verdicts, selection
 from ..words import labels
@@ -66,7 +65,7 @@ def _measure(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
     return labels.law_text(row, "; ".join(text for text in (said, law_words.detail(row)) if text))
 
 
-def _show(ds: xr.Dataset, row: Mapping[str, Any]) -> law_words.Show:
+def _show(ds: xr.Dataset, row: Mapping[str, Any]) -> Show:
     """How a law writes a number or a formula: with units and symbols."""
     axis = row["axis"]
     arrays = {"observable": ds[row["observable"]], "axis": ds[axis], "place": ds[axis]}

@@ -10,7 +10,7 @@ from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
 from studies.grammar.dimensions import SAMPLE
-from studies.laws.verdicts import FAILS
+from studies.laws.line_verdicts import FAILS
 
 from ..store import schema, selection
 from ..words import labels

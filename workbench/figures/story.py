@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from solver.mechanics import frames
 from studies.laws.law_words import PLAIN
-from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
+from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
 from ..store import law_verdicts
 from ..words import labels

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from solver.problem.errors import no_such
-from studies.laws.verdicts import FAILS
+from studies.laws.line_verdicts import FAILS
 
 from ..store import selection
 from ..words import labels

@@ -8,7 +8,7 @@ import numpy as np
 
 from solver.problem.errors import InputError
 from studies.grammar.axes import LONGEST_LINE
-from studies.laws.law import Law
+from studies.laws.verdicts import Law
 
 from ..words import escaping
 

@@ -9,8 +9,8 @@ from solver.problem.errors import InputError, choices
 from studies.grammar.dimensions import SAMPLE
 from studies.language.expressions import unit_names
 from studies.language.readings import DROPPED
-from studies.laws.law import Law
-from studies.laws.verdicts import FAILS, HOLDS, TREND, UNDECIDED, by_line, decide, refusal, targets
+from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED
+from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 
 from . import attributes, refined, schema
 from .schema import dimension

@@ -16,7 +16,7 @@ from solver.problem.errors import InputError
 from studies import Study
 from studies.grammar.dimensions import Dimensions
 from studies.language.refine import lattice
-from studies.laws.law import Law
+from studies.laws.verdicts import Law
 
 from .checksums import digest
 from .schema import version_of

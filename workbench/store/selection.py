@@ -18,7 +18,7 @@ from solver.problem.errors import InputError, choices, near, no_such
 from studies import TABLE_1
 from studies.grammar.axes import FIELDS, in_rad, is_angle
 from studies.grammar.dimensions import SAMPLE
-from studies.laws.verdicts import NOISE
+from studies.laws.line_verdicts import NOISE
 
 from . import schema
 from .schema import COMPONENTS, axes_of, dimension, fields_of_samples

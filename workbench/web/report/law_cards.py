@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from studies.laws import law_words
-from studies.laws.verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
+from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
 from ...words import labels
 

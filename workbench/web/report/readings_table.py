@@ -9,7 +9,8 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 from studies import READINGS, Study, load, names
-from studies.laws.verdicts import refusal, worst
+from studies.laws.line_verdicts import worst
+from studies.laws.verdicts import refusal
 
 from ...store import dataset, in_memory, law_verdicts
 
