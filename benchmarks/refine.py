@@ -18,9 +18,8 @@ from benchmarks.timing import peak_gigabytes
 from solver import solve
 from solver.observe.observables import observe
 from studies import Study
-from studies.language.lattice import Lattice
 from studies.language.loader import load, loads
-from studies.language.refinement import refinement_of
+from studies.language.refinement import Lattice, refinement_of
 from workbench.store import in_memory, refined
 from workbench.store.study_store import Options, run_to_file
 

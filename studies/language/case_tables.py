@@ -11,8 +11,7 @@ from pydantic import BaseModel
 
 from solver.problem.errors import InputError, choices, near
 
-from ..grammar.axes import CYLINDER, ENDS, MAX_COUNT, ROD, START, STRICT, WORDS, Line, number_of
-from ..grammar.dimensions import Values
+from ..grammar.axes import CYLINDER, ENDS, MAX_COUNT, ROD, START, STRICT, WORDS, Line, Values, number_of
 
 NUMERIC = [name for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS)) if name not in WORDS]
 SUFFIXES = (".csv", ".parquet")

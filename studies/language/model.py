@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationInfo, field_validator, model_validator
 
-from solver import Case, Cylinder, InputError, Rod, Start
+from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case import from_fields
 from solver.problem.errors import choices, near, no_such
@@ -16,13 +16,26 @@ from solver.problem.quantities import unit_of
 from solver.problem.shown import make
 
 from ..grammar import axes as parts
-from ..grammar.axes import CYLINDER, ROD, Axis, Misplaced, no_key
-from ..grammar.dimensions import SAMPLE, Dimension, Dimensions
-from . import expressions, paired, refine
-from .lattice import OUTCOME
-from .readings import TABLE_1, TABLE_UNITS, Reading, parse
+from ..grammar.axes import (
+    CYLINDER,
+    MAX_COUNT,
+    ROD,
+    SAMPLE,
+    START,
+    WORDS,
+    Axis,
+    Dimension,
+    Dimensions,
+    Misplaced,
+    Values,
+    no_key,
+)
+from ..laws.verdicts import Law
+from . import case_tables, expressions, refine
+from .readings import TABLE_1, TABLE_UNITS, parse
+from .refinement import OUTCOME
 from .samples import Distribution
-from .study_data import OUTPUTS, StudyData
+from .study_data import OUTPUTS, SOURCES, StudyData, check_equilibrium
 
 
 class Study(StudyData):
@@ -76,29 +89,44 @@ class Study(StudyData):
         return dict(sorted(read.items(), key=lambda item: isinstance(item[1], dict) and item[1].get("follow") is True))
 
     @model_validator(mode="after")
-    def _samples_found(self, info: ValidationInfo) -> "Study":
-        """The samples of the context, or of [zip] or [table]; those of [sample] are drawn later (`samples`).
+    def _fits(self, info: ValidationInfo) -> "Study":
+        """Take the samples of the context, or of [zip] or [table]; those of [sample] are drawn later (`samples`).
 
-        The context holds "samples", as a dataset stored them, or "folder" of the study's file.
+        The context holds "samples", as a dataset stored them, or "folder" of the study's file. Then raise `Misplaced`
+        unless the parts of the study fit each other.
         """
         context = info.context or {}
         given = "samples" in context
-        self._samples = context["samples"] if given else paired.given(self, context.get("folder", Path()))
+        self._samples = context["samples"] if given else _samples_of(self, context.get("folder", Path()))
+        self._check_base()
+        self._check_axes()
+        if self.refine is not None:
+            refine.check(self)
+        else:
+            _check_samples(self)
+            for name, distribution in self.sample.fields.items() if self.sample else ():
+                self._check_unit(distribution, "sample", name)
+        self._check_units()
+        self._check_equilibrium()
+        if self.expressions:
+            expressions.check(self)
+        for name in self.wanted:
+            if name in OBSERVABLES and name not in self.known_observables:
+                raise Misplaced(f"{name} needs E, which a rod with EI and GJ does not have: remove it", "observables")
+        for number, law in enumerate(self.laws):
+            self._check_law(number, law)
         return self
 
-    @model_validator(mode="after")
-    def _base_fits(self) -> "Study":
+    def _check_base(self) -> None:
         fields = self.fields
         for name in self.base.given:
             if name not in fields:
                 why = "Table 1 prints no" if self.reading else f"a study of {self.kind.__name__} has no field"
                 raise Misplaced(f"{why} {name!r}{near(name, fields)}; choose from {choices(fields)}", "base", name)
-        return self
 
-    @model_validator(mode="after")
-    def _axes_fit(self) -> "Study":
+    def _check_axes(self) -> None:
         numeric = [name for name in self.fields if name not in parts.WORDS]
-        paired.check_followed(self)
+        _check_followed(self)
         for name, axis in self.axes.items():
             if name in self.base.given and axis is not self.follow:
                 raise Misplaced(f"{name} is given in base and as an axis: remove one of them", "axes", name)
@@ -109,17 +137,6 @@ class Study(StudyData):
                 raise Misplaced(f"{axis.size} values, more than the limit of {parts.MAX_COUNT}", "axes", name)
         if self.size > parts.MAX_CASES:
             raise Misplaced(f"the grid has {self.size} cases, more than the limit of {parts.MAX_CASES}", "axes")
-        return self
-
-    @model_validator(mode="after")
-    def _samples_fit(self) -> "Study":
-        if self.refine is not None:
-            refine.check(self)
-            return self
-        paired.check(self)
-        for name, distribution in self.sample.fields.items() if self.sample else ():
-            self._check_unit(distribution, "sample", name)
-        return self
 
     def _check_unit(self, given: Axis | Distribution, *where: str) -> None:
         """Raise `Misplaced` unless the key unit of an axis or distribution fits its field, the last of `where`."""
@@ -129,76 +146,46 @@ class Study(StudyData):
             why = f"{where[-1]} is in {' or '.join(allowed)}, got unit {given.unit!r}"
             raise Misplaced(why, *where, "unit")
 
-    @model_validator(mode="after")
-    def _units_fit(self) -> "Study":
-        """Other units than those of Table 1 only where no number with such a unit comes from the table."""
-        if not self.reading:
-            return self
+    def _check_units(self) -> None:
+        """Raise `Misplaced` for other units than those of Table 1 where a number with such a unit comes from it."""
         given = (*self.base.given, *self.varied)
-        taken = [name for name in TABLE_1 if name not in given and self._has_other_unit(name)]
+        rows = {name: parts.quantity_of(name).name for name in TABLE_1 if self.reading and name not in given}
+        taken = [name for name, row in rows.items() if unit_of(row, self.unit_system) != unit_of(row, TABLE_UNITS)]
         if taken:
             units = self.unit_system.items()
             others = " and ".join(f"{kind} = {unit!r}" for kind, unit in units if unit != TABLE_UNITS[kind])
             why = f"the numbers of Table 1 are in cm and N: with {others} the study must give {', '.join(taken)} itself"
             raise Misplaced(why, "units")
-        return self
 
-    def _has_other_unit(self, field: str) -> bool:
-        """Whether the unit of a field is another one than in Table 1."""
-        name = parts.quantity_of(field).name
-        return unit_of(name, self.unit_system) != unit_of(name, TABLE_UNITS)
-
-    @model_validator(mode="after")
-    def _equilibrium_fits(self) -> "Study":
+    def _check_equilibrium(self) -> None:
         if self.equilibrium is not None and (self.reading or self.kind is Start):
             why = "equilibrium selects a solution of an ends problem; it excludes a reading and a start problem"
             raise Misplaced(why, "equilibrium")
         if self.equilibrium is not None and self.held:
             why = f"equilibrium selects among the equilibria under dead loads, got {choices(self.held)}"
             raise Misplaced(why, "equilibrium")
-        return self
 
-    @model_validator(mode="after")
-    def _expressions_fit(self) -> "Study":
-        if self.expressions:
-            expressions.check(self)
-        return self
-
-    @model_validator(mode="after")
-    def _observables_fit(self) -> "Study":
-        for name in self.wanted:
-            if name in OBSERVABLES and name not in self.known_observables:
-                raise Misplaced(f"{name} needs E, which a rod with EI and GJ does not have: remove it", "observables")
-        return self
-
-    @model_validator(mode="after")
-    def _laws_fit(self) -> "Study":
+    def _check_law(self, number: int, law: Law) -> None:
         sampled = self.sampled if self.refine is None else ()  # laws are judged on the coarse grid
         lines = [*self.axes, *([SAMPLE] if sampled else [])]
-        for i, law in enumerate(self.laws):
-            if law.axis in (*sampled, *lines[len(self.axes) :]):
-                is_drawn = "" if law.axis == SAMPLE else f"{law.axis} is sampled, and "
-                why = f"{is_drawn}samples have no order in which an observable rises or falls"
-                raise Misplaced(f"{why}: a law needs an axis, such as [axes.{sampled[0]}]", "laws", i, "axis")
-            if law.axis not in self.axes:
-                raise no_key("axis", law.axis, self.axes, "laws", i, "axis")
-            for name in law.at:
-                if name not in lines or name == law.axis:
-                    named = choices(axis for axis in lines if axis != law.axis)
-                    others = f"choose from {named}" if named else "there is none"
-                    raise Misplaced(f"no other axis {name!r}; {others}", "laws", i, "at")
-            for key, names in (
-                ("observable", [law.observable]),
-                ("alternatives", law.alternatives),
-                ("also", law.also),
-            ):
-                try:
-                    _known("observable", names, (*OBSERVABLES, *self.expressions))
-                except ValueError as error:
-                    raise Misplaced(str(error), "laws", i, key) from None
-            if law.formulas:
-                expressions.check_law(self, i, law)
-        return self
+        if law.axis in (*sampled, *lines[len(self.axes) :]):
+            is_drawn = "" if law.axis == SAMPLE else f"{law.axis} is sampled, and "
+            why = f"{is_drawn}samples have no order in which an observable rises or falls"
+            raise Misplaced(f"{why}: a law needs an axis, such as [axes.{sampled[0]}]", "laws", number, "axis")
+        if law.axis not in self.axes:
+            raise no_key("axis", law.axis, self.axes, "laws", number, "axis")
+        for name in law.at:
+            if name not in lines or name == law.axis:
+                named = choices(axis for axis in lines if axis != law.axis)
+                others = f"choose from {named}" if named else "there is none"
+                raise Misplaced(f"no other axis {name!r}; {others}", "laws", number, "at")
+        for key, names in law.model_dump(include={"observable", "alternatives", "also"}).items():
+            try:
+                _known("observable", [names] if key == "observable" else names, (*OBSERVABLES, *self.expressions))
+            except ValueError as error:
+                raise Misplaced(str(error), "laws", number, key) from None
+        if law.formulas:
+            expressions.check_law(self, number, law)
 
     @property
     def samples(self) -> Dimension | None:
@@ -294,11 +281,6 @@ class Study(StudyData):
         return Case(from_fields(Rod, rod), from_fields(Cylinder, cylinder), from_fields(self.kind, given))
 
 
-def reading_of(study: Study) -> Reading | None:
-    """The reading of a study, or None where it does not use Table 1."""
-    return parse(study.reading) if study.reading else None
-
-
 def _known(kind: str, names: list[str], known: Any) -> list[str]:
     """The names, if all are known and none is repeated; raises `ValueError`."""
     for name in names:
@@ -307,3 +289,105 @@ def _known(kind: str, names: list[str], known: Any) -> list[str]:
     if twice := [name for name in names if names.count(name) > 1]:
         raise ValueError(f"the {kind} {twice[0]!r} is given twice")
     return names
+
+
+def _samples_of(study: StudyData, folder: Path) -> Dimension | None:
+    """The samples of [zip] or [table]; None where a study has neither. folder: of its file. Raises `Misplaced`."""
+    said = [name for name in SOURCES if getattr(study, name) is not None]
+    if study.refine is not None and said:
+        raise Misplaced(f"refine and {said[0]} exclude each other: refine adds cases to the grid of the axes", "refine")
+    if len(said) > 1:
+        raise Misplaced(f"{said[0]} and {said[1]} exclude each other: each gives the samples", said[1])
+    if study.table is not None:
+        try:
+            return Dimension(SAMPLE, case_tables.read(folder / study.table.file, study.table.columns))
+        except InputError as error:
+            raise Misplaced(str(error), "table", "file") from None
+    return None if study.zip is None else Dimension(SAMPLE, _pair(study.zip))
+
+
+def _pair(lists: Mapping[str, list[float]]) -> dict[str, Values]:
+    if not lists or not all(lists.values()):
+        empty = [name for name, values in lists.items() if not values]
+        raise Misplaced("zip is empty: give at least one field a list of at least one value", "zip", *empty[:1])
+    sizes = {name: len(values) for name, values in lists.items()}
+    first, size = next(iter(sizes.items()))
+    for name, other in sizes.items():
+        if other != size:
+            counts = f"{size} in {first} and {other} in {name}"
+            raise Misplaced(f"the lists of zip are paired and must be equally long, got {counts}", "zip", name)
+    if size > MAX_COUNT:
+        raise Misplaced(f"{size} values, more than the limit of {MAX_COUNT}", "zip", first)
+    return {name: np.array(values) for name, values in lists.items()}
+
+
+def key_of(study: StudyData, field: str) -> tuple[str, str]:
+    """The key of a sampled field in the study's file."""
+    table = study.source
+    return (table, "file") if table == "table" else (table, field)
+
+
+def _check_samples(study: StudyData) -> None:
+    """Raise `Misplaced` unless every sampled field is a number of the case, given once, and what else is given fits."""
+    table, numeric = study.source, [name for name in study.fields if name not in WORDS]
+    for name in study.sampled:
+        where = key_of(study, name)
+        for other, names in (("base", study.base.given), ("axes", study.axes)):
+            if name in names:
+                raise Misplaced(f"{name} is given in {other} and in {table}: remove one of them", *where)
+        if name not in numeric:
+            what = "column" if table == "table" else "field"
+            more = "; [table] columns names those to be read" if table == "table" else ""
+            raise Misplaced(f"no {what} {name!r}{near(name, numeric)}; choose from {choices(numeric)}{more}", *where)
+    if not study.sampled:
+        return
+    if study.followed is not None:
+        why = f"a followed axis excludes {table}: it is solved for one base case"
+        raise Misplaced(why, "axes", study.followed, "follow")
+    if study.axes and study.kind is Ends:
+        why = f"the cases of an ends problem are compared along an axis, and those of {table} have no order"
+        raise Misplaced(f"{why}: give {choices(study.axes)} in {table} too, or remove {table}", "axes")
+    check_equilibrium(study, f"{table} gives {study.samples_count}")
+
+
+OF_ENDS = ("betaL", "FZ", "MZ", "M3")  # of the ends problem that a start problem solves
+
+
+def _check_followed(study: StudyData) -> None:
+    """Raise `Misplaced` for several followed axes, and for one that the base case cannot be followed along."""
+    names = [name for name, axis in study.axes.items() if axis.follow]
+    if len(names) > 1:
+        raise Misplaced(f"one axis may be followed, got {choices(names)}", "axes", names[1], "follow")
+    for name in names:
+        if study.varies:
+            why = "with weight or friction each case continues from the straight rod, not from the one before it"
+            raise Misplaced(f"{why}: remove follow", "axes", name, "follow")
+        if study.kind is Start:
+            _check_of_a_start(study, name, study.axes[name])
+        else:
+            _check_of_ends(name, study.axes[name])
+
+
+def _check_of_ends(name: str, axis: Axis) -> None:
+    if axis.is_open:
+        give = f"give {name} from, to and count, or values"
+        raise Misplaced(f"a followed axis over an ends problem begins at its first value: {give}", "axes", name)
+    if axis.size < 2:
+        raise Misplaced(f"a followed axis needs at least 2 values, got {axis.size}", "axes", name)
+    steps = np.diff(axis.values) if axis.values is not None else np.ones(1)
+    if not ((steps > 0).all() or (steps < 0).all()):
+        raise Misplaced("the values of a followed axis must rise or fall", "axes", name, "values")
+
+
+def _check_of_a_start(study: StudyData, name: str, axis: Axis) -> None:
+    known = [*OF_ENDS, *(() if study.reading else (field for field in (*ROD, *CYLINDER) if field in study.base.given))]
+    known = [field for field in known if field not in WORDS]
+    if name in START and name not in known:
+        why = f"a start problem has only one solution at each {name}, which is not followed: remove follow"
+        raise Misplaced(why, "axes", name, "follow")
+    if name not in known or len(study.axes) > 1:
+        why = f"over a start problem, follow needs one axis, of {choices(known)}, got {choices(study.axes)}"
+        raise Misplaced(f"{why}; give the base by its ends for others", "axes", name, "follow")
+    if not axis.is_open:
+        key = "values" if axis.values is not None else "from"
+        raise Misplaced(f"a followed axis starts at the value of the base case: leave out {key}", "axes", name, key)

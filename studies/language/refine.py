@@ -8,14 +8,11 @@ from numpy.typing import NDArray
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.errors import choices, near
 
-from ..grammar.axes import Misplaced, no_key
-from ..grammar.dimensions import SAMPLE, Dimension, Values
+from ..grammar.axes import SAMPLE, Dimension, Misplaced, Values, no_key
 from ..grammar.formulas import parse
 from ..laws.verdicts import Law, by_line
-from .lattice import OUTCOME, Lattice, Lines
-from .paired import check_equilibrium
-from .refinement import Refinement
-from .study_data import StudyData
+from .refinement import OUTCOME, Lattice, Lines, Refinement
+from .study_data import StudyData, check_equilibrium
 
 LEVEL = "level"  # the coordinate of a refined study: how many halvings made a case
 MOST_PLACES = 2**31  # along an axis

@@ -14,8 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from solver.problem.errors import choices, near
 
-from ..grammar.axes import MAX_COUNT, STRICT, Misplaced, one_of
-from ..grammar.dimensions import Values
+from ..grammar.axes import MAX_COUNT, STRICT, Misplaced, Values, one_of
 
 Cube = NDArray[np.float64]  # points in the unit cube, (size, fields)
 

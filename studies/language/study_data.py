@@ -15,12 +15,11 @@ from solver.problem.errors import DEFAULT_TOLERANCE, choices
 from solver.problem.rod import DIRECT
 
 from ..grammar import axes as parts
-from ..grammar.axes import CYLINDER, ENDS, ROD, START, Axis, Base, Units, Which
-from ..grammar.dimensions import Dimension
+from ..grammar.axes import CYLINDER, ENDS, ROD, SAMPLE, START, Axis, Base, Dimension, Misplaced, Units, Which
 from ..laws.verdicts import Law
 from .case_tables import Table
-from .lattice import Refine
 from .readings import TABLE_1, parse
+from .refinement import Refine
 from .samples import Sample
 
 # The quantities that can be stored along the rod: names of `Solution`.
@@ -31,6 +30,8 @@ OUTPUTS = (
 
 # The default observables of a study.
 OBSERVED = ["turns", "wraps", "height", "kappa_max", "contact_size_mean", "attached"]
+
+SOURCES = ("sample", "zip", "table")  # the tables of a study that give fields that vary together
 
 MAX_STATIONS = 100_001
 
@@ -169,6 +170,21 @@ class StudyData(BaseModel):
         return (*self.sampled, *self.grid)
 
     @property
+    def source(self) -> str:
+        """The table of the study that gives the samples."""
+        return next((name for name in SOURCES if getattr(self, name) is not None), SAMPLE)
+
+    @property
+    def samples_sentence(self) -> str:
+        """Where the samples of a study come from, in one sentence; empty where there are none."""
+        if not self.sampled or self.refine is not None:
+            return ""
+        count = f"{self.samples_count} sample{'s' * (self.samples_count != 1)} of {choices(self.sampled)}"
+        if self.sample is not None:
+            return f"{count}: {self.sample.sentence}"
+        return f"{count}, from {self.table.file if self.table is not None else 'the lists of zip'}"
+
+    @property
     def known_observables(self) -> tuple[str, ...]:
         """The observables that the rods of the study have: with EI and GJ in place of E there is no stress."""
         given = {*self.base.given, *self.varied}
@@ -197,3 +213,10 @@ class StudyData(BaseModel):
     def meaning(self, field: str) -> str:
         """The meaning of a printed value under the reading of the study, in words; empty if it is the plain field."""
         return parse(self.reading).meaning(field) if self.reading else ""
+
+
+def check_equilibrium(study: StudyData, several: str) -> None:
+    """Raise `Misplaced` where a study of several cases, as the words say, names the equilibrium of one."""
+    if study.equilibrium is not None and study.equilibrium.dbeta0 is not None:
+        why = f"dbeta0 and energy name the equilibrium of one case, and {several}: give choose or index"
+        raise Misplaced(why, "equilibrium", "dbeta0")

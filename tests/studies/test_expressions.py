@@ -9,8 +9,7 @@ import pytest
 from solver import observe, solve
 from studies.language import expressions
 from studies.language.expressions import observables_of
-from studies.language.loader import load, loads
-from studies.language.study_text import dumps
+from studies.language.loader import dumps, load, loads
 
 HEAD = 'title = "one"\nreading = "force-first/compression/paper"\nstations = 11\n[units]\nlength = "cm"\nforce = "N"\n'
 AXES = "[axes.F3]\nvalues = [5.0, 10.0]\n[axes.E]\nvalues = [1e4, 2e4]\n"

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from studies.language.lattice import Lattice, Lines
-from studies.language.loader import loads
+from studies.language.loader import dumps, loads
 from studies.language.refine import lattice, refinement
-from studies.language.refinement import BUDGET, TOLERANCE, Refinement, refinement_of
-from studies.language.study_text import dumps
+from studies.language.refinement import BUDGET, TOLERANCE, Lattice, Lines, Refinement, refinement_of
 
 HEAD = 'title = "r"\nreading = "force-first/tension/paper"\n'
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from solver import InputError
 from studies import Study
-from studies.language.loader import load, loads
-from studies.language.study_text import axis_table, dumps
+from studies.language.loader import axis_table, dumps, load, loads
 from tests.slow import slow_but
 from tests.studies import strategies
 

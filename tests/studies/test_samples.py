@@ -7,10 +7,9 @@ import pytest
 from scipy import stats
 
 from solver import InputError
-from studies.grammar.dimensions import SAMPLE
-from studies.language.loader import load, loads
+from studies.grammar.axes import SAMPLE
+from studies.language.loader import dumps, load, loads
 from studies.language.samples import REACH
-from studies.language.study_text import dumps
 
 HEAD = 'title = "s"\nreading = "force-first/tension/paper"\n[units]\nlength = "cm"\nforce = "N"\n'
 ENDS = """

@@ -9,8 +9,7 @@ import pytest
 from solver import solve
 from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError
-from studies.language.loader import loads
-from studies.language.study_text import dumps
+from studies.language.loader import dumps, loads
 from workbench.store import case_solutions
 from workbench.web.live import page_model, page_shape
 from workbench.web.live.presets import PRESETS

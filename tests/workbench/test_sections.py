@@ -14,8 +14,7 @@ import solver
 import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import Case, InputError, Rod, Start, solve
 from studies.language.case_input import field_values, from_values, with_fields
-from studies.language.loader import loads
-from studies.language.study_text import dumps
+from studies.language.loader import dumps, loads
 from tests.workbench import doc_pages, small
 from workbench.geometry import stored_line
 from workbench.store import in_memory, law_verdicts, reading, writing

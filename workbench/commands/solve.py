@@ -61,8 +61,7 @@ def solve(
     """
 
     from studies.language.case_input import read_case
-    from studies.language.loader import loads
-    from studies.language.study_text import dumps
+    from studies.language.loader import dumps, loads
 
     from ..branches.ends_study import text_of_solution
     from ..store import in_memory
@@ -120,7 +119,7 @@ def _name_of(path: Path) -> str:
 
 def _write(study: "Study", path: Path) -> None:
     """Write the case as a study, or as the file of its run. Raises `InputError` where the disk refuses."""
-    from studies.language.study_text import dumps
+    from studies.language.loader import dumps
 
     from ..store import atomic, in_memory, writing
 

@@ -14,8 +14,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 from studies import Study, load
-from studies.grammar.axes import Axis
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE, Axis
 from studies.language.study_data import MAX_STATIONS, OUTPUTS
 
 from ..figures.scales import WIDE

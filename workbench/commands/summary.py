@@ -56,8 +56,7 @@ def _size(count: int) -> str:
 
 
 def _print(found: dict[str, Any]) -> None:
-    from studies.grammar.axes import in_words
-    from studies.grammar.dimensions import SAMPLE
+    from studies.grammar.axes import SAMPLE, in_words
 
     reading = f", {found['reading']}" if found["reading"] else ""
     console.say(f"{found['title']}{reading}")

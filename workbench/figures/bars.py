@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from solver.problem.errors import InputError
 from solver.problem.quantities import quantity
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE
 
 from ..store import schema, selection
 from ..words import labels

@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE
 
 from ..store import refined, schema, selection
 from ..store.derived_arrays import StoredArrays

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from solver.problem.errors import InputError, choices, no_such
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE
 
 from ..store import file_kinds as files
 from ..store import refined, schema, selection

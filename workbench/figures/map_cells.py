@@ -11,8 +11,7 @@ from matplotlib.collections import LineCollection, QuadMesh
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices
-from studies.grammar.axes import FIELDS, WORDS
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import FIELDS, SAMPLE, WORDS
 
 from ..store import selection
 from ..store.schema import axes_of, dimension

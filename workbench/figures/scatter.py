@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE
 from studies.laws.line_verdicts import FAILS
 
 from ..store import schema, selection

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.problem.errors import InputError, choices, no_such
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE
 
 from ..store import law_verdicts, refined, schema, selection
 from ..words import cautions, labels

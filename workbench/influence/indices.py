@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE
 
 from ..store import schema, selection
 from .design import Design, design_of

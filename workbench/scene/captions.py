@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE
 
 from ..store.schema import dimension, fields_of_samples
 from ..words import labels

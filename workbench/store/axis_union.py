@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE
 
 from .assembly import combine, same_bits
 

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver.problem.errors import InputError, choices, near, no_such
-from studies.grammar.dimensions import SAMPLE
-from studies.language.lattice import OUTCOME, Lattice
-from studies.language.refinement import Refinement, refinement_of
+from studies.grammar.axes import SAMPLE
+from studies.language.refinement import OUTCOME, Lattice, Refinement, refinement_of
 
 from . import attributes, law_verdicts, refined, schema, selection
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from studies.language.lattice import Places, Values
+    from studies.grammar.axes import Values
+    from studies.language.refinement import Places
 
 
 def boundary(ds: "xr.Dataset", name: str, step: float | None = None) -> "xr.Dataset":

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from solver import Case
 from studies import Study
-from studies.grammar.axes import quantity_of
-from studies.grammar.dimensions import SAMPLE, Dimensions
-from studies.language import expressions, paired, refine
+from studies.grammar.axes import SAMPLE, Dimensions, quantity_of
+from studies.language import expressions, refine
 
 from ..words import cautions
 from .schema import (
@@ -141,8 +140,8 @@ def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArr
 def _attributes(study: Study, case: Case) -> dict[str, Any]:
     sampling = {
         "sampled": " ".join(study.sampled),
-        "sampling": paired.tell(study),
-        "sampling_caution": paired.caution(study),
+        "sampling": study.samples_sentence,
+        "sampling_caution": study.sample.caution if study.sample is not None else "",
     }
     return {
         "Conventions": CONVENTIONS,

@@ -13,10 +13,9 @@ import xarray as xr
 
 from solver.problem.errors import InputError, choices
 from studies import TABLE_1, Study
-from studies.grammar.dimensions import SAMPLE, Dimension
-from studies.language.loader import loads
-from studies.language.paired import SOURCES
-from studies.language.study_text import axis_table, dumps
+from studies.grammar.axes import SAMPLE, Dimension
+from studies.language.loader import axis_table, dumps, loads
+from studies.language.study_data import SOURCES
 
 from ..words import cautions
 from . import (

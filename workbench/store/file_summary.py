@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case import PAIRS
 from solver.problem.errors import InputError
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE
 from studies.laws import law_words
 
 from ..words import cautions, labels

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
 from studies import Study
-from studies.grammar.dimensions import SAMPLE, Dimension, Dimensions
+from studies.grammar.axes import SAMPLE, Dimension, Dimensions, Values
 from studies.language import refine as tables
-from studies.language.lattice import OUTCOME, Values
-from studies.language.refinement import Refinement
+from studies.language.refinement import OUTCOME, Refinement
 
 from . import checksums, file_checks
 from .plan import Plan

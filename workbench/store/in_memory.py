@@ -10,8 +10,7 @@ import xarray as xr
 from solver import InputError, solve
 from solver.end_angle_branch import EndAngleBranch, to_fold
 from studies import Study
-from studies.grammar.axes import is_angle, quantity_of
-from studies.grammar.dimensions import Dimensions
+from studies.grammar.axes import Dimensions, is_angle, quantity_of
 
 from ..words import outcomes
 from . import dataset, law_verdicts, schema

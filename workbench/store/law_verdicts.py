@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver.problem.errors import InputError, choices
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE
 from studies.language.expressions import unit_names
 from studies.language.readings import DROPPED
 from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from solver import Case, Ends, InputError
 from solver.problem.errors import check_tolerance, choices
 from studies import Study
-from studies.grammar.axes import Axis, in_words
-from studies.grammar.dimensions import SAMPLE, Dimension, Dimensions
-from studies.language.paired import SOURCES
+from studies.grammar.axes import SAMPLE, Axis, Dimension, Dimensions, in_words
 from studies.language.refinement import Refinement
+from studies.language.study_data import SOURCES
 
 from . import refined, shards, sweep
 from .block import Chunk

@@ -14,7 +14,7 @@ import studies
 from solver.methods import METHODS, VARYING, available
 from solver.problem.errors import InputError
 from studies import Study
-from studies.grammar.dimensions import Dimensions
+from studies.grammar.axes import Dimensions
 from studies.language.refine import lattice
 from studies.laws.verdicts import Law
 

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE, Values
 from studies.language import refine as tables
-from studies.language.lattice import OUTCOME, Lattice, Places, Values
-from studies.language.refinement import BUDGET, Refinement, refinement_of
+from studies.language.refinement import BUDGET, OUTCOME, Lattice, Places, Refinement, refinement_of
 
 from .schema import OF_THE_CASE, SAMPLING, dimension
 

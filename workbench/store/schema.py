@@ -14,8 +14,7 @@ from solver.observe import observables
 from solver.observe.observables import OBSERVABLES
 from solver.problem.quantities import quantity, unit_of
 from solver.problem.rod import GIVEN, STIFFNESS, fourth_powers
-from studies.grammar.axes import CYLINDER, WORDS, quantity_of
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import CYLINDER, SAMPLE, WORDS, quantity_of
 from studies.grammar.formulas import parse
 from studies.language import expressions
 from studies.language.study_data import OUTPUTS
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 
     from solver import Case
     from studies import Study
-    from studies.grammar.dimensions import Dimensions
+    from studies.grammar.axes import Dimensions
 
 
 FORMAT = 2  # of the file; any other is refused

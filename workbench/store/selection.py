@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices, near, no_such
 from studies import TABLE_1
-from studies.grammar.axes import FIELDS, in_rad, is_angle
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import FIELDS, SAMPLE, in_rad, is_angle
 from studies.laws.line_verdicts import NOISE
 
 from . import schema

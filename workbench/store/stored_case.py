@@ -17,8 +17,7 @@ from solver.problem.case_fields import values_of, with_field
 from solver.problem.errors import InputError, no_such
 from solver.problem.reduced import flat
 from studies import Study
-from studies.grammar.axes import FIELDS, WORDS, quantity_of
-from studies.grammar.dimensions import SAMPLE, Dimension
+from studies.grammar.axes import FIELDS, SAMPLE, WORDS, Dimension, quantity_of
 from studies.language.loader import loads
 from studies.language.study_data import MAX_STATIONS
 

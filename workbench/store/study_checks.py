@@ -12,8 +12,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 from studies import names
-from studies.grammar.axes import FIELDS
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import FIELDS, SAMPLE
 
 from . import attributes, file_kinds, refined, schema, value_checks
 from .attributes import show

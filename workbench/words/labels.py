@@ -9,8 +9,7 @@ import numpy as np
 import xarray as xr
 
 from solver.problem.quantities import QUANTITIES
-from studies.grammar.axes import quantity_of
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE, quantity_of
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 LETTERS = 5  # of a symbol; more are a name

@@ -20,8 +20,7 @@ from solver.observe.observables import observables_of, observe
 from solver.problem.case_fields import value_of, with_field
 from solver.problem.errors import InputError, choices, no_such
 from studies import Study
-from studies.grammar.axes import WORDS
-from studies.grammar.dimensions import Dimensions
+from studies.grammar.axes import WORDS, Dimensions
 from studies.language.loader import loads
 
 from ...branches.ends_study import row as equilibrium_row

@@ -11,7 +11,7 @@ import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
 from solver.problem.errors import InputError
-from studies.grammar.dimensions import SAMPLE
+from studies.grammar.axes import SAMPLE
 
 from ...geometry import refinement, stored_line
 from ...geometry.centreline import APART, Array, Centreline
