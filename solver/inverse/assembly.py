@@ -1,27 +1,39 @@
-"""From the minima of a search to the result of a fit."""
+"""From the minima of a search to the result of a fit, and its words: the outcome, the intervals, what limits it."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from scipy import special
 
 from ..numerics.arrays import Array
-from . import wording
-from .data import DISTANCE
-from .fit_result import Fit, OtherMinimum
-from .parameters import values_at
+from ..problem.errors import choices
+from ..problem.field_values import POSITIVE
+from ..problem.quantities import quantity
+from ..problem.trajectory import SOLVED
+from .data import DISTANCE, scale_of
+from .fit_result import NO_INTERVALS, Fit, OtherMinimum
+from .model import Minimum, Model
+from .parameters import Parameter, values_at, values_in_words
 from .uncertainty import LEVEL, Uncertainty, uncertainty
-
-if TYPE_CHECKING:
-    from .model import Minimum, Model
 
 EQUAL = 1e-6  # relative: of two sums of squares that differ by less, none is lower
 ZERO = 1e-16  # a sum of squares of N data is 0 where it is smaller than N times this
 _EXACT = 1e-6  # a residual of data that are no more than the parameters: it is reached
 
 
-def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
+_REACHED = 1e-6  # relative: a target that is missed by more is not reached
+UNLIKELY = 0.01  # probability of a larger sum of squares that is told
+MISFIT = "misfit: "  # how such an outcome begins
+IMPOSSIBLE = 1e-6  # below it, the minimum is no answer: it may be another one than that of the rod
+_ALIKE = 0.99  # correlation of two parameters that is told
+# Distance of the points in rho that is told: 0.5 rad or 29 degrees of azimuth. Errors of measurement are smaller, and
+# the intervals are those of errors so small that the shape changes in proportion to them.
+FAR = 0.5
+_ROUNDING = 1e-9  # of the scale of a parameter: a smaller value is 0
+
+
+def result(model: Model, minima: Sequence[Minimum]) -> Fit:
     """The result; minima: what a search found, the best one first, or none where there was no value at all."""
     if not minima:
         return _nothing(model)
@@ -38,11 +50,11 @@ def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
         spread = np.sqrt(np.diag(known.covariance))
         correlation = known.covariance / np.outer(spread, spread)
     return Fit(
-        outcome=wording.outcome(model, best, directions, probability),
-        reached=wording.miss_of(model, best) == "",
+        outcome=_outcome(model, best, directions, probability),
+        reached=_miss_of(model, best) == "",
         values=values_at(parameters, best.x),
         intervals={n: (float(a), float(b)) for n, a, b in zip(names, known.low, known.high, strict=True)},
-        rule=wording.rule(data.known, known),
+        rule=_rule(data.known, known),
         covariance=known.covariance,
         correlation=correlation,
         condition=known.condition,
@@ -57,7 +69,7 @@ def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
         freedom=known.freedom,
         probability=probability,
         minima=others,
-        remarks=tuple(wording.remarks(model, best, directions, correlation, probability, others, exact)),
+        remarks=tuple(_remarks(model, best, directions, correlation, probability, others, exact)),
         case=best.found.sol.case,
         solution=best.found.sol,
         solves=model.solves,
@@ -65,7 +77,7 @@ def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
     )
 
 
-def _nothing(model: "Model") -> Fit:
+def _nothing(model: Model) -> Fit:
     """The result where the data cannot be computed at any of the values tried."""
     F, N = len(model.parameters), model.data.size
     empty, nothing = np.full((F, F), np.nan), np.full(N, np.nan)
@@ -82,7 +94,7 @@ def _nothing(model: "Model") -> Fit:
     )  # fmt: skip
 
 
-def _in_units(model: "Model", way: Array) -> dict[str, float]:
+def _in_units(model: Model, way: Array) -> dict[str, float]:
     """A direction by field: relative for a positive field, else in its unit; scaled so that the first one is 1."""
     changes = {
         parameter.name: d * (parameter.scale or 1.0) for parameter, d in zip(model.parameters, way, strict=True) if d
@@ -91,7 +103,7 @@ def _in_units(model: "Model", way: Array) -> dict[str, float]:
     return {name: float(value / first) for name, value in changes.items()}
 
 
-def _others(model: "Model", minima: Sequence["Minimum"], known: Uncertainty) -> "list[OtherMinimum]":
+def _others(model: Model, minima: Sequence[Minimum], known: Uncertainty) -> list[OtherMinimum]:
     """The other minima. Where the data do not determine all parameters, equal ones are places of one valley."""
     places: list[Minimum] = [minima[0]]
     for minimum in minima[1:]:
@@ -108,7 +120,7 @@ def _others(model: "Model", minima: Sequence["Minimum"], known: Uncertainty) -> 
     ]  # fmt: skip
 
 
-def _as_good(model: "Model", minimum: "Minimum", best: "Minimum", known: Uncertainty) -> bool:
+def _as_good(model: Model, minimum: Minimum, best: Minimum, known: Uncertainty) -> bool:
     """Whether the data do not exclude a minimum: by the likelihood ratio, or where sigma is unknown by the F test."""
     F, more = best.x.size, 2 * (minimum.cost - best.cost)
     if model.data.known:
@@ -119,7 +131,7 @@ def _as_good(model: "Model", minimum: "Minimum", best: "Minimum", known: Uncerta
     return bool(more <= F * variance * special.fdtri(F, known.freedom, LEVEL))
 
 
-def _measure(model: "Model") -> Array:
+def _measure(model: Model) -> Array:
     """The data as measured, (N,); the distance of a point is 0."""
     points = model.data.points
     columns = [np.array(list(model.data.targets.values()))]
@@ -128,7 +140,7 @@ def _measure(model: "Model") -> Array:
     return np.concatenate(columns)
 
 
-def _as_given(model: "Model") -> Any:
+def _as_given(model: Model) -> Any:
     """The indices that put points back into the order in which they were given, (N,)."""
     targets, points = len(model.data.targets), model.data.points
     parts = [np.arange(targets)]
@@ -138,11 +150,173 @@ def _as_given(model: "Model") -> Any:
     return np.concatenate(parts)
 
 
-def _feet(model: "Model", best: "Minimum") -> tuple[Array, Array, Array] | None:
+def _feet(model: Model, best: Minimum) -> tuple[Array, Array, Array] | None:
     """s, alpha and z of the rod at the points, in the order in which these were given."""
-    points, evaluation = model.data.points, best.found
+    points, sol = model.data.points, best.found.sol
     if points is None:
         return None
-    place = np.arange(points.size) if evaluation.feet is None else evaluation.feet.order
-    at = place[np.argsort(points.order, kind="stable")]
-    return evaluation.sol.s[at], evaluation.sol.alpha[at], evaluation.sol.z[at]
+    at = best.found.place[np.argsort(points.order, kind="stable")]
+    return sol.s[at], sol.alpha[at], sol.z[at]
+
+
+def _outcome(model: Model, best: Minimum, directions: Sequence[dict[str, float]], probability: float) -> str:
+    """Solved, undetermined, a misfit, or failed, with the reason."""
+    if best.stop:
+        return f"failed: {best.stop}"
+    if why := _miss_of(model, best):
+        return f"failed: {why}"
+    if directions:
+        return f"undetermined: {'; '.join(_tell(model, best, way) for way in directions)}"
+    if probability < IMPOSSIBLE:
+        return f"{MISFIT}{_too_large(probability)}"
+    return SOLVED
+
+
+def _miss_of(model: Model, best: Minimum) -> str:
+    """That no value reaches the targets, where there are no more of them than parameters; else ""."""
+    data = model.data
+    if data.points is not None or data.size > len(model.parameters):
+        return ""
+    target, reached = np.array(list(data.targets.values())), best.found.computed
+    sizes = np.array([scale_of(model.case, name, value) for name, value in data.targets.items()])
+    if (np.abs(reached - target) <= _REACHED * np.maximum(sizes, np.abs(reached))).all():
+        return ""
+    goals = choices(f"{name} = {value:g}" for name, value in data.targets.items())
+    nearest = choices(f"{name} = {value:.6g}" for name, value in zip(data.targets, reached, strict=True))
+    ranges = " and ".join(
+        parameter.name + (parameter.between or _starts_in_words(model, parameter)) for parameter in model.parameters
+    )
+    verb = "reaches" if len(model.parameters) == 1 else "reach"
+    place = values_in_words(model.parameters, best.x)
+    return f"the search found no {ranges} that {verb} {goals}; the nearest reached is {nearest}, at {place}"
+
+
+def miss(model: Model, best: Minimum) -> float:
+    """The root mean square distance of the points from the rod in units of rho; of alpha and z alone."""
+    points, sol = model.data.points, best.found.sol
+    if points is None:
+        return 0.0
+    place = best.found.place
+    square = np.zeros(points.size)
+    if "alpha" in points.columns:
+        off = points.columns["alpha"] - sol.alpha[place]
+        if points.wrapped:
+            off = off - 2 * np.pi * np.round(off / (2 * np.pi))
+        square += off**2
+    if "z" in points.columns:
+        square += ((points.columns["z"] - sol.z[place]) / float(sol.case.rho)) ** 2
+    return float(np.sqrt(square.mean()))
+
+
+def _far(model: Model, best: Minimum, probability: float) -> str:
+    """That the points are too far from the rod, unless sigma says that they may be; else ""."""
+    far = miss(model, best)
+    if far <= FAR or probability >= UNLIKELY:
+        return ""
+    return (
+        f"the rod misses the points by {far:.3g} rho (root mean square): check the units of alpha (rad, or 17deg) and "
+        "z, and where the rod begins"
+    )
+
+
+def _starts_in_words(model: Model, parameter: Parameter) -> str:
+    """Where the starts of a field without bounds lie."""
+    if not model.starts:
+        return f" (start: {parameter.value(parameter.start):.4g})"
+    low, high = (parameter.value(x) for x in parameter.span)
+    return f" (starts from {low:.4g} to {high:.4g})"
+
+
+def _equally_good(model: Model, count: int, exact: bool) -> str:
+    """How many other minima are as good as the best one."""
+    if not exact:
+        return f"the data do not exclude {count} other minim{'um' if count == 1 else 'a'}"
+    what = "data" if model.data.points else "target" if len(model.data.targets) == 1 else "targets"
+    many = len(model.parameters) > 1
+    noun = ("set of values" if count == 1 else "sets of values") if many else "value" if count == 1 else "values"
+    return f"{count} other {noun} {'reaches' if count == 1 else 'reach'} the {what}"
+
+
+def _tell(model: Model, best: Minimum, way: dict[str, float]) -> str:
+    """A direction in words."""
+    if len(way) == 1:
+        return f"the data do not depend on {next(iter(way))}"
+    rates = {
+        parameter.name: _rate(parameter, parameter.value(float(x)))
+        for parameter, x in zip(model.parameters, best.x, strict=True)
+        if parameter.name in way
+    }
+    relative = next((name for name, rate in rates.items() if rate), None)
+    size = 0.01 if relative is None else 0.01 / (way[relative] * rates[relative])
+    parts = {name: _change(size * value, rates[name], name) for name, value in way.items()}
+    names, same = list(parts), len(set(parts.values())) == 1 and relative is not None
+    if same:
+        changes = f"{', '.join(names[:-1])} and {names[-1]} by {parts[names[0]]} each"
+    else:
+        changes = choices(f"{name} by {part}" for name, part in parts.items())
+    return f"the data cannot tell {' and '.join(way)} apart: no datum changes when these change together, {changes}"
+
+
+def _rate(parameter: Parameter, value: float) -> float:
+    """The relative change of a field for a change by 1 of its direction; 0 for an angle and for a value of 0."""
+    if parameter.name in POSITIVE:
+        return 1.0
+    angular = quantity(parameter.name).dimension == "rad"
+    return 0.0 if angular or abs(value) < _ROUNDING * parameter.scale else 1 / value
+
+
+def _change(change: float, rate: float, name: str) -> str:
+    """``+1 %``; for an angle or a value of 0 the change itself."""
+    if rate:
+        return f"{100 * change * rate:+.4g} %"
+    return f"{change:+.4g}{' rad' if quantity(name).dimension == 'rad' else ''}"
+
+
+def _rule(sigma: bool, known: Uncertainty) -> str:
+    """How the intervals were found."""
+    percent = f"{100 * LEVEL:g} % intervals"
+    if sigma:
+        return f"{percent} by the given sigma and the normal distribution"
+    if known.freedom <= 0:
+        return NO_INTERVALS
+    return f"{percent} by the variance of the residuals and Student's t with {known.freedom} degrees of freedom"
+
+
+def _remarks(
+    model: Model,
+    best: Minimum,
+    directions: Sequence[dict[str, float]],
+    correlation: Array,
+    probability: float,
+    others: Sequence[OtherMinimum],
+    exact: bool,
+) -> Iterator[str]:
+    """Sentences on what limits the result."""
+    parameters = model.parameters
+    if best.stop or _miss_of(model, best):  # else the outcome says it
+        yield from (_tell(model, best, way) for way in directions)
+    for parameter, x, free in zip(parameters, best.x, best.free, strict=True):
+        if not free:
+            yield (
+                f"{parameter.name} ends at its bound, {parameter.value(float(x)):.6g}: it has no interval, and the "
+                "intervals of other fields hold while it stays there"
+            )
+    if probability < UNLIKELY and not _outcome(model, best, directions, probability).startswith(MISFIT):
+        yield _too_large(probability)
+    if far := _far(model, best, probability):
+        yield far
+    for i, j in np.argwhere(np.triu(np.abs(correlation) > _ALIKE, 1)):
+        pair = f"{parameters[i].name} and {parameters[j].name}"
+        yield f"the data hardly tell {pair} apart: correlation {correlation[i, j]:+.5f}"
+    if good := sum(other.as_good for other in others):
+        yield f"{_equally_good(model, good, exact)}: the values are not unique"
+    if count := model.refused.total():
+        reason, _ = model.refused.most_common(1)[0]
+        yield f"at {count} of the values tried the data cannot be computed, most often: {reason}"
+
+
+def _too_large(probability: float) -> str:
+    return (
+        f"the residuals are larger than sigma allows (chance {probability:.1e}): sigma is too small, the assumed rod "
+        "is wrong, or the search missed the right minimum (try more starts); the intervals are too narrow"
+    )

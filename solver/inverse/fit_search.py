@@ -14,7 +14,7 @@ from ..problem.errors import InputError, check_tolerance
 from .assembly import EQUAL, ZERO, result
 from .data import check_data
 from .fit_result import Fit
-from .model import Evaluation, Minimum, Model, NoValueError
+from .model import Minimum, Model, NoValueError
 from .parameters import check_parameters
 
 # Relative: a search ends where its step in x, or its gain of the sum of squares, is smaller. With 50 points this gain
@@ -123,14 +123,6 @@ def _search(model: Model, start: Array, known: list[Minimum]) -> Minimum | None:
     residuals = model.residuals(start)
     if not np.isfinite(residuals).all():
         return None
-    seen: list[tuple[Evaluation, Array]] = []
-
-    def jacobian(x: Array) -> Array:
-        if seen and np.array_equal(seen[-1][0].x, x):
-            return seen[-1][1]
-        rates = model.jacobian(x)
-        seen.append((model.evaluation(x), rates))
-        return rates
 
     def near(intermediate_result: Any) -> None:
         if any(_close(intermediate_result.x, minimum.x) for minimum in known):
@@ -138,19 +130,20 @@ def _search(model: Model, start: Array, known: list[Minimum]) -> Minimum | None:
 
     bounds = np.array([parameter.bounds for parameter in model.parameters]).T
     try:
-        if not jacobian(start).any() or not residuals.any():  # no direction is better, or nothing is left to gain
-            return Minimum(*seen[0], float(residuals @ residuals) / 2, np.ones(start.size, dtype=bool))
+        if not model.jacobian(start).any() or not residuals.any():  # no direction is better, or nothing is left to gain
+            return Minimum(*model.accepted[0], np.ones(start.size, dtype=bool))
         answer = least_squares(
-            model.residuals, start, jacobian, tuple(bounds), x_scale="jac", ftol=_GAIN, xtol=_STEP, gtol=None,
+            model.residuals, start, model.jacobian, tuple(bounds), x_scale="jac", ftol=_GAIN, xtol=_STEP, gtol=None,
             max_nfev=_EVALUATIONS, callback=near,
         )  # fmt: skip
     except NoValueError as error:
-        return _stop(seen, str(error))
+        every = np.ones(start.size, dtype=bool)
+        return Minimum(*model.accepted[-1], every, str(error)) if model.accepted else None
     if answer.status == -2:
         return None
     stop = "" if answer.status > 0 else f"the search did not end in {_EVALUATIONS} evaluations"
-    best = next(pair for pair in reversed(seen) if np.array_equal(pair[0].x, answer.x))
-    return Minimum(*best, float(answer.cost), answer.active_mask == 0, stop)
+    best = next(pair for pair in reversed(model.accepted) if np.array_equal(pair[0].x, answer.x))
+    return Minimum(*best, answer.active_mask == 0, stop)
 
 
 def _idle(model: Model, first: Minimum | None, starts: list[Array]) -> Array:
@@ -166,14 +159,6 @@ def _idle(model: Model, first: Minimum | None, starts: list[Array]) -> Array:
         except NoValueError:
             continue
     return idle
-
-
-def _stop(seen: list[tuple[Evaluation, Array]], why: str) -> Minimum | None:
-    """The last place of a search that came to one without derivatives."""
-    if not seen:
-        return None
-    last, jacobian = seen[-1]
-    return Minimum(last, jacobian, float(last.residuals @ last.residuals) / 2, np.ones(last.x.size, dtype=bool), why)
 
 
 def _starts(model: Model, count: int, seed: int) -> list[Array]:

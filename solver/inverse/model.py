@@ -1,7 +1,10 @@
-"""The residuals of a fit and their exact derivatives, at the numbers x of its parameters."""
+"""The residuals of a fit and their exact derivatives, at the numbers x of its parameters.
+
+Those of points without arc length are the distances from their feet: the places of the unrolled curve nearest to them.
+"""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,13 +16,34 @@ from ..problem.case import Case, Ends
 from ..problem.errors import InputError
 from ..solution import Solution
 from ..solve import solve
-from .data import Data
-from .feet import Feet, feet
+from .data import Data, Points
 from .parameters import Parameter, rates_at, replace_values, values_at, values_in_words
+
+_COARSE, _FINEST = 201, 6401  # stations of the first search
+_TURN = 0.2  # rad between neighbouring stations of it, at most
+_STEPS = 30
+_NEAR = 1e-8  # of the length: a foot is found; the distance is then known to its square
+
+AtStations = Callable[[Array | int], Solution]
 
 
 class NoValueError(Exception):
     """The reason why there are no residuals, or no derivatives, at some values of the parameters."""
+
+
+@dataclass(frozen=True, eq=False)
+class Feet:
+    """The feet of P points. sol: at the feet, which rise. order: the place in `sol` of the foot of each point.
+
+    distance: signed, in units of the sizes of the points, (P,). by_alpha, by_z: its derivatives with respect to alpha
+    and z of the curve at a constant s/L.
+    """
+
+    sol: Solution
+    order: Array
+    distance: Array
+    by_alpha: Array
+    by_z: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,23 +59,32 @@ class Evaluation:
     residuals: Array
     feet: Feet | None
 
+    @property
+    def place(self) -> Array:
+        """The station of each point, or of its foot, (P,)."""
+        return np.arange(self.sol.s.size) if self.feet is None else self.feet.order
+
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
     """Where a local search ended.
 
-    cost: half the sum of squares. free: (F,), False at a bound. stop: why it ended early, or "".
+    free: (F,), False at a bound. stop: why it ended early, or "".
     """
 
     found: Evaluation
     jacobian: Array
-    cost: float
     free: Array
     stop: str = ""
 
     @property
     def x(self) -> Array:
         return self.found.x
+
+    @property
+    def cost(self) -> float:
+        """Half the sum of squares."""
+        return float(self.found.residuals @ self.found.residuals) / 2
 
 
 class Model:
@@ -65,10 +98,12 @@ class Model:
         self._choose, self._tol = choose, tol
         self._branch: Solution | None = None
         self._last: Evaluation | None = None
+        self.accepted: list[tuple[Evaluation, Array]] = []  # places of a search, and the derivatives there
 
     def begin(self) -> None:
         """Begin a search: the equilibrium of an ends problem is selected anew."""
         self._branch = self._last = None
+        self.accepted = []
 
     def residuals(self, x: Array) -> Array:
         """The residuals (N,), NaN where there are none: a search then takes a shorter step."""
@@ -86,6 +121,8 @@ class Model:
 
     def jacobian(self, x: Array) -> Array:
         """The derivatives of the residuals by x, (N, F). Raises `NoValueError` where one does not exist."""
+        if self.accepted and np.array_equal(self.accepted[-1][0].x, x):
+            return self.accepted[-1][1]
         evaluation = self.evaluation(x)
         if isinstance(self.case.given, Ends):
             self._branch = evaluation.sol  # x was accepted
@@ -100,7 +137,8 @@ class Model:
         rows = [known.observables[name] / self.data.sizes[name] for name in targets]
         if self.data.points is not None:
             rows += list(self._of_points(evaluation, known))
-        return np.vstack(rows) * rates_at(self.parameters, x)
+        self.accepted.append((evaluation, np.vstack(rows) * rates_at(self.parameters, x)))
+        return self.accepted[-1][1]
 
     def _of_points(self, evaluation: Evaluation, known: Any) -> list[Array]:
         """The derivatives of the residuals of the points, a block (P, F) for each column."""
@@ -174,3 +212,89 @@ class Model:
                 computed.append(values)
                 residuals.append(off / points.sizes[name])
         return np.concatenate(computed), np.concatenate(residuals)
+
+
+def feet(curve: AtStations, points: Points) -> Feet:
+    """The feet of points on a curve; curve: its solution at given stations.
+
+    At a foot within the rod the distance is normal to the curve, so moving along the curve does not change it; its
+    derivative is the normal component of the motion of the curve.
+    """
+    sol, s, turns, low, high = _nearest(curve, points)
+    alpha, z = points.columns["alpha"] + 2 * np.pi * turns, points.columns["z"]
+    wide, tall = points.sizes["alpha"], points.sizes["z"]
+    L = float(sol.case.rod.L)
+    for _ in range(_STEPS):
+        place, at = _at(curve, s)
+        across, up, da, dz, along = _local(at, place, alpha, z, wide, tall)
+        speed, bent = across**2 + up**2, along[0] * da + along[1] * dz
+        rate = np.where(speed + bent > 0.3 * speed, speed + bent, speed)
+        new = np.clip(s - (across * da + up * dz) / rate, low, high)
+        step, s = np.abs(new - s).max(), new
+        if step <= _NEAR * L:
+            break
+    place, at = _at(curve, s)
+    across, up, da, dz, _ = _local(at, place, alpha, z, wide, tall)
+    normal = across * dz - up * da
+    distance = np.where(normal < 0, -1.0, 1.0) * np.hypot(da, dz)
+    inside = (s > 0) & (s < L)
+    length = np.hypot(across, up)
+    with np.errstate(invalid="ignore", divide="ignore"):  # at an end the nearest place is the end itself
+        to_end = np.where(distance == 0, 0.0, da / distance), np.where(distance == 0, 0.0, dz / distance)
+    by_alpha = np.where(inside, -up / length, to_end[0]) / wide
+    by_z = np.where(inside, across / length, to_end[1]) / tall
+    return Feet(at, place, np.where(inside, normal / length, distance), by_alpha, by_z)
+
+
+def _at(curve: AtStations, s: Array) -> tuple[Array, Solution]:
+    """The place of each s among them, and the solution at all of them in their rising order."""
+    order = np.argsort(s, kind="stable")
+    place = np.empty_like(order)
+    place[order] = np.arange(s.size)
+    return place, curve(s[order])
+
+
+def _local(
+    at: Solution, place: Array, alpha: Array, z: Array, wide: Array, tall: Array
+) -> tuple[Array, Array, Array, Array, tuple[Array, Array]]:
+    """The tangent, the way from the point to the curve, and the rate of the tangent, in units of the sizes."""
+    rho, beta, rate = float(at.case.rho), at.beta[place], at.dbeta[place]
+    across, up = np.sin(beta) / rho / wide, np.cos(beta) / tall
+    turning = np.cos(beta) * rate / rho / wide, -np.sin(beta) * rate / tall
+    return across, up, (at.alpha[place] - alpha) / wide, (at.z[place] - z) / tall, turning
+
+
+def _nearest(curve: AtStations, points: Points) -> tuple[Solution, Array, Array, Array, Array]:
+    """For each point the nearest s on the polyline, the whole turns to add to its azimuth, and a bracket of s."""
+    count = _COARSE
+    while True:
+        sol = curve(count)
+        if count >= _FINEST or np.abs(np.diff(sol.beta)).max() <= _TURN:
+            break
+        count = 2 * count - 1
+    alpha, z, s = sol.alpha, sol.z, sol.s
+    best = np.full(points.size, np.inf)
+    where, turns = np.zeros(points.size), np.zeros(points.size)
+    for k in _turns(alpha, points):
+        a = (alpha[:, None] - points.columns["alpha"] - 2 * np.pi * k) / points.sizes["alpha"]
+        h = (z[:, None] - points.columns["z"]) / points.sizes["z"]
+        da, dh = np.diff(a, axis=0), np.diff(h, axis=0)
+        share = np.clip(-(a[:-1] * da + h[:-1] * dh) / (da**2 + dh**2), 0, 1)
+        square = (a[:-1] + share * da) ** 2 + (h[:-1] + share * dh) ** 2
+        i = square.argmin(axis=0)
+        column = np.arange(points.size)
+        closer = square[i, column] < best
+        best = np.where(closer, square[i, column], best)
+        where, turns = np.where(closer, i + share[i, column], where), np.where(closer, k, turns)
+    step = s[1]
+    foot = where * step
+    return sol, foot, turns, np.maximum(foot - step, 0), np.minimum(foot + step, float(sol.case.rod.L))
+
+
+def _turns(alpha: Array, points: Points) -> range:
+    """The whole turns that may be added to the measured azimuths."""
+    if not points.wrapped:
+        return range(1)
+    given = points.columns["alpha"]
+    low, high = (alpha.min() - given.max()) / (2 * np.pi), (alpha.max() - given.min()) / (2 * np.pi)
+    return range(int(np.floor(low)), int(np.ceil(high)) + 1)

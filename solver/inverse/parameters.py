@@ -11,16 +11,15 @@ from ..problem.angles import angle
 from ..problem.case import Case
 from ..problem.case_fields import FIELD, check_fields, unchecked_with_field, value_of
 from ..problem.errors import InputError, choices, show
+from ..problem.field_values import POSITIVE, RANGES
 from ..problem.quantities import quantity
 
-POSITIVE = ("E", "EI", "GJ", "a", "L", "R")  # searched by their logarithm
-_LIMITS = {"nu": (-1.0, 0.5), "weight": (0.0, np.inf), "friction": (0.0, np.inf), "inclination": (0.0, np.pi)}
 _SPREAD = 4.0  # starts of a positive field without bounds: from its value over this to its value times this
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A field that a fit varies.
+    """A field that a fit varies; a positive one by its logarithm.
 
     low, high: bounds, infinite where there are none. first: the value of the case. scale: of x = value/scale, or 0
     where x = log(value). reach: how far in x starts are drawn where there is no bound.
@@ -121,12 +120,12 @@ def _parameter(case: Case, name: str, bounds: Any) -> Parameter:
 
 def _limits(case: Case, name: str) -> tuple[float, float]:
     """The least and the greatest value of a field; infinite where there is none."""
-    if name != "inner_radius":
-        return (0.0, np.inf) if name in POSITIVE else _LIMITS.get(name, (-np.inf, np.inf))
-    if float(case.rod.inner_radius) == 0:
-        why = "where every derivative by it is 0; give the case another value"
-        raise InputError(f"a fit cannot begin at inner_radius = 0, {why}")
-    return 0.0, float(case.rod.a)
+    if name == "inner_radius":
+        if float(case.rod.inner_radius) == 0:
+            why = "where every derivative by it is 0; give the case another value"
+            raise InputError(f"a fit cannot begin at inner_radius = 0, {why}")
+        return 0.0, float(case.rod.a)
+    return (float(RANGES[name].low), RANGES[name].high) if name in RANGES else (-np.inf, np.inf)
 
 
 def _numbers(name: str, bounds: Any) -> tuple[float, float]:

@@ -32,9 +32,10 @@ class Range:
         return below | np.greater(value, self.high)
 
 
-_POSITIVE, _NOT_NEGATIVE = Range(0, "positive and finite"), Range(0, "at least 0", closed=True)
+POSITIVE = ("E", "EI", "GJ", "a", "L", "R")
+_NOT_NEGATIVE = Range(0, "at least 0", closed=True)
 RANGES = {
-    **dict.fromkeys(("E", "EI", "GJ", "a", "L", "R"), _POSITIVE),
+    **dict.fromkeys(POSITIVE, Range(0, "positive and finite")),
     "nu": Range(-1, "in (-1, 0.5]", high=0.5),
     "inner_radius": Range(0, "at least 0 and less than Rod.a", closed=True),
     "weight": _NOT_NEGATIVE,
