@@ -15,10 +15,9 @@ from solver import Cylinder, Rod, Start
 from solver.mechanics.potential import Loads, potential
 from solver.observe.measurement import Reading
 from solver.observe.observables import OBSERVABLES
-from solver.problem.case import PAIRS, SIDES, SLIDING, TWISTS, Case
+from solver.problem.case import DIRECT, ELASTIC, GIVEN, PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS, Case
 from solver.problem.field_values import ANGLES, RANGES
 from solver.problem.reduced import dimensionless_problem
-from solver.problem.rod import DIRECT, ELASTIC, GIVEN, STIFFNESS
 from workbench.web.live.live_document import PAGE
 
 FILE = PAGE / "formulas.mjs"

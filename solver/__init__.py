@@ -15,9 +15,8 @@ if TYPE_CHECKING:
     from .inverse.fit_search import fit
     from .loops import Loop, loops
     from .observe.observables import observe
-    from .problem.case import Case, Cylinder, Ends, Rod, Start
+    from .problem.case import Case, Cylinder, Ends, Rod, Start, weight_in_fluid
     from .problem.errors import InputError
-    from .problem.rod import weight_in_fluid
     from .region_map import fold_curves, region_map
     from .solution import Solution
     from .solve import solve
@@ -54,7 +53,7 @@ _HOMES = {
     "Branch": "equilibrium_branch", "Case": "problem.case", "Cylinder": "problem.case", "Ends": "problem.case",
     "Equilibrium": "equilibria", "InputError": "problem.errors", "Loop": "loops", "Rod": "problem.case",
     "Solution": "solution", "Start": "problem.case", "fit": "inverse.fit_search", "fold_curves": "region_map",
-    "observe": "observe.observables", "trace_fold": "traced_folds", "weight_in_fluid": "problem.rod",
+    "observe": "observe.observables", "trace_fold": "traced_folds", "weight_in_fluid": "problem.case",
 }  # fmt: skip
 
 

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..levels.census import Census, census
-from ..levels.level_search import MOST_PERIODS, near_misses
+from ..levels.level_search import MOST_PERIODS, Census, census, near_misses
 from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from .curve_crossings import Pieces, change_along

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..levels.census import Census
+from ..levels.level_search import Census
 from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from .curve_crossings import join_pieces

@@ -1,7 +1,6 @@
 """From the minima of a search to the result of a fit, and its words: the outcome, the intervals, what limits it."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 from scipy import special
@@ -11,7 +10,7 @@ from ..problem.errors import choices
 from ..problem.field_values import POSITIVE
 from ..problem.quantities import quantity
 from ..problem.trajectory import SOLVED
-from .data import DISTANCE, scale_of
+from .data import scale_of
 from .fit_result import NO_INTERVALS, Fit, OtherMinimum
 from .model import Minimum, Model
 from .parameters import Parameter, values_at, values_in_words
@@ -42,7 +41,7 @@ def result(model: Model, minima: Sequence[Minimum]) -> Fit:
     names = [parameter.name for parameter in parameters]
     directions = [_in_units(model, way) for way in known.directions]
     others = tuple(_others(model, minima, known))
-    back = _as_given(model)
+    back = data.as_given
     exact = not data.known and known.freedom <= 0
     tested = data.known and known.freedom > 0
     probability = float(special.chdtrc(known.freedom, 2 * best.cost)) if tested else np.nan
@@ -61,7 +60,7 @@ def result(model: Model, minima: Sequence[Minimum]) -> Fit:
         directions=directions,
         shares={name: row[back] for name, row in zip(names, known.shares, strict=True)},
         groups=tuple(data.groups),
-        measured=_measure(model)[back],
+        measured=data.measured[back],
         computed=best.found.computed[back],
         residuals=best.found.residuals[back],
         feet=_feet(model, best),
@@ -88,7 +87,7 @@ def _nothing(model: Model) -> Fit:
         values=dict.fromkeys(names, np.nan), intervals=dict.fromkeys(names, (np.nan, np.nan)), rule="",
         covariance=empty, correlation=empty, condition=np.inf, directions=[],
         shares={name: nothing for name in names}, groups=tuple(model.data.groups),
-        measured=_measure(model)[_as_given(model)], computed=nothing, residuals=nothing, feet=None, cost=np.inf,
+        measured=model.data.measured[model.data.as_given], computed=nothing, residuals=nothing, feet=None, cost=np.inf,
         freedom=N - F, probability=np.nan, minima=(), remarks=(), case=model.case, solution=None, solves=model.solves,
         derivatives=model.derivatives,
     )  # fmt: skip
@@ -131,31 +130,12 @@ def _as_good(model: Model, minimum: Minimum, best: Minimum, known: Uncertainty) 
     return bool(more <= F * variance * special.fdtri(F, known.freedom, LEVEL))
 
 
-def _measure(model: Model) -> Array:
-    """The data as measured, (N,); the distance of a point is 0."""
-    points = model.data.points
-    columns = [np.array(list(model.data.targets.values()))]
-    if points is not None:
-        columns += [np.zeros(points.size)] if points.groups == (DISTANCE,) else list(points.columns.values())
-    return np.concatenate(columns)
-
-
-def _as_given(model: Model) -> Any:
-    """The indices that put points back into the order in which they were given, (N,)."""
-    targets, points = len(model.data.targets), model.data.points
-    parts = [np.arange(targets)]
-    if points is not None:
-        back = np.argsort(points.order, kind="stable")
-        parts += [targets + k * points.size + back for k in range(len(points.groups))]
-    return np.concatenate(parts)
-
-
 def _feet(model: Model, best: Minimum) -> tuple[Array, Array, Array] | None:
     """s, alpha and z of the rod at the points, in the order in which these were given."""
     points, sol = model.data.points, best.found.sol
     if points is None:
         return None
-    at = best.found.place[np.argsort(points.order, kind="stable")]
+    at = best.found.place[np.argsort(points.order)]
     return sol.s[at], sol.alpha[at], sol.z[at]
 
 

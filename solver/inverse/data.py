@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -44,28 +45,38 @@ class Points:
 
 @dataclass(frozen=True, eq=False)
 class Data:
-    """All data of a fit: first the targets, then each column of the points.
+    """All N data of a fit: first the targets, then each column of the points, or their distances.
 
-    targets: observable -> value. sizes: the error of each target that counts as 1. known: whether these are standard
-    deviations.
+    targets: observable -> value. points: or None. known: whether the errors are standard deviations. measured: the
+    data, (N,), 0 for a distance. scales: the error of each that counts as 1, (N,); a distance is in units of those of
+    its point.
     """
 
     targets: dict[str, float]
-    sizes: dict[str, float]
     points: Points | None
     known: bool
+    measured: Array
+    scales: Array
 
     @property
     def size(self) -> int:
         """Number of data."""
-        points = self.points
-        return len(self.targets) + (points.size * len(points.groups) if points else 0)
+        return self.measured.size
 
     @property
     def groups(self) -> list[str]:
         """The group of each datum: its observable, or its column of the points."""
         points = self.points
         return [*self.targets, *([name for name in points.groups for _ in range(points.size)] if points else [])]
+
+    @cached_property
+    def as_given(self) -> Any:
+        """The indices that put points back into the order in which they were given, (N,)."""
+        count, points = len(self.targets), self.points
+        parts = [np.arange(count)]
+        if points is not None:
+            parts += [count + k * points.size + np.argsort(points.order) for k in range(len(points.groups))]
+        return np.concatenate(parts)
 
 
 def check_data(case: Case, targets: Any, points: Any, sigma: Any, wrapped: bool) -> Data:
@@ -76,17 +87,24 @@ def check_data(case: Case, targets: Any, points: Any, sigma: Any, wrapped: bool)
     if not goals and not columns:
         raise InputError("fit needs data: give targets, such as height = 10, or measured points")
     sigmas = _sigmas(dict(sigma or {}), goals, columns, s)
-    sizes = {name: float(sigmas[name]) if sigmas else scale_of(case, name, value) for name, value in goals.items()}
+    sizes = [float(sigmas[name]) if sigmas else scale_of(case, name, value) for name, value in goals.items()]
+    targets = np.array(list(goals.values()))
     if not columns:
-        return Data(goals, sizes, None, bool(sigmas))
+        return Data(goals, None, bool(sigmas), targets, np.array(sizes))
     if s is not None and s.max() > float(case.rod.L):
         raise InputError(f"a point has s = {s.max():g}, beyond the end of the rod at L = {float(case.rod.L):g}")
     count = next(iter(columns.values())).size
     order = np.arange(count) if s is None else np.argsort(s, kind="stable")
     units = {"alpha": 1.0, "beta": 1.0, "z": float(case.rho)}
     each = {name: np.broadcast_to(sigmas[name] if sigmas else units[name], count)[order] for name in columns}
-    sorted_ = {name: values[order] for name, values in columns.items()}
-    return Data(goals, sizes, Points(sorted_, each, None if s is None else s[order], order, wrapped), bool(sigmas))
+    points = Points(
+        {name: v[order] for name, v in columns.items()}, each, None if s is None else s[order], order, wrapped
+    )
+    numbers = {DISTANCE: (np.zeros(count), np.ones(count))}
+    if s is not None:
+        numbers = {name: (points.columns[name], each[name]) for name in columns}
+    measured, scales = zip(*numbers.values(), strict=True)
+    return Data(goals, points, bool(sigmas), np.concatenate([targets, *measured]), np.concatenate([sizes, *scales]))
 
 
 def _check_targets(names: Mapping[str, float]) -> None:

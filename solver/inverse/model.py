@@ -134,14 +134,15 @@ class Model:
         for name in targets:
             if known.remarks[name]:
                 raise NoValueError(f"at {values_in_words(self.parameters, x)}: {name} has {known.remarks[name]}")
-        rows = [known.observables[name] / self.data.sizes[name] for name in targets]
+        rows = [known.observables[name] for name in targets]
         if self.data.points is not None:
             rows += list(self._of_points(evaluation, known))
-        self.accepted.append((evaluation, np.vstack(rows) * rates_at(self.parameters, x)))
-        return self.accepted[-1][1]
+        rates = np.vstack(rows) / self.data.scales[:, None] * rates_at(self.parameters, x)
+        self.accepted.append((evaluation, rates))
+        return rates
 
     def _of_points(self, evaluation: Evaluation, known: Any) -> list[Array]:
-        """The derivatives of the residuals of the points, a block (P, F) for each column."""
+        """The derivatives of what is computed at the points, a block (P, F) for each column."""
         points, sol = self.data.points, evaluation.sol
         assert points is not None
         if evaluation.feet is not None:
@@ -156,7 +157,7 @@ class Model:
             for k, field in enumerate(known.fields):
                 if field == "L":  # the points keep their s, and not their s/L
                     rates[k] -= s / L * pace[name]
-            blocks.append((rates / points.sizes[name]).T)
+            blocks.append(rates.T)
         return blocks
 
     @np.errstate(over="ignore", invalid="ignore")  # such values are refused at the end
@@ -198,20 +199,15 @@ class Model:
         for name, value in seen.items():
             if not np.isfinite(value):
                 raise NoValueError(f"{name} does not exist")
-        computed = [np.array([float(seen[name]) for name in data.targets])]
-        residuals = [np.array([(seen[name] - value) / data.sizes[name] for name, value in data.targets.items()])]
-        if nearest is not None:
-            computed.append(nearest.distance)
-            residuals.append(nearest.distance)
-        elif points is not None:
-            for name, measured in points.columns.items():
-                values = getattr(sol, name)
-                off = values - measured
-                if points.wrapped and name == "alpha":
-                    off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
-                computed.append(values)
-                residuals.append(off / points.sizes[name])
-        return np.concatenate(computed), np.concatenate(residuals)
+        columns = [np.array([float(seen[name]) for name in data.targets])]
+        if points is not None:
+            columns += [getattr(sol, name) for name in points.columns] if nearest is None else [nearest.distance]
+        computed = np.concatenate(columns)
+        off = computed - data.measured
+        if points is not None and points.wrapped:
+            angles = np.array(data.groups) == "alpha"
+            off[angles] = np.remainder(off[angles] + np.pi, 2 * np.pi) - np.pi
+        return computed, off / data.scales
 
 
 def feet(curve: AtStations, points: Points) -> Feet:

@@ -1,20 +1,25 @@
-"""The search for every orbit that joins two end angles over a given length: for each path one equation in the level."""
+"""The search for every orbit that joins two end angles over a given length: for each path one equation in the level.
+
+The sign of the length less the rod's, along the grid of levels, shows every bracket but those of two roots between two
+points of the grid; these are searched for wherever the length comes near the rod's without passing it (a dip). A census
+counts the equilibria without their shapes.
+"""
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from ..numerics.arrays import EPS, Array, Booleans
+from ..core import levels as core
+from ..numerics.arrays import EPS, Array, Booleans, Integers
 from ..orbit.periodic_orbit import Orbit
 from ..problem.limits import LARGEST
 from ..problem.reduced import EndsProblem
-from .level_brackets import Brackets, brackets_on_grid, join_brackets, roots_in
 from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
-from .morse_index import jacobi_zeros
+from .morse_index import helix_half_waves, helix_index, jacobi_zeros
 from .path_orbits import energies, solve_orbits
-from .transit_times import Boundary, LevelPaths, Levels, Paths, TransitTimes, transit_times
+from .transit_times import CUTTING, NODES, Boundary, LevelPaths, Levels, Paths, TransitTimes, transit_times
 
 MOST_PERIODS = 200  # of an orbit along a rod, unless asked for more
 BUDGET = 3e7  # evaluations of G: ten to twenty seconds
@@ -22,6 +27,9 @@ _EACH = 15  # levels computed for each equilibrium
 _PATHS = 1000  # paths searched together
 _COARSE = 0.5  # step in log gap of levels that are only looked at
 _MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is rejected
+_ZOOM, _ROUNDS = 17, 6  # points of the finer grid at a dip, and how often it is refined
+_SHALLOW = 0.5  # of the rise to the next of even steps: the bottom lies less below the lowest point
+_ROUNDING = 1e-14  # of the rod's length: bound of the rounding of a sum of times
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +77,25 @@ class Roots:
     signed: int
     lost: int
     calls: int
+
+
+@dataclass(frozen=True, eq=False)
+class Brackets:
+    """K pairs of levels between which the length of a path passes that of the rod, (K,) each.
+
+    pin, sign: of both levels. first, second: their y, equal where the root is known already. path: number of the path.
+    rises: whether the length grows with the level.
+    """
+
+    pin: Integers
+    sign: Array
+    first: Array
+    second: Array
+    path: Integers
+    rises: Booleans
+
+    def take(self, index: Any) -> "Brackets":
+        return Brackets(**{name: v[index] for name, v in vars(self).items()})
 
 
 def search_levels(
@@ -181,11 +208,17 @@ def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_tur
 
 def _roots_in(boundary: Boundary, some: Brackets, paths: Paths, total: int, signed: int, calls: int) -> Roots:
     """The roots in some brackets of paths, and the numbers that are known of all."""
-    y, more = roots_in(boundary, some, paths.counts(boundary.rising)[some.path])
+    y, apart = some.second.copy(), some.first != some.second
+    if apart.any():
+        cells, counts = some.take(apart), paths.counts(boundary.rising)[some.path[apart]]
+        ends = np.minimum(cells.first, cells.second), np.maximum(cells.first, cells.second)
+        roots = core.level_roots(boundary, cells.pin, cells.sign, counts, *ends, NODES, CUTTING)
+        y[apart], more = (np.nan, 0) if roots is None else roots  # none where the loads are not finite
+        calls += more
     known = ~np.isnan(y)
     some, lost = some.take(known), int(np.count_nonzero(~known))
     levels = Levels(some.pin, some.sign, y[known])
-    return Roots(levels, paths.take(some.path), some.rises, total, signed, lost, calls + more)
+    return Roots(levels, paths.take(some.path), some.rises, total, signed, lost, calls)
 
 
 def _most_needed(boundary: Boundary, grid: LevelGrid, seen: TransitTimes) -> int:
@@ -252,3 +285,160 @@ def _range(orbit: Orbit, problem: EndsProblem) -> tuple[Array, Array]:
         lowest = np.where(passed, np.minimum(lowest, end), lowest)
         highest = np.where(passed, np.maximum(highest, end), highest)
     return lowest, highest
+
+
+def join_brackets(parts: list[Brackets]) -> Brackets:
+    columns: dict[str, Any] = {name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])}
+    return Brackets(**columns)
+
+
+def brackets_on_grid(
+    boundary: Boundary, grid: LevelGrid, seen: TransitTimes, some: Paths, before: int
+) -> tuple[Brackets, int]:
+    """The brackets of N paths, of which the first has the number `before`; and the evaluations of G."""
+    levels, counts = grid.levels, some.counts(boundary.rising)
+    if not levels.y.size:  # no level joins the ends but a helix's own
+        none = np.empty(0)
+        return Brackets(none.astype(int), none, none, none, none.astype(int), none.astype(bool)), 0
+    off = seen.lengths(counts) - boundary.problem.span[0]
+    rate = seen.rates(counts)
+    for own in np.flatnonzero(grid.place):  # at a saddle's own height the length is infinite, or continuous
+        sides = [rate[:, j] for j in (own - 1, own + 1) if 0 <= j < levels.y.size]
+        steep = np.fmax.reduce(sides) > 0
+        off[:, own] = np.where(steep, np.inf, off[:, own] if own else np.nan)
+    known, above = _above(off, boundary.problem.span[0])
+    n, k = np.nonzero(known[:, :-1] & known[:, 1:] & (above[:, :-1] != above[:, 1:]))
+    beside = grid.place[k] | grid.place[k + 1]
+    real = np.where(grid.place[k], k + 1, k)  # the real one, beside a saddle's own height
+    place = levels.take(np.where(beside, real, k + 1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        deep = place.y + np.where(rate[n, real] > 0, off[n, real] / rate[n, real], 0.0)
+        # next to the level at which the rod begins or ends at rest the length is linear in beta_t there
+        share = -off[n, k] / (off[n, k + 1] - off[n, k])
+        rests = grid.at_end & (k == 1) & (rate[n, k] == 0)
+        at_rest = np.maximum(levels.y[min(2, levels.y.size - 1)] + 2 * np.log(share), boundary.deepest)
+    y = np.where(beside, deep, np.where(rests, at_rest, np.nan))
+    first = np.where(np.isnan(y), levels.y[k], y)
+    second = np.where(np.isnan(y), place.y, y)
+    direct = Brackets(place.pin, place.sign, first, second, n + before, above[n, k + 1])
+    dips, calls = _dips(boundary, grid, some, off)
+    return join_brackets([direct, replace(dips, path=dips.path + before)]), calls
+
+
+def _above(off: Array, span: float) -> tuple[Booleans, Booleans]:
+    """Where lengths are known, and where they are not below the rod's, (N, M).
+
+    A length that differs from the rod's by rounding alone takes the side of the level before it, so that rounding makes
+    no bracket.
+    """
+    known = ~np.isnan(off)
+    with np.errstate(invalid="ignore"):
+        above, sure = off >= 0, ~(np.abs(off) <= _ROUNDING * span)
+    sure[:, 1:] |= ~known[:, :-1]
+    sure[:, 0] = True
+    last = np.maximum.accumulate(np.where(sure, np.arange(off.shape[1]), 0), axis=1)
+    return known, np.take_along_axis(above, last, axis=1)
+
+
+def _dips(boundary: Boundary, grid: LevelGrid, some: Paths, off: Array) -> tuple[Brackets, int]:
+    """Brackets of the two roots between grid points where the length comes near the rod's, passes it and returns."""
+    counts, size = some.counts(boundary.rising), np.abs(off)
+    with np.errstate(invalid="ignore"):
+        same = (off[:, 1:-1] * off[:, :-2] > 0) & (off[:, 1:-1] * off[:, 2:] > 0)
+        least = same & (size[:, 1:-1] < size[:, :-2]) & (size[:, 1:-1] <= size[:, 2:])
+        # the bottom of a dip lies below its lowest point by a fraction of the rise to the next ones: of a parabola by
+        # 1/8 at even steps, and by 4/5 where one step is four times the other
+        rise = np.fmax(size[:, :-2] - size[:, 1:-1], size[:, 2:] - size[:, 1:-1])
+        near = least & (size[:, 1:-1] < rise) & np.isfinite(rise)
+    path, least_at = np.nonzero(near)
+    out: list[tuple[int, float, float, float, int, bool]] = []
+    calls = 0
+    for n, k in zip(path, least_at + 1, strict=True):
+        cells = grid.cell(int(k) - 1), grid.cell(int(k))
+        if None in cells:
+            continue
+        found, more = _dip(boundary, cells, counts[n], bool(off[n, k] > 0))
+        out += [(*cell, int(n), rises) for cell, rises in found]
+        calls += more
+    columns = zip(*out, strict=True) if out else iter([()] * 6)
+    kinds = (int, float, float, float, int, bool)
+    return Brackets(*(np.array(c, dtype=kind) for c, kind in zip(columns, kinds, strict=True))), calls
+
+
+def _dip(boundary: Boundary, cells: Any, counts: Array, above: bool) -> tuple[list[Any], int]:
+    """The cells in which the length of one path passes that of the rod, of two neighbouring cells refined.
+
+    Each with whether the length grows with the level; and the evaluations of G.
+    """
+    calls = 0
+    for _ in range(_ROUNDS):
+        y = np.stack([np.linspace(a, b, _ZOOM) for _, _, a, b in cells])
+        pin, sign = (np.repeat([cell[j] for cell in cells], _ZOOM) for j in (0, 1))
+        seen = transit_times(boundary, Levels(pin, sign, y.reshape(-1)))
+        calls += seen.calls
+        length = seen.lengths_along(np.broadcast_to(counts, (pin.size, 3))).reshape(2, _ZOOM)
+        off = length - boundary.problem.span[0]
+        over = off >= 0
+        if (over != above).any():
+            passes = np.argwhere(over[:, :-1] != over[:, 1:])
+            return [((*cells[a][:2], y[a, b], y[a, b + 1]), bool(over[a, b + 1])) for a, b in passes], calls
+        if np.isnan(off).any():
+            return [], calls
+        least = int(np.argmin(np.abs(off)))
+        c, j = divmod(least, _ZOOM)
+        beside = np.abs(off[c, max(j - 1, 0) : j + 2])  # at even steps
+        if np.abs(off[c, j]) > _SHALLOW * (beside.max() - np.abs(off[c, j])):
+            return [], calls
+        before = (c, j - 1) if j else (0, _ZOOM - 2)
+        after = (c, j) if j < _ZOOM - 1 else (1, 0)
+        cells = [(*cells[a][:2], y[a, b], y[a, b + 1]) for a, b in (before, after)]
+    return [], calls
+
+
+@dataclass(frozen=True, eq=False)
+class Census:
+    """The K equilibria of one ends problem, (K,) each: beta_t(0), Morse index, turning points passed.
+
+    complete: whether, counted with (-1)^index, they add up to 1, as they must by degree.
+    """
+
+    slope: Array
+    index: Integers
+    turns: Integers
+    complete: bool
+
+    @property
+    def count(self) -> int:
+        return self.slope.size
+
+    @property
+    def stable(self) -> int:
+        return int(np.count_nonzero(self.index == 0))
+
+    @property
+    def indices(self) -> Counter[int]:
+        """How many equilibria have each index; only folds and pitchforks change it."""
+        return Counter(int(i) for i in self.index)
+
+
+def census(problem: EndsProblem) -> Census:
+    """The equilibria of one ends problem (of size 1)."""
+    found = _count(problem, 0.25)
+    return found if found.complete else _count(problem, 0.0625)
+
+
+def _count(problem: EndsProblem, step: float) -> Census:
+    boundary, grid = level_grid_of(boundary_of(problem), step)
+    roots, reason = level_roots(boundary, grid, MOST_PERIODS, None)
+    turns, levels = roots.paths.turns, roots.levels
+    speed2 = boundary.start_speed2(levels.pin, levels.sign * np.exp(np.maximum(levels.y, boundary.deepest)))
+    slope = roots.paths.leaving * np.sqrt(np.maximum(speed2, 0.0))
+    rotates = transit_times(boundary, levels).rotates if levels.y.size else False
+    index = np.where(rotates, 0, np.maximum(turns - roots.lengthens, 0))
+    helix = helix_of(problem, boundary.found)
+    if helix is not None:
+        index = np.append(index, helix_index(helix_half_waves(problem)))
+        slope, turns = np.append(slope, 0.0), np.append(turns, 0)
+    index = index.astype(np.int64)
+    signed = int(np.where(index % 2 == 0, 1, -1).sum())
+    return Census(slope, index, turns, signed == 1 and not roots.lost and not reason)

@@ -18,10 +18,10 @@ from ..numerics.complex_step import size_of
 from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..orbit.pieces import LIBRATION, ROTATION
+from ..problem.case import Rod
 from ..problem.errors import known_name, no_such
 from ..problem.quantities import quantity
 from ..problem.reduced import flat
-from ..problem.rod import Rod
 from ..shape import Shape
 from ..shooting.loaded_rod import MU, PHI, Q
 from .measurement import BARELY, SPREAD, Pair, Reading

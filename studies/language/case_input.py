@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
-from solver.problem.case import PAIRS, TWISTS, from_fields
+from solver.problem.case import DIRECT, ELASTIC, PAIRS, TWISTS, from_fields, lacking
 from solver.problem.errors import choices, no_such
 from solver.problem.limits import farthest
 from solver.problem.quantities import unit_of
-from solver.problem.rod import DIRECT, ELASTIC, lacking
 
 from ..grammar.axes import Which, quantity_of
 from ..grammar.formulas import FORCES, LENGTHS

@@ -10,9 +10,8 @@ from pydantic import BaseModel, Field, PrivateAttr
 
 from solver import Ends, InputError, Start
 from solver.observe.observables import OBSERVABLES
-from solver.problem.case import PAIRS
+from solver.problem.case import DIRECT, PAIRS
 from solver.problem.errors import DEFAULT_TOLERANCE, choices
-from solver.problem.rod import DIRECT
 
 from ..grammar import axes as parts
 from ..grammar.axes import CYLINDER, ENDS, ROD, SAMPLE, START, Axis, Base, Dimension, Misplaced, Units, Which

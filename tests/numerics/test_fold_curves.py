@@ -13,7 +13,7 @@ from solver.folds.orbit_folds import given_on
 from solver.folds.parameter_plane import ParameterPlane, parameter_plane
 from solver.folds.separatrix_folds import UNIT, SeparatrixPoint
 from solver.folds.special_line import point_on_line
-from solver.levels.census import census
+from solver.levels.level_search import census
 from solver.region_map import RegionMap
 from studies import load
 from workbench.branches.ends_study import ends_problem

@@ -8,9 +8,8 @@ import pytest
 from typer.main import get_command
 
 from solver import Cylinder, Ends, Rod, Start
-from solver.problem.case import PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS
+from solver.problem.case import PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS, lacking
 from solver.problem.quantities import unit_of
-from solver.problem.rod import lacking
 from studies.grammar.axes import quantity_of
 from tests.workbench.command import exit_status
 from workbench import cli

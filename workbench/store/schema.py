@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from solver.observe import observables
 from solver.observe.observables import OBSERVABLES
+from solver.problem.case import GIVEN, STIFFNESS, fourth_powers
 from solver.problem.quantities import quantity, unit_of
-from solver.problem.rod import GIVEN, STIFFNESS, fourth_powers
 from studies.grammar.axes import CYLINDER, SAMPLE, WORDS, quantity_of
 from studies.grammar.formulas import parse
 from studies.language import expressions

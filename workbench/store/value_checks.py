@@ -12,9 +12,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.observe.observables import OBSERVABLES
-from solver.problem.case import SIDES, SLIDING
+from solver.problem.case import DIRECT, ELASTIC, GIVEN, SIDES, SLIDING
 from solver.problem.errors import choices
-from solver.problem.rod import DIRECT, ELASTIC, GIVEN
 from studies.grammar.formulas import FORCES, LENGTHS
 
 from ..words import escaping
