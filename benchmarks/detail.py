@@ -22,8 +22,8 @@ import xarray as xr
 from studies.language.loader import loads
 from workbench.geometry.centreline import Array, Centreline
 from workbench.geometry.refinement import Rings, rings
-from workbench.scene import opengl
-from workbench.scene.body import Body, Surface, read
+from workbench.scene import opengl, surfaces
+from workbench.scene.body import Body, read
 from workbench.scene.scene_kinds import KINDS
 from workbench.store import in_memory, reading, writing
 
@@ -44,7 +44,7 @@ RODS = {
 def off(body: Body, drawn: Rings) -> float:
     """The largest distance of the drawn triangles from the true surface [length], at the middles of their sides."""
     n, line = drawn.s.size, body.line
-    made = body.surface(drawn).mesh
+    (made,) = surfaces.tube_parts(body, drawn)
     walls = made.triangles[: 2 * (n - 1) * drawn.sides].reshape(n - 1, -1, 3)
     lift = np.array([0, 0, line.at(drawn.s[:1])[2][0]])
     worst = 0.0
@@ -110,7 +110,7 @@ def measure(name: str, pixel_error: float) -> list[object]:
     found = rings(line, body.span, allowed)
     seconds = perf_counter() - start
     start = perf_counter()
-    mesh = body.surface(found).mesh
+    (mesh,) = surfaces.tube_parts(body, found)
     meshing = perf_counter() - start
     made = off(body, found)
     even = "-"
@@ -135,14 +135,14 @@ def scene(file: Path, pixel_error: float) -> None:
     from workbench.scene import composition, layout
 
     triangles: list[int] = []
-    made = Body.surface
+    made = surfaces.tube_parts
 
-    def counted(body: Body, drawn: Rings) -> Surface:
+    def counted(body: Body, drawn: Rings) -> list[surfaces.Part]:
         found = made(body, drawn)
-        triangles.append(len(found.mesh.triangles))
+        triangles.append(sum(len(part.triangles) for part in found))
         return found
 
-    Body.surface = counted  # type: ignore[method-assign]
+    surfaces.tube_parts = counted
     start = process_time()
     ds = reading.read(file)
     read(ds, {}, KINDS["plain"])

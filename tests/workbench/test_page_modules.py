@@ -18,7 +18,7 @@ from studies.language.readings import READINGS
 from tests.workbench.node import needs_node, run
 from workbench.figures import along, colours, drawn_rods
 from workbench.geometry import self_contact, stored_line
-from workbench.scene import paint, shading
+from workbench.scene import scene_kinds, surfaces
 from workbench.web.live import page_model, page_shape
 from workbench.web.live.presets import PRESETS
 from workbench.words import labels
@@ -382,7 +382,7 @@ def test_the_scale_of_the_push_has_the_ends_and_the_words_of_the_stills() -> Non
     }));"""
     found = run(script, {"code": colours.for_pages(), "rods": rods}, ("colours",))
     for rod, (low, end, words) in zip(rods, found, strict=True):
-        _, bar = paint.by_push({"force": "N", "length": "cm"}, rod)
+        _, bar = scene_kinds.by_push({"force": "N", "length": "cm"}, rod)
         assert ([low, end], words) == (pytest.approx([bar.low, bar.high]), bar.label) if bar else end == 0, rod
 
 
@@ -400,7 +400,7 @@ def test_the_shadow_on_the_wall_is_that_of_the_stills() -> None:
     z = low + (high - low) * (np.arange(height) + 0.5) / height
     grid = np.stack(np.broadcast_arrays(0.75 * np.cos(turn), 0.75 * np.sin(turn), z[:, None]), axis=-1)
     curve = np.stack([np.cos(sol.alpha), np.sin(sol.alpha), sol.z]).T
-    wanted = shading.on_wall(grid.reshape(-1, 3), curve, 0.25)
+    wanted = surfaces.light_on_wall(grid.reshape(-1, 3), curve, 0.25)
     assert np.abs(np.array(light) / 255 - wanted).max() < 0.02
 
 
@@ -414,7 +414,9 @@ def test_the_light_on_the_rod_beside_its_other_stretches_is_that_of_the_pictures
     x, y, z, ox, oy, bx, by, bz = np.array(frames).T
     around = 2 * np.pi * np.arange(12)[:, None] / 12
     normals = np.stack([np.cos(around) * p + np.sin(around) * q for p, q in ((ox, bx), (oy, by), (0 * ox, bz))])
-    light = shading.on_tube(np.array(s), np.stack([x, y, z]).T, normals.T, np.stack([ox, oy, 0 * ox]).T, 0.25, True)
+    light = surfaces.light_on_tube(
+        np.array(s), np.stack([x, y, z]).T, normals.T, np.stack([ox, oy, 0 * ox]).T, 0.25, True
+    )
     wanted = (1 - light) / colours.DEPTH
     found = np.minimum(np.reshape(covered, wanted.shape), 1)
     assert found.max() > 0.3

@@ -16,7 +16,7 @@ from matplotlib.colors import to_rgb
 import workbench
 from solver.benchmark import ladders
 from workbench.figures import bars, colours, push_scale, robustness
-from workbench.scene import paint
+from workbench.scene import scene_kinds
 from workbench.web.report import report_document
 
 WHITE = "#ffffff"
@@ -185,7 +185,7 @@ def test_what_is_not_solved_is_darker_than_every_colour_of_a_map() -> None:
 
 def test_the_push_has_the_same_limits_in_a_diagram_as_in_a_scene() -> None:
     diagram = push_scale.scale([np.array([-3.0, 12.0]), np.array([1.0, 87.0])])
-    painted, _ = paint.by_push({"length": "cm", "force": "N"}, (-3.0, 87.0))
+    painted, _ = scene_kinds.by_push({"length": "cm", "force": "N"}, (-3.0, 87.0))
     assert (diagram.vmin, diagram.vmax) == (painted.low, painted.high) == (-100.0, 100.0)
 
 

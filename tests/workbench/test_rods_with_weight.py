@@ -15,7 +15,7 @@ from workbench.export import stored_rod
 from workbench.figures import along, colours, drawn_numbers
 from workbench.geometry import stored_line
 from workbench.scene import body as body_of
-from workbench.scene import camera, layout, long_rod, scene_kinds
+from workbench.scene import layout, long_rod, scene_kinds, views
 from workbench.scene.settings import Settings
 from workbench.store import in_memory
 from workbench.words import cautions
@@ -55,14 +55,14 @@ def test_the_curve_of_a_stored_rod_with_weight_is_that_of_more_stations(ds: xr.D
 
 def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Dataset) -> None:
     for where, up in (({"inclination": 0}, [-np.sqrt(3) / 2, 0.0, 0.5]), (LYING, [-1.0, 0.0, 0.0])):
-        down = camera.gravity(ds, where)
+        down = views.gravity(ds, where)
         assert down == pytest.approx(-np.array(up), abs=1e-12)
-        seen = camera.upright(camera.front_camera([], 0.0, True, down))
+        seen = views.upright(views.front_camera([], 0.0, True, down))
         right, above = seen.page @ np.array(up)
         assert right == pytest.approx(0, abs=1e-12)
         assert above > 0.5
         assert (seen.page @ np.array([0.0, 0.0, 1.0]))[0] > 0.5  # s goes to the right
-    assert camera.gravity(ds, {}) is None  # one picture, two inclinations
+    assert views.gravity(ds, {}) is None  # one picture, two inclinations
     rows, (seen,) = layout._cells(ds, scene_kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
     assert [view.turned for view in rows[0]] == [0.0, 0.0]  # in a row of lying pipes each low side is below
     assert seen.page @ seen.down == pytest.approx([0.0, -np.sqrt(3) / 2], abs=1e-12)

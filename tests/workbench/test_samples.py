@@ -17,7 +17,7 @@ from tests.workbench.pictures import pixels, share_of_ink
 from workbench.commands import study_scene
 from workbench.figures import canvas, scatter, study_figure
 from workbench.figures.sheet import SCREEN
-from workbench.scene import captions, scene_kinds
+from workbench.scene import scene_kinds
 from workbench.store import file_merge, in_memory, reading, selection, stored_case, writing
 from workbench.store.file_summary import summary
 from workbench.store.study_store import Options, run_to_file
@@ -257,7 +257,7 @@ def test_a_scene_of_one_sample_solves_that_sample_alone(tmp_path) -> None:
     assert part.coordinates()["E"][0] == whole.coordinates()["E"][17]
     row = study_scene.needed_cases(whole, ds, scene_kinds.KINDS["ghosts"], {}, ["sample"])
     assert row.size == 40
-    text = captions.case_values(ds, {"sample": 17})
+    text = scene_kinds.case_values(ds, {"sample": 17})
     assert text.startswith("sample = 17, E = ")
     assert "R = " in text
 

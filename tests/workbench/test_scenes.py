@@ -22,14 +22,11 @@ from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench.commands import option_checks, scene
 from workbench.figures import canvas, colours, scales
-from workbench.geometry import refinement, self_contact, tube
+from workbench.geometry import refinement, self_contact
 from workbench.geometry.centreline import Centreline
 from workbench.scene import body as rods
-from workbench.scene import camera as cameras
-from workbench.scene import captions, hidden, long_rod, opengl, page, scene_kinds, shading
-from workbench.scene import paint as paints
-from workbench.scene.captions import Cell
-from workbench.scene.scene_kinds import KINDS, kind_of
+from workbench.scene import long_rod, opengl, page, scene_kinds, surfaces, views
+from workbench.scene.scene_kinds import KINDS, Cell, kind_of
 from workbench.scene.views import View
 from workbench.store import in_memory, selection, writing
 from workbench.store.schema import SECTION
@@ -60,8 +57,8 @@ def body(ds: xr.Dataset, kind: str = "contact", **where: int) -> rods.Body:
     return rods.read(ds, where, kind_of(kind))
 
 
-def fine(rod: rods.Body) -> tube.Mesh:
-    return rod.surface(rod.rings(1e-3, 0.0)).mesh
+def fine(rod: rods.Body) -> surfaces.Part:
+    return surfaces.tube_parts(rod, rod.rings(1e-3, 0.0))[0]
 
 
 @pytest.mark.parametrize("side", ["outside", "inside"])
@@ -76,7 +73,7 @@ def test_the_tube_touches_the_surface_and_has_the_rods_radius(side: str) -> None
 def test_the_tube_is_closed_and_its_faces_look_outward(fig6) -> None:
     rod = body(fig6)
     rings = rod.rings(1e-3, 0.0)
-    mesh = rod.surface(rings).mesh
+    (mesh,) = surfaces.tube_parts(rod, rings)
     points, normals, triangles = mesh.points, mesh.normals, mesh.triangles
     corners = points[triangles]
     face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -114,17 +111,16 @@ def test_push_and_curvature_are_those_of_the_solution(side: str) -> None:
 def test_the_stripe_turns_with_the_material() -> None:
     ds = dataset(outputs=["beta", "alpha", "z", "gamma"])
     rod = body(ds, "twist")
-    rod = replace(rod, paint=paints.Paint("white", stripe="blue"))
+    rod = replace(rod, paint=scene_kinds.Paint("white", stripe="blue"))
     rings = rod.rings(1e-3, 0.0)
-    surface = rod.surface(rings)
-    mesh = surface.mesh
+    mesh, stripe = surfaces.tube_parts(rod, rings)
     middle = mesh.normals[: rings.s.size * rings.sides].reshape(-1, rings.sides, 3)[:, 0]
     alpha, beta, _ = rod.line.at(rings.s)
     gamma = np.interp(rings.s, ds["s"], ds["gamma"])
     d1 = frames.material(alpha, beta, gamma)[:, 0]
     # the stripe's middle is opposite the section's first axis; gamma is interpolated linearly here
     np.testing.assert_allclose(middle, -d1, atol=5e-3)
-    assert surface.striped[: -2 * rings.sides].mean() == pytest.approx(1 / 3, abs=1e-12)
+    assert 2 * len(stripe.triangles) == len(mesh.triangles) - 2 * rings.sides
 
 
 def test_a_long_rod_is_set_in_lines_that_show_all_of_it() -> None:
@@ -210,8 +206,8 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
     shown = {"contact": {"contact"}, "grid": {"contact"}, "curvature": {"kappa"}}.get(kind, set())
     low_high = rod.extremes() if shown else (0.0, 1.0)
     ramp = colours.ramp() if shown else None
-    rod = replace(rod, paint=paints.Paint(ramp=ramp, low=low_high[0], high=low_high[1]))
-    rod.surface(rod.rings(0.01, 0.0))
+    rod = replace(rod, paint=scene_kinds.Paint(ramp=ramp, low=low_high[0], high=low_high[1]))
+    surfaces.tube_parts(rod, rod.rings(0.01, 0.0))
     assert opened <= KINDS[kind].reads | {"solved", "outcome", "caution", "dbeta", *SECTION}
     assert set(counted) == shown
 
@@ -228,9 +224,9 @@ def test_a_row_runs_along_its_axis_with_the_others_at_table_1() -> None:
 def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
     ds = in_memory.run(load("fig7_1_modulus").at_stations(2))
     for i in range(ds.sizes["E"]):
-        said = captions.case_values(ds, {"E": i}).partition(" = ")[2].partition(" ")[0]
+        said = scene_kinds.case_values(ds, {"E": i}).partition(" = ")[2].partition(" ")[0]
         assert option_checks.axis_values(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
-    assert captions.case_values(ds, {"E": 3}, 4) == "E = 10910 N/cm²"  # a frame of a film: 10905.1
+    assert scene_kinds.case_values(ds, {"E": 3}, 4) == "E = 10910 N/cm²"  # a frame of a film: 10905.1
 
 
 def test_at_most_so_many_are_chosen_and_both_ends_among_them() -> None:
@@ -250,8 +246,8 @@ def test_a_scale_bar_is_a_round_length_that_fits() -> None:
 
 @draws
 def test_a_row_in_the_table_is_all_that_a_new_kind_needs(fig6, tmp_path, monkeypatch, capsys) -> None:
-    def red(units: dict[str, str], extremes: paints.Extremes) -> paints.Painted:
-        return paints.Paint("#ff0000"), None
+    def red(units: dict[str, str], extremes: scene_kinds.Extremes) -> scene_kinds.Painted:
+        return scene_kinds.Paint("#ff0000"), None
 
     toy = scene_kinds.Kind("toy", "the rod in red", "one", paint=red, legend=(("#ff0000", "a toy"),))
     monkeypatch.setitem(KINDS, "toy", toy)
@@ -270,8 +266,8 @@ def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> N
     assert 1599 <= picture.shape[1] <= 1600  # Matplotlib may round down
     assert 500 < picture.shape[0] <= 1200  # no emptier than its words need
     assert share_of_ink(picture) > 0.25
-    assert share_of_hue(picture, to_hex(paints.PUSH_RAMP(0.9))) > 0.01
-    assert share_of_hue(picture, to_hex(paints.PUSH_RAMP(0.2))) > 0.02
+    assert share_of_hue(picture, to_hex(scene_kinds.PUSH_RAMP(0.9))) > 0.01
+    assert share_of_hue(picture, to_hex(scene_kinds.PUSH_RAMP(0.2))) > 0.02
     edge = np.concatenate([picture[:8].ravel(), picture[-8:].ravel(), picture[:, :8].ravel(), picture[:, -8:].ravel()])
     assert (edge > 0.98).all()  # nothing is cut off
 
@@ -290,9 +286,9 @@ def test_rendered_pixels_stand_on_the_page_as_they_are(channels) -> None:
     assert (beside == (255 if channels == 3 else 0)).all()
 
 
-def before_it(bodies: list[rods.Body], width: int, height: int, lying: bool = False) -> cameras.Camera:
+def before_it(bodies: list[rods.Body], width: int, height: int, lying: bool = False) -> views.Camera:
     """A camera that sees all of a rod in a picture of a size."""
-    camera = cameras.front_camera(bodies, lying=lying)
+    camera = views.front_camera(bodies, lying=lying)
     low, high = View(bodies, Cell("")).box(camera)
     return replace(camera, per_unit=float(np.min(np.array([width, height]) / (high - low))))
 
@@ -353,7 +349,7 @@ def helix() -> xr.Dataset:
 @draws
 def test_a_hidden_stretch_is_an_outline_and_has_no_colour_of_the_bar(helix) -> None:
     rod = body(helix, "plain")
-    rod = replace(rod, paint=paints.Paint("#ff0000"))
+    rod = replace(rod, paint=scene_kinds.Paint("#ff0000"))
     camera = before_it([rod], 600, 120, lying=True)
     view = View([rod], Cell(""))
     picture = render([Placed(view, (300.0, 60.0))], camera, (600, 120), 0.5)[0] / 255.0
@@ -369,6 +365,7 @@ def test_a_hidden_stretch_is_an_outline_and_has_no_colour_of_the_bar(helix) -> N
     assert np.mean(lines) > 0.9
 
 
+@draws
 def test_only_what_is_wide_enough_is_an_outline() -> None:
     rods, everything = np.ones((2, 40, 60), dtype=np.float32)
     everything[:30] = 0.3  # a wall
@@ -376,7 +373,7 @@ def test_only_what_is_wide_enough_is_an_outline() -> None:
     rods[26:28, 5:50] = 0.6  # a sliver behind it
     rods[33:38, 5:50] = 0.6  # beyond the wall
     everything[33:38, 5:50] = 0.6
-    line, behind = hidden.lines(rods, everything, hidden.Drawn(0.1, 4.0, 1.0))
+    line, behind = rendering.hidden_lines(rods, everything, rendering.Drawn(0.1, 4.0, 1.0))
     assert behind[10:20, 5:50].all()
     assert behind.sum() == 450
     assert line[10, 5:50].all()
@@ -388,18 +385,16 @@ def test_the_shadow_of_contact_is_that_of_a_bar_on_a_plane() -> None:
     s = np.linspace(-50, 50, 4001)
     bar = np.stack([0 * s, 0 * s + 0.5, s], axis=-1)  # of radius 0.5 above the plane y = 0
     away = np.array([0.0, 0.1, 0.5, 1.0, 2.0])
-    light = shading.on_wall(np.stack([away, 0 * away, 0 * away], axis=-1), bar, 0.5)
+    light = surfaces.light_on_wall(np.stack([away, 0 * away, 0 * away], axis=-1), bar, 0.5)
     # half of the plane's light is that of the directions up to a height, (1 + cos)/2 of Lambert's law in two dimensions
     height = 2 * np.arctan2(0.5, away)
     lost = 1 - (1 + np.cos(height)) / 2
-    scale = shading.REACH**2 / (shading.REACH**2 - 1)  # nothing is lost at the reach
-    np.testing.assert_allclose(1 - light, shading.DEPTH * (1 - (1 - lost) * scale), atol=1e-4)
+    scale = surfaces.REACH**2 / (surfaces.REACH**2 - 1)  # nothing is lost at the reach
+    np.testing.assert_allclose(1 - light, surfaces.DEPTH * (1 - (1 - lost) * scale), atol=1e-4)
 
 
 @draws
 def test_the_texture_of_a_wall_goes_once_around_it(fig6) -> None:
-    from workbench.scene import surfaces
-
     wall = surfaces.wall([body(fig6)], (0.0, 20.0), 40.0)
     columns, corners = wall.texture.shape[1], surfaces.FACETS + 1
     np.testing.assert_allclose(wall.at[:corners, 0] * columns, np.linspace(0.5, columns - 0.5, corners))
@@ -518,7 +513,7 @@ def test_a_look_chooses_side_colours_size_and_what_is_left_out(fig6, tmp_path) -
         seen = np.asarray(picture) / 255.0
     assert seen[:5, :, 3].max() == 0  # no title, nothing at the edge
     # most of the pushed part is above 50 N/cm, so it has the darkest blue
-    assert share_of_hue(seen[..., :3], to_hex(paints.PUSH_RAMP(1.0))) > 0.02
+    assert share_of_hue(seen[..., :3], to_hex(scene_kinds.PUSH_RAMP(1.0))) > 0.02
 
 
 def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_two_radii_apart(fig6) -> None:
@@ -613,10 +608,10 @@ def test_the_picture_has_the_scale_of_its_bar_along_the_axis(camera, helix) -> N
 @draws
 def test_a_push_has_the_same_colours_in_neighbouring_pictures_pale_at_0_and_no_black(helix) -> None:
     units = {"length": "cm", "force": "N"}
-    paint, bar = paints.by_push(units, (-30.0, 90.0))
+    paint, bar = scene_kinds.by_push(units, (-30.0, 90.0))
     assert (paint.low, paint.high, bar.low, bar.high) == (-100.0, 100.0, -100.0, 100.0)
     assert min(to_rgb(to_hex(paint.ramp(0.5)))) > 0.8
-    one, alone = paints.by_push(units, (7.9, 8.0))
+    one, alone = scene_kinds.by_push(units, (7.9, 8.0))
     share = (8.0 - one.low) / (one.high - one.low)
     assert min(to_rgb(to_hex(one.ramp(share)))) > 0.2 or share < 0.9
     assert (alone.low, alone.high) == (0.0, 12.0)

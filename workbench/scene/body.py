@@ -7,36 +7,19 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from solver.problem.errors import InputError
 
-from ..geometry import centreline, self_contact, stored_line, tube
+from ..geometry import centreline, self_contact, stored_line
 from ..geometry.centreline import Array, Centreline
 from ..geometry.lines import TALLEST
 from ..geometry.refinement import Rings, rings
 from ..store import schema
 from ..store.schema import SECTION
-from . import shading
-from .paint import Paint
-from .scene_kinds import Kind
+from .scene_kinds import Kind, Paint
 
 STRIPE = 3  # one side in so many is painted
-
-
-@dataclass(frozen=True, eq=False)
-class Surface:
-    """A tube as it is drawn.
-
-    values: what the colour shows at each point, or None; striped: triangles in the stripe; light: the share of diffuse
-    light that reaches each point.
-    """
-
-    mesh: tube.Mesh
-    values: Array | None
-    striped: NDArray[np.bool_]
-    light: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,29 +131,6 @@ class Body:
         multiple = 2 * STRIPE if self.paint.stripe else 2
         colour = (lambda s: self.value(s) / scale) if self.paint.ramp is not None else None
         return rings(self.line, self.span, tolerance, self.stripe_angle(), colour, colour_length, multiple)
-
-    def surface(self, drawn: Rings) -> Surface:
-        """The tube of radius a about the curve, closed at both ends, its corners on the true surface."""
-        s, sides = drawn.s, drawn.sides
-        true, along, out, across = self.line.frame(s)
-        if self.squeeze < 1:
-            along = along * [1, 1, self.squeeze]
-            along /= np.linalg.norm(along, axis=-1, keepdims=True)
-            across = np.cross(along, out) * np.sign(np.sum(np.cross(along, out) * across, axis=-1, keepdims=True))
-        place = self.places(s)
-        turned = self.stripe_angle()
-        angle = np.zeros(s.size) if turned is None else turned(s)
-        made = tube.mesh((place, along, out, across), self.a, sides, angle)
-        values = None
-        if self.paint.ramp is not None:
-            values = tube.at_points(self.value(s), sides)
-        side = np.arange(sides)
-        painted = np.tile(np.repeat((side + sides // (2 * STRIPE)) % sides < sides // STRIPE, 2), s.size - 1)
-        normals = made.normals[: s.size * sides].reshape(s.size, sides, 3)
-        light = shading.on_tube(s, true, normals, out, self.a, self.side == "inside")
-        ends = [np.append(light[k], light[k].mean()) for k in (0, -1)]
-        light = np.concatenate([light.ravel(), *ends])
-        return Surface(made, values, np.concatenate([painted, np.zeros(2 * sides, dtype=bool)]), light)
 
 
 def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None) -> Body:

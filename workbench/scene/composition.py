@@ -15,16 +15,12 @@ from ..geometry.centreline import APART, Array
 from ..geometry.refinement import stations_for
 from ..words import cautions, labels
 from . import long_rod, page
-from . import paint as paints
 from .body import Body
-from .camera import Camera
-from .captions import Cell
 from .page import Page, Words
-from .paint import Bar
 from .rendering import Placed, render
-from .scene_kinds import Kind
+from .scene_kinds import Bar, Cell, Kind, set_range
 from .settings import DEFAULT, Settings
-from .views import EDGE, View, arrange
+from .views import EDGE, Camera, View, arrange
 
 SIZE = (8.0, 6.0)  # inches: width, and largest height, of the page of one case
 LINE = 1.5  # width of lines in pixels at `fonts.DPI`
@@ -252,7 +248,7 @@ def colour_rods(scene: Scene) -> tuple[Scene, Bar | None, list[str]]:
         if scene.kind.value is None:
             raise InputError(f"a scene of kind {scene.kind.name} has no colour bar, so it takes no --color-range")
         if bar and extremes:
-            paint, bar = paints.set_range(paint, bar, chosen)
+            paint, bar = set_range(paint, bar, chosen)
             beyond = [f"up to {labels.number(extremes[1])}"] if extremes[1] > paint.high else []
             beyond += [f"down to {labels.number(extremes[0])}"] if extremes[0] < paint.low else []
             notes = [f"{bar.label if bar else ''}: {', '.join(beyond)}"] if beyond else []

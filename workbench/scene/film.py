@@ -25,12 +25,11 @@ from ..figures.scales import WIDE, set_scale
 from ..store import atomic, attributes, schema, selection
 from ..words import cautions, labels
 from . import body as rods
-from . import camera as cameras
 from . import long_rod, page, scene_kinds
-from .captions import Cell
 from .page import Pixels
+from .scene_kinds import Cell
 from .settings import Settings
-from .views import View, camera_before, ends_of
+from .views import View, camera_before, ends_of, gravity
 
 if TYPE_CHECKING:
     from . import composition
@@ -120,7 +119,7 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
 
     kind, cases = scene_kinds.kind_of(film.kind), cases_of(ds, film)
     each = [rods.of_case(ds, where, kind)[0] for where in cases]
-    down = cameras.gravity(ds, {name: i for name, i in cases[0].items() if name != film.axis})
+    down = gravity(ds, {name: i for name, i in cases[0].items() if name != film.axis})
     context = long_rod.in_view([body for body in each if body], down)
     if not context:
         raise InputError(f"no case along {film.axis} has a shape: there is nothing to show")

@@ -20,16 +20,25 @@ from ..store import selection
 from ..store.schema import axes_of
 from ..words import labels
 from . import body as rods
-from . import camera as cameras
-from . import captions, composition, long_rod, page
+from . import composition, long_rod, page, scene_kinds
 from .body import Body
-from .camera import Camera
-from .captions import Cell
 from .composition import DEFAULT, Picture, Scene, draft_of
-from .paint import Paint
-from .scene_kinds import Kind, default_kind, kind_of
+from .scene_kinds import Cell, Kind, Paint, default_kind, kind_of
 from .settings import Settings, check, check_name
-from .views import EDGE, View, arrange, camera_before, ends_of, in_rows
+from .views import (
+    EDGE,
+    Camera,
+    View,
+    arrange,
+    azimuth_of,
+    camera_before,
+    camera_of,
+    ends_of,
+    front_camera,
+    gravity,
+    in_rows,
+    one_view_of,
+)  # fmt: skip
 
 SUFFIXES = (".png", ".jpg")
 HEADS = ("", "s = 0 cm")  # the room before the lines of a long rod
@@ -128,7 +137,7 @@ def _one(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str 
     """One case large; a long one in lines."""
     asked = selection.case(ds, at)
     where = asked if at else _nearest_solved(ds, asked)
-    case = captions.case_values(ds, where, settings.digits)
+    case = scene_kinds.case_values(ds, where, settings.digits)
     body, why = rods.of_case(ds, where, kind, settings.span)
     if body is None:
         raise InputError(f"nothing to draw{f' at {case}' if case else ''}: {why}")
@@ -139,8 +148,10 @@ def _one(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str 
         context = [each for each in line if each]
     notes = []
     if where != asked:
-        notes += [f"{captions.case_values(ds, asked, settings.digits)} is not solved; this is the nearest solved case"]
-    down = cameras.gravity(ds, where)
+        notes += [
+            f"{scene_kinds.case_values(ds, asked, settings.digits)} is not solved; this is the nearest solved case"
+        ]
+    down = gravity(ds, where)
     body, *context = long_rod.compress([body, *context])
     notes = [*long_rod.notes_on([body], str(ds.attrs["length_unit"])), *notes]
     if long_rod.is_long(context):
@@ -187,13 +198,13 @@ def _in_lines(
     down: Array | None,
 ) -> Picture:  # fmt: skip
     """All of a rod that would be too thin to see in one view."""
-    azimuth, elevation = cameras.one_view_of(settings.camera or "front", "a rod this long, which is set in lines,")
+    azimuth, elevation = one_view_of(settings.camera or "front", "a rod this long, which is set in lines,")
     if elevation:
         raise InputError(
             f"a rod this long is set in lines, seen at right angles to its axis: --camera {settings.camera} has an "
             f"elevation of {elevation:g} degrees; draw a part of the rod with --from and --to"
         )
-    camera, turned = cameras.front_camera(context, lying=True, down=down), -np.radians(azimuth)
+    camera, turned = front_camera(context, lying=True, down=down), -np.radians(azimuth)
     scene = Scene(ds, kind, [[View([body], Cell())]], context, case, camera, settings, notes, heads=HEADS,
                   ringed=False, squeeze=body.squeeze)  # fmt: skip
     wide, high = (side * settings.dpi for side in draft_of(scene)[1])
@@ -215,11 +226,11 @@ def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | N
     if not whole:
         raise InputError(f"nothing to draw along {axis}: no case of it has a shape")
     thin = [_thin(body, k) for k, body in whole.items()]
-    words = [captions.values(ds, {axis: cases[k][axis]})[0] for k in whole]
+    words = [scene_kinds.values(ds, {axis: cases[k][axis]})[0] for k in whole]
     held = {k: i for k, i in cases[0].items() if k != axis}
-    down = cameras.gravity(ds, held)
+    down = gravity(ds, held)
     bodies = _in_view(thin, down, settings)
-    case = ", ".join([labels.axis_label(axis, ds[axis]), *captions.values(ds, held)])
+    case = ", ".join([labels.axis_label(axis, ds[axis]), *scene_kinds.values(ds, held)])
     notes = [f"{len(cases)} of {len(line)} values"] if len(cases) < len(line) else []
     notes += [f"drawn at {GHOST:.2g} of the thickness, one upon the other"]
     notes += long_rod.notes_on(bodies, str(ds.attrs["length_unit"]))
@@ -264,7 +275,7 @@ def _table(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float]
              for name, count, of in zip(names, (len(across), len(cases)), (len(line), len(down)), strict=True)
              if count < of]  # fmt: skip
     scene = _several(ds, kind, names, rows, both[0], settings, cases[0][0], [], notes, GRID)
-    heads = captions.headings(ds, names[0], cases[0]), captions.headings(ds, names[1], [row[0] for row in cases])
+    heads = scene_kinds.headings(ds, names[0], cases[0]), scene_kinds.headings(ds, names[1], [row[0] for row in cases])
     scene = replace(scene, columns=heads[0], heads=heads[1])
     return _compose_larger([replace(scene, camera=camera) for camera in both], draft_of(scene)[1])
 
@@ -287,20 +298,20 @@ def _cells(
 
     The cameras have the rods upright and lying; rods with weight in one direction lie or are inclined as they are.
     """
-    azimuth, elevation = cameras.one_view_of(settings.camera or f"0,{LEVEL}", f"each rod of the kind {kind.name}")
+    azimuth, elevation = one_view_of(settings.camera or f"0,{LEVEL}", f"each rod of the kind {kind.name}")
     held = {name: i for name, i in cases[0][0].items() if all(each[name] == i for row in cases for each in row)}
-    down = None if settings.camera else cameras.gravity(ds, held)
+    down = None if settings.camera else gravity(ds, held)
     each = [[rods.of_case(ds, where, kind, settings.span) for where in row] for row in cases]
     drawn = _in_view([body for row in each for body, _ in row if body], down, settings)
-    flat = [cameras.front_camera([], elevation, lying) for lying in (False, True)]
-    both = [long_rod.camera_of(drawn, cameras.front_camera([], 0.0, True, down))] if down is not None else flat
+    flat = [front_camera([], elevation, lying) for lying in (False, True)]
+    both = [camera_of(drawn, front_camera([], 0.0, True, down))] if down is not None else flat
     fitted, rows = iter(drawn), []
     for row, found in zip(cases, each, strict=True):
         views = []
         for where, (body, why) in zip(row, found, strict=True):
             body = next(fitted) if body else None
             cell = replace(kind.cell(ds, names, where) if names else Cell(), why_empty=why)
-            own = cameras.azimuth_of([body]) if body and down is None else 0.0
+            own = azimuth_of([body]) if body and down is None else 0.0
             turned = -np.radians(azimuth) - own
             views.append(View([body] if body else [], cell, turned))
         rows.append(views)
@@ -314,7 +325,7 @@ def _several(
     """The scene of cases side by side."""
     bodies = [body for row in rows for view in row for body in view.bodies]
     held = {name: i for name, i in first.items() if name not in names}
-    case = ", ".join([*shown, *captions.values(ds, held)])
+    case = ", ".join([*shown, *scene_kinds.values(ds, held)])
     notes = [*long_rod.notes_on(bodies, str(ds.attrs["length_unit"])), *notes, *kind.notes]
     squeeze = bodies[0].squeeze if bodies else 1.0
     return Scene(ds, kind, rows, bodies, case, camera, settings, notes, size, squeeze=squeeze)

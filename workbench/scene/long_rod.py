@@ -10,7 +10,6 @@ from ..geometry.centreline import Array
 from ..geometry.lines import LABELLED
 from ..words import labels
 from .body import Body, part_in_view
-from .camera import Camera, upright
 
 PITCH = lines.PITCH
 SQUEEZED = 24.0  # diameters of the cylinder, to which a long rod is compressed along the axis
@@ -83,11 +82,6 @@ def in_view(bodies: Sequence[Body], down: Array | None) -> list[Body]:
     """The same, and of rods that are long even so the beginning, or where that is higher, the last part."""
     last = down is not None and bool(down[2] > UPRIGHT)
     return [part_in_view(body, last) for body in compress(bodies)]
-
-
-def camera_of(bodies: Sequence[Body], camera: Camera) -> Camera:
-    """The camera turned so that the weight points down the page; rods that are compressed along the axis lie."""
-    return camera if bodies and bodies[0].squeeze < 1 else upright(camera)
 
 
 def notes_on(bodies: Sequence[Body], unit: str) -> list[str]:

@@ -27,8 +27,7 @@ from ..figures.arrangement import Arrangement
 from ..figures.scales import round_below
 from ..store import atomic
 from ..words import labels
-from .captions import Cell
-from .paint import Bar
+from .scene_kinds import Bar, Cell
 from .views import BELOW, DOT
 
 Pixels = NDArray[np.uint8]

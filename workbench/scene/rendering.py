@@ -1,4 +1,8 @@
-"""Rods on their cylinders before a camera: geometry to pixels, with VTK. Needs OpenGL, see `opengl`."""
+"""Rods on their cylinders before a camera: geometry to pixels, with VTK. Needs OpenGL, see `opengl`.
+
+Each pixel is the mean of samples, which are rendered a few at a time. Stretches of a rod behind its cylinder are drawn
+in outline, as in a technical drawing, and not in a paler colour, because a pale blue means a small push.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,12 +10,13 @@ from typing import Any
 
 import numpy as np
 import pyvista as pv
+from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
+from scipy.ndimage import find_objects, grey_opening, maximum_filter, maximum_filter1d
 
 from ..figures import colours
-from . import hidden, sampling, surfaces
-from .camera import Camera
-from .views import View
+from . import surfaces
+from .views import Camera, View
 
 COLOUR_PIXELS = 2  # between rings; on shorter intervals colours need not be true
 THIN = 6.0  # pixels of thickness, below which hidden stretches have no outline
@@ -19,6 +24,8 @@ THIN = 6.0  # pixels of thickness, below which hidden stretches have no outline
 # seen is black.
 LIGHTS = ((0, 0, 0.3), (-28, 25, 0.32))
 LOOK = {"ambient": 0.42, "diffuse": 1.0, "smooth_shading": False, "show_scalar_bar": False, "render": False}
+FINER = 4  # a pixel has 4 x 4 places; every second has a sample, as on a chessboard, so each row and column has two
+AT_ONCE = 5_000_000  # pixels of a picture, up to which 2 x 2 samples of each are rendered at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +36,25 @@ class Placed:
     middle: tuple[float, float]
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """How hidden stretches are drawn.
+
+    Attributes
+    ----------
+    edge
+        The step of depth that is an edge between two stretches; all depths together are 1.
+    sliver
+        The width in samples of what is left out, such as the lower side of a rod beyond the horizon of the cylinder.
+    line
+        The width of the outline in samples.
+    """
+
+    edge: float
+    sliver: float
+    line: float
+
+
 def render(
     placed: Sequence[Placed],
     camera: Camera,
@@ -36,7 +62,7 @@ def render(
     pixel_error: float,
     transparent: bool = False,
     line: float = 1.0,
-    samples: int = sampling.FINER,
+    samples: int = FINER,
 ) -> tuple[NDArray[np.uint8], float, bool]:
     """Render all views into one picture.
 
@@ -58,16 +84,18 @@ def render(
         stations allow it; whether hidden stretches are drawn in outline, as they are where they are thick enough.
     """
     drawn = [one for one in placed if one.view.bodies]
-    background = np.full((size[1], size[0], 4), 255, dtype=np.uint8)
     if not drawn:
-        background[..., 3] = 0
-        return background if transparent else background[..., :3], 0.0, False
-    block = sampling.block_for(size, samples)
+        blank = np.full((size[1], size[0], 4), (255, 255, 255, 0), dtype=np.uint8)
+        return blank[..., : 4 if transparent else 3], 0.0, False
+    block = min(samples, 2 if size[0] * size[1] <= AT_ONCE else 1)
     plotter: Any = pv.Plotter(off_screen=True, window_size=[block * n for n in size], lighting="none")
     try:
         plotter.ren_win.SetMultiSamples(0)  # each pixel is a mean anyway
         plotter.set_background("white")
-        for light in _lights():
+        for azimuth, elevation, intensity in LIGHTS:
+            light = pv.Light(light_type="camera light", intensity=intensity)
+            around, above = np.radians([azimuth, elevation])
+            light.position = np.sin(around) * np.cos(above), np.sin(above), np.cos(around) * np.cos(above)
             plotter.add_light(light)
         walls: list[Any] = []
         made: dict[Any, _Made] = {}  # the same rods may be seen from two sides
@@ -79,31 +107,26 @@ def render(
             walls += _place(plotter, one, made[same], camera, size, line * block)
         depth = _set_camera(plotter, drawn, camera, size)
         outline = _draw(drawn, camera, depth, block, line)
-        window = sampling.Window(plotter, size, block, samples)
-        pixels, alpha, outlined = sampling.mean(window, walls, outline, transparent)
+        pixels, outlined = _mean(plotter, block, samples, walls, outline, transparent)
     finally:
         plotter.close()
-    error = max(one.error for one in made.values())
-    return (np.concatenate([pixels, alpha], axis=-1) if transparent else pixels), error, outlined
+    return pixels, max(one.error for one in made.values()), outlined
 
 
-def _draw(placed: Sequence[Placed], camera: Camera, depth: float, block: int, line: float) -> hidden.Drawn | None:
+def _draw(placed: Sequence[Placed], camera: Camera, depth: float, block: int, line: float) -> Drawn | None:
     """How the hidden stretches are drawn; None where nothing is hidden, or too thin for an outline."""
     bodies = [(one.view, body) for one in placed for body in one.view.bodies]
     thick = max(2 * body.a for _, body in bodies) * camera.per_unit
     if thick < THIN or not any(view.hides(body, camera) for view, body in bodies):
         return None
     edge = 0.6 * min(body.a for _, body in bodies)
-    return hidden.Drawn(edge / depth, 0.7 * edge * camera.per_unit * block, max(line * block, 1.0))
+    return Drawn(edge / depth, 0.7 * edge * camera.per_unit * block, max(line * block, 1.0))
 
 
 def _set_camera(plotter: Any, placed: Sequence[Placed], camera: Camera, size: tuple[int, int]) -> float:
     """Set up the camera before the placed views; returns the depth that it sees [length]."""
-    deep = 0.0
-    for one in placed:
-        half = one.view.reach + np.ptp(one.view.cylinder) / 2 * abs(camera.toward[2])
-        deep = max(deep, half)
-    deep *= 1.1
+    tilt = abs(camera.toward[2])
+    deep = 1.1 * max(one.view.reach + np.ptp(one.view.cylinder) / 2 * tilt for one in placed)
     plotter.camera_position = [2 * deep * camera.toward, (0, 0, 0), camera.up]
     plotter.enable_parallel_projection()
     plotter.camera.parallel_scale = size[1] / camera.per_unit / 2
@@ -126,7 +149,7 @@ def _make(view: View, per_unit: float, pixel_error: float) -> _Made:
     for body in view.bodies:
         rings = body.rings(pixel_error / per_unit, COLOUR_PIXELS / per_unit)
         error = max(error, rings.error * per_unit)
-        tubes += surfaces.tube_parts(body, body.surface(rings))
+        tubes += surfaces.tube_parts(body, rings)
     return _Made(tubes, surfaces.wall(view.bodies, view.cylinder, per_unit), error)
 
 
@@ -170,11 +193,101 @@ def _texture(picture: NDArray[np.uint8]) -> Any:
     return found
 
 
-def _lights() -> list[pv.Light]:
-    found = []
-    for azimuth, elevation, intensity in LIGHTS:
-        around, above = np.radians([azimuth, elevation])
-        light = pv.Light(light_type="camera light", intensity=intensity)
-        light.position = np.sin(around) * np.cos(above), np.sin(above), np.cos(around) * np.cos(above)
-        found.append(light)
-    return found
+def hidden_lines(
+    rods: NDArray[np.float32], everything: NDArray[np.float32], drawn: Drawn
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """The samples on the outline of hidden rods, and all samples of them.
+
+    rods, everything: depths of a picture of the rods alone and of the whole picture, (height, width), 1 where nothing
+    is.
+    """
+    hidden = (rods < 1) & (everything < rods - 1e-4)
+    line, behind = np.zeros_like(hidden), np.zeros_like(hidden)
+    size = 2 * int(drawn.sliver / 2) + 1
+    for box in find_objects(hidden.astype(np.uint8)):  # one, or none where nothing is hidden
+        part = tuple(slice(max(edge.start - size - 1, 0), edge.stop + size + 1) for edge in box)
+        depth = rods[part]
+        behind[part] = grey_opening(hidden[part], (size, size)) & (depth < 1)
+        deepest = np.maximum(*(maximum_filter1d(depth, 3, axis=axis) for axis in (0, 1)))
+        edges = behind[part] & (deepest - depth > drawn.edge)  # a background, which has depth 1, is deeper too
+        line[part] = maximum_filter(edges, max(round(drawn.line), 1)) & behind[part]
+    return line, behind
+
+
+def _draw_hidden(pixels: NDArray[np.float32], line: NDArray[np.float32], behind: NDArray[np.float32]) -> None:
+    """Draw hidden stretches; line, behind: the share of each pixel on the outline and behind the wall."""
+    share = colours.HIDDEN_LINE * line[..., None]
+    pixels *= (1 - colours.HIDDEN_SHADE * behind[..., None]) * (1 - share)
+    pixels += np.float32(255) * np.array(to_rgb(colours.OUTLINE), dtype=np.float32) * share
+
+
+def _mean(
+    plotter: Any, block: int, samples: int, walls: Sequence[Any], drawn: Drawn | None, transparent: bool
+) -> tuple[NDArray[np.uint8], bool]:
+    """The mean of all samples of each pixel, (height, width, 3 or 4); whether an outline of a hidden stretch is drawn.
+
+    block: how many samples of each pixel along each direction are rendered at once, of so many in all. walls: what
+    hides stretches of the rods. drawn: how these are drawn; default: not at all.
+    """
+    window, steps = plotter.ren_win, samples // block
+    wide, high = window.GetSize()
+    sums = np.zeros((high // block, wide // block, 3), dtype=np.uint16)
+    covered = np.zeros_like(sums[..., :1])
+    line, behind = np.zeros((2, *sums.shape[:2]), dtype=np.uint8)
+
+    def add(values: NDArray[Any], into: NDArray[Any]) -> None:
+        for i, j in np.ndindex(block, block):
+            into += values[i::block, j::block]
+
+    moves = [place for place in np.ndindex(steps, steps) if sum(place) % 2 == 0]
+    for k, (i, j) in enumerate(moves):
+        right, up = (i + 0.5) / steps - 0.5, (j + 0.5) / steps - 0.5
+        plotter.camera.SetWindowCenter(2 * right / wide, 2 * up / high)
+        if k == 0 and drawn:
+            rods = _render_walls_last(plotter, walls)
+            for found, into in zip(hidden_lines(rods, _depths(window), drawn), (line, behind), strict=True):
+                add(found, into)
+        else:
+            window.Render()
+        shades = pv.convert_array(np.zeros(1, dtype=np.uint8))
+        window.GetPixelData(0, 0, wide - 1, high - 1, 0, shades, 0)
+        add(np.asarray(pv.convert_array(shades)).reshape(high, wide, 3), sums)
+        if transparent:
+            add((_depths(window) < 1)[..., None], covered)
+    count = len(moves) * block**2
+    pixels = sums * np.float32(1 / count)
+    if drawn:
+        _draw_hidden(pixels, *((found / block**2).astype(np.float32) for found in (line, behind)))
+    if transparent:  # what is seen beside white in a pixel
+        share = np.maximum(covered, 1) / count
+        pixels = np.where(covered > 0, (pixels - 255 * (1 - share)) / share, 255)
+        pixels = np.concatenate([pixels, np.rint(covered * (255 / count))], axis=-1)
+    return (np.clip(pixels, 0, 255) + np.float32(0.5)).astype(np.uint8)[::-1], bool(line.any())
+
+
+def _depths(window: Any) -> NDArray[np.float32]:
+    """The depths of what was rendered, from 0 at the camera to 1 where nothing is, (height, width) in samples."""
+    wide, high = window.GetSize()
+    found = pv.convert_array(np.zeros(1, dtype=np.float32))
+    window.GetZbufferData(0, 0, wide - 1, high - 1, found)
+    return np.asarray(pv.convert_array(found)).reshape(high, wide)
+
+
+def _render_walls_last(plotter: Any, walls: Sequence[Any]) -> NDArray[np.float32]:
+    """Render everything, the walls last; returns the depths without the walls."""
+    rods = [actor for actor in plotter.actors.values() if actor not in walls]
+    _show(walls, False)
+    plotter.ren_win.Render()
+    depths = _depths(plotter.ren_win)
+    _show(walls, True)
+    _show(rods, False)
+    plotter.renderer.SetErase(False)
+    plotter.ren_win.Render()
+    plotter.renderer.SetErase(True)
+    _show(rods, True)
+    return depths
+
+
+def _show(actors: Sequence[Any], shown: bool) -> None:
+    for actor in actors:
+        actor.SetVisibility(shown)

@@ -1,22 +1,167 @@
-"""The kinds of scene: one table, which `scene`, `gallery` and `animate` read; a new kind is a row of it."""
+"""The kinds of scene: one table, which `scene`, `gallery` and `animate` read; a new kind is a row of it.
 
-from collections.abc import Callable
-from dataclasses import dataclass
+Before it stand the colours and the words of its rows.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import xarray as xr
+from matplotlib.colors import Colormap
 
-from solver.problem.errors import no_such
+from solver.problem.errors import InputError, no_such
+from studies.grammar.axes import SAMPLE
 
 from ..figures import colours
-from ..geometry import centreline
-from ..geometry.centreline import Array, Centreline
-from ..store.schema import axes_of
-from . import captions
-from . import paint as paints
-from .captions import Cell
+from ..geometry.centreline import NEEDED, Array, Centreline
+from ..store.schema import axes_of, dimension, fields_of_samples
+from ..words import labels
 
-CURVE = frozenset(centreline.NEEDED)
+PUSH_RAMP = colours.push_ramp()
+
+Extremes = tuple[float, float] | None  # the least and the largest value of all rods; None without rods
+
+
+@dataclass(frozen=True, eq=False)
+class Paint:
+    """The colour of a tube: one for all, or by a value along it between `low` and `high`.
+
+    stripe: the colour of a stripe that turns with the material; default: none.
+    """
+
+    colour: str = colours.NEUTRAL
+    ramp: Colormap | None = None
+    low: float = 0.0
+    high: float = 1.0
+    stripe: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Bar:
+    """A colour bar: the colours of a paint between two values, and the quantity with its unit."""
+
+    paint: Paint
+    low: float
+    high: float
+    label: str
+
+
+Painted = tuple[Paint, Bar | None]
+
+
+def one_colour(units: dict[str, str], extremes: Extremes) -> Painted:
+    """All rods in a neutral colour, which says nothing of the push."""
+    return Paint(colours.NEUTRAL), None
+
+
+def with_stripe(units: dict[str, str], extremes: Extremes) -> Painted:
+    """A stripe on an unpainted rod."""
+    return Paint(colours.UNPAINTED, stripe=colours.STRIPE), None
+
+
+def by_push(units: dict[str, str], extremes: Extremes) -> Painted:
+    """By the cylinder's push, one scale for all rods, as far below 0 as above it and pale there."""
+    low, end = colours.push_scale(*extremes) if extremes else (0.0, 0.0)
+    if end == 0:
+        return Paint(colours.NEUTRAL), None
+    unit = labels.unit(f"{units['force']}/{units['length']}")
+    paint = Paint(ramp=PUSH_RAMP, low=-end, high=end)
+    return paint, Bar(paint, low, end, colours.push_words(unit, low))
+
+
+def by_curvature(units: dict[str, str], extremes: Extremes) -> Painted:
+    """By the curvature, one scale for all rods; one colour where it is the same everywhere."""
+    low, high = extremes or (0.0, 0.0)
+    if high - low <= 1e-9 * high:
+        return Paint(colours.NEUTRAL), None
+    paint = Paint(ramp=colours.ramp(), low=low, high=high)
+    return paint, Bar(paint, low, high, f"curvature κ [1/{units['length']}]")
+
+
+def set_range(paint: Paint, bar: Bar, chosen: tuple[float, float]) -> Painted:
+    """The same colours between two other values.
+
+    Raises `InputError` for a scale of pushes that is not pale at 0.
+    """
+    low, high = chosen
+    if paint.ramp is not PUSH_RAMP:
+        paint = replace(paint, low=low, high=high)
+    elif low not in (0.0, -high):
+        raise InputError(
+            f"the colours of a push are pale at 0, so --color-range is 0,HIGH or -HIGH,HIGH, got {low:g},{high:g}"
+        )
+    else:
+        paint = replace(paint, low=-high, high=high)
+    return paint, replace(bar, paint=paint, low=low, high=high)
+
+
+ASKED = 6  # digits of a value with which --at finds its case again
+
+
+@dataclass(frozen=True)
+class Cell:
+    """The words of a view.
+
+    Attributes
+    ----------
+    caption
+        Below it.
+    why_empty
+        Why there is no rod.
+    number, stable
+        The number of an equilibrium, in a dot that is filled where it is stable; default: no dot.
+    """
+
+    caption: str = ""
+    why_empty: str = ""
+    number: int | None = None
+    stable: bool = False
+
+
+def value_cell(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> Cell:
+    """A cell with the case's values along the axes below it."""
+    if len(names) == 1:
+        return Cell(labels.value(float(ds[names[0]].values[where[names[0]]]), ds[names[0]]))
+    return Cell("\n".join(values(ds, {name: where[name] for name in names})))
+
+
+def equilibrium(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> Cell:
+    """A cell with the number of an equilibrium, whether it is stable, and its energy."""
+    one = ds.isel(where)
+    index = int(one["index"])
+    words = "stable\n" if index == 0 else f"unstable\nin {index} way{'s' * (index > 1)}"
+    energy = labels.value(float(one["energy"]), one["energy"])
+    return Cell(f"{words}\n{energy}", number=int(one["equilibrium"]), stable=index == 0)
+
+
+def headings(ds: xr.Dataset, name: str, cases: list[dict[str, int]]) -> list[str]:
+    """The headings of a table: the quantity of an axis with its unit, and the value of each case without."""
+    array = ds[name]
+    each = labels.in_label_unit(array, array.values[[where[name] for where in cases]])
+    return [labels.axis_label(name, array), *(labels.minus_signs(labels.number(float(value))) for value in each)]
+
+
+def case_values(ds: xr.Dataset, where: Mapping[str, int], digits: int = ASKED) -> str:
+    """The values of a case along all axes, in one line; default: with as many digits as --at needs."""
+    return ", ".join(values(ds, where, digits))
+
+
+def values(ds: xr.Dataset, where: Mapping[str, int], digits: int = 4) -> list[str]:
+    """The value of a case along each of these axes, with its unit; an equilibrium's number is none.
+
+    The number of a sample is followed by the values of its fields.
+    """
+    each = []
+    for axis, i in where.items():
+        names = [] if axis == "equilibrium" else [axis]
+        if axis == SAMPLE:
+            names += map(dimension, fields_of_samples(ds))
+        each += [labels.equations(ds, {name: i}, digits) for name in names]
+    return each
+
+
+CURVE = frozenset(NEEDED)
 
 
 @dataclass(frozen=True)
@@ -51,27 +196,27 @@ class Kind:
     cells: Literal["one", "each", "together"]
     reads: frozenset[str] = CURVE
     value: Callable[[Centreline, Array], Array] | None = None
-    paint: Callable[[dict[str, str], paints.Extremes], paints.Painted] = paints.one_colour
+    paint: Callable[[dict[str, str], Extremes], Painted] = one_colour
     legend: tuple[tuple[str, str], ...] = ()
-    cell: Callable[[xr.Dataset, list[str], dict[str, int]], Cell] = captions.value_cell
+    cell: Callable[[xr.Dataset, list[str], dict[str, int]], Cell] = value_cell
     of_equilibria: bool = False
     most: int = 9
     notes: tuple[str, ...] = ()
 
 
 TURNS = (colours.STRIPE, "a stripe along the material: it turns as the rod is twisted and bent")
-PUSH: dict[str, Any] = {"value": lambda line, s: line.push(s), "paint": paints.by_push}
+PUSH: dict[str, Any] = {"value": lambda line, s: line.push(s), "paint": by_push}
 TABLE = (
     Kind("plain", "the rod on its cylinder", "one"),
     Kind("contact", "how hard the cylinder pushes, and where it would have to pull", "one", **PUSH),
     Kind("curvature", "how tightly the rod is bent", "one", value=lambda line, s: line.kappa(s),
-         paint=paints.by_curvature),
+         paint=by_curvature),
     Kind("twist", "a stripe on the rod that turns with its material", "one", CURVE | {"gamma"},
-         paint=paints.with_stripe, legend=(TURNS,)),
+         paint=with_stripe, legend=(TURNS,)),
     Kind("ghosts", "every case of an axis in one scene", "together", most=3),
     Kind("grid", "every case of one axis or two, side by side at one scale", "each", **PUSH),
     Kind("equilibria", "every equilibrium between two ends", "each", CURVE | {"energy", "index"}, **PUSH,
-         cell=captions.equilibrium, of_equilibria=True, most=18, notes=("below each rod its energy",)),
+         cell=equilibrium, of_equilibria=True, most=18, notes=("below each rod its energy",)),
 )  # fmt: skip
 KINDS = {kind.name: kind for kind in TABLE}
 

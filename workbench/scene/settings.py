@@ -9,7 +9,8 @@ from typing import TypeVar
 from solver.problem.errors import InputError
 
 from ..figures import fonts
-from . import camera, captions
+from .scene_kinds import ASKED
+from .views import views_of
 
 Number = TypeVar("Number", int, float)
 DPIS = (50, 600)
@@ -32,7 +33,7 @@ class Settings:
     strict
         Raise `TooFewStations` where the stations do not allow the pixel error; default: draw as well as they allow.
     camera
-        A name of `camera.CAMERAS`, or azimuth and elevation in degrees; default: oblique where one case is shown, else
+        A name of `views.CAMERAS`, or azimuth and elevation in degrees; default: oblique where one case is shown, else
         from the front and a little above.
     color_range
         The values at the ends of the colour bar; default: those that the rods have.
@@ -57,7 +58,7 @@ class Settings:
     bare: bool = False
     transparent: bool = False
     size: tuple[int, int] | None = None
-    digits: int = captions.ASKED
+    digits: int = ASKED
     samples: int = 4
 
 
@@ -70,7 +71,7 @@ def check(settings: Settings) -> None:
         raise InputError(f"--pixel-error must be between 0.01 and 10 pixels, got {settings.pixel_error:g}")
     if not DPIS[0] <= settings.dpi <= DPIS[1]:
         raise InputError(f"--dpi must be between {DPIS[0]} and {DPIS[1]}, got {settings.dpi}")
-    camera.views_of(settings.camera)
+    views_of(settings.camera)
     if settings.color_range and not -inf < settings.color_range[0] < settings.color_range[1] < inf:
         low, high = settings.color_range
         raise InputError(f"--color-range takes a lower and a higher finite number, got {low:g},{high:g}")

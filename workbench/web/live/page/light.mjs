@@ -1,5 +1,5 @@
 // How much of the light from all around reaches the wall beside the rod that touches it, over the unrolled wall, and the
-// rod beside other stretches of it. The laws are those of workbench/scene/shading.py.
+// rod beside other stretches of it. The laws are those of workbench/scene/surfaces.py.
 
 import { frameAt } from "./tube.mjs";
 
