@@ -17,13 +17,13 @@ from workbench.branches.equilibria_dataset import dataset_of
 from workbench.figures import equilibria_figure, kinds, robustness, story, work_precision
 from workbench.figures.sheet import sheet
 from workbench.store import in_memory, reading
-from workbench.web.report import measured_runs, readings_table
+from workbench.web.report import measured_runs, report_runs
 
 
 @pytest.fixture(scope="module")
 def told() -> dict[str, xr.Dataset]:
     found = {name: in_memory.run(load(name)) for name in (story.ROD, story.ALONG)}
-    return found | {story.CLAIMS: readings_table.run([load("fig7_1_modulus"), load("fig7_2_radius")])}
+    return found | {story.CLAIMS: report_runs.run_readings([load("fig7_1_modulus"), load("fig7_2_radius")])}
 
 
 @pytest.mark.parametrize("width", slow_but([89, 183], 183))

@@ -6,12 +6,12 @@ import json
 import numpy as np
 import pytest
 
-from solver import solve
+from solver import Ends, solve
 from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError
 from studies.language.loader import dumps, loads
 from workbench.store import case_solutions
-from workbench.web.live import page_model, page_shape
+from workbench.web.live import page_model
 from workbench.web.live.presets import PRESETS
 
 BY_NAME = {preset.name: preset for preset in PRESETS}
@@ -23,8 +23,8 @@ def state(name: str = "table1", **changes: object) -> dict:
     return made
 
 
-def shape(name: str = "table1", **changes: object) -> page_shape.Shape:
-    return page_shape.shape(page_model.study_of(state(name, **changes)))
+def shape(name: str = "table1", **changes: object) -> page_model.Shape:
+    return page_model.shape(page_model.study_of(state(name, **changes)))
 
 
 @pytest.mark.parametrize("name", BY_NAME)
@@ -64,16 +64,16 @@ def test_the_state_is_a_study_and_its_text_gives_the_same_rod() -> None:
     study = page_model.study_of(state(E=2e4, F3=12.0))
     again = loads(dumps(study))
     sol = case_solutions.solve_one(again.case(), again.equilibrium, 1e-8, "auto", 201)
-    np.testing.assert_array_equal(sol.beta, page_shape.shape(study).sol.beta)
+    np.testing.assert_array_equal(sol.beta, page_model.shape(study).sol.beta)
 
 
 def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_part() -> None:
     many = shape(L=200.0)
-    assert (np.abs(np.diff(many.sol.beta)) < page_shape.CHORD * 1.01).all()
+    assert (np.abs(np.diff(many.sol.beta)) < page_model.CHORD * 1.01).all()
     assert many.whole
     part = shape(L=2e4)
     assert not part.whole
-    assert part.sol.s.size == page_shape.MOST
+    assert part.sol.s.size == page_model.MOST
     assert "Only the first" in page_model.facts(part)["notes"][0]
     with pytest.raises(InputError, match="only a part of this rod is shown"):
         page_model.dataset_of_rod(part)
@@ -86,29 +86,29 @@ def test_of_more_equilibria_than_can_be_looked_through_the_default_one_is_shown_
     # Lubinski's helix, F = 2 A sin(beta)^2 / rho^2, to the first order in beta, which is 0.013 rad
     assert middle == pytest.approx(np.degrees(np.sqrt(200.0 * rho**2 / (2 * A))), rel=1e-3)
     named = state("pipe") | {"equilibrium": page_model.facts(pipe)["which"]}
-    np.testing.assert_array_equal(page_shape.shape(page_model.study_of(named)).sol.beta, pipe.sol.beta)
+    np.testing.assert_array_equal(page_model.shape(page_model.study_of(named)).sol.beta, pipe.sol.beta)
     with pytest.raises(InputError, match="some 716 half periods, and the page searches at most 100"):
         page_model.list_equilibria(pipe.study)
     named["equilibrium"] = {"dbeta0": 0.2, "energy": 0.0}
     with pytest.raises(InputError, match="the named equilibrium is not the one selected by default"):
-        page_shape.shape(page_model.study_of(named))
+        page_model.shape(page_model.study_of(named))
     soft = page_model.study_of(state("cable", EI=3927.0, GJ=3021.0))
     with pytest.raises(InputError, match="some 3223 half periods"):
         page_model.list_equilibria(soft)
-    assert page_shape.shape(soft).sol.solved
+    assert page_model.shape(soft).sol.solved
 
 
 def test_a_shape_is_followed_in_steps_where_one_is_too_far() -> None:
     base = {"E": 9.58e7, "nu": 0.3, "a": 0.0635, "L": 100.0, "R": 0.10795, "side": "inside", "beta0": 0.0, "betaL": 0.0,
             "FZ": -200.0, "M3": 0.0}  # fmt: skip
     made = {"units": {"length": "m", "force": "kN"}, "base": base}
-    began = page_shape.shape(page_model.study_of(made))
+    began = page_model.shape(page_model.study_of(made))
     pushed = page_model.study_of(made | {"base": base | {"FZ": -1000.0}})
-    far = solve(pushed.case(), page_shape.NEAR, "difference", page_shape.BETWEEN, seed=began.sol)
+    far = solve(pushed.case(), page_model.NEAR, "difference", page_model.BETWEEN, seed=began.sol)
     assert not far.solved  # or this test shows nothing
-    there = page_shape.shape(pushed, began.sol).sol
+    there = page_model.shape(pushed, began.sol).sol
     assert there.method == "difference"
-    rows = {row["name"]: row for row in page_model.numbers(page_shape.Shape(pushed, there))["rows"]}
+    rows = {row["name"]: row for row in page_model.numbers(page_model.Shape(pushed, there))["rows"]}
     assert np.isnan(rows["turns"]["value"])  # its level stretch has bends of 1e-8
     assert np.degrees(rows["amplitude"]["value"]) == pytest.approx(1.629, abs=5e-4)
     ratio = np.sin(there.beta[200]) / np.sin(began.sol.beta[200])
@@ -121,10 +121,10 @@ def test_a_slider_follows_the_equilibrium_it_began_with() -> None:
     made = {"units": {"length": "cm", "force": "N"}, "base": base}
     rows = page_model.list_equilibria(page_model.study_of(made))
     third = {name: rows[2][name] for name in ("dbeta0", "energy")}
-    began = page_shape.shape(page_model.study_of(made | {"equilibrium": third}))
+    began = page_model.shape(page_model.study_of(made | {"equilibrium": third}))
     moved = page_model.study_of(made | {"base": base | {"R": 0.76}})
-    followed = page_shape.shape(moved, began.sol)
-    lowest = page_shape.shape(moved)
+    followed = page_model.shape(moved, began.sol)
+    lowest = page_model.shape(moved)
     assert np.abs(followed.sol.beta - began.sol.beta).max() < 0.2
     assert np.abs(lowest.sol.beta - began.sol.beta).max() > 0.5
 
@@ -154,3 +154,10 @@ def test_loads_and_every_observable_are_rows() -> None:
 def test_the_warnings_are_those_of_the_shape() -> None:
     assert "The rod passes through itself." in page_model.numbers(shape())["warnings"]
     assert page_model.numbers(shape("cable"))["warnings"] == []
+
+
+def test_the_cable_has_the_ends_and_loads_of_its_helix() -> None:
+    case = page_model.study_of(state("cable")).case()
+    ends = Ends.helix(case.rod, case.cylinder, 1e4, np.radians(89.0))
+    for name in ("beta0", "betaL", "FZ", "MZ", "M3"):
+        assert getattr(case.given, name) == pytest.approx(getattr(ends, name), rel=1e-12)

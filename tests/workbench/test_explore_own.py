@@ -20,7 +20,7 @@ from tests.workbench.node import needs_node, run
 from workbench.branches import equilibria_dataset
 from workbench.branches.ends_study import ends_problem
 from workbench.store import in_memory, writing
-from workbench.web.live import own_case, page_model, page_shape
+from workbench.web.live import page_model, presets
 from workbench.web.live.presets import PRESETS, Preset
 
 PIPE = small.text(
@@ -38,7 +38,7 @@ START = small.text(
 def begun(folder: Path, text: str, **options: Any) -> Preset:
     path = folder / "mine.toml"
     path.write_text(text)
-    found = own_case.preset(path, options, {})
+    found = presets.own_preset(path, options, {})
     assert found is not None
     return found
 
@@ -76,13 +76,13 @@ def test_the_equilibrium_that_a_file_names_is_the_one_that_is_drawn(tmp_path) ->
     assert len(plain) > 1
     wanted = plain[1]
     named = f"{text}[equilibrium]\ndbeta0 = {wanted['dbeta0']!r}\nenergy = {wanted['energy']!r}\n"
-    drawn = page_shape.shape(page_model.study_of(begun(tmp_path, named).state))
+    drawn = page_model.shape(page_model.study_of(begun(tmp_path, named).state))
     assert float(drawn.sol.dbeta[0]) == pytest.approx(wanted["dbeta0"], rel=1e-6)
 
 
 def test_a_rod_of_options_is_in_their_units_and_says_what_was_assumed() -> None:
     options = {"E": 2e11, "nu": 0.3, "a": 0.001, "L": 1.0, "R": 0.01, "beta": 0.1, "dbeta": 0.0, "M3": 0.0}
-    own = own_case.preset(None, options, {"length": "m"})
+    own = presets.own_preset(None, options, {"length": "m"})
     assert own is not None
     assert own.state["units"] == {"length": "m", "force": "N"}
     assert "unit of force = N" in own.source
@@ -95,7 +95,7 @@ def test_the_same_rod_in_other_units_has_the_same_sliders() -> None:
     for unit, k in lengths.items():
         options = {"E": 2e11 / k**2, "nu": 0.3, "a": 0.001 * k, "L": k, "R": 0.01 * k, "beta": 0.1, "dbeta": 0.0,
                    "M3": 0.0}  # fmt: skip
-        own = own_case.preset(None, options, {"length": unit})
+        own = presets.own_preset(None, options, {"length": unit})
         assert own is not None
         spans[unit] = own.spans
     assert set(spans["m"]) == {"dbeta", "M3", "F2", "F3"}
@@ -106,7 +106,7 @@ def test_the_same_rod_in_other_units_has_the_same_sliders() -> None:
 def test_of_a_study_with_axes_one_case_is_shown_and_named(tmp_path) -> None:
     """Of Fig. 7 (1) that nearest to Table 1; the study and its stored file give the same rod."""
     stored = writing.write(in_memory.run(load("fig7_1_modulus")), tmp_path / "modulus.h5")
-    shown = [own_case.preset(file, {}, {}) for file in (Path("fig7_1_modulus"), stored)]
+    shown = [presets.own_preset(file, {}, {}) for file in (Path("fig7_1_modulus"), stored)]
     assert [one.state for one in shown if one] == [shown[0].state] * 2
     assert "From fig7_1_modulus, the case at E = 10905.1, one of 9." in shown[0].source
     assert "From modulus.h5, the case at E = 10905.1, one of 9." in shown[1].source
@@ -119,10 +119,10 @@ def test_of_a_list_of_equilibria_the_lowest_is_shown_and_named(tmp_path) -> None
     case = with_fields(ends_problem(study), {"L": 8.0})
     found = equilibria(case)
     stored = writing.write(equilibria_dataset.dataset_of(study, case, found), tmp_path / "all.h5")
-    own = own_case.preset(stored, {}, {})
+    own = presets.own_preset(stored, {}, {})
     assert own is not None
     assert f"the equilibrium of the lowest energy, one of {len(found)}" in own.source
-    drawn = page_shape.shape(page_model.study_of(own.state))
+    drawn = page_model.shape(page_model.study_of(own.state))
     assert float(drawn.sol.case.rod.L) == 8.0
     assert float(drawn.sol.dbeta[0]) == pytest.approx(found[0].dbeta0, rel=1e-6)
 
@@ -135,7 +135,7 @@ HELD = small.text(
 def test_a_rod_with_a_held_height_is_shown_under_the_loads_that_hold_it(tmp_path) -> None:
     own = begun(tmp_path, HELD)
     assert "under the loads that hold its height" in own.source
-    drawn = page_shape.shape(page_model.study_of(own.state)).sol
+    drawn = page_model.shape(page_model.study_of(own.state)).sol
     assert float(drawn.z[-1] - drawn.z[0]) == pytest.approx(2.0, abs=1e-6)
 
 
@@ -150,14 +150,14 @@ def test_of_branches_and_of_a_map_a_rod_in_the_middle_is_shown_and_named(tmp_pat
         command = "folds" if out == "map.h5" else "equilibria"
         options = [part for text in axis for part in ("--axis", text)]
         assert exit_status(command, "rod.toml", *options, "--out", out) == 0
-        own = own_case.preset(Path(out), {}, {})
+        own = presets.own_preset(Path(out), {}, {})
         assert own is not None
         assert place in own.source
-        assert page_shape.shape(page_model.study_of(own.state)).sol.solved
+        assert page_model.shape(page_model.study_of(own.state)).sol.solved
 
 
 def test_nothing_given_begins_with_table_1() -> None:
-    assert own_case.preset(None, {}, {}) is None
+    assert presets.own_preset(None, {}, {}) is None
 
 
 def offered(text: str) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from tests.workbench import live_process
 from tests.workbench.command import exit_status
 from tests.workbench.live import asked, served, unpacked
 from workbench.commands import explore
-from workbench.web.live import page_model, search_processes, server
+from workbench.web.live import page_model, server
 from workbench.web.live.presets import PRESETS
 
 ROOT = Path(__file__).parents[2]
@@ -253,15 +253,15 @@ def test_a_search_ends_when_its_client_leaves(port, monkeypatch, tmp_path) -> No
 
 def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(page_model, "list_equilibria", live_process.endless)
-    most = search_processes.AT_ONCE + search_processes.WAITING
+    most = server.AT_ONCE + server.WAITING
     clients = [left(port, "/equilibria", titled(tmp_path / "told")) for _ in range(most)]
-    running = processes(tmp_path / "told", search_processes.AT_ONCE)
+    running = processes(tmp_path / "told", server.AT_ONCE)
     ticket = None
     for k in range(5):
         answer = asked(port, "POST", "/shape", {"state": with_field(TABLE_1, L=20.0 + k), "near": ticket})
         ticket = unpacked(answer.data)[0]["ticket"]
     refused = asked(port, "POST", "/equilibria", {"state": CABLE})
-    assert json.loads(refused.data)["refused"] == search_processes.MANY
+    assert json.loads(refused.data)["refused"] == server.MANY
     assert processes(tmp_path / "told", 1) == running
     for client in clients:
         client.close()
@@ -288,7 +288,7 @@ def test_a_fault_of_the_solver_is_a_sentence_and_no_traceback(port, monkeypatch,
 def test_a_search_that_takes_too_much_memory_is_refused(port, monkeypatch) -> None:
     monkeypatch.setattr(page_model, "list_equilibria", live_process.greedy)
     answer = asked(port, "POST", "/equilibria", {"state": CABLE})
-    assert json.loads(answer.data)["refused"] == search_processes.TOO_LARGE
+    assert json.loads(answer.data)["refused"] == server.TOO_LARGE
 
 
 def slid(moves: int) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from PIL import Image
 from tests.workbench.command import exit_status
 from tests.workbench.pictures import pixels, share_of_ink, shares_of_push
 from workbench.scene import film, opengl
-from workbench.web.live import still
+from workbench.web.live import live_document
 
 ROOT = Path(__file__).resolve().parents[2]
 WIDE_HIGH = (860, 600)  # pixels of the animated picture
@@ -41,7 +41,10 @@ def test_the_readme_opens_with_both_pictures_which_exist_and_are_told_in_words()
     animated, page = (ROOT / file for file, _ in shown)
     is_animated_as_promised(animated)
     with Image.open(page) as picture:
-        assert picture.size == (still.RATIO * still.SIZE[0], still.RATIO * still.SIZE[1])
+        assert picture.size == (
+            live_document.RATIO * live_document.SIZE[0],
+            live_document.RATIO * live_document.SIZE[1],
+        )
         assert picture.width / picture.height == pytest.approx(WIDE_HIGH[0] / WIDE_HIGH[1], rel=0.002)  # side by side
 
 
@@ -60,7 +63,7 @@ def test_a_browser_that_fails_leaves_no_file_and_is_named(tmp_path, monkeypatch)
     monkeypatch.setenv("PATH", f"{tmp_path}:/bin:/usr/bin")
     out = tmp_path / "shown"
     out.mkdir()
-    assert still.take(out / "page.png") == f"{false} took no picture"
+    assert live_document.take_picture(out / "page.png") == f"{false} took no picture"
     assert list(out.iterdir()) == []
 
 
@@ -100,10 +103,10 @@ def test_the_gallery_makes_both_pictures_of_the_readme(tmp_path) -> None:
     out = tmp_path / "shown"
     assert exit_status("gallery", "--only", "hero_sweep", "--only", "hero_page", "--out", str(out)) == 0
     is_animated_as_promised(out / "hero_sweep.webp")
-    if still.browser() is None:
+    if live_document.browser() is None:
         pytest.skip("there is no Chromium here: apt-get install chromium")
     shown = pixels(out / "hero_page.png")
-    wide, high = (still.RATIO * side for side in still.SIZE)
+    wide, high = (live_document.RATIO * side for side in live_document.SIZE)
     assert shown.shape[:2] == (high, wide)
     rod, diagrams = shown[:, : int(0.31 * wide)], shown[:, int(0.31 * wide) :]
     for half in (diagrams[: high // 2], diagrams[high // 2 :]):

@@ -12,7 +12,7 @@ from tests.workbench import runs
 from workbench.cli import app
 from workbench.commands.reproduce import reproduce
 from workbench.scene import opengl
-from workbench.web.report import readings_table
+from workbench.web.report import report_runs
 
 STUDIES = ["fig6", "fig7_2_radius", "fig7_4_end_angle"]  # a single case, an axis, and one that is followed
 
@@ -20,10 +20,10 @@ STUDIES = ["fig6", "fig7_2_radius", "fig7_4_end_angle"]  # a single case, an axi
 @pytest.fixture
 def fast(monkeypatch: pytest.MonkeyPatch) -> Any:
     """`reproduce` of three studies, without scenes, and the readings of one panel."""
-    found = readings_table.run(readings_table.panels()[1:2], readings=tuple(READINGS)[:2])
+    found = report_runs.run_readings(report_runs.panels()[1:2], readings=tuple(READINGS)[:2])
     monkeypatch.setattr(opengl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
     monkeypatch.setattr("studies.names", lambda: STUDIES)
-    monkeypatch.setattr(readings_table, "run", lambda panels, step: found)
+    monkeypatch.setattr(report_runs, "run_readings", lambda panels, step: found)
     opengl.probe.cache_clear()
     yield
     opengl.probe.cache_clear()

@@ -19,7 +19,7 @@ from tests.workbench.node import needs_node, run
 from workbench.figures import along, colours, drawn_rods
 from workbench.geometry import self_contact, stored_line
 from workbench.scene import scene_kinds, surfaces
-from workbench.web.live import page_model, page_shape
+from workbench.web.live import page_model
 from workbench.web.live.presets import PRESETS
 from workbench.words import labels
 from workbench.words.escaping import finite
@@ -95,7 +95,7 @@ def test_shape_and_push_along_the_rod_are_those_of_the_solver() -> None:
 def test_a_rod_with_weight_has_the_fields_and_the_push_of_the_server() -> None:
     heavy = state("pipe", weight=0.242, inclination=1.4, azimuth=0.0, friction=0.2, sliding="forward")
     del heavy["base"]["MZ"]
-    rod = page_shape.shape(page_model.study_of(heavy))
+    rod = page_model.shape(page_model.study_of(heavy))
     found, facts = page_model.stations(rod), page_model.facts(rod)
     script = """
     const rows = Object.entries(given.arrays).map(([name, row]) => [name, Float64Array.from(row)]),
@@ -220,7 +220,7 @@ def test_beside_an_unstable_equilibrium_the_shape_is_marched_whole() -> None:
 
 @pytest.mark.parametrize("name, field, value", [("pipe", "FZ", -230.0), ("pipe", "R", 0.12), ("cable", "R", 190.0)])
 def test_between_two_ends_the_page_follows_the_equilibrium_as_the_server_does(name, field, value) -> None:
-    began = page_shape.shape(page_model.study_of(STATES[name]))
+    began = page_model.shape(page_model.study_of(STATES[name]))
     seed = {name: getattr(began.sol, name).tolist() for name in ("s", "beta", "dbeta")}
     script = (
         "const from = rod_case.caseOf(given.from, {}), one = rod_case.caseOf(given.to, {});"
@@ -567,10 +567,10 @@ def test_the_state_of_a_held_rod_is_the_ends_problem_of_its_own_shape() -> None:
         "answer(rod_case.heldState(given, one, shape.beta.at(-1), { dbeta0: shape.dbeta[0], energy }));"
     )
     held = run(script, state(), (*MODULES, "numbers"))
-    first = page_shape.shape(page_model.study_of(state()))
+    first = page_model.shape(page_model.study_of(state()))
     study = page_model.study_of(held)
     assert isinstance(study.case().given, Ends)
-    found = page_shape.shape(study)
+    found = page_model.shape(study)
     np.testing.assert_allclose(found.sol.beta[::2], first.sol.beta, atol=1e-7)
     rows = page_model.list_equilibria(study)
     assert min(abs(row["dbeta0"] - 0.5) for row in rows) < 1e-7

@@ -25,7 +25,7 @@ from workbench import notebook
 from workbench.geometry import stored_line
 from workbench.store import in_memory
 from workbench.web.turntable import turntable_page
-from workbench.web.turntable.stored import turntable_of_dataset
+from workbench.web.turntable.turntable_page import turntable_of_dataset
 
 INSIDE = small.text(
     {**small.ROD, "side": "inside", "beta": 0.5, "dbeta": 0.1, "dgamma": 0.5},

@@ -53,7 +53,7 @@ def _bibtex() -> str:
     from .. import __version__
     from ..web.report import sources
 
-    cited = sources.citation()
+    cited = sources.PAPER
     journal, volume = cited["journal"].rsplit(" ", 1)
     return BIBTEX.format(
         version=__version__, year=YEAR, authors=cited["authors"], title=cited["title"], journal=journal, volume=volume,

@@ -44,12 +44,11 @@ def explore(
     """
     from solver.problem.errors import InputError
 
-    from ..web.live import own_case
-    from ..web.live.presets import PRESETS
+    from ..web.live.presets import PRESETS, own_preset
 
     if save is not None:
         option_checks.check(save, (".html",), force)
-        own = own_case.preset(file, given.values, given.units)
+        own = own_preset(file, given.values, given.units)
         size = _save(save, PRESETS if own is None else (own, *PRESETS))
         said = [f"wrote {save}: {size / 1e3:.0f} kB, opens in a browser without a server"]
         return result_of_files([save], said + ([] if own is None else [own.source]))
@@ -62,7 +61,7 @@ def explore(
     names = name or []
     if host in EVERYWHERE and not names:
         raise InputError(f"--host {host!r} listens on every address: give the name of this machine with --name")
-    own = own_case.preset(file, given.values, given.units)
+    own = own_preset(file, given.values, given.units)
     listener = open_socket(host, port)
     port = listener.getsockname()[1]
     presets = PRESETS if own is None else (own, *PRESETS)

@@ -82,7 +82,7 @@ def gallery(
     """
     from ..scene import opengl
     from ..store import writing
-    from ..web.live import still
+    from ..web.live import live_document
     from . import option_checks
 
     suffixes = _suffixes(only or [])
@@ -95,7 +95,7 @@ def gallery(
     with console.progress(len(paths), lines=True) as step:
         for name, path in paths.items():
             step(name)
-            if name == PAGE and (why := still.take(path)):
+            if name == PAGE and (why := live_document.take_picture(path)):
                 warnings.append(f"{path.name} is left out: {why}")
                 continue
             if name != PAGE:

@@ -34,23 +34,23 @@ def reproduce(
     from studies import READINGS, load, names
 
     from ..store import law_verdicts, writing
-    from ..web.report import readings_table, sisters
+    from ..web.report import report_runs
 
     studies = [load(name).under(reading) for name in names() if name.startswith(FIGURES)]
     writing.check_folder(out)
     files = {study.name: out / f"{study.name}.h5" for study in studies}
-    for name, path in {**files, **{name: out / f"{name}.h5" for name in (readings_table.NAME, sisters.NAME)}}.items():
+    for name, path in {**files, **{name: out / f"{name}.h5" for name in report_runs.NAMES}}.items():
         writing.check_free(path, name)
     from ..scene import opengl
     from ..web.report import report_document  # drawing libraries are imported once all input is checked
 
     able, advice = opengl.probe()
     advice = "" if able else advice
-    panels = readings_table.panels()
+    panels = report_runs.panels()
     with console.progress(len(studies) * 2 + len(panels) * len(READINGS) + 1) as step:
         results, refusals = _results(studies, files, out, able, step)
-        readings = readings_table.run(panels, step=step)
-        writing.write(readings, out / f"{readings_table.NAME}.h5")
+        readings = report_runs.run_readings(panels, step=step)
+        writing.write(readings, out / f"{report_runs.READINGS_TABLE}.h5")
         step("writing the report")
         equilibria = _equilibria(load(RODS).under(reading), out, able)
         story = _draw_story(results, readings, out / STORY)
@@ -90,18 +90,18 @@ def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[xr.Dataset, dic
     from solver.problem.errors import InputError
 
     from ..store import writing
-    from ..web.report import sisters
+    from ..web.report import report_runs
 
     try:
-        ds = sisters.run(study)
+        ds = report_runs.run_equilibria(study)
     except InputError:
         return None
-    writing.write(ds, out / f"{sisters.NAME}.h5")
-    if not able or not ds.attrs[sisters.OWN]:
+    writing.write(ds, out / f"{report_runs.EQUILIBRIA}.h5")
+    if not able or not ds.attrs[report_runs.OWN]:
         return ds, {}
     from ..scene import layout
 
-    return ds, layout.draw(sisters.pair(ds).assign_attrs(title=""), out / f"{sisters.NAME}_scene.png")
+    return ds, layout.draw(report_runs.pair(ds).assign_attrs(title=""), out / f"{report_runs.EQUILIBRIA}_scene.png")
 
 
 def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:

@@ -67,6 +67,6 @@ def _free(ds: "xr.Dataset", where: Mapping[str, float]) -> list[str]:
 def _stations(ds: "xr.Dataset") -> int:
     """About how many stations the rods need for a curve without corners; as many as there are where these suffice."""
     from ..geometry.stored_line import lines_of_solved
-    from ..web.turntable.stored import stations_for
+    from ..web.turntable.turntable_page import stations_for
 
     return max(int(ds.sizes["u"]), *map(stations_for, lines_of_solved(ds)), 0)

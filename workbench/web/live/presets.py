@@ -1,10 +1,26 @@
-"""The rods that the live page offers: each with its source, in its own units. A table."""
+"""The rods that the live page begins with: those that it offers, and that of a file or of options, in its own units."""
 
-from dataclasses import dataclass, field
-from math import pi, radians
+import tomllib
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
-from solver import Cylinder, Ends, Rod
+from solver import Case, Ends, observe, solve
+from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices
+from solver.problem.reduced import held_of
+from studies.grammar.axes import Which, quantity_of
+from studies.language.case_input import CaseInput, field_values, read_case
+from studies.language.readings import TABLE_1
+
+from ...store.case_solutions import solve_one
+from ...store.one_case import open_case
+from .. import pages
+from .page_model import BETWEEN
+
+OWN = "own"
+DEAD_LOADS = ("FZ", "MZ", "M3")
+HIDDEN = ("alpha", "gamma")  # they turn the whole rod; a value of 0 is left out
+WITH_WEIGHT = {"inclination": 0.0, "friction": 0.0, "sliding": "forward"}  # have a slider where there is weight
 
 
 @dataclass(frozen=True)
@@ -19,77 +35,75 @@ class Preset:
     title: str
     source: str
     state: dict[str, Any]
-    spans: dict[str, float | tuple[float, float]] = field(default_factory=dict)
+    spans: dict[str, Any] = field(default_factory=dict)
 
 
-def _wound(EI: float, GJ: float, a: float, R: float, tension: float, lay: float) -> dict[str, float]:
-    """The angles and loads of both ends of a rod wound as a helix; lay in degrees."""
-    ends = Ends.helix(Rod(EI=EI, GJ=GJ, a=a, L=1.0), Cylinder(R), tension, radians(lay))
-    return {name: float(getattr(ends, name)) for name in ("beta0", "betaL", "FZ", "MZ", "M3")}
+PRESETS = tuple(Preset(**row) for row in tomllib.loads(pages.read(__package__, "presets.toml"))["preset"])
 
 
-PRESETS = (
-    Preset(
-        "table1",
-        "Table 1 of the paper",
-        "Table 1 of the paper, with the length from the text below its eq. (47); cm and N. The table contradicts "
-        "itself; the menu offers its readings.",
-        {
-            "units": {"length": "cm", "force": "N"},
-            "reading": "force-first/tension/paper",
-            "base": {
-                "E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 20.0, "R": 0.75, "side": "outside", "beta": pi / 6,
-                "dbeta": 0.5, "dgamma": 0.5, "F1": 5.0, "F3": 10.0,
-            },
-        },
-        {"dbeta": 2.0, "dgamma": 2.0, "F1": 20.0, "F3": 40.0},
-    ),
-    Preset(
-        "dna",
-        "DNA on a histone",
-        "The left-handed superhelix of the nucleosome: 1.65 turns, radius 4.18 nm, pitch 2.39 nm (Luger et al., "
-        "Nature 389, 1997). EI is that of DNA of persistence length 50 nm at 298 K, and GJ the twist stiffness, "
-        "411 pN nm²; measured are 386 to 448 (table 1 of PNAS 114, 7049, 2017). Assumed: the rod's radius, "
-        "1 nm; a tension of 5 pN; the torque that keeps this pitch; no charges: the equations do not contain what "
-        "holds real DNA on the histone. nm and pN.",
-        {
-            "units": {"length": "nm", "force": "pN"},
-            "base": {
-                "EI": 205.7, "GJ": 411.4, "a": 1.0, "L": 43.5, "R": 3.18, "side": "outside",
-                "beta": radians(-84.8), "dbeta": 0.0, "dgamma": 0.0108, "F2": 0.0, "F3": 5.0,
-            },
-        },
-        {"dbeta": 0.3, "dgamma": 0.1, "F2": 10.0, "F3": 40.0},
-    ),
-    Preset(
-        "pipe",
-        "Drill pipe in a borehole",
-        "A 5 in pipe of 19.50 lb/ft: 127.0 mm outside, wall 9.19 mm (API Spec 5D, 5DP), so 108.6 mm inside, in a "
-        "hole of 8 1/2 in (215.9 mm). Steel of 206 GPa. Assumed: 200 kN of compression all along, no "
-        "weight, no friction, no tool joints, no torque, and both ends held parallel to the hole. m and kN.",
-        {
-            "units": {"length": "m", "force": "kN"},
-            "base": {
-                "E": 2.06e8, "nu": 0.3, "a": 0.0635, "inner_radius": 0.0543, "L": 100.0, "R": 0.10795,
-                "side": "inside", "beta0": 0.0, "betaL": 0.0, "FZ": -200.0, "MZ": 0.0, "M3": 0.0,
-            },
-        },
-        {"beta0": radians(2.0), "betaL": radians(2.0), "FZ": (-400.0, -10.0), "MZ": 5.0, "M3": 5.0},
-    ),
-    Preset(
-        "cable",
-        "Cable on a drum",
-        "Five turns of a 20 mm wire rope under 10 kN, held at both ends in the direction of the lay. The drum is 18 "
-        "times as thick as the rope, which is what crane rules (ASME) ask of sheaves at least where a rope hoists "
-        "loads. Assumed is all else: EI is a fortieth of that of a solid bar of steel, as the wires slide on "
-        "each other, and GJ = EI/1.3; the loads are those of its helix. mm and N.",
-        {
-            "units": {"length": "mm", "force": "N"},
-            "base": {
-                "EI": 3.927e7, "GJ": 3.021e7, "a": 10.0, "L": 5970.0, "R": 180.0, "side": "outside",
-                **_wound(EI=3.927e7, GJ=3.021e7, a=10.0, R=180.0, tension=1e4, lay=89.0),
-            },
-        },
-        {"FZ": 2000.0, "MZ": 5e6, "M3": 5e5},
-    ),
-)  # fmt: skip
+def own_preset(file: Path | None, options: dict[str, Any], units: dict[str, str]) -> Preset | None:
+    """The preset of a study, a stored file or options; None where none is given.
+
+    file: any study by its file or name, or any stored file that holds rods; of several cases one is taken, and `source`
+    says which. options: fields of the case, name -> value, which change it or, without a file, say all of it. units: of
+    length and force, for a rod of options alone. Raises `InputError`.
+    """
+    if file is None and not options and not units:
+        return None
+    if file is None or units:  # which a file excludes
+        rod = read_case(file, options, units)
+    else:
+        rod = open_case(file, options)
+    rod = _under_dead_loads(rod)
+    named = "A rod of the command line's options" if file is None else file.name
+    title = named if rod.study is None else rod.study.title
+    assumed = ", ".join(f"{name} = {value}" for name, value in rod.assumed.items())
+    units = f"{rod.units['length']} and {rod.units['force']}"
+    source = f"From {rod.source}.{f' Assumed: {assumed}.' if assumed else ''} {units}."
+    return Preset(OWN, title, source, _state(rod, title, not options), _spans(rod.case))
+
+
+def _under_dead_loads(rod: CaseInput) -> CaseInput:
+    """The rod under the loads and end angles that hold it where its ends are held otherwise. Raises `InputError`."""
+    held = () if rod.case.varies else held_of(rod.case)
+    if not held:
+        return rod
+    sol = solve_one(rod.case, rod.which, DEFAULT_TOLERANCE, "auto", BETWEEN)
+    if not sol.solved:
+        raise InputError(f"this rod is not solved: {sol.outcome}")
+    ends = Ends(float(sol.beta[0]), float(sol.beta[-1]), **{name: float(getattr(sol, name)) for name in DEAD_LOADS})
+    case = replace(rod.case, given=ends)
+    dead = solve(case, stations=BETWEEN, seed=float(sol.dbeta[0]))
+    which = Which(index=None, dbeta0=float(dead.dbeta[0]), energy=float(observe(dead, ["energy"])["energy"]))
+    source = f"{rod.source}, under the loads that hold its {choices(held)}"
+    return replace(rod, case=case, source=source, which=which, study=None)
+
+
+def _state(rod: CaseInput, title: str, as_printed: bool) -> dict[str, Any]:
+    """The state of `page_model.study_of`; as_printed: values of Table 1 stay as a reading has them."""
+    state: dict[str, Any] = {"title": title, "units": rod.units}
+    study = rod.study
+    if study is not None and study.reading is not None and as_printed:
+        printed = {**TABLE_1, "side": "outside", **study.base.given, **rod.place}
+        return state | {"reading": study.reading, "base": printed}
+    if rod.which is not None:
+        state["equilibrium"] = rod.which.model_dump(exclude_none=True)
+    return state | {"base": _fields(rod.case)}
+
+
+def _fields(case: Case) -> dict[str, Any]:
+    """The fields of a case by name, without those that are None or turn the whole rod by 0."""
+    fields = {name: value for name, value in field_values(case).items() if not (name in HIDDEN and value == 0)}
+    return (WITH_WEIGHT if case.rod.weight is not None else {}) | fields
+
+
+def _spans(case: Case) -> dict[str, float | tuple[float, float]]:
+    """The greatest size on the slider of a quantity that is 0, from rho, L and the bending stiffness A.
+
+    A force to A/(rho L), a moment to A/sqrt(rho L), a rate to 1/sqrt(rho L): the same rod in other units has the same.
+    """
+    rho, L, A = (float(value) for value in (case.rho, case.rod.L, case.rod.bending_stiffness))
+    length = (rho * L) ** 0.5
+    size = {(0, 1): A / length**2, (1, 1): A / length, "rad/length": 1 / length}
+    zero = {name: quantity_of(name).dimension for name, value in _fields(case).items() if value == 0}
+    return {name: size[dimension] for name, dimension in zero.items() if dimension in size}

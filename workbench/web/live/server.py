@@ -2,9 +2,13 @@
 
 It keeps no session and takes no file name from the browser: the files that it serves are listed here, a request is a
 state (plain data), and a download is written in a temporary folder.
+
+A search is NumPy code that cannot be interrupted from outside, and its memory grows with what it finds. So each runs in
+a process of its own, which frees all of it at its end, and is killed once the client has left.
 """
 
 import asyncio
+import contextlib
 import gc
 import json
 import logging
@@ -12,9 +16,11 @@ import re
 import secrets
 import time
 from collections import OrderedDict
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
+from multiprocessing.connection import Connection
 from struct import pack
 from threading import Lock
 from typing import Any
@@ -27,7 +33,7 @@ from solver.problem.errors import InputError
 from ...store import worker_processes
 from ...words import escaping
 from ...words.escaping import finite
-from . import live_document, page_model, page_shape, search_processes
+from . import live_document, page_model
 from .presets import PRESETS, Preset
 
 HEADERS = {"Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",
@@ -39,18 +45,122 @@ DOWNLOADS = {"csv": "text/csv", "step": "model/step", "stl": "model/stl", "glb":
 REMEMBERED = 64  # solved rods that a slider may follow
 THREADS = 2  # that solve and mesh; each has memory of its own
 FAULT = "internal error of the workbench; see the terminal of the server"
+AT_ONCE, WAITING = 2, 16  # searches that run, and that wait
+MEMORY = 3 * 2**30  # bytes of address space of a search, its libraries included
+INTERVAL = 0.1  # seconds between two checks whether the client is still connected
+
+MANY = "too many searches are waiting; try again later"
+NO_FLOAT = "these numbers are too large or too small to compute with"  # they are finite, but not their powers
+TOO_LARGE = "this search needs more memory than the page allows; workbench equilibria has no such limit"
 
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
+
+
+class Failed(Exception):
+    """A search that ended without an answer; its message says how."""
+
+
+class ClientLeft(Exception):
+    """The client left before the answer was ready."""
+
+
+class Tasks:
+    """At most `AT_ONCE` processes at a time, and `WAITING` searches in a queue; further ones are refused."""
+
+    def __init__(self) -> None:
+        self._turn = asyncio.Semaphore(AT_ONCE)
+        self._asked = 0
+        self.running: set[Any] = set()
+
+    async def run(self, wanted: Callable[[], bool], function: Callable[..., Any], *args: Any) -> Any:
+        """The result of a function (of a module, as it is sent by name) for these arguments.
+
+        wanted: whether the client is still connected. Raises `InputError` where the function does or the queue is full,
+        `Failed` for its other errors, `ClientLeft` once the client has left.
+        """
+        if self._asked >= AT_ONCE + WAITING:
+            raise InputError(MANY)
+        with self._count():
+            while self._turn.locked():
+                await _pause(wanted)
+            async with self._turn:
+                return await self._process(wanted, function, args)
+
+    @contextmanager
+    def _count(self) -> Iterator[None]:
+        self._asked += 1
+        try:
+            yield
+        finally:
+            self._asked -= 1
+
+    async def _process(self, wanted: Callable[[], bool], function: Callable[..., Any], args: Any) -> Any:
+        process, pipe = await asyncio.to_thread(worker_processes.process, _work, function, args)
+        self.running.add(process)
+        try:
+            while not pipe.poll():
+                await _pause(wanted, INTERVAL / 10)
+            kind, answer = await asyncio.to_thread(_receive, pipe)
+        finally:
+            self.running.discard(process)
+            process.kill()
+            pipe.close()
+            await asyncio.shield(asyncio.to_thread(process.join))
+        if kind == "refused":
+            raise InputError(answer)
+        if kind == "failed":
+            raise Failed(answer)
+        return answer
+
+
+async def _pause(wanted: Callable[[], bool], seconds: float = INTERVAL) -> None:
+    if not wanted():
+        raise ClientLeft
+    await asyncio.sleep(seconds)
+
+
+def _receive(pipe: Connection) -> tuple[str, Any]:
+    try:
+        kind, answer = pipe.recv()
+    except (EOFError, OSError):
+        return "failed", "its process ended"
+    return kind, answer
+
+
+def _work(pipe: Connection, function: Callable[..., Any], args: Any) -> None:
+    """One call, and its result through the pipe."""
+    _bound()
+    try:
+        answer = ("done", function(*args))
+    except InputError as error:
+        answer = ("refused", str(error))
+    except ArithmeticError:
+        answer = ("refused", NO_FLOAT)
+    except MemoryError:
+        answer = ("refused", TOO_LARGE)
+    except Exception as error:
+        answer = ("failed", f"{type(error).__name__}: {error}")
+    with contextlib.suppress(OSError):
+        pipe.send(answer)
+
+
+def _bound() -> None:
+    """Limit the memory to `MEMORY`, where the system supports that."""
+    try:
+        import resource
+    except ImportError:
+        return
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
 
 class Shapes:
     """The last solved rods by ticket, as the page was given it with each; a rod that is not kept is solved again."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[str, page_shape.Shape] = OrderedDict()
+        self._kept: OrderedDict[str, page_model.Shape] = OrderedDict()
         self._lock = Lock()
 
-    def keep(self, one: page_shape.Shape) -> str:
+    def keep(self, one: page_model.Shape) -> str:
         ticket = secrets.token_hex(8)
         with self._lock:
             self._kept[ticket] = one
@@ -58,7 +168,7 @@ class Shapes:
                 self._kept.popitem(last=False)
         return ticket
 
-    def find(self, ticket: Any) -> page_shape.Shape | None:
+    def find(self, ticket: Any) -> page_model.Shape | None:
         with self._lock:
             return self._kept.get(ticket) if isinstance(ticket, str) else None
 
@@ -73,7 +183,7 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Re
     names: the `host:port` that it accepts in Host and Origin. presets: the rods to begin with; the first is drawn when
     the page is opened. report: called with one sentence on each error of the server.
     """
-    shapes, few, tasks = Shapes(), ThreadPoolExecutor(THREADS, "shapes"), search_processes.Tasks()
+    shapes, few, tasks = Shapes(), ThreadPoolExecutor(THREADS, "shapes"), Tasks()
 
     @web.middleware
     async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
@@ -100,7 +210,7 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Re
 def warm() -> None:
     """Solve the first preset, so that everything is imported and compiled before the first request."""
     worker_processes.get_ready()
-    page_shape.shape(page_model.study_of(PRESETS[0].state))
+    page_model.shape(page_model.study_of(PRESETS[0].state))
     gc.freeze()  # what is loaded stays: the collector need not scan it while a slider moves
 
 
@@ -126,7 +236,7 @@ class Context:
 
     shapes: Shapes
     few: ThreadPoolExecutor
-    tasks: search_processes.Tasks
+    tasks: Tasks
     wanted: Callable[[], bool]
 
     async def in_thread(self, work: Callable[..., Any], *args: Any) -> Any:
@@ -137,16 +247,16 @@ class Context:
         """The result of work in a process, which is killed when the client leaves."""
         return await self.tasks.run(self.wanted, work, *args)
 
-    async def shape(self, state: Any, near: page_shape.Shape | None = None) -> page_shape.Shape:
+    async def shape(self, state: Any, near: page_model.Shape | None = None) -> page_model.Shape:
         """The rod of a state: followed from another or a start problem, else searched."""
         study = await self.in_thread(page_model.study_of, state)
-        shape = await self.in_thread(page_shape.without_search, study, near.sol if near else None)
+        shape = await self.in_thread(page_model.without_search, study, near.sol if near else None)
         if shape is None:
             lost = near is not None and near.sol.problem.kind == "ends"
-            shape = await self.search(page_shape.search, study, lost)
+            shape = await self.search(page_model.search, study, lost)
         return shape
 
-    async def again(self, asked: dict[str, Any]) -> page_shape.Shape:
+    async def again(self, asked: dict[str, Any]) -> page_model.Shape:
         """The rod of a ticket; solved again where it is not kept."""
         return self.shapes.find(asked.get("ticket")) or await self.shape(asked.get("state"))
 
@@ -154,9 +264,7 @@ class Context:
 Work = Callable[[dict[str, Any], Context], Awaitable[web.Response]]
 
 
-def _handler_of(
-    work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: search_processes.Tasks, report: Report
-) -> Handler:
+def _handler_of(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: Tasks, report: Report) -> Handler:
     """Answer a request's JSON; an `InputError` becomes an answer with its sentence and the field.
 
     Such a refusal has status 200: a browser writes every other status in its console as an error of the page.
@@ -176,10 +284,10 @@ def _handler_of(
                 raise InputError("the request must be a table")
             return await work(data, Context(shapes, few, tasks, is_wanted))
         except ArithmeticError:  # a radius of 5e-324, say
-            return _refusal(search_processes.NO_FLOAT)
+            return _refusal(NO_FLOAT)
         except InputError as error:
             return _refusal(str(error), page_model.field_of(str(error)))
-        except search_processes.ClientLeft:
+        except ClientLeft:
             return web.Response(status=499)  # nobody receives it
         except Exception as error:  # an error of ours: reported in the terminal, and as a sentence to the page
             report(escaping.line(f"{request.path} failed: {type(error).__name__}: {error}"))
@@ -200,9 +308,9 @@ async def _shape(asked: dict[str, Any], at: Context) -> web.Response:
     return web.Response(body=body, content_type="application/octet-stream")
 
 
-def _tell(rod: page_shape.Shape, shapes: Shapes, solving: float) -> bytes:
+def _tell(rod: page_model.Shape, shapes: Shapes, solving: float) -> bytes:
     head = {
-        **page_model.facts(rod), "ticket": shapes.keep(page_shape.bare(rod)), "problem": rod.sol.problem.kind,
+        **page_model.facts(rod), "ticket": shapes.keep(page_model.bare(rod)), "problem": rod.sol.problem.kind,
         "seconds": {"solve": solving},
     }  # fmt: skip
     return pack_arrays(head, page_model.stations(rod))
@@ -246,5 +354,5 @@ async def _download(asked: dict[str, Any], at: Context) -> web.Response:
     kind = asked.get("kind")
     if not isinstance(kind, str) or kind not in DOWNLOADS:
         raise InputError(f"no download {str(kind)[:40]!r}; choose from {', '.join(DOWNLOADS)}")
-    rod = page_shape.portable(await at.again(asked))
+    rod = page_model.portable(await at.again(asked))
     return web.Response(body=await at.search(page_model.file, rod, kind), content_type=DOWNLOADS[kind])

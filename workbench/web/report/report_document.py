@@ -4,6 +4,7 @@ import base64
 import json
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,8 @@ import xarray as xr
 from PIL import Image, ImageChops
 
 from solver.problem.errors import InputError
+from solver.problem.quantities import QUANTITIES
+from studies.language.readings import DROPPED, TABLE_1, Reading
 from studies.laws import law_words
 
 from ...figures import colours
@@ -21,12 +24,11 @@ from ...store.in_memory import StudyResult
 from ...store.schema import axes_of
 from ...words import cautions, labels
 from .. import pages
+from ..live.presets import PRESETS, Preset
 from ..turntable import turntable_page
-from . import measured_runs, sisters, sources, turning
-from .errata import ERRATA, mark_up
-from .law_cards import CLASSES, claims_of, in_degrees, law_of, of_readings, sentence
+from . import measured_runs, report_runs, sources
+from .law_cards import CLASSES, claims_of, in_degrees, law_of, mechanism, of_readings, sentence
 from .measured_runs import Measured
-from .mechanisms import mechanism
 
 NAME = "report.html"
 TEMPLATE = "report.html.j2"
@@ -41,6 +43,12 @@ SCENE, DRAWING = {"quality": 85}, {"lossless": True}  # options of WebP
 LEVELS = 63  # of a colour in a drawing above 0: what rounding takes away is not seen, and a fifth of the bytes
 RODS = "rods"  # the text in the PNG of a row of rods that says where each stands
 WHITE, MARGIN = 0.995, 16  # from which a pixel counts as blank; pixels of margin that a picture keeps
+MOST_BYTES = 400_000  # of the stations of a panel
+SHOWN = (
+    "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_size_mean", "push_min",
+    "push_max", "attached", "overlaps", "energy", "index",
+)  # fmt: skip
+FIELDS = ("E", "R", "beta", "F1", "dgamma", "F3")  # those that the reading uses get a slider
 
 
 def write(
@@ -53,8 +61,8 @@ def write(
 ) -> Path:
     """Write `report.html` into the folder `out` and return it.
 
-    readings: the dataset of `readings_table.run`. refusals: studies that could not be run under this reading, and
-    why. equilibria: the dataset of `sisters.run` and its pictures. story: the figure of the whole story. Raises
+    readings: the dataset of `report_runs.run_readings`. refusals: studies that could not be run under this reading, and
+    why. equilibria: the dataset of `run_equilibria` and its pictures. story: the figure of the whole story. Raises
     `InputError` where it cannot be written.
     """
     text = html(results, readings, refusals, measured_runs.comparisons(Path(out)), equilibria, story)
@@ -72,7 +80,7 @@ def html(
     """The report as text, with every picture, a turntable for each panel and the compiled core inside it."""
     if not results:
         raise InputError("a report needs at least one study")
-    figures = {f"turn-{result.ds.attrs['study_name']}": turning.figure_of(result.ds) for result in results}
+    figures = {f"turn-{result.ds.attrs['study_name']}": figure_of(result.ds) for result in results}
     figures = {name: figure for name, figure in figures.items() if figure is not None}
     sections = [_section(result, figures) for result in results]
     datasets = [*(result.ds for result in results), *([] if readings is None else [readings])]
@@ -91,13 +99,12 @@ def html(
         laws=laws,
         notes=list(dict.fromkeys(law["fixed_note"] for law in laws if law["fixed_note"])),
         readings=of_readings(readings),
-        errata=ERRATA,
-        marked_up=mark_up,
+        errata=_text("errata.html"),
         sources=[sources.row(result) for result in results],
         versions=sources.versions(datasets),
         created=max(str(result.ds.attrs["created"]) for result in results),
         refusals=[labels.typeset(in_degrees(refusal)) for refusal in refusals],
-        paper=sources.citation(),
+        paper=sources.PAPER,
         table_1=sources.table_1(str(results[0].ds.attrs["reading"])),
         version=sources.version(datasets),
         turntable=turntable_page.figure,
@@ -107,6 +114,55 @@ def html(
         left_out=cautions.LEFT_OUT,
         equilibria=_equilibria(*equilibria) if equilibria else None,
     )  # fmt: skip
+
+
+def figure_of(ds: xr.Dataset) -> dict[str, Any] | None:
+    """The plain data of a panel's turntable; None where no case has a shape."""
+    if not axes_of(ds) and (solving := _solve(ds)):
+        return solving
+    try:
+        return turntable_page.turntable_of_dataset(ds, most_bytes=MOST_BYTES, facts=facts_of).data
+    except InputError:
+        return None
+
+
+def _solve(ds: xr.Dataset) -> dict[str, Any] | None:
+    """The data of the rod of Table 1, which the page solves itself; None for any other rod."""
+    reading, preset = str(ds.attrs.get("reading", "")), PRESETS[0]
+    if not reading or any(abs(float(ds[name]) - TABLE_1[name]) > 1e-9 for name in ("E", "R", "a", "L")):
+        return None
+    read = Reading(*reading.split("/"))
+    fields = [name for name in FIELDS if name != DROPPED.get(read.twist)]
+    state = _state(preset, reading)
+    return {
+        "state": state,
+        "fields": fields,
+        "spans": asdict(preset)["spans"],
+        "quantities": {name: [row.symbol, _short(row.long_name), row.dimension] for name, row in QUANTITIES.items()},
+        "letters": {name: row.symbol for name, row in QUANTITIES.items()} | {"beta": "β₀", "dbeta": "β₀′"},
+        "push": labels.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}"),
+    }
+
+
+def _state(preset: Preset, reading: str) -> dict[str, Any]:
+    return {**preset.state, "base": dict(preset.state["base"]), "reading": reading}
+
+
+def _short(words: str) -> str:
+    return words.partition(" (")[0]
+
+
+def facts_of(case: xr.Dataset) -> list[tuple[str, str]]:
+    """Long name and value of each observable of a dataset of one case; of those that it has and that are finite."""
+    return [_row(case, name) for name in SHOWN if name in case and np.isfinite(case[name])]
+
+
+def _row(case: xr.Dataset, name: str) -> tuple[str, str]:
+    value = float(case[name])
+    if name == "overlaps":
+        return "passes through itself", "yes" if value else "no"
+    words = "Morse index, 0 where stable" if name == "index" else labels.long_name(case[name])
+    return words, labels.value(value, case[name])
 
 
 def _column(story: Path) -> dict[str, Any]:
@@ -127,7 +183,7 @@ def _measure(run: Measured) -> dict[str, Any]:
 
 def _equilibria(ds: xr.Dataset, files: Mapping[str, Path]) -> dict[str, Any] | None:
     alt = "The stable equilibrium and the rod of Table 1, between the same ends under the same loads"
-    return sisters.rows(ds, [_picture(path, alt, SCENE) for path in files.values()])
+    return report_runs.rows(ds, [_picture(path, alt, SCENE) for path in files.values()])
 
 
 def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
@@ -150,7 +206,7 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
         "restable": cautions.restable(ds),
         "sentences": list(dict.fromkeys(row["source"] for row in result.verdicts)),
         "laws": laws,
-        "single": turning.facts_of(ds) if not axes_of(ds) else [],
+        "single": facts_of(ds) if not axes_of(ds) else [],
         "note": sentence(str(ds.attrs.get("fold_note", ""))),
         "caution": labels.typeset(str(ds.attrs.get("caution", ""))),
         "unsolved": law_verdicts.unsolved(ds),

@@ -56,21 +56,18 @@ def _each(of: dict[str, list[str]]) -> str:
     return " and ".join(f"{version} ({', '.join(studies)})" for version, studies in of.items())
 
 
-TITLE = (
-    "Physical modeling and geometric shape simulation for one-dimensional flexible objects with cylindrical surface "
-    "constraints"
-)
-AUTHORS = "Y. M., H. D., Q. J. and W. X."  # as the paper's list of contributions has them
-JOURNAL, YEAR, DOI = "Scientific Reports 13", "2023", "10.1038/s41598-023-32064-y"
+PAPER = {
+    "title": "Physical modeling and geometric shape simulation for one-dimensional flexible objects with cylindrical "
+    "surface constraints",
+    "authors": "Y. M., H. D., Q. J. and W. X.",  # as the paper's list of contributions has them
+    "journal": "Scientific Reports 13",
+    "year": "2023",
+    "doi": "10.1038/s41598-023-32064-y",
+}
 UNITS = {"length": "cm", "force": "N"}
 PRINTED = {"alpha": "α₀", "beta": "β₀", "gamma": "γ₀", "dbeta": "β₀′", "dgamma": "γ₀′", "F1": "F₁₀", "F3": "F₃₀"}
 VALUES = {"E": "1.07 × 10⁴", "beta": "π/6"}  # as printed, where a decimal number would not be
 FROM_TEXT = "from the text below eq. (47), not from the table"
-
-
-def citation() -> dict[str, str]:
-    """Title, authors, journal, year and DOI."""
-    return {"title": TITLE, "authors": AUTHORS, "journal": JOURNAL, "year": YEAR, "doi": DOI}
 
 
 def table_1(reading: str) -> list[dict[str, str]]:

@@ -1,18 +1,38 @@
-"""A scene as one offline HTML file: the rods of a dataset, turned by hand, with a slider for each axis."""
+"""Turntables: the rods of a dataset on their cylinder, turned by hand, with a slider for each axis.
 
-from collections.abc import Mapping
+As one offline HTML file, or as figures of the report: the stations, numbers, sliders and words of the cases as plain
+data.
+"""
+
+import base64
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
+from itertools import product
 from typing import Any
 
+import numpy as np
 import xarray as xr
+from scipy.interpolate import CubicHermiteSpline
+
+from solver.problem.errors import InputError
+from studies.grammar.axes import SAMPLE
 
 from ...figures import colours
-from ...store import selection
-from ...words import labels
+from ...geometry import refinement, stored_line
+from ...geometry.centreline import APART, Array, Centreline
+from ...store import schema, selection
+from ...store.schema import axes_of
+from ...words import cautions, labels
 from .. import pages
 from ..live import live_document
-from .stored import turntable_of_dataset
 
+MOST_BYTES = 1_900_000  # of the stored arrays; as text a third more, so that a file stays below 3 MB
+ROWS, BYTES = 4, 4  # beta, beta', alpha and z; of a number
+STRIDES = (16, 8, 4, 2)  # stations that one of them may stand for
+NEAR, ANGLE = 0.005, 1e-3  # radii of the rod, and rad, by which stations may be off where others stand for them
+LEAST = 51  # stations
+SHARE = 1e-3  # of the height of a rod, by which its curve between stations may be off: a pixel of a large screen
 FIRST = "turntables"  # the module of the page with which the program begins
 
 
@@ -78,3 +98,185 @@ def _held(ds: xr.Dataset, at: Mapping[str, Any]) -> str:
     where = selection.case(ds, at)
     names = [selection.axis_of(ds, name) for name in at]
     return labels.equations(ds, {name: where[name] for name in names})
+
+
+Facts = Callable[[xr.Dataset], Sequence[tuple[str, str]]]
+
+
+@dataclass(frozen=True, eq=False)
+class Stored:
+    """The cases of a turntable.
+
+    Attributes
+    ----------
+    data
+        Plain data for `turntable.mjs`.
+    left_out
+        Sentences on values of axes that the file does not contain.
+    """
+
+    data: dict[str, Any]
+    left_out: list[str]
+
+
+def turntable_of_dataset(
+    ds: xr.Dataset,
+    at: Mapping[str, Any] | None = None,
+    most_bytes: int = MOST_BYTES,
+    facts: Facts | None = None,
+) -> Stored:
+    """The cases of a dataset, with a slider for each axis that `at` does not fix.
+
+    Parameters
+    ----------
+    ds
+        A stored study, or stored equilibria.
+    at
+        Values of axes, by name.
+    most_bytes
+        The size of the stored arrays. Where all cases take more, each axis has fewer values, evenly chosen.
+    facts
+        Rows of words and value of the dataset of one case, which are shown beside its rod; default: none.
+
+    Raises
+    ------
+    InputError
+        Where no case has a shape, and where one alone takes more than `most_bytes`.
+    """
+    at = at or {}
+    base = selection.case(ds, at)
+    fixed = {selection.axis_of(ds, name) for name in at}
+    free = [name for name in axes_of(ds) if name not in fixed]
+    if schema.loads_vary(ds):
+        raise InputError("a page of turning rods needs rods without weight and friction: make a picture, a .png")
+    n = ds.sizes["u"]
+    chosen = _choose({name: ds.sizes[name] for name in free}, base, most_bytes // (ROWS * BYTES * n))
+    wheres = [base | dict(zip(free, place, strict=True)) for place in product(*chosen.values())]
+    lines = [_line(ds, where) for where in wheres]
+    solved = [line for line in lines if line is not None]
+    if not solved:
+        raise InputError(f"no case has a shape: {ds['outcome'].isel(wheres[0]).values}")
+    if any(map(_is_blind, solved)):
+        more = max(map(stations_for, solved))
+        raise InputError(f"{n} stations are too few, as a rod swings between them unseen: store about {more}")
+    step = _stride(solved)
+    along = [(float(push.min()), float(push.max())) for push in (line.push(line.s) for line in solved)]
+    data = {
+        "axes": [_axis(ds, name, rows, base[name]) for name, rows in chosen.items()],
+        "stations": ds["u"].values[::step].tolist(),
+        "shared": {"sign": -1 if str(ds.attrs["side"]) == "inside" else 1},
+        "cases": [
+            _case(ds, where, line) | _facts(ds, where, line, facts) for where, line in zip(wheres, lines, strict=True)
+        ],
+        "arrays": _pack(lines, step, n),
+        "extremes": [min(pushes[0] for pushes in along), max(pushes[1] for pushes in along)],
+        "push": labels.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}"),
+    }
+    return Stored(data, [_left_out(ds, name, rows) for name, rows in chosen.items() if len(rows) < ds.sizes[name]])
+
+
+def stations_for(line: Centreline) -> int:
+    """About how many stations a rod needs for a curve without corners; its own number where that is enough."""
+    if _is_blind(line):
+        return line.stations_for(NEAR * line.a)
+    return refinement.stations_for(line, SHARE * max(float(np.ptp(line.z)), 2 * line.rho))
+
+
+def _is_blind(line: Centreline) -> bool:
+    """Whether a rod may swing between its stations where a picture would show it."""
+    return line.swing > APART and line.error > NEAR * line.a
+
+
+def _choose(sizes: dict[str, int], base: Mapping[str, int], most: int) -> dict[str, list[int]]:
+    """The indices of each axis that are stored, at most so many cases; both ends and the base are among them."""
+    counts = dict(sizes)
+    if most < 1:
+        raise InputError("one rod alone has too many stations for a file below 3 MB: store the study with fewer")
+    while np.prod(list(counts.values())) > most:
+        widest = max(counts, key=lambda name: counts[name])
+        if counts[widest] <= 2:
+            raise InputError(
+                f"two values of each axis are more than a file below 3 MB can hold: fix one of {', '.join(sizes)} "
+                "with --at, or store the study with fewer stations"
+            )
+        counts[widest] -= 1
+    indices = {}
+    for name, count in counts.items():
+        rows = np.unique(np.linspace(0, sizes[name] - 1, count).round().astype(int))
+        if base[name] not in rows and count > 2:
+            inner = 1 + int(np.abs(rows[1:-1] - base[name]).argmin())
+            rows[inner] = base[name]
+        indices[name] = sorted(int(row) for row in rows)
+    return indices
+
+
+def _line(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline | None:
+    """The centreline of a case; None where it is not solved."""
+    return stored_line.read(ds, where) if bool(ds["solved"].isel(dict(where))) else None
+
+
+def _stride(lines: Sequence[Centreline]) -> int:
+    """How many stations one stands for: the others lie on the curve through these as precisely as a picture shows."""
+    n = lines[0].s.size
+    for step in STRIDES:
+        if (n - 1) % step == 0 and (n - 1) // step + 1 >= LEAST and all(_is_near(line, step) for line in lines):
+            return step
+    return 1
+
+
+def _is_near(line: Centreline, step: int) -> bool:
+    """Whether cubics through every `step`-th station, as the page draws them, meet the other stations."""
+    sin, cos = np.sin(line.beta), np.cos(line.beta)
+    rows: list[tuple[Array, Array, float]] = [
+        (line.beta, line.dbeta, ANGLE),
+        (line.rho * line.alpha, sin, NEAR * line.a),
+        (line.z, cos, NEAR * line.a),
+    ]
+    return all(
+        float(np.abs(CubicHermiteSpline(line.s[::step], y[::step], dy[::step])(line.s) - y).max()) <= limit
+        for y, dy, limit in rows
+    )
+
+
+def _axis(ds: xr.Dataset, name: str, rows: Sequence[int], base: int) -> dict[str, Any]:
+    texts = labels.distinct(ds[name], ds[name].values[list(rows)])
+    start = int(np.abs(np.array(rows) - base).argmin())
+    words, symbol = labels.long_name(ds[name]), labels.symbol(ds[name])
+    return {"name": name, "words": words, "symbol": "" if symbol == words else symbol, "texts": texts, "start": start}
+
+
+def _case(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None) -> dict[str, Any]:
+    """The numbers of a case, and its caution; or why it has no shape."""
+    if line is None:
+        return {"numbers": None, "note": labels.typeset(f"Not solved: {ds['outcome'].isel(dict(where)).values}.")}
+    numbers = {"R": line.R, "a": line.a, "rho": line.rho, "L": line.L, "A": line.A}
+    loads = {"FZ": line.p * line.A, "MZ": line.l * line.A, "M3": line.m * line.A}
+    caution = cautions.said(ds["caution"].isel(dict(where)).values) if "caution" in ds else ""
+    notes = (_sample(ds, where), caution, cautions.left_out_of_dataset(ds))
+    return {"numbers": numbers | loads, "note": labels.typeset(" ".join(note for note in notes if note))}
+
+
+def _facts(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None, facts: Facts | None) -> dict[str, Any]:
+    return {} if facts is None or line is None else {"facts": facts(ds.isel(dict(where)))}
+
+
+def _sample(ds: xr.Dataset, where: Mapping[str, int]) -> str:
+    """The values of the sampled fields of a case, as a sentence."""
+    fields = schema.fields_of_samples(ds) if SAMPLE in ds.dims else []
+    names = [name for name in map(schema.dimension, fields) if name in ds]
+    values = [(name, float(ds[name].isel({k: i for k, i in where.items() if k in ds[name].dims}))) for name in names]
+    texts = [labels.equation(ds[name], value) for name, value in values]
+    return f"{', '.join(texts)}." if texts else ""
+
+
+def _pack(lines: Sequence[Centreline | None], step: int, n: int) -> str:
+    """beta, beta', alpha and z of every case at the stored stations, in base64."""
+    nothing = np.zeros((ROWS, (n - 1) // step + 1), dtype="<f4")
+    rows = [
+        nothing if line is None else np.stack([line.beta, line.dbeta, line.alpha, line.z])[:, ::step] for line in lines
+    ]
+    return base64.b64encode(np.stack(rows).astype("<f4").tobytes()).decode("ascii")
+
+
+def _left_out(ds: xr.Dataset, name: str, rows: Sequence[int]) -> str:
+    return f"{len(rows)} of the {ds.sizes[name]} values of {labels.symbol(ds[name])}, evenly chosen, are in this file."

@@ -1,20 +1,25 @@
-"""Every panel of Fig. 7 under every reading of Table 1: which of the five claims hold in which."""
+"""What a report needs beside its panels: which claims hold under which reading of Table 1, and the rod's equilibria."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from solver import equilibria, solve
 from solver.problem.errors import InputError
 from studies import READINGS, Study, load, names
 from studies.laws.line_verdicts import worst
 from studies.laws.verdicts import refusal
 
+from ...branches import equilibria_dataset
+from ...branches.ends_study import ends_problem
 from ...store import dataset, in_memory, law_verdicts
+from ...words import labels
 
-NAME = "readings"
+NAMES = READINGS_TABLE, EQUILIBRIA = "readings", "equilibria"
+OWN, STABLE = "rank_of_study", "rank_of_stable"  # attributes: places by energy, from 1; 0: there is none
 
 
 def panels() -> list[Study]:
@@ -22,7 +27,7 @@ def panels() -> list[Study]:
     return [load(name) for name in names() if name.startswith("fig7_")]
 
 
-def run(
+def run_readings(
     studies: Sequence[Study] | None = None,
     readings: Sequence[str] = tuple(READINGS),
     step: Callable[[str], None] = lambda text: None,
@@ -97,7 +102,7 @@ def _dataset_of_rows(
     }
     attrs = {
         "title": "Which claims of Fig. 7 hold under which reading of Table 1",
-        "study_name": NAME,
+        "study_name": READINGS_TABLE,
         "rows": json.dumps(dict(zip(readings, rows, strict=True)), ensure_ascii=False),
         "versions": json.dumps(dataset.versions()),
     }
@@ -106,3 +111,44 @@ def _dataset_of_rows(
 
 def _number(long_name: str) -> dict[str, str]:
     return {"units": "1", "long_name": long_name}
+
+
+def run_equilibria(study: Study) -> xr.Dataset:
+    """Return all equilibria between the end angles of a study's one rod, under its loads.
+
+    Attribute `rank_of_study` is the rank by energy of the study's own rod, and `rank_of_stable` that of the stable
+    equilibrium that `solve` takes between these ends; 0 where there is none. Raises `InputError` as of `ends_problem`.
+    """
+    case = ends_problem(study)
+    solution, every, default = solve(study.case(), stations=2), equilibria(case), solve(case, stations=2)
+    slopes = np.array([equilibrium.dbeta0 for equilibrium in every])
+    ranks = {OWN: _rank(slopes, float(solution.dbeta[0])), STABLE: 0}
+    if any(equilibrium.index == 0 for equilibrium in every):
+        ranks[STABLE] = _rank(slopes, float(default.dbeta[0]))
+    return equilibria_dataset.dataset_of(study, case, every).assign_attrs(ranks)
+
+
+def _rank(slopes: "np.ndarray[Any, Any]", slope: float) -> int:
+    return int(np.abs(slopes - slope).argmin()) + 1 if slopes.size else 0
+
+
+def pair(ds: xr.Dataset) -> xr.Dataset:
+    """Return the stable equilibrium, if there is one, and the rod of the study."""
+    return ds.isel(equilibrium=[ds.attrs[rank] - 1 for rank in (STABLE, OWN) if ds.attrs[rank]])
+
+
+def rows(ds: xr.Dataset, pictures: Sequence[Mapping[str, Any]]) -> dict[str, Any] | None:
+    """Return what the report says of them; None where the study's own rod is not among them."""
+    if not ds.attrs[OWN]:
+        return None
+    case = ds.isel(equilibrium=ds.attrs[OWN] - 1)
+    index, stable = int(case["index"]), ds.attrs[STABLE]
+    return {
+        "count": ds.sizes["equilibrium"],
+        "rank": ds.attrs[OWN],
+        "stability": "stable" if index == 0 else f"unstable in {index} {'way' if index == 1 else 'ways'}",
+        "sister": stable if stable != ds.attrs[OWN] else 0,
+        "attached": f"{float(ds['attached'][stable - 1]):.0%}" if stable else "",
+        "ends": labels.typeset(str(ds.attrs["stability"])),
+        "pictures": pictures,
+    }
