@@ -58,8 +58,8 @@ def own_preset(file: Path | None, options: dict[str, Any], units: dict[str, str]
     named = "A rod of the command line's options" if file is None else file.name
     title = named if rod.study is None else rod.study.title
     assumed = ", ".join(f"{name} = {value}" for name, value in rod.assumed.items())
-    units = f"{rod.units['length']} and {rod.units['force']}"
-    source = f"From {rod.source}.{f' Assumed: {assumed}.' if assumed else ''} {units}."
+    in_units = f"{rod.units['length']} and {rod.units['force']}"
+    source = f"From {rod.source}.{f' Assumed: {assumed}.' if assumed else ''} {in_units}."
     return Preset(OWN, title, source, _state(rod, title, not options), _spans(rod.case))
 
 
