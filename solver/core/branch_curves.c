@@ -17,7 +17,7 @@ static int place_at(family *f, double p, const place **out)
         return FAILED;
     f->newest = (f->newest + 1) % KEPT;
     f->at[f->newest] = NAN;
-    const int failed = rod_place_of(&of, &f->by, &f->known[f->newest]);
+    const int failed = rod_place_of(&of, f->by, &f->known[f->newest]);
     if (failed)
         return failed;
     f->at[f->newest] = p;
@@ -124,7 +124,7 @@ int rod_curve_place(family *f, const point *at, place *o, path *here)
     memcpy(w, at->w, sizeof w);
     int failed = f->held ? held_problem(f, w, given, &of) : place_at(f, at->w[1] * f->over->scale, &known);
     if (!failed && f->held)
-        failed = rod_place_of(&of, &f->by, o);
+        failed = rod_place_of(&of, f->by, o);
     else if (!failed)
         *o = *known;
     return failed || (rod_path_at(o, &at->chart, at->w[0] * at->chart.scale, here) && here->turns >= 0) ? failed : FAILED;
@@ -236,7 +236,7 @@ static int held_equations(family *f, point *at, double *off)
     place o;
     path here;
     int failed = held_problem(f, at->w, given, &of);
-    failed = failed ? failed : rod_place_of(&of, &f->by, &o);
+    failed = failed ? failed : rod_place_of(&of, f->by, &o);
     if (failed || !rod_path_at(&o, &at->chart, at->w[0] * at->chart.scale, &here) || here.turns < 0)
         return failed ? failed : FAILED;
     failed = rod_orbit_numbers(&o, &here, f->nodes, &f->times, &f->orbits, &f->numbers);

@@ -44,7 +44,7 @@ typedef struct {
     problem_at *problem;
     const range *over;
     const held_ends *held;
-    grid by;
+    const grid *by;
     const points *nodes;
     cutting times, orbits;
     search room;

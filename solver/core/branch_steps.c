@@ -236,7 +236,7 @@ typedef struct {
     problem_at *problem;
     const range *over;
     const held_ends *held;
-    grid by;
+    const grid *by;
     const points *nodes;
     const cutting *times, *orbits;
 } curve;

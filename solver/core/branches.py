@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from .library import Cutting, address, cut, fine, functions, on_grid, points
+from .library import AT, FLOAT, INT, Cutting, cut, fine, on_grid, points, run, structure
 
 LEFT_TO_CALLER, AT_END, IS_CLOSED, ENOUGH = range(4)  # why the steps end
 KINDS = ("saddle", "start", "end")
@@ -25,68 +25,21 @@ _UNKNOWNS, _EQUATIONS = PARTS + 2, PARTS + 1
 Numbers = Callable[[float], Sequence[float] | None]
 
 
-class Level(ctypes.Structure):
-    """`path` in branches.h."""
-
-    _fields_ = [(name, ctypes.c_double) for name in ("pin", "sign", "y")]
-    _fields_ += [(name, ctypes.c_int64) for name in ("leaving", "turns")]
-
-
-class Chart(ctypes.Structure):
-    """`chart` in branches.h."""
-
-    _fields_ = [(name, ctypes.c_int) for name in ("kind", "logarithmic")]
-    _fields_ += [(name, ctypes.c_double) for name in ("own", "scale")]
-    _fields_ += [("at", Level)]
+Level = structure("path", (FLOAT, "pin sign y"), (INT, "leaving turns"))  # branches.h
+Chart = structure("chart", (ctypes.c_int, "kind logarithmic"), (FLOAT, "own scale"), (Level, "at"))  # branches.h
+Point = structure(  # branch_points.h
+    "point", (FLOAT * _UNKNOWNS, "w"), (FLOAT * (_EQUATIONS * _UNKNOWNS), "jacobian"), (FLOAT * _UNKNOWNS, "tangent"),
+    (FLOAT, "sign bend ahead"), (Chart, "chart"),
+)  # fmt: skip
+_Range = structure("range", (FLOAT, "scale low high rounding"), (INT, "count"), (AT, "halts"))  # branch_points.h
+_Held = structure("held_ends", (INT * PARTS, "given"), (FLOAT, "loads"))  # branch_points.h
+_Curve = structure("curve", (_PROBLEM, "problem"), (AT, "over held by nodes times orbits"))  # branch_steps.c
 
 
-class Grid(ctypes.Structure):
-    """`grid` in branches.h."""
-
-    _fields_ = [("m", ctypes.c_int64), ("angles", ctypes.c_void_p), ("table", ctypes.c_void_p)]
-
-
-class Point(ctypes.Structure):
-    """`point` in branch_points.h."""
-
-    _fields_ = [
-        ("w", ctypes.c_double * _UNKNOWNS),
-        ("jacobian", ctypes.c_double * (_EQUATIONS * _UNKNOWNS)),
-        ("tangent", ctypes.c_double * _UNKNOWNS),
-    ]
-    _fields_ += [(name, ctypes.c_double) for name in ("sign", "bend", "ahead")]
-    _fields_ += [("chart", Chart)]
-
-
-def chart_of(chart: Any) -> Chart:
+def chart_of(chart: Any) -> Any:
     """A `charts.Chart` as the core reads it."""
     at = Level(chart.at.pin, chart.at.sign, chart.at.y, chart.at.leaving, chart.at.turns)
     return Chart(KINDS.index(chart.kind), chart.logarithmic, 0.0, chart.scale, at)
-
-
-class _Range(ctypes.Structure):
-    """`range` in branch_points.h."""
-
-    _fields_ = [(name, ctypes.c_double) for name in ("scale", "low", "high", "rounding")]
-    _fields_ += [("count", ctypes.c_int64), ("halts", ctypes.c_void_p)]
-
-
-class _Held(ctypes.Structure):
-    """`held_ends` in branch_points.h."""
-
-    _fields_ = [("given", ctypes.c_int64 * PARTS), ("loads", ctypes.c_double)]
-
-
-class _Curve(ctypes.Structure):
-    """`curve` in branch_steps.c."""
-
-    _fields_ = [
-        ("problem", _PROBLEM),
-        ("over", ctypes.POINTER(_Range)),
-        ("held", ctypes.POINTER(_Held)),
-        ("by", Grid),
-        *((name, ctypes.c_void_p) for name in ("nodes", "times", "orbits")),
-    ]
 
 
 def _call(numbers: Numbers, count: int, raised: list[BaseException]) -> Any:
@@ -126,28 +79,23 @@ class Steps:
     def __init__(self, numbers: Numbers, scale: float, n: int, how: tuple[Cutting, Cutting], held: Any = None) -> None:
         self._raised: list[BaseException] = []
         self._scale, self._held = scale, held
-        self._pointed = points(n), cut(how[0], True), cut(how[1], False)
-        pointers = (ctypes.cast(pointer, ctypes.c_void_p) for pointer in self._pointed)
-        self._curve = _Curve(
-            _call(numbers, 7 if held else 6, self._raised),
-            None,
-            None,
-            Grid(*on_grid()),
-            *pointers,
-        )
+        ways = cut(how[0], True), cut(how[1], False)
+        self._curve = _call(numbers, 7 if held else 6, self._raised), on_grid(), points(n), *ways
 
-    def excess(self, chart: Chart, p: float, x: Array) -> Array | None:
+    def _on(self, over: Any = None, held: Any = None) -> Any:
+        """The branch as the core reads it."""
+        problem, *rest = self._curve
+        return _Curve(problem, over, held, *rest)
+
+    def excess(self, chart: Any, p: float, x: Array) -> Array | None:
         """The length at each x, at most three, less that of the rod at p; None where there is no such orbit."""
         x, off = np.ascontiguousarray(x), np.empty(x.size)
-        failed = functions().rod_branch_excess(
-            ctypes.byref(self._curve), ctypes.byref(chart), ctypes.c_double(p), ctypes.c_int64(x.size), address(x),
-            address(off),
-        )  # fmt: skip
+        failed = run("rod_branch_excess", self._on(), chart, float(p), x.size, x, off)
         self._raise()
         return off if failed != NO_ORBIT and fine(failed) else None
 
     def run(
-        self, at: Point, step: float, kept: int, first: Any, most: int, halts: Array, rounding: float, loads: float
+        self, at: Any, step: float, kept: int, first: Any, most: int, halts: Array, rounding: float, loads: float
     ) -> tuple[Any, Array, float, int, int]:
         """At most so many records from a point, which is replaced by the last one.
 
@@ -170,21 +118,16 @@ class Steps:
             The records; with held ends their numbers and rates, (N, `orbit_rates.RECORD`); step and kept as they are
             then; and why there are no more.
         """
-        over = _Range(self._scale, halts[0], halts[-1], rounding, halts.size, address(halts))
+        over = _Range(self._scale, halts[0], halts[-1], rounding, halts.size, halts)
         out = np.empty(min(most, _MOST), RECORD)
         rates = np.empty((out.size if self._held else 0, RATES))
-        length, keep = ctypes.c_double(step), ctypes.c_int64(kept)
-        count, why = ctypes.c_int64(), ctypes.c_int64()
-        self._curve.over = ctypes.pointer(over)
-        if self._held:
-            self._curve.held = ctypes.pointer(_Held((ctypes.c_int64 * PARTS)(*self._held), loads))
-        status = functions().rod_branch_steps(
-            ctypes.byref(self._curve), ctypes.byref(at), ctypes.byref(length), ctypes.byref(keep), address(first),
-            ctypes.c_int64(out.size), address(out), address(rates), ctypes.byref(count), ctypes.byref(why),
-        )  # fmt: skip
+        length, (keep, count, why) = np.array([step]), np.array([[kept], [0], [0]], np.int64)
+        held = _Held((INT * PARTS)(*self._held), loads) if self._held else None
+        curve = self._on(over, held)
+        status = run("rod_branch_steps", curve, at, length, keep, first, out.size, out, rates, count, why)
         self._raise()
         fine(status)
-        return out[: count.value], rates[: count.value], length.value, keep.value, why.value
+        return out[: count[0]], rates[: count[0]], float(length[0]), int(keep[0]), int(why[0])
 
     def _raise(self) -> None:
         if self._raised:

@@ -35,7 +35,7 @@ int rod_place_of(const ends_problem *of, const grid *by, place *o)
     for (int k = 0; k < 6; k++)
         if (!isfinite(numbers[k]) || (k > 3 && fabs(numbers[k]) > FAR))
             return NOT_POSSIBLE;
-    const int failed = rod_critical(p.lam, p.mu, p.phi, by->m, by->angles, by->table, &o->found);
+    const int failed = rod_critical(p.lam, p.mu, p.phi, by, &o->found);
     if (failed)
         return failed;
     const double height = 1 + fabs(p.lam) + fabs(p.mu) + fabs(p.phi);

@@ -12,7 +12,7 @@ enum { FAILED = 100 };                /* besides NO_MEMORY and NOT_POSSIBLE */
 
 typedef struct {
     ends_problem first, last;
-    grid by;
+    const grid *by;
     search room;
 } line;
 
@@ -24,7 +24,7 @@ static int place_at(const line *l, double share, place *o)
     double *mixed = &p.lam;
     for (int k = 0; k < 6; k++)
         mixed[k] = share >= 1 ? last[k] : (1 - share) * first[k] + share * last[k];
-    const int failed = rod_place_of(&p, &l->by, o);
+    const int failed = rod_place_of(&p, l->by, o);
     return failed ? failed : o->helix ? NOT_POSSIBLE : DONE;
 }
 
@@ -140,10 +140,10 @@ static int followed(line *l, path *at)
 
    level: pin, sign, y; way: leaving, turns; of the equilibrium, replaced by those of the one found. Returns DONE; where
    the branch ends, or a leap or a helix would be needed, any other number. */
-int rod_continued(const double *first, const double *last, int64_t m, const double *angles, const double *table,
-                  const points *at, const cutting *how, double *level, int64_t *way)
+int rod_continued(const double *first, const double *last, const grid *by, const points *at, const cutting *how,
+                  double *level, int64_t *way)
 {
-    line l = {.by = {m, angles, table}};
+    line l = {.by = by};
     for (int k = 0; k < 6; k++)
         if (!isfinite(first[k]) || !isfinite(last[k]) || fabs(first[4]) > 1e6 || fabs(last[4]) > 1e6 ||
             fabs(first[5]) > 1e6 || fabs(last[5]) > 1e6)

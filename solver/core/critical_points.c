@@ -102,8 +102,10 @@ static int add_touching(critical *found, signed_loads p, double at, double sign,
     return failed ? failed : add(found, other, !first);
 }
 
-int rod_critical(double lam, double mu, double phi, int64_t m, const double *angles, const double *table, critical *found)
+int rod_critical(double lam, double mu, double phi, const grid *by, critical *found)
 {
+    const int64_t m = by->m;
+    const double *angles = by->angles, *table = by->table;
     const signed_loads p = {lam, mu, phi, 1};
     const double loads[5] = {lam - mu, lam + mu, mu, phi, 1};
     int paired = 0, failed = DONE;
@@ -139,14 +141,13 @@ int rod_critical(double lam, double mu, double phi, int64_t m, const double *ang
 }
 
 /* The critical points of n problems, loads (n, 3): lam, mu, phi. beta, centre: (n, 16), filled up to count (n,). */
-int rod_critical_points(int64_t n, const double *loads, int64_t m, const double *angles, const double *table,
-                        double *beta, uint8_t *centre, int64_t *count)
+int rod_critical_points(int64_t n, const double *loads, const grid *by, double *beta, uint8_t *centre, int64_t *count)
 {
     critical found;
     for (int64_t b = 0; b < n; b++) {
         const double *p = loads + 3 * b;
         const int failed = isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2])
-                               ? rod_critical(p[0], p[1], p[2], m, angles, table, &found)
+                               ? rod_critical(p[0], p[1], p[2], by, &found)
                                : NOT_POSSIBLE;
         if (failed)
             return failed;

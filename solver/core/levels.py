@@ -1,79 +1,69 @@
 """Transit times between two end angles, levels of paths, and continuation by the compiled core: `transit_times.c`,
 `continuation.c`."""
 
-import ctypes
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans, Integers
-from .library import Cutting, address, cut, fine, functions, on_grid, points
+from .library import AT, FLOAT, INT, Cutting, cut, fine, on_grid, points, run, structure
 
-
-class _Boundary(ctypes.Structure):
-    """`boundary` in transit_times.c."""
-
-    _fields_ = (
-        [(name, ctypes.c_double) for name in ("lam", "mu", "phi", "span", "low", "high", "deepest")]
-        + [(name, ctypes.c_int64) for name in ("whole_turns", "passed", "pins")]
-        + [(name, ctypes.c_void_p) for name in ("pin", "falls")]
-    )
+_Boundary = structure(  # orbit_parts.h
+    "boundary", (FLOAT, "lam mu phi span low high deepest"), (INT, "whole_turns passed pins"), (AT, "pin falls")
+)
 
 
 def fall(problem: Any, pin: float, beta: float, extremum: bool) -> float:
     """G(pin) - G(beta) of one problem: see `levels.transit_times.fall`."""
-    value: float = functions().rod_fall(problem.lam[0], problem.mu[0], problem.phi[0], pin, beta, extremum)
-    return value
+    loads = (float(v[0]) for v in (problem.lam, problem.mu, problem.phi))
+    return float(run("rod_fall", *loads, pin, beta, extremum, result=FLOAT))
 
 
-class _Search(NamedTuple):
-    """What `rod_transit_times` and `rod_level_roots` are told of one ends problem; kept: the arrays behind it."""
-
-    arguments: tuple[Any, ...]
-    kept: Any
-
-
-def _search(boundary: Any, n: int, cutting: Cutting) -> _Search:
+def _search(boundary: Any, n: int, cutting: Cutting) -> tuple[Any, ...]:
+    """One ends problem as the first arguments of `rod_transit_times` and `rod_level_roots`."""
     problem, angles = boundary.problem, boundary.found
     m = int(angles.count[0])
-    kept = [np.ascontiguousarray(boundary.pins), np.ascontiguousarray(boundary.falls)]
-    kept += [angles.beta[0, :m].copy(), angles.centre[0, :m].astype(np.int64)]
     loads = (float(v[0]) for v in (problem.lam, problem.mu, problem.phi, problem.span))
+    pins, falls = np.ascontiguousarray(boundary.pins), np.ascontiguousarray(boundary.falls)
     of = _Boundary(
-        *loads, boundary.low, boundary.high, boundary.deepest, boundary.whole_turns, boundary.passed, kept[0].size,
-        address(kept[0]), address(kept[1]),
-    )  # fmt: skip
-    head = (ctypes.byref(of), ctypes.c_int64(m), address(kept[2]), address(kept[3]))
-    return _Search((*head, points(n), cut(cutting, True)), (kept, of))
+        *loads,
+        boundary.low,
+        boundary.high,
+        boundary.deepest,
+        boundary.whole_turns,
+        boundary.passed,
+        pins.size,
+        pins,
+        falls,
+    )
+    critical = angles.beta[0, :m].copy(), angles.centre[0, :m].astype(np.int64)
+    return of, m, *critical, points(n), cut(cutting, True)
 
 
 def transit_times(
     boundary: Any, pin: Integers, sign: Array, y: Array, deep: bool, n: int, cutting: Cutting
 ) -> tuple[Array, Array, Booleans, int] | None:
     """Times and rates (3, M), whether each orbit rotates (M,), and evaluations of G; None where it is not possible."""
-    search, M, calls = _search(boundary, n, cutting), y.size, ctypes.c_int64(0)
+    M, calls = y.size, np.zeros(1, np.int64)
     time, rate, rotates = np.empty((3, M)), np.empty((3, M)), np.empty(M, np.bool_)
     levels = np.ascontiguousarray(pin, np.int64), np.ascontiguousarray(sign, float), np.ascontiguousarray(y, float)
-    status = functions().rod_transit_times(
-        *search.arguments, ctypes.c_int64(M), *(address(a) for a in levels), int(deep), address(time),
-        address(rate), address(rotates), ctypes.byref(calls),
-    )  # fmt: skip
-    return (time, rate, rotates, calls.value) if fine(status) else None
+    status = run("rod_transit_times", *_search(boundary, n, cutting), M, *levels, deep, time, rate, rotates, calls)
+    return (time, rate, rotates, int(calls[0])) if fine(status) else None
 
 
 def level_roots(
     boundary: Any, pin: Integers, sign: Array, counts: Integers, low: Array, high: Array, n: int, cutting: Cutting
 ) -> tuple[Array, int] | None:
     """y of the root of each path's length less the rod's, (K,), and evaluations of G; None where it is not possible."""
-    search, K, calls = _search(boundary, n, cutting), low.size, ctypes.c_int64(0)
-    roots = np.empty(K)
-    whole = [np.ascontiguousarray(a, np.int64) for a in (pin, counts)]
-    whole[1:1] = [np.ascontiguousarray(sign, float)]
-    whole += [np.ascontiguousarray(a) for a in (low, high)]
-    status = functions().rod_level_roots(
-        *search.arguments, ctypes.c_int64(K), *(address(a) for a in whole), address(roots), ctypes.byref(calls)
+    calls, roots = np.zeros(1, np.int64), np.empty(low.size)
+    whole = (
+        np.ascontiguousarray(pin, np.int64),
+        np.ascontiguousarray(sign, float),
+        np.ascontiguousarray(counts, np.int64),
     )
-    return (roots, calls.value) if fine(status) else None
+    ends = np.ascontiguousarray(low), np.ascontiguousarray(high)
+    status = run("rod_level_roots", *_search(boundary, n, cutting), low.size, *whole, *ends, roots, calls)
+    return (roots, int(calls[0])) if fine(status) else None
 
 
 def resume(
@@ -96,8 +86,5 @@ def resume(
         Pin, sign, y, leaving and turns; None where the branch ends, or where it needs a leap or passes a helix.
     """
     at, route = np.array(level, dtype=float), np.array(way, dtype=np.int64)
-    status = functions().rod_continued(
-        address(first), address(last), *on_grid(),
-        points(n), cut(how, True), address(at), address(route),
-    )  # fmt: skip
+    status = run("rod_continued", first, last, on_grid(), points(n), cut(how, True), at, route)
     return (*at.tolist(), *route.tolist()) if fine(status) else None

@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import Basis, basis
 from .build import HERE, OTHER, digest, library_name
 
 HOW = "install rod-workbench again, or in a checkout run python -m solver.core"
+INT, FLOAT, AT = ctypes.c_int64, ctypes.c_double, ctypes.c_void_p
+_BYTE = ctypes.c_char
 _SHARE = 256  # problems that a thread takes at a time
 
 
@@ -55,15 +56,52 @@ def function(name: str, result: Any, *arguments: Any) -> Any:
     return call
 
 
-def begin_of(array: NDArray[Any]) -> int:
+def begin_of(array: Any) -> int:
     """Where the numbers of a contiguous array begin."""
-    begin: int = array.__array_interface__["data"][0]
-    return begin
+    try:
+        return ctypes.addressof(_BYTE.from_buffer(array))  # three times as fast as what NumPy offers
+    except (TypeError, ValueError):  # an array that is empty or cannot be written
+        begin: int = array.__array_interface__["data"][0]
+        return begin
 
 
-def address(array: NDArray[Any] | None) -> ctypes.c_void_p:
-    """The same as an argument of a function whose ctypes are not given; NULL for None."""
-    return ctypes.c_void_p(None if array is None else begin_of(array))
+class Structure(ctypes.Structure):
+    """A struct of the core, from numbers, arrays and other structs, which it keeps alive; a field without one is 0."""
+
+    def __init__(self, *values: Any, **named: Any) -> None:
+        self.kept = named | dict(zip((field[0] for field in self._fields_), values, strict=False))
+        pointers = {name for name, kind, *_ in self._fields_ if kind is AT}
+        super().__init__(**{k: _place_of(v) if k in pointers else v for k, v in self.kept.items()})
+
+
+def _place_of(value: Any) -> Any:
+    """Where an array or a struct begins; another value as it is."""
+    if isinstance(value, np.ndarray):
+        return begin_of(value)
+    return ctypes.addressof(value) if isinstance(value, Structure) else value
+
+
+def structure(name: str, *rows: tuple[Any, str]) -> Any:
+    """The class of a struct of the core: types, and the names of the fields that have them."""
+    fields = [(field, kind) for kind, names in rows for field in names.split()]
+    return type(name, (Structure,), {"_fields_": fields})
+
+
+def run(name: str, *arguments: Any, result: Any = ctypes.c_int) -> Any:
+    """Call a function of the core.
+
+    Whole numbers, also flags, are given as int64, others as double, arrays and structs by where they begin, None as
+    NULL. The function has a ctype as its result.
+    """
+    call = getattr(library(), name)
+    call.restype = result
+    return call(*map(_argument, arguments))
+
+
+def _argument(value: Any) -> Any:
+    if isinstance(value, float):
+        return FLOAT(value)
+    return INT(int(value)) if isinstance(value, int | np.integer | np.bool_) else AT(_place_of(value))
 
 
 def threads() -> int:
@@ -74,7 +112,7 @@ def threads() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def share_out(part: Callable[[int, int], None], size: int) -> None:
+def share_out(part: Callable[[int, int], object], size: int) -> None:
     """Call part(a, b) for stretches that make up 0 .. size, in several threads where there are many problems."""
     if size < 2 * _SHARE or (count := min(threads(), size // _SHARE)) < 2:
         part(0, size)
@@ -88,18 +126,9 @@ def share_out(part: Callable[[int, int], None], size: int) -> None:
 _NO_MEMORY = 1
 
 
-class _Points(ctypes.Structure):
-    """`points` in orbit_parts.h."""
-
-    _fields_ = [("n", ctypes.c_int64)] + [(n, ctypes.c_void_p) for n in ("nodes", "analyse", "values", "differentiate")]
-
-
-class _Cutting(ctypes.Structure):
-    """`cutting` in orbit_parts.h."""
-
-    _fields_ = [(name, ctypes.c_double) for name in ("length", "goal", "stretch")]
-    _fields_ += [("times_only", ctypes.c_int), ("lanes", ctypes.c_int)]
-    _fields_ += [("relative", ctypes.c_int)]
+_Points = structure("points", (INT, "n"), (AT, "nodes analyse values differentiate"))  # orbit_parts.h
+_Cutting = structure("cutting", (FLOAT, "length goal stretch"), (ctypes.c_int, "times_only lanes relative"))
+_Grid = structure("grid", (INT, "m"), (AT, "angles table"))
 
 
 class Cutting(NamedTuple):
@@ -115,22 +144,17 @@ class Cutting(NamedTuple):
 
 
 @cache
-def _points(n: int) -> tuple[_Points, Any]:
-    """The nodes of panels and the maps on them, and the arrays that hold them."""
-    panel: Basis = basis(n)
-    kept = [np.ascontiguousarray(a) for a in (panel.nodes, panel.analyse, panel.values, panel.differentiate)]
-    return _Points(n, *(address(a) for a in kept)), kept
-
-
 def points(n: int) -> Any:
-    """The nodes of panels, as an argument of the core."""
-    return ctypes.byref(_points(n)[0])
+    """The nodes of panels and the maps on them, for the core."""
+    panel: Basis = basis(n)
+    return _Points(n, *map(np.ascontiguousarray, (panel.nodes, panel.analyse, panel.values, panel.differentiate)))
 
 
+@cache
 def cut(cutting: Cutting, times_only: bool) -> Any:
-    """How panels are cut, as an argument of the core."""
+    """How panels are cut, for the core."""
     length, goal, stretch, lanes, relative = cutting
-    return ctypes.byref(_Cutting(length, goal, stretch, int(times_only), lanes or widest(), int(relative)))
+    return _Cutting(length, goal, stretch, times_only, lanes or widest(), relative)
 
 
 @cache
@@ -153,24 +177,10 @@ def grid() -> tuple[Array, Array]:
 
 
 @cache
-def on_grid() -> tuple[Any, Any, Any]:
-    """The grid as arguments of the core: M, and where its arrays are."""
+def on_grid() -> Any:
+    """The grid for the core."""
     angles, table = grid()
-    return ctypes.c_int64(angles.size), address(angles), address(table)
-
-
-@cache
-def functions() -> Any:
-    """The library with the types of what its functions return."""
-    core = library()
-    core.rod_orbits.restype = ctypes.c_void_p
-    varied = (f"variations_{name}" for name in ("places", "changes", "directions"))
-    for name in ("orbits_fetch", "orbits_read", "orbits_action", *varied):
-        getattr(core, f"rod_{name}").restype = None
-    core.rod_cover.restype = ctypes.c_int64
-    core.rod_fall.restype = ctypes.c_double
-    core.rod_fall.argtypes = [ctypes.c_double] * 5 + [ctypes.c_int]
-    return core
+    return _Grid(angles.size, angles, table)
 
 
 def fine(status: int) -> bool:

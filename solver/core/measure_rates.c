@@ -51,7 +51,6 @@ typedef struct {
    each density; most_pace: of the push. panel: that is integrated over; rates: its rates of the first row of M. */
 typedef struct {
     workspace *w;
-    reader *from;
     const read_orbits *of;
     const points *at;
     const varied_orbits *varied;
@@ -111,7 +110,7 @@ static void states_at(const rod *o, int count, const double *t, states *out, dou
         phase where;
         double x;
         const int64_t panel = rod_place(o->of, o->b, t[i], &where, &x);
-        rod_varied_place_at(o->from, o->b, t[i], &place);
+        rod_varied_place_at(o->of, o->varied, o->b, t[i], &place);
         const double turns = o->of->kind[o->b] == LIBRATION ? 0 : o->of->direction[o->b] * where.periods;
         write_state(o, i, panel, x, turns, &place, out);
         for (int k = 0; k < 4; k++)
@@ -188,7 +187,7 @@ static void begin_leaf(const rod *o, double low, double high, leaf *out)
     for (int i = 0; i < AT; i++) {
         varied_place place;
         x[i] = low + (high - low) * (1 + o->w->by.nodes[i]) / 2;
-        rod_varied_place_on(o->from, o->panel, x[i], &place);
+        rod_varied_place_on(o->varied, n + 1, o->panel, x[i], &place);
         place.v = larger(place.v, 0) * (backward ? -o->of->direction[o->b] : o->of->direction[o->b]);
         write_state(o, i, o->panel, x[i], 0, &place, &out->at);
     }
@@ -615,7 +614,7 @@ static const struct {
 static int rates_of(rod *o, double *out)
 {
     int resolved = -1;
-    if (rod_angles(o->w, o->b))
+    if (rod_angles(o->w, 0))
         return NO_MEMORY;
     prepare_rod(o);
     if (o->integrates[0] || o->integrates[1] || o->integrates[2] || o->integrates[PUSH])
@@ -624,11 +623,11 @@ static int rates_of(rod *o, double *out)
         const int kind = extremes[i].kind, rate_of = extremes[i].rate;
         if (!wants(o, rate_of))
             continue;
-        if (kind != resolved && rod_resolved(o->w, o->b, kind, EXTREMES, o->w->all->goal))
+        if (kind != resolved && rod_resolved(o->w, 0, kind, EXTREMES, o->w->all->goal))
             return NO_MEMORY;
         resolved = kind;
-        const int failed = rate_of == PEAK         ? peak_of(o, o->by->peak[o->b], out)
-                           : rate_of == FIRST_LIFT ? lift_off_of(o, o->by->lifts[o->b], out)
+        const int failed = rate_of == PEAK         ? peak_of(o, o->by->peak, out)
+                           : rate_of == FIRST_LIFT ? lift_off_of(o, o->by->lifts, out)
                                                    : extreme_of(o, kind, extremes[i].largest, extremes[i].smallest,
                                                                 rate_of, out);
         if (failed)
@@ -637,41 +636,17 @@ static int rates_of(rod *o, double *out)
     return DONE;
 }
 
-int rod_rates(workspace *w, reader *from, const points *at, const varied_orbits *varied, const changes *by, int64_t b,
-              double *room, double *out)
+int rod_rates(workspace *w, const read_orbits *of, const points *at, const varied_orbits *varied, const changes *by,
+              int64_t b, double *room, double *out)
 {
-    const read_orbits *of = from->of;
-    rod one = {.w = w, .from = from, .of = of, .at = at, .varied = varied, .by = by, .b = b};
+    rod one = {.w = w, .of = of, .at = at, .varied = varied, .by = by, .b = b};
     const double both = of->duration[2 * b] + of->duration[2 * b + 1];
     one.a = room, one.slopes = room + CANDIDATES * by->F, one.faint = one.slopes + CANDIDATES * by->F;
-    one.parts = by->parts + PARTS * by->F * b, one.later = by->later + by->F * b, one.span = w->all->span[b];
+    one.parts = by->parts, one.later = by->later, one.span = *w->all->span;
     one.period = of->kind[b] == LIBRATION ? 2 * both : both;
-    rod_varied_place_at(from, b, 0, &one.start);
+    rod_varied_place_at(of, varied, b, 0, &one.start);
     one.panels = malloc(sizeof(leaf) * (size_t)(of->count[2 * b] + of->count[2 * b + 1]));
     const int failed = one.panels ? rates_of(&one, out) : NO_MEMORY;
     free(one.panels);
-    return failed;
-}
-
-/* How what is measured along rods answers F changes, rods from `begin` to `end`, none of them a helix, into out
-   (n, F, RATES): the rates that are wanted.
-
-   all: the pieces of the rods. lanes: what rod_lanes says, or fewer. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
-int rod_measure_rates(const rods *all, const read_orbits *of, const points *at, const varied_orbits *varied,
-                      const changes *by, double *out, int64_t begin, int64_t end, int lanes)
-{
-    if (all->coefficients < 1 || all->coefficients > LONGEST || at->n > NODES || of->coefficients != at->n + 1)
-        return NOT_POSSIBLE;
-    workspace *w = rod_workspace(all, lanes);
-    reader *from = malloc(sizeof(reader));
-    double *room = malloc(sizeof(double) * (size_t)(3 * CANDIDATES * by->F));
-    int failed = w && from && room ? DONE : NO_MEMORY;
-    if (from)
-        from->of = of, from->series = varied->series, from->gain = varied->gain, from->panel = -1, from->lanes = lanes;
-    for (int64_t b = begin; b < end && !failed; b++)
-        failed = rod_rates(w, from, at, varied, by, b, room, out + RATES * by->F * b);
-    rod_workspace_free(w);
-    free(from);
-    free(room);
     return failed;
 }

@@ -8,17 +8,19 @@
 
 enum { PLACES = 32, CANDIDATES = 4 + 2 * PLACES };
 
-/* F changes of each of the orbits, and what is observed. parts: (n, F, PARTS). later: (n, F), the change of the length in
-   t. lifts, peak: (n,), the t of lift-off and of the largest push. wanted: bits of the rates. base: (P,), the angle, with
-   whole turns, from which beta counts on each panel. */
+/* F changes of one orbit, and what is observed. parts: (F, PARTS). later: (F,), the change of the length in t. lifts, peak:
+   the t of lift-off and of the largest push. wanted: bits of the rates. base: (P,), the angle, with whole turns, from which
+   beta counts on each panel. */
 typedef struct {
     int64_t F, wanted;
-    const double *parts, *later, *lifts, *peak, *base;
+    const double *parts, *later;
+    double lifts, peak;
+    const double *base;
 } changes;
 
-/* The rates that are wanted of rod b, none of a helix, into out (F, RATES). room: (3 CANDIDATES, F). Returns DONE or
-   NO_MEMORY. */
-int rod_rates(workspace *, reader *, const points *, const varied_orbits *, const changes *, int64_t b, double *room,
-              double *out);
+/* The rates that are wanted of the only rod of the workspace, on orbit b, none of a helix, into out (F, RATES). room:
+   (3 CANDIDATES, F). Returns DONE or NO_MEMORY. */
+int rod_rates(workspace *, const read_orbits *, const points *, const varied_orbits *, const changes *, int64_t b,
+              double *room, double *out);
 
 #endif

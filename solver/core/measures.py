@@ -1,7 +1,6 @@
 """Integrals and extremes along rods, and the search for self-contact, by the compiled core: `measures.c`,
 `strand_pairs.c`, and of curves at points `crossings.c`."""
 
-import ctypes
 import re
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
@@ -10,7 +9,7 @@ import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from .build import HERE
-from .library import begin_of, fine, function, share_out, widest
+from .library import AT, FLOAT, INT, fine, run, share_out, structure, widest
 from .orbits import reading
 
 NODES = 24  # of each piece, at which densities are computed
@@ -22,18 +21,14 @@ _ROWS = re.findall(r"ROW\((\w+), \w+, (\w+), ([01])\)", _HEADER)
 NUMBERS = tuple(name for _, name, _ in _ROWS)
 RATED = {name: k for k, (_, name, rated) in enumerate(_ROWS) if rated == "1"} | {"middle push": len(_ROWS)}
 GROUPS = [tuple(name for kind, name, _ in _ROWS if kind == group) for group in dict.fromkeys(row[0] for row in _ROWS)]
-_COUNTS = ("coefficients", "kinds", "monotone", "groups")
-_PIECES, _RODS = ("low", "high", "time", "count", "begin"), ("lam", "mu", "phi", "span", "beta0", "sign", "error")
-
-
-class _Rods(ctypes.Structure):
-    """`rods` in stretches.h."""
-
-    _fields_ = [
-        *((name, ctypes.c_int64) for name in _COUNTS),
-        ("goal", ctypes.c_double),
-        *((name, ctypes.c_void_p) for name in ("series", "first", "row", *_PIECES, *_RODS)),
-    ]
+_COUNTS, _PIECES = "coefficients kinds monotone groups", ("low", "high", "time", "count", "begin")
+_GIVEN = ("lam", "mu", "phi", "span", "beta0")
+_Rods = structure(  # stretches.h
+    "rods",
+    (INT, _COUNTS),
+    (FLOAT, "goal"),
+    (AT, " ".join(("series", "first", "row", *_PIECES, *_GIVEN, "sign", "error"))),
+)
 
 
 def groups_with(names: Iterable[str]) -> list[tuple[str, ...]]:
@@ -65,16 +60,15 @@ def measure(
         Name -> values and errors, (B,) each.
     """
     groups = groups_with(names)
-    rods, kept = rods_of(pieces, given, goal, sum(1 << GROUPS.index(group) for group in groups))
+    rods = _rods_of(pieces, given, goal, sum(1 << GROUPS.index(group) for group in groups))
     size = pieces.problem.size
     out = np.zeros((size, 2, len(NUMBERS)))
-    call = function("rod_measure", ctypes.c_int, *2 * [ctypes.c_void_p], *2 * [ctypes.c_int64], ctypes.c_int)
 
     def part(a: int, b: int) -> None:
-        _check(call(ctypes.addressof(rods), begin_of(out), a, b, lanes or widest()), pieces)
+        if not fine(run("rod_measure", rods, out, a, b, lanes or widest())):
+            raise ValueError(f"a series of {pieces.series.shape[2]} coefficients is too long to be measured")
 
     share_out(part, size)
-    del kept
     places_of = {name: NUMBERS.index(name) for group in groups for name in group}
     return {name: (out[:, 0, k], out[:, 1, k]) for name, k in places_of.items()}
 
@@ -85,8 +79,7 @@ def station_series(loads: Array, t: Array, beta: Array, rate: Array) -> Array:
     given = [np.ascontiguousarray(array, dtype=float) for array in (loads, t, beta, rate)]
     B, n = t.shape
     out = np.empty((B * max(n - 1, 0), 2, 6))
-    call = function("rod_station_series", None, *2 * [ctypes.c_int64], *5 * [ctypes.c_void_p])
-    call(B, n, *(begin_of(array) for array in (*given, out)))
+    run("rod_station_series", B, n, *given, out)
     return out
 
 
@@ -118,31 +111,23 @@ def densities(kind: str, loads: Array, beta: Array, rate: Array) -> Density:
     """
     given = [np.ascontiguousarray(array, dtype=float) for array in (loads, beta, rate)]
     out = np.empty((len(Density._fields), *beta.shape))
-    call = function("rod_densities", None, ctypes.c_int, *2 * [ctypes.c_int64], *4 * [ctypes.c_void_p])
-    call(DENSITIES.index(kind), *beta.shape, *(begin_of(array) for array in (*given, out)))
+    run("rod_densities", DENSITIES.index(kind), *beta.shape, *given, out)
     return Density(*out)
 
 
-def _check(status: int, pieces: Any) -> None:
-    if not fine(status):
-        raise ValueError(f"a series of {pieces.series.shape[2]} coefficients is too long to be measured")
-
-
-def rods_of(pieces: Any, given: Mapping[str, Array], goal: float, groups: int) -> tuple[_Rods, dict[str, Any]]:
-    """The rods, and the arrays that must live as long."""
-    size, order = pieces.problem.size, np.argsort(pieces.case, kind="stable")
-    kept: dict[str, Any] = {name: getattr(pieces, name)[order] for name in _PIECES}
-    kept["first"] = np.searchsorted(pieces.case[order], np.arange(size + 1))
-    kept["row"], kept["series"] = pieces.row[order], pieces.series
-    kept |= {name: getattr(pieces.problem, name) for name in _RODS[:5]}
-    kept |= given
-    kept = {
-        name: np.ascontiguousarray(array, dtype=np.int64 if name in ("first", "row") else float)
-        for name, array in kept.items()
-    }
-    counts = pieces.series.shape[2], pieces.series.shape[1], int(pieces.monotone), groups
-    places = {name: begin_of(array) for name, array in kept.items()}
-    return _Rods(**dict(zip(_COUNTS, counts, strict=True)), goal=goal, **places), kept
+def _rods_of(pieces: Any, given: Mapping[str, Array], goal: float, groups: int) -> Any:
+    """The rods as the core reads them."""
+    order = np.argsort(pieces.case, kind="stable")
+    first = np.searchsorted(pieces.case[order], np.arange(pieces.problem.size + 1))
+    whole = {"first": first, "row": pieces.row[order]}
+    arrays = {name: getattr(pieces, name)[order] for name in _PIECES} | {"series": pieces.series, **given}
+    arrays |= {name: getattr(pieces.problem, name) for name in _GIVEN}
+    _, kinds, coefficients = pieces.series.shape
+    return _Rods(
+        coefficients, kinds, int(pieces.monotone), groups, goal,
+        **{name: np.ascontiguousarray(array, dtype=np.int64) for name, array in whole.items()},
+        **{name: np.ascontiguousarray(array, dtype=float) for name, array in arrays.items()},
+    )  # fmt: skip
 
 
 _STEPS, _NUMBERS = ("first", "since", "width", "series"), ("period", "length", "a", "apart")
@@ -156,13 +141,10 @@ class Limits(NamedTuple):
     together: int
 
 
-class _ComparedRods(ctypes.Structure):
-    """`rods` in strand_pairs.c."""
-
-    _fields_ = [
-        *((name, ctypes.c_void_p) for name in ("orbits", "panels", *_STEPS, *_NUMBERS, "periods")),
-        *((name, ctypes.c_int64) for name in (*Limits._fields, "lanes")),
-    ]
+_ComparedRods = structure(  # strand_pairs.c
+    "rods", (AT, " ".join(("orbits", "panels", *_STEPS, *_NUMBERS, "periods"))),
+    (INT, " ".join((*Limits._fields, "lanes"))),
+)  # fmt: skip
 
 
 def meets(orbit: Any, numbers: Mapping[str, Array], periods: Integers, limits: Limits) -> Array:
@@ -178,23 +160,13 @@ def meets(orbit: Any, numbers: Mapping[str, Array], periods: Integers, limits: L
         Periods that are compared with the first.
     limits : Limits
     """
-    kept: dict[str, Any] = {"periods": periods}
-    panels, arrays = reading(orbit) if hasattr(orbit, "panels") else (None, None)
-    if panels is None:
-        kept |= {name: getattr(orbit.steps, name) for name in _STEPS} | {"orbits": orbit.found}
-    kept |= {name: np.asarray(numbers[name], dtype=float) for name in _NUMBERS}
-    kept = {name: np.ascontiguousarray(array) for name, array in kept.items()}
-    places = {name: begin_of(array) for name, array in kept.items()}
-    if panels is not None:
-        places["panels"] = ctypes.addressof(panels)
-    rods, answers = _ComparedRods(**places, **limits._asdict(), lanes=widest()), np.empty(periods.size)
-    call = function("rod_meets", ctypes.c_int, *2 * [ctypes.c_void_p], *2 * [ctypes.c_int64])
-
-    def part(a: int, b: int) -> None:
-        fine(call(ctypes.addressof(rods), begin_of(answers), a, b))
-
-    share_out(part, periods.size)
-    del arrays
+    of: dict[str, Any] = {name: np.asarray(numbers[name], dtype=float) for name in _NUMBERS} | {"periods": periods}
+    if not hasattr(orbit, "panels"):
+        of |= {name: getattr(orbit.steps, name) for name in _STEPS} | {"orbits": orbit.found}
+    arrays = {name: np.ascontiguousarray(array) for name, array in of.items()}
+    panels = reading(orbit) if hasattr(orbit, "panels") else None
+    rods, answers = _ComparedRods(**arrays, panels=panels, **limits._asdict(), lanes=widest()), np.empty(periods.size)
+    share_out(lambda a, b: fine(run("rod_meets", rods, answers, a, b)), periods.size)
     return answers
 
 
@@ -219,14 +191,12 @@ def crossings(s: Array, points: Array, near: float, apart: float, whole: float =
         Numbers of points, the later one first.
     """
     s, points = np.ascontiguousarray(s, dtype=float), np.ascontiguousarray(points, dtype=float)
-    integer, real, array = ctypes.c_int64, ctypes.c_double, ctypes.c_void_p
-    call = function("rod_crossings", integer, integer, array, array, real, real, real, integer, array)
-    curve = s.size, begin_of(s), begin_of(points), near, apart, whole
+    curve = s.size, s, points, float(near), float(apart), float(whole)
     pairs = np.empty((_MOST_CROSSINGS, 2), dtype=np.int64)
-    count = call(*curve, len(pairs), begin_of(pairs))
+    count = run("rod_crossings", *curve, len(pairs), pairs, result=INT)
     if count > len(pairs):
         pairs = np.empty((count, 2), dtype=np.int64)
-        count = call(*curve, count, begin_of(pairs))
+        count = run("rod_crossings", *curve, count, pairs, result=INT)
     if count < 0:
         raise MemoryError
     return pairs[:count]

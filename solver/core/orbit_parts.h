@@ -277,7 +277,7 @@ typedef void function(const void *of, double x, double *value, double *rate);
 double rod_bracketed(function *f, const void *of, double lo, double hi, double x);
 
 /* critical_points.c */
-int rod_critical(double lam, double mu, double phi, int64_t m, const double *angles, const double *table, critical *);
+int rod_critical(double lam, double mu, double phi, const grid *, critical *);
 
 /* arcs.c */
 local_potential rod_local(double lam, double mu, double phi, double o, double level);

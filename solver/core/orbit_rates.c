@@ -37,9 +37,7 @@ static void numbers_of(lone_orbit *o, const ends_problem *p, const points *by, c
     const int64_t only[2] = {first, last}, n = by->n;
     o->varied.M = NULL; /* it is not read */
     const int64_t nearest = rod_vary(&p->lam, &o->of, 0, o->origin, by, only, o->nodes, o->room, &o->varied);
-    reader from = {.of = &o->of, .series = o->varied.series, .gain = o->varied.gain, .panel = -1,
-                   .lanes = o->varied.lanes};
-    rod_varied_place_at(&from, 0, 0, &start), rod_varied_place_at(&from, 0, length, &far);
+    rod_varied_place_at(&o->of, &o->varied, 0, 0, &start), rod_varied_place_at(&o->of, &o->varied, 0, length, &far);
     const double turns = o->kind == LIBRATION ? 0 : o->direction * where.periods;
     const double end = o->base[last] + at_place(o->of.series + FUNCTIONS * (n + 1) * last, (int)n + 1, x) + TAU * turns;
     const double betaL = level ? p->betaL : end, *sums = far.M + PAIRS;
@@ -112,7 +110,7 @@ int rod_start_rates(const start_problem *of, const grid *by, const points *at, c
             return NOT_POSSIBLE;
     if (at->n > NODES || at->n < 4)
         return NOT_POSSIBLE;
-    int failed = rod_critical(p.lam, p.mu, p.phi, by->m, by->angles, by->table, &found);
+    int failed = rod_critical(p.lam, p.mu, p.phi, by, &found);
     failed = failed ? failed : rod_lone_orbit(of, wrapped(of->beta0), square(of->dbeta0), &found, at, how, &on);
     if (!failed)
         numbers_of(&on, &p, at, NULL, NULL, of->span, out);

@@ -45,15 +45,14 @@ static int is_finite(const start_problem *p)
            isfinite(p->dbeta0);
 }
 
-static int one_orbit(orbits *made, int64_t b, const start_problem *p, const double *pin, const double *gap, int64_t m,
-                     const double *angles, const double *table, const cutting *how, int64_t *kind, double *direction,
-                     int64_t *count)
+static int one_orbit(orbits *made, int64_t b, const start_problem *p, const double *pin, const double *gap,
+                     const grid *by, const cutting *how, int64_t *kind, double *direction, int64_t *count)
 {
     critical found;
     arcs from, cut;
     if (!is_finite(p) || (pin && !(isfinite(pin[b]) && isfinite(gap[b]))))
         return NOT_POSSIBLE;
-    int failed = rod_critical(p->lam, p->mu, p->phi, m, angles, table, &found);
+    int failed = rod_critical(p->lam, p->mu, p->phi, by, &found);
     if (!failed)
         failed = rod_arcs(p, pin ? pin[b] : wrapped(p->beta0), pin ? gap[b] : p->dbeta0 * p->dbeta0, &found, &from);
     if (!failed) {
@@ -79,12 +78,11 @@ static int one_orbit(orbits *made, int64_t b, const start_problem *p, const doub
 
 /* The orbits of n start problems (n, 6).
 
-   pin, gap: (n,), an angle and the height of the level above G there, or NULL: beta(0) and its own. angles (m,), table
-   (5, 2 m): the grid of `critical_points`. kind, direction: (n,); count: (n, 2), the panels of each arc; filled.
+   pin, gap: (n,), an angle and the height of the level above G there, or NULL: beta(0) and its own. kind, direction: (n,); count: (n, 2), the panels of each arc; filled.
    pieces: their number. Returns the orbits, to be fetched by `rod_orbits_fetch`, or NULL with the reason in `status`. */
-orbits *rod_orbits(int64_t n, const start_problem *problems, const double *pin, const double *gap, int64_t m,
-                   const double *angles, const double *table, const points *at, const cutting *how, int64_t *kind,
-                   double *direction, int64_t *count, int64_t *pieces, int64_t *status)
+orbits *rod_orbits(int64_t n, const start_problem *problems, const double *pin, const double *gap, const grid *by,
+                   const points *at, const cutting *how, int64_t *kind, double *direction, int64_t *count,
+                   int64_t *pieces, int64_t *status)
 {
     orbits *made = calloc(1, sizeof(orbits));
     int failed = at->n > NODES || at->n < 4 ? NOT_POSSIBLE : DONE;
@@ -93,7 +91,7 @@ orbits *rod_orbits(int64_t n, const start_problem *problems, const double *pin, 
     if (!made || !made->first)
         failed = NO_MEMORY;
     for (int64_t b = 0; b < n && !failed; b++)
-        failed = one_orbit(made, b, &problems[b], pin, gap, m, angles, table, how, kind, direction, count);
+        failed = one_orbit(made, b, &problems[b], pin, gap, by, how, kind, direction, count);
     *status = failed;
     if (failed) {
         rod_orbits_free(made);

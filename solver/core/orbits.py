@@ -1,6 +1,5 @@
 """Critical points of G and periodic orbits by the compiled core: `critical_points.c`, `orbits.c`, `conditioning.c`."""
 
-import ctypes
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -8,19 +7,18 @@ import numpy as np
 
 from ..mechanics.potential import HasLoads
 from ..numerics.arrays import Array, Booleans, Integers
-from .library import Cutting, address, cut, fine, functions, numbers_of, on_grid, points
+from .library import AT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, structure
 
 _CRITICAL = 16  # most critical points of a problem
 FUNCTIONS, PIECE_COLUMNS = 5, 17  # series of a panel; numbers of a piece
 
 
-class _ReadOrbits(ctypes.Structure):
-    """`read_orbits` in orbits.c."""
-
-    _fields_ = [(name, ctypes.c_int64) for name in ("coefficients", "panels")] + [
-        (name, ctypes.c_void_p)
-        for name in ("kind", "first", "count", "beta0", "direction", "duration", "gain", "since", "width", "series")
-    ]
+_ReadOrbits = structure(  # orbit_parts.h
+    "read_orbits", (INT, "coefficients panels"),
+    (AT, "kind first count beta0 direction duration gain since width series"),
+)  # fmt: skip
+_Covered = structure("covered", (AT, "of row low high time count begin"))  # orbit_parts.h
+_PanelErrors = structure("panel_errors", (AT, "fastest error time_error time_rounding"))  # conditioning.c
 
 
 class FoundOrbits(NamedTuple):
@@ -69,12 +67,10 @@ def _critical_points(loads: Array) -> CriticalPoints | None:
     B = loads.shape[0]
     beta, centre = np.full((B, _CRITICAL), np.nan), np.zeros((B, _CRITICAL), np.bool_)
     count = np.empty(B, np.int64)
-    status = functions().rod_critical_points(
-        ctypes.c_int64(B), address(loads), *on_grid(),
-        address(beta), address(centre), address(count),
-    )  # fmt: skip
-    most = int(count.max(initial=0)) if fine(status) else 0
-    return CriticalPoints(beta[:, :most], centre[:, :most], count) if fine(status) else None
+    if not fine(run("rod_critical_points", B, loads, on_grid(), beta, centre, count)):
+        return None
+    most = int(count.max(initial=0))
+    return CriticalPoints(beta[:, :most], centre[:, :most], count)
 
 
 def orbits(numbers: Array, pin: Any, n: int, cutting: Cutting) -> FoundOrbits | None:
@@ -95,47 +91,32 @@ def orbits(numbers: Array, pin: Any, n: int, cutting: Cutting) -> FoundOrbits | 
     FoundOrbits or None
         None where a number is not finite, or critical points could not be told apart.
     """
-    core, B = functions(), numbers.shape[0]
+    B = numbers.shape[0]
     kind, direction, count = np.empty(B, np.int64), np.empty(B), np.empty(2 * B, np.int64)
-    pieces, status = ctypes.c_int64(), ctypes.c_int64()
+    pieces, status = np.empty(1, np.int64), np.empty(1, np.int64)
     pinned = (None, None) if pin is None else tuple(np.ascontiguousarray(v, dtype=float) for v in pin)
-    handle = core.rod_orbits(
-        ctypes.c_int64(B), address(numbers), address(pinned[0]), address(pinned[1]), *on_grid(), points(n),
-        cut(cutting, False),
-        address(kind), address(direction), address(count), ctypes.byref(pieces), ctypes.byref(status),
-    )  # fmt: skip
+    arcs = kind, direction, count
+    task = B, numbers, *pinned, on_grid(), points(n), cut(cutting, False)
+    handle = run("rod_orbits", *task, *arcs, pieces, status, result=AT)
     if handle is None:
-        fine(status.value)
+        fine(int(status[0]))
         return None
     P = int(count.sum())
     columns, arc, rank = np.empty((6, P)), np.empty(P, np.int64), np.empty(P, np.int64)
     series, duration, gain = np.empty((P, FUNCTIONS, n + 1)), np.empty(2 * B), np.empty((2 * B, 3))
-    kept = np.empty((pieces.value, PIECE_COLUMNS))
-    rest = (columns, arc, rank, series, duration, gain, kept)
-    core.rod_orbits_fetch(ctypes.c_void_p(handle), ctypes.c_int64(P), *(address(a) for a in rest))
-    return FoundOrbits(kind, direction, count, *rest)
+    rest = columns, arc, rank, series, duration, gain, np.empty((int(pieces[0]), PIECE_COLUMNS))
+    run("rod_orbits_fetch", handle, P, *rest)
+    return FoundOrbits(*arcs, *rest)
 
 
-class _PanelErrors(ctypes.Structure):
-    """`panel_errors` in conditioning.c."""
-
-    _fields_ = [(name, ctypes.c_void_p) for name in ("fastest", "error", "time_error", "time_rounding")]
-
-
-def reading(orbit: Any) -> tuple[_ReadOrbits, Any]:
-    """The orbits as the core reads them, and the arrays behind it."""
+def reading(orbit: Any) -> Any:
+    """The orbits as the core reads them."""
     panels, arcs = orbit.panels, orbit.arcs
-    kept = [np.ascontiguousarray(a) for a in (
+    arrays = (
         arcs.kind, orbit.first, orbit.count, orbit.problem.beta0, arcs.direction, orbit.duration, orbit.gain,
         orbit.since, panels.duration, panels.series,
-    )]  # fmt: skip
-    return _ReadOrbits(panels.series.shape[2], panels.arc.size, *(address(a) for a in kept)), kept
-
-
-class _Covered(ctypes.Structure):
-    """`covered` in orbit_parts.h."""
-
-    _fields_ = [(name, ctypes.c_void_p) for name in ("of", "row", "low", "high", "time", "count", "begin")]
+    )  # fmt: skip
+    return _ReadOrbits(panels.series.shape[2], panels.arc.size, *map(np.ascontiguousarray, arrays))
 
 
 def cover(
@@ -152,28 +133,20 @@ def cover(
     since, width : (P,)
         Of the panels: the time from the start, and how long they last.
     """
-    given = [np.ascontiguousarray(a, dtype=np.int64) for a in (kind, first, count)]
-    times = [np.ascontiguousarray(a, dtype=float) for a in (duration, since, width)]
-    places = dict(
-        zip(("kind", "first", "count", "duration", "since", "width"), map(address, given + times), strict=True)
-    )
+    whole = (np.ascontiguousarray(a, dtype=np.int64) for a in (kind, first, count))
+    times = (np.ascontiguousarray(a, dtype=float) for a in (duration, since, width))
+    names = "kind", "first", "count", "duration", "since", "width"
     of, row = np.empty((2, 3 * since.size), dtype=np.int64)
     numbers, span = np.empty((5, 3 * since.size)), np.ascontiguousarray(span, dtype=float)
-    size = functions().rod_cover(
-        ctypes.byref(_ReadOrbits(**places)), ctypes.c_int64(span.size), address(span),
-        ctypes.byref(_Covered(*map(address, (of, row, *numbers)))),
-    )  # fmt: skip
+    orbit = _ReadOrbits(**dict(zip(names, (*whole, *times), strict=True)))
+    size = run("rod_cover", orbit, span.size, span, _Covered(of, row, *numbers), result=INT)
     return of[:size], row[:size], *numbers[:, :size]
 
 
 def read(orbit: Any, t: Array) -> Array:
     """beta, beta_t, alpha, z and the swirl of the orbits at t (B, n): (5, B, n)."""
-    t, (of, kept) = np.ascontiguousarray(t), reading(orbit)
     out = np.empty((FUNCTIONS, *t.shape))
-    functions().rod_orbits_read(
-        ctypes.byref(of), ctypes.c_int64(t.shape[0]), ctypes.c_int64(t.shape[1]), address(t), address(out)
-    )
-    del kept
+    run("rod_orbits_read", reading(orbit), *t.shape, np.ascontiguousarray(t), out)
     return out
 
 
@@ -194,26 +167,21 @@ def response(orbit: Any) -> tuple[Array, Array]:
 
 def _variation(name: str, orbit: Any) -> tuple[Array, Array]:
     """Two numbers of each orbit by a function of conditioning.c."""
-    numbers, (of, kept), panels = numbers_of(orbit.problem), reading(orbit), orbit.panels
-    errors = [np.ascontiguousarray(a) for a in (panels.fastest, panels.error, panels.time_error, panels.time_rounding)]
-    first, second = np.empty((2, numbers.shape[0]))
-    fine(getattr(functions(), name)(
-        ctypes.c_int64(numbers.shape[0]), address(numbers), ctypes.byref(of), _points_of(orbit),
-        ctypes.byref(_PanelErrors(*(address(a) for a in errors))), address(first), address(second),
-    ))  # fmt: skip
-    del kept
+    panels = orbit.panels
+    errors = map(np.ascontiguousarray, (panels.fastest, panels.error, panels.time_error, panels.time_rounding))
+    first, second = np.empty((2, orbit.problem.size))
+    fine(run(name, *_problems(orbit), _PanelErrors(*errors), first, second))
     return first, second
+
+
+def _problems(orbit: Any) -> tuple[Any, ...]:
+    """The problems and their orbits as the first arguments of functions of conditioning.c."""
+    numbers = numbers_of(orbit.problem)
+    return len(numbers), numbers, reading(orbit), points(orbit.panels.series.shape[2] - 1)
 
 
 def action(orbit: Any) -> Array:
     """The integral of beta_t^2 over B rods, (B,)."""
-    numbers, (of, kept) = numbers_of(orbit.problem), reading(orbit)
-    out = np.empty(numbers.shape[0])
-    size = ctypes.c_int64(out.size)
-    functions().rod_orbits_action(size, address(numbers), ctypes.byref(of), _points_of(orbit), address(out))
-    del kept
+    out = np.empty(orbit.problem.size)
+    run("rod_orbits_action", *_problems(orbit), out)
     return out
-
-
-def _points_of(orbit: Any) -> Any:
-    return points(orbit.panels.series.shape[2] - 1)

@@ -57,15 +57,19 @@ void rod_shape_rates(const shapes *of)
         derive_shape(of, b);
 }
 
-/* What is asked of B start problems. along: their shapes, whose `out` is filled; marks: those at the shares 0, 1/3, 2/3 and 1
-   of the length, without the units of cases, of which all but t is filled. sign, error: (B,), as of `rods`. wanted: bits of
-   rates; groups: of numbers along the whole rod, and partly: of those over its first and second third. lifts, peak: (B,),
-   what is observed; NULL for what is measured. Filled: kind (B,), of the orbits, LOST where there is none; half_period
-   (B, F); found (3, B), numbers along the rod, over its first third, and over two; rates (B, F, RATES). Of helices only
-   the kind is filled. */
+/* What is asked of B start problems. along: their shapes, whose `out` is filled. marks: (B, 5, F, MARKS), filled with the
+   same in units of rho at the shares 0, 1/3, 2/3 and 1 of the length. of, varied, base: the orbit of the only problem and
+   its variations, where they are known, with the parts (F, PARTS) of its changes; NULL where the orbits are made here.
+   sign, error: (B,), as of `rods`. wanted: bits of rates; groups: of numbers along the whole rod, and partly: of those over
+   its first and second third. lifts, peak: (B,), what is observed; NULL for what is measured. Filled: kind (B,), of the
+   orbits, LOST where there is none; half_period (B, F); found (3, B), numbers along the rod, over its first third, and over
+   two; rates (B, F, RATES). Of helices only the kind is filled. */
 typedef struct {
-    shapes along, marks;
-    double *beta, *rate; /* of the marks */
+    shapes along;
+    double *marks;
+    const read_orbits *of;
+    const varied_orbits *varied;
+    const double *base, *parts;
     const start_problem *problems;
     const double *sign, *error, *lifts, *peak;
     int64_t wanted, groups, partly;
@@ -75,7 +79,7 @@ typedef struct {
     numbers *found;
 } sensitivities;
 
-/* What a thread needs. */
+/* What a thread needs; of, varied, base: of the rod in hand. */
 typedef struct {
     const sensitivities *all;
     const grid *by;
@@ -83,7 +87,9 @@ typedef struct {
     const cutting *how;
     workspace *w;
     rods rod;
-    reader from;
+    const read_orbits *of;
+    const varied_orbits *varied;
+    const double *base;
     lone_orbit orbit;
     double *parts, *room, *pieces;
     int64_t piece_room;
@@ -100,7 +106,7 @@ static void change_shape(worker *o, const shapes *of, int64_t b)
         for (int i = 0; i < many; i++) {
             varied_place there;
             varied_unit unit;
-            rod_varied_place_at(&o->from, 0, of->t[b * n + begin + i], &there);
+            rod_varied_place_at(o->of, o->varied, 0, of->t[b * n + begin + i], &there);
             rod_varied_unit(&o->start, &there, &unit);
             for (int k = 0; k < 5 * PARTS; k++)
                 o->unit[k][i] = unit.by[k / PARTS][k % PARTS];
@@ -119,25 +125,31 @@ static void change_shape(worker *o, const shapes *of, int64_t b)
     derive_shape(of, b);
 }
 
-static void find_marks(worker *o, int64_t b)
+static void change_marks(worker *o, int64_t b)
 {
-    const read_orbits *of = &o->orbit.of;
-    const int n = (int)of->coefficients;
-    for (int64_t k = MARKS * b; k < MARKS * (b + 1); k++) {
+    const shapes *along = &o->all->along;
+    const int n = (int)o->of->coefficients;
+    double t[MARKS], beta[MARKS], rate[MARKS];
+    static const double z[MARKS] = {0};
+    for (int k = 0; k < MARKS; k++) {
         varied_place place;
         phase where;
         double x;
-        const int64_t panel = rod_place(of, 0, o->all->marks.t[k], &where, &x);
-        rod_varied_place_at(&o->from, 0, o->all->marks.t[k], &place);
-        o->all->beta[k] = o->orbit.base[panel] + at_place(of->series + FUNCTIONS * n * panel, n, x);
-        o->all->rate[k] = place.v;
+        t[k] = along->span[b] * (k / (double)(MARKS - 1));
+        const int64_t panel = rod_place(o->of, 0, t[k], &where, &x);
+        rod_varied_place_at(o->of, o->varied, 0, t[k], &place);
+        beta[k] = o->base[panel] + at_place(o->of->series + FUNCTIONS * n * panel, n, x), rate[k] = place.v;
     }
+    const shapes marks = {.size = 1, .stations = MARKS, .F = along->F, .t = t, .beta = beta, .rate = rate, .z = z,
+                          .loads = along->loads + 3 * b, .span = along->span + b, .later = along->later + along->F * b,
+                          .out = o->all->marks + 5 * MARKS * along->F * b};
+    change_shape(o, &marks, 0);
 }
 
 /* The pieces of the first share of the rod. Returns DONE or NO_MEMORY. */
 static int cover_rod(worker *o, int64_t b, double share)
 {
-    const read_orbits *of = &o->orbit.of;
+    const read_orbits *of = o->of;
     const int64_t P = of->panels, n = of->coefficients, kept = 2 * n * (P + 1);
     const start_problem *p = &o->all->problems[b];
     const double span = share * p->span;
@@ -149,7 +161,7 @@ static int cover_rod(worker *o, int64_t b, double share)
     const covered out = {rod, row, at + 2 * m, at + 3 * m, at + 4 * m, at + 5 * m, at + 6 * m};
     for (int64_t i = 0; i < P; i++) {
         memcpy(series + 2 * n * i, of->series + FUNCTIONS * n * i, sizeof(double) * (size_t)(2 * n));
-        series[2 * n * i] += o->orbit.base[i];
+        series[2 * n * i] += o->base[i];
     }
     first[0] = 0, first[1] = rod_cover(of, 1, &span, &out);
     if (!first[1]) { /* nothing moves */
@@ -172,10 +184,10 @@ static int measure_rod(worker *o, int64_t b)
     if (cover_rod(o, b, 1) || rod_measured_numbers(o->w, 0, found))
         return NO_MEMORY;
     const changes by = {F, all->wanted, o->parts, all->along.later + F * b,
-                        all->lifts ? all->lifts + b : &found->value[FIRST_LIFT],
-                        all->peak ? all->peak + b : &found->value[PEAK], o->orbit.base};
+                        all->lifts ? all->lifts[b] : found->value[FIRST_LIFT],
+                        all->peak ? all->peak[b] : found->value[PEAK], o->base};
     o->rod.goal = all->rates_goal;
-    if (all->wanted && rod_rates(o->w, &o->from, o->at, &o->orbit.varied, &by, 0, o->room, all->rates + RATES * F * b))
+    if (all->wanted && rod_rates(o->w, o->of, o->at, o->varied, &by, 0, o->room, all->rates + RATES * F * b))
         return NO_MEMORY;
     o->rod.groups = all->partly, o->rod.goal = all->goal;
     for (int third = 1; third < 3 && all->partly; third++)
@@ -195,42 +207,54 @@ static int vary_rod(worker *o, int64_t b)
     for (int k = 0; k < 6; k++)
         if (!isfinite(number[k]))
             return DONE;
-    int failed = rod_critical(p->lam, p->mu, p->phi, o->by->m, o->by->angles, o->by->table, &found);
+    int failed = rod_critical(p->lam, p->mu, p->phi, o->by, &found);
     failed = failed ? failed : rod_lone_orbit(p, wrapped(p->beta0), square(p->dbeta0), &found, o->at, o->how, &o->orbit);
     o->all->kind[b] = failed && o->orbit.kind != HELIX ? LOST : o->orbit.kind;
     if (failed)
         return failed == NO_MEMORY ? failed : DONE;
     rod_vary(&p->lam, &o->orbit.of, 0, o->orbit.origin, o->at, NULL, o->orbit.nodes, o->orbit.room, &o->orbit.varied);
-    o->from.of = &o->orbit.of, o->from.series = o->orbit.varied.series, o->from.gain = o->orbit.varied.gain;
-    o->from.panel = -1, o->from.lanes = o->how->lanes;
-    rod_varied_place_at(&o->from, 0, 0, &o->start);
+    o->of = &o->orbit.of, o->varied = &o->orbit.varied, o->base = o->orbit.base;
     return DONE;
+}
+
+/* The parts of the changes of an orbit by those of its start. */
+static void part_start(worker *o, int64_t b)
+{
+    static const int given[PARTS] = {BETA0, END, LAM, MU, PHI};
+    const shapes *along = &o->all->along;
+    double by_start[PARTS][PARTS];
+    rod_varied_directions(&o->start, by_start);
+    for (int64_t f = 0; f < along->F; f++)
+        for (int part = 0; part < PARTS; part++) {
+            double *out = &o->parts[PARTS * f + part];
+            *out = 0;
+            for (int k = 0; k < PARTS; k++)
+                *out += by_start[part][k] * along->by[along->F * (along->size * given[k] + b) + f];
+        }
 }
 
 static int derive_rod(worker *o, int64_t b)
 {
-    static const int given[PARTS] = {BETA0, END, LAM, MU, PHI};
     const sensitivities *all = o->all;
-    const int64_t F = all->along.F, table = all->along.size * F;
-    double by_start[PARTS][PARTS];
-    const int failed = vary_rod(o, b);
+    const int64_t F = all->along.F;
+    if (all->of)
+        o->of = all->of, o->varied = all->varied, o->base = all->base, all->kind[b] = all->of->kind[0];
+    const int failed = all->of ? DONE : vary_rod(o, b);
     if (failed || all->kind[b] == LOST || all->kind[b] == HELIX)
         return failed;
-    rod_varied_directions(&o->start, by_start);
+    rod_varied_place_at(o->of, o->varied, 0, 0, &o->start);
+    if (all->parts)
+        memcpy(o->parts, all->parts, sizeof(double) * (size_t)(PARTS * F));
+    else
+        part_start(o, b);
     for (int64_t f = 0; f < F; f++) {
-        double *parts = o->parts + PARTS * f, later = 0;
-        for (int part = 0; part < PARTS; part++) {
-            parts[part] = 0;
-            for (int k = 0; k < PARTS; k++)
-                parts[part] += by_start[part][k] * all->along.by[table * given[k] + b * F + f];
-        }
+        double *later = &all->half_period[b * F + f];
+        *later = 0;
         for (int k = 0; k < 4; k++)
-            later -= (o->orbit.gain[k] + o->orbit.gain[SUMS + k]) * parts[1 + k];
-        all->half_period[b * F + f] = later;
+            *later -= (o->varied->gain[k] + o->varied->gain[SUMS + k]) * o->parts[PARTS * f + 1 + k];
     }
     change_shape(o, &all->along, b);
-    find_marks(o, b);
-    change_shape(o, &all->marks, b);
+    change_marks(o, b);
     return all->wanted || all->groups || all->partly ? measure_rod(o, b) : DONE;
 }
 

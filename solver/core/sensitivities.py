@@ -1,45 +1,24 @@
 """The derivatives of start problems in one pass, and of shapes from the changes of their orbits, by the compiled core:
 `sensitivities.c`."""
 
-import ctypes
 from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
-from .library import Cutting, address, cut, fine, functions, numbers_of, on_grid, points, share_out
+from .library import AT, FLOAT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, share_out, structure
 from .measures import GROUPS, NUMBERS, RATED
+from .varied_orbits import arguments_of
 
 LOST, PARTLY = -1, ("push", "turned", "risen")  # measured over the middle third
 SERIES_GOAL = 1e-14  # of the series of which the places of extremes are found, relative
-_SHAPES = ("t", "beta", "rate", "z", "loads", "span", "by", "later", "ratio", "rho", "out")
-
-
-class _Shapes(ctypes.Structure):
-    """`shapes` in sensitivities.c."""
-
-    _fields_ = [(name, ctypes.c_int64) for name in ("size", "stations", "F")] + [
-        (name, ctypes.c_void_p) for name in _SHAPES
-    ]
-
-
-class _Grid(ctypes.Structure):
-    """`grid` in orbit_parts.h."""
-
-    _fields_ = [("m", ctypes.c_int64), ("angles", ctypes.c_void_p), ("table", ctypes.c_void_p)]
-
-
-class _Sensitivities(ctypes.Structure):
-    """`sensitivities` in sensitivities.c."""
-
-    _fields_ = [
-        ("along", _Shapes), ("marks", _Shapes),
-        *((name, ctypes.c_void_p) for name in ("beta", "rate", "problems", "sign", "error", "lifts", "peak")),
-        *((name, ctypes.c_int64) for name in ("wanted", "groups", "partly")),
-        *((name, ctypes.c_double) for name in ("goal", "rates_goal")),
-        *((name, ctypes.c_void_p) for name in ("kind", "half_period", "rates", "found")),
-    ]  # fmt: skip
+_SHAPES = "t beta rate z loads span by later ratio rho"
+_Shapes = structure("shapes", (INT, "size stations F"), (AT, f"{_SHAPES} out"))
+_Sensitivities = structure(
+    "sensitivities", (_Shapes, "along"), (AT, "marks of varied base parts problems sign error lifts peak"),
+    (INT, "wanted groups partly"), (FLOAT, "goal rates_goal"), (AT, "kind half_period rates found"),
+)  # fmt: skip
 
 
 def shape_rates(out: Array, shape: Mapping[str, Array]) -> None:
@@ -55,15 +34,15 @@ def shape_rates(out: Array, shape: Mapping[str, Array]) -> None:
         of the numbers of the case; later, (B, F), those of the length in t. Without by, ratio and rho all is in units
         of rho.
     """
-    given, kept = _shapes_of(out, shape)
-    functions().rod_shape_rates(ctypes.byref(given))
-    del kept
+    run("rod_shape_rates", _shapes_of(out, shape))
 
 
-def _shapes_of(out: Array, shape: Mapping[str, Array]) -> tuple[_Shapes, Any]:
-    kept = {name: np.ascontiguousarray(shape[name], dtype=float) for name in _SHAPES[:-1] if name in shape}
+def _shapes_of(out: Array, shape: Mapping[str, Array]) -> Any:
     _, B, F, n = out.shape
-    return _Shapes(B, n, F, *(address(kept.get(name)) for name in _SHAPES[:-1]), address(out)), kept
+    return _Shapes(
+        size=B, stations=n, F=F, out=out,
+        **{name: np.ascontiguousarray(array, dtype=float) for name, array in shape.items()},
+    )  # fmt: skip
 
 
 class Measured(NamedTuple):
@@ -87,7 +66,7 @@ class StartRates(NamedTuple):
     """The derivatives of B start problems by F fields.
 
     kind: (B,), of their orbits; of helices, and where it is `LOST`, nothing else is known. along: (5, B, F, n), of
-    beta, dbeta, alpha, z and gamma. marks: (5, B, F, 4), of the same in units of rho at 0, 1/3, 2/3 and 1 of the
+    beta, dbeta, alpha, z and gamma. marks: (B, 5, F, 4), of the same in units of rho at 0, 1/3, 2/3 and 1 of the
     length. half_period: (B, F). rates: (B, F) by name. values: numbers and their errors, (B,) each, by name; middle:
     the same over the middle third.
     """
@@ -102,48 +81,41 @@ class StartRates(NamedTuple):
 
 
 def start_sensitivities(
-    problem: Any, shape: Mapping[str, Array], n: int, how: Cutting, measured: Measured | None = None
-) -> StartRates:
-    """The derivatives of B start problems. shape: as of `shape_rates`. n, how: as of `orbits.orbits`."""
+    problem: Any, shape: Mapping[str, Array], n: int, how: Cutting, measured: Measured | None = None,
+    motion: tuple[Any, Array] | None = None,
+) -> StartRates:  # fmt: skip
+    """The derivatives of B start problems.
+
+    shape: as of `shape_rates`. n, how: as of `orbits.orbits`. motion: of one problem whose orbit is known, its
+    variations (`orbit.variations.Variations`) and the parts of its changes, (1, 5, F).
+    """
     numbers, (B, stations), F = numbers_of(problem), shape["t"].shape, shape["by"].shape[2]
-    out, ends, half = np.full((5, B, F, stations), np.nan), np.full((5, B, F, 4), np.nan), np.full((B, F), np.nan)
-    kind, state = np.empty(B, dtype=np.int64), np.zeros((3, B, 4))
-    known = {**shape, "loads": numbers[:, :3], "span": numbers[:, 3]}
-    along, kept = _shapes_of(out, known)
-    t = numbers[:, 3, None] * (np.arange(4) / 3)
-    places = {"t": t, "beta": state[0], "rate": state[1], "z": state[2], "later": kept["later"]}
-    marks, kept_marks = _shapes_of(ends, {**places, "loads": kept["loads"], "span": kept["span"]})
+    out, marks = np.full((5, B, F, stations), np.nan), np.full((B, 5, F, 4), np.nan)
+    kind, half = np.empty(B, dtype=np.int64), np.full((B, F), np.nan)
+    along = _shapes_of(out, {**shape, "loads": numbers[:, :3], "span": numbers[:, 3]})
+    rest: dict[str, Any] = {"along": along, "marks": marks, "problems": numbers, "kind": kind, "half_period": half}
+    if motion is not None:
+        varied, parts = motion
+        of, kept = arguments_of(varied)
+        rest |= {"of": of, "varied": kept, "base": varied.base, "parts": np.ascontiguousarray(parts.swapaxes(1, 2))}
     seen, rates = np.zeros((3, B, 2, len(NUMBERS))), np.full((B, F, len(NUMBERS) + 1), np.nan)
-    task = _Sensitivities(
-        along, marks, address(state[0]), address(state[1]), address(numbers),
-        kind=address(kind), half_period=address(half), rates=address(rates), found=address(seen),
-    )  # fmt: skip
+    names, plain, middle = (measured.names, measured.plain, measured.middle) if measured is not None else ((), (), ())
     if measured is not None:
         arrays = {"sign": measured.sign, "error": measured.error, **measured.seen}
-        kept |= {name: np.ascontiguousarray(array, dtype=float) for name, array in arrays.items()}
-        for name in arrays:
-            setattr(task, name, address(kept[name]))
-        task.wanted = sum(1 << RATED[name] for name in measured.names)
-        task.groups, task.partly = _groups_of(measured.plain), _groups_of(measured.middle)
-        task.goal, task.rates_goal = measured.goal, SERIES_GOAL
-    searched = _Grid(*on_grid())
-
-    def part(a: int, b: int) -> None:
-        fine(functions().rod_sensitivities(
-            ctypes.byref(task), ctypes.byref(searched), points(n), cut(how, False), ctypes.c_int64(a), ctypes.c_int64(b)
-        ))  # fmt: skip
-
-    share_out(part, B)
-    del kept_marks
-    if measured is None:
-        return StartRates(kind, out, ends, half, {}, {}, {})
-    places_of = {name: NUMBERS.index(name) for name in _members(measured.plain)}
-    values = {name: (seen[0, :, 0, k], seen[0, :, 1, k]) for name, k in places_of.items()}
-    thirds = {name: NUMBERS.index(name) for name in _members(measured.middle)}
-    middle = {
-        name: (seen[2, :, 0, k] - seen[1, :, 0, k], seen[2, :, 1, k] + seen[1, :, 1, k]) for name, k in thirds.items()
-    }
-    return StartRates(kind, out, ends, half, {name: rates[..., RATED[name]] for name in measured.names}, values, middle)
+        rest |= {name: np.ascontiguousarray(array, dtype=float) for name, array in arrays.items()}
+        rest |= {"found": seen, "rates": rates, "goal": measured.goal, "rates_goal": SERIES_GOAL}
+        rest["wanted"] = sum(1 << RATED[name] for name in names)
+        rest["groups"], rest["partly"] = _groups_of(plain), _groups_of(middle)
+    task, ways = _Sensitivities(**rest), (on_grid(), points(n), cut(how, False))
+    share_out(lambda a, b: fine(run("rod_sensitivities", task, *ways, a, b)), B)
+    places = [(name, NUMBERS.index(name)) for name in _members(plain)]
+    (whole, less, more), thirds = seen, {name: NUMBERS.index(name) for name in _members(middle)}
+    return StartRates(
+        kind, out, marks, half,
+        {name: rates[..., RATED[name]] for name in names},
+        {name: (whole[:, 0, k], whole[:, 1, k]) for name, k in places},
+        {name: (more[:, 0, k] - less[:, 0, k], more[:, 1, k] + less[:, 1, k]) for name, k in thirds.items()},
+    )  # fmt: skip
 
 
 def _groups_of(names: Collection[str]) -> int:

@@ -107,8 +107,8 @@ int rod_search(search *s, const boundary *of, int64_t count, const double *beta,
    beta, centre: (count,), the critical points. pin, sign, y: (n,), the levels. time, rate: (3, n), filled; NaN where no
    orbit joins the ends. rotates: (n,). calls: evaluations of G. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
 int rod_transit_times(const boundary *of, int64_t count, const double *beta, const int64_t *centre, const points *at,
-                      const cutting *how, int64_t n, const int64_t *pin, const double *sign, const double *y, int deep,
-                      double *time, double *rate, uint8_t *rotates, int64_t *calls)
+                      const cutting *how, int64_t n, const int64_t *pin, const double *sign, const double *y,
+                      int64_t deep, double *time, double *rate, uint8_t *rotates, int64_t *calls)
 {
     search s;
     int failed = rod_search(&s, of, count, beta, centre, at, how);
@@ -116,7 +116,7 @@ int rod_transit_times(const boundary *of, int64_t count, const double *beta, con
         return failed;
     for (int64_t i = 0; i < n && !failed; i++) {
         transit one = {{0}, {0}, 0, 0};
-        failed = pin[i] < 0 || pin[i] >= of->pins ? NOT_POSSIBLE : rod_transit_at(&s, pin[i], sign[i], y[i], deep, &one);
+        failed = pin[i] < 0 || pin[i] >= of->pins ? NOT_POSSIBLE : rod_transit_at(&s, pin[i], sign[i], y[i], deep != 0, &one);
         for (int k = 0; k < 3; k++)
             time[k * n + i] = one.time[k], rate[k * n + i] = one.rate[k];
         rotates[i] = (uint8_t)one.rotates;

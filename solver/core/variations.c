@@ -226,35 +226,50 @@ static void weights_of(const points *at, double *out)
     }
 }
 
-/* The series of a panel but for the constants of its sums. */
-INLINE void keep_series(const varied_nodes *one, const points *at, double half, double *series)
+/* The series of a panel but for the constants of its sums, one coefficient of all after the other, (n + 1, VARIED). */
+INLINE void keep_series(const varied_nodes *one, const points *at, double half, double *restrict series)
 {
     const int n = (int)at->n;
-    memset(series, 0, sizeof(double) * (size_t)(9 * (n + 1)));
-    product(n, n, one->v, at->analyse, series), product(n, n, one->H, at->analyse, series + n + 1);
-    series[2 * (n + 1)] = one->c;
-    for (int k = 0; k < 3; k++) {
-        series[(3 + k) * (n + 1)] = one->shift[k];
-        product(n, n, one->gamma[k], at->analyse, series + (6 + k) * (n + 1));
+    double values[NODES][VARIED] = {{0}}, rates[NODES + 2][VARIED] = {{0}};
+    memset(series, 0, sizeof(double) * (size_t)((n + 1) * VARIED));
+    for (int i = 0; i < n; i++) {
+        values[i][0] = one->v[i], values[i][1] = one->H[i];
+        for (int k = 0; k < 3; k++)
+            values[i][6 + k] = one->gamma[k][i];
+        for (int m = 0; m < SUMS; m++)
+            values[i][9 + m] = one->M[m][i];
     }
-    for (int m = 0; m < SUMS; m++) {
-        integrated(at, one->M[m], series + (9 + m) * (n + 1));
-        for (int k = 0; k <= n; k++)
-            series[(9 + m) * (n + 1) + k] *= half;
-    }
+    for (int k = 0; k < n; k++)
+        for (int i = 0; i < n; i++)
+            for (int m = 0; m < VARIED; m++)
+                rates[k][m] += at->analyse[n * i + k] * values[i][m];
+    for (int k = 0; k < n; k++)
+        memcpy(series + VARIED * k, rates[k], sizeof(double) * 9);
+    series[2] = one->c;
+    memcpy(series + 3, one->shift, sizeof(double) * 3);
+    for (int m = 9; m < VARIED; m++)
+        rates[0][m] *= 2;
+    for (int k = 1; k <= n; k++) /* `integral` of all sums at once */
+        for (int m = 9; m < VARIED; m++) {
+            const double term = (rates[k - 1][m] - rates[k + 1][m]) / (2 * k);
+            series[VARIED * k + m] = term * half;
+            series[m] += k % 2 ? term : -term;
+        }
+    for (int m = 9; m < VARIED; m++)
+        series[m] *= half;
 }
 
-/* The values of the series of a panel at x; rows: one coefficient of all after the other. */
-INLINE void series_at(int size, const double (*restrict rows)[VARIED], double x, double *restrict value)
+/* The values of the series of a panel at x. */
+INLINE void series_at(int size, const double *restrict rows, double x, double *restrict value)
 {
     double older = 1, now = x;
     for (int k = 0; k < VARIED; k++)
-        value[k] = rows[0][k] + x * rows[1][k];
+        value[k] = rows[k] + x * rows[VARIED + k];
     for (int m = 2; m < size; m++) {
         const double next = 2 * x * now - older;
         older = now, now = next;
         for (int k = 0; k < VARIED; k++)
-            value[k] += next * rows[m][k];
+            value[k] += next * rows[VARIED * m + k];
     }
 }
 
@@ -264,7 +279,7 @@ INLINE void series_at(int size, const double (*restrict rows)[VARIED], double x,
     {                                                                                                                  \
         keep_series(one, at, half, series);                                                                            \
     }                                                                                                                  \
-    static TARGET void read_##SUFFIX(int size, const double (*rows)[VARIED], double x, double *value)                  \
+    static TARGET void read_##SUFFIX(int size, const double *rows, double x, double *value)                            \
     {                                                                                                                  \
         series_at(size, rows, x, value);                                                                               \
     }
@@ -311,7 +326,7 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const do
                 gained += nodes[i].M[m][k] * weights[k];
             total[backward][m] += m < PAIRS ? jump[m] : 0;
             if (wanted)
-                series[(9 + m) * width] += total[backward][m];
+                series[9 + m] += total[backward][m];
             if (out->M && m < PAIRS)
                 memcpy(out->M + (PAIRS * (first + i) + m) * n, nodes[i].M[m], sizeof(double) * (size_t)n);
             total[backward][m] += gained * half;
@@ -387,68 +402,59 @@ void rod_varied_directions(const varied_place *start, double out[PARTS][PARTS])
     }
 }
 
-void rod_varied_place_on(reader *from, int64_t panel, double x, varied_place *out)
+void rod_varied_place_on(const varied_orbits *varied, int size, int64_t panel, double x, varied_place *out)
 {
-    const int size = (int)from->of->coefficients;
     double value[VARIED];
-    for (int k = 0; panel != from->panel && k < VARIED; k++)
-        for (int m = 0; m < size; m++)
-            from->last[m][k] = from->series[size * (VARIED * panel + k) + m];
-    from->panel = panel;
-    FOR_LANES(from->lanes, read)(size, (const double (*)[VARIED])from->last, x, value);
+    FOR_LANES(varied->lanes, read)(size, varied->series + VARIED * size * panel, x, value);
     out->v = value[0], out->H = value[1], out->c = value[2], out->shift[0] = 0, out->gamma[0] = 1;
     memcpy(out->shift + 1, value + 3, sizeof(double) * 3), memcpy(out->gamma + 1, value + 6, sizeof(double) * 3);
     memcpy(out->M, value + 9, sizeof out->M);
 }
 
 /* The state of orbit b at t. */
-void rod_varied_place_at(reader *from, int64_t b, double t, varied_place *out)
+void rod_varied_place_at(const read_orbits *of, const varied_orbits *varied, int64_t b, double t, varied_place *out)
 {
-    const read_orbits *of = from->of;
-    const double *gain = from->gain + 2 * SUMS * b;
+    const double *gain = varied->gain + 2 * SUMS * b;
     double x;
     phase where;
     const int64_t panel = rod_place(of, b, t, &where, &x);
-    rod_varied_place_on(from, panel, x, out);
+    rod_varied_place_on(varied, (int)of->coefficients, panel, x, out);
     out->v *= of->direction[b] * (where.second ? -1 : 1) * (where.mirrored ? -1 : 1);
     for (int m = 0; m < SUMS; m++)
         out->M[m] = rod_unfolded(out->M[m], &where, gain[m], gain[SUMS + m], of->kind[b] == LIBRATION);
 }
 
 /* The states of n orbits, none of them a helix, at t (n, stations) into out (n, stations). */
-void rod_variations_places(const read_orbits *of, int64_t n, int64_t stations, const double *series, const double *gain,
+void rod_variations_places(const read_orbits *of, const varied_orbits *varied, int64_t n, int64_t stations,
                            const double *t, varied_place *out)
 {
-    reader from = {.of = of, .series = series, .gain = gain, .panel = -1};
     for (int64_t i = 0; i < n * stations; i++)
-        rod_varied_place_at(&from, i / stations, t[i], out + i);
+        rod_varied_place_at(of, varied, i / stations, t[i], out + i);
 }
 
 /* `rod_varied_directions` of n orbits, none of them a helix, (n, PARTS, PARTS). */
-void rod_variations_directions(const read_orbits *of, int64_t n, const double *series, const double *gain,
+void rod_variations_directions(const read_orbits *of, const varied_orbits *varied, int64_t n,
                                double (*out)[PARTS][PARTS])
 {
-    reader from = {.of = of, .series = series, .gain = gain, .panel = -1};
     for (int64_t b = 0; b < n; b++) {
         varied_place start;
-        rod_varied_place_at(&from, b, 0, &start);
+        rod_varied_place_at(of, varied, b, 0, &start);
         rod_varied_directions(&start, out[b]);
     }
 }
 
 /* The changes of n orbits, none of them a helix, by F directions with the parts (n, F, PARTS) at t (n, stations), into
    out (5, n, F, stations). */
-void rod_variations_changes(const read_orbits *of, int64_t n, int64_t stations, int64_t F, const double *series,
-                            const double *gain, const double *t, const double *parts, double *out)
+void rod_variations_changes(const read_orbits *of, const varied_orbits *varied, int64_t n, int64_t stations, int64_t F,
+                            const double *t, const double *parts, double *out)
 {
-    reader from = {.of = of, .series = series, .gain = gain, .panel = -1};
     const int64_t each = n * F * stations;
     for (int64_t b = 0; b < n; b++) {
         varied_place start, there;
         varied_unit unit;
-        rod_varied_place_at(&from, b, 0, &start);
+        rod_varied_place_at(of, varied, b, 0, &start);
         for (int64_t i = 0; i < stations; i++) {
-            rod_varied_place_at(&from, b, t[b * stations + i], &there);
+            rod_varied_place_at(of, varied, b, t[b * stations + i], &there);
             rod_varied_unit(&start, &there, &unit);
             for (int64_t f = b * F; f < (b + 1) * F; f++)
                 for (int k = 0; k < 5; k++)

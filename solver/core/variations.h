@@ -28,26 +28,18 @@ typedef struct {
     int64_t lanes; /* what rod_lanes says, or fewer; changes no bit */
 } varied_orbits;
 
-/* What reads them: `series` and `gain` of `varied_orbits`; the series of the panel that was read last, -1 for none, one
-   coefficient of all after the other. */
-typedef struct {
-    const read_orbits *of;
-    const double *series, *gain;
-    int64_t panel, lanes;
-    double last[NODES + 1][VARIED];
-} reader;
-
 /* The variations of orbit b, none of a helix, on its panels, with nodes (P,) and x (P, n) as room. loads: (3,). origin: as of
    `rod_variations`. only: two of the panels, numbered within the orbit, whose series alone are wanted, or NULL for all; M of
    `out` may be NULL. Returns the number within the orbit of the panel whose critical point the orbit comes closest to. */
 int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const double *origin, const points *at,
                  const int64_t *only, varied_nodes *nodes, double *x, const varied_orbits *out);
 
-/* The state at x of a panel, moving away from the start; M: since the start, along its arc. */
-void rod_varied_place_on(reader *from, int64_t panel, double x, varied_place *out);
+/* The state at x of a panel with series of `size` coefficients, moving away from the start; M: since the start, along its
+   arc. */
+void rod_varied_place_on(const varied_orbits *, int size, int64_t panel, double x, varied_place *out);
 
 /* The state of orbit b at t. */
-void rod_varied_place_at(reader *from, int64_t b, double t, varied_place *out);
+void rod_varied_place_at(const read_orbits *, const varied_orbits *, int64_t b, double t, varied_place *out);
 
 /* What a unit of each part of a change adds at a place: to beta, to beta_t and to the integrals up to there. */
 typedef struct {

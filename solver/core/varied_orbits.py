@@ -1,17 +1,13 @@
-"""The numbers of one equilibrium and their rates, variations of orbits, and how what is measured along rods answers
-them, by the compiled core: `orbit_rates.c`, `variations.c` and `measure_rates.c`."""
+"""The numbers of one equilibrium and their rates, and variations of orbits, by the compiled core: `orbit_rates.c` and
+`variations.c`."""
 
-import ctypes
-from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
-from .branches import NO_ORBIT, NUMBERS, PARTS, RATES, Grid, Level
-from .library import Cutting, address, cut, fine, functions, on_grid, points, share_out, widest
-from .measures import NUMBERS as MEASURED
-from .measures import RATED, rods_of
+from .branches import NO_ORBIT, NUMBERS, PARTS, RATES, Level
+from .library import AT, INT, Cutting, cut, fine, on_grid, points, run, structure, widest
 from .orbits import reading
 
 
@@ -33,10 +29,8 @@ def orbit_rates(
         return None
     out = np.full(RATES, np.nan)
     level = Level(path.pin, path.sign, path.y, path.leaving, path.turns)
-    status = functions().rod_orbit_rates(
-        (ctypes.c_double * 6)(*numbers), ctypes.byref(level), ctypes.byref(Grid(*on_grid())), points(n),
-        cut(how[0], True), cut(how[1], False), address(out),
-    )  # fmt: skip
+    ways = cut(how[0], True), cut(how[1], False)
+    status = run("rod_orbit_rates", np.ascontiguousarray(numbers), level, on_grid(), points(n), *ways, out)
     return split(out) if status == NO_ORBIT or fine(status) else None
 
 
@@ -50,9 +44,7 @@ def start_rates(numbers: Array, n: int, how: Cutting) -> tuple[Array, Array, Arr
         As of `orbit_rates`; how panels of the orbit are cut.
     """
     out = np.full(RATES, np.nan)
-    status = functions().rod_start_rates(
-        (ctypes.c_double * 6)(*numbers), ctypes.byref(Grid(*on_grid())), points(n), cut(how, False), address(out)
-    )
+    status = run("rod_start_rates", np.ascontiguousarray(numbers), on_grid(), points(n), cut(how, False), out)
     return split(out) if fine(status) else None
 
 
@@ -64,14 +56,11 @@ def split(records: Array) -> tuple[Array, Array, Array, Array]:
 
 PAIRS = 10  # elements of M that are kept
 _SUMS = PAIRS + 3  # with the integrals of sin, cos and sin cos of beta
-_SERIES = 9 + _SUMS  # of a panel
+_SERIES = 9 + _SUMS  # of a panel, one coefficient of all after the other
 KEPT = ("least", "M", "jump", "closing", "series", "gain")
 
 
-class _VariedOrbits(ctypes.Structure):
-    """`varied_orbits` in variations.h."""
-
-    _fields_ = [*((name, ctypes.c_void_p) for name in KEPT), ("lanes", ctypes.c_int64)]
+_VariedOrbits = structure("varied_orbits", (AT, " ".join(KEPT)), (INT, "lanes"))  # variations.h
 
 
 def variations(orbit: Any, origin: Array) -> dict[str, Array]:
@@ -80,37 +69,33 @@ def variations(orbit: Any, origin: Array) -> dict[str, Array]:
     orbit: B orbits, none of them a helix, whose series of beta count from angles; origin: (P,), these, without whole
     turns.
     """
-    problem, (of, kept), n = orbit.problem, reading(orbit), orbit.panels.series.shape[2] - 1
+    problem, n = orbit.problem, orbit.panels.series.shape[2] - 1
     P, B = origin.size, problem.size
     loads, origin = np.stack([problem.lam, problem.mu, problem.phi], axis=1), np.ascontiguousarray(origin)
     shapes = (P,), (P, PAIRS, n), (P, PAIRS), (2 * B, PAIRS)
-    out = dict(zip(KEPT, map(np.empty, (*shapes, (P, _SERIES, n + 1), (B, 2, _SUMS))), strict=True))
-    fine(functions().rod_variations(
-        ctypes.c_int64(B), address(loads), ctypes.byref(of), address(origin), points(n),
-        ctypes.byref(_VariedOrbits(*(address(a) for a in out.values()), lanes=widest())),
-    ))  # fmt: skip
-    del kept
+    out = dict(zip(KEPT, map(np.empty, (*shapes, (P, n + 1, _SERIES), (B, 2, _SUMS))), strict=True))
+    varied = _VariedOrbits(**out, lanes=widest())
+    fine(run("rod_variations", B, loads, reading(orbit), origin, points(n), varied))
     return out
+
+
+def arguments_of(varied: Any) -> tuple[Any, Any]:
+    """Orbits and their variations as arguments of the core. varied: `orbit.variations.Variations`."""
+    return varied.reading, _VariedOrbits(**varied.kept, lanes=widest())
 
 
 def places(varied: Any, t: Array) -> Array:
     """The states of varied orbits at t (B, n), (B, n, 24): v, H, c, the shifts (4), gammas (4), M (10)
     and the integrals of sin, cos and sin cos of beta."""
     out = np.empty((*t.shape, 11 + _SUMS))
-    given = [np.ascontiguousarray(a) for a in (varied.kept["series"], varied.kept["gain"], t)]
-    functions().rod_variations_places(
-        ctypes.byref(varied.reading[0]), *(ctypes.c_int64(k) for k in t.shape), *map(address, given), address(out)
-    )
+    run("rod_variations_places", *arguments_of(varied), *t.shape, np.ascontiguousarray(t), out)
     return out
 
 
 def directions(varied: Any) -> Array:
     """The parts of a unit of beta(0), beta_t(0), lam, mu and phi of varied orbits, (B, 5, 5)."""
     out = np.empty((varied.orbit.problem.size, PARTS, PARTS))
-    given = [np.ascontiguousarray(a) for a in (varied.kept["series"], varied.kept["gain"])]
-    functions().rod_variations_directions(
-        ctypes.byref(varied.reading[0]), ctypes.c_int64(len(out)), *map(address, given), address(out)
-    )
+    run("rod_variations_directions", *arguments_of(varied), len(out), out)
     return out
 
 
@@ -119,61 +104,6 @@ def changes(varied: Any, t: Array, parts: Array) -> Array:
     beta_t and of the integrals of H_q d beta up to t."""
     (B, n), F = t.shape, parts.shape[2]
     out = np.empty((5, B, F, n))
-    given = [np.ascontiguousarray(a) for a in (varied.kept["series"], varied.kept["gain"], t, parts.swapaxes(1, 2))]
-    functions().rod_variations_changes(
-        ctypes.byref(varied.reading[0]), *(ctypes.c_int64(k) for k in (B, n, F)), *map(address, given), address(out)
-    )
+    given = np.ascontiguousarray(t), np.ascontiguousarray(parts.swapaxes(1, 2))
+    run("rod_variations_changes", *arguments_of(varied), B, n, F, *given, out)
     return out
-
-
-_SERIES_GOAL = 1e-14  # of the series of which the places of extremes are found, relative
-
-
-class _Changes(ctypes.Structure):
-    """`changes` in measure_rates.c."""
-
-    _fields_ = [
-        *((name, ctypes.c_int64) for name in ("directions", "wanted")),
-        *((name, ctypes.c_void_p) for name in ("parts", "later", "lifts", "peak", "base")),
-    ]
-
-
-def measure_rates(
-    varied: Any, pieces: Any, sign: Array, parts: Array, later: Array, names: Collection[str], seen: Mapping[str, Array]
-) -> dict[str, Array]:
-    """How some of `RATED` along B rods, none of them a helix, answer F changes of their orbits, (B, F) each.
-
-    Parameters
-    ----------
-    varied : orbit.variations.Variations
-        The variations of their orbits.
-    pieces, sign
-        Of the rods, as of `measures.measure`.
-    parts : (B, 5, F)
-        Of the changes, as of `changes`.
-    later : (B, F)
-        The changes of the length in t.
-    names : collection of str
-    seen : mapping
-        "lifts" and "peak" where they are among the names, (B,) each: the t that is observed.
-    """
-    B, F = later.shape
-    rods, arrays = rods_of(pieces, {"sign": sign, "error": 0 * sign}, _SERIES_GOAL, 0)
-    none = np.zeros(B)
-    given = [np.ascontiguousarray(a, dtype=float) for a in (
-        parts.swapaxes(1, 2), later, seen.get("lifts", none), seen.get("peak", none), varied.base,
-    )]  # fmt: skip
-    bits = sum(1 << RATED[name] for name in names)
-    by, out = _Changes(F, bits, *(address(a) for a in given)), np.full((B, F, len(MEASURED) + 1), np.nan)
-    orbits = _VariedOrbits(*(address(varied.kept[name]) for name in KEPT), lanes=widest())
-    of, n = varied.reading[0], points(varied.orbit.panels.series.shape[2] - 1)
-
-    def part(a: int, b: int) -> None:
-        fine(functions().rod_measure_rates(
-            ctypes.byref(rods), ctypes.byref(of), n, ctypes.byref(orbits), ctypes.byref(by), address(out),
-            ctypes.c_int64(a), ctypes.c_int64(b), widest(),
-        ))  # fmt: skip
-
-    share_out(part, B)
-    del arrays
-    return {name: out[..., RATED[name]] for name in names}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans, Integers
-from .library import begin_of, function, share_out, widest
+from .library import AT, FLOAT, INT, begin_of, function, run, share_out, widest
 
 # q: lam - mu; short: t - z; round: gamma + alpha
 STATES = ("beta", "dbeta", "alpha", "q", "phi", "mu", "short", "round")
@@ -19,7 +19,7 @@ MOST_STEPS = 200_000  # of a stretch, as in varying_loads.c: a longer march is l
 TRUNCATION = 1e-17  # of the scale of each number: what a step leaves out at most, where rounding bounds the error
 READ = [0, 1, 2, 3, 5, 4, 6, 7]  # the place of each state in what a march with `judge` reads: beta .. q, mu, phi, ..
 
-_INT, _AT, _FLOAT, _SHORT = ctypes.c_int64, ctypes.c_void_p, ctypes.c_double, ctypes.c_int
+_SHORT = ctypes.c_int
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +88,8 @@ def march(
     room = 0 if stations is None else stations.size
     out = np.empty((SIZE, room) if judge else (room, SIZE))
     places = begin_of(out) + 8 * (room * np.array(READ) if judge else np.arange(SIZE))
-    numbers = _INT, _AT, _AT, _INT, _FLOAT, _AT, _AT, _SHORT, _SHORT, *7 * [_AT], _INT, _AT, _SHORT, _SHORT
-    call = function("rod_loaded", _INT, *numbers)
+    numbers = INT, AT, AT, INT, FLOAT, AT, AT, _SHORT, _SHORT, *7 * [AT], INT, AT, _SHORT, _SHORT
+    call = function("rod_loaded", INT, *numbers)
     if stations is not None:
         assert first is not None
         stations, first = np.ascontiguousarray(stations, dtype=float), np.ascontiguousarray(first, dtype=np.int64)
@@ -119,17 +119,14 @@ def solve_chain(
     stiffness: (N + 1, 2), of springs at the nodes, or None.
     """
     changes = np.array(right, dtype=float, order="C")
-    blocks = [np.ascontiguousarray(v, dtype=float) for v in (transfer, scale, start, end)]
+    blocks = (np.ascontiguousarray(v, dtype=float) for v in (transfer, scale, start, end))
     springs = None if stiffness is None else np.ascontiguousarray(stiffness, dtype=float)
-    call = function("rod_solve_chain", ctypes.c_int, _INT, *5 * [_AT], _INT, _AT)
-    at = [begin_of(v) for v in blocks], None if springs is None else begin_of(springs)
-    failed = call(transfer.shape[0], *at[0], at[1], changes.size // changes.shape[0], begin_of(changes))
-    return None if failed else changes
+    columns = changes.size // changes.shape[0]
+    return None if run("rod_solve_chain", len(transfer), *blocks, springs, columns, changes) else changes
 
 
 def count_negatives(transfer: Array, unit: Array, springs: Array, free: Booleans, held: Booleans) -> int:
     """The number of negative eigenvalues of the Hessian of an action over nodes; `rod_negatives` says of which."""
-    call = function("rod_negatives", _INT, _INT, *5 * [_AT])
-    blocks = [np.ascontiguousarray(v, dtype=float) for v in (transfer, unit, springs)]
-    flags = [np.ascontiguousarray(v, dtype=np.int64) for v in (free, held)]
-    return int(call(transfer.shape[0], *(begin_of(v) for v in (*blocks, *flags))))
+    blocks = (np.ascontiguousarray(v, dtype=float) for v in (transfer, unit, springs))
+    flags = (np.ascontiguousarray(v, dtype=np.int64) for v in (free, held))
+    return int(run("rod_negatives", len(transfer), *blocks, *flags, result=INT))

@@ -17,7 +17,7 @@ the integrals of H_q d beta are the changes of alpha, of minus the swirl and of 
 saddle no large numbers cancel.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -81,7 +81,7 @@ class Variations:
     orbit: the orbits; their series of beta count from the angle `base` (P,) of each panel. kept: arrays by name
     (`core.varied_orbits.KEPT`). least: (P,), the least beta_t^2 + c H^2 of each panel. M: (P, 10, n), the rates of its
     elements at the nodes. jump: (P, 10), closing: (2 B, 10), what M gains on entering each panel, and where the
-    rotation of an arc closes. series: (P, 22, n + 1), of |beta_t|, H, c, the shifts (3), gamma_q (3), the ten elements
+    rotation of an arc closes. series: (P, n + 1, 22), of |beta_t|, H, c, the shifts (3), gamma_q (3), the ten elements
     of M and the integrals of sin, cos and sin cos of beta. gain: (B, 2, 13), what these sums gain over the forward and
     the backward arc.
     """
@@ -103,7 +103,7 @@ class Variations:
 
     @cached_property
     def reading(self) -> Any:
-        """The orbits as the core reads them, and the arrays behind it."""
+        """The orbits as the core reads them."""
         return reading(self.orbit)
 
     @cached_property
@@ -118,13 +118,6 @@ class Variations:
         order = np.lexsort((self.kept["least"], problem))
         first = np.searchsorted(problem[order], np.arange(self.orbit.problem.size))
         return np.asarray(self.base[order[np.minimum(first, order.size - 1)]])
-
-    @cached_property
-    def absolute(self) -> Orbit:
-        """The orbits with series of beta that count from 0; those of alpha, z and the swirl have no meaning."""
-        series = self.orbit.panels.series.copy()
-        series[:, 0, 0] += self.base
-        return replace(self.orbit, panels=replace(self.orbit.panels, series=series))
 
 
 def orbits_to_vary(problem: StartProblem) -> Orbit:

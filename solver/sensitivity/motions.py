@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,8 +14,6 @@ from ..levels.line_point import LinePoint, Path, path_of
 from ..levels.path_orbits import path_from_start, variations_of
 from ..numerics.arrays import Array, Integers
 from ..observe.measurement import MIDDLE
-from ..observe.rod_pieces import Pieces
-from ..observe.solution_pieces import of_orbit
 from ..orbit import helix_variations
 from ..orbit.variations import Change, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat, given_numbers
@@ -41,12 +39,6 @@ class Motion:
     change: Callable[[Array, Array], Change]
     parts: Array
     varied: Variations | None = None
-
-    @cached_property
-    def pieces(self) -> Pieces:
-        """The pieces of the rods, of orbits that are no helices."""
-        assert self.varied is not None
-        return of_orbit(self.varied.absolute, slice(0, self.problem.size))
 
 
 def of_equilibria(sol: Shape, outcome: Array) -> Iterator[Motion]:

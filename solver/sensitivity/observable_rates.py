@@ -14,7 +14,6 @@ import numpy as np
 
 from ..core.measures import RATED
 from ..core.sensitivities import LOST, PARTLY, Measured, StartRates, shape_rates
-from ..core.varied_orbits import measure_rates
 from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.complex_step import slopes_of, with_slopes
 from ..observe.measurement import Pair, Reading
@@ -54,18 +53,22 @@ class Moving(Reading):
         shape = sol.problem.size, len(rates.fields)
         self._slopes = {name: np.full(shape, np.nan) for name in (*self._wanted, *_OWN_SLOPES, "half_period")}
 
-    def measurement(self, rows: Any) -> Measured | None:
-        """What is to be measured of start problems."""
+    def measurement(self, rows: Any, given: bool = False) -> Measured:
+        """What is to be measured of some cases for their derivatives.
+
+        given: whether the values of what is measured are known; else, where the method knows orbits, they are measured
+        together with the derivatives.
+        """
         plain, names = self.plain, self._wanted & {*RATED}
-        observed = names & {"peak", "lifts"} if self.sol.trajectory.orbit is None else ()
-        self.plain.measure(observed)
-        values = {*names, "push"} - {"middle push"} if "middle push" in names else names
-        middle = [name for name in PARTLY if f"middle {name}" in self._wanted]
+        observed = names & {"peak", "lifts"} if given or self.sol.trajectory.orbit is None else ()
+        plain.measure(self._wanted if given else observed)
+        values = () if given else {*names, "push"} - {"middle push"} if "middle push" in names else names
+        middle = [name for name in PARTLY if f"middle {name}" in self._wanted and not given]
         seen = {name: plain.value(name)[rows] for name in observed}
         return Measured(plain.sign[rows], plain.doubt[rows], names, values, middle, plain.goal, seen)
 
     def take(self, rows: Any, found: StartRates) -> None:
-        """Take the derivatives of start problems; where the method knows the orbits, what was measured on them too."""
+        """Take the derivatives of some cases; where the method knows the orbits, what was measured on them too."""
         for name, value in (found.rates | {"half_period": found.half_period} | _at_marks(found.marks)).items():
             self._slopes[name][rows] = value
         if self.sol.trajectory.orbit is None:
@@ -81,21 +84,13 @@ class Moving(Reading):
         )  # fmt: skip
         self.plain.know(*({name: _merge(old[name], own, new[name], moves) for name in new} for old, new in others))
 
-    def add(self, motion: Motion, unit: Array, rates: FieldRates) -> None:
-        """Differentiate what is measured on the cases of a motion.
+    def add_helices(self, motion: Motion, unit: Array, rates: FieldRates) -> None:
+        """Differentiate what is measured on helices.
 
         unit: of `solution_derivatives.amounts`. rates: of these cases.
         """
         sign, later = self.plain.sign[motion.rows], rates.of("span")
-        if motion.varied is None:
-            found = of_helices(motion, unit, later, sign, self._wanted, self.sol.t[motion.rows])
-        else:
-            names = self._wanted & {*RATED}
-            self.plain.measure(self._wanted)
-            seen = {name: self.plain.value(name)[motion.rows] for name in names & {"peak", "lifts"}}
-            found = measure_rates(motion.varied, motion.pieces, sign, unit, later, names, seen)
-            gain = motion.varied.kept["gain"].sum(axis=1)[:, :4]
-            found["half_period"] = -np.einsum("bk,bkf->bf", gain, unit[:, 1:])
+        found = of_helices(motion, unit, later, sign, self._wanted, self.sol.t[motion.rows])
         for name, value in (found | _at_marks(_marks_of(motion, unit, later))).items():
             self._slopes[name][motion.rows] = value
 
@@ -183,21 +178,19 @@ def _merge(old: Pair, rows: Integers, new: Pair, moves: Booleans) -> Pair:
 
 
 def _marks_of(motion: Motion, unit: Array, later: Array) -> Array:
-    """The derivatives at the marks in units of rho, (5, b, F, 4), as of `core.sensitivities.StartRates`."""
+    """The derivatives of helices at the marks in units of rho, (b, 5, F, 4), as of `core.sensitivities.StartRates`."""
     problem, t = motion.problem, marks_of(motion.problem)
-    beta, rate = np.broadcast_to(problem.beta0[:, None], t.shape), np.zeros(t.shape)
-    if motion.varied is not None:
-        beta, rate = motion.varied.absolute.at(t)[0], motion.varied.at(t).v
     out = motion.change(t, unit).rows
     loads = np.stack([problem.lam, problem.mu, problem.phi], axis=1)
-    known = {"t": t, "beta": beta, "rate": rate, "z": np.zeros(t.shape), "loads": loads, "span": problem.span}
+    beta, none = np.broadcast_to(problem.beta0[:, None], t.shape), np.zeros(t.shape)
+    known = {"t": t, "beta": beta, "rate": none, "z": none, "loads": loads, "span": problem.span}
     shape_rates(out, {**known, "later": later})
-    return out
+    return out.swapaxes(0, 1)
 
 
 def _at_marks(marks: Array) -> dict[str, Array]:
     """The derivatives of `_OWN_SLOPES`, (b, F) each: of beta and beta_t at the ends, of what alpha and z/rho gain."""
-    beta, rate, turned, risen, _ = np.moveaxis(marks, -1, 1)
+    beta, rate, turned, risen = marks.transpose(1, 3, 0, 2)[:4]
     return {
         "alpha": turned[3], "z": risen[3], "beta0": beta[0], "betaL": beta[3], "dbeta0": rate[0], "dbetaL": rate[3],
         "middle turned": turned[2] - turned[1], "middle risen": risen[2] - risen[1],

@@ -49,9 +49,9 @@ def _shape_of(sol: Shape, rates: FieldRates, rows: Any) -> dict[str, Array]:
     return own | {"by": rates.table, "later": rates.of("span")}
 
 
-def _of_motion(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> Array:
-    """The derivatives of beta, dbeta, alpha, z and gamma at the stations, (5, b, F, n). unit: (b, 5, F), of `amounts`.
-    rates: of these cases."""
+def _of_helices(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> Array:
+    """The derivatives of beta, dbeta, alpha, z and gamma of helices at the stations, (5, b, F, n). unit: (b, 5, F), of
+    `amounts`. rates: of these cases."""
     shape = _shape_of(sol, rates, motion.rows)
     out = motion.change(shape["t"], unit).rows
     loads = np.stack([motion.problem.lam, motion.problem.mu, motion.problem.phi], axis=1)
@@ -155,9 +155,17 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
             for name, moved in zip(("lam", "mu", "phi"), unit[:, 2:].swapaxes(0, 1), strict=True):
                 rates.of(name)[motion.rows] = moved  # held ends find them
             own = rates.take(motion.rows)
-            out[:, motion.rows] = _of_motion(sol, motion, unit, own)
+            if motion.varied is None:
+                out[:, motion.rows] = _of_helices(sol, motion, unit, own)
+                if read is not None:
+                    read.add_helices(motion, unit, own)
+                continue
+            shape, orbit = _shape_of(sol, own, motion.rows), (motion.varied, unit)
+            measured = None if read is None else read.measurement(motion.rows, given=True)
+            answer = start_sensitivities(motion.problem, shape, POINTS, HOW, measured, orbit)
+            out[:, motion.rows] = answer.along
             if read is not None:
-                read.add(motion, unit, own)
+                read.take(motion.rows, answer)
         found = np.empty((0, sol.problem.size, len(names))) if read is None else derivatives_of(wanted, read)
     return _judge(sol, names, out, wanted, found, outcome, error)
 
