@@ -132,47 +132,28 @@ def close(got: np.ndarray, wanted: np.ndarray, condition: float) -> None:
 
 
 @cases
-def test_the_march_stays_on_the_cylinder_by_itself(name: str) -> None:
-    case, found = named(name), marched(name)
-    close(np.hypot(found.r[:, 0], found.r[:, 1]), np.full(401, case.rho), orbit(name).condition)
-    close(np.linalg.norm(found.t, axis=1), np.ones(401), orbit(name).condition)
-
-
-@cases
-def test_position_and_tangent_are_those_of_the_orbit(name: str) -> None:
-    sol, found = orbit(name), marched(name)
-    close(sol.position, found.r, sol.condition)
-    close(sol.tangent, found.t, sol.condition)
-    close(sol.kappa, np.linalg.norm(found.k, axis=1), sol.condition)
-
-
-@cases
-def test_internal_force_is_that_of_the_orbit(name: str) -> None:
-    sol, found = orbit(name), marched(name)
-    aside = np.cross(found.t, sol.normal)
-    for got, direction in ((sol.F1, sol.normal), (sol.F2, aside), (sol.F3, found.t)):
-        close(got, dot(found.F, direction)[:, 0], sol.condition)
-
-
-@cases
-def test_contact_is_that_of_the_orbit(name: str) -> None:
-    sol, found = orbit(name), marched(name)
-    close(sol.contact, found.contact, sol.condition)
-
-
-@cases
-def test_the_section_turns_as_in_the_orbit(name: str) -> None:
-    sol, found = orbit(name), marched(name)
-    np.testing.assert_allclose(found.M3, sol.M3, rtol=1e-12)
-    close(sol.material_frame[:, 0], found.d1, sol.condition)
-
-
-@cases
-def test_axial_force_and_moment_are_those_of_the_orbit(name: str) -> None:
-    sol, found, A = orbit(name), marched(name), named(name).rod.bending_stiffness
+def test_shape_forces_contact_section_and_loads_are_those_of_the_orbit_and_the_march_stays_on_the_cylinder(
+    name: str,
+) -> None:
+    case, sol, found = named(name), orbit(name), marched(name)
+    A, aside = case.rod.bending_stiffness, np.cross(found.t, sol.normal)
     moment = np.cross(found.r, found.F) + A * np.cross(found.t, found.k) + found.M3 * found.t
-    close(found.F @ EZ, np.full(401, sol.FZ), sol.condition)
-    close(moment @ EZ, np.full(401, sol.MZ), sol.condition)
+    np.testing.assert_allclose(found.M3, sol.M3, rtol=1e-12)
+    for got, wanted in (
+        (np.hypot(found.r[:, 0], found.r[:, 1]), np.full(401, case.rho)),
+        (np.linalg.norm(found.t, axis=1), np.ones(401)),
+        (sol.position, found.r),
+        (sol.tangent, found.t),
+        (sol.kappa, np.linalg.norm(found.k, axis=1)),
+        (sol.F1, dot(found.F, sol.normal)[:, 0]),
+        (sol.F2, dot(found.F, aside)[:, 0]),
+        (sol.F3, dot(found.F, found.t)[:, 0]),
+        (sol.contact, found.contact),
+        (sol.material_frame[:, 0], found.d1),
+        (found.F @ EZ, np.full(401, sol.FZ)),
+        (moment @ EZ, np.full(401, sol.MZ)),
+    ):
+        close(got, wanted, sol.condition)
 
 
 # two: nodes, edges and multipliers

@@ -141,25 +141,6 @@ def test_the_core_and_python_read_one_table() -> None:
     ]
 
 
-@pytest.mark.parametrize("kind", measures.DENSITIES)
-@pytest.mark.parametrize("sign", (1.0, -1.0))
-def test_a_density_changes_as_its_derivatives_say(kind: str, sign: float) -> None:
-    """By differences of fourth order, at more points than the core computes together."""
-    rng, step = np.random.default_rng(8), 1e-3
-    loads, beta, rate = rng.normal(size=(3, 3)), rng.uniform(-3, 3, (3, 50)), rng.uniform(0.2, 1.5, (3, 50))
-
-    def values(number: int, change: float) -> Any:
-        moved = [beta, rate, *(load[:, None] for load in loads.T)]
-        moved[number] = moved[number] + change
-        at = np.concatenate([*moved[2:], np.full((3, 1), sign)], axis=1)
-        return measures.densities(kind, at, moved[0], -moved[1]).values
-
-    found = measures.densities(kind, np.column_stack([loads, np.full(3, sign)]), beta, rate)
-    for number, slope in enumerate(found[2:]):
-        near, far = (values(number, k * step) - values(number, -k * step) for k in (1, 2))
-        assert slope == pytest.approx((8 * near - far) / (12 * step), rel=1e-8, abs=1e-9)
-
-
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("closed", [False, True])
 def test_a_curve_meets_itself_where_all_pairs_of_its_points_say(seed: int, closed: bool) -> None:

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from solver.core.orbits import critical_points
 from solver.mechanics.potential import dimensional_slope, potential, slope, slope_rate
-from solver.methods import METHODS, Difference, available
-from solver.problem.reduced import EndsProblem, Reduced, StartProblem
+from solver.problem.reduced import Reduced, StartProblem
 
 loads = st.floats(-3, 3).map(lambda x: round(x, 6))
 
@@ -74,13 +73,6 @@ def test_the_slope_is_half_the_derivative_of_the_potential(lam: float, mu: float
     assert abs(slope(one, around) @ rule - slope_rate(one, beta)[0]) < 1e-9 * 60
 
 
-@settings(max_examples=40)
-@given(lam=loads, mu=loads, phi=loads)
-def test_h_minus_g_has_eight_turning_points_at_most(lam: float, mu: float, phi: float) -> None:
-    """G is of degree 4 in exp(i beta), so a level is met at most eight times and G has at most eight extrema."""
-    assert critical_points(problem(lam, mu, phi)).count[0] <= 8
-
-
 FORMS = np.array([(0.3, -0.7, 0.9), (1e3, 1e3, -2e3), (-0.4, -0.4, 0.0), (0.0, 0.0, 0.0)])  # lam, mu, phi
 ANGLES = np.array([-3.1, -1.2, -1e-3, 0.0, 1e-6, 0.7, np.pi / 2, 2.9, np.pi])
 
@@ -95,27 +87,3 @@ def test_the_form_in_units_of_the_case_is_the_dimensionless_one(numbers: np.ndar
     (lam, mu, phi), rho = numbers, 0.37
     H = dimensional_slope(lam / rho, mu / rho, phi / rho**2, rho, ANGLES) * rho**2
     np.testing.assert_allclose(H, reference(*numbers), rtol=0, atol=1e-14 * (1 + np.abs(numbers).sum()))
-
-
-@pytest.mark.parametrize("numbers", FORMS)
-@pytest.mark.parametrize("method", [m for m in ("verlet", "dop853", "lsoda", "heyoka", "swing") if m in available()])
-def test_every_form_of_the_equation_accelerates_a_rod_alike(method: str, numbers: np.ndarray) -> None:
-    """beta(t) = beta(0) - H t^2/2 + O(t^4) from beta_t = 0: the methods that write H in a form of their own."""
-    one, t = np.ones(ANGLES.size), 1e-3 / (1 + np.sqrt(np.abs(numbers).sum()))
-    problem = StartProblem(*(x * one for x in numbers), t * one, ANGLES, 0 * one)
-    options = {"steps": 64} if method == "verlet" else {}
-    speed = METHODS[method](**options).run(problem, np.array([[0.0, t]]) * one[:, None], 1e-12).dbeta[:, 1]
-    size = 1 + np.abs(numbers).sum()
-    np.testing.assert_allclose(-speed / t, reference(*numbers), rtol=0, atol=3e-6 * size)  # O(t^2)
-
-
-def test_the_difference_equation_takes_the_same_H() -> None:
-    """On three nodes the one inner value solves beta0 - 2 beta + beta2 + h^2 H(beta) = 0, eq. (41)."""
-    for lam, mu, phi in FORMS[[0, 2]]:
-        one = np.ones(1)
-        problem = EndsProblem(lam * one, mu * one, phi * one, 0.2 * one, 0.4 * one, 0.5 * one)
-        sol = Difference(nodes=5, extrapolate=False).run(problem, np.array([[0.0, 0.1, 0.2]]), 1e-9)
-        beta = sol.beta[0]
-        second = (beta[0] - 2 * beta[1] + beta[2]) / 0.1**2
-        H = float(slope(Reduced(lam * one, mu * one, phi * one, one, beta[1:2]), beta[1:2])[0])
-        assert abs(second + H) < 1e-3 * (1 + abs(H))  # nodes 0.05 apart

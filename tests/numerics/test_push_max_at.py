@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
 from benchmarks.observed_march import push_and_curvature
-from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
+from solver import Case, Cylinder, Rod, Start, observe, solve
 from solver.methods import available
 from tests.cases import EXACT, START, in_units_of_rho, random_rods
 from tests.numerics.test_measurement import REFERENCES
@@ -97,29 +97,6 @@ def test_of_equal_places_the_first_counts_and_the_error_says_how_far_the_others_
         got = seen(case, method=method, stations=2001)
         assert got["push_max_at"] == pytest.approx(places[0], abs=0.02), method
     assert seen(case, method="dop853", stations=2001)["push_max_at_error"] > places[1] - places[0] - 0.05
-
-
-def test_the_place_between_two_ends_is_that_of_the_shape() -> None:
-    case = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Ends(0.5, 0.8, FZ=-8.66, MZ=1.3, M3=6.1))
-    sol = solve(case, tol=1e-11, stations=4001)
-    got = observe(sol, NAMES)
-    assert abs(got["push_max_at"] - sol.s[first_top(sol.push)]) <= 0.005
-    assert 0 <= got["push_max"] - sol.push.max() <= 1e-4 * got["push_max"]
-
-
-@pytest.mark.slow
-def test_the_place_of_equilibria_and_held_rods_is_that_of_their_shapes() -> None:
-    rod, cylinder = Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75)
-    for ends in (Ends(0.5, 0.8, FZ=-8.66, MZ=1.3, M3=6.1), Ends(0.5, 0.8, height=14.0, MZ=1.3, M3=6.1)):
-        found = equilibria(Case(rod, cylinder, ends))
-        assert len(found)
-        for one in found:
-            got = observe(one.solution, NAMES)
-            length, place = float(rod.L), float(got["push_max_at"])
-            stations = np.sort([*np.linspace(0, length, 2001), place])
-            dense = solve(replace(one.solution.case), seed=one.solution, stations=stations)
-            assert dense.push[stations == place].max() == pytest.approx(dense.push.max(), rel=1e-8)
-            assert got["push_max"] == pytest.approx(dense.push.max(), rel=1e-8)
 
 
 def test_a_failed_case_alone_has_no_place() -> None:

@@ -1,7 +1,6 @@
 """Sections of rods: solid, a tube, or two given stiffnesses."""
 
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ import pytest
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, fit, observe, solve
 from solver.observe.observables import OBSERVABLES, is_count, observables_of
 from solver.problem.case_fields import fields_of
+from tests.numerics.test_sensitivity import along, differences
 
 SOLID: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 6.0}
 TUBE: dict[str, Any] = {**SOLID, "inner_radius": 0.2}
@@ -99,27 +99,16 @@ def test_derivatives_agree_with_differences(fields: dict[str, Any], given: Start
     found = solve(case, stations=5).sensitivity(own, real)
     seen = ["height", "wraps", "energy", "twist_energy", "push_mean", *(["bending_stress_max"] if "E" in own else [])]
     for k, field in enumerate(own):
-        exact = _difference(case, field, lambda sol: np.stack([getattr(sol, name) for name in ALONG]))
+        step = 2e-3 * (1.0 if field == "E" else getattr(case.rod, field))  # of E it is relative
+        exact = differences(case, field, along(ALONG), step, stations=5, method="orbit")
         for name, row in zip(ALONG, exact, strict=True):
             # differences of numbers of size 10 with 14 digits over steps of 1e-4 of the field
             assert getattr(found, name)[k] == pytest.approx(row, rel=1e-6, abs=1e-8 * (1 + np.abs(row).max())), field
-        exact = _difference(case, field, lambda sol: np.array(list(observe(sol, seen).values())))
+        exact = differences(
+            case, field, lambda sol: np.array(list(observe(sol, seen).values())), step, stations=5, method="orbit"
+        )
         computed = np.array([found.observables[name][k] for name in seen])
         assert computed == pytest.approx(exact, rel=2e-6, abs=1e-8), field
-
-
-def _difference(case: Case, field: str, read: Any) -> Any:
-    """The derivative by a field of the rod, by central differences extrapolated three times."""
-    value = getattr(case.rod, field)
-    table = []
-    for k in range(4):
-        h = 2e-3 * value / 2**k
-        rods = (replace(case.rod, **{field: value + sign * h}) for sign in (1, -1))
-        up, down = (read(solve(replace(case, rod=rod), tol=1e-13, stations=5, method="orbit")) for rod in rods)
-        table.append((up - down) / (2 * h))
-    for order in (1, 2, 3):
-        table = [(4**order * b - a) / (4**order - 1) for a, b in pairwise(table)]
-    return table[0]
 
 
 @pytest.mark.parametrize("fields, name, low, high", (

@@ -10,20 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver import InputError, solve
+from solver import solve
 from solver.core import march
 from solver.core.build import digest
 from solver.core.library import OTHER, library_path, numbers_of, threads
-from solver.methods import METHODS, OrbitQuadrature, SwingTaylor
-from solver.observe.observables import OBSERVABLES, observe
+from solver.methods import OrbitQuadrature, SwingTaylor
 from solver.orbit.pieces import ROTATION
 from solver.problem.reduced import StartProblem
-from tests.cases import EXACT
-from tests.extreme_cases import KINDS, draw
-from tests.helix_cases import NEAR, problems
-from tests.linearised_growth import beside_helix
+from tests.extreme_cases import draw
 from tests.slow import slow_but
-from workbench.compare.trade_cases import CASES
 
 NEAR_SADDLE = (0.0, 0.0, -1.0, 60.0, np.pi, 1e-9)  # a pendulum that all but stands on its head
 
@@ -66,15 +61,6 @@ def test_it_keeps_its_promise_and_does_not_understate_its_error(loads: float, sp
     if tol > 1e-10:
         assert own.sum() > 100
         assert np.percentile(fast.error[own] / off[own], 95) < 1000
-
-
-def test_its_condition_number_by_transfer_matrices_is_that_of_the_shear() -> None:
-    fast, exact = both(random(1500, 6, 1, (0, 3)), 1e-11)
-    own = ~fast.orbit.lost
-    ratio = fast.condition[own] / exact.condition[own]
-    assert own.mean() > 0.95
-    assert ratio.min() > 0.5
-    assert ratio.max() < 1.3  # two nodes a step against twenty-two a panel
 
 
 def test_both_find_the_same_arcs_and_turning_points() -> None:
@@ -143,14 +129,6 @@ def test_numbers_beyond_a_float_are_refused_and_leave_their_neighbours_alone() -
     assert np.isnan(fast.beta[0]).all()
     np.testing.assert_allclose(fast.beta[1], exact.beta[1], atol=1e-9)
     np.testing.assert_allclose(fast.swirl()[1], exact.swirl()[1], atol=1e-9)
-
-
-@pytest.mark.parametrize("name", ["force-first/tension", "catenary", "long"])
-def test_observables_are_those_of_the_quadrature(name: str) -> None:
-    ours, theirs = (solve(CASES[name].case, tol=1e-12, method=method) for method in ("swing", "orbit"))
-    seen, known = observe(ours, OBSERVABLES), observe(theirs, OBSERVABLES)
-    for key in OBSERVABLES:
-        np.testing.assert_allclose(seen[key], known[key], rtol=1e-8, atol=1e-9, err_msg=key)
 
 
 def test_results_are_equal_to_the_bit_for_every_width_of_lanes_and_number_of_threads(monkeypatch) -> None:
@@ -226,22 +204,3 @@ def test_a_library_of_other_sources_is_refused_in_a_sentence_with_the_command(tm
     )
     how = "install rod-workbench again, or in a checkout run python -m solver.core"
     assert (run.returncode, run.stderr) == (2, f"workbench: {path} was compiled from other sources; {how}\n")
-
-
-def test_a_method_whose_package_is_missing_is_refused_with_how_to_get_it(monkeypatch) -> None:
-    monkeypatch.setattr(METHODS["heyoka"], "requires", "a_package_that_nobody_has")
-    with pytest.raises(InputError, match=r"not installed: pip install 'rod-workbench\[taylor\]'"):
-        solve(EXACT["catenary"].case, method="heyoka")
-
-
-def test_its_linearised_growth_is_that_of_the_arrays() -> None:
-    some = 0
-    for kind in (*KINDS, *NEAR):
-        p = problems(kind, 200, 1)
-        steady, growth = beside_helix(p)
-        found = march.march(numbers_of(p), 1e-9, np.empty((p.size, 0)))
-        clear = steady & (growth < 1e10) & (found["status"][:, 0] != march.LOST)
-        differs = ~np.isclose(found["condition"][clear], growth[clear], rtol=1e-9)
-        assert differs.sum() <= 1  # one rod may lie on the limit of what counts as steady
-        some += int(clear.sum())
-    assert some > 300

@@ -71,31 +71,6 @@ def shapes(fig: Figure) -> list:
     return [line for line in ax.lines if line.get_label() != "s = 0"]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("which", ["dead", "held"])
-def test_each_shape_has_the_number_of_its_point(which, drawn) -> None:
-    fig = drawn[which]
-    below = sorted(line.get_label() for line in shapes(fig))
-    assert len(below) > 3
-    assert numbers(fig, 0) == below
-    assert below[0].startswith("1")  # the first branch is 1, as in the printed table and among all equilibria
-
-
-@pytest.mark.slow
-def test_the_point_of_a_shape_lies_on_the_line_of_its_branch(dead, drawn) -> None:
-    ax = drawn["dead"].axes[0]
-    lines = [line for line in ax.lines if len(line.get_xdata()) > 2]
-    dots = points_of(ax)
-    assert len(dots) == dead.sizes["shape"]
-    size = np.array([np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())])
-    for dot in dots:
-        place = np.ravel(dot.get_xydata()) / size
-        away = {line: np.linalg.norm(line.get_xydata() / size - place, axis=1).min() for line in lines}
-        nearest = min(away, key=away.get)
-        assert away[nearest] < 0.004
-        assert to_hex(nearest.get_color()) == to_hex(dot.get_color())
-
-
 @pytest.mark.parametrize("which", ["dead", "held"])
 def test_a_shape_has_the_look_of_its_line_whose_weight_says_whether_it_is_stable(which, drawn) -> None:
     """Under held ends it changes along one branch."""
@@ -144,16 +119,6 @@ def test_one_branch_alone_has_a_row_of_shapes(held) -> None:
     assert held.sizes["shape"] == 8
     assert (np.diff(held["shape_height"].values) > 0).all()
     assert set(held["shape_branch"].values) == {0}
-
-
-@pytest.mark.slow
-def test_the_shapes_of_a_branch_that_goes_on_beyond_a_short_axis_lie_on_the_axis() -> None:
-    ds = swept(Ends(beta0=0.5, betaL=0.5, FZ=-0.5), "height", np.array([3.9, 4.1]))
-    assert np.ptp(ds["curve_height"].values) > 1.0
-    assert ((ds["shape_height"] > 3.8) & (ds["shape_height"] < 4.2)).all()
-    fig = bifurcation.figure(ds)
-    fig.draw_without_rendering()  # a number far outside leaves no room for the panel
-    assert len(numbers(fig, 0)) == ds.sizes["shape"] > 1
 
 
 def test_every_equilibrium_has_its_number_beside_its_energy() -> None:

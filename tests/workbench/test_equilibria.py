@@ -7,12 +7,11 @@ from functools import partial
 import numpy as np
 import pytest
 
-from solver import Case, Ends, InputError, equilibria, solve
+from solver import Case, equilibria, solve
 from solver.end_angle_branch import to_fold
 from solver.equilibria import nearest
 from solver.observe.observables import observe
 from studies import load
-from studies.language.case_input import field_values
 from studies.language.loader import loads
 from tests.cases import ends_in_units_of_rho
 from tests.workbench import small
@@ -21,7 +20,6 @@ from workbench.branches import branch_dataset
 from workbench.branches.ends_study import DEFAULT, ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands.option_checks import parse_axis
-from workbench.figures import bifurcation, canvas, equilibria_figure
 from workbench.store import in_memory, reading, writing
 from workbench.store.case_solutions import solve_one
 
@@ -120,21 +118,6 @@ def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
     assert ["overlaps" in text for text in ds["caution"].values] == meets
 
 
-@pytest.mark.slow
-def test_pictures_are_drawn_from_the_datasets_alone(swept, tmp_path) -> None:
-    study, case = load(DEFAULT), default()
-    ds = dataset_of(study, case, equilibria(case))
-    for module in (equilibria_figure, bifurcation):
-        assert not {"equilibria", "solve"} & set(vars(module))
-    one = equilibria_figure.figure(ds)
-    canvas.save(one, tmp_path / "gallery.png")
-    two = bifurcation.figure(swept)
-    canvas.save(two, tmp_path / "branches.pdf")
-    assert (tmp_path / "gallery.png").stat().st_size > 20_000
-    assert (tmp_path / "branches.pdf").stat().st_size > 5_000
-    assert len(one.axes) == len(two.axes) == 2
-
-
 def test_branches_join_what_changes_little_and_keep_their_index(swept) -> None:
     numbers, index, slope = (swept[key].values for key in ("branch", "index", "dbeta0"))
     for branch in range(numbers.max() + 1):
@@ -144,20 +127,6 @@ def test_branches_join_what_changes_little_and_keep_their_index(swept) -> None:
         assert np.abs(np.diff(slope[k, i])).max(initial=0) < 0.3
     members = (swept["outcome"] != "").values
     assert (numbers[members] >= 0).all()
-
-
-@pytest.mark.slow
-def test_a_coarse_axis_has_the_branches_and_the_folds_of_a_fine_one(swept) -> None:
-    """Two members are of one branch on both or on neither, though their shapes differ by up to a radian."""
-    values = swept["betaL"].values[::3]
-    coarse = branch_dataset.sweep(load(DEFAULT), default(), "betaL", values, lambda text: None)
-    fine = swept.isel(betaL=slice(None, None, 3))
-    there = coarse["branch"].values >= 0
-    np.testing.assert_array_equal(coarse["dbeta0"].values[there], fine["dbeta0"].values[:, : there.shape[1]][there])
-    pairs = set(zip(coarse["branch"].values[there], fine["branch"].values[:, : there.shape[1]][there], strict=True))
-    assert len(pairs) == len({a for a, _ in pairs}) == len({b for _, b in pairs}) > 12
-    # the fold at 49.9 degrees lies beyond the last value; the other two to the rounding of their extrapolation
-    np.testing.assert_allclose(np.sort(coarse["fold"]), np.sort(swept["fold"]), atol=1e-6)
 
 
 def test_a_fold_is_where_the_branch_of_table_1_is_known_to_end(swept) -> None:
@@ -183,20 +152,6 @@ def test_the_papers_claim_is_not_contradicted_on_its_own_branch_and_fails_on_oth
     assert any(row["kappa_mean rises"] == "fails" for row in rows)
 
 
-@pytest.mark.slow
-def test_over_a_load_too_and_for_programs(capsys, tmp_path) -> None:
-    words = ("--L", "4", "--axis", "FZ=-30:30:7", "--json", "--out", tmp_path / "FZ.h5", "--plot", tmp_path / "FZ.png")
-    status, text = run(capsys, *words)
-    told = json.loads(text)
-    assert status == 0
-    assert told["axis"] == "FZ"
-    assert told["branches"]
-    ds = reading.read(tmp_path / "FZ.h5", study=False)
-    assert ds["dbeta0"].dims == ("FZ", "member")
-    assert "FZ" not in ds.data_vars
-    assert (tmp_path / "FZ.png").exists()
-
-
 def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
     for text in ("betaL=60deg:-30deg:4", "betaL=-pi/6:pi/3:4"):
         name, values = parse_axis(text)
@@ -204,27 +159,11 @@ def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
         np.testing.assert_allclose(values, np.deg2rad([-30, 0, 30, 60]), atol=1e-15)  # rounding
 
 
-def test_the_nearest_is_told_by_slope_and_energy_together() -> None:
-    found = equilibria(ends_in_units_of_rho(*MANY, 40.0, np.pi / 6, np.pi / 6))
-    for one in found:
-        assert nearest(found, one.dbeta0, one.energy) is one
-    with pytest.raises(InputError, match="no equilibrium"):
-        nearest([], 0.0, 0.0)
-
-
 @pytest.mark.parametrize("unit", (1e-3, 1.0, 1e3))
 def test_the_nearest_is_the_same_in_every_unit_of_force(unit: float) -> None:
     one = equilibria(ends_in_units_of_rho(*MANY, 40.0, np.pi / 6, np.pi / 6))[0]
     near = replace(one, dbeta0=0.0, energy=0.0)
     assert nearest([replace(one, dbeta0=1.0, energy=unit), near], 0.1, 0.6 * unit) is near  # 0.1 + 0.6 of the spreads
-
-
-def test_ends_given_as_ends_are_taken_as_they_are(tmp_path) -> None:
-    case = ends_in_units_of_rho(*MANY, 5.0, 0.3, 0.9)
-    write_cases(load(DEFAULT), case, equilibria(case), tmp_path)
-    again = ends_problem(load(next(iter(sorted(tmp_path.glob("*.toml"))))))
-    assert isinstance(again.given, Ends)
-    assert field_values(again) == field_values(case)
 
 
 BASE = {"E": 1e4, "nu": 0.25, "a": 0.25, "L": 10.0, "R": 0.75, "beta0": 0.5, "betaL": 0.8, "FZ": -8.0}

@@ -5,7 +5,6 @@ import json
 import os
 import re
 import sys
-from importlib import import_module
 from pathlib import Path
 from typing import get_type_hints
 
@@ -14,7 +13,7 @@ import pytest
 import pyvista as pv
 import trimesh
 import xarray as xr
-from scipy.interpolate import BPoly, BSpline
+from scipy.interpolate import BSpline
 from scipy.spatial import cKDTree
 
 from solver import Case, Cylinder, Rod, Solution, Start, solve
@@ -22,13 +21,11 @@ from solver.problem.errors import InputError
 from studies.language.loader import loads
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
-from tests.workbench.command import exit_status
 from workbench.commands import export as export_command
 from workbench.commands import option_checks
 from workbench.commands import plot as plot_command
 from workbench.export import formats, step
-from workbench.export.base import Format, Options
-from workbench.export.base import Rod as StoredRod
+from workbench.export.base import Options
 from workbench.export.stored_rod import export
 from workbench.figures import kinds
 from workbench.geometry import centreline, self_contact, stored_line
@@ -76,23 +73,6 @@ def test_the_curve_between_stations_is_the_solvers_within_what_it_says_of_itself
         assert missed < 1e-8  # measured 3e-9 at the softest
 
 
-def test_the_slope_that_is_not_stored_follows_from_the_angles_and_the_loads(ds) -> None:
-    found = line(ds)
-    assert "dbeta" not in ds
-    # measured 2e-9: stations are 0.1 apart where beta swings with some 3 rad/cm
-    np.testing.assert_allclose(found.dbeta, rod(2e4, found.s).dbeta, atol=2e-8)
-
-
-def test_too_few_stations_are_refused_and_the_number_named_is_enough(ds) -> None:
-    coarse = line(ds, 0, 8)
-    with pytest.raises(InputError, match=r"26 stations fix the rod.*store about \d+") as told:
-        coarse.check(1e-6)
-    more = int(re.search(r"about (\d+)", str(told.value))[1])
-    assert 60 < more < 400  # 201 give 4e-8, 101 4e-6
-    study = loads(STUDY.replace("201", str(more)), default_name="moduli")
-    stored_line.read(in_memory.run(study), {"E": 0}).check(1e-6)
-
-
 def test_a_bend_tighter_than_the_rod_and_turns_that_meet_are_found_where_they_are(ds) -> None:
     tight, meets = self_contact.findings(line(ds, 0), "cm")
     assert tight.tight
@@ -106,33 +86,6 @@ def test_a_bend_tighter_than_the_rod_and_turns_that_meet_are_found_where_they_ar
     assert gap == pytest.approx(np.linalg.norm(ends[0] - ends[1]), abs=1e-3)  # s is told to four digits
     assert gap < 0.5
     assert self_contact.findings(line(ds), "cm") == []
-
-
-@pytest.mark.parametrize("angle, meet", [(1.48, False), (1.50, True), (1.55, True)])
-def test_turns_of_a_helix_meet_where_the_next_turn_is_less_than_the_rods_thickness_away(angle, meet) -> None:
-    found = helix(angle)
-    q = np.linspace(3.0, 12, 4001)
-    nearest = np.linalg.norm(found.frame(q)[0] - found.frame(np.zeros(1))[0], axis=-1).min()
-    assert (nearest < 2 * found.a) == meet
-    assert bool(self_contact.findings(found, "cm")) == meet
-
-
-@pytest.mark.parametrize("shape", [(30, 3), (30, 4, 2)])
-def test_all_pieces_of_a_curve_at_once_are_what_scipy_makes_one_by_one(shape: tuple[int, ...]) -> None:
-    rng = np.random.default_rng(1)
-    s, known = np.sort(rng.uniform(0, 5, 30)), rng.normal(size=shape)
-    made, one_by_one = centreline.through(s, known), BPoly.from_derivatives(s, known)
-    # sums of six or eight products, each rounded
-    np.testing.assert_allclose(made.c, one_by_one.c, rtol=0, atol=1e-14 * np.abs(one_by_one.c).max())
-
-
-def helix(b: float) -> centreline.Centreline:
-    s = np.linspace(0, 30, 301)
-    rho = 1.0
-    l, p = 0.0, -2 * np.cos(b) * np.sin(b) ** 2 / rho**2  # H(b) = 0
-    full = np.full_like(s, b)
-    turn = s * np.sin(b) / rho
-    return centreline.Centreline(s, turn, full, 0 * s, s * np.cos(b), 0.75, 0.25, rho, 1.0, l, 0.0, p, "outside")
 
 
 # CAD
@@ -166,14 +119,6 @@ def parts(kernel, shape, kind: str, outside: str = "SHAPE") -> list:
         out.append(found.Current())
         found.Next()
     return out
-
-
-@pytest.mark.slow
-def test_the_solid_in_a_step_file_is_valid_and_has_the_rods_volume_in_its_unit(kernel, step_file) -> None:
-    (solid,) = parts(kernel, shapes(kernel, step_file), "SOLID")
-    assert kernel.BRepCheck_Analyzer(solid).IsValid()
-    # read in mm, written in cm; measured 1e-10 off
-    assert step.volume(kernel, solid) == pytest.approx(1e3 * VOLUME, rel=1e-8)
 
 
 def solved_line(
@@ -212,17 +157,6 @@ def test_open_cascades_default_measures_the_volume_of_pappus(kernel, tmp_path, n
     assert kernel.BRepCheck_Analyzer(solid).IsValid()
     (shell,) = parts(kernel, solid, "SHELL")
     assert shell.Closed()
-
-
-@pytest.mark.slow
-def test_the_curve_in_a_step_file_is_the_solvers_at_every_arc_length(kernel, step_file) -> None:
-    (edge,) = parts(kernel, shapes(kernel, step_file), "EDGE", outside="FACE")
-    from OCP.BRep import BRep_Tool
-
-    curve = BRep_Tool.Curve_s(kernel.TopoDS.Edge(edge), 0.0, 0.0)
-    for s in np.linspace(0, 20, 301):
-        at = curve.Value(float(s))
-        assert np.linalg.norm(np.array([at.X(), at.Y(), at.Z()]) / 10 - rod(2e4, np.array([s])).position[0]) < 1e-6
 
 
 def test_the_text_of_a_step_file_says_the_same_to_a_reader_without_a_cad_kernel(step_file) -> None:
@@ -395,26 +329,6 @@ def test_a_study_that_varies_the_angle_is_exported_with_the_one_along_the_rod(tm
 # the table of formats
 
 
-def test_a_format_is_one_module_and_its_suffixes_in_the_table() -> None:
-    modules = [import_module(f"workbench.export.{path.stem}") for path in Path(formats.__file__).parent.glob("*.py")]
-    declared = [module.FORMAT for module in modules if hasattr(module, "FORMAT")]
-    assert {suffix for one in declared for suffix in one.suffixes} == set(formats.FORMATS)
-    assert len(declared) == len(set(map(id, formats.FORMATS.values())))
-
-
-def test_a_row_in_the_table_is_all_that_a_new_format_needs(folder, tmp_path, monkeypatch, capsys) -> None:
-    def write(path: Path, rod: StoredRod) -> dict[str, float]:
-        path.write_text(f"{rod.title}: {rod.line.L:g} {rod.unit}")
-        return {"letters": 5}
-
-    monkeypatch.setitem(formats.FORMATS, ".toy", Format((".toy",), write))
-    assert exit_status("export", folder / "moduli.h5", "--at", "E=2e4", "-o", tmp_path / "rod.toy") == 0
-    assert (tmp_path / "rod.toy").read_text() == "moduli E=20000: 20 cm"
-    assert "letters 5" in capsys.readouterr().out
-    with pytest.raises(InputError, match=r"cannot export to 'rod.none'.*\.toy"):
-        formats.format_of(Path("rod.none"))
-
-
 # the command
 
 
@@ -512,3 +426,21 @@ def test_a_solution_exports_itself_and_refuses_a_unit_that_the_format_does_not_k
     with pytest.raises(InputError, match="exists"):
         sol.export(tmp_path / "rod.glb", length="cm")
     sol.export(tmp_path / "rod.glb", length="mm", replace=True)
+
+
+@pytest.mark.parametrize("angle, meet", [(1.48, False), (1.50, True), (1.55, True)])
+def test_turns_of_a_helix_meet_where_the_next_turn_is_less_than_the_rods_thickness_away(angle, meet) -> None:
+    found = helix(angle)
+    q = np.linspace(3.0, 12, 4001)
+    nearest = np.linalg.norm(found.frame(q)[0] - found.frame(np.zeros(1))[0], axis=-1).min()
+    assert (nearest < 2 * found.a) == meet
+    assert bool(self_contact.findings(found, "cm")) == meet
+
+
+def helix(b: float) -> centreline.Centreline:
+    s = np.linspace(0, 30, 301)
+    rho = 1.0
+    l, p = 0.0, -2 * np.cos(b) * np.sin(b) ** 2 / rho**2  # H(b) = 0
+    full = np.full_like(s, b)
+    turn = s * np.sin(b) / rho
+    return centreline.Centreline(s, turn, full, 0 * s, s * np.cos(b), 0.75, 0.25, rho, 1.0, l, 0.0, p, "outside")

@@ -154,19 +154,6 @@ def test_a_worker_that_is_killed_costs_a_chunk_which_is_solved_again(whole, tmp_
     assert runs.contents(tmp_path / "many.h5") == whole
 
 
-@pytest.mark.slow
-def test_a_worker_ends_with_the_run_that_was_killed(tmp_path) -> None:
-    runs.study(tmp_path, GRID)
-    before = TELLING.replace("time.sleep(60)", "time.sleep(1)")
-    with runs.start(tmp_path, "many.toml", "--workers", 2, "--chunk", 16, before=before) as process:
-        worker = int(awaited(tmp_path / "worker", process))
-        process.kill()
-    until = time.monotonic() + 600
-    while alive(worker):
-        assert time.monotonic() < until
-        time.sleep(0.05)
-
-
 def alive(pid: int) -> bool:
     """Whether there is such a process, one that only waits to be buried aside."""
     try:
@@ -278,31 +265,6 @@ def test_a_merge_on_a_full_disk_says_so_and_leaves_nothing(tmp_path) -> None:
     assert (done.returncode, done.stdout) == (2, ""), done.stderr
     assert re.fullmatch(r"workbench: cannot write c\.h5: .*\n", done.stderr)
     assert {path.name for path in tmp_path.iterdir()} == before
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root mounts a file system")
-@pytest.mark.parametrize("size", ["60k", "1m"])
-def test_a_file_system_that_is_full_is_told_and_what_is_finished_is_kept(size, whole, tmp_path) -> None:
-    small = tmp_path / "small"
-    small.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(small)]
-    if subprocess.run(mount, capture_output=True, check=False).returncode:
-        pytest.skip("this machine does not let itself mount a tmpfs")
-    try:
-        runs.study(small, GRID)
-        believing = SMALL + "from workbench.store import shards; shards.free = lambda folder: 10**12\n"
-        done = runs.run(small, "many.toml", "--workers", 1, "--chunk", 16, before=believing)
-        assert done.returncode == 2, done.stderr
-        assert re.fullmatch(r"workbench: cannot write many\.h5: .*; finished cases are kept; .*\n", done.stderr)
-        assert not (small / "many.h5").exists()
-        kept = len(list(small.glob("many.h5.parts/*.shard")))
-        assert kept > 0
-        remount = ["mount", "-o", "remount,size=10m", str(small)]
-        subprocess.run(remount, check=True)
-        assert f", {min(16 * kept, 150)} kept from an earlier run" in finished(small, whole)
-    finally:
-        subprocess.run(["umount", str(small)], check=True)
 
 
 def test_a_folder_that_cannot_be_written_is_refused_before_any_work(tmp_path) -> None:

@@ -1,7 +1,5 @@
 """`workbench sensitivity` and `workbench.influence`: elasticities of one case, Sobol' indices of a sampled study."""
 
-import csv
-import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -17,8 +15,7 @@ from studies.language.loader import loads
 from studies.language.samples import METHODS
 from tests.workbench import small
 from tests.workbench.command import run
-from tests.workbench.pictures import pixels, share_of_ink
-from workbench.figures import bars, canvas
+from workbench.figures import bars
 from workbench.influence import analyse, local, sobol
 from workbench.influence.derivatives import REAL, sentences
 from workbench.influence.design import Design, design_of
@@ -148,11 +145,6 @@ def test_other_samples_are_no_design() -> None:
     assert design_of(np.exp(5 * points)) == Design(3, 8, False)  # of any distribution
 
 
-def test_a_larger_size_keeps_the_blocks_that_there_are() -> None:
-    few, many = samples("saltelli", 16), samples("saltelli", 64)
-    np.testing.assert_array_equal(many[: few.shape[0]], few)
-
-
 def test_a_number_of_blocks_that_is_no_power_of_two_has_a_caution() -> None:
     assert "16 or 32 are" not in small.study(SAMPLES).sample.caution
     assert "24 blocks" in small.study(SAMPLES.replace("160", "120")).sample.caution
@@ -243,40 +235,6 @@ def test_one_seed_gives_the_same_intervals() -> None:
 # stored studies
 
 
-@pytest.mark.slow
-def test_a_stored_study_of_the_design_has_indices(stored: Path, tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    found = sobol(xr.open_dataset(stored))
-    assert found["observable"].values.tolist() == ["kappa_max", "height"]
-    assert found["field"].values.tolist() == ["E", "R", "F1"]
-    total = found["total"].sel(observable="kappa_max")
-    assert total.values.argmax() == 0  # a change of E by 20 % is more than one of R by 14 %
-    assert float(total.sum()) == pytest.approx(1, abs=0.3)  # 32 blocks
-    run(f"sensitivity {stored} --global --out g.csv --plot g.png --dpi 100")
-    shown = capsys.readouterr().out
-    for part in ("kappa_max", "95 % confidence", "the intervals are rough: 32 blocks"):
-        assert part in shown
-    assert len(list(csv.DictReader(Path("g.csv").read_text(encoding="utf-8").splitlines()))) == 6
-    assert 0.02 < share_of_ink(pixels(Path("g.png"))) < 0.6
-    run(f"sensitivity {stored} --global --show height --confidence 0.8 --json")
-    told = json.loads(capsys.readouterr().out)
-    assert told["confidence"] == 0.8
-    assert [row["observable"] for row in told["rows"]] == ["height"] * 3
-
-
-@pytest.mark.slow
-def test_a_larger_sample_solves_only_the_new_blocks(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    text = small.HEAD.replace("[units]", f"{OBSERVED}stations = 5\n[units]")
-    Path("one.toml").write_text(text + SAMPLES, encoding="utf-8")
-    run("run one.toml")
-    Path("one.toml").write_text(text + SAMPLES.replace("160", "320"), encoding="utf-8")
-    run("run one.toml")
-    assert design_of(np.stack([xr.open_dataset("one.h5")[n].values for n in ("E", "R", "F1")], 1)) == Design(
-        3, 64, False
-    )
-
-
 def test_failed_cells_of_a_file_are_left_out_with_their_blocks(stored: Path) -> None:
     ds = xr.open_dataset(stored).load()
     words = np.where(np.arange(160) == 7, "failed: for a test", "solved")
@@ -306,14 +264,6 @@ def test_without_salib_one_sentence_names_the_extra(stored: Path, monkeypatch, c
     said = capsys.readouterr().err
     assert "install the extra global" in said
     assert said.count("\n") == 1
-
-
-def test_the_bars_of_a_study_have_a_panel_for_each_observable(stored: Path, tmp_path) -> None:
-    found = sobol(xr.open_dataset(stored))
-    fig = bars.indices(found)
-    assert len(fig.axes) == 2
-    assert all(ax.get_xlim() == fig.axes[0].get_xlim() for ax in fig.axes)
-    canvas.save(fig, tmp_path / "bars.pdf")
 
 
 def test_the_bars_say_why_an_index_is_negative_or_a_total_below_that_of_first_order(stored: Path) -> None:

@@ -1,7 +1,5 @@
 """Maps of stored studies: they show the numbers of the file, where they hold, and nothing else."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -11,13 +9,9 @@ from matplotlib.patches import PathPatch
 
 from studies import load
 from studies.laws.line_verdicts import HOLDS, VERDICTS, judge
-from tests.workbench.command import exit_status
-from tests.workbench.pictures import pixels
-from tests.workbench.small import THREE, grid, law, study
-from workbench.figures import canvas, colours, kinds, map_cells, map_figure, regions, scales, study_figure
-from workbench.figures import thumbnails as thumbs
-from workbench.figures.sheet import Sheet
-from workbench.store import in_memory, law_verdicts, writing
+from tests.workbench.small import THREE, law, study
+from workbench.figures import colours, kinds, map_figure, regions, scales
+from workbench.store import in_memory, law_verdicts
 
 
 @pytest.fixture(scope="module")
@@ -87,20 +81,6 @@ def test_values_in_any_order_are_drawn_in_rising_order_and_angles_in_degrees() -
     np.testing.assert_allclose(mesh.get_coordinates()[0, :, 0], [15, 37.5, 60])
 
 
-@pytest.mark.slow
-def test_one_scale_of_colours_serves_every_panel_of_an_observable(three) -> None:
-    fig = map_figure.figure(three, show=["turns", "wraps"])
-    found = meshes(fig)
-    assert len(found) == 2 * map_cells.MOST_COLUMNS
-    for row, name in ((found[:5], "turns"), (found[5:], "wraps")):
-        assert len({id(mesh.norm) for mesh in row}) == 1
-        shown = np.concatenate([mesh.get_array().compressed() for mesh in row])
-        assert row[0].norm.vmin <= shown.min()
-        assert shown.max() <= row[0].norm.vmax
-        np.testing.assert_array_equal(row[0].get_array().reshape(3, 5), three[name].isel(F1=0).sortby("R").T)
-        np.testing.assert_array_equal(row[4].get_array().reshape(3, 5), three[name].isel(F1=8).sortby("R").T)
-
-
 def test_borders_lie_between_cells_of_different_numbers_and_nowhere_else() -> None:
     numbers = np.array([[1, 1, 2], [1, 3, np.nan]])
     lines = regions.borders(numbers, np.arange(4.0), np.arange(3.0))
@@ -132,12 +112,6 @@ def test_the_regions_of_a_count_carry_their_counts(regimes) -> None:
     for text in numbers:
         E, R = text.get_position()
         assert regimes["turns"].sel(E=E, R=R, method="nearest") == int(text.get_text())
-
-
-def test_an_observable_that_is_constant_but_for_rounding_is_not_coloured(regimes) -> None:
-    values = -12.3456789 * (1 + 1e-15 * np.arange(regimes["attached"].size).reshape(regimes["attached"].shape))
-    fig = map_figure.figure(regimes.assign(attached=regimes["attached"].copy(data=values)), show=["attached"])
-    assert np.unique(meshes(fig)[0].to_rgba(values.T)).tolist() == [1.0]  # white
 
 
 def test_differences_that_the_errors_of_the_numbers_allow_are_no_structure(regimes) -> None:
@@ -186,13 +160,6 @@ def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_whe
     assert set(line.get_ydata()) == {row["at"]["R"]}
 
 
-def test_a_law_along_the_axis_upward_has_its_strip_above_the_map(regimes) -> None:
-    (ax,) = maps(map_figure.figure(regimes, "R", "E", ["turns"]))
-    (strip,) = ax.child_axes
-    (shown,) = strip.collections
-    assert shown.get_array().shape == (1, regimes.sizes["R"])
-
-
 def test_on_small_multiples_each_map_has_the_verdicts_of_its_own_lines_and_one_has_the_deciding_line(three) -> None:
     fig = map_figure.figure(three, show=["turns"])
     lines = 0
@@ -218,47 +185,6 @@ def test_a_law_along_a_further_axis_has_a_map_of_verdicts_where_its_lines_differ
     assert len(np.unique(expected)) > 1
 
 
-@pytest.mark.slow
-def test_shapes_are_developed_curves_at_one_scale_each_in_its_cell(regimes, tmp_path) -> None:
-    fig = map_figure.figure(regimes, show=["turns"], shapes=thumbs.Shapes(4, 3))
-    canvas.save(fig, tmp_path / "shapes.png")
-    panel = maps(fig)[-1]
-    assert len(panel.child_axes) == 12
-    inches = []
-    for inset in panel.child_axes:
-        box = inset.get_window_extent()
-        inches.append((box.width / np.ptp(inset.get_xlim()), box.height / abs(np.ptp(inset.get_ylim()))))
-        E, R = panel.transData.inverted().transform(((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2))
-        one = regimes.sel(E=E, R=R, method="nearest")
-        assert np.log([E / float(one["E"]), R / float(one["R"])]) == pytest.approx(0, abs=0.02)  # cells are 0.08 wide
-        drawn = max((line.get_xdata() for line in inset.lines), key=len)
-        np.testing.assert_array_equal(drawn, one["z"])
-    np.testing.assert_allclose(inches, inches[0][0], rtol=1e-6)  # pixels per length, to the right and up
-
-
-def test_a_region_too_small_for_its_number_has_its_colour_in_the_bar(regimes) -> None:
-    counts = np.full(regimes["turns"].shape, 2)
-    counts[:, :9] = 1
-    counts[7, 4] = 5  # one cell
-    ds = regimes.assign(turns=regimes["turns"].copy(data=counts))
-    fig = map_figure.figure(ds, show=["turns"], sheet=Sheet(3.6))
-    assert sorted(text.get_text() for text in maps(fig)[0].texts if text.get_text().isdigit()) == ["1", "2"]
-    (bar,) = [ax for ax in fig.axes if ax.get_label() == "<colorbar>"]
-    assert "5" in [label.get_text() for label in bar.get_yticklabels()]
-
-
-@pytest.mark.parametrize("most", [5, 9, 30, 3000])
-def test_the_numbers_of_a_bar_of_colours_do_not_meet_on_the_narrowest_page(regimes, most: int) -> None:
-    counts = np.full(regimes["turns"].shape, 1)
-    counts[7, 4] = most
-    ds = regimes.assign(turns=regimes["turns"].copy(data=counts))
-    fig = map_figure.figure(ds, show=["turns", "attached"], sheet=Sheet(2.5, "paper", titled=False))
-    fig.canvas.draw()
-    for bar in (ax for ax in fig.axes if ax.get_label() == "<colorbar>"):
-        boxes = [label.get_window_extent() for label in bar.get_yticklabels() if label.get_text()]
-        assert all(low.y1 < high.y0 for low, high in pairwise(sorted(boxes, key=lambda box: box.y0)))
-
-
 def test_a_study_over_two_axes_is_a_map_and_over_one_it_is_lines(regimes) -> None:
     one = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]"))
     narrow = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.75]"))
@@ -274,23 +200,6 @@ def test_a_study_of_samples_over_two_axes_is_a_map_only_where_it_is_asked_for() 
     np.testing.assert_array_equal(
         meshes(fig)[0].get_array().reshape(2, 2), ds["wraps"].sel(sample=3).transpose("R", "E")
     )
-
-
-@pytest.mark.slow
-def test_the_command_draws_the_kind_that_it_is_asked_for(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    ds = in_memory.run(grid())
-    writing.write(ds, "small.h5")
-    words = {"map": ("--show", "turns"), "lines": ("--kind", "lines"), "turned": ("--x", "R", "--show", "wraps,turns")}
-    expected = {
-        "map": map_figure.figure(ds, show=["turns"]),
-        "lines": study_figure.figure(ds),
-        "turned": map_figure.figure(ds, "R", "E", ["wraps", "turns"]),
-    }
-    for name, more in words.items():
-        assert exit_status("plot", "small.h5", "--dpi", "50", "--out", f"{name}.png", *more) == 0
-        canvas.save(expected[name], tmp_path / "expected.png", 50)
-        np.testing.assert_array_equal(pixels(tmp_path / f"{name}.png"), pixels(tmp_path / "expected.png"))
 
 
 def test_the_two_regimes_of_the_page_are_those_of_the_potential() -> None:

@@ -18,8 +18,7 @@ from tests.workbench import small
 from workbench import cli
 from workbench.figures import study_figure
 from workbench.figures.laws import panel
-from workbench.store import in_memory, law_verdicts, writing
-from workbench.web.report import law_cards
+from workbench.store import in_memory, law_verdicts
 
 SAID = """
 [expressions]
@@ -95,20 +94,6 @@ def test_each_kind_of_law_is_judged_from_what_is_stored(ds: xr.Dataset) -> None:
     assert law_words.measure(rows["boundary"]) == "passes between 0.75 and 1"
 
 
-@pytest.mark.slow
-def test_two_parts_of_a_study_with_expressions_are_merged(tmp_path: Path) -> None:
-    law = f"[[laws]]\nclaim = 'equals'\naxis = 'R'\nsource = 's'\n{HEADS['equals']}\n"
-    for name, values in (("a", "[0.5, 0.75]"), ("b", "[1.0, 1.25]")):
-        part = small.study(f"{SAID}[axes.R]\nvalues = {values}\n{law}", "outputs = []\n")
-        writing.write(in_memory.run(part), tmp_path / f"{name}.h5")
-    status, said = run(tmp_path / "b.h5", "merge", "--out", str(tmp_path / "c.h5"), str(tmp_path / "a.h5"))
-    assert status == 0, said
-    with xr.open_dataset(tmp_path / "c.h5") as both:
-        assert both["share"].sizes == {"R": 4}
-        assert both["share"].attrs["expression"] == "kappa_mean/kappa_max"
-        assert law_verdicts.verdicts(both)[0]["verdict"] == HOLDS
-
-
 def test_a_formula_may_use_a_field_of_the_base_and_a_stiffness(tmp_path: Path) -> None:
     rule = (
         "kind = 'equals'\nobservable = 'bending_moment_max'\nformula = 'bending_stiffness*kappa_max + 0*F3*L*dgamma*cm'"
@@ -163,13 +148,6 @@ def test_the_buckled_pipe_is_lubinskis_and_mitchells_up_to_the_angle_of_its_heli
     assert rows["power"]["numbers"]["exponent"] == pytest.approx(2, abs=1e-3)
     assert (pipe["lifts_off"] == 1).all()  # at the two ends, within an eighth of a turn
     assert (pipe["end_share"] < 1 / 8).all()
-
-
-def test_the_report_has_a_card_for_each_kind_of_law(pipe: xr.Dataset) -> None:
-    cards = {row["claim"]: law_cards.law_of(pipe, row) for row in law_verdicts.verdicts(pipe)}
-    assert cards["Lubinski"]["stated"].endswith(" equals lubinski_pitch within 1 %, along FZ")
-    assert cards["pitch"]["stated"].endswith(" rises with FZ")
-    assert cards["Lubinski"]["measured"].startswith("at most 0.0182 % off, at FZ = −300")
 
 
 @pytest.mark.slow

@@ -1,6 +1,5 @@
 """Refined studies: cases are added where a watched number changes, stored, resumed, drawn, and compared with a grid."""
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +12,9 @@ from solver import observe, solve
 from studies import Study
 from studies.language.loader import loads
 from tests.workbench import runs, small
-from tests.workbench.command import run
 from tests.workbench.pictures import pixels, share_of_ink
-from workbench.figures import canvas, kinds, map_figure, study_figure, thumbnails
-from workbench.store import attributes, block, in_memory, law_verdicts, reading, recipe, refined, writing
+from workbench.figures import canvas, kinds, map_figure, study_figure
+from workbench.store import attributes, block, in_memory, law_verdicts, reading, refined
 from workbench.store.boundary import boundary, boundary_of_law
 from workbench.store.file_summary import summary
 from workbench.store.study_store import Options, run_to_file
@@ -104,19 +102,6 @@ def test_the_map_shows_at_every_place_the_number_of_the_uniform_grid(stored: Pat
             np.testing.assert_array_equal(shown[i::2, j::2], corner)
 
 
-def test_the_summary_lists_each_place_along_one_axis(line: xr.Dataset, tmp_path, capsys) -> None:
-    writing.write(line, tmp_path / "line.h5")
-    run(f"summary {tmp_path / 'line.h5'}")
-    said = capsys.readouterr().out
-    found = boundary(line, "turns")
-    for pair in (found.isel(pair=k) for k in range(found.sizes["pair"])):
-        (place,) = re.findall(
-            rf"turns: {int(pair['before'])} to {int(pair['after'])} at E = ([\d.]+) \+- ([\d.]+) ", said
-        )
-        assert float(place[0]) == pytest.approx(float(pair["E"]), abs=float(pair["E_half_width"]))
-        assert float(place[1]) == pytest.approx(float(pair["E_half_width"]), rel=0.05)
-
-
 def test_along_one_axis_each_jump_is_enclosed_to_the_tolerance(line: xr.Dataset) -> None:
     found = boundary(line, "turns")
     assert found.sizes["pair"] == int(line["turns"].max() - line["turns"].min()) > 1
@@ -181,23 +166,6 @@ def test_a_larger_budget_continues_where_the_smaller_one_ended(stored: Path, tmp
     assert done.solved == first.size
 
 
-def test_a_complete_file_of_other_code_is_replaced_as_that_of_a_grid(stored: Path, tmp_path, monkeypatch) -> None:
-    path, said = tmp_path / "small.h5", list[str]()
-    path.write_bytes(stored.read_bytes())
-    monkeypatch.setattr(recipe, "code_version", lambda: "0.2.0+new")
-    done = run_to_file(study(PLANE + LAW), path, Options(workers=1), said.append)
-    assert done.solved == reading.open_study(stored).sizes["sample"]
-    assert re.match(r"replaces the results in .*small\.h5, which differ: code was [^;]*, now 0\.2\.0\+new$", said[0])
-
-
-def test_another_watched_number_is_another_run(stored: Path, tmp_path) -> None:
-    path = tmp_path / "small.h5"
-    path.write_bytes(stored.read_bytes())
-    done = run_to_file(study(PLANE + LAW, '[refine]\nwatch = ["loops"]\npoints = 30\n'), path, Options(workers=1))
-    with xr.open_dataset(path) as ds:
-        assert done.solved == ds.sizes["sample"]
-
-
 # what is watched
 
 
@@ -250,30 +218,6 @@ def test_a_law_is_judged_on_the_coarse_grid(stored: Path) -> None:
     assert rows[0]["lines"] == 4
 
 
-@pytest.mark.slow
-def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_path, capsys) -> None:
-    plane = PLANE.replace("count = 4", "count = 13")
-    work = study(plane + LAW, '[refine]\nlaws = ["(1)"]\ntolerance = 0.01\n')
-    path = tmp_path / "small.h5"
-    run_to_file(work, path, Options(workers=1))
-    with xr.open_dataset(path) as ds:
-        found = ds.rod.boundary("(1)")
-        lattice = refined.describe(ds).lattice
-        lines = ", ".join(repr(float(R)) for R in lattice.along("R", np.arange(lattice.sizes[1])))
-        fine = study(plane.partition("[axes.R]")[0] + f"[axes.R]\nvalues = [{lines}]\n" + LAW, "")
-        grid = in_memory.run(fine)
-        (law,) = attributes.laws(grid)
-        verdicts = law_verdicts.verdicts_of_lines(grid, law).values
-        change = np.flatnonzero(verdicts[1:] != verdicts[:-1])
-        assert change.size == found.sizes["pair"] == 3
-        np.testing.assert_allclose(found["R"], (grid["R"].values[change] + grid["R"].values[change + 1]) / 2)
-        np.testing.assert_array_equal(found["before"], verdicts[change])
-        np.testing.assert_array_equal(found["after"], verdicts[change + 1])
-        assert ds.sizes["sample"] == 5 * 13 + 3 * 5 * lattice.depth
-    run(f"summary {path}")
-    assert "law (1)" in capsys.readouterr().out
-
-
 def test_a_law_changes_its_verdict_between_the_two_lines_that_its_boundary_names() -> None:
     """The two lines alone, solved as a study of their own, have the two verdicts."""
     ds = in_memory.run(study(PLANE + LAW, '[refine]\nlaws = ["(1)"]\ntolerance = 0.1\n'))
@@ -313,29 +257,6 @@ def test_the_default_picture_is_a_map_in_the_plane_and_lines_along_an_axis(store
     canvas.save(study_figure.figure(ds), tmp_path / "lines.png", dpi=50)
 
 
-@pytest.mark.slow
-def test_shapes_are_drawn_over_the_refined_map(tmp_path) -> None:
-    ds = in_memory.run(study(refine=REFINE.replace("15", "8"), head=HEAD.replace("[]", '["alpha", "z", "contact"]')))
-    fig = map_figure.figure(ds, shapes=thumbnails.Shapes(3, 2))
-    assert len(fig.axes[-1].child_axes) == 6 or any(len(ax.child_axes) == 6 for ax in fig.axes)
-
-
-@pytest.mark.slow
-def test_the_commands_tell_what_ended_the_refinement_and_where_the_boundary_is(stored: Path, tmp_path, capsys) -> None:
-    path = tmp_path / "small.toml"
-    path.write_text(study(PLANE + LAW).text)
-    run(f"run {path} --out {tmp_path / 'small.h5'} --json", 1)
-    assert '"refinement": "refinement ended as the tolerance is reached' in capsys.readouterr().out
-    for words, status in ((f"summary {stored}", 0), (f"check {stored}", 1)):
-        run(words, status)
-        assert "refinement ended as the tolerance is reached" in capsys.readouterr().out
-    found = summary(stored)["boundaries"]
-    assert [(row["name"], row["axis"]) for row in found] == [("turns", "E"), ("turns", "R")]
-    assert sum(row["pairs"] for row in found) == boundary(reading.read(stored), "turns").sizes["pair"]
-    run("list")
-    assert "refined" in capsys.readouterr().out
-
-
 def test_a_grid_has_a_boundary_too() -> None:
     ds = in_memory.run(small.study(PLANE, HEAD))
     found = boundary(ds, "turns")
@@ -352,3 +273,11 @@ def test_an_ends_problem_is_refined_by_the_rule_of_its_equilibrium() -> None:
     for i in (0, ds.sizes["sample"] - 1):
         alone = observe(solve(work.case_of({"E": float(ds["E"][i])})), ["amplitude"])["amplitude"]
         np.testing.assert_allclose(float(ds["amplitude"][i]), float(alone), rtol=1e-7)
+
+
+def test_another_watched_number_is_another_run(stored: Path, tmp_path) -> None:
+    path = tmp_path / "small.h5"
+    path.write_bytes(stored.read_bytes())
+    done = run_to_file(study(PLANE + LAW, '[refine]\nwatch = ["loops"]\npoints = 30\n'), path, Options(workers=1))
+    with xr.open_dataset(path) as ds:
+        assert done.solved == ds.sizes["sample"]

@@ -3,7 +3,6 @@
 import base64
 import json
 import re
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -25,8 +24,7 @@ from studies.laws import law_words
 from tests import transcripts
 from tests.workbench import browser, node, small
 from tests.workbench.pictures import shares_of_push
-from workbench.figures import canvas, colours
-from workbench.scene import opengl
+from workbench.figures import canvas
 from workbench.store import in_memory, law_verdicts, reading, writing
 from workbench.store.in_memory import StudyResult
 from workbench.web.report import law_cards, measured_runs, report_document, report_runs, sources
@@ -109,10 +107,6 @@ def text(results, readings, measured) -> str:
     return report_document.html(results, readings, measured=measured)
 
 
-def without_scenes(results: list[StudyResult]) -> list[StudyResult]:
-    return [replace(result, pictures={"figure": result.pictures["figure"]}) for result in results]
-
-
 def test_nothing_outside_the_file_is_needed(text) -> None:
     page = Page(text)
     cited = f"https://doi.org/{sources.PAPER['doi']}"
@@ -148,36 +142,6 @@ def test_every_picture_is_inside_and_described(text, results) -> None:
         data = BytesIO(base64.b64decode(picture["src"].partition(",")[2]))
         assert image.imread(data, format="webp").ndim == 3
         assert len(picture["alt"]) > 10
-
-
-def test_verdicts_are_words_and_colours(text, readings) -> None:
-    kinds = "|".join(report_document.CLASSES.values())
-    cells = re.findall(rf'<td class="({kinds})"[^>]*><span class="mark (\w+)">([^<]+)</span>', text)
-    assert len(cells) == 12 * 5
-    verdicts = readings["claim_verdict"].values.ravel().tolist()
-    wanted = [
-        (report_document.CLASSES[one], report_document.CLASSES[one], law_words.PLAIN[one].capitalize())
-        for one in verdicts
-    ]
-    assert cells == wanted
-    assert list(colours.VERDICTS) == list(report_document.CLASSES)
-
-
-def test_a_load_that_a_reading_drops_neither_supports_nor_refutes_a_claim(readings) -> None:
-    rows = {row["name"]: row for row in law_cards.of_readings(readings)["rows"]}
-    for name, row in rows.items():
-        cell = row["cells"][4]
-        (along_f1, along_f3) = [law for law in json.loads(readings.attrs["rows"])[name] if law["claim"] == "(5)"]
-        told = "Not tested along F₁: F₁ has no effect under this reading; along F₃ it "
-        assert cell["reason"].startswith(told) == name.startswith("twist-first")
-        if name.startswith("twist-first"):
-            assert (along_f1["verdict"], along_f1["first"]) == ("not decided", along_f1["last"])
-            assert cell["verdict"] == ("fails" if along_f3["verdict"] == "fails" else "not decided")
-            words = [one["verdict"] for one in row["cells"]]
-            assert ("not decided" in row["counts"]) == ("not decided" in words)
-            assert row["counts"].endswith(f"{words.count('fails')} false")
-    assert rows["twist-first/tension/solid"]["cells"][4]["reason"].endswith("along F₃ it is true.")
-    assert rows["twist-first/compression/solid"]["cells"][4]["verdict"] == "fails"  # along F3, which this reading uses
 
 
 def test_the_card_of_a_claim_and_the_table_of_readings_have_one_verdict(readings) -> None:
@@ -245,13 +209,6 @@ def test_the_versions_are_those_of_all_files_and_where_they_differ_each_is_named
     assert f"numpy {packages['numpy']}, " in told
 
 
-@pytest.mark.slow
-def test_without_opengl_every_panel_still_turns(results, readings) -> None:
-    page = Page(report_document.html(without_scenes(results), readings))
-    assert len(page.pictures) == len(results)
-    assert set(json.loads(page.packed["data"])["figures"]) == {f"turn-{name}" for name in PAPER}
-
-
 def test_without_readings_the_report_says_so(results) -> None:
     assert "The readings were not computed." in report_document.html(results[:1])
 
@@ -279,29 +236,6 @@ def test_the_report_replaces_the_old_one_whole(results, measured, tmp_path, monk
         report_document.write(results[:1], tmp_path / "nowhere")
     with pytest.raises(InputError, match="at least one study"):
         report_document.html([])
-
-
-@pytest.mark.slow
-def test_on_a_machine_without_opengl_everything_else_is_done(readings, monkeypatch, tmp_path: Path, capsys) -> None:
-    from workbench.commands.reproduce import reproduce
-
-    # VTK would end this very process, as it does there
-    monkeypatch.setattr(opengl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
-    monkeypatch.setitem(sys.modules, "workbench.scene.layout", None)
-    monkeypatch.setattr(report_runs, "run_readings", lambda panels, step: readings)  # seconds saved
-    opengl.probe.cache_clear()
-    try:
-        assert reproduce(tmp_path) == 0
-    finally:
-        opengl.probe.cache_clear()
-    assert "libegl1 libgl1-mesa-dri" in capsys.readouterr().out
-    for name in PAPER:
-        assert (tmp_path / f"{name}.h5").exists()
-        assert (tmp_path / f"{name}.png").stat().st_size > 10_000
-    assert not list(tmp_path.glob("*scene*"))
-    report = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "libegl1" not in report  # a reader is no developer: there every panel turns in the browser
-    assert report.count('class="turntable') == len(PAPER)
 
 
 def test_a_drawing_is_packed_as_sharp_as_it_is(tmp_path) -> None:
@@ -516,20 +450,6 @@ def test_only_a_touch_screen_is_told_to_tap(text) -> None:
     style_ = text.partition("<style>")[2].partition("</style>")[0]
     (line,) = [line for line in style_.splitlines() if "tap to enlarge" in line]
     assert line.startswith("@media screen and (hover: none) and (pointer: coarse) {")
-
-
-@pytest.mark.slow
-def test_a_turntable_comes_back_after_a_lost_drawing_context(shown) -> None:
-    shown.execute_script(f"document.querySelector('{FIGURE}').scrollIntoView()")
-    before = seen_in(shown)
-    canvas = f"document.querySelector('{FIGURE} canvas.rod')"
-    shown.execute_script(f"window.lose = {canvas}.getContext('webgl2').getExtension('WEBGL_lose_context')")
-    told = f"document.querySelector('{FIGURE} .lost').textContent"
-    shown.execute_script("lose.loseContext()")
-    until(shown, f"return {told}.includes('stopped drawing')")
-    shown.execute_script("lose.restoreContext()")
-    until(shown, f"return {told} === ''")
-    np.testing.assert_allclose(seen_in(shown), before, atol=0.02)
 
 
 def test_beside_each_turntable_stand_the_observables_of_its_rod(text, results) -> None:

@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.stats import spearmanr
 
 import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import observe, solve
@@ -13,7 +12,6 @@ from studies import Study
 from studies.language.loader import loads
 from tests.workbench import runs, small
 from tests.workbench.command import run
-from tests.workbench.pictures import pixels, share_of_ink
 from workbench.commands import study_scene
 from workbench.figures import canvas, scatter, study_figure
 from workbench.figures.sheet import SCREEN
@@ -100,33 +98,11 @@ def test_a_longer_sobol_sequence_solves_only_the_new_samples(stored: Path, tmp_p
     assert runs.contents(path) == runs.contents(tmp_path / "whole.h5")
 
 
-def test_other_samples_of_as_many_are_all_solved(stored: Path, tmp_path) -> None:
-    path = tmp_path / "small.h5"
-    path.write_bytes(stored.read_bytes())
-    assert run_to_file(study(40, 4), path, Options(workers=1)).solved == 40
-
-
-@pytest.mark.slow
-def test_samples_over_an_axis_grow_along_both(tmp_path) -> None:
-    path = tmp_path / "small.h5"
-    run_to_file(study(4, more="[axes.F1]\nvalues = [3.0, 8.0]\n"), path)
-    assert run_to_file(study(8, more=AXIS), path).solved == 8 * 3 - 4 * 2
-    run_to_file(study(8, more=AXIS), tmp_path / "whole.h5")
-    assert runs.contents(path) == runs.contents(tmp_path / "whole.h5")
-
-
 def test_a_law_is_judged_on_the_line_of_every_sample(crossed: xr.Dataset) -> None:
     from workbench.store import law_verdicts
 
     (row,) = law_verdicts.verdicts(crossed)
     assert (row["lines"], row["at"], row["verdict"]) == (5, {"sample": 2.0}, "holds")
-
-
-def test_one_sample_is_a_study_too(tmp_path) -> None:
-    run_to_file(study(1), tmp_path / "one.h5")
-    found = summary(tmp_path / "one.h5")
-    assert (found["cases"], found["unsolved"]) == (1, 0)
-    assert study_figure.figure(reading.read(tmp_path / "one.h5")).axes
 
 
 def test_samples_of_an_ends_problem_are_each_solved_by_the_rule() -> None:
@@ -158,16 +134,6 @@ def test_merged_samples_are_those_of_all_files_each_once(stored: Path, tmp_path)
         assert stored_case.study_of(ds).samples_count == 58
         again = in_memory.run(loads(ds.attrs["study"]))
         np.testing.assert_array_equal(again["kappa_max"], ds["kappa_max"])
-
-
-@pytest.mark.slow
-def test_repeated_samples_of_one_file_stay_repeated(tmp_path) -> None:
-    paths = [tmp_path / "a.h5", tmp_path / "b.h5"]
-    for path, E in zip(paths, ([1e4, 1e4, 2e4], [2e4, 3e4]), strict=True):
-        writing.write(in_memory.run(small.study(f"[zip]\nE = {E}\n", HEAD)), path)
-    file_merge.merge(paths, tmp_path / "c.h5")
-    with xr.open_dataset(tmp_path / "c.h5") as ds:
-        assert ds["E"].values.tolist() == [1e4, 1e4, 2e4, 3e4]
 
 
 @pytest.mark.slow
@@ -270,30 +236,6 @@ def drawn(ds: xr.Dataset) -> list:
     return canvas.page(None, SCREEN, scatter.rows(ds, names, 9.0, narrow=False)).axes
 
 
-@pytest.mark.slow
-def test_the_figure_has_a_panel_for_each_observable_and_sampled_field(stored: Path, tmp_path) -> None:
-    ds = reading.read(stored)
-    panels = drawn(ds)
-    assert len(panels) == 3 * 3
-    assert [ax.get_ylabel() for ax in panels if ax.get_ylabel()] == [
-        "number of bends", "turns around the\ncylinder", "largest curvature\nmax κ [1/cm]",
-    ]  # fmt: skip
-    assert [ax.get_xlabel() for ax in panels[-3:]] == [
-        "Young's modulus  E [N/cm²]", "radius of the cylinder  R [cm]",
-        "angle from the axis at the start  β₀ [°]",
-    ]  # fmt: skip
-    assert [ax.get_xscale() for ax in panels[:3]] == ["log", "linear", "linear"]
-    points = panels[5].collections[0].get_offsets()  # wraps against beta0
-    np.testing.assert_allclose(points, np.stack([np.degrees(ds["beta0"]), ds["wraps"]], 1))
-    expected = spearmanr(ds["beta0"], ds["wraps"]).statistic
-    assert panels[5].get_title(loc="right") == f"r = {expected:+.2f}".replace("-", "−")
-    canvas.save(study_figure.figure(ds), tmp_path / "s.png", dpi=80)
-    picture = pixels(tmp_path / "s.png")
-    assert 0.005 < share_of_ink(picture) < 0.6
-    edge = np.concatenate([picture[:4].ravel(), picture[:, :4].ravel(), picture[:, -4:].ravel()])
-    assert (edge > 0.98).all()  # no label is cut off
-
-
 def test_unsolved_samples_are_crosses_and_no_points(stored: Path) -> None:
     ds = reading.read(stored)
     ds["wraps"][7] = np.nan
@@ -318,18 +260,13 @@ def test_samples_at_axes_are_drawn_where_the_axes_are_held(crossed: xr.Dataset) 
     assert "5 samples, at F₁ = 5 N; r: rank correlation." in fig.legends[0].get_title().get_text()
 
 
+def test_a_column_of_other_dimensions_is_no_row(stored: Path) -> None:
+    ds = reading.read(stored)
+    assert selection.observables(ds.assign(turns=ds["turns"][0])) == ["wraps", "kappa_max"]
+
+
 def test_few_samples_or_one_value_have_no_rank_correlation() -> None:
     x = np.arange(9.0)
     assert scatter.rank_correlation(x, x**3) == pytest.approx(1.0)
     assert scatter.rank_correlation(x, 0 * x) is None
     assert scatter.rank_correlation(x[:5], x[:5]) is None
-
-
-def test_samples_over_an_axis_without_curves_have_a_figure() -> None:
-    ds = in_memory.run(study(3, more=AXIS)).drop_vars(["alpha", "z", "beta"])
-    assert study_figure.figure(ds).axes
-
-
-def test_a_column_of_other_dimensions_is_no_row(stored: Path) -> None:
-    ds = reading.read(stored)
-    assert selection.observables(ds.assign(turns=ds["turns"][0])) == ["wraps", "kappa_max"]

@@ -3,13 +3,11 @@
 import resource
 from dataclasses import asdict, replace
 from itertools import product
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import to_hex, to_rgb
-from matplotlib.figure import Figure
 from PIL import Image
 
 from solver.mechanics import frames
@@ -17,18 +15,17 @@ from solver.problem.errors import InputError
 from studies import load
 from studies.language.loader import loads
 from tests.cases import helix_moment, in_units_of_rho
-from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench.commands import option_checks, scene
-from workbench.figures import canvas, colours, scales
+from workbench.figures import canvas, colours
 from workbench.geometry import refinement, self_contact
 from workbench.geometry.centreline import Centreline
 from workbench.scene import body as rods
 from workbench.scene import long_rod, opengl, page, scene_kinds, surfaces, views
 from workbench.scene.scene_kinds import KINDS, Cell, kind_of
 from workbench.scene.views import View
-from workbench.store import in_memory, selection, writing
+from workbench.store import in_memory, writing
 from workbench.store.schema import SECTION
 
 START = {"beta": 0.5, "dbeta": 0.1, "dgamma": 0.5}
@@ -57,55 +54,9 @@ def body(ds: xr.Dataset, kind: str = "contact", **where: int) -> rods.Body:
     return rods.read(ds, where, kind_of(kind))
 
 
-def fine(rod: rods.Body) -> surfaces.Part:
-    return surfaces.tube_parts(rod, rod.rings(1e-3, 0.0))[0]
-
-
-@pytest.mark.parametrize("side", ["outside", "inside"])
-def test_the_tube_touches_the_surface_and_has_the_rods_radius(side: str) -> None:
-    away = np.hypot(*fine(body(dataset(side))).points.T[:2])
-    rho = 0.75 + (0.25 if side == "outside" else -0.25)
-    # the ring's own points at the innermost and outermost angle: exact to rounding
-    assert away.min() == pytest.approx(rho - 0.25, abs=1e-12)
-    assert away.max() == pytest.approx(rho + 0.25, abs=1e-12)
-
-
-def test_the_tube_is_closed_and_its_faces_look_outward(fig6) -> None:
-    rod = body(fig6)
-    rings = rod.rings(1e-3, 0.0)
-    (mesh,) = surfaces.tube_parts(rod, rings)
-    points, normals, triangles = mesh.points, mesh.normals, mesh.triangles
-    corners = points[triangles]
-    face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    # inside a bend tighter than the rod is thick the tube folds; elsewhere faces and normals agree
-    assert (np.einsum("ij,ij->i", face, normals[triangles[:, 0]]) > 0).mean() > 0.99
-    volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
-    lost = 1 - np.sinc(2 / rings.sides)  # a polygon's area against its circle's
-    assert volume == pytest.approx(np.pi * 0.25**2 * 20 * (1 - lost), rel=2e-3)
-    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    _, count = np.unique(edges, axis=0, return_counts=True)
-    # only the rims of the two flat ends, which have points of their own
-    assert (count == 1).sum() == 4 * rings.sides
-
-
-def test_a_study_that_varies_the_angle_is_drawn_with_its_stored_tangents() -> None:
-    ds = in_memory.run(load("fig7_3_start_angle"))
-    first, last = (body(ds, beta0=i).line.at(np.zeros(1))[1] for i in (0, 8))
-    assert np.rad2deg(np.concatenate([first, last])) == pytest.approx([15, 60])
-
-
 def test_the_colour_of_lift_off_covers_what_is_not_attached(fig6) -> None:
     values = body(fig6).value(np.linspace(0, 20, 20001))
     assert (values >= 0).mean() == pytest.approx(float(fig6["attached"]), abs=1e-3)
-
-
-@pytest.mark.parametrize("side", ["outside", "inside"])
-def test_push_and_curvature_are_those_of_the_solution(side: str) -> None:
-    ds = dataset(side, outputs=["beta", "dbeta", "alpha", "z", "kappa", "contact"])
-    sign = 1 if side == "outside" else -1
-    s = ds["s"].values
-    np.testing.assert_allclose(body(ds).value(s), sign * ds["contact"], rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(body(ds, "curvature").value(s), ds["kappa"], rtol=1e-12)
 
 
 def test_the_stripe_turns_with_the_material() -> None:
@@ -212,36 +163,12 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
     assert set(counted) == shown
 
 
-def test_a_row_runs_along_its_axis_with_the_others_at_table_1() -> None:
-    ds = in_memory.run(load("fig7_5_forces"))
-    cases = selection.line(ds, "F1")
-    assert [case["F1"] for case in cases] == list(range(9))
-    assert float(ds["F3"][cases[0]["F3"]]) == pytest.approx(10.0)
-    assert [case["F3"] for case in selection.line(ds, "F3", {"F1": 10.0})] == list(range(9))
-    assert {case["F1"] for case in selection.line(ds, "F3", {"F1": 10.0})} == {8}
-
-
 def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
     ds = in_memory.run(load("fig7_1_modulus").at_stations(2))
     for i in range(ds.sizes["E"]):
         said = scene_kinds.case_values(ds, {"E": i}).partition(" = ")[2].partition(" ")[0]
         assert option_checks.axis_values(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
     assert scene_kinds.case_values(ds, {"E": 3}, 4) == "E = 10910 N/cm²"  # a frame of a film: 10905.1
-
-
-def test_at_most_so_many_are_chosen_and_both_ends_among_them() -> None:
-    cases = [{"E": i} for i in range(200)]
-    chosen = [case["E"] for case in selection.spread(cases, 9)]
-    assert len(chosen) == 9
-    assert (chosen[0], chosen[-1]) == (0, 199)
-    assert np.ptp(np.diff(chosen)) <= 1
-
-
-def test_a_scale_bar_is_a_round_length_that_fits() -> None:
-    targets = np.geomspace(1e-3, 1e6, 200)
-    bars = np.array([scales.round_below(target) for target in targets])
-    assert ((bars <= targets * (1 + 1e-9)) & (bars > targets / 2.6)).all()
-    assert {f"{bar:.0e}"[0] for bar in bars} == {"1", "2", "5"}
 
 
 @draws
@@ -400,15 +327,6 @@ def test_the_texture_of_a_wall_goes_once_around_it(fig6) -> None:
     np.testing.assert_allclose(wall.at[:corners, 0] * columns, np.linspace(0.5, columns - 0.5, corners))
 
 
-@pytest.mark.parametrize("angle", [0.0, 1.0, 2.5, 4.0])
-def test_the_eye_of_the_glyph_is_outside_the_cylinder_and_within_the_glyphs_room(angle: float) -> None:
-    ax = Figure().add_subplot()
-    page._draw_glyph(ax, 0.0, 0.0, np.array([np.cos(angle), np.sin(angle), 0.0]))
-    wall, eye = ax.patches
-    away = np.hypot(*np.subtract(eye.center, wall.center))
-    assert wall.radius + eye.radius < away < page.GLYPH / 2 - eye.radius
-
-
 @draws
 def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4, 3e4]\n")
@@ -429,12 +347,6 @@ def test_inside_the_rod_is_seen_through_the_near_wall(tmp_path) -> None:
 
 
 @draws
-def test_only_pictures_can_be_asked_for(fig6, tmp_path) -> None:
-    with pytest.raises(InputError, match=r"scene\.txt.*\.png"):
-        layout.render(fig6, tmp_path / "scene.txt")
-
-
-@draws
 @pytest.mark.slow
 def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -444,63 +356,6 @@ def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
         layout.compose(long, kind="ghosts", settings=composition.Settings(span=(0.0, 2000.0)))
     # kilobytes; a process of its own takes 0.9e6 for it, of which 0.8e6 for any picture
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1.2e6
-
-
-@draws
-def test_what_no_real_rod_could_do_is_said_of_one_rod_or_counted() -> None:
-    rods = [SimpleNamespace(line=object(), caution=text) for text in ("too tight, overlaps, pulled", "overlaps", "")]
-    assert composition.impossible(rods[:1]) == [
-        "the rod passes through itself",
-        "bent tighter than its own radius (κa > 1)",
-    ]
-    assert composition.impossible([*rods, rods[0]]) == [
-        "2 of 3 pass through themselves",
-        "1 of 3 bent tighter than their own radius (κa > 1)",
-    ]
-    assert composition.impossible(rods[2:]) == []
-
-
-@pytest.mark.slow
-@draws
-def test_a_table_of_two_axes_says_how_many_values_it_shows(tmp_path) -> None:
-    axes = "[axes.E]\nfrom = 1e4\nto = 4e4\ncount = 11\n[axes.R]\nfrom = 0.5\nto = 1.5\ncount = 7\n"
-    taken = layout.compose(dataset(axes=axes), None, "grid", ["E", "R"], settings=composition.Settings(2.0, 60))
-    assert list(taken.page.words.notes)[:2] == ["9 of 11 values of E", "5 of 7 values of R"]
-    assert taken.page.arrangement.boxes.shape == (5, 9, 4)
-    assert [len(taken.page.words.columns), len(taken.page.words.rows)] == [1 + 9, 1 + 5]  # a heading and its values
-    assert all(cell.caption == "" for row in taken.page.cells for cell in row)
-
-
-@draws
-def test_each_cylinder_is_as_long_as_its_rod_and_all_words_stay_on_the_page() -> None:
-    ds = dataset(axes="[axes.L]\nvalues = [5.0, 10.0, 20.0]\n".replace("[axes.L]", "[axes.E]"))
-    taken = layout.compose(ds, None, "grid", ["E"], settings=composition.Settings(2.0, 60))
-    drawn = taken.page.fig
-    drawn.canvas.draw()
-    wide, high = drawn.canvas.get_width_height()
-    boxes = [text.get_window_extent() for ax in drawn.axes[:1] for text in ax.texts if text.get_text()]
-    assert all(box.x0 >= 0 and box.y0 >= 0 and box.x1 <= wide and box.y1 <= high for box in boxes)
-    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i] if min(a.width, b.width) > 12)
-
-
-@draws
-@pytest.mark.parametrize(
-    "kind, look, sentence",
-    [
-        (
-            "contact",
-            {"color_range": "3,100"},
-            "colours of a push are pale at 0, so --color-range is 0,HIGH or -HIGH,HIGH, got 3,100",
-        ),
-        slow("plain", {"color_range": "0,1"}, "a scene of kind plain has no colour bar, so it takes no --color-range"),
-        slow("contact", {"size": "300x200"}, "--size 300x200 leaves no room for the views"),
-    ],
-)
-def test_a_look_that_does_not_fit_the_kind_or_the_page_is_refused(kind, look, sentence, fig6, tmp_path) -> None:
-    file = writing.write(fig6, tmp_path / "fig6.h5")
-    with pytest.raises(InputError, match=sentence):
-        scene.scene(file, kind=kind, out=tmp_path / "out.png", **look)
-    assert not (tmp_path / "out.png").exists()
 
 
 @draws
@@ -526,26 +381,6 @@ def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_t
         assert np.ptp(near) > np.pi * rod.a
     assert len(places) >= 5
     assert not self_contact.middles(rod.line, (0.0, 2.0))
-
-
-@draws
-def test_self_intersections_are_ringed_and_said_once(fig6) -> None:
-    taken = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 50)).page
-    ((left, top, wide, high),) = taken.arrangement.places
-    assert len(taken.rings) >= 4
-    assert all(left < x < left + wide and top < y < top + high for x, y, _ in taken.rings)
-    assert [text for _, text in taken.words.legend] == ["the rod passes through itself"]
-    assert "the rod passes through itself" not in taken.words.notes
-
-
-@draws
-def test_the_places_of_rings_are_measured_from_the_middle_of_what_is_drawn(fig6, monkeypatch) -> None:
-    scenes: list = []
-    monkeypatch.setattr(composition, "_rings", lambda *scene: scenes.append(scene) or [])
-    pixels = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 100)).page.pixels
-    ((_, middle),) = composition._middles(*scenes[0])
-    rows = np.flatnonzero((pixels.min(axis=-1) < 250).any(axis=1))
-    assert rows[[0, -1]].mean() / 100 == pytest.approx(middle[1], abs=0.05)
 
 
 @draws
@@ -667,3 +502,13 @@ def test_a_picture_of_a_row_knows_the_places_of_its_rods(tmp_path) -> None:
         inside = drawn[round(top * high) : round(bottom * high), round(left * wide) : round(right * wide)]
         assert inside.mean() > 0.3
         assert inside[:6].any()  # no larger than what it shows, and a narrow edge
+
+
+@draws
+def test_self_intersections_are_ringed_and_said_once(fig6) -> None:
+    taken = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 50)).page
+    ((left, top, wide, high),) = taken.arrangement.places
+    assert len(taken.rings) >= 4
+    assert all(left < x < left + wide and top < y < top + high for x, y, _ in taken.rings)
+    assert [text for _, text in taken.words.legend] == ["the rod passes through itself"]
+    assert "the rod passes through itself" not in taken.words.notes

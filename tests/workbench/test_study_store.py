@@ -95,12 +95,6 @@ def test_a_file_gives_each_box_of_a_grid_the_cases_that_it_holds_in_any_order(si
     assert met == sorted(values.ravel().tolist())
 
 
-def test_what_is_packed_together_lies_together() -> None:
-    assert grid_io.packing((7, 100, 3)) == (7, 100, 3)
-    assert grid_io.packing((1000, 1000)) == (65, 1000)
-    assert grid_io.packing((4, 50, 10**6)) == (1, 1, 2**16)
-
-
 # what is asked for, and nothing else
 
 
@@ -170,14 +164,6 @@ def test_a_finished_study_is_answered_without_xarray(whole) -> None:
     assert out.splitlines()[-1] == "False"
 
 
-def test_restart_solves_a_finished_study_again(tmp_path, monkeypatch) -> None:
-    path = runs.study(tmp_path, runs.grid(2, 2))
-    run_to_file(load(path), tmp_path / "many.h5")
-    solved = counted(monkeypatch)
-    assert not run_to_file(load(path), tmp_path / "many.h5", Options(restart=True)).finished_before
-    assert solved == [4]
-
-
 def test_what_is_solved_is_not_solved_again(whole, tmp_path, monkeypatch) -> None:
     path = runs.study(tmp_path, GRID)
     folder = kept(path, monkeypatch)
@@ -189,29 +175,8 @@ def test_what_is_solved_is_not_solved_again(whole, tmp_path, monkeypatch) -> Non
     assert not folder.exists()
 
 
-DAMAGE = {
-    "cut short": lambda content: content[: len(content) // 2],
-    "empty": lambda content: b"",
-    "a byte flipped in the middle": lambda content: _flipped(content, len(content) // 2),
-    "a byte flipped in the digest": lambda content: _flipped(content, 3),
-    "the last bit flipped": lambda content: _flipped(content, len(content) - 1),
-    "without a checksum": lambda content: content[32:],
-}
-
-
 def _flipped(content: bytes, at: int) -> bytes:
     return content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :]
-
-
-@pytest.mark.parametrize("damage", slow_but(DAMAGE, "empty", "the last bit flipped"))
-def test_a_damaged_shard_is_found_and_solved_again(damage, whole, tmp_path, monkeypatch) -> None:
-    path = runs.study(tmp_path, GRID)
-    shard = kept(path, monkeypatch) / "000000000000-000000000064.shard"
-    shard.write_bytes(DAMAGE[damage](shard.read_bytes()))
-    solved = counted(monkeypatch)
-    run_to_file(load(path), tmp_path / "many.h5", Options(workers=1))
-    assert solved == [64]
-    assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
 
 
 def _exchanged(folder: Path) -> None:
@@ -318,16 +283,6 @@ def test_more_than_memory_holds_is_refused_in_memory() -> None:
         in_memory.run(study.model_copy(update={"axes": axes}))
 
 
-def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path) -> None:
-    path = runs.study(tmp_path, {"E": [1e4], "beta": [0.5]}, method="dop853")
-    path.write_text(path.read_text().replace("stations", "tol = 1e-15\nstations"))
-    run_to_file(load(path), tmp_path / "many.h5")
-    with xr.open_dataset(whole) as good, xr.open_dataset(tmp_path / "many.h5") as bad:
-        assert good["turns"].dtype == np.int64
-        assert bad["turns"].dtype == np.float64
-        assert np.isnan(bad["turns"]).all()
-
-
 def test_a_run_counts_outcomes_with_the_range_of_their_numbers(tmp_path) -> None:
     path = runs.study(tmp_path, {"E": [1e4, 2e4], "beta": [0.5, 0.6]}, method="dop853")
     path.write_text(path.read_text().replace("stations", "tol = 1e-15\nstations"))
@@ -396,34 +351,10 @@ def test_values_added_to_an_axis_are_solved_alone_and_the_others_copied(half, na
     assert run_to_file(load(half), output).finished_before
 
 
-def test_a_grown_study_that_was_stopped_goes_on(half, monkeypatch) -> None:
-    runs.study(half.parent, {"E": [1e4, 2e4, 3e4, 4e4], "F1": FORCES.tolist()})
-    folder = kept(half, monkeypatch)
-    assert len(list(folder.glob("*.shard"))) == 2
-    assert run_to_file(load(half), half.with_suffix(".h5")).solved == 0
-    with xr.open_dataset(half.with_suffix(".h5")) as ds:
-        assert ds["E"].values.tolist() == [1e4, 2e4, 3e4, 4e4]
-        assert (ds["outcome"] == "solved").all()
-
-
-def test_a_study_does_not_grow_with_other_code(half, monkeypatch) -> None:
-    runs.study(half.parent, {"E": [1e4, 2e4, 3e4], "F1": FORCES.tolist()})
-    monkeypatch.setattr(recipe, "code_version", lambda: "0.2.0+new")
-    with pytest.raises(InputError, match=r"holds part of this study, but code was .*, now 0\.2\.0\+new; use --restart"):
-        run_to_file(load(half), half.with_suffix(".h5"))
-
-
 def test_a_file_whose_axes_were_changed_by_another_hand_is_not_taken_for_finished(half) -> None:
     with h5py.File(half.with_suffix(".h5"), "a") as file:
         file["E"][0] = 9e3
     assert run_to_file(load(half), half.with_suffix(".h5")).solved == 120
-
-
-def test_a_study_of_fewer_values_is_another_one(half, monkeypatch) -> None:
-    runs.study(half.parent, {"E": [1e4], "F1": FORCES.tolist()})
-    solved = counted(monkeypatch)
-    run_to_file(load(half), half.with_suffix(".h5"))
-    assert sum(solved) == 60
 
 
 def test_a_finished_study_whose_law_was_edited_is_judged_by_the_law_as_it_is_now(tmp_path) -> None:
@@ -437,3 +368,27 @@ def test_a_finished_study_whose_law_was_edited_is_judged_by_the_law_as_it_is_now
         (row,) = ran.statistics["laws"]
         told.append((row["verdict"], ran.finished_before))
     assert told == [("holds", False), ("fails", False), ("fails", True)]
+
+
+def test_what_is_packed_together_lies_together() -> None:
+    assert grid_io.packing((7, 100, 3)) == (7, 100, 3)
+    assert grid_io.packing((1000, 1000)) == (65, 1000)
+    assert grid_io.packing((4, 50, 10**6)) == (1, 1, 2**16)
+
+
+def test_restart_solves_a_finished_study_again(tmp_path, monkeypatch) -> None:
+    path = runs.study(tmp_path, runs.grid(2, 2))
+    run_to_file(load(path), tmp_path / "many.h5")
+    solved = counted(monkeypatch)
+    assert not run_to_file(load(path), tmp_path / "many.h5", Options(restart=True)).finished_before
+    assert solved == [4]
+
+
+def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path) -> None:
+    path = runs.study(tmp_path, {"E": [1e4], "beta": [0.5]}, method="dop853")
+    path.write_text(path.read_text().replace("stations", "tol = 1e-15\nstations"))
+    run_to_file(load(path), tmp_path / "many.h5")
+    with xr.open_dataset(whole) as good, xr.open_dataset(tmp_path / "many.h5") as bad:
+        assert good["turns"].dtype == np.int64
+        assert bad["turns"].dtype == np.float64
+        assert np.isnan(bad["turns"]).all()

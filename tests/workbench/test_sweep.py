@@ -19,7 +19,6 @@ from workbench.store.study_store import run_to_file
 PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "R": 0.108}
 HELD = {**PIPE, "side": "inside", "beta0": 0.0, "betaL": 0.0}
 FORCES = small.axis("FZ", (-60.0, -40.0, 21))
-GRID = small.axis("L", [19.0, 20.0, 21.0]) + small.axis("FZ", (-60.0, -50.0, 5))
 
 
 def pipe(axes: str, L: float = 20.0) -> str:
@@ -157,16 +156,6 @@ def test_a_case_is_the_same_whatever_the_range_the_order_and_the_number_of_value
                     assert usual.dbeta[0] >= 0
 
 
-@pytest.mark.slow
-def test_a_wire_pushed_into_a_tube_is_not_turned_back_because_the_axis_goes_far() -> None:
-    base = {"E": 6e4, "nu": 0.3, "a": 0.25, "L": 120.0, "R": 2.0, "side": "inside", "beta0": 0.0, "betaL": 0.0}
-    for last in (-10.0, -200.0):
-        forces = small.axis("FZ", [0.0, -5.0, 0.6 * last, 0.75 * last, last])
-        ds = in_memory.run(loads(small.text(base, forces, "mm N", observables=["height", "push_max"]), "text", "wire"))
-        assert float(ds["height"].sel(FZ=-5.0)) == pytest.approx(117.7948, abs=1e-4)
-        assert float(ds["push_max"].sel(FZ=-5.0)) == pytest.approx(0.182, abs=5e-4)
-
-
 def test_the_first_case_is_the_one_that_equilibrium_chooses() -> None:
     index = in_memory.run(study(FORCES + "[equilibrium]\nindex = 2\n"))
     assert index["index"].sel(FZ=-50.0) == 2
@@ -261,21 +250,6 @@ def test_a_buckled_branch_ends_where_the_pipe_straightens() -> None:
     np.testing.assert_array_equal(ds["branch"], straight)
     np.testing.assert_array_equal(ds["amplitude"] == 0, straight)
     assert str(ds["outcome"].values[straight][0]) == "solved; another branch than at FZ = -35"
-
-
-@pytest.mark.slow
-def test_the_long_pipe_lies_in_lubinskis_helix_at_every_load() -> None:
-    one = study(small.axis("FZ", (-300.0, -50.0, 30)), 300.0)
-    ds = in_memory.run(one)
-    assert (ds["branch"] == 0).all()
-    assert (ds["outcome"] == "solved").all()
-    A, rho = one.case().rod.bending_stiffness, float(ds["rho"])
-    middle, FZ = ds["beta"].isel(u=25).values, ds["FZ"].values
-    # the ends' part is exp(-k L/sqrt 2) = exp(-42) at 50 kN
-    np.testing.assert_allclose(2 * np.sin(middle) ** 2 * np.cos(middle), -FZ * rho**2 / A, rtol=1e-9)
-    pitch = 2 * np.pi * rho / np.tan(middle)
-    np.testing.assert_allclose(8 * np.pi**2 * A / pitch**2, -FZ, rtol=1e-3)  # Lubinski: 0.99954 at one degree
-    assert (ds["height"] > 299.9).all()
 
 
 def test_past_a_fold_the_cases_are_of_another_branch_and_say_so() -> None:

@@ -12,12 +12,11 @@ import xarray as xr
 from solver.benchmark import available_ladders, measure
 from solver.observe.observables import OBSERVABLES
 from tests.workbench import forked, small
-from tests.workbench.command import exit_status
 from workbench.commands import trade
 from workbench.commands.fidelity import FIDELITIES
 from workbench.compare.trade_cases import CASES, reference
 from workbench.compare.trade_runs import advice
-from workbench.figures import canvas, work_precision
+from workbench.figures import work_precision
 from workbench.store import in_memory, reading
 from workbench.store.schema import CURVES
 
@@ -130,12 +129,6 @@ def test_the_advice_names_the_method_that_reaches_a_level_in_the_most_cases(ran,
     assert f"For an error of 1e-03 in ends problems: {one['method']} (1 of 1 cases, median" in lines[-1]
 
 
-def test_a_diagram_needs_no_more_than_the_file(ds, tmp_path) -> None:
-    for cost in ("seconds", "evaluations"):
-        canvas.save(work_precision.figure(ds, cost), tmp_path / f"{cost}.svg")
-        assert (tmp_path / f"{cost}.svg").stat().st_size > 10_000
-
-
 def test_each_panel_of_a_trade_has_the_numbers_of_its_cost_and_many_cases_are_six(ds) -> None:
     many = ds.isel(case=[0] * 8).assign_coords(case=[f"case {k}" for k in range(8)])
     assert work_precision.cases_to_show(many.isel(case=slice(5))) == [f"case {k}" for k in range(5)]
@@ -145,12 +138,6 @@ def test_each_panel_of_a_trade_has_the_numbers_of_its_cost_and_many_cases_are_si
     assert any("6 of 8 cases" in text.get_text() for text in fig.texts)
     for ax in fig.axes:
         assert any(text.get_visible() and text.get_text() for text in ax.get_xticklabels())
-
-
-def test_methods_of_another_kind_than_the_cases_are_refused(tmp_path, capsys) -> None:
-    assert exit_status("trade", "--out", tmp_path, "--cases", "ends", "--methods", "orbit") == 2
-    assert "none of orbit solves problems of the kind of ends elliptic" in capsys.readouterr().err
-    assert not (tmp_path / "trade.h5").exists()
 
 
 # fidelities
@@ -181,13 +168,3 @@ def test_a_study_at_a_fidelity_has_its_tolerance_its_stations_and_what_it_comput
     assert "turns" not in found["draft"]
     for name in ("fine", "exact"):
         assert set(CURVES) | set(OBSERVABLES) <= set(found[name].data_vars)
-
-
-@pytest.mark.slow
-def test_solve_takes_a_fidelity_and_a_tolerance_goes_before_it() -> None:
-    told = {name: json.loads(workbench("solve", "--fidelity", name, "--json").stdout) for name in ("draft", "exact")}
-    assert (told["draft"]["tolerance"], len(told["draft"]["along"]["beta"])) == (1e-3, 51)
-    assert told["draft"]["observables"] == {}
-    assert (told["exact"]["tolerance"], len(told["exact"]["along"]["F1"])) == (1e-13, 1601)
-    both = json.loads(workbench("solve", "--fidelity", "draft", "--tol", "1e-5", "--json").stdout)
-    assert (both["tolerance"], len(both["along"]["beta"])) == (1e-5, 51)

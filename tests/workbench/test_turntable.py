@@ -18,7 +18,6 @@ from matplotlib import image
 import workbench.accessor  # noqa: F401  # registers ds.rod
 from solver import Case, Cylinder, Ends, Rod, Solution, Start, equilibria, solve
 from studies import load
-from studies.language.loader import loads
 from tests.workbench import browser, node, small
 from tests.workbench.command import exit_status
 from workbench import notebook
@@ -26,12 +25,6 @@ from workbench.geometry import stored_line
 from workbench.store import in_memory
 from workbench.web.turntable import turntable_page
 from workbench.web.turntable.turntable_page import turntable_of_dataset
-
-INSIDE = small.text(
-    {**small.ROD, "side": "inside", "beta": 0.5, "dbeta": 0.1, "dgamma": 0.5},
-    small.axis("F3", [-20.0, -10.0]),
-    outputs=["beta", "dbeta", "alpha", "z"],
-)
 
 
 @pytest.fixture(scope="module")
@@ -77,13 +70,6 @@ def test_a_scene_fits_its_frame_in_a_notebook(ds: xr.Dataset, wide: int, tmp_pat
         )
     assert high <= notebook.HEIGHT  # no bar to scroll
     assert view > 0.38 * notebook.HEIGHT
-
-
-def test_a_scene_without_a_still_picture_knows_of_paper(ds: xr.Dataset) -> None:
-    text = turntable_page.html(ds)
-    assert '<div class="still">' not in text
-    assert '"beforeprint"' in text
-    assert re.search(r"@media print \{[^@]*\.turntable \.printed \{ display: block", text)
 
 
 @pytest.mark.slow
@@ -145,13 +131,6 @@ def test_too_many_cases_for_a_file_are_thinned_and_the_file_says_so(ds: xr.Datas
     assert found.left_out == ["5 of the 9 values of E, evenly chosen, are in this file."]
 
 
-def test_a_rod_inside_is_told_so() -> None:
-    found = turntable_of_dataset(in_memory.run(loads(INSIDE, default_name="inside"))).data
-    assert found["shared"] == {"sign": -1}
-    raw = np.frombuffer(base64.b64decode(found["arrays"]), dtype="<f4").reshape(2, 4, -1)
-    assert np.isfinite(raw).all()
-
-
 def test_the_command_writes_one_file_without_opengl(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     assert exit_status("scene", "fig7_1_modulus", "-o", "x.html") == 0
@@ -172,12 +151,6 @@ START = Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)
 @pytest.fixture(scope="module")
 def one() -> Solution:
     return solve(Case(ROD, Cylinder(R=0.75), START))
-
-
-@pytest.mark.slow
-def test_a_dataset_is_shown_inline(ds: xr.Dataset, tmp_path: Path) -> None:
-    assert image.imread(BytesIO(ds.rod.plot(E="10905")._repr_png_()))[..., :3].std() > 0.05
-    assert ds.rod.plot().save(tmp_path / "modulus.pdf").stat().st_size > 5000
 
 
 def test_a_solution_is_shown_inline_as_a_picture_and_as_a_rod_that_turns(one: Solution, tmp_path: Path) -> None:
@@ -229,8 +202,3 @@ def test_the_axes_of_a_solution_are_those_of_its_fields(one: Solution) -> None:
     np.testing.assert_allclose(notebook.dataset_of(ends)["z"], ends.z)
     line = stored_line.read(notebook.dataset_of(one), {})
     np.testing.assert_array_equal(line.push(one.s).argmax(), one.push.argmax())
-
-
-def test_a_dataset_turns_inline(ds: xr.Dataset) -> None:
-    assert len(data_of(ds.rod.scene().html)["axes"]) == 1
-    assert data_of(ds.rod.scene(E="10905").html)["axes"] == []
