@@ -106,16 +106,12 @@ def measure(
     rows: list[Row] = []
     for name, (case, reference, slope) in cases.items():
         told(name)
-        seed = {} if slope is None else {"seed": _coarse(case, slope)}
+        # of ends the equilibrium that is meant is the seed of every method; its cost is not counted
+        seed = {} if slope is None else {"seed": solve(case, method="shooting", seed=slope, stations=101)}
         for label, ladder in (available_ladders() if ladders is None else ladders).items():
             if case.kind in METHODS[ladder.method].problems:
                 rows += _climb(name, case, reference, label, ladder, seed)
     return rows
-
-
-def _coarse(case: Case, slope: float) -> Solution:
-    """The equilibrium that is meant, at 101 stations: the seed of every method for ends; its cost is not counted."""
-    return solve(case, method="shooting", seed=slope, stations=101)
 
 
 def _climb(
@@ -130,16 +126,12 @@ def _climb(
             yield Row(name, label, ladder.knob, value, False, why, "", *[np.nan] * 10)
             continue
         sol, seconds = _time(case, {**seed, **ladder.options(value)}, ladder.cold)
-        taken = float(sol.evaluations)
-        yield Row(name, label, ladder.knob, value, bool(sol.solved), str(sol.outcome), _answer(sol), seconds,
+        taken, lost = float(sol.evaluations), np.any(getattr(sol.trajectory.orbit, "lost", False))
+        answered = OrbitQuadrature.name if lost else sol.method  # a march that loses its orbit hands it over
+        yield Row(name, label, ladder.knob, value, bool(sol.solved), str(sol.outcome), answered, seconds,
                   taken, **errors_against(sol, reference), estimate=float(sol.error), condition=float(sol.condition),
                   **drift(sol))  # fmt: skip
         before = value
-
-
-def _answer(sol: Solution) -> str:
-    """The method whose answer a single solution is: a march that loses its orbit hands it over."""
-    return OrbitQuadrature.name if np.any(getattr(sol.trajectory.orbit, "lost", False)) else sol.method
 
 
 def _time(case: Case, options: Mapping[str, Any], cold: bool) -> tuple[Solution, float]:

@@ -44,16 +44,16 @@ def own_ends(case: Case) -> Case:
     InputError
         For an ends problem, a grid of cases, and a start problem that is not solved.
     """
-    return _solve_start(case)[1]
+    return ends_case(_solve_start(case))
 
 
-def _solve_start(case: Case) -> tuple[Solution, Case]:
+def _solve_start(case: Case) -> Solution:
     if not isinstance(case.given, Start) or case.shape:
         raise InputError("follow takes one start problem at a time")
     solution = solve(case, tol=1e-12, stations=2)
     if not solution.solved:
         raise InputError(f"the start problem is not solved: {solution.outcome}")
-    return solution, ends_case(solution)
+    return solution
 
 
 def to_fold(case: Case, limit: float, count: int = 9, field: str = "betaL") -> EndAngleBranch:
@@ -80,7 +80,8 @@ def to_fold(case: Case, limit: float, count: int = 9, field: str = "betaL") -> E
     """
     if count < 2:
         raise InputError(f"count must be at least 2, got {count}")
-    solution, ends = _solve_start(case)
+    solution = _solve_start(case)
+    ends = ends_case(solution)
     begin = value_of(ends, field)
     if field == "betaL":
         limit += 2 * np.pi * np.round(begin / (2 * np.pi))
@@ -95,14 +96,11 @@ def to_fold(case: Case, limit: float, count: int = 9, field: str = "betaL") -> E
     branch = follow(solution, **every)
     places = [next(i for i, point in enumerate(branch.points) if point.value == value) for value in values.tolist()]
     slopes = np.array([float(branch.points[i].solution.dbeta[0]) for i in places])
-    at_fold = None if fold is None else _slope_at(branch, FOLD)
+    at_fold = None
+    if fold is not None:
+        place = next(point.position for point in branch.special if point.kind == FOLD)
+        at_fold = float(branch.points[place].solution.dbeta[0])
     return EndAngleBranch(field, values, slopes, fold, at_fold, with_field(ends, field, values))
-
-
-def _slope_at(branch: Branch, kind: str) -> float:
-    """beta'(0) at the first special point of a kind."""
-    position = next(point.position for point in branch.special if point.kind == kind)
-    return float(branch.points[position].solution.dbeta[0])
 
 
 def _fold(branch: Branch, limit: float) -> float | None:

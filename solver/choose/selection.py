@@ -97,13 +97,6 @@ def selection(choose: Choose, index: Array, total: int, complete: bool) -> Selec
     return Selection(total, int(np.count_nonzero(index == 0)), choose, complete)
 
 
-def none_of(choose: Choose, index: Array, total: int) -> str:
-    """The outcome of a case where the rule admits no equilibrium; index: (K,), Morse indices of those solved."""
-    known = sorted({int(i) for i in index})
-    shown = ", ".join(map(str, known[:8])) + (f", ... up to {known[-1]}" if len(known) > 8 else "")
-    return f"failed: none of the {total} equilibria found has index {choose}; their indices: {shown}"
-
-
 def selection_of(
     problem: EndsProblem, t: Array, tol: float, slope: float | None, choose: Choose = NEAREST
 ) -> Trajectory | str:
@@ -118,7 +111,9 @@ def selection_of(
         return equilibrium_trajectory(problem, known.orbit.take(int(np.argmin(np.abs(known.slope - slope)))), t, tol)
     i = select(choose, known.index, known.energy, known.stray, known.slope)
     if i is None:
-        return none_of(choose, known.index, known.total)
+        each = sorted({int(i) for i in known.index})
+        shown = ", ".join(map(str, each[:8])) + (f", ... up to {each[-1]}" if len(each) > 8 else "")
+        return f"failed: none of the {known.total} equilibria found has index {choose}; their indices: {shown}"
     if not isinstance(choose, int) and known.index[i] != 0 and known.remark:  # by degree there is a stable equilibrium
         return f"failed: {known.remark}"
     how = np.array([selection(choose, known.index, known.total, not known.remark)], dtype=object)

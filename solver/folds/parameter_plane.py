@@ -11,8 +11,7 @@ from ..problem.angles import angle
 from ..problem.case import ANGLES, Case, Ends
 from ..problem.case_fields import FIELD, check_fields, unchecked_with_field
 from ..problem.errors import InputError, choices, show
-from ..problem.field_rates import ACTING, field_rates
-from ..problem.reduced import EndsProblem, held_of, reduce
+from ..problem.reduced import ACTING, EndsProblem, field_rates, held_of, reduce
 
 Numbers = TypeVar("Numbers")  # a dataclass
 MARGIN = 1e-3  # of a range: how far beyond it equilibria may be computed

@@ -13,11 +13,12 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..observe.observables import observe
 from ..problem.case import Case, Ends
+from ..problem.case_fields import with_fields
 from ..problem.errors import InputError
 from ..solution import Solution
 from ..solve import solve
 from .data import Data, Points
-from .parameters import Parameter, rates_at, replace_values, values_at, values_in_words
+from .parameters import Parameter, rates_at, values_at, values_in_words
 
 _COARSE, _FINEST = 201, 6401  # stations of the first search
 _TURN = 0.2  # rad between neighbouring stations of it, at most
@@ -163,7 +164,7 @@ class Model:
     @np.errstate(over="ignore", invalid="ignore")  # such values are refused at the end
     def _evaluate(self, x: Array) -> Evaluation:
         try:
-            case = replace_values(self.case, values_at(self.parameters, x))
+            case = with_fields(self.case, values_at(self.parameters, x))
         except InputError as error:
             raise NoValueError(str(error)) from None
         points, nearest = self.data.points, None

@@ -1,7 +1,7 @@
 """The parameters of a fit: fields of a case, their bounds, and the numbers x by which a search moves them."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.angles import angle
 from ..problem.case import Case
-from ..problem.case_fields import FIELD, check_fields, unchecked_with_field, value_of
+from ..problem.case_fields import FIELD, check_fields, value_of
 from ..problem.errors import InputError, choices, show
 from ..problem.field_values import POSITIVE, RANGES
 from ..problem.quantities import quantity
@@ -145,13 +145,6 @@ def natural_unit(case: Case, name: str) -> float:
     if isinstance(dimension, str):
         return 1 / rho if dimension == "rad/length" else 1.0
     return rho ** dimension[0] * (A / rho**2) ** dimension[1]
-
-
-def replace_values(case: Case, values: Mapping[str, float]) -> Case:
-    """The case with other values of some fields. Raises `InputError` for values that a case cannot have."""
-    for name, value in values.items():
-        case = unchecked_with_field(case, name, value)
-    return Case(replace(case.rod), replace(case.cylinder), replace(case.given))
 
 
 def values_at(parameters: Sequence[Parameter], x: Array) -> dict[str, float]:

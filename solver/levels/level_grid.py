@@ -17,7 +17,7 @@ import numpy as np
 from ..core.orbits import CriticalPoints, critical_points
 from ..mechanics.potential import TAU, slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array, Booleans
-from ..numerics.roots import bracket
+from ..numerics.roots import bisect
 from ..problem.reduced import EndsProblem
 from .transit_times import Boundary, Levels, fall, height_scale, wrap
 
@@ -178,9 +178,7 @@ def _shelves(problem: EndsProblem) -> tuple[Array, Array]:
     stretches about them in which G is almost level."""
     rate = slope_rate(problem, _SCAN)
     k = np.flatnonzero(rate[:-1] * rate[1:] <= 0)
-    low = np.where(rate[k] < 0, _SCAN[k], _SCAN[k + 1])
-    high = np.where(rate[k] < 0, _SCAN[k + 1], _SCAN[k])
-    at = bracket(lambda x: (slope_rate(problem, x), slope_higher_rates(problem, x)[0]), low, high)
+    at = bisect(lambda x: slope_rate(problem, x), _SCAN[k], _SCAN[k + 1], 25)
     second, _ = slope_higher_rates(problem, at)
     H = slope(problem, at)
     shelf = H * second > 0

@@ -24,7 +24,7 @@ _MOST = 40_000  # steps of a mesh
 
 
 def morse_index(problem: Reduced, h: Array, beta: Array) -> Array:
-    """The number of negative pivots of the second variation.
+    """The number of negative eigenvalues of the second variation.
 
     Parameters
     ----------
@@ -40,14 +40,14 @@ def morse_index(problem: Reduced, h: Array, beta: Array) -> Array:
     array (B,)
         The Morse index.
     """
+    import scipy
+
     diagonal = diagonal_of(problem, h, beta)
-    index = np.zeros(beta.shape[0], dtype=np.int64)
-    pivot = np.full(beta.shape[0], np.inf)
-    for k in range(diagonal.shape[1]):
-        pivot = diagonal[:, k] - 1 / pivot
-        pivot = np.where(pivot == 0, 1e-300, pivot)
-        index += pivot < 0
-    return index
+    beside = np.full(diagonal.shape[1] - 1, -1.0)
+    negative = {"select": "v", "select_range": (-np.inf, 0.0)}
+    return np.array(
+        [scipy.linalg.eigvalsh_tridiagonal(row, beside, **negative).size for row in diagonal], dtype=np.int64
+    )
 
 
 def diagonal_of(problem: Reduced, h: Array, beta: Array) -> Array:

@@ -41,12 +41,17 @@ def _place_of(case: Case, name: str) -> tuple[str, str]:
 
 def with_field(case: Case, name: str, value: Any) -> Case:
     """The case with another value of one numeric field, named as its quantity. Raises `InputError`."""
-    part, field = _place_of(case, name)
-    return replace(case, **{part: replace(getattr(case, part), **{field: value})})
+    return with_fields(case, {name: value})
+
+
+def with_fields(case: Case, values: Mapping[str, Any]) -> Case:
+    """The case with other values of some numeric fields. Raises `InputError` for values that a case cannot have."""
+    case = unchecked_with_fields(case, values)
+    return Case(replace(case.rod), replace(case.cylinder), replace(case.given))
 
 
 def unchecked_with_field(case: Case, name: str, value: Any) -> Case:
-    """The same for a valid value, several times as fast."""
+    """The case with another, valid value of one field, several times as fast."""
     return unchecked_with_fields(case, {name: value})
 
 

@@ -20,7 +20,7 @@ from ..observe.measurement import Pair, Reading
 from ..observe.observables import OBSERVABLES, SEVERAL, STRAIGHT, check_names, is_count
 from ..orbit.pieces import HELIX
 from ..problem.errors import InputError, choices
-from ..problem.field_rates import FieldRates
+from ..problem.reduced import FieldRates
 from ..shape import Shape
 from .measured_helices import EXTREMES, of_helices
 from .motions import Motion, marks_of

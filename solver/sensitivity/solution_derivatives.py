@@ -15,8 +15,7 @@ from ..numerics.arrays import EPS, Array
 from ..orbit.pieces import HELIX
 from ..orbit.variations import HOW, POINTS
 from ..problem.case_fields import check_fields
-from ..problem.field_rates import FieldRates, field_rates
-from ..problem.reduced import EndsProblem, flat, given_numbers
+from ..problem.reduced import EndsProblem, FieldRates, field_rates, flat, given_numbers
 from ..problem.trajectory import SHAPELESS, SOLVED
 from ..shape import Shape
 from .motions import Motion, of_equilibria, of_helices

@@ -2,7 +2,8 @@
 
 import csv
 import stat
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -82,50 +83,33 @@ def _csv(path: Path, chosen: Sequence[str] | None, known: Sequence[str], of: str
 
 def _numbers(path: Path, names: list[str], places: list[int], width: int, rows: Any, row: str) -> dict[str, Values]:
     """The numbers of the columns at these places. Raises `InputError` with the line, the row and the column."""
-    texts: list[list[str]] = [[] for _ in names]
-    lines: list[int] = []
-    for cells in _fill(rows):
-        lines.append(rows.line_num)
-        if len(cells) != width:
-            where = _row_in_words(path, lines, len(lines))
-            raise InputError(f"{where}: expected {width} cells, as the line of names has, got {len(cells)}")
-        if len(lines) > MAX_COUNT:
+    columns: dict[str, list[float]] = {name: [] for name in names}
+    count = 0
+    for count, cells in enumerate(filter(None, rows), 1):  # without blank lines
+        try:
+            if len(cells) != width:
+                raise InputError(f"expected {width} cells, as the line of names has, got {len(cells)}")
+            for place, (name, column) in zip(places, columns.items(), strict=True):
+                column.append(_number(name, cells[place]))
+        except InputError as error:
+            raise InputError(f"{path.name}, line {rows.line_num} (row {count}): {error}") from None
+        if count > MAX_COUNT:
             raise InputError(f"{path.name} has more rows than the limit of {MAX_COUNT}")
-        for place, column in zip(places, texts, strict=True):
-            column.append(cells[place])
-    if not lines:
+    if not count:
         raise InputError(f"{path.name} has no rows: give a line for each {row} below the line of names")
-    return {name: _column(path, name, column, lines) for name, column in zip(names, texts, strict=True)}
+    return {name: np.array(column) for name, column in columns.items()}
 
 
-def _column(path: Path, name: str, texts: list[str], lines: list[int]) -> Values:
-    """A column as numbers: all at once, or where one is no plain number cell by cell."""
+def _number(name: str, cell: str) -> float:
     try:
-        numbers = np.array(list(map(float, texts)))
-        if np.isfinite(numbers).all():
-            return numbers
-    except ValueError:
-        pass
-    return np.array([_number(_row_in_words(path, lines, row), name, text) for row, text in enumerate(texts, 1)])
-
-
-def _row_in_words(path: Path, lines: list[int], row: int) -> str:
-    return f"{path.name}, line {lines[row - 1]} (row {row})"
-
-
-def _fill(rows: Any) -> Iterator[list[str]]:
-    """The rows that are not blank lines."""
-    return (cells for cells in rows if cells)
-
-
-def _number(where: str, name: str, cell: str) -> float:
-    text = cell.strip()
-    if not text:
-        raise InputError(f"{where}: {name} is empty; give each row a number")
-    value = number_of(name.removeprefix("sigma_"), text)
-    if not np.isfinite(value):
-        raise InputError(f"{where}: {name} must be a finite number, got {text[:60]!r}")
-    return value
+        value = float(cell)
+    except ValueError:  # an angle, maybe
+        value = number_of(name.removeprefix("sigma_"), cell.strip())
+    if isfinite(value):
+        return value
+    if not cell.strip():
+        raise InputError(f"{name} is empty; give each row a number")
+    raise InputError(f"{name} must be a finite number, got {cell.strip()[:60]!r}")
 
 
 def _parquet(path: Path, chosen: Sequence[str] | None, known: Sequence[str], of: str) -> dict[str, Values]:

@@ -408,34 +408,26 @@ def _lines(
     law: Law, name: str, values: NDArray[Any], grid: Grid
 ) -> tuple[NDArray[Any], NDArray[Any], Callable[[tuple[int, ...]], Verdict]]:
     """The axis of the law in rising order, the observable with that axis last, the verdict on a line by its place."""
-    dims = list(grid.axes)
     if values.shape != grid.shape:
-        raise InputError(f"{name} has shape {values.shape}, but its axes are {', '.join(dims)}")
+        raise InputError(f"{name} has shape {values.shape}, but its axes are {', '.join(grid.axes)}")
+    k = list(grid.axes).index(law.axis)
     along = np.asarray(grid.axes[law.axis], dtype=float)
     order = np.argsort(along, kind="stable")
-    along, lines = along[order], np.moveaxis(values, dims.index(law.axis), -1)[..., order]
-    return along, lines, _judging(law, name, along, lines, order, grid)
 
+    def rise(array: NDArray[Any]) -> NDArray[Any]:
+        return np.moveaxis(array, k, -1)[..., order]
 
-def _judging(
-    law: Law, name: str, along: NDArray[Any], lines: NDArray[Any], order: NDArray[Any], grid: Grid
-) -> Callable[[tuple[int, ...]], Verdict]:
-    """The verdict on the line at a place of the grid."""
-    k = list(grid.axes).index(law.axis)
-    cut = cuts(grid.crossing, grid.shape, k)
+    along, lines, cut = along[order], rise(values), cuts(grid.crossing, grid.shape, k)
     if law.kind == MONOTONE:
-        return lambda where: law.judge(name, lines[where], cut[where], name in grid.counts)
-    compared = {
-        key: tuple(np.moveaxis(array, k, -1)[..., order] for array in pair)
-        for key, pair in targets(law, grid.shape, grid.known).items()
-    }
+        return along, lines, lambda where: law.judge(name, lines[where], cut[where], name in grid.counts)
+    compared = {key: (rise(at), rise(why)) for key, (at, why) in targets(law, grid.shape, grid.known).items()}
 
     def judge(where: tuple[int, ...]) -> Verdict:
-        mine = {key: values[where] for key, (values, _) in compared.items()}
+        mine = {key: at[where] for key, (at, _) in compared.items()}
         why = "; ".join(dict.fromkeys(text for _, texts in compared.values() for text in texts[where].tolist() if text))
         return law.compare(NumberLine(law.axis, along, lines[where].astype(float), cut[where], mine, why))
 
-    return judge
+    return along, lines, judge
 
 
 def _tell(

@@ -15,8 +15,7 @@ from solver.observe.observables import OBSERVABLES, is_count
 from solver.orbit.pieces import HELIX
 from solver.orbit.variations import HOW, POINTS
 from solver.problem.case_fields import fields_of
-from solver.problem.field_rates import NUMBERS
-from solver.problem.reduced import StartProblem, given_numbers
+from solver.problem.reduced import NUMBERS, StartProblem, given_numbers
 from solver.sensitivity.motions import of_equilibria, of_helices
 from tests.cases import START, ends_in_units_of_rho, in_units_of_rho
 from tests.slow import slow_but

@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from solver.mechanics.potential import TAU, Loads, potential, slope, slope_rate
-from solver.numerics.roots import bracket
+from solver.numerics.roots import bisect
 from solver.problem.errors import InputError
 
 from ..store import schema
@@ -31,6 +31,7 @@ BANDS = 2  # rows of rods at most
 ANGLES = 1441  # of a level set
 LEVELS = 7  # level sets
 ROUNDING = 1e-12
+BISECTIONS = 60  # of angles where a level or H is met
 SPARE = 0.06  # of the window, to the left and right of what must be seen
 LEAST = np.radians(0.5)  # of a window
 SEPARATRIX: dict[str, Any] = {"color": colours.INK, "linewidth": 0.9, "linestyle": (0, (4, 2)), "zorder": 3,
@@ -173,8 +174,7 @@ def critical_angles(rod: DrawnRod, low: float, high: float) -> NDArray[np.float6
     angles = np.arange(np.floor(low / TAU) * TAU, high + TAU, TAU / 1440) + 1e-4
     value = slope(loads, angles)
     k = np.flatnonzero(value[1:] * value[:-1] < 0)
-    sign = np.sign(value[k + 1])
-    roots = bracket(lambda b: (sign * slope(loads, b), sign * slope_rate(loads, b)), angles[k], angles[k + 1])
+    roots = bisect(lambda b: slope(loads, b), angles[k], angles[k + 1], BISECTIONS)
     return np.asarray(roots[(roots > low) & (roots < high)], dtype=float)
 
 
@@ -221,9 +221,7 @@ def _level_set(ax: Axes, one: Orbit, level: float, **look: Any) -> None:
     size = ROUNDING * (abs(level) + float(np.ptp(above)))
     above = np.where(np.abs(above) < size, 0.0, above)
     k = np.flatnonzero(above[1:] * above[:-1] < 0)
-    rises, loads = np.sign(above[k + 1]), _loads(one.rod)
-    meet = bracket(lambda b: (rises * (level - one.G(b)), -2 * rises * slope(loads, b) / one.rod.rho**2), angles[k],
-                   angles[k + 1])  # fmt: skip
+    meet = bisect(lambda b: level - one.G(b), angles[k], angles[k + 1], BISECTIONS)
     order = np.argsort(np.concatenate([angles, meet]), kind="stable")
     angles, above = (np.concatenate(pair)[order] for pair in ((angles, meet), (above, np.zeros(meet.size))))
     rate = np.sqrt(np.where(above < 0, np.nan, above))
