@@ -168,6 +168,17 @@ def test_equilibria_of_table_1_are_followed_under_a_falling_load(which: int) -> 
     assert (branch.values[-1] == 6.0) == (which == 3)
 
 
+@pytest.mark.slow
+def test_all_equilibria_of_table_1_are_followed_under_a_falling_load_and_are_those_found_there() -> None:
+    branches = [followed_in_steps(one, "FZ", 2.0, 100) for one in every()]
+    there = equilibria(with_field(table_1_ends(), "FZ", 2.0))
+    arrived = [branch.points[-1] for branch in branches if branch.values[-1] == 2.0]
+    assert len(arrived) == 11  # the other two meet in a fold
+    assert len({place(point.solution, there) for point in arrived}) == 11
+    turned = [branch for branch in branches if branch.values[-1] != 2.0]
+    assert turned[0].special[0].value == pytest.approx(turned[1].special[0].value, abs=1e-10)
+
+
 def place(sol: Solution, among: list[Equilibrium]) -> int | None:
     """Which of the equilibria this is; None if it is none of them."""
     apart = [float(np.abs(one.solution.beta - sol.beta).max()) for one in among]

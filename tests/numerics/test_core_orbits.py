@@ -6,14 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from solver import Case, Cylinder, Ends, Rod, equilibria
 from solver.core import orbits as core
 from solver.core.library import Cutting, numbers_of
 from solver.core.orbits import critical_points
 from solver.mechanics.potential import Loads, slope
 from solver.orbit.periodic_orbit import solve_orbit
 from solver.problem.reduced import Reduced, StartProblem
+from tests.cases import ends_in_units_of_rho
 
 KINDS = ("anywhere", "gap at a saddle", "rest at a saddle", "beside a centre", "about a saddle", "coinciding helices")
+REFERENCE = (-0.3655, 0.7464, -0.7506, 20.0, np.pi / 6, np.pi / 6)  # 31 equilibria
 
 
 def problems(kind: str, size: int) -> StartProblem:
@@ -101,3 +104,13 @@ def test_a_problem_that_is_not_finite_has_no_orbit_and_leaves_its_neighbours_alo
     if name == "lam":
         assert critical_points(broken).count[lost] == 0
         np.testing.assert_array_equal(critical_points(broken).beta[~lost], critical_points(problem).beta[~lost])
+
+
+PIPE = Case(Rod(2.06e8, 0.3, 0.0635, 300.0, inner_radius=0.0543), Cylinder(0.108, "inside"), Ends(0.0, 0.0, FZ=-300.0))
+
+
+@pytest.mark.parametrize("name, count", [("reference", 31), pytest.param("pipe", 851, marks=pytest.mark.slow)])
+def test_no_equilibrium_is_lost(name: str, count: int) -> None:
+    found = equilibria(PIPE if name == "pipe" else ends_in_units_of_rho(*REFERENCE), stations=2)
+    assert found.complete
+    assert len(found) == count

@@ -5,16 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import solve_bvp, solve_ivp
 
-from solver import Case, Cylinder, Ends, Rod, equilibria, solve
+from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
 from solver.core.orbits import critical_points
 from solver.levels.level_grid import boundary_of, level_grid_of
 from solver.levels.level_search import search_levels
 from solver.levels.transit_times import Levels, transit_times
 from solver.observe.observables import observe
 from solver.problem.reduced import EndsProblem, Reduced, reduce
-from tests.cases import ends_in_units_of_rho
+from tests.cases import ends_in_units_of_rho, in_units_of_rho
 
 A = 0.01
 E = 1 / (np.pi / 4 * A**4)  # with a hole of radius 1 - A: bending stiffness and distance from the axis are 1
@@ -88,6 +88,20 @@ def test_a_rod_that_starts_on_a_saddle_leaves_it_along_the_separatrix(name: str,
 
     b = solve_ivp(back, (0, 9.0), [betaL], "DOP853", t_eval=np.linspace(0, 9, 31), rtol=1e-11, atol=1e-13).y[0]
     np.testing.assert_allclose(sol.beta, b[::-1], atol=2e-5 if L == 20 else 2e-7)  # exp(-20 + 9); the near law
+
+
+def test_between_a_saddle_and_a_small_angle_it_agrees_with_a_boundary_value_solver() -> None:
+    """And with the hyperbolic sine that it nearly is."""
+    sol = solve(case(20.0, 0.0, 0.1, FZ=1.0), stations=401)
+    s = sol.s
+    guess = np.stack([0.1 * np.sinh(s) / np.sinh(20.0), 0.1 * np.cosh(s) / np.sinh(20.0)])
+    bvp = solve_bvp(
+        lambda _, y: np.stack([y[1], -force(y[0], 0, 0, 1.0)]),
+        lambda a, b: np.array([a[0], b[0] - 0.1]), s, guess, tol=1e-9, max_nodes=100000,
+    )  # fmt: skip
+    assert bvp.success
+    np.testing.assert_allclose(sol.beta, bvp.sol(s)[0], atol=1e-8)
+    np.testing.assert_allclose(sol.beta, guess[0], atol=0.1**3)  # the next term
 
 
 def test_a_longer_rod_on_a_saddle_is_the_shorter_one_with_more_of_the_saddle() -> None:
@@ -173,6 +187,12 @@ def test_energies_are_those_of_the_very_shapes_and_stand_in_order(L: float, lowe
         assert float(observe(sol, ["energy"])["energy"]) == pytest.approx(one.energy, rel=1e-12)
 
 
+def test_solve_takes_the_lowest_of_those_that_are_listed() -> None:
+    listed = equilibria(pipe(30.0))
+    sol = solve(pipe(30.0))
+    assert float(observe(sol, ["energy"])["energy"]) == pytest.approx(listed[0].energy, rel=1e-12)
+
+
 # what the search rests on
 
 
@@ -201,10 +221,37 @@ def test_stable_ones_turn_once_at_most_so_they_are_found_without_the_others() ->
     assert few.total == every.total == every.slope.size == 31
 
 
+@pytest.mark.parametrize("L", (20.0, 60.0))
+def test_how_an_equilibrium_answers_to_its_far_angle_is_what_moving_it_shows(L: float) -> None:
+    """Largest |d beta/d beta(L)|, against the two shapes next to it, for every one of the same path."""
+    numbers, step = (-0.3655, 0.7464, -0.7506, L, 0.5), 1e-7
+    there, here, beyond = (equilibria(ends_in_units_of_rho(*numbers, 0.5 + d), stations=4001) for d in (-step, 0, step))
+
+    def key(one):
+        p = one.path
+        return float(p.pin[0]), float(p.sign[0]), int(p.leaving[0]), int(p.turns[0])
+
+    counted = 0
+    for one in here:
+        pair = [[o for o in other if key(o) == key(one)] for other in (there, beyond)]
+        if any(len(p) != 1 for p in pair) or one.solution.condition > 1e3:
+            continue  # the level is pinned otherwise, or a fold is near
+        moved = np.abs(pair[1][0].solution.beta - pair[0][0].solution.beta).max() / (2 * step)
+        assert max(1.0, moved) == pytest.approx(float(one.solution.condition), rel=2e-3)  # stations, step
+        counted += 1
+    assert counted > 20
+
+
 def test_stray_is_how_far_beta_leaves_its_ends_interval() -> None:
     for one in equilibria(ends_in_units_of_rho(-0.3655, 0.7464, -0.7506, 20.0, 0.5, 0.8), stations=20001):
         beta = one.solution.beta
         assert one.stray == pytest.approx(max(beta.max() - 0.8, 0.5 - beta.min(), 0.0), abs=1e-6)  # (h v)^2
+
+
+def test_a_list_of_at_most_so_many_periods_says_so() -> None:
+    found = equilibria(nylon(), most_swings=3)
+    assert not found.complete
+    assert "at most 3 whole periods" in found.remark
 
 
 # random problems
@@ -229,6 +276,46 @@ def test_random_ends_on_saddles_have_a_stable_equilibrium_and_a_signed_count_of_
     assert found is not None
     assert not found.remark or found.remark.startswith("only")
     assert found.index[np.argmin(found.energy)] == 0
+
+
+def ends_by_march(numbers: tuple[float, ...], slopes: np.ndarray) -> np.ndarray:
+    """beta(L) of rods that start with these slopes."""
+    lam, mu, phi, span, beta0 = numbers[:5]
+    n = slopes.size
+
+    def right(_: float, y: np.ndarray) -> np.ndarray:
+        return np.concatenate([y[n:], -force(y[:n], lam, mu, phi)])
+
+    start = np.concatenate([np.full(n, beta0), slopes])
+    return solve_ivp(right, (0, span), start, "DOP853", rtol=1e-8, atol=1e-9, t_eval=[span]).y[:n, -1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(60))
+def test_a_scan_of_start_slopes_by_a_march_finds_none_that_is_not_listed(seed: int) -> None:
+    """And each listed one that a march can reach is met by it: so the counts agree where both methods apply."""
+    rng = np.random.default_rng(seed)
+    lam, mu, phi = rng.uniform(-2, 2, 3) * rng.choice([0, 1, 1], 3)
+    numbers = lam, mu, phi, rng.uniform(0.5, 9), *rng.uniform(-3.5, 3.5, 2)
+    found = equilibria(ends_in_units_of_rho(*numbers), stations=3)
+    assert found.complete
+    known = np.sort([one.dbeta0 for one in found])
+    most = np.abs(known).max() + 1.0
+    slopes = np.linspace(-most, most, 3001) + 1e-5
+    for _ in range(2):  # finer where the far end moves fast
+        end = ends_by_march(numbers, slopes)
+        wide = np.abs(np.diff(end)) > 0.3
+        slopes = np.sort(np.concatenate([slopes, ((slopes[1:] + slopes[:-1]) / 2)[wide]]))
+    end = ends_by_march(numbers, slopes)
+    off = end - numbers[5]
+    for k in np.flatnonzero((off[:-1] * off[1:] < 0) & (np.abs(np.diff(end)) < 1)):
+        assert ((known > slopes[k] - 1e-6) & (known < slopes[k + 1] + 1e-6)).any(), slopes[k]
+    again = ends_by_march(numbers, known)
+    reached = in_units_of_rho(*numbers[:5], known)
+    assert isinstance(reached.given, Start)
+    reach = solve(reached, stations=2).condition
+    easy = reach < 1e5  # the march loses eps times this
+    np.testing.assert_allclose(again[easy], numbers[5], atol=1e-2)
 
 
 def any_number(rng: np.random.Generator) -> float:

@@ -8,11 +8,15 @@ import pytest
 from scipy.linalg import solve_banded
 from scipy.optimize import brentq
 
-from solver import equilibria, solve
+from solver import Case, Ends, Start, equilibria, solve
+from solver.end_angle_branch import to_fold
 from solver.equilibria import Equilibrium
 from solver.levels import level_grid
+from solver.levels.level_search import search_levels
+from solver.levels.morse_index import jacobi_zeros, morse_index
+from solver.levels.transit_times import repeat
 from solver.problem.reduced import reduce
-from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho
+from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 from tests.slow import slow_but
 
 MANY = -0.3655, 0.7464, -0.7506  # lam, mu, phi
@@ -24,6 +28,7 @@ PROBLEMS = {
     "all the way round": (0.3, 0.2, 0.1, 9.0, 0.5, 0.5 + 2 * np.pi),
     "strongly twisted": (2.0, 6.0, -3.0, 4.0, 0.8, 0.3),
 }
+every = pytest.mark.parametrize("name", PROBLEMS)
 
 
 @cache
@@ -123,6 +128,19 @@ def signed_count(solutions: list[Equilibrium]) -> int:
 # the index in two ways
 
 
+@every
+def test_zeros_of_the_jacobi_field_are_the_negative_pivots(name: str) -> None:
+    problem = reduce(ends_in_units_of_rho(*PROBLEMS[name]))
+    all_of_them = search_levels(problem)
+    assert all_of_them is not None
+    wide = repeat(problem, all_of_them.slope.size)
+    span = PROBLEMS[name][3]
+    beta = all_of_them.orbit.at(np.tile(np.linspace(0, span, 8001), (wide.size, 1)))[0]
+    zeros = jacobi_zeros(all_of_them.orbit)
+    assert (zeros == morse_index(wide, wide.span / 8000, beta)).all()
+    assert zeros.max() > zeros.min() or zeros.size == 1
+
+
 @pytest.mark.parametrize("span", (60.0, 150.0))
 def test_the_index_keeps_to_morse_on_rods_too_long_for_any_march(span: float) -> None:
     """Fields that grow by exp(1.7 L) along the saddles; the indices still add up as the space of shapes demands."""
@@ -171,6 +189,28 @@ def test_a_rod_that_turns_all_the_way_is_found(rounds: int, beta0: float) -> Non
     assert any((np.sign(one.solution.dbeta) == np.sign(rounds)).all() for one in solutions)
 
 
+@pytest.mark.parametrize(
+    "numbers",
+    (
+        (0.0, 0.0, -0.5289463541744542, 0.7775296511739638, 0.0, 2.25917698187677),  # starts on a helix angle
+        (0.9991052333730774, -0.4276177611325607, 1.334687730507262, 6.555842674256888, 3.06883997176247,
+         -1.936676784705245),  # ends between the start and the helix angle behind it
+        (2.692079329356268, 2.584381685339393, 4.360011565602786, 1.1617500751117587, -1.8561560112001212,
+         -8.139341318379707),  # just less than a whole turn, by rounding
+        (0.0, -1.0693813271761012, 0.0, 2.6651699081365625, 3.0937205752438244, -3.0937205752438244),
+        (0.0, 0.0, -0.4, 1.0, 0.0, np.pi),  # from one helix angle to another
+        (0.0, 0.0, -0.4, 1.0, np.pi, 0.0),
+    ),
+)  # fmt: skip
+def test_between_two_ends_there_is_always_one(numbers) -> None:
+    """By degree; these ends, more than a swing apart, were once found to have none."""
+    solutions = found(*numbers)
+    assert signed_count(solutions) == 1
+    for one in solutions:
+        assert one.solution.solved
+        assert one.solution.beta[-1] == pytest.approx(numbers[-1], abs=1e-8)  # tol
+
+
 @pytest.mark.parametrize("numbers", ((0, 0, 0, 20.0, np.pi / 6), (0.3, 0.2, -0.5, 12.0, 1.0), (0, 0, -0.7, 7.0, 0.3)))
 @pytest.mark.parametrize("slope", (0.0, 1e-12, -1e-9, 1e-7, -3e-6, 1e-4))
 def test_a_rod_that_starts_or_ends_at_rest_is_found_once(numbers, slope: float) -> None:
@@ -211,6 +251,44 @@ def test_rods_that_turn_agree_with_a_march() -> None:
 
 
 # folds
+
+
+@cache
+def fold():
+    """The equilibrium of Table 1 as its far end turns, up to where it ceases to exist."""
+    case = table_1("force-first", "tension", "paper")
+    return to_fold(case, np.deg2rad(60))
+
+
+def at_end(betaL: float) -> list[Equilibrium]:
+    g = fold().ends.given
+    return equilibria(Case(fold().ends.rod, fold().ends.cylinder, Ends(g.beta0, betaL, g.FZ, g.MZ, g.M3)))
+
+
+def nearest(solutions: list[Equilibrium], slope: float, within: float) -> list[Equilibrium]:
+    return [one for one in solutions if abs(one.dbeta0 - slope) < within]
+
+
+def test_two_equilibria_meet_at_a_fold_and_none_is_left_beyond_it() -> None:
+    """Their distance falls with the square root of the way to the fold."""
+    at, slope = fold().fold, fold().fold_dbeta0
+    apart = []
+    for before in (1e-3, 1e-5, 1e-7):
+        two = nearest(at_end(at - before), slope, 0.05)
+        assert len(two) == 2, before
+        apart.append(abs(two[0].dbeta0 - two[1].dbeta0))
+    np.testing.assert_allclose(np.divide(apart[:-1], apart[1:]), 10, rtol=0.1)
+    assert not nearest(at_end(at + 1e-7), slope, 0.05)
+
+
+def test_the_index_changes_by_one_through_a_fold_and_nowhere_before_it() -> None:
+    """Up the branch to the fold, and back down the other one that it turns into."""
+    branch = fold()
+    for betaL, slope in zip(branch.values[:-1], branch.dbeta0[:-1], strict=True):
+        assert [one.index for one in nearest(at_end(betaL), slope, 1e-6)] == [6]
+    for betaL in (branch.values[-2], branch.fold - 1e-3, branch.fold - 1e-6):
+        two = sorted(nearest(at_end(betaL), branch.fold_dbeta0, 0.2), key=lambda one: one.dbeta0)
+        assert [one.index for one in two] == [6, 5]
 
 
 # symmetries
@@ -255,6 +333,15 @@ def test_mirror_images_of_one_energy_come_in_one_order_always() -> None:
     ]
     assert pairs
     assert all(a.dbeta0 < b.dbeta0 for a, b in pairs)
+
+
+def test_a_start_problem_shares_its_shape_with_one_of_its_ends_problem() -> None:
+    start = in_units_of_rho(*MANY, 20.0, np.pi / 6, 1.0)
+    assert isinstance(start.given, Start)
+    sol = solve(start, tol=1e-11)
+    solutions = found(*MANY, 20.0, np.pi / 6, float(sol.beta[-1]))
+    own = min(solutions, key=lambda one: abs(one.dbeta0 - 1.0))
+    np.testing.assert_allclose(own.solution.beta, sol.beta, atol=1e-8)
 
 
 @pytest.mark.parametrize("phi", (-0.5, -0.2, 0.5, 2.0))

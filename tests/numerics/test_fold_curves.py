@@ -197,6 +197,45 @@ def test_with_equal_ends_a_fold_and_a_pitchfork_lie_next_to_a_separatrix(kind, l
     assert point.lower == lower
 
 
+# the level of a fold nears that of a saddle as L grows: the end at a turning point, ranges of FZ and L, and the curves
+NEARING = {
+    "the start": ("30deg", "50deg", (3.996, 4.2), (6, 12), [("fold", 0)]),
+    "the far end": ("50deg", "30deg", (3.996, 4.2), (6, 12), [("fold", 0)]),
+    "both ends": ("30deg", "30deg", (4.0052, 4.01), (12.2, 13), [("fold", 0), ("pitchfork", 1)]),
+}
+
+
+@cache
+def nearing(end: str) -> FoldCurves:
+    beta0, betaL, FZ, L, _ = NEARING[end]
+    return fold_curves(Case(LONG.rod, LONG.cylinder, Ends(beta0, betaL, M3=8.0)), lattice=2, FZ=FZ, L=L)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("end", NEARING)
+def test_a_curve_is_whole_and_exact_where_it_comes_next_to_a_separatrix(end: str) -> None:
+    folds = nearing(end)
+    assert folds.remark == ""
+    assert sorted((curve.kind, curve.lower) for curve in folds.curves) == NEARING[end][4]
+    for curve in folds.curves:
+        assert curve.ends == ("border", "border")
+        for i in np.flatnonzero(curve.exact)[::3]:
+            off, eta, _ = marched(curve.dbeta0[i] * RHO, *curve.values[i], folds.case)
+            assert abs(off) < 1e-6  # next to the separatrix: the square of the gap
+            assert abs(eta) < 1e-3  # of the size of the next derivative times the error of beta_t(0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("end", NEARING)
+def test_the_equilibria_that_meet_next_to_a_separatrix_have_the_indices_of_the_curve(end: str) -> None:
+    folds = nearing(end)
+    for curve in folds.curves:
+        at = np.flatnonzero(curve.exact)
+        fewer, more = across(folds, curve, int(at[np.abs(curve.values[at, 1] - 12.0).argmin()]), 1e-6)
+        # at a pitchfork two equilibria of one index take the place of one of the next, or the other way round
+        assert sorted([*fewer, curve.lower, curve.lower + 1]) == more
+
+
 def beside_a_separatrix(**ranges: tuple[float, float]) -> FoldCurves:
     return fold_curves(LONG, lattice=2, **ranges)
 

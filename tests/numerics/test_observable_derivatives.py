@@ -133,7 +133,52 @@ def test_an_extreme_of_the_force_that_two_places_reach_unequally_has_a_remark() 
     assert "no force" in none.remarks["F3_size_max"]
 
 
+def test_a_batch_has_the_derivatives_of_its_cases_alone() -> None:
+    side, E, nu, a, L, R, beta, dbeta, F1, F2, _ = FILE["cases"]["pushes, then lifts off"]["case"]
+    forces = np.linspace(-30.0, 10.0, 7)
+    start = Start(beta, dbeta, F1=F1, F2=F2, F3=forces)
+    case = Case(Rod(E, nu, a, L), Cylinder(R, side), start)
+    together = solve(case).sensitivity(["E", "F3"], NAMES)
+    for i, force in enumerate(forces):
+        one = solve(replace(case, given=replace(start, F3=force))).sensitivity(["E", "F3"], NAMES)
+        for name in NAMES:
+            assert together.observables[name][i] == pytest.approx(one.observables[name], rel=1e-9, abs=1e-12), name
+
+
 def test_every_observable_has_a_derivative() -> None:
     found = solve(START["many equilibria"].case).sensitivity(["E", "R"], [*OBSERVABLES])
     assert set(found.observables) == set(OBSERVABLES)
     assert not any(remark for name, remark in found.remarks.items() if name != "neutral_at")  # a constant force
+
+
+def judged(count: int, seed: int) -> int:
+    """Compare random rods with differences; how many lifted off on the way."""
+    rng, lifted = np.random.default_rng(seed), 0
+    for _ in range(count):
+        given = Start(
+            rng.uniform(-3, 3), rng.normal(), F2=10 * rng.normal(), F3=10 * rng.normal(), M3=10 * rng.normal()
+        )
+        case = Case(Rod(1.07e4, 0.25, 0.25, 8.0), Cylinder(0.75, str(rng.choice(["inside", "outside"]))), given)
+        solution = solve(case, stations=5)
+        if not solution.solved or solution.condition > 50:
+            continue
+        field = str(rng.choice([name for name in fields_of(case) if name not in ("alpha0", "gamma0", "nu")]))
+        found = solution.sensitivity([field], NAMES)
+        near = [read(solve(moved(case, field, sign * 1e-3), tol=1e-13, stations=3)) for sign in (1, -1)]
+        table = differences(case, field, read, 1e-5, stations=3, method="orbit")
+        for k, name in enumerate(NAMES):
+            if abs(near[0][k] - near[1][k]) > 0.1 * (1 + abs(near[0][k])):
+                continue  # it jumps, or nearly so
+            assert found.observables[name][0] == pytest.approx(table[k], rel=1e-4, abs=1e-4 * (1 + abs(table[k]))), name
+        where = float(observe(solution, ["lift_off_at"])["lift_off_at"])
+        lifted += 0 < where < 8
+    return lifted
+
+
+def test_some_random_rods_agree_with_differences() -> None:
+    assert judged(12, 3) > 2
+
+
+@pytest.mark.slow
+def test_many_random_rods_agree_with_differences() -> None:
+    assert judged(150, 4) > 20

@@ -216,6 +216,23 @@ def test_a_case_that_was_not_solved_has_no_derivatives_and_says_why() -> None:
     assert found.outcome[1].startswith("failed: error")
 
 
+def test_a_batch_gives_what_its_cases_give_alone_and_leaves_out_what_was_not_solved() -> None:
+    E = np.array([5e3, 1.07e4, 1e250, 4e4])
+    case = Case(replace(TABLE.rod, E=E), TABLE.cylinder, TABLE.given)
+    found = solve(case, stations=11).sensitivity(["E", "R"], ["height", "push_max", "turns"])
+    assert found.beta.shape == (4, 2, 11)
+    assert found.observables["height"].shape == (4, 2)
+    assert not found.observables["turns"][0].any()
+    for i in (0, 1, 3):
+        alone = solve(Case(replace(TABLE.rod, E=E[i]), TABLE.cylinder, TABLE.given), stations=11)
+        one = alone.sensitivity(["E", "R"], ["height", "push_max"])
+        assert found.z[i] == pytest.approx(one.z, rel=1e-9, abs=1e-12)
+        assert found.observables["push_max"][i] == pytest.approx(one.observables["push_max"], rel=1e-9)
+    unsolved = ~np.asarray(found.solved)
+    assert np.isnan(found.beta[unsolved]).all()
+    assert all(text.startswith("failed") for text in np.asarray(found.outcome)[unsolved])
+
+
 def test_at_a_fold_the_outcome_says_so() -> None:
     # a straight rod that is about to buckle
     case = ends_in_units_of_rho(0.0, 0.0, -0.2, np.pi / np.sqrt(0.2) * (1 - 1e-8), 0.0, 0.0)
@@ -231,6 +248,27 @@ def test_an_extreme_that_two_places_reach_has_a_remark() -> None:
     found = solve(START["compressed, symmetric"].case).sensitivity(["E"], ["push_max"])
     assert np.isnan(found.observables["push_max"]).all()
     assert "several places" in found.remarks["push_max"]
+
+
+@pytest.mark.slow
+def test_random_rods_agree_with_differences() -> None:
+    rng = np.random.default_rng(11)
+    judged = 0
+    for _ in range(60):
+        given = Start(
+            rng.uniform(-3, 3), rng.normal(), F2=10 * rng.normal(), F3=10 * rng.normal(), M3=10 * rng.normal()
+        )
+        case = Case(Rod(1.07e4, 0.25, 0.25, 10.0), Cylinder(0.75, str(rng.choice(["inside", "outside"]))), given)
+        solution = solve(case, stations=5)
+        if not solution.solved or solution.condition > 100:  # differences would lose the digits
+            continue
+        field = str(rng.choice(fields_of(case)))
+        found = solution.sensitivity([field])
+        judged += 1
+        table = differences(case, field, along(ALONG), 2e-5, stations=5, method="orbit")
+        for name, exact in zip(ALONG, table, strict=True):
+            assert getattr(found, name)[0] == pytest.approx(exact, rel=1e-4, abs=1e-5 * (1 + np.abs(exact).max()))
+    assert judged > 30
 
 
 def test_the_code_of_the_page_runs() -> None:

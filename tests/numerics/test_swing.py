@@ -15,10 +15,12 @@ from solver.core import march
 from solver.core.build import digest
 from solver.core.library import OTHER, library_path, numbers_of, threads
 from solver.methods import OrbitQuadrature, SwingTaylor
+from solver.observe.observables import OBSERVABLES, observe
 from solver.orbit.pieces import ROTATION
 from solver.problem.reduced import StartProblem
 from tests.extreme_cases import draw
 from tests.slow import slow_but
+from workbench.compare.trade_cases import CASES
 
 NEAR_SADDLE = (0.0, 0.0, -1.0, 60.0, np.pi, 1e-9)  # a pendulum that all but stands on its head
 
@@ -61,6 +63,15 @@ def test_it_keeps_its_promise_and_does_not_understate_its_error(loads: float, sp
     if tol > 1e-10:
         assert own.sum() > 100
         assert np.percentile(fast.error[own] / off[own], 95) < 1000
+
+
+def test_its_condition_number_by_transfer_matrices_is_that_of_the_shear() -> None:
+    fast, exact = both(random(1500, 6, 1, (0, 3)), 1e-11)
+    own = ~fast.orbit.lost
+    ratio = fast.condition[own] / exact.condition[own]
+    assert own.mean() > 0.95
+    assert ratio.min() > 0.5
+    assert ratio.max() < 1.3  # two nodes a step against twenty-two a panel
 
 
 def test_both_find_the_same_arcs_and_turning_points() -> None:
@@ -129,6 +140,14 @@ def test_numbers_beyond_a_float_are_refused_and_leave_their_neighbours_alone() -
     assert np.isnan(fast.beta[0]).all()
     np.testing.assert_allclose(fast.beta[1], exact.beta[1], atol=1e-9)
     np.testing.assert_allclose(fast.swirl()[1], exact.swirl()[1], atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["force-first/tension", "catenary", "long"])
+def test_observables_are_those_of_the_quadrature(name: str) -> None:
+    ours, theirs = (solve(CASES[name].case, tol=1e-12, method=method) for method in ("swing", "orbit"))
+    seen, known = observe(ours, OBSERVABLES), observe(theirs, OBSERVABLES)
+    for key in OBSERVABLES:
+        np.testing.assert_allclose(seen[key], known[key], rtol=1e-8, atol=1e-9, err_msg=key)
 
 
 def test_results_are_equal_to_the_bit_for_every_width_of_lanes_and_number_of_threads(monkeypatch) -> None:
