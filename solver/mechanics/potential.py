@@ -3,8 +3,8 @@
 Dimensionless throughout, lengths in units of rho: beta_t^2 + G(beta) = eta and beta_tt = -H(beta). A minimum of G is a
 centre (an orbit next to it oscillates), a maximum is a saddle.
 
-H stands here and nowhere else, but for four forms that serve one algorithm each: `methods.adaptive` (scalars),
-`methods.difference` (fewest operations), `methods.heyoka` (symbols) and `core` (power series). A test compares them.
+H stands here and nowhere else, but for four forms that serve one algorithm each: `methods.adaptive` (scalars,
+and symbols), `methods.difference` (fewest operations) and `core` (power series). A test compares them.
 """
 
 from dataclasses import dataclass

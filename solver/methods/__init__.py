@@ -1,20 +1,16 @@
-"""The methods, one file each; the automatic ones, and the one that a caller names."""
+"""The methods; the automatic ones, and the one that a caller names."""
 
 from typing import Any
 
 from ..problem.errors import InputError, choices, known_name, no_such
+from .adaptive import DOP853, LSODA, Heyoka
 from .base import EndsMethod, Method, StartMethod
 from .collocation import Collocation
 from .difference import Difference
-from .dop853 import DOP853
-from .euler import Euler
-from .heyoka import Heyoka
-from .lsoda import LSODA
+from .marching import RK4, Euler, Verlet
 from .orbit import OrbitQuadrature
-from .rk4 import RK4
 from .shooting import Shooting
 from .swing import SwingTaylor
-from .verlet import Verlet
 
 _CLASSES: tuple[type[StartMethod] | type[EndsMethod], ...] = (
     OrbitQuadrature, DOP853, LSODA, Verlet, RK4, Euler, Shooting, Difference, Collocation, SwingTaylor, Heyoka,

@@ -1,4 +1,4 @@
-"""What adaptive integrators share: beta, beta_t, alpha, z and the swirl marched from the start.
+"""Adaptive integrators: `dop853`, `lsoda` and `heyoka` march beta, beta_t, alpha, z and the swirl from the start.
 
 The tolerance of an integrator is of one step, the error asked for is of the whole rod. So the error is measured.
 """
@@ -6,14 +6,26 @@ The tolerance of an integrator is of one step, the error asked for is of the who
 import math
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
+from functools import cache
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import NOT_FINITE, Trajectory
-from .base import TIGHTEST, Answer, StartMethod, knob, one_by_one, tighten
+from .base import (
+    MOST_CALLED,
+    MOST_COMPILED,
+    TIGHTEST,
+    Answer,
+    Ladder,
+    StartMethod,
+    knob,
+    one_by_one,
+    tens,
+    tighten,
+)  # fmt: skip
 from .swing import condition_numbers
 
 _MOST_CALLS = 400_000  # of one integration: one or two seconds; stiffer cases are for `orbit`
@@ -69,6 +81,32 @@ class ScipyAdaptive(Adaptive):
         return _integrate(self.integrator, problem, t, rtol)
 
 
+@dataclass(frozen=True)
+class DOP853(ScipyAdaptive):
+    """Adaptive Runge-Kutta. rtol: the tolerance of a step; default: sought so that `tol` is met."""
+
+    name = "dop853"
+    summary = "adaptive Runge-Kutta of order 8 (scipy), the reference"
+    order = 8
+    integrator = "DOP853"
+    ladders = (Ladder("dop853", "rtol", (*tens(2, 12, 2), 1e-13), "#d96a00", "D", most=3 * MOST_CALLED),)
+
+
+@dataclass(frozen=True)
+class LSODA(ScipyAdaptive):
+    """Multistep formulas: of Adams, which change to BDF where the problem is stiff. They evaluate the equation once a
+    step, an advantage where evaluations are expensive; here they are cheap.
+
+    rtol: the tolerance of a step; default: sought so that `tol` is met.
+    """
+
+    name = "lsoda"
+    summary = "multistep formulas of variable order, to 12 (scipy's LSODA)"
+    order = 12
+    integrator = "LSODA"
+    ladders = (Ladder("lsoda", "rtol", (*tens(2, 12, 2), 1e-13), "#a04890", "^", most=2 * MOST_CALLED),)
+
+
 def _integrate(integrator: str, problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int, str]:
     """States at t (5, n); calls; why there are none, or an empty text."""
     lam, mu, phi = float(problem.lam[0]), float(problem.mu[0]), float(problem.phi[0])
@@ -97,3 +135,53 @@ def _integrate(integrator: str, problem: StartProblem, t: Array, rtol: float) ->
         said = answer.message.rstrip(".").lower()
         return nothing, answer.nfev, f"failed: {integrator} of scipy gave up: {said}"
     return answer.y, answer.nfev, ""
+
+
+_MOST_STEPS = 200_000  # of one integration
+
+
+@dataclass(frozen=True)
+class Heyoka(Adaptive):
+    """Taylor series, compiled to machine code; the strongest general integrator to compare with. Its order follows the
+    tolerance, about twenty at rounding.
+
+    rtol: the tolerance of a step; default: sought so that `tol` is met.
+    """
+
+    name = "heyoka"
+    summary = "Taylor series compiled to machine code (the package heyoka)"
+    order = float("inf")
+    requires = "heyoka"
+    extra = "taylor"
+    ladders = (Ladder("heyoka", "rtol", tens(1, 15, 2), "#6424d0", "P", cold=True, most=MOST_COMPILED),)
+
+    tightest = 2.3e-16
+    rounding = 2e-16
+
+    def integrate(self, problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int, str]:
+        """NaN where the march ended early."""
+        march = _compile(rtol)
+        march.time = 0.0
+        march.state[:] = problem.beta0[0], problem.dbeta0[0], 0.0, 0.0, 0.0
+        march.pars[:] = problem.lam[0], problem.mu[0], problem.phi[0]
+        grid, back = np.unique(np.append(0.0, t), return_inverse=True)
+        if grid.size == 1:
+            return np.repeat(march.state[:, None].copy(), t.size, axis=1), 0, ""
+        _, _, _, steps, _, states = march.propagate_grid(grid=grid, max_steps=_MOST_STEPS)
+        calls = int(steps) * (int(march.order) + 1)  # each step evaluates that many derivatives of the equation
+        if states.shape[0] < grid.size:
+            return np.full((5, t.size), np.nan), calls, ""
+        return states.T[:, back[1:]], calls, ""
+
+
+@cache
+def _compile(rtol: float) -> Any:
+    """The integrator of that tolerance, made once in a process: compiling takes longer than integrating."""
+    import heyoka as hy
+
+    beta, v, alpha, z, swirl = hy.make_vars("beta", "v", "alpha", "z", "swirl")
+    lam, mu, phi = hy.par[0], hy.par[1], hy.par[2]
+    s, c = hy.sin(beta), hy.cos(beta)
+    pull = (lam - mu) * c + 2.0 * mu * hy.sin(0.5 * beta) ** 2.0 * (1.0 + 2.0 * c) - (phi + 2.0 * c * s * s) * s
+    rates = [(beta, v), (v, -pull), (alpha, s), (z, c), (swirl, s * c)]
+    return hy.taylor_adaptive(rates, [0.0] * 5, tol=rtol, pars=[0.0] * 3)
