@@ -1,4 +1,5 @@
-/* Linear algebra of a chain of stretches: a band matrix with pivots, and the inertia of a block tridiagonal one. */
+/* Linear algebra: Gauss's elimination, and of a chain of stretches a band matrix with pivots and the inertia of a block
+   tridiagonal one. */
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -8,6 +9,43 @@
 #define HALF 4
 #define WIDTH (SIZE + HALF - 1) /* of the band of a chain, on each side of the diagonal */
 #define WIDE (3 * WIDTH + 1)
+
+/* Row i of the matrix less a multiple of row k, from column `from` on. */
+static void subtract(int columns, double *matrix, int i, int k, int from)
+{
+    const double factor = matrix[i * columns + from] / matrix[k * columns + from];
+    for (int j = from; j < columns; j++)
+        matrix[i * columns + j] -= factor * matrix[k * columns + j];
+}
+
+int rod_eliminated(int n, int columns, double *matrix)
+{
+    int sign = 1;
+    for (int k = 0; k < n; k++) {
+        int best = k;
+        for (int i = k + 1; i < n; i++)
+            if (fabs(matrix[i * columns + k]) > fabs(matrix[best * columns + k]))
+                best = i;
+        const double pivot = matrix[best * columns + k];
+        if (!(fabs(pivot) > 0) || !isfinite(pivot))
+            return 0;
+        for (int j = 0; best != k && j < columns; j++) {
+            const double other = matrix[k * columns + j];
+            matrix[k * columns + j] = matrix[best * columns + j], matrix[best * columns + j] = other;
+        }
+        sign *= (best != k ? -1 : 1) * (pivot > 0 ? 1 : -1);
+        for (int i = k + 1; i < n; i++)
+            subtract(columns, matrix, i, k, k);
+    }
+    for (int j = n; j < columns; j++)
+        for (int k = n - 1; k >= 0; k--) {
+            double value = matrix[k * columns + j];
+            for (int i = k + 1; i < n; i++)
+                value -= matrix[k * columns + i] * matrix[i * columns + j];
+            matrix[k * columns + j] = value / matrix[k * columns + k];
+        }
+    return sign;
+}
 
 /* Solve band x = right in place by rows with partial pivoting. band: (n, 3 w + 1), row i holds the columns i - w ..
  * i + 2 w, of which the last w are room for pivoting. right: (n, m). Returns 0, or 1 where a pivot vanishes. */
@@ -146,22 +184,7 @@ static void generate(const double *transfer, const double *unit, double *qq, dou
     }
     for (int i = 0; i < HALF; i++)
         for (int j = 0; j < HALF; j++) D[i][j] = M[HALF + i][HALF + j], D[i][HALF + j] = i == j;
-    for (int k = 0; k < HALF; k++) { /* the inverse of D, by rows with pivots */
-        int best = k;
-        for (int i = k + 1; i < HALF; i++)
-            if (fabs(D[i][k]) > fabs(D[best][k])) best = i;
-        for (int j = 0; j < 2 * HALF; j++) {
-            double kept = D[k][j];
-            D[k][j] = D[best][j], D[best][j] = kept;
-        }
-        double pivot = D[k][k];
-        for (int j = 0; j < 2 * HALF; j++) D[k][j] /= pivot;
-        for (int i = 0; i < HALF; i++) {
-            double factor = D[i][k];
-            if (i == k || factor == 0) continue;
-            for (int j = 0; j < 2 * HALF; j++) D[i][j] -= factor * D[k][j];
-        }
-    }
+    rod_eliminated(HALF, 2 * HALF, &D[0][0]); /* the inverse of D */
     double left[HALF][HALF], right[HALF][HALF];
     for (int i = 0; i < HALF; i++)
         for (int j = 0; j < HALF; j++) {

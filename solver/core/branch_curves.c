@@ -53,43 +53,6 @@ static int jacobian_at(family *f, point *at)
     return failed;
 }
 
-/* Row i of the matrix less a multiple of row k, from column `from` on. */
-static void subtract(int columns, double *matrix, int i, int k, int from)
-{
-    const double factor = matrix[i * columns + from] / matrix[k * columns + from];
-    for (int j = from; j < columns; j++)
-        matrix[i * columns + j] -= factor * matrix[k * columns + j];
-}
-
-int rod_eliminated(int n, int columns, double *matrix)
-{
-    int sign = 1;
-    for (int k = 0; k < n; k++) {
-        int best = k;
-        for (int i = k + 1; i < n; i++)
-            if (fabs(matrix[i * columns + k]) > fabs(matrix[best * columns + k]))
-                best = i;
-        const double pivot = matrix[best * columns + k];
-        if (!(fabs(pivot) > 0) || !isfinite(pivot))
-            return 0;
-        for (int j = 0; best != k && j < columns; j++) {
-            const double other = matrix[k * columns + j];
-            matrix[k * columns + j] = matrix[best * columns + j], matrix[best * columns + j] = other;
-        }
-        sign *= (best != k ? -1 : 1) * (pivot > 0 ? 1 : -1);
-        for (int i = k + 1; i < n; i++)
-            subtract(columns, matrix, i, k, k);
-    }
-    for (int j = n; j < columns; j++)
-        for (int k = n - 1; k >= 0; k--) {
-            double value = matrix[k * columns + j];
-            for (int i = k + 1; i < n; i++)
-                value -= matrix[k * columns + i] * matrix[i * columns + j];
-            matrix[k * columns + j] = value / matrix[k * columns + k];
-        }
-    return sign;
-}
-
 static const int free_of[GIVEN] = {BETA0, BETAL, LAM, MU, PHI}; /* the unknowns behind x and p */
 
 static double scale_of(const family *f, int k) { return k < 2 ? 1 : f->held->loads; }

@@ -3,6 +3,10 @@
 
 #include "orbit_parts.h"
 
+/* rod.c; p: the numbers of a start problem */
+double rod_weight_of(const double *p);
+int rod_beside_helix(const double *p, double weight, double *condition);
+
 /* The flow on one panel at its nodes: |beta_t|, H and the integral a(t) of the shear, in units of the problem.
    across: c; gain: what the panel adds to a, with what the change of c from the panel before it adds. */
 typedef struct {
@@ -40,32 +44,6 @@ static double higher_rates(const start_problem *p, double *third)
 static double load_size(const start_problem *p) { return fabs(p->lam) + fabs(p->mu) + fabs(p->phi); }
 
 static double rate_at_start(const start_problem *p) { return slope_rate(p->lam, p->mu, p->phi, p->beta0); }
-
-static double slope_weight(const start_problem *p)
-{
-    return larger(larger(1, fabs(p->dbeta0)), sqrt(fabs(rate_at_start(p))));
-}
-
-static void largest_solutions(double rate, double span, double *even, double *odd)
-{
-    const double root = sqrt(fabs(rate)), angle = smaller(root * span, 700);
-    *even = rate >= 0 ? 1 : cosh(angle);
-    *odd = root * span > 1e-150 ? (rate > 0 ? (angle < PI / 2 ? sin(angle) : 1.0) : sinh(angle)) / root : span;
-}
-
-/* Whether H' hardly changes along the rod, and the condition number as if it did not. */
-static int beside_helix(const start_problem *p, double *worst)
-{
-    double even, odd, unused, half, third;
-    const double rate = rate_at_start(p), second = higher_rates(p, &third);
-    largest_solutions(rate, p->span, &even, &odd);
-    largest_solutions(rate, p->span / 2, &unused, &half);
-    const double strays = fabs(p->dbeta0) * odd + 2 * fabs(slope(p->lam, p->mu, p->phi, p->beta0)) * square(half);
-    const double bound = fabs(p->lam) + 8 * fabs(p->mu) + fabs(p->phi) + 20;
-    const double change = fabs(second) * strays + bound * square(strays) / 2;
-    *worst = larger(1, larger(even, odd * slope_weight(p)));
-    return change * p->span * fmin(p->span, 1 / sqrt(fabs(rate))) < 0.1;
-}
 
 static course course_of(const start_problem *p, const read_orbits *all, const points *at, int64_t b, flow *room)
 {
@@ -254,13 +232,13 @@ static double condition_of(course *o, const panel_errors *of)
 {
     double worst, end[2];
     const start_problem *p = o->problem;
-    const int steady = beside_helix(p, &worst);
+    const double weight = rod_weight_of(&p->lam);
+    const int steady = rod_beside_helix(&p->lam, weight, &worst);
     change by[2];
     if (o->all->kind[o->orbit] == HELIX || !(o->count[0] + o->count[1]) || steady)
         return worst;
     vary_start(o, of, by);
-    const double weight = slope_weight(p) / o->unit;
-    by[1].along *= weight, by[1].across *= weight;
+    by[1].along *= weight / o->unit, by[1].across *= weight / o->unit;
     worst = largest_at_nodes(o, by, 1);
     changes_at_end(o, by, end);
     worst = larger(worst, larger(fabs(end[0]), fabs(end[1])));
@@ -285,7 +263,7 @@ static double mismatch(const course *o)
     const double beta = at_place(series_of(o, 0, 0), o->n + 1, -1), speed = at_place(series_of(o, 0, 1), o->n + 1, -1);
     const double v = fabs(p->dbeta0), quickest = sqrt(1 + load_size(p)) + v;
     const double slip = larger(fabs(speed - v) - 16 * EPS * quickest, 0); /* beyond the rounding of a speed */
-    return fabs(beta - p->beta0) + slip * smaller(p->span, 1 / slope_weight(p));
+    return fabs(beta - p->beta0) + slip * smaller(p->span, 1 / rod_weight_of(&p->lam));
 }
 
 static double error_of(const course *o, const panel_errors *of, double growth)

@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from .build import HERE, OTHER, digest, library_name
 
 HOW = "install rod-workbench again, or in a checkout run python -m solver.core"
 INT, FLOAT, AT = ctypes.c_int64, ctypes.c_double, ctypes.c_void_p
-_BYTE = ctypes.c_char
+_BYTE, _WHOLE = ctypes.c_char, (int, np.integer, np.bool_)
 _SHARE = 256  # problems that a thread takes at a time
 
 
@@ -68,10 +68,13 @@ def begin_of(array: Any) -> int:
 class Structure(ctypes.Structure):
     """A struct of the core, from numbers, arrays and other structs, which it keeps alive; a field without one is 0."""
 
+    _names: ClassVar[list[str]]
+    _pointers: ClassVar[set[str]]
+
     def __init__(self, *values: Any, **named: Any) -> None:
-        self.kept = named | dict(zip((field[0] for field in self._fields_), values, strict=False))
-        pointers = {name for name, kind, *_ in self._fields_ if kind is AT}
-        super().__init__(**{k: _place_of(v) if k in pointers else v for k, v in self.kept.items()})
+        self.kept = values, named
+        for name, value in (*zip(self._names, values, strict=False), *named.items()):
+            setattr(self, name, _place_of(value) if name in self._pointers else value)
 
 
 def _place_of(value: Any) -> Any:
@@ -84,7 +87,8 @@ def _place_of(value: Any) -> Any:
 def structure(name: str, *rows: tuple[Any, str]) -> Any:
     """The class of a struct of the core: types, and the names of the fields that have them."""
     fields = [(field, kind) for kind, names in rows for field in names.split()]
-    return type(name, (Structure,), {"_fields_": fields})
+    pointers = {field for field, kind in fields if kind is AT}
+    return type(name, (Structure,), {"_fields_": fields, "_names": [f for f, _ in fields], "_pointers": pointers})
 
 
 def run(name: str, *arguments: Any, result: Any = ctypes.c_int) -> Any:
@@ -101,7 +105,7 @@ def run(name: str, *arguments: Any, result: Any = ctypes.c_int) -> Any:
 def _argument(value: Any) -> Any:
     if isinstance(value, float):
         return FLOAT(value)
-    return INT(int(value)) if isinstance(value, int | np.integer | np.bool_) else AT(_place_of(value))
+    return INT(int(value)) if isinstance(value, _WHOLE) else AT(_place_of(value))
 
 
 def threads() -> int:

@@ -113,8 +113,17 @@ static void largest(double rate, double span, double *even, double *odd)
         *even = cosh(angle), *odd = sinh(angle) / root;
 }
 
-/* The condition number of a rod along which H' hardly changes, else 0. */
-static double beside_helix(const double *p, double weight)
+/* The weight of a change of beta_t(0) beside one of beta(0). p: of a problem. */
+double rod_weight_of(const double *p)
+{
+    double s, c;
+    sin_cos_1(p[4], &s, &c);
+    const double rate = -p[0] * s + 4 * p[1] * s * c - p[2] * c - 2 * s * s * (3 * c * c - s * s);
+    return larger(larger(1, fabs(p[5])), sqrt(fabs(rate)));
+}
+
+/* Whether H' hardly changes along a rod, and the condition number as if it did not. p: of a problem. */
+int rod_beside_helix(const double *p, double weight, double *condition)
 {
     const double lam = p[0], mu = p[1], phi = p[2], span = p[3], v = p[5];
     double s, c;
@@ -130,7 +139,8 @@ static double beside_helix(const double *p, double weight)
     const double strays = fabs(v) * odd + 2 * fabs(force) * half * half;
     const double change = fabs(second) * strays + (fabs(lam) + 8 * fabs(mu) + fabs(phi) + 20) * strays * strays / 2;
     const double root = sqrt(fabs(rate)), time = root > 0 ? smaller(span, 1 / root) : span;
-    return change * span * time < 0.1 ? larger(1.0, larger(even, odd * weight)) : 0.0;
+    *condition = larger(1.0, larger(even, odd * weight));
+    return change * span * time < 0.1;
 }
 
 /* Error and condition of an orbit from its legs.
@@ -213,15 +223,6 @@ static double goal_of(const double *q, double tol)
     return larger(0.002 * tol / larger(1, q[3] * quickest / 6), 1e-17);
 }
 
-/* The weight of a change of beta_t(0) beside one of beta(0). */
-static double weight_of(const double *q)
-{
-    double s, c;
-    sin_cos_1(q[4], &s, &c);
-    const double rate = -q[0] * s + 4 * q[1] * s * c - q[2] * c - 2 * s * s * (3 * c * c - s * s);
-    return larger(larger(1, fabs(q[5])), sqrt(fabs(rate)));
-}
-
 /* Where the values at stations go, each (rods, stations): either the first four, or swirl, or all five. */
 typedef struct {
     double *beta, *rate, *alpha, *z, *swirl;
@@ -258,9 +259,10 @@ typedef struct {
 static void settle(const task *work, const problems *all, int64_t rod, orbit *o, const room *own)
 {
     const double *q = all->numbers + PROBLEM * rod, *grown[2] = {own->grown[0], own->grown[1]};
-    const double weight = weight_of(q), steady = beside_helix(q, weight);
+    const double weight = rod_weight_of(q);
+    double steady;
     judge(q, weight, grown, o);
-    if (steady > 0)
+    if (rod_beside_helix(q, weight, &steady))
         o->condition = steady;
     o->sound = o->error <= smaller(all->tol, SHAPELESS) && o->condition < INFINITY;
     o->evaluations = ORDER * (o->count[0] + o->count[1]);

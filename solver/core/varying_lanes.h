@@ -313,41 +313,6 @@ static inline ALWAYS TARGET void NAME(columns)(NAME(lanes) *x, int first, const 
         }
 }
 
-/* The columns by beta, beta_t, alpha and q of the transfer of a step of length h, of a low order. */
-static inline TARGET void NAME(sketch)(NAME(lanes) *x, vec h)
-{
-    vec d[PHI][SHALLOW + 1][PHI];
-    for (int i = 0; i < PHI; i++)
-        for (int row = 0; row < PHI; row++)
-            d[row][0][i] = ZERO + (double)(row == i);
-    UNROLLED
-    for (int k = 0; k < SHALLOW; k++) {
-        const double share = 1.0 / (k + 1.0);
-        UNROLLED
-        for (int i = 0; i < PHI; i++) {
-            vec H = ZERO, turned = ZERO, across = ZERO;
-            UNROLLED
-            for (int j = k; j >= 0; j--) {
-                H += x->by_b[j] * d[BETA][k - j][i] + x->c[j] * d[Q][k - j][i];
-                turned += x->c[j] * d[BETA][k - j][i];
-                across += x->ca[j] * d[ALPHA][k - j][i];
-            }
-            d[BETA][k + 1][i] = share * d[SPEED][k][i];
-            d[SPEED][k + 1][i] = -share * H;
-            d[ALPHA][k + 1][i] = share * turned;
-            d[Q][k + 1][i] = share * (across * x->rod[ACROSS]);
-        }
-    }
-    for (int i = 0; i < PHI; i++)
-        for (int row = 0; row < PHI; row++) {
-            vec sum = d[row][SHALLOW][i];
-            UNROLLED
-            for (int k = SHALLOW - 1; k >= 0; k--)
-                sum = sum * h + d[row][k][i];
-            x->transfer[row][i] = sum;
-        }
-}
-
 /* The same with friction, of which fewer rods are marched, compiled once. */
 static TARGET void NAME(columns_rubbed)(NAME(lanes) *x, int first, int m, int deep, int whole, vec h)
 {
@@ -460,7 +425,8 @@ static inline ALWAYS TARGET void NAME(vary)(NAME(lanes) *x, const marches *all, 
     } else {
         NAME(derive)(x, deep);
         if (judged)
-            NAME(sketch)(x, h);
+            for (int i = 0; i < PHI; i += 2)
+                NAME(columns)(x, i, 2, SHALLOW, 0, 0, h);
         else
             for (int i = 0; i < n; i += 2)
                 NAME(columns)(x, i, 2, deep, 0, 1, h);
