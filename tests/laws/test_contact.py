@@ -36,12 +36,6 @@ def test_a_compressed_helix_would_leave_the_outside_and_is_held_inside() -> None
     assert attached(helix(1.2, -2 * np.sin(1.2) ** 2 * np.cos(1.2), side="inside")) == 1.0
 
 
-def test_push_is_the_contact_counted_towards_the_rod() -> None:
-    for side, sign in (("outside", 1), ("inside", -1)):
-        sol = solve(table_1("shear", "compression", "paper", side), tol=1e-8)
-        np.testing.assert_array_equal(sol.push, sign * sol.contact)
-
-
 def test_lift_off_is_counted_by_its_share_of_the_length() -> None:
     """The unloaded elliptic rod: f = A (9 sin^4 - ... ) changes sign; counted on twenty thousand stations."""
     case = in_units_of_rho(0.3, 0.2, 0.1, 40.0, 0.5, 0.6)
@@ -59,20 +53,6 @@ def test_the_same_shape_is_pushed_from_within_or_without() -> None:
     np.testing.assert_array_equal(inside.beta, outside.beta)
     np.testing.assert_array_equal(inside.contact, outside.contact)
     np.testing.assert_array_equal(inside.push, -outside.push)
-
-
-# neighbouring turns of a helix are 2 pi rho cos(beta) apart in the surface
-@pytest.mark.parametrize("share, expected", [(0.8, 1), (1.2, 0)])
-def test_turns_of_a_tight_helix_overlap_where_their_distance_falls_below_two_radii(share: float, expected: int) -> None:
-    a = 0.05
-    beta = np.arccos(share * 2 * a / (2 * np.pi))
-    case = helix(beta, -0.01, a=a, span=30.0)
-    assert observe(solve(case, tol=1e-8, stations=1201), ["overlaps"])["overlaps"] == expected
-
-
-def test_a_single_turn_does_not_overlap() -> None:
-    case = helix(np.arccos(0.8 * 0.05 / np.pi), -0.01, a=0.05, span=6.0)
-    assert observe(solve(case, tol=1e-8, stations=401), ["overlaps"])["overlaps"] == 0
 
 
 def test_a_straight_rod_does_not_overlap_itself() -> None:

@@ -14,8 +14,7 @@ from solver.benchmark import Row, cheapest, drift, errors_against, measure
 from solver.methods import METHODS, available
 from solver.methods.base import Ladder, tens
 from solver.problem.reduced import reduce
-from tests.cases import EXACT, TABLE_1, elliptic, in_units_of_rho
-from tests.references import references
+from tests.cases import EXACT, elliptic, in_units_of_rho
 from workbench.compare.trade_cases import CASES, FILE, reference
 
 DATA = json.loads((files("workbench.compare") / FILE).read_text(encoding="utf-8"))
@@ -65,16 +64,6 @@ def test_the_references_of_exact_cases_are_the_closed_forms(name: str, named: st
     np.testing.assert_allclose(known.contact, contact, atol=1e-14)
 
 
-def test_the_references_agree_with_those_of_the_test_suite() -> None:
-    for twist in ("force-first", "twist-first", "shear"):
-        for load in ("tension", "compression"):
-            known, other = reference(f"{twist}/{load}"), references()[f"{twist}/{load}/paper"]
-            at = np.rint(other.u * 40).astype(int)
-            rho = TABLE_1[f"{twist}/{load}/paper"].case.rho
-            for found, exact in ((known.beta, other.beta), (known.alpha, other.alpha), (known.z * rho, other.z)):
-                np.testing.assert_allclose(found[at], exact, rtol=4e-15, atol=1e-14)  # both are rounded to floats
-
-
 # the methods of the ladder
 
 
@@ -92,35 +81,6 @@ def test_a_march_has_the_order_that_it_states(method: str, order: int) -> None:
     np.testing.assert_allclose(np.log2(errors[:-1]) - np.log2(errors[1:]), order, atol=0.12)  # next power of h
 
 
-@pytest.mark.slow
-def test_the_scapegoat_is_explicit_it_winds_outward_where_the_papers_scheme_does_not() -> None:
-    """On a closed orbit explicit Euler gains h all the way; Stoermer's rule gives back what it takes."""
-    case = in_units_of_rho(0, 0, 0, 20.0, np.pi / 6, 0.0)  # two periods
-    gain = {}
-    for method, knobs in (("euler", {}), ("verlet", {"extrapolate": False})):
-        sol = solve(case, tol=0.9, method=method, stations=201, steps=32, **knobs)
-        gain[method] = sol.h[-1] - sol.h[0]
-    assert gain["euler"] > 1e-2
-    assert abs(gain["verlet"]) < 1e-6
-
-
-@pytest.mark.parametrize("method", MARCHES)
-def test_a_march_takes_the_steps_that_the_tolerance_needs_and_no_more_than_its_budget(method: str) -> None:
-    case = in_units_of_rho(0.1, 0.2, 0.3, 2.0, 0.5, 0.1)
-    tols = (1e-2, 1e-3) if method == "euler" else (1e-4, 1e-7)
-    loose, tight = (solve(case, tol=tol, method=method, stations=11) for tol in tols)
-    assert loose.solved
-    assert tight.solved
-    assert loose.evaluations < tight.evaluations
-
-
-@pytest.mark.slow
-def test_a_march_whose_budget_is_spent_says_so() -> None:
-    sol = solve(in_units_of_rho(0, 0, 0, 2.0, 0.5, 0.1), tol=1e-14, method="euler", stations=11)
-    assert sol.outcome.startswith("failed: error")
-    assert sol.evaluations <= 2 * 2**16
-
-
 def test_a_hard_case_costs_its_neighbours_in_a_batch_no_step() -> None:
     easy, hard = ((0.5, 0.1), (0.5, 8.0))
     grid = in_units_of_rho(0.1, 0.2, 0.3, 5.0, *np.transpose([easy, hard]))
@@ -136,13 +96,6 @@ def test_an_adaptive_method_states_an_error_however_loose_its_tolerance(method: 
         case, known, _ = asked("catenary")["catenary"]
         sol = solve(case, method=method, **options)
         assert errors_against(sol, known)["error_beta"] <= 10 * sol.error
-
-
-@pytest.mark.slow
-def test_far_stations_do_not_spoil_the_condition_number_of_a_march() -> None:
-    case = in_units_of_rho(0, 0, 0, 60.0, np.pi / 6, 0.0)
-    near, far = (solve(case, tol=1e-4, method="rk4", stations=n).condition for n in (961, 31))
-    assert far == pytest.approx(near, rel=0.3)  # a digit or two is what it is for
 
 
 def test_collocation_follows_its_tolerance_and_says_when_nothing_is_there_to_solve() -> None:
@@ -171,14 +124,6 @@ def test_heyoka_meets_its_tolerance(name: str) -> None:
 
 
 # measuring
-
-
-@pytest.mark.slow
-def test_every_rung_of_every_method_of_the_kind_has_its_row(rows) -> None:
-    starts = ["euler", "rk4", "verlet extrapolated", "dop853", "lsoda", "orbit"]
-    for case, labels in (("gap 1e-06", starts), ("ends table 1", ["difference", "collocation", "shooting"])):
-        got = [(row.ladder, row.value) for row in rows if row.case == case]
-        assert got == [(label, value) for label in labels for value in SHORT[label].values]
 
 
 def test_what_a_method_says_of_its_error_is_honest_on_every_rung_it_calls_solved(rows) -> None:

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from solver import Case, equilibria, solve
+from solver import Case, InputError, equilibria, solve
 from solver.end_angle_branch import to_fold
 from solver.equilibria import nearest
 from solver.observe.observables import observe
@@ -182,3 +182,11 @@ def test_a_study_may_name_its_equilibrium_by_a_rule_or_an_index() -> None:
 @pytest.mark.parametrize("name", ["height", "azimuth", "rotation", "M10", "M1L"])
 def test_what_an_end_holds_may_be_an_axis(name: str) -> None:
     assert parse_axis(f"{name}=-1:1:3")[0] == name
+
+
+def test_the_nearest_is_told_by_slope_and_energy_together() -> None:
+    found = equilibria(ends_in_units_of_rho(*MANY, 40.0, np.pi / 6, np.pi / 6))
+    for one in found:
+        assert nearest(found, one.dbeta0, one.energy) is one
+    with pytest.raises(InputError, match="no equilibrium"):
+        nearest([], 0.0, 0.0)

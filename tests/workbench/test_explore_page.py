@@ -20,7 +20,6 @@ from selenium.webdriver import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
-from studies.language.loader import loads
 from tests.workbench import browser
 from tests.workbench.live import served
 from tests.workbench.pictures import shares_of_push
@@ -450,15 +449,6 @@ def test_a_broken_link_is_explained_and_the_page_still_works(page, driver, port)
 
 
 @pytest.mark.slow
-def test_the_copied_study_is_the_rod_that_is_shown(page) -> None:
-    page.type("E", "20000")
-    page.click("copy-study")
-    text = page.until(lambda: page("return document.getElementById('study-text').value"), "the study")
-    study = loads(text)
-    assert (study.base.E, study.reading) == (20000.0, "force-first/tension/paper")
-
-
-@pytest.mark.slow
 def test_picture_and_csv_are_downloaded(page, driver) -> None:
     for button, ending in (("picture", "png"), ("csv", "csv")):
         page.click(button)
@@ -469,13 +459,6 @@ def test_picture_and_csv_are_downloaded(page, driver) -> None:
     assert shares_of_push(picture)[0] > 0.02
     assert (picture[:, 1700:].min(axis=-1) < 0.5).mean() > 0.01  # the parameters
     assert (driver.folder / "table1.csv").read_text().startswith("s [cm],x [cm],")
-
-
-@pytest.mark.slow
-def test_what_cannot_be_downloaded_is_explained(page) -> None:
-    page.click("step")
-    told = page.until(lambda: page("return document.getElementById('message').innerText"), "a reason")
-    assert "No solid: the rod passes through itself" in told or "Open Cascade" in told
 
 
 def test_the_saved_page_solves_every_rod_without_a_server(page, driver, saved) -> None:

@@ -10,7 +10,8 @@ from matplotlib.patches import PathPatch
 from studies import load
 from studies.laws.line_verdicts import HOLDS, VERDICTS, judge
 from tests.workbench.small import THREE, law, study
-from workbench.figures import colours, kinds, map_figure, regions, scales
+from workbench.figures import canvas, colours, kinds, map_figure, regions, scales
+from workbench.figures import thumbnails as thumbs
 from workbench.store import in_memory, law_verdicts
 
 
@@ -220,3 +221,21 @@ def test_the_two_regimes_of_the_page_are_those_of_the_potential() -> None:
     turns = (G(np.radians(np.linspace(10.01, 30, 2000))) > G(start)).any(axis=-1)
     np.testing.assert_array_equal(turns[bent], near[bent])
     np.testing.assert_array_equal((ds["attached"].values > 1 - 1e-9)[bent], near[bent])
+
+
+@pytest.mark.slow
+def test_shapes_are_developed_curves_at_one_scale_each_in_its_cell(regimes, tmp_path) -> None:
+    fig = map_figure.figure(regimes, show=["turns"], shapes=thumbs.Shapes(4, 3))
+    canvas.save(fig, tmp_path / "shapes.png")
+    panel = maps(fig)[-1]
+    assert len(panel.child_axes) == 12
+    inches = []
+    for inset in panel.child_axes:
+        box = inset.get_window_extent()
+        inches.append((box.width / np.ptp(inset.get_xlim()), box.height / abs(np.ptp(inset.get_ylim()))))
+        E, R = panel.transData.inverted().transform(((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2))
+        one = regimes.sel(E=E, R=R, method="nearest")
+        assert np.log([E / float(one["E"]), R / float(one["R"])]) == pytest.approx(0, abs=0.02)  # cells are 0.08 wide
+        drawn = max((line.get_xdata() for line in inset.lines), key=len)
+        np.testing.assert_array_equal(drawn, one["z"])
+    np.testing.assert_allclose(inches, inches[0][0], rtol=1e-6)  # pixels per length, to the right and up

@@ -48,14 +48,3 @@ def test_reproduce_and_run_store_the_very_same_file_and_know_each_others(fast: A
         ran(name, alone / f"{name}.h5")
         assert runs.contents(alone / f"{name}.h5") == runs.contents(folder / f"{name}.h5"), name
         assert "already complete" in ran(name, folder / f"{name}.h5")
-
-
-@pytest.mark.slow
-def test_a_followed_study_of_another_length_is_solved_again(tmp_path: Path) -> None:
-    shipped = Path("studies/fig7_4_end_angle.toml").read_text(encoding="utf-8")
-    assert "count = 9" in shipped
-    study, output = tmp_path / "followed.toml", tmp_path / "followed.h5"
-    for count in ("count = 9", "count = 8"):
-        study.write_text(shipped.replace("count = 9", count), encoding="utf-8")
-        assert "already complete" not in ran(str(study), output)
-        assert "already complete" in ran(str(study), output)

@@ -21,7 +21,6 @@ from tests.workbench.command import exit_status, run
 from tests.workbench.page_faults import faults
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.commands import plot
 from workbench.figures import canvas, equilibria_figure, fonts, map_figure, scales, study_figure
 from workbench.figures.sheet import sheet
 from workbench.scene import opengl
@@ -58,18 +57,6 @@ def test_a_diagram_for_print_is_vectors_with_its_letters_inside(ds, tmp_path, na
         else:
             assert b"<text" not in said  # outlines: no font is needed where it is opened
             assert said.count(b"<path") > 20
-
-
-@pytest.mark.slow
-def test_the_dots_an_inch_of_a_plot_change_its_pixels_and_not_its_inches(ds, tmp_path) -> None:
-    file = writing.write(ds, tmp_path / "one.h5")
-    sizes = {}
-    for dpi in (60, 120):
-        plot.plot(file, tmp_path / f"{dpi}.png", dpi=dpi)
-        with Image.open(tmp_path / f"{dpi}.png") as picture:
-            assert picture.info["dpi"] == pytest.approx((dpi, dpi), abs=0.1)  # stored in dots a metre
-            sizes[dpi] = np.array(picture.size) / dpi
-    np.testing.assert_allclose(sizes[60], sizes[120], atol=0.017)  # a pixel of the coarser
 
 
 @draws
@@ -140,20 +127,6 @@ def test_a_full_disk_is_a_sentence_and_an_existing_picture_stays(tmp_path) -> No
     with pytest.raises(InputError, match=r"cannot write .*figure.png: No space left on device"):
         canvas.save(OnFullDisk(), path)
     assert [one.read_bytes() for one in tmp_path.iterdir()] == [b"earlier"]
-
-
-@pytest.mark.slow
-def test_without_a_title_the_notes_go_to_the_terminal_and_the_table(two, tmp_path, capsys) -> None:
-    writing.write(two, tmp_path / "small.h5")
-    for kind in ("lines", "map"):
-        outputs = f"--out {tmp_path}/{kind}.pdf --data {tmp_path}/{kind}.csv"
-        run(f"plot {tmp_path}/small.h5 --kind {kind} {outputs} --no-title")
-        told = capsys.readouterr().out
-        assert "; true" in told
-        notes = [row["series"] for row in csv.DictReader((tmp_path / f"{kind}.csv").read_text("utf-8").splitlines())
-                 if row["kind"] == "note"]  # fmt: skip
-        assert notes
-        assert all(" ".join(note.split()) in " ".join(told.split()) for note in notes)
 
 
 def test_maps_that_stand_one_below_the_other_have_equal_widths() -> None:

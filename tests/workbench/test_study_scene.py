@@ -3,14 +3,12 @@
 from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from solver.problem.errors import InputError
 from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import small
-from tests.workbench.pictures import pixels
 from workbench.commands import scene, study_scene
 from workbench.export.stored_rod import export
 from workbench.scene import opengl, scene_kinds
@@ -74,26 +72,6 @@ def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
     _, stations = study_scene.at_needed_stations(solve(study_scene.FIRST), solve, draw)
     assert [s.stations for s in solved] == [study_scene.FIRST, 3 * study_scene.FIRST, 9 * study_scene.FIRST]
     assert stations == 9 * study_scene.FIRST
-
-
-@pytest.mark.slow
-@draws
-def test_a_study_is_drawn_as_its_file_is_and_finer_takes_more_stations(file, solved, tmp_path, capsys) -> None:
-    def draw(what: Path, name: str, error: float) -> np.ndarray:
-        out = tmp_path / name
-        assert scene.scene(what, ["E=2e4", "F1=4"], "plain", pixel_error=error, dpi=60, out=out) == 0
-        return (255 * pixels(out)).round().astype(int)
-
-    stored = tmp_path / "stored.h5"
-    writing.write(in_memory.run(study_scene.load(file)), stored)
-    solved.clear()
-    one, other = draw(file, "one.png", 1.0), draw(stored, "other.png", 1.0)
-    assert len(solved) <= 3  # the ends of all, and the one that is shown once or twice
-    # all but the random dots of the ambient shading, and edges that differ by the pixel allowed
-    assert (np.abs(one - other).max(axis=-1) > 24).mean() < 0.01
-    draw(file, "fine.png", 0.02)
-    told = [int(line.split(" ")[-2]) for line in capsys.readouterr().out.splitlines() if "solved at" in line]
-    assert told[0] < told[1]
 
 
 WIRE = {"EI": 1.0, "GJ": 0.8, "a": 0.1, "L": 2000.0, "R": 1.0, "side": "inside"}

@@ -1,16 +1,12 @@
 """`workbench summary`: what the file holds, told from its numbers, however it is cut into blocks."""
 
-import re
-
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from studies.language.loader import loads
 from tests.slow import slow_but
 from tests.workbench import small
 from tests.workbench.command import exit_status
-from workbench import cli
 from workbench.store import file_summary, in_memory, tally, writing
 
 AXES = small.axis("E", [1e4, 2e4]) + small.axis("R", [0.5, 0.75, 1.0])
@@ -29,9 +25,6 @@ def file(tmp_path):
     return writing.write(ds, tmp_path / "small.h5"), ds
 
 
-HELD = {**small.SHORT, "beta0": "20deg", "betaL": "20deg"}
-
-
 @pytest.mark.parametrize("most", slow_but([1, 2, 4], 2))
 def test_small_blocks_tell_the_same(file, most: int, monkeypatch) -> None:
     path, _ = file
@@ -47,23 +40,6 @@ def test_failures_that_differ_in_their_numbers_are_told_together(file, tmp_path)
     told = file_summary.summary(writing.write(ds, tmp_path / "many.h5"))
     assert told["unsolved"] == 4
     assert told["outcomes"] == {"failed: 1 to 3": 4, "solved": 1, "solved, barely": 1}
-
-
-@pytest.mark.slow
-def test_reactions_that_a_study_names_and_the_index_of_held_ends_are_listed(tmp_path, capsys) -> None:
-    base = HELD | {"beta0": 0.1, "betaL": 0.2}
-    text = small.text(base, small.axis("height", [4.4, 4.5]), observables=["wraps", "FZ", "M1L"], stations=11)
-    ds = in_memory.run(loads(text, "held.toml"))
-    path = writing.write(ds, tmp_path / "held.h5")
-    rows = {row["name"]: row for row in file_summary.summary(path)["observables"]}
-    assert [*rows] == ["wraps", "FZ", "M1L", "held_index"]  # MZ and M3 are stored too, but nobody named them
-    for name, row in rows.items():
-        assert (row["min"], row["max"]) == (float(ds[name].min()), float(ds[name].max()))
-    assert (rows["FZ"]["units"], rows["M1L"]["units"]) == ("N", "N cm")
-    told = CliRunner().invoke(cli.app, ["summary", str(path)]).stdout
-    assert re.search(r"^held_index +0 +0 +0", told, re.MULTILINE)
-    nameless = writing.write(ds.assign_attrs(study=""), tmp_path / "nameless.h5")
-    assert "FZ" not in [row["name"] for row in file_summary.summary(nameless)["observables"]]
 
 
 PIPE = """

@@ -18,6 +18,7 @@ from matplotlib import image
 import workbench.accessor  # noqa: F401  # registers ds.rod
 from solver import Case, Cylinder, Ends, Rod, Solution, Start, equilibria, solve
 from studies import load
+from studies.language.loader import loads
 from tests.workbench import browser, node, small
 from tests.workbench.command import exit_status
 from workbench import notebook
@@ -202,3 +203,17 @@ def test_the_axes_of_a_solution_are_those_of_its_fields(one: Solution) -> None:
     np.testing.assert_allclose(notebook.dataset_of(ends)["z"], ends.z)
     line = stored_line.read(notebook.dataset_of(one), {})
     np.testing.assert_array_equal(line.push(one.s).argmax(), one.push.argmax())
+
+
+INSIDE = small.text(
+    {**small.ROD, "side": "inside", "beta": 0.5, "dbeta": 0.1, "dgamma": 0.5},
+    small.axis("F3", [-20.0, -10.0]),
+    outputs=["beta", "dbeta", "alpha", "z"],
+)
+
+
+def test_a_rod_inside_is_told_so() -> None:
+    found = turntable_of_dataset(in_memory.run(loads(INSIDE, default_name="inside"))).data
+    assert found["shared"] == {"sign": -1}
+    raw = np.frombuffer(base64.b64decode(found["arrays"]), dtype="<f4").reshape(2, 4, -1)
+    assert np.isfinite(raw).all()

@@ -38,23 +38,6 @@ def bare(stored, tmp_path, monkeypatch) -> Path:
     opengl.probe.cache_clear()
 
 
-@pytest.mark.slow
-def test_all_but_the_scenes_is_done(bare, capsys) -> None:
-    kinds = ("stl", "glb", "vtp", "csv")
-    exports = (f"export mine.h5 --at E=4e4 -o rod.{kind}" for kind in kinds)
-    for words in (
-        "run mine.toml --out again.h5",
-        "check mine.h5",
-        "summary mine.h5",
-        "plot mine.h5",
-        "plot mine.h5 --out mine.svg",
-        *exports,
-    ):
-        assert exit_status(*words.split()) == 0, words
-        assert SAID not in capsys.readouterr().err  # nothing was missing
-    assert all((bare / name).stat().st_size > 500 for name in ("mine.png", "mine.svg", *(f"rod.{k}" for k in kinds)))
-
-
 @pytest.mark.parametrize(
     "words",
     ["scene mine.h5 --at E=4e4", "scene mine.toml --kind ghosts", "animate mine.h5 -o mine.gif", "gallery --out shown"],
