@@ -24,8 +24,7 @@ from ..equilibrium.orbit_rates import NUMBERS
 from ..equilibrium.system import corner_state, problem_at, rates_in, settle
 from ..levels.line_point import LinePoint
 from ..numerics.arrays import Array
-from ..numerics.deflated_roots import lead_away
-from ..numerics.roots import solve
+from ..numerics.roots import lead_away, solve
 from ..problem.reduced import EndsProblem
 
 _ROUNDS = 20

@@ -43,31 +43,3 @@ def through(values: Array, linear: Array) -> Array:
     for k in range(0, values.shape[0], _ROWS):
         np.matmul(values[k : k + _ROWS], linear, out=out[k : k + _ROWS])
     return out
-
-
-def polynomials(x: Array, n: int) -> Array:
-    """T_0 .. T_{n-1} at x: (n, *x.shape)."""
-    out = np.empty((n, *x.shape))
-    out[0] = 1
-    if n > 1:
-        out[1] = x
-    twice = 2 * x
-    for k in range(2, n):
-        np.multiply(twice, out[k - 1], out=out[k])
-        out[k] -= out[k - 2]
-    return out
-
-
-def series_at(coefficients: Array, x: Array) -> Array:
-    """Series (C, n), each at its own x in [-1, 1], (C,)."""
-    values: Array = np.einsum("cn,nc->c", coefficients, polynomials(x, coefficients.shape[1]))
-    return values
-
-
-@cache
-def derivative(n: int) -> Array:
-    """Coefficients to those of the derivative, (n, n)."""
-    rows = np.zeros((n, n))
-    for k in range(1, n):
-        rows[k, :k] = C.chebder(np.eye(n)[k])[:k]
-    return rows

@@ -17,7 +17,7 @@ from ..core.measures import NODES, station_series
 from ..core.orbits import cover
 from ..mechanics.potential import Loads, slope_rate
 from ..numerics.arrays import Array, Booleans
-from ..numerics.chebyshev import basis, series_at, through
+from ..numerics.chebyshev import basis, through
 from ..orbit.marched_orbit import MarchedOrbit
 from ..problem.reduced import Reduced
 from ..shape import Shape
@@ -166,7 +166,7 @@ def off_between(sol: Shape, some: slice) -> Array:
     fewer = fewer.take((fewer.row < t.shape[0] * many) & (2 * (fewer.row % many) + 1 < n - 1))
     left_out = fewer.case, 2 * (fewer.row % many) + 1
     x = 2 * (t[left_out] - fewer.begin) / fewer.time - 1
-    found = series_at(fewer.series[fewer.row, 0], np.clip(x, -1, 1))
+    found = C.chebval(np.clip(x, -1, 1), fewer.series[fewer.row, 0].T, tensor=False)
     np.fmax.at(off, fewer.case, np.abs(found - beta[left_out]))
     return off
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..numerics.deflated_roots import lead_away
+from ..numerics.roots import lead_away
 from .curve import REACH
 from .loaded_rod import ALPHA, BETA, LoadedRod
 from .newton import DEEP, Shape, correct, is_same, linear_at, size_of

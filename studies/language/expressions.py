@@ -38,19 +38,9 @@ from .study_data import StudyData
 MOST_EXPRESSIONS = 100
 MOST_NAME = 40  # characters
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-RESERVED = (
-    "xyz",
-    "director",
-    "sample",
-    "level",
-    "outcome",
-    "pair",
-    "fold",
-    "fold_dbeta0",
-    "fold_energy",
-    "member",
-    "side",
-)  # names in files
+RESERVED = (  # names in files
+    "xyz", "director", "sample", "level", "outcome", "pair", "fold", "fold_dbeta0", "fold_energy", "member", "side",
+)  # fmt: skip
 
 # Numbers of each case beside the fields of the study: how each is taken from a solution.
 LOADS = ("FZ", "MZ", "M3")
@@ -59,10 +49,10 @@ OF_CASE = ("rho", "bending_stiffness", "torsional_stiffness", *LOADS, "error", "
 
 def dimension_of(name: str) -> Dimension:
     """The dimension of a quantity or of a field of a case; an angle and a count are plain numbers."""
-    row = QUANTITIES[name] if name in QUANTITIES else quantity_of(name)
-    if isinstance(row.dimension, str):
-        return (Fraction(-1), Fraction(0)) if row.dimension == "rad/length" else PLAIN
-    return Fraction(row.dimension[0]), Fraction(row.dimension[1])
+    exponents = quantity_of(name).dimension
+    if isinstance(exponents, str):
+        return (Fraction(-1), Fraction(0)) if exponents == "rad/length" else PLAIN
+    return Fraction(exponents[0]), Fraction(exponents[1])
 
 
 def names(study: StudyData) -> dict[str, Dimension]:
@@ -71,9 +61,7 @@ def names(study: StudyData) -> dict[str, Dimension]:
     The fields of the case are those that `[base]`, `[axes]`, Table 1 of a reading, or a default give.
     """
     known = unit_names(study.unit_system)
-    for name in given_fields(study):
-        known[name] = PLAIN if quantity_of(name).dimension == "rad" else dimension_of(quantity_of(name).name)
-    for name in (*OF_CASE, *OBSERVABLES):
+    for name in (*given_fields(study), *OF_CASE, *OBSERVABLES):
         known[name] = dimension_of(name)
     for name, text in study.expressions.items():
         known[name] = own_dimension(text, known, study.unit_system)
@@ -171,18 +159,6 @@ def error_of(study: StudyData, name: str) -> str | None:
     return None if parse(study.expressions[name]).whole else f"{name}_error"
 
 
-def needed(formulas: Iterable[Formula], expressions: Mapping[str, str]) -> list[str]:
-    """The names that formulas use, and those that the expressions among them use."""
-    used: dict[str, None] = {}
-    left = [name for formula in formulas for name in formula.names]
-    while left:
-        name = left.pop()
-        if name not in used:
-            used[name] = None
-            left += parse(expressions[name]).names if name in expressions else ()
-    return list(used)
-
-
 def observables_of(
     study: StudyData, sol: Solution, wanted: Iterable[str], given: Mapping[str, Any]
 ) -> tuple[dict[str, NDArray[Any]], NDArray[np.str_]]:
@@ -192,8 +168,8 @@ def observables_of(
     the study gives them. A remark, (cases,), says why an expression or an observable has no value; "" elsewhere.
     """
     formulas = {name: parse(text) for name, text in study.expressions.items()}
-    used = [*wanted, *needed(formulas.values(), study.expressions)]
-    observed = observe(sol, dict.fromkeys(name for name in used if name in OBSERVABLES), errors=True)
+    used = dict.fromkeys([*wanted, *(name for formula in formulas.values() for name in formula.names)])
+    observed = observe(sol, [name for name in used if name in OBSERVABLES], errors=True)
     known: dict[str, NDArray[Any]] = {name: np.reshape(values, -1) for name, values in observed.items()}
     remarks = np.full(sol.case.size, "", dtype=object)
     for name in dict.fromkeys(wanted):
@@ -201,7 +177,8 @@ def observables_of(
             _remark(remarks, mask, words)
     if not formulas:
         return known, remarks.astype(str)
-    fixed = {name: _number(study, sol, name, given) for name in _others(study, used, known)}
+    others = [name for name in used if name not in known and name not in study.expressions]
+    fixed = {name: _number(study, sol, name, given) for name in others}
     for name, formula in formulas.items():
         numbers, reasons = evaluate(formula, {**fixed, **known})
         values, why = np.broadcast_to(numbers, sol.case.size), np.broadcast_to(reasons, sol.case.size)
@@ -225,10 +202,6 @@ def _error(formula: Formula, known: Mapping[str, Any], values: NDArray[np.float6
         changed = [evaluate(formula, {**known, name: known[name] + sign * error})[0] for sign in (-1, 1)]
         total = total + np.maximum(*(np.abs(value - values) for value in changed))
     return total + 8 * 2.0**-52 * np.abs(values)
-
-
-def _others(study: StudyData, used: Iterable[str], known: Mapping[str, Any]) -> list[str]:
-    return [name for name in dict.fromkeys(used) if name not in known and name not in study.expressions]
 
 
 def _number(study: StudyData, sol: Solution, name: str, given: Mapping[str, Any]) -> Any:

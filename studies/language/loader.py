@@ -130,7 +130,8 @@ def load(study: str | Path, cases: Path | None = None, draw: bool = True) -> Stu
             raise
         raise InputError(f"{one_line(str(path))} is not a file name: {error}") from None
     context = {"folder": path.parent, "cases": cases, "draw": draw}
-    return loads(source, path.name, _as_name(path.stem), context)
+    name = re.sub(r"[^A-Za-z0-9_-]+", "_", path.stem).lstrip("_-") or "study"
+    return loads(source, path.name, name, context)
 
 
 def loads(
@@ -191,9 +192,15 @@ def notices(text: str, label: str = "study") -> list[str]:
 
 
 def _notices(data: Mapping[str, Any], text: str, label: str, cases: Mapping[str, Values] | None = None) -> list[str]:
-    notices = _doubts(data, cases)
-    lines = lines_of(text) if notices else {}
-    return [one_line(f"{label}{line_of(lines, where)}: {sentence}") for where, sentence in notices]
+    """The notice about each such number, with its line.
+
+    data: the tables of a valid study, as the file has them. cases: the columns of its table of cases.
+    """
+    columns = ((("table", name), values[np.abs(values) > np.pi]) for name, values in (cases or {}).items())
+    angles = chain(_angles(data), ((where, values) for where, values in columns if is_angle(where[1])))
+    said = [(where, sentence) for where, value in angles if (sentence := doubt(str(where[1]), value))]
+    lines = lines_of(text) if said else {}
+    return [one_line(f"{label}{line_of(lines, where)}: {sentence}") for where, sentence in said]
 
 
 def _study(data: dict[str, Any], text: str, default_name: str, context: Mapping[str, Any]) -> Study:
@@ -233,11 +240,6 @@ def _check_ends(study: Study) -> None:
                 raise InputError(f"{error}; the distribution reaches it: {distribution.reach(name)}") from None
 
 
-def _as_name(stem: str) -> str:
-    """The stem of a file as a valid name of a study."""
-    return re.sub(r"[^A-Za-z0-9_-]+", "_", stem).lstrip("_-") or "study"
-
-
 def _blame(message: str, study: Study) -> Where:
     """The key of an error of the solver: ``Rod.E must be ...`` is about axes.E or base.E."""
     field = _field(message)
@@ -250,17 +252,6 @@ def _field(message: str) -> str:
     """The field that an error of the solver is about, or an empty text."""
     match = re.match(r"(?:Rod|Cylinder|Start|Ends)\.(\w+)", message)
     return match.group(1) if match else ""
-
-
-def _doubts(data: Mapping[str, Any], cases: Mapping[str, Values] | None = None) -> list[tuple[Where, str]]:
-    """The key and the notice of each such number.
-
-    data: the tables of a valid study, as the file has them. cases: the columns of its table of cases.
-    """
-    columns = ((("table", name), values[np.abs(values) > np.pi]) for name, values in (cases or {}).items())
-    every = chain(_angles(data), ((where, values) for where, values in columns if is_angle(where[1])))
-    said = ((where, doubt(str(where[1]), value)) for where, value in every)
-    return [(where, sentence) for where, sentence in said if sentence]
 
 
 def _angles(data: Mapping[str, Any]) -> Iterator[tuple[Where, Any]]:
