@@ -65,11 +65,10 @@ def __dir__() -> list[str]:
 if not TYPE_CHECKING:  # a type checker would take every name for one of the package
 
     def __getattr__(name: str) -> Any:
-        """A public name, imported now."""
+        """A public name of its module, whatever stands there now."""
         if name not in __all__:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        value = globals()[name] = getattr(import_module(f"{__name__}.{_HOMES.get(name, name)}"), name)
-        return value
+        return getattr(import_module(f"{__name__}.{_HOMES.get(name, name)}"), name)
 
 
 class _Package(ModuleType):

@@ -171,11 +171,11 @@ def _miss_of(model: Model, best: Minimum) -> str:
     return f"the search found no {ranges} that {verb} {goals}; the nearest reached is {nearest}, at {place}"
 
 
-def miss(model: Model, best: Minimum) -> float:
-    """The root mean square distance of the points from the rod in units of rho; of alpha and z alone."""
+def _far(model: Model, best: Minimum, probability: float) -> str:
+    """That the points are too far from the rod, by alpha and z alone, unless sigma says that they may be; else ""."""
     points, sol = model.data.points, best.found.sol
-    if points is None:
-        return 0.0
+    if points is None or probability >= UNLIKELY:
+        return ""
     place = best.found.place
     square = np.zeros(points.size)
     if "alpha" in points.columns:
@@ -185,13 +185,8 @@ def miss(model: Model, best: Minimum) -> float:
         square += off**2
     if "z" in points.columns:
         square += ((points.columns["z"] - sol.z[place]) / float(sol.case.rho)) ** 2
-    return float(np.sqrt(square.mean()))
-
-
-def _far(model: Model, best: Minimum, probability: float) -> str:
-    """That the points are too far from the rod, unless sigma says that they may be; else ""."""
-    far = miss(model, best)
-    if far <= FAR or probability >= UNLIKELY:
+    far = float(np.sqrt(square.mean()))
+    if far <= FAR:
         return ""
     return (
         f"the rod misses the points by {far:.3g} rho (root mean square): check the units of alpha (rad, or 17deg) and "
@@ -205,16 +200,6 @@ def _starts_in_words(model: Model, parameter: Parameter) -> str:
         return f" (start: {parameter.value(parameter.start):.4g})"
     low, high = (parameter.value(x) for x in parameter.span)
     return f" (starts from {low:.4g} to {high:.4g})"
-
-
-def _equally_good(model: Model, count: int, exact: bool) -> str:
-    """How many other minima are as good as the best one."""
-    if not exact:
-        return f"the data do not exclude {count} other minim{'um' if count == 1 else 'a'}"
-    what = "data" if model.data.points else "target" if len(model.data.targets) == 1 else "targets"
-    many = len(model.parameters) > 1
-    noun = ("set of values" if count == 1 else "sets of values") if many else "value" if count == 1 else "values"
-    return f"{count} other {noun} {'reaches' if count == 1 else 'reach'} the {what}"
 
 
 def _tell(model: Model, best: Minimum, way: dict[str, float]) -> str:
@@ -289,7 +274,11 @@ def _remarks(
         pair = f"{parameters[i].name} and {parameters[j].name}"
         yield f"the data hardly tell {pair} apart: correlation {correlation[i, j]:+.5f}"
     if good := sum(other.as_good for other in others):
-        yield f"{_equally_good(model, good, exact)}: the values are not unique"
+        more = f"{good} other minim{'um' if good == 1 else 'a'}"
+        also = (
+            f"{more} {'reaches' if good == 1 else 'reach'} the data too" if exact else f"the data do not exclude {more}"
+        )
+        yield f"{also}: the values are not unique"
     if count := model.refused.total():
         reason, _ = model.refused.most_common(1)[0]
         yield f"at {count} of the values tried the data cannot be computed, most often: {reason}"

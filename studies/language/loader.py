@@ -197,8 +197,8 @@ def _notices(data: Mapping[str, Any], text: str, label: str, cases: Mapping[str,
     data: the tables of a valid study, as the file has them. cases: the columns of its table of cases.
     """
     columns = ((("table", name), values[np.abs(values) > np.pi]) for name, values in (cases or {}).items())
-    angles = chain(_angles(data), ((where, values) for where, values in columns if is_angle(where[1])))
-    said = [(where, sentence) for where, value in angles if (sentence := doubt(str(where[1]), value))]
+    every = chain(_angles(data), ((where, values) for where, values in columns if is_angle(where[1])))
+    said = [(where, sentence) for where, value in every if (sentence := doubt(str(where[1]), value))]
     lines = lines_of(text) if said else {}
     return [one_line(f"{label}{line_of(lines, where)}: {sentence}") for where, sentence in said]
 

@@ -63,3 +63,10 @@ print(*[value.__name__ for value in named], solver.solve is solve)
 """
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.split() == ["equilibria", "follow", "loops", "observe", "region_map", "solve", "switch", "True"]
+
+
+def test_a_patch_of_a_public_name_ends_with_the_patch(monkeypatch) -> None:
+    with monkeypatch.context() as patched:
+        patched.setattr(sys.modules["solver.loops"], "loops", "patched")
+        assert solver.loops == "patched"
+    assert callable(solver.loops)
