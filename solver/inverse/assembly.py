@@ -274,11 +274,8 @@ def _remarks(
         pair = f"{parameters[i].name} and {parameters[j].name}"
         yield f"the data hardly tell {pair} apart: correlation {correlation[i, j]:+.5f}"
     if good := sum(other.as_good for other in others):
-        more = f"{good} other minim{'um' if good == 1 else 'a'}"
-        also = (
-            f"{more} {'reaches' if good == 1 else 'reach'} the data too" if exact else f"the data do not exclude {more}"
-        )
-        yield f"{also}: the values are not unique"
+        what = "the data are also reached at" if exact else "the data do not exclude"
+        yield f"{what} {good} other minim{'um' if good == 1 else 'a'}: the values are not unique"
     if count := model.refused.total():
         reason, _ = model.refused.most_common(1)[0]
         yield f"at {count} of the values tried the data cannot be computed, most often: {reason}"

@@ -80,7 +80,8 @@ PAGES = [
     Page(
         "how-to/fit-parameters", files=("points.csv",), status={UNDETERMINED: 1}, made=("fit.png",),
         said=("F1 2.74196", "3.08124", "reaches the target", "9 (bound)", "condition number 6.3",
-              "caution: the data are also reached at 1 other minimum: the values are not unique", "E, M3 and F3 by +1 % each",
+              "caution: the data are also reached at 1 other minimum: the values are not unique",
+              "E, M3 and F3 by +1 % each",
               "the data cannot tell E and M3 and F3 apart: no datum changes when these change together"),
     ),
     Page(
