@@ -144,29 +144,33 @@ class Reading:
         """Estimated error of beta, and of alpha and z over max(1, L/rho), (B,)."""
         return np.asarray(self.sol.trajectory.error)
 
-    @cached_property
-    def rho(self) -> Array:
-        return flat(self.sol.case.rho, self.sol.case.shape)
+    def carry(self, value: Any, name: str) -> Any:
+        """A number (B,) as formulas take it: itself; `sensitivity` adds its derivatives, which it knows by name."""
+        return value
 
     @cached_property
-    def A(self) -> Array:
-        return flat(self.sol.case.rod.bending_stiffness, self.sol.case.shape)
+    def rho(self) -> Any:
+        return self.carry(flat(self.sol.case.rho, self.sol.case.shape), "rho")
 
     @cached_property
-    def E(self) -> Array:
+    def A(self) -> Any:
+        return self.carry(flat(self.sol.case.rod.bending_stiffness, self.sol.case.shape), "A")
+
+    @cached_property
+    def E(self) -> Any:
         """Young's modulus, (B,). Raises `InputError` for a rod that has none."""
         if self.sol.case.rod.E is None:
             raise InputError("bending_stress_max is E a kappa_max, and a rod with EI and GJ has no E; omit it")
-        return flat(self.sol.case.rod.E, self.sol.case.shape)
+        return self.carry(flat(self.sol.case.rod.E, self.sol.case.shape), "E")
 
     @cached_property
-    def a(self) -> Array:
-        return flat(self.sol.case.rod.a, self.sol.case.shape)
+    def a(self) -> Any:
+        return self.carry(flat(self.sol.case.rod.a, self.sol.case.shape), "a")
 
     @cached_property
-    def ratio(self) -> Array:
+    def ratio(self) -> Any:
         """A/C, (B,)."""
-        return flat(self.sol.case.rod.stiffness_ratio, self.sol.case.shape)
+        return self.carry(flat(self.sol.case.rod.stiffness_ratio, self.sol.case.shape), "ratio")
 
     @cached_property
     def unit_moment(self) -> Any:
@@ -189,13 +193,17 @@ class Reading:
         return self.A / (self.rho**3 * self.length)
 
     @property
-    def mu(self) -> Array:
+    def mu(self) -> Any:
         """M3 rho/A, (B,)."""
-        return self.sol.problem.mu
+        return self.carry(self.sol.problem.mu, "mu")
 
     @cached_property
-    def gain(self) -> tuple[Array, Array]:
+    def gain(self) -> tuple[Any, Any]:
         """alpha(L) - alpha(0) [rad] and z(L)/rho, (B,)."""
+        turned, risen = self._gain()
+        return self.carry(turned, "alpha"), self.carry(risen, "z")
+
+    def _gain(self) -> tuple[Array, Array]:
         shape = self.sol.trajectory
         if shape.shapes is not None:
             first, last = shape.shapes.ends()
@@ -219,24 +227,26 @@ class Reading:
             first, last = sol.trajectory.shapes.ends()
             return first[:, SPEED], last[:, SPEED]
         found = []
-        for k, t in ((0, np.zeros_like(sol.problem.span)), (-1, sol.problem.span)):
+        for k, t, name in ((0, np.zeros_like(sol.problem.span), "dbeta0"), (-1, sol.problem.span, "dbetaL")):
             if (sol.t[:, k] == t).all():
-                found.append(sol.trajectory.dbeta[:, k])
+                rate = sol.trajectory.dbeta[:, k]
             else:
-                found.append(np.full(t.size, np.nan) if orbit is None else orbit.at(t[:, None])[1][:, 0])
+                rate = np.full(t.size, np.nan) if orbit is None else orbit.at(t[:, None])[1][:, 0]
+            found.append(self.carry(rate, name))
         return found[0], found[1]
 
     @cached_property
     def end_angles(self) -> tuple[Any, Any]:
         """beta at the start and at the far end, (B,), where the method knows the orbit."""
         orbit = self.sol.trajectory.orbit
-        return orbit.problem.beta0, orbit.at(orbit.problem.span[:, None])[0][:, 0]
+        far = orbit.at(orbit.problem.span[:, None])[0][:, 0]
+        return self.carry(orbit.problem.beta0, "beta0"), self.carry(far, "betaL")
 
     @property
     def half_period(self) -> Any:
         """Half a period of beta in t, or a whole turn of it, (B,), where the method knows the orbit."""
         orbit = self.sol.trajectory.orbit
-        return orbit.ahead + orbit.back
+        return self.carry(orbit.ahead + orbit.back, "half_period")
 
     @property
     def plain(self) -> "Reading":
@@ -253,10 +263,8 @@ class Reading:
         return np.sqrt(np.asarray(steepest(self.sol.problem)))
 
     @cached_property
-    def length(self) -> Array:
+    def length(self) -> Any:
         """Length of the rod in t, (B,); where no orbit is known, the length between the first and the last station."""
         t = self.sol.t
         known = self.sol.trajectory.orbit is not None or self.sol.trajectory.shapes is not None
-        if known or t.shape[1] < 2:
-            return self.sol.problem.span
-        return t[:, -1] - t[:, 0]
+        return self.carry(self.sol.problem.span if known or t.shape[1] < 2 else t[:, -1] - t[:, 0], "span")

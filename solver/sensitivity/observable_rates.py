@@ -98,76 +98,26 @@ class Moving(Reading):
     def plain(self) -> Reading:
         return self._plain
 
-    @property
-    def unknown(self) -> Array:
-        """Derivatives that do not exist, (B, F)."""
-        return np.full((self.sol.problem.size, len(self._rates.fields)), np.nan)
-
     def at_jump(self, value: float) -> Any:
-        return with_slopes(np.full(self.sol.problem.size, value), self.unknown)
+        unknown = np.full((self.sol.problem.size, len(self._rates.fields)), np.nan)
+        return with_slopes(np.full(self.sol.problem.size, value), unknown)
+
+    def carry(self, value: Any, name: str) -> Any:
+        if name in self._slopes:
+            return with_slopes(value, self._slopes[name])
+        return with_slopes(value, self._rates.by(name) if name in ("E", "a") else self._rates.of(name))
 
     def get(self, name: str) -> Any:
-        return with_slopes(self.plain.value(name), self._slopes[name]), 0.0
-
-    def scale(self, name: str, factor: Any) -> Any:
-        return self.get(name)[0] * factor, 0.0
+        return self.carry(self.plain.value(name), name), 0.0
 
     def middle(self, name: str) -> Any:
         value, error = self.plain.middle(name)
-        return with_slopes(value, self._slopes[f"middle {name}"]), error
-
-    @cached_property
-    def rho(self) -> Any:
-        return with_slopes(self.plain.rho, self._rates.of("rho"))
-
-    @cached_property
-    def A(self) -> Any:
-        return with_slopes(self.plain.A, self._rates.of("A"))
-
-    @cached_property
-    def E(self) -> Any:
-        return with_slopes(self.plain.E, self._rates.by("E"))
-
-    @cached_property
-    def a(self) -> Any:
-        return with_slopes(self.plain.a, self._rates.by("a"))
-
-    @cached_property
-    def ratio(self) -> Any:
-        return with_slopes(self.plain.ratio, self._rates.of("ratio"))
-
-    @property
-    def mu(self) -> Any:
-        return with_slopes(self.plain.mu, self._rates.of("mu"))
-
-    @cached_property
-    def length(self) -> Any:
-        return with_slopes(self.plain.length, self._rates.of("span"))
-
-    @cached_property
-    def gain(self) -> Any:
-        pairs = zip(self.plain.gain, ("alpha", "z"), strict=True)
-        return tuple(with_slopes(value, self._slopes[name]) for value, name in pairs)
+        return self.carry(value, f"middle {name}"), error
 
     @cached_property
     def loads(self) -> Any:
-        numbers = ((getattr(self.sol.problem, name), self._rates.of(name)) for name in ("phi", "lam", "mu"))
-        phi, lam, mu = (with_slopes(value, slope) for value, slope in numbers)
+        phi, lam, mu = (self.carry(getattr(self.sol.problem, name), name) for name in ("phi", "lam", "mu"))
         return phi * self.A / self.rho**2, lam * self.A / self.rho, mu * self.A / self.rho
-
-    @cached_property
-    def end_rates(self) -> Any:
-        pairs = zip(self.plain.end_rates, ("dbeta0", "dbetaL"), strict=True)
-        return tuple(with_slopes(value, self._slopes[name]) for value, name in pairs)
-
-    @cached_property
-    def end_angles(self) -> Any:
-        pairs = zip(self.plain.end_angles, ("beta0", "betaL"), strict=True)
-        return tuple(with_slopes(value, self._slopes[name]) for value, name in pairs)
-
-    @property
-    def half_period(self) -> Any:
-        return with_slopes(self.plain.half_period, self._slopes["half_period"])
 
 
 def _merge(old: Pair, rows: Integers, new: Pair, moves: Booleans) -> Pair:
