@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from ..core import branches as core
-from ..core.varied_orbits import split
 from ..equilibrium.charts import Chart
 from ..equilibrium.held_index import held_index
 from ..equilibrium.orbit_rates import OrbitRates
@@ -62,7 +61,7 @@ def _places(found: Array, index: list[int | None]) -> list[Place]:
 
 def _indices_of(family: Family, found: Array, rates: Array) -> list[int | None]:
     """The Morse indices under the ends that are meant; None where an eigenvalue is zero to rounding."""
-    values, rows, by_span, length = split(rates)
+    values, rows, by_span, length = core.split(rates)
     problem = replace(EndsProblem(*found["numbers"].T), span=length)
     every = OrbitRates(problem, values, rows, by_span)
     assert family.numbers is not None

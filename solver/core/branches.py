@@ -1,4 +1,5 @@
-"""Steps along a branch of equilibria by the compiled core: `branch_steps.c`."""
+"""The numbers of an equilibrium with their rates, and steps along a branch, by the compiled core: `orbit_rates.c`,
+`branch_steps.c`."""
 
 import ctypes
 from collections.abc import Callable, Sequence
@@ -34,6 +35,49 @@ Point = structure(  # branch_points.h
 _Range = structure("range", (FLOAT, "scale low high rounding"), (INT, "count"), (AT, "halts"))  # branch_points.h
 _Held = structure("held_ends", (INT * PARTS, "given"), (FLOAT, "loads"))  # branch_points.h
 _Curve = structure("curve", (_PROBLEM, "problem"), (AT, "over held by nodes times orbits"))  # branch_steps.c
+
+
+def orbit_rates(
+    numbers: Array, path: Any, n: int, how: tuple[Cutting, Cutting]
+) -> tuple[Array, Array, Array, Array] | None:
+    """The values (11,), rows (11, 5), derivatives by the length (11,), and length () of one equilibrium.
+
+    None where it is not possible: for a helix, and a gap that floats cannot express.
+
+    Parameters
+    ----------
+    numbers : lam, mu, phi, span, beta(0), beta(L)
+    path : `line_point.Path`
+    n, how
+        As of `orbits.orbits`; how panels are cut for the length, and for the orbit.
+    """
+    if path.helix:
+        return None
+    out = np.full(RATES, np.nan)
+    level = Level(path.pin, path.sign, path.y, path.leaving, path.turns)
+    ways = cut(how[0], True), cut(how[1], False)
+    status = run("rod_orbit_rates", np.ascontiguousarray(numbers), level, on_grid(), points(n), *ways, out)
+    return split(out) if status == NO_ORBIT or fine(status) else None
+
+
+def start_rates(numbers: Array, n: int, how: Cutting) -> tuple[Array, Array, Array, Array] | None:
+    """The same of the orbit of a start problem, at its far end; y has no value and no row.
+
+    Parameters
+    ----------
+    numbers : lam, mu, phi, span, beta(0), beta_t(0)
+    n, how
+        As of `orbit_rates`; how panels of the orbit are cut.
+    """
+    out = np.full(RATES, np.nan)
+    status = run("rod_start_rates", np.ascontiguousarray(numbers), on_grid(), points(n), cut(how, False), out)
+    return split(out) if fine(status) else None
+
+
+def split(records: Array) -> tuple[Array, Array, Array, Array]:
+    """Values (..., 11), rows (..., 11, 5), derivatives by the length (..., 11) and lengths (...) of (..., `RATES`)."""
+    values, rows, by_span, length = np.split(records, np.cumsum([NUMBERS, NUMBERS * PARTS, NUMBERS]), axis=-1)
+    return values, rows.reshape(*records.shape[:-1], NUMBERS, PARTS), by_span, length[..., 0]
 
 
 def chart_of(chart: Any) -> Any:

@@ -1,4 +1,5 @@
-"""Critical points of G and periodic orbits by the compiled core: `critical_points.c`, `orbits.c`, `conditioning.c`."""
+"""Critical points of G and periodic orbits with their variations by the compiled core: `critical_points.c`, `orbits.c`,
+`conditioning.c`, `variations.c`."""
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -7,7 +8,7 @@ import numpy as np
 
 from ..mechanics.potential import HasLoads
 from ..numerics.arrays import Array, Booleans, Integers
-from .library import AT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, structure
+from .library import AT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, structure, widest
 
 _CRITICAL = 16  # most critical points of a problem
 FUNCTIONS, PIECE_COLUMNS = 5, 17  # series of a panel; numbers of a piece
@@ -184,4 +185,59 @@ def action(orbit: Any) -> Array:
     """The integral of beta_t^2 over B rods, (B,)."""
     out = np.empty(orbit.problem.size)
     run("rod_orbits_action", *_problems(orbit), out)
+    return out
+
+
+PAIRS = 10  # elements of M that are kept
+_SUMS = PAIRS + 3  # with the integrals of sin, cos and sin cos of beta
+_SERIES = 9 + _SUMS  # of a panel, one coefficient of all after the other
+KEPT = ("least", "M", "jump", "closing", "series", "gain")
+
+
+_VariedOrbits = structure("varied_orbits", (AT, " ".join(KEPT)), (INT, "lanes"))  # variations.h
+
+
+def variations(orbit: Any, origin: Array) -> dict[str, Array]:
+    """The arrays of `orbit.variations.Variations` by their names.
+
+    orbit: B orbits, none of them a helix, whose series of beta count from angles; origin: (P,), these, without whole
+    turns.
+    """
+    problem, n = orbit.problem, orbit.panels.series.shape[2] - 1
+    P, B = origin.size, problem.size
+    loads, origin = np.stack([problem.lam, problem.mu, problem.phi], axis=1), np.ascontiguousarray(origin)
+    shapes = (P,), (P, PAIRS, n), (P, PAIRS), (2 * B, PAIRS)
+    out = dict(zip(KEPT, map(np.empty, (*shapes, (P, n + 1, _SERIES), (B, 2, _SUMS))), strict=True))
+    varied = _VariedOrbits(**out, lanes=widest())
+    fine(run("rod_variations", B, loads, reading(orbit), origin, points(n), varied))
+    return out
+
+
+def arguments_of(varied: Any) -> tuple[Any, Any]:
+    """Orbits and their variations as arguments of the core. varied: `orbit.variations.Variations`."""
+    return varied.reading, _VariedOrbits(**varied.kept, lanes=widest())
+
+
+def places(varied: Any, t: Array) -> Array:
+    """The states of varied orbits at t (B, n), (B, n, 24): v, H, c, the shifts (4), gammas (4), M (10)
+    and the integrals of sin, cos and sin cos of beta."""
+    out = np.empty((*t.shape, 11 + _SUMS))
+    run("rod_variations_places", *arguments_of(varied), *t.shape, np.ascontiguousarray(t), out)
+    return out
+
+
+def directions(varied: Any) -> Array:
+    """The parts of a unit of beta(0), beta_t(0), lam, mu and phi of varied orbits, (B, 5, 5)."""
+    out = np.empty((varied.orbit.problem.size, 5, 5))
+    run("rod_variations_directions", *arguments_of(varied), len(out), out)
+    return out
+
+
+def changes(varied: Any, t: Array, parts: Array) -> Array:
+    """The changes of varied orbits at t (B, n) by F directions with the parts (B, 5, F): (5, B, F, n), of beta, of
+    beta_t and of the integrals of H_q d beta up to t."""
+    (B, n), F = t.shape, parts.shape[2]
+    out = np.empty((5, B, F, n))
+    given = np.ascontiguousarray(t), np.ascontiguousarray(parts.swapaxes(1, 2))
+    run("rod_variations_changes", *arguments_of(varied), B, n, F, *given, out)
     return out

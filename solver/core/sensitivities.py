@@ -9,7 +9,7 @@ import numpy as np
 from ..numerics.arrays import Array, Integers
 from .library import AT, FLOAT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, share_out, structure
 from .measures import GROUPS, NUMBERS, RATED
-from .varied_orbits import arguments_of
+from .orbits import arguments_of
 
 LOST, PARTLY = -1, ("push", "turned", "risen")  # measured over the middle third
 SERIES_GOAL = 1e-14  # of the series of which the places of extremes are found, relative

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core import varied_orbits as core
+from ..core import branches as core
 from ..core.library import Cutting, numbers_of
 from ..levels.line_point import LinePoint, Path
 from ..levels.path_orbits import variations_of

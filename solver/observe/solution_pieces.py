@@ -1,12 +1,12 @@
-"""The pieces of the rods of a solution.
+"""The pieces of the rods of a solution, on which beta and beta_t are Chebyshev series in time, for observables.
 
 If the method computes the orbit, the pieces are the panels or steps of the orbit, which are graded towards saddles;
 each counts as often as the rod passes it, and the panel in which the rod ends is cut there. Elsewhere the pieces lie
 between neighbouring stations: quintic polynomials through beta, beta_t and their rates, which the equation gives.
 """
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -16,16 +16,56 @@ from numpy.polynomial import chebyshev as C
 from ..core.measures import NODES, station_series
 from ..core.orbits import cover
 from ..mechanics.potential import Loads, slope_rate
-from ..numerics.arrays import Array, Booleans
+from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.chebyshev import basis, through
 from ..orbit.marched_orbit import MarchedOrbit
 from ..problem.reduced import Reduced
 from ..shape import Shape
-from .rod_pieces import COLUMNS, Pieces, join_pieces
 
 _CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
 _RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend
 _WILDEST = 100.0  # rad between two stations: they show no shape, and the bends of such a polynomial take seconds
+COLUMNS = ("case", "row", "low", "high", "time", "count", "begin")  # fields of each piece
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """Q pieces of the rods of B problems.
+
+    series: (P, 2, N), Chebyshev coefficients of beta and |beta_t| on panels; where loads vary along the rods (P, 7, N),
+    also of lam, mu, phi, the weight across times cos(alpha), and what friction divides the contact by.
+    case: (Q,), of which problem. row: (Q,),
+    on which panel. low, high: (Q,), from where to where on it, in [-1, 1]. time: (Q,), length in t. count: (Q,), how
+    often the rod passes the piece. begin: (Q,), the t at which it first enters the piece. monotone: whether beta does
+    not turn back on any piece, as on those of an orbit.
+    """
+
+    problem: Reduced
+    series: Array
+    case: Integers
+    row: Integers
+    low: Array
+    high: Array
+    time: Array
+    count: Array
+    begin: Array
+    monotone: bool = False
+
+    def take(self, index: Any) -> "Pieces":
+        """The pieces that an index picks."""
+        return replace(self, **{name: getattr(self, name)[index] for name in COLUMNS})
+
+
+def join_pieces(parts: Sequence[Pieces], problem: Reduced) -> Pieces:
+    """Pieces one after the other, as those of `problem`."""
+    if len(parts) == 1:
+        return replace(parts[0], problem=problem)
+    N = max(p.series.shape[2] for p in parts)
+    padded = [np.pad(p.series, ((0, 0), (0, 0), (0, N - p.series.shape[2]))) for p in parts]
+    before = np.cumsum([0, *(p.series.shape[0] for p in parts)])
+    row = np.concatenate([p.row + k for p, k in zip(parts, before, strict=False)])
+    rest = {name: np.concatenate([getattr(p, name) for p in parts]) for name in COLUMNS if name != "row"}
+    return Pieces(problem, np.concatenate(padded), row=row, monotone=all(p.monotone for p in parts), **rest)
 
 
 def blocks(sol: Shape) -> Iterator[slice]:

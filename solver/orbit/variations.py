@@ -23,9 +23,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core import varied_orbits as core
+from ..core import orbits as core
 from ..core.library import Cutting
-from ..core.orbits import reading
 from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
 from .periodic_orbit import Orbit, relative_orbit
@@ -79,7 +78,7 @@ class Variations:
     """The variations of B orbits, none of them a helix, ready to be read anywhere along the rods.
 
     orbit: the orbits; their series of beta count from the angle `base` (P,) of each panel. kept: arrays by name
-    (`core.varied_orbits.KEPT`). least: (P,), the least beta_t^2 + c H^2 of each panel. M: (P, 10, n), the rates of its
+    (`core.orbits.KEPT`). least: (P,), the least beta_t^2 + c H^2 of each panel. M: (P, 10, n), the rates of its
     elements at the nodes. jump: (P, 10), closing: (2 B, 10), what M gains on entering each panel, and where the
     rotation of an arc closes. series: (P, n + 1, 22), of |beta_t|, H, c, the shifts (3), gamma_q (3), the ten elements
     of M and the integrals of sin, cos and sin cos of beta. gain: (B, 2, 13), what these sums gain over the forward and
@@ -104,7 +103,7 @@ class Variations:
     @cached_property
     def reading(self) -> Any:
         """The orbits as the core reads them."""
-        return reading(self.orbit)
+        return core.reading(self.orbit)
 
     @cached_property
     def directions(self) -> Array:

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, follow, solve
-from solver.core.branches import RECORD, Point, Steps, chart_of
-from solver.core.varied_orbits import orbit_rates
+from solver.core.branches import RECORD, Point, Steps, chart_of, orbit_rates
 from solver.equilibrium.charts import Chart
 from solver.equilibrium.orbit_rates import HOW
 from solver.levels.line_point import Path

@@ -15,9 +15,8 @@ from solver import solve
 from solver.core import measures
 from solver.core.library import function
 from solver.observe.observables import observe
-from solver.observe.rod_pieces import Pieces
 from solver.observe.self_contact import compare_strands
-from solver.observe.solution_pieces import pieces_of
+from solver.observe.solution_pieces import Pieces, pieces_of
 from solver.problem.reduced import StartProblem
 from tests.cases import random_rods
 from tests.extreme_cases import KINDS, draw
