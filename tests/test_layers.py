@@ -41,7 +41,7 @@ LISTS = {
     "studies": ["grammar", "laws", "language"],
     "workbench": [
         "words", "store", "geometry", "branches", "influence", "fitting", "figures", "scene", "export", "compare",
-        "web", "notebook_tables", "notebook", "commands", "accessor", "cli", "plugin",
+        "web", "notebook", "commands", "accessor", "cli", "plugin",
     ],
 }  # fmt: skip
 

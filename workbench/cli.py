@@ -16,26 +16,22 @@ from typing import Annotated, Any
 
 try:
     import typer
+    from typer.core import TyperCommand, TyperGroup
 except ModuleNotFoundError:
     sys.exit("workbench: the command line needs more than the solver: pip install rod-workbench, without --no-deps")
 
 from . import __version__
 from .commands import (
     animate,
-    check,
     docs,
     doctor,
     equilibria,
     explore,
     export,
-    extremes,
     fit,
     folds,
     gallery,
-    help_pages,
-    list_studies,
     loops,
-    merge,
     plot,
     reproduce,
     run,
@@ -53,33 +49,123 @@ NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # a disk that ta
 LONGEST = 200  # characters of a value in a message; a path of a usual length stays whole
 INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 
-COMMANDS: dict[str, Callable[..., int]] = {  # in the order of --help; each returns the exit status
-    "reproduce": reproduce.reproduce,
-    "list": list_studies.list_studies,
-    "run": run.run,
-    "check": check.check,
-    "summary": summary.summary,
-    "merge": merge.merge,
-    "plot": plot.plot,
-    "scene": scene.scene,
-    "animate": animate.animate,
-    "gallery": gallery.gallery,
-    "export": export.export,
-    "solve": solve.solve,
-    "equilibria": equilibria.equilibria,
-    "folds": folds.folds,
-    "loops": loops.loops,
-    "sensitivity": sensitivity.sensitivity,
-    "fit": fit.fit,
-    "explore": explore.explore,
-    "trade": trade.trade,
-    "extremes": extremes.extremes,
-    "doctor": doctor.doctor,
-    "docs": docs.docs,
+# heading of --help -> its commands: name -> what runs it and returns the exit status, and examples
+GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
+    "The paper": {
+        "reproduce": (reproduce.reproduce, "reproduce --out results"),
+    },
+    "One rod": {
+        "solve": (
+            solve.solve,
+            "solve",
+            "solve --table1 --E 2e4 --beta 45deg",
+            "solve --length-unit m --force-unit kN --E 2.06e8 --nu 0.3 --a 0.06 --L 20 --R 0.11 --side inside "
+            "--beta0 0 --betaL 0 --FZ -200",
+            "solve --length-unit mm --E 2e5 --nu 0.3 --a 1 --L 1500 --R 60 --tension 500 --lay 80deg",
+        ),
+        "fit": (
+            fit.fit,
+            "fit fig7_1_modulus --at E=10905 --target height=9 --vary F1 --bounds F1=1:9",
+            "fit my_rod.toml --points points.csv --vary E,M3 --plot fit.png",
+        ),
+        "explore": (explore.explore, "explore", "explore fig7_1_modulus"),
+    },
+    "Equilibria": {
+        "equilibria": (
+            equilibria.equilibria,
+            "equilibria --plot all.png",
+            "equilibria --axis betaL=-90deg:60deg:41",
+        ),
+        "folds": (folds.folds, "folds --axis betaL=-60deg:90deg --axis FZ=4:12 --plot map.png"),
+        "loops": (
+            loops.loops,
+            "loops --a 0.05 --R 0.95 --L 12 --folds 1,2,3 -o loops.png",
+            "loops --length-unit nm --force-unit pN --EI 207 --GJ 310 --a 1 --L 40 --R 3 --out loops.h5",
+        ),
+    },
+    "Studies": {
+        "list": (summary.list_studies, "list"),
+        "run": (run.run, "run fig7_1_modulus", "run study.toml --out study.h5 --tol 1e-10"),
+        "check": (run.check, "check fig7_1_modulus.h5"),
+        "summary": (summary.summary, "summary fig7_1_modulus.h5"),
+        "merge": (run.merge, "merge first.h5 second.h5 --out both.h5"),
+        "sensitivity": (
+            sensitivity.sensitivity,
+            "sensitivity fig7_1_modulus --at E=5000 --show height,wraps --plot tornado.pdf",
+            "sensitivity study.h5 --global --plot indices.png",
+        ),
+    },
+    "Pictures and files": {
+        "plot": (
+            plot.plot,
+            "plot regimes.h5 --show turns --shapes 6x4",
+            "plot fig7_1_modulus.h5 --out figure.pdf",
+        ),
+        "scene": (
+            scene.scene,
+            "scene fig6 --kind contact",
+            "scene fig7_1_modulus --at E=5000 --out soft.png",
+            "scene fig7_4_end_angle.h5 --out end.mp4",
+        ),
+        "export": (
+            export.export,
+            "export fig6.h5 --out rod.step",
+            "export fig7_1_modulus.h5 --at E=5000 --out rod.glb",
+        ),
+    },
+    "Documentation": {"docs": (docs.docs, "docs", "docs --print")},
+    "Methods and machine": {
+        "trade": (trade.trade, "trade"),
+        "extremes": (trade.extremes, "extremes"),
+        "gallery": (gallery.gallery, "gallery --out pictures"),
+        "doctor": (doctor.doctor, "doctor"),
+    },
+    "Kept for this release": {"animate": (animate.animate, "animate fig7_4_end_angle.h5 --out end.gif")},
 }
+COMMANDS = {name: entry for group in GROUPS.values() for name, entry in group.items()}
+
+
+class Overview(TyperGroup):
+    """The commands under headings, each with its whole first sentence."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands of each heading."""
+        for heading, names in GROUPS.items():
+            with formatter.section(heading):
+                formatter.write_dl([(name, first_sentence(self.commands[name])) for name in names])
+
+
+class CommandHelp(TyperCommand):
+    """The arguments and options of a command under headings, then its examples."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write the options under the headings that they name, in the order of their first option."""
+        for heading, records in option_records(self, ctx).items():
+            with formatter.section(heading):
+                formatter.write_dl(records)
+        with formatter.section("Examples"):
+            for example in COMMANDS[str(self.name)][1:]:
+                formatter.write_text(f"workbench {example}")
+
+
+def first_sentence(command: Any) -> str:
+    """The first sentence of the help of a command."""
+    return " ".join((command.help or "").split("\n\n")[0].split())
+
+
+def option_records(command: Any, context: Any) -> dict[str, list[tuple[str, str]]]:
+    """Heading -> the names and the help of the arguments and options of a command."""
+    records: dict[str, list[tuple[str, str]]] = {}
+    for param in command.get_params(context):
+        record = param.get_help_record(context)
+        if record is not None:
+            usual = "Arguments" if param.param_type_name == "argument" else "Options"
+            records.setdefault(getattr(param, "rich_help_panel", None) or usual, []).append(record)
+    return records
+
 
 app = typer.Typer(
-    cls=help_pages.Overview,
+    cls=Overview,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["--help", "-h"], "max_content_width": 110},
@@ -124,8 +210,8 @@ def _with_exit_status(name: str, command: Callable[..., int]) -> Callable[..., N
     return run
 
 
-for _name, _command in COMMANDS.items():
-    app.command(_name, cls=help_pages.CommandHelp)(_with_exit_status(_name, _command))
+for _name, (_command, *_) in COMMANDS.items():
+    app.command(_name, cls=CommandHelp)(_with_exit_status(_name, _command))
 
 
 def main(args: list[str] | None = None) -> None:

@@ -1,4 +1,4 @@
-"""Pictures and turning scenes of a solution or a dataset, shown inline in a notebook.
+"""Pictures and turning scenes of a solution or a dataset, and tables, shown inline in a notebook.
 
 `solution.plot()`, `solution.scene()`, `ds.rod.plot()` and `ds.rod.scene()` end here. What they return has the methods
 by which Jupyter, VS Code and Colab show a value, and `save`. No package of a notebook is needed.
@@ -15,10 +15,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from solver import Solution, solve
-from solver.problem.errors import InputError, no_such
+from solver import Case, Solution, solve
+from solver.equilibria import Equilibria
+from solver.equilibrium_list import stability
+from solver.observe.observables import observe
+from solver.problem.errors import InputError
+from solver.problem.quantities import quantity, unit_of
 
-from .notebook_tables import WORDS, of_laws
+from .branches.equilibria_dataset import all_units, of_solution
+from .branches.equilibria_dataset import dataset_of_loops as dataset_of_loops  # `Loops.to_dataset` looks it up here
 from .store import atomic, dataset, schema, selection
 from .words import cautions, labels
 
@@ -31,6 +36,8 @@ HEIGHT = 640  # pixels of a scene in a notebook
 FINE = 4001  # stations of a diagram, two for each pixel
 DPI = 110  # of a picture in a notebook
 ALONG = ("beta", "dbeta", "alpha", "z", "contact")
+NUMBERS = ("turns", "wraps", "height", "kappa_max", "push_min", "push_max")  # of a solution's table
+HEADINGS = ("", "stability", "energy [force length]", "bends", "beta'(0) [rad/length]", "pushed share")
 
 
 class Plot:
@@ -133,7 +140,7 @@ class StudyRun:
         from studies.laws import law_words
 
         title = f"{self.ds.attrs['title']}: {law_words.count_of(int(self.ds['solved'].size), 'case')}"
-        return of_laws(title, [(law_words.law_in_words(row), law_words.sentence(row)) for row in self._rows])
+        return _table(title, [(law_words.law_in_words(row), law_words.sentence(row)) for row in self._rows])
 
 
 def plot(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Plot:
@@ -197,39 +204,20 @@ def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
     InputError
         For another unit than these two.
     """
-    used = WORDS | dict(units or {})
-    if unknown := [name for name in used if name not in WORDS]:
-        raise no_such("unit", unknown[0], WORDS)
+    used = all_units(units)
     case, axes = sol.case, _axes(sol)
-    dims = tuple(axes)
-    n = sol.t.shape[-1]
-    data: dict[str, Any] = {
-        name: xr.Variable((*dims, "u"), getattr(sol, name), schema.labels(name, used)) for name in ALONG
-    }
+    u = np.asarray(sol.s, dtype=float).reshape(-1, sol.t.shape[-1])[0]
+    ds = of_solution(sol, tuple(axes), (u - u[0]) / (u[-1] - u[0]), ALONG, used)
     loads = {name: getattr(sol, name) for name in schema.LOADS}
     for name, number in {**schema.numbers_of_case(case), **loads}.items():
         if name not in axes:
             value = np.broadcast_to(np.asarray(number, dtype=float), case.shape)
             same = value.size > 0 and float(np.ptp(value)) == 0
-            pair: tuple[Any, Any] = ((), float(value.flat[0])) if same else (dims, value)
-            data[name] = xr.Variable(pair[0], pair[1], schema.labels(name, used))
-    data["solved"] = xr.Variable(dims, np.asarray(sol.solved, dtype=bool))
-    data["outcome"] = xr.Variable(dims, np.asarray(sol.outcome).astype(str))
-    data["caution"] = xr.Variable(dims, np.asarray(cautions.of_cases(sol)).astype(str))
-    u = np.asarray(sol.s, dtype=float).reshape(-1, n)[0]
-    u = (u - u[0]) / (u[-1] - u[0])
-    coords: dict[str, Any] = {name: xr.Variable((name,), values, _labels(name, used)) for name, values in axes.items()}
-    coords["u"] = xr.Variable(("u",), u, schema.labels("u", used))
-    coords["s"] = xr.Variable((*dims, "u"), sol.s, schema.labels("s", used))
-    ds = xr.Dataset(data, coords, _attributes(sol, used))
-    return ds.assign_attrs(caution=cautions.sentence(ds))
-
-
-def dataset_of_loops(found: Any, units: Mapping[str, str] | None = None) -> xr.Dataset:
-    """The closed rods of `solver.loops` as a dataset. Raises `InputError` for none, and for an unknown unit."""
-    from .branches import loops_dataset
-
-    return loops_dataset.dataset_of(found, units)
+            pair: tuple[Any, Any] = ((), float(value.flat[0])) if same else (tuple(axes), value)
+            ds[name] = *pair, schema.labels(name, used)
+    ds["caution"] = tuple(axes), np.asarray(cautions.of_cases(sol)).astype(str)
+    ds = ds.assign_coords({name: xr.Variable((name,), values, _labels(name, used)) for name, values in axes.items()})
+    return ds.assign_attrs(_attributes(sol, used) | {"caution": cautions.sentence(ds)})
 
 
 def _axes(sol: Solution) -> dict[str, Any]:
@@ -283,3 +271,75 @@ def _fine(sol: Solution) -> Solution:
     except InputError:
         return sol
     return finer if finer.solved else sol
+
+
+def table_of_solution(sol: Solution) -> str:
+    """Outcome, accuracy and a few observables."""
+    each = np.asarray(sol.solved)
+    rows = [("solved", f"{int(each.sum())} of {each.size}")] if each.size > 1 else [("outcome", str(sol.outcome))]
+    rows += [("method", sol.method), ("estimated error", f"{np.max(sol.error):.1e}")]
+    rows += [("condition number", f"{np.max(sol.condition):.3g}")]
+    if each.any():
+        values = observe(sol, list(NUMBERS))
+        rows += [(_noun(name), _span(name, np.asarray(values[name], dtype=float)[each])) for name in NUMBERS]
+        rows += [("caution", caution)] if (caution := cautions.said(cautions.of_cases(sol))) else []
+    shape = f" of {each.size} cases" if each.size > 1 else ""
+    return _table(f"Solution{shape}, {sol.t.shape[-1]} stations", rows)
+
+
+def table_of_case(case: Case) -> str:
+    """The fields of its parts."""
+    rows = []
+    for part in (case.rod, case.cylinder, case.given):
+        name = type(part).__name__
+        for field in fields(part):
+            value = getattr(part, field.name)
+            if value is not None and not (field.name == "stiffness" and case.rod.EI is not None):
+                rows.append((f"{name}.{field.name}", _field(value)))
+    grid = f" of shape {case.shape}" if case.shape else ""
+    return _table(f"{'Ends' if case.kind == 'ends' else 'Start'} problem{grid}", rows)
+
+
+def table_of_equilibria(found: Equilibria) -> str:
+    """A row for each equilibrium."""
+    held = "held " if found and found[0].solution.held else ""
+    head = "".join(f"<th>{escape(f'{held}{name}' if name.startswith('energy') else name)}</th>" for name in HEADINGS)
+    rows = []
+    for i, equilibrium in enumerate(found, 1):
+        numbers = (
+            stability(equilibrium.index),
+            f"{equilibrium.energy:.6g}",
+            str(equilibrium.turns),
+            f"{equilibrium.dbeta0:.6g}",
+            f"{equilibrium.attached:.0%}",
+        )
+        cells = "".join(f"<td>{labels.minus_signs(escape(number))}</td>" for number in numbers)
+        rows.append(f"<tr><th>{i}</th>{cells}</tr>")
+    remark = found.remark or "the list passes the test of completeness"
+    caption = f"{len(found)} {'equilibrium' if len(found) == 1 else 'equilibria'}: {remark}"
+    return f"<table><caption>{escape(caption)}</caption><tr>{head}</tr>{''.join(rows)}</table>"
+
+
+def _table(caption: str, rows: list[tuple[str, str]]) -> str:
+    left = 'style="text-align: left"'  # Jupyter's own style sets numbers and sentences flush right
+    lines = "".join(f"<tr><th>{escape(words)}</th><td {left}>{escape(value)}</td></tr>" for words, value in rows)
+    return f"<table><caption>{escape(caption)}</caption>{labels.typeset(lines)}</table>"
+
+
+def _field(value: Any) -> str:
+    """A number, a word, or the span of an array."""
+    if isinstance(value, str):
+        return value
+    low, high = (f"{float(end):.6g}" for end in (np.min(value), np.max(value)))
+    return low if np.ndim(value) == 0 else f"{np.size(value)} values from {low} to {high}"
+
+
+def _noun(name: str) -> str:
+    return quantity(name).long_name.partition(" (")[0].partition(",")[0]
+
+
+def _span(name: str, values: Any) -> str:
+    """A value, or the smallest and the largest, with the unit in words."""
+    low, high = (labels.number(float(value)) for value in (values.min(), values.max()))
+    unit = labels.unit(unit_of(name, all_units(None)))
+    return f"{low if low == high else f'{low} to {high}'}{f' [{unit}]' if unit else ''}"

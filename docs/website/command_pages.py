@@ -6,7 +6,6 @@ from typing import Any
 import typer.main
 
 from workbench import cli
-from workbench.commands.help_pages import EXAMPLES, GROUPS
 
 
 def write(folder: Path) -> None:
@@ -16,15 +15,16 @@ def write(folder: Path) -> None:
     commands = parsed()
     lines = ["# Reference: command line", "", "Every option of every command, as the parser knows them."]
     lines += ["[Commands and exit statuses](commands.md) says what they do.", ""]
-    for heading, names in GROUPS.items():
+    for heading, names in cli.GROUPS.items():
         lines += [f"## {heading}", ""]
         for name in names:
             (pages / f"{name}.md").write_text(page(name, commands[name]), encoding="utf-8")
-            said = " ".join((commands[name].help or "").split("\n\n")[0].split())
-            lines.append(f"- [`workbench {name}`](command-line/{name}.md): {_plain(said)}")
+            lines.append(
+                f"- [`workbench {name}`](command-line/{name}.md): {_plain(cli.first_sentence(commands[name]))}"
+            )
         lines.append("")
     lines += ["```{toctree}", ":hidden:", ""]
-    lines += [f"{name} <command-line/{name}>" for names in GROUPS.values() for name in names]
+    lines += [f"{name} <command-line/{name}>" for names in cli.GROUPS.values() for name in names]
     (folder / "reference" / "command-line.md").write_text("\n".join([*lines, "```", ""]), encoding="utf-8")
 
 
@@ -41,24 +41,13 @@ def page(name: str, command: Any) -> str:
     lines = [f"# workbench {name}", "", "```text", use, "```", ""]
     for paragraph in (command.help or "").split("\n\n"):
         lines += [_plain(" ".join(paragraph.split())), ""]
-    for heading, rows in _options(command, context).items():
+    for heading, rows in cli.option_records(command, context).items():
         lines += [f"## {heading}", "", "| option | meaning |", "|---|---|"]
         lines += [f"| {_code(names)} | {_plain(said)} |" for names, said in rows]
         lines.append("")
-    if EXAMPLES.get(name):
-        lines += ["## Examples", "", "```sh", *(f"workbench {one}" for one in EXAMPLES[name]), "```", ""]
+    examples = (f"workbench {example}" for example in cli.COMMANDS[name][1:])
+    lines += ["## Examples", "", "```sh", *examples, "```", ""]
     return "\n".join(lines)
-
-
-def _options(command: Any, context: Any) -> dict[str, list[tuple[str, str]]]:
-    """Heading -> the names and the help of its arguments and options, as --help shows them."""
-    found: dict[str, list[tuple[str, str]]] = {}
-    for param in command.get_params(context):
-        record = param.get_help_record(context)
-        if record is not None:
-            usual = "Arguments" if param.param_type_name == "argument" else "Options"
-            found.setdefault(getattr(param, "rich_help_panel", None) or usual, []).append(record)
-    return found
 
 
 def _code(text: str) -> str:

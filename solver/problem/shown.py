@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import Any
 
-TABLES = "workbench.notebook_tables"  # loaded by name: the solver works without the workbench
+TABLES = "workbench.notebook"  # loaded by name: the solver works without the workbench
 
 
 def table_of(kind: str, value: Any) -> str | None:
@@ -12,7 +12,7 @@ def table_of(kind: str, value: Any) -> str | None:
         tables = import_module(TABLES)
     except ImportError:
         return None
-    return str(getattr(tables, f"of_{kind}")(value))
+    return str(getattr(tables, f"table_of_{kind}")(value))
 
 
 def make(module: str, function: str, *values: Any) -> Any:

@@ -24,7 +24,7 @@ from typing import Any
 ROOT = Path(__file__).parents[2]
 IMPORTED = (
     "workbench.cli", "workbench.store.law_verdicts", "workbench.store.writing",
-    "workbench.store.study_store", "workbench.store.file_merge", "workbench.commands.study_result",
+    "workbench.store.study_store", "workbench.store.file_merge", "workbench.commands.run",
     "solver.methods.orbit", "rich.table", "rich.console",
     "pydantic.type_adapter", "scipy.integrate", "scipy.interpolate", "scipy.optimize", "h5netcdf.legacyapi",
     "dask.array", "distributed",

@@ -15,7 +15,7 @@ from studies.language.loader import loads
 from studies.language.study_data import OUTPUTS
 from tests.slow import slow_but
 from tests.workbench import small
-from workbench.commands import option_checks
+from workbench.commands import options
 from workbench.store import case_solutions, in_memory, schema, selection, writing
 
 ENDS = small.text(
@@ -247,4 +247,4 @@ def test_every_part_of_the_workbench_means_the_same_value_of_an_axis(full, said,
     assert found(lambda: float(ds["E"][selection.case(ds, {"E": said})["E"]])) == stored
     assert found(lambda: float(ds["E"][selection.line(ds, "R", {"E": said})[0]["E"]])) == stored
     if isinstance(said, str):
-        assert found(lambda: option_checks.axis_values(ds, [f"E={said}"])["E"]) == stored
+        assert found(lambda: options.axis_values(ds, [f"E={said}"])["E"]) == stored

@@ -108,7 +108,7 @@ def test_scene_makes_a_film(monkeypatch) -> None:
     for way in ("--along", "--axis"):
         assert exit_status("scene", "a.h5", way, "E", "--out", "E.mp4", "--dpi", "90") == 0
         given, more = asked.pop()
-        assert given == (Path("a.h5"), "E", [], "contact", None, [Path("E.mp4")])
+        assert given == (Path("a.h5"), "E", None, "contact", None, [Path("E.mp4")])
         assert more == {"pixel_error": 0.5, "dpi": 90, "force": False}
     for other in (["--camera", "front"], ["--bare"], ["--axis", "E", "--along", "R"]):
         assert exit_status("scene", "a.h5", "--out", "E.mp4", *other) == 2, "it would be ignored"

@@ -19,7 +19,7 @@ from tests.workbench.command import exit_status
 from workbench.branches import branch_dataset
 from workbench.branches.ends_study import DEFAULT, ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.commands.option_checks import parse_axis
+from workbench.commands.case_options import parse_axis
 from workbench.store import in_memory, reading, writing
 from workbench.store.case_solutions import solve_one
 

@@ -22,8 +22,8 @@ from studies.language.loader import loads
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
 from workbench.commands import export as export_command
-from workbench.commands import option_checks
 from workbench.commands import plot as plot_command
+from workbench.commands.options import axis_values
 from workbench.export import formats, step
 from workbench.export.base import Options
 from workbench.export.stored_rod import export
@@ -320,7 +320,7 @@ def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path
 def test_a_study_that_varies_the_angle_is_exported_with_the_one_along_the_rod(tmp_path) -> None:
     axis = "[axes.beta]\nvalues = [15.0, 30.0]\nunit = 'deg'\n"
     varied = in_memory.run(loads(STUDY.partition("[axes.E]")[0] + axis, default_name="angles"))
-    export(varied, tmp_path / "rod.csv", Options(option_checks.axis_values(varied, ["beta=15deg"])))
+    export(varied, tmp_path / "rod.csv", Options(axis_values(varied, ["beta=15deg"])))
     with (tmp_path / "rod.csv").open() as file:
         first = next(csv.DictReader(file))
     assert float(first["beta [rad]"]) == pytest.approx(np.radians(15))

@@ -18,7 +18,7 @@ from tests.workbench.command import run
 from workbench.figures import bars
 from workbench.influence import analyse, local, sobol
 from workbench.influence.derivatives import REAL, sentences
-from workbench.influence.design import Design, design_of
+from workbench.influence.indices import Design, design_of
 from workbench.store import in_memory, one_case, writing
 
 TABLE = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start("30deg", 0.5, F1=5.0, F3=10.0))

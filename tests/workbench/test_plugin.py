@@ -13,8 +13,7 @@ from cosseratbench.metrics import twist_angles
 from cosseratbench.scenario import EndCondition
 
 import solver
-from workbench.plugin.ends import axes, case_of
-from workbench.plugin.exact import RodOnCylinder, equilibrium
+from workbench.plugin.exact import RodOnCylinder, axes, case_of, equilibrium
 from workbench.plugin.experiments import (
     ANGLE,
     CYLINDER,

@@ -17,7 +17,7 @@ from studies.language.loader import loads
 from tests.cases import helix_moment, in_units_of_rho
 from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
-from workbench.commands import option_checks, scene
+from workbench.commands import options, scene
 from workbench.figures import canvas, colours
 from workbench.geometry import refinement, self_contact
 from workbench.geometry.centreline import Centreline
@@ -167,7 +167,7 @@ def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
     ds = in_memory.run(load("fig7_1_modulus").at_stations(2))
     for i in range(ds.sizes["E"]):
         said = scene_kinds.case_values(ds, {"E": i}).partition(" = ")[2].partition(" ")[0]
-        assert option_checks.axis_values(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
+        assert options.axis_values(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
     assert scene_kinds.case_values(ds, {"E": 3}, 4) == "E = 10910 N/cm²"  # a frame of a film: 10905.1
 
 

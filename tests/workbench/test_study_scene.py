@@ -60,7 +60,10 @@ def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
     from workbench.scene.composition import TooFewStations
 
     study, _ = study_scene.two_stations(file)
-    solve = study_scene.solver_of_study(study)
+
+    def solve(stations):
+        return in_memory.run(study.at_stations(stations))
+
     solved.clear()
 
     def draw(ds, exactly):
@@ -97,9 +100,9 @@ def test_a_file_with_too_few_stations_is_solved_again_and_without_a_study_refuse
 @pytest.mark.parametrize("name", ["alpha", "z"])
 def test_a_file_whose_case_is_solved_to_another_shape_is_refused(name, tmp_path) -> None:
     ds = in_memory.run(loads(small.study("").text, default_name="rod"))
-    solve = study_scene.solver_of_file(ds, {}, [])
+    solve = study_scene.solver_of(None, ds, scene_kinds.KINDS["contact"], {}, [])
     assert solve(1000).sizes["u"] == 1001
-    other = study_scene.solver_of_file(ds.assign({name: ds[name] * 1.01}), {}, [])
+    other = study_scene.solver_of(None, ds.assign({name: ds[name] * 1.01}), scene_kinds.KINDS["contact"], {}, [])
     with pytest.raises(InputError, match=f"other shapes than the file: {name} differs"):
         other(1000)
 

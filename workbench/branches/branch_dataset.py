@@ -12,7 +12,6 @@ from solver import Branch, Case, InputError
 from solver.equilibria import Equilibrium
 from solver.follow import solutions_of
 from solver.observe.observables import OBSERVABLES, observe
-from solver.problem.errors import no_such
 from solver.problem.reduced import held_of
 from studies import Study
 from studies.grammar.axes import quantity_of
@@ -20,7 +19,17 @@ from studies.laws.line_verdicts import QUALIFIED
 from studies.laws.verdicts import Law, decide
 
 from ..store import dataset, schema
-from .equilibria_dataset import COUNT, DEAD_LOADS, EACH, PUSH, attributes, with_case
+from .equilibria_dataset import (
+    ALONG,
+    COUNT,
+    DEAD_LOADS,
+    EACH,
+    PUSH,
+    all_units,
+    attributes,
+    of_solution,
+    with_case,
+)
 from .followed_curves import default_observable, follow_curves, special_points
 from .tracing import PARTNER, Traced, trace_branches, trace_held
 
@@ -58,20 +67,23 @@ def sweep(
     held = name in PARTNER
     trace = trace_held if held else trace_branches
     seen = trace(case, name, [float(x) for x in values], STATIONS, lambda value: step(f"{name} = {value:.4g}"))
-    listed, branch = seen.found, seen.branch
-    most = max((len(members) for members in listed), default=0)
-    dims = (name, "member")
-    data: dict[str, Any] = {
-        key: xr.Variable(dims, numbers, schema.labels(key, units))
-        for key, numbers in _numbers(listed, most, laws).items()
-    }
+    judged = [*dict.fromkeys(key for law in laws for key in law.observables if key not in EACH), *PUSH]
+    rows = [
+        [_numbers(member, judged) | {"branch": number} for member, number in zip(members, numbers, strict=True)]
+        for members, numbers in zip(seen.found, seen.branch, strict=True)
+    ]
+    most = max(map(len, rows), default=0)
+    blank = dict.fromkeys((*EACH, *judged), np.nan) | {"branch": -1, "solved": False, "outcome": ""}
+
+    def column(key: str, kind: type, label: Mapping[str, str]) -> xr.Variable:
+        padded = [[row[key] for row in (*members, *[blank] * (most - len(members)))] for members in rows]
+        return xr.Variable((name, "member"), np.array(padded, dtype=kind).reshape(len(rows), most), label)
+
+    data: dict[str, Any] = {key: column(key, float, schema.labels(key, units)) for key in (*EACH, *judged)}
     if not held:
-        data["count"] = xr.Variable((name,), np.array([len(members) for members in listed]), COUNT)
-    data["branch"] = xr.Variable(dims, _pad(branch, most), {"long_name": "number of the branch, -1 for none"})
-    outcome = [[str(f[i].solution.outcome) if i < len(f) else "" for i in range(most)] for f in listed]
-    solved = [[i < len(f) and bool(f[i].solution.solved) for i in range(most)] for f in listed]
-    data["solved"] = xr.Variable(dims, np.array(solved, dtype=bool).reshape(len(listed), most))
-    data["outcome"] = xr.Variable(dims, np.array(outcome, dtype=str).reshape(len(listed), most))
+        data["count"] = xr.Variable((name,), np.array(list(map(len, rows))), COUNT)
+    data["branch"] = column("branch", np.int64, {"long_name": "number of the branch, -1 for none"})
+    data |= {"solved": column("solved", bool, {}), "outcome": column("outcome", str, {})}
     chosen = default_observable(name) if show is None else show
     shown = (chosen,) if held else (chosen, "energy")
     data |= special_points(seen, name, units, shown) | follow_curves(seen, name, units, shown, (values[0], values[-1]))
@@ -82,8 +94,7 @@ def sweep(
         ds.attrs["stability"] = stability(seen.curves[0].points[0].case) if seen.curves else ""
     ds.attrs["branches"] = json.dumps(_rows(ds, name, laws, seen))
     ds.attrs |= {"axis": name, "shown": shown[0], "remarks": json.dumps(seen.remarks)}
-    ds = with_case(ds, case, units, skip=name)
-    ds = ds.drop_vars(PARTNER[name]) if held and PARTNER[name] in ds else ds
+    ds = with_case(ds, case, units, (name, PARTNER.get(name, name)))
     return ds.drop_dims([dim for dim, size in ds.sizes.items() if not size])  # a file holds no empty array
 
 
@@ -103,32 +114,16 @@ def remarks(ds: xr.Dataset) -> list[str]:
     return list(json.loads(ds.attrs["remarks"]))
 
 
-def _numbers(listed: Sequence[Sequence[Equilibrium]], most: int, laws: Sequence[Law]) -> dict[str, NDArray[np.float64]]:
-    """The numbers of `EACH` and the observables of the laws, (values, most) each."""
-    judged = list(
-        dict.fromkeys(
-            (*(observable for law in laws for observable in law.observables if observable not in EACH), *PUSH)
-        )
-    )
-    table = {key: np.full((len(listed), most), np.nan) for key in (*EACH, *judged)}
-    for k, members in enumerate(listed):
-        for i, equilibrium in enumerate(members):
-            numbers = {key: getattr(equilibrium, key) for key in EACH} | observe(equilibrium.solution, judged)
-            for key, value in numbers.items():
-                table[key][k, i] = value
-    return table
+def _numbers(member: Equilibrium, judged: Sequence[str]) -> dict[str, Any]:
+    """The numbers of `EACH`, the observables of the laws, and the outcome of an equilibrium."""
+    sol = member.solution
+    numbers = {key: getattr(member, key) for key in EACH} | observe(sol, judged)
+    return numbers | {"solved": bool(sol.solved), "outcome": str(sol.outcome)}
 
 
 def _is_of_observables(law: Law) -> bool:
     """Whether a law is about the direction of observables; expressions and formulas are those of a stored study."""
     return law.direction is not None and set(law.observables) <= set(OBSERVABLES)
-
-
-def _pad(rows: list[list[int]], most: int) -> Any:
-    out = np.full((len(rows), most), -1, dtype=np.int64)
-    for k, numbers in enumerate(rows):
-        out[k, : len(numbers)] = numbers
-    return out
 
 
 def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict[str, Any]]:
@@ -166,37 +161,26 @@ def _range(turns: NDArray[np.int64]) -> str:
     return f"{turns[0]} to {turns[-1]}" if turns[0] != turns[-1] else str(turns[0])
 
 
-ALONG = ("beta", "alpha", "z", "contact")
 POINT_NUMBERS = ("energy", "height", "wraps", "turns", "amplitude", "kappa_max", "push_min", "push_max")
-WORDS = {"length": "length", "force": "force"}
 POINT = "point"
 
 
 def dataset_of(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Dataset:
     """The branch over (point) and (point, u); see `Branch.to_dataset`."""
-    for name in units:
-        if name not in WORDS:
-            raise no_such("unit", name, WORDS)
     if stations < 2:
         raise InputError(f"stations must be at least 2, got {stations}")
-    units, sol, name = {**WORDS, **units}, solutions_of(branch, stations), branch.field
-    dims = (POINT,)
+    units, sol, name = all_units(units), solutions_of(branch, stations), branch.field
     numbers: dict[str, Any] = observe(sol, POINT_NUMBERS) | {"dbeta0": sol.dbeta[:, 0], "index": branch.index}
     numbers |= {key: getattr(sol, key) for key in schema.LOADS} | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
-    data: dict[str, Any] = dataset.variables({k: value for k, value in numbers.items() if k != name}, dims, units)
-    data |= dataset.variables({key: getattr(sol, key) for key in ALONG}, (POINT, "u"), units)
+    ds = of_solution(sol, (POINT,), np.linspace(0, 1, stations), ALONG, units)
+    ds = ds.assign(dataset.variables({k: v for k, v in numbers.items() if k != name}, (POINT,), units))
     kinds = np.full(len(branch), "", dtype=object)
     kinds[[point.position for point in branch.special]] = [point.kind for point in branch.special]
-    data["special"] = xr.Variable(dims, kinds.astype(str), {"long_name": "kind of special point, empty for none"})
-    data["solved"] = xr.Variable(dims, np.asarray(sol.solved, dtype=bool))
-    data["outcome"] = xr.Variable(dims, np.asarray(sol.outcome).astype(str))
-    coords = {
-        POINT: xr.Variable(dims, np.arange(len(branch)), {"long_name": "number of the point along the branch"}),
-        name: xr.Variable(dims, branch.values, schema.labels(quantity_of(name).name, units)),
-        **dataset.variables({"u": np.linspace(0, 1, stations)}, ("u",), units),
-        **dataset.variables({"s": sol.s}, (POINT, "u"), units),
-    }
-    return xr.Dataset(data, coords, _attributes(branch))
+    ds["special"] = POINT, kinds.astype(str), {"long_name": "kind of special point, empty for none"}
+    number = {"long_name": "number of the point along the branch"}
+    field = xr.Variable((POINT,), branch.values, schema.labels(quantity_of(name).name, units))
+    ds = ds.assign_coords({POINT: xr.Variable((POINT,), np.arange(len(branch)), number), name: field})
+    return ds.assign_attrs(_attributes(branch))
 
 
 def stability(case: Case) -> str:
@@ -208,16 +192,8 @@ def stability(case: Case) -> str:
 
 
 def _attributes(branch: Branch) -> dict[str, Any]:
-    special = [
-        {
-            "kind": point.kind,
-            "value": point.value,
-            "before": point.before,
-            "after": point.after,
-            "position": point.position,
-        }
-        for point in branch.special
-    ]
+    keys = ("kind", "value", "before", "after", "position")
+    special = [{key: getattr(point, key) for key in keys} for point in branch.special]
     return {
         "title": f"A branch of equilibria over {quantity_of(branch.field).symbol}", "field": branch.field,
         "begin": f"{branch.begin.reason} at {branch.field} = {branch.begin.value:.10g}",

@@ -76,20 +76,16 @@ def refuse_held(case: Case) -> None:
 def row(one: Equilibrium) -> dict[str, Any]:
     """The numbers of an equilibrium as plain data; under held ends `held_energy`, reactions and both indices."""
     held: dict[str, Any] = {}
+    elastic = {name: float(value) for name, value in observe(one.solution, ELASTIC).items()}
     energy = "held_energy" if one.solution.held else "energy"
     if one.solution.held:
         reactions = {name: float(value) for name, value in one.solution.reactions.items()}
         held = {"reactions": reactions, "dead_index": one.dead_index, "found_by": one.found_by}
     return {
-        "dbeta0": one.dbeta0, energy: one.energy, **elastic(one.solution), "turns": one.turns,
+        "dbeta0": one.dbeta0, energy: one.energy, **elastic, "turns": one.turns,
         "index": one.index, "stray": one.stray, "attached": one.attached, **held,
         "outcome": str(one.solution.outcome), "error": float(one.solution.error),
     }  # fmt: skip
-
-
-def elastic(sol: Solution) -> dict[str, float]:
-    """The elastic energy of a shape in its two parts [force length]; the energy of a list is less the work of loads."""
-    return {name: float(value) for name, value in observe(sol, ELASTIC).items()}
 
 
 def study_text(title: str, units: Mapping[str, str], values: Mapping[str, Any]) -> str:
@@ -116,13 +112,19 @@ def write_cases(study: Study, case: Case, found: Sequence[Equilibrium], folder: 
 
     Raises `InputError` if the folder cannot be written.
     """
-    writing.check_folder(folder)
-    width = len(str(len(found)))
+    texts = []
     for i, equilibrium in enumerate(found, 1):
         title = f"Equilibrium {i} of {len(found)}: index {equilibrium.index}, {equilibrium.turns} bends"
-        text = (
+        texts.append(
             f"{study_text(title, study.unit_system, field_values(case))}\n"
             f"[equilibrium] # selects one of the {len(found)}: the nearest to both values\n"
             f"dbeta0 = {equilibrium.dbeta0!r}\nenergy = {equilibrium.energy!r}\n"
         )
-        (folder / f"equilibrium_{i:0{width}d}.toml").write_text(text, encoding="utf-8")
+    write_texts(texts, folder, "equilibrium")
+
+
+def write_texts(texts: Sequence[str], folder: Path, name: str) -> None:
+    """Write studies as NAME_1.toml and so on. Raises `InputError` if the folder cannot be written."""
+    writing.check_folder(folder)
+    for i, text in enumerate(texts, 1):
+        (folder / f"{name}_{i:0{len(str(len(texts)))}d}.toml").write_text(text, encoding="utf-8")

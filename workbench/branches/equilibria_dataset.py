@@ -1,7 +1,7 @@
-"""The dataset of all equilibria of one case, and what it shares with the dataset of branches."""
+"""Lists as datasets over `equilibrium`, the equilibria of a case and closed rods; what datasets of branches share."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,15 +10,19 @@ import xarray as xr
 from solver import Case, Solution
 from solver.equilibria import Equilibrium
 from solver.equilibrium_list import HeldEquilibria
+from solver.loops import Loop
 from solver.observe.observables import observe
 from solver.problem.case import PAIRS
-from solver.problem.errors import choices
+from solver.problem.errors import InputError, choices, no_such
 from solver.problem.reduced import held_of
 from studies import Study
+from studies.language.case_input import field_values
+from studies.language.loader import loads
+from studies.language.readings import TABLE_UNITS
 
 from ..store import dataset, schema
 from ..words import cautions
-from .ends_study import ELASTIC, elastic
+from .ends_study import ELASTIC, study_text
 
 EQUILIBRIUM = ("equilibrium",)  # the dimension of a list
 ALONG = ("beta", "alpha", "z", "contact")
@@ -48,23 +52,20 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     """
     units, held = study.unit_system, held_of(case)
     solutions = [equilibrium.solution for equilibrium in found]
-    reactions = list(solutions[0].reactions) if solutions else []
-    rows = [
-        {**{name: getattr(equilibrium, name) for name in EACH}, **_numbers_of(equilibrium.solution)}
-        for equilibrium in found
-    ]
-    numbers = {name: np.array([row[name] for row in rows]) for name in (*EACH, *ELASTIC, *PUSH, *reactions)}
+    seen = [observe(sol, (*ELASTIC, *PUSH)) | sol.reactions for sol in solutions]
+    names = (*ELASTIC, *PUSH, *(solutions[0].reactions if solutions else ()))
+    numbers = {name: np.array([getattr(equilibrium, name) for equilibrium in found]) for name in EACH}
+    numbers |= {name: np.array([float(row[name]) for row in seen]) for name in names}
     data: dict[str, Any] = dataset.variables(numbers, EQUILIBRIUM, units)
     if held:
         data["energy"].attrs = schema.labels("held_energy", units)  # what the number is; the name stays
         dead = np.array([equilibrium.dead_index for equilibrium in found], dtype=np.int64)
         data["dead_index"] = xr.Variable(EQUILIBRIUM, dead, DEAD_INDEX)
-        data["found_by"] = xr.Variable(
-            EQUILIBRIUM, np.array([equilibrium.found_by for equilibrium in found], dtype=str)
-        )
+        ways = np.array([equilibrium.found_by for equilibrium in found], dtype=str)
+        data["found_by"] = xr.Variable(EQUILIBRIUM, ways)
     data["count"] = xr.Variable((), len(found), COUNT)
-    cautions_of = [str(cautions.of_cases(sol, unit=study.units.length)) for sol in solutions]
-    ds = of_solutions(solutions, data, cautions_of, float(case.rod.L), units)
+    texts = [str(cautions.of_cases(sol, unit=study.units.length)) for sol in solutions]
+    ds = of_solutions(solutions, data, texts, float(case.rod.L), units)
     ds["equilibrium"].attrs["long_name"] = "rank by energy"
     title = f"Equilibria with held ends: {choices(held)}" if held else "All equilibria with both end angles held"
     ds.attrs = attributes(study, case, title)
@@ -78,8 +79,28 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     return with_case(ds, case, units)
 
 
-def _numbers_of(sol: Solution) -> dict[str, Any]:
-    return {**elastic(sol), **{name: float(value) for name, value in (observe(sol, PUSH) | sol.reactions).items()}}
+def all_units(units: Mapping[str, str] | None) -> dict[str, str]:
+    """The units of length and force; default: these words. Raises `InputError` for another unit than these two."""
+    words = {"length": "length", "force": "force"}
+    for name in units or {}:
+        if name not in words:
+            raise no_such("unit", name, words)
+    return words | dict(units or {})
+
+
+def of_solution(
+    sol: Solution, dims: tuple[str, ...], u: Any, names: Sequence[str], units: Mapping[str, str]
+) -> xr.Dataset:
+    """A solution over a grid as a dataset: these arrays along the rods, whether each is solved, and its outcome.
+
+    u: s/L at the stations.
+    """
+    data: dict[str, Any] = dataset.variables({name: getattr(sol, name) for name in names}, (*dims, "u"), units)
+    data["solved"] = xr.Variable(dims, np.asarray(sol.solved, dtype=bool))
+    data["outcome"] = xr.Variable(dims, np.asarray(sol.outcome).astype(str))
+    return xr.Dataset(
+        data, dataset.variables({"u": u}, ("u",), units) | dataset.variables({"s": sol.s}, (*dims, "u"), units)
+    )
 
 
 def of_solutions(
@@ -110,13 +131,70 @@ def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: str = "") -> xr.Dataset:
-    """The dataset with the numbers of the case as scalars; skip: the field that is an axis."""
+def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: Collection[str] = ()) -> xr.Dataset:
+    """The dataset with the numbers of the case as scalars; skip: the fields that vary."""
     every = {name: getattr(case.given, name) for pair in PAIRS for name in pair}
     ends = {name: value for name, value in every.items() if value is not None}
-    numbers = {**schema.numbers_of_case(case), **ends}
-    return ds.assign({
-        name: xr.Variable((), float(value), schema.labels(name, units))
-        for name, value in numbers.items()
-        if name != skip and not (name == "rho" and skip in ("R", "a"))
-    })  # fmt: skip
+    varied = {*skip, *(("rho",) if {"R", "a"} & {*skip} else ())}
+    numbers = {name: value for name, value in (schema.numbers_of_case(case) | ends).items() if name not in varied}
+    return ds.assign(dataset.variables({name: float(value) for name, value in numbers.items()}, (), units))
+
+
+NUMBERS = {  # of each loop: units and long names of those that are no quantity of a case
+    "wraps": "wraps",
+    "folds": ("1", "folds", "periods of beta along the closed rod"),
+    "about": ("rad", "about", "angle about which beta oscillates"),
+    "lam": ("1", "λ", "axial moment, MZ rho/A"),
+    "energy": "bending_energy",
+    "index": "index",
+    "push_min": "push_min",
+    "push_max": "push_max",
+    "attached": "attached",
+}
+LABELS = ("units", "symbol", "long_name")
+STABILITY = "closed rods, the section free to turn, all on the surface"
+
+
+def study_of_loop(one: Loop, units: Mapping[str, str] | None = None) -> Study:
+    """A study whose one case is the start problem of a loop; units: default: cm and N."""
+    title = f"A closed rod of {one.wraps} wrap{'s' * (one.wraps > 1)} and {one.folds} fold{'s' * (one.folds > 1)}"
+    text = study_text(title, {**TABLE_UNITS, **dict(units or {})}, field_values(one.solution.case))
+    return loads(text, "loops")
+
+
+def dataset_of_loops(found: Sequence[Loop], units: Mapping[str, str] | None = None) -> xr.Dataset:
+    """Closed rods of one rod and cylinder as a dataset over `equilibrium`, in the order given.
+
+    Returns
+    -------
+    The arrays of `ALONG` over (equilibrium, u), u = s/L, `NUMBERS`, MZ, outcome and caution over (equilibrium), and
+    the numbers of the rod and the cylinder.
+
+    Raises
+    ------
+    InputError
+        For no loop, and for an unknown unit.
+    """
+    if not found:
+        raise InputError("no loop was found: a dataset holds at least one")
+    study, case = study_of_loop(found[0], units), found[0].solution.case
+    words = study.unit_system
+    solutions = [loop.solution for loop in found]
+    data: dict[str, Any] = {}
+    for name, row in NUMBERS.items():
+        labels = schema.labels(row, words) if isinstance(row, str) else dict(zip(LABELS, row, strict=True))
+        data[name] = xr.Variable(EQUILIBRIUM, np.array([getattr(loop, name) for loop in found]), labels)
+    data |= dataset.variables({"MZ": [float(sol.MZ) for sol in solutions]}, EQUILIBRIUM, words)
+    data |= dataset.variables({"FZ": 0.0, "M3": 0.0}, (), words)
+    scalars = {**dict(case.rod.given()), "R": case.cylinder.R, "rho": case.rho}
+    data |= dataset.variables({name: float(value) for name, value in scalars.items()}, (), words)
+    ds = of_solutions(solutions, data, [caution_of_loop(loop) for loop in found], float(case.rod.L), words)
+    ds["equilibrium"].attrs["long_name"] = "number of the loop"
+    more = {"title": "Closed rods on a cylinder", "stability": STABILITY}
+    return ds.assign_attrs(attributes(study, case, "") | more | {"caution": cautions.sentence(ds)})
+
+
+def caution_of_loop(one: Loop) -> str:
+    """The keys of `cautions` of a closed rod, whose ends are neighbours and not in self-contact."""
+    met = np.nan if one.overlaps is None else float(one.overlaps)
+    return str(cautions.of_cases(one.solution, {"overlaps": np.array(met)}))

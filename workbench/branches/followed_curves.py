@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from solver import Branch, Solution
+from solver import Solution
 from solver.follow import solutions_of
 from solver.levels.morse_index import jacobi_zeros
 from solver.observe.observables import OBSERVABLES, observe
@@ -45,19 +44,18 @@ def check_shown(name: str) -> None:
 def special_points(seen: Traced, name: str, units: Mapping[str, str], shown: Sequence[str]) -> dict[str, Any]:
     """The folds over `fold`, and the other special points over `special`."""
     data = dict[str, Any]()
-    for dim, group in (
-        ("fold", [event for event in seen.special if event[1].kind == "fold"]),
-        ("special", [event for event in seen.special if event[1].kind != "fold"]),
+    for dim, words, group in (
+        ("fold", "where two equilibria meet and cease to exist", [e for e in seen.special if e[1].kind == "fold"]),
+        ("special", "where branches meet or end", [e for e in seen.special if e[1].kind != "fold"]),
     ):
-        keys = list(dict.fromkeys(("dbeta0", "energy", *shown)))
-        numbers = {key: [_at(branch, point.position, key) for branch, point, _ in group] for key in keys}
-        for key, row in ((name, name), *((key, key) for key in keys)):
-            values = [point.value for _, point, _ in group] if key == name else numbers[key]
-            labels = schema.labels(quantity_of(row).name if key == name else row, units)
-            labels["long_name"] += (
-                " where two equilibria meet and cease to exist" if dim == "fold" else " where branches meet or end"
-            )
-            data[dim if key == name else f"{dim}_{key}"] = xr.Variable((dim,), np.array(values, dtype=float), labels)
+        rows = [
+            _numbers(branch.points[point.position].solution, ("dbeta0", "energy", *shown)) | {name: point.value}
+            for branch, point, _ in group
+        ]
+        for key, label in _labels(name, ("dbeta0", "energy", *shown), units).items():
+            label["long_name"] += f" {words}"
+            values = np.array([float(row[key]) for row in rows])
+            data[dim if key == name else f"{dim}_{key}"] = xr.Variable((dim,), values, label)
         pairs = np.array([two for _, _, two in group], dtype=np.int64).reshape(-1, 2)
         data[f"{dim}_branches"] = xr.Variable((dim, "two"), pairs, {"long_name": "the two branches that meet"})
     kinds = [point.kind for _, point, _ in seen.special if point.kind != "fold"]
@@ -65,8 +63,9 @@ def special_points(seen: Traced, name: str, units: Mapping[str, str], shown: Seq
     return data
 
 
-def _at(branch: Branch, position: int, key: str) -> float:
-    return float(_numbers(branch.points[position].solution, [key])[key])
+def _labels(name: str, keys: Sequence[str], units: Mapping[str, str]) -> dict[str, dict[str, str]]:
+    """The attributes of the field and of what is shown, by name."""
+    return {key: schema.labels(quantity_of(name).name if key == name else key, units) for key in (name, *keys)}
 
 
 def _numbers(sol: Solution, keys: Sequence[str]) -> dict[str, Any]:
@@ -85,40 +84,30 @@ def follow_curves(
     shapes are kept; branches may go on beyond.
     """
     solved = [solutions_of(curve, STATIONS) for curve in seen.curves]
-    keys = list(dict.fromkeys(shown))
     numbers = [
-        _numbers(sol, keys) | {"index": curve.index, "dead_index": jacobi_zeros(sol.trajectory.orbit.exact)}
+        _numbers(sol, shown)
+        | {"index": curve.index, "dead_index": jacobi_zeros(sol.trajectory.orbit.exact), name: curve.values}
+        | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
         for sol, curve in zip(solved, seen.curves, strict=True)
     ]
+    data: dict[str, Any] = {}
     parts = [(piece, np.arange(piece.first, piece.last + 1)) for piece in seen.pieces]
-    dims = ("curve_point",)
-    columns = {f"curve_{key}": ([numbers[p.curve][key][at] for p, at in parts], key) for key in keys}
-    columns |= {f"curve_{name}": ([seen.curves[p.curve].values[at] for p, at in parts], quantity_of(name).name)}
-    data: dict[str, Any] = {
-        key: xr.Variable(dims, _join(values), schema.labels(row, units)) for key, (values, row) in columns.items()
-    }
-    which = [np.full(at.size, piece.number) for piece, at in parts]
-    data["curve_branch"] = xr.Variable(dims, _join(which).astype(np.int64), {"long_name": "number of the branch"})
-    for key in ("index", "dead_index"):
-        data[f"curve_{key}"] = xr.Variable(dims, _join([numbers[p.curve][key][at] for p, at in parts]), INDICES[key])
+    for key, label in (_labels(name, shown, units) | INDICES).items():
+        values = np.concatenate([np.empty(0), *(numbers[piece.curve][key][at] for piece, at in parts)])
+        data[f"curve_{key}"] = xr.Variable(("curve_point",), values, label)
+    which = np.concatenate([np.empty(0), *(np.full(at.size, piece.number) for piece, at in parts)])
+    owner = {"long_name": "number of the branch"}
+    data["curve_branch"] = xr.Variable(("curve_point",), which.astype(np.int64), owner)
     middles = [(piece, at) for piece in seen.pieces for at in _places(seen, piece, ends)]
     for key in ("alpha", "z"):
         rows = [getattr(solved[piece.curve], key)[at] for piece, at in middles]
         values = np.array(rows).reshape(len(rows), STATIONS)
         data[f"shape_{key}"] = xr.Variable(("shape", "u"), values, schema.labels(key, units))
-    owners = np.array([piece.number for piece, _ in middles], dtype=np.int64)
-    data["shape_branch"] = xr.Variable(("shape",), owners, {"long_name": "number of the branch"})
-    rho = [float(np.broadcast_to(solved[p.curve].case.rho, solved[p.curve].case.shape)[at]) for p, at in middles]
-    data["shape_rho"] = xr.Variable(("shape",), np.array(rho, dtype=float), schema.labels("rho", units))
-    for key in (name, *keys):
-        each = [seen.curves[p.curve].values[at] if key == name else numbers[p.curve][key][at] for p, at in middles]
-        row = quantity_of(name).name if key == name else key
-        data[f"shape_{key}"] = xr.Variable(("shape",), np.array(each, dtype=float), schema.labels(row, units))
+    data["shape_branch"] = xr.Variable(("shape",), np.array([p.number for p, _ in middles], dtype=np.int64), owner)
+    for key, label in _labels(name, ("rho", *shown), units).items():
+        values = np.array([numbers[piece.curve][key][at] for piece, at in middles], dtype=float)
+        data[f"shape_{key}"] = xr.Variable(("shape",), values, label)
     return data
-
-
-def _join(parts: list[NDArray[Any]]) -> NDArray[Any]:
-    return np.concatenate([np.asarray(part, dtype=float) for part in parts]) if parts else np.empty(0)
 
 
 def _places(seen: Traced, piece: Piece, ends: tuple[float, float]) -> list[int]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solver import Branch, Case, InputError, Solution, equilibria, follow, solve
 from solver.equilibria import Equilibrium
@@ -20,9 +21,10 @@ from solver.follow import MOST
 from solver.levels.line_point import LinePoint, path_of
 from solver.problem.case import PAIRS
 from solver.problem.case_fields import with_field
-from solver.problem.reduced import EndsProblem, reduce
 from studies.language.case_input import with_fields
 
+PARTNER = {held: field for field, held in PAIRS}  # height -> FZ
+_NEAR = 1e-6  # between the loads of one equilibrium, relative
 FINE = 61  # values at which a followed branch has points at least, so that its curve is smooth
 
 
@@ -52,6 +54,9 @@ class Traced:
     remarks: list[str]
 
 
+Place = tuple[int, int]  # a branch and a point of it
+
+
 def trace_branches(
     case: Case, name: str, values: list[float], stations: int, step: Callable[[float], None], until: float = np.inf
 ) -> Traced:
@@ -59,52 +64,98 @@ def trace_branches(
 
     step: called with each value before it is solved. until: by `time.monotonic`; no further branch is followed then.
     """
-    low, high = min(values), max(values)
-    listed, owner = [], list[list[tuple[int, int] | None]]()
+    listed = []
     for value in values:
         step(value)
         listed.append(list(equilibria(with_field(case, name, value), stations=stations)))
-        owner.append([None] * len(listed[-1]))
-    curves, remarks = list[Branch](), list[str]()
-    passed = np.union1d(values, np.linspace(low, high, FINE))
-    for k, members in enumerate(listed):
-        for i, equilibrium in reversed([*enumerate(members)]):  # those of few bends take longest
-            if owner[k][i] is None and time.monotonic() < until:
-                try:
-                    branch = follow(equilibrium.solution, points=MOST, **{name: passed})
-                except InputError as error:
-                    remarks.append(f"{name} = {values[k]:.6g}: {error}")
-                    continue
-                owner[k][i] = (len(curves), branch.start)
-                _claim(listed, owner, branch, len(curves), values)
-                curves.append(branch)
-                remarks += [
-                    f"{name} = {end.value:.6g}: {end.reason}" for end in (branch.begin, branch.end)
-                    if end.value not in (low, high)
-                ]  # fmt: skip
+    # backwards at each value: those of few bends take longest
+    starts = [(value, member) for value, members in zip(values, listed, strict=True) for member in reversed(members)]
+    passed = np.union1d(values, np.linspace(min(values), max(values), FINE))
+    places, curves, remarks = _follow_each(name, starts, passed, lambda _, start: start.solution, until)
+    flat = iter(places)
+    owner = [[next(flat) for _ in members][::-1] for members in listed]
     return number_pieces(listed, owner, curves, remarks)
 
 
-def _claim(
-    listed: list[list[Equilibrium]], owner: list[list[tuple[int, int] | None]], branch: Branch, curve: int,
-    values: list[float],
-) -> None:  # fmt: skip
-    """Mark the equilibria on a branch."""
-    position = {value: k for k, value in enumerate(values)}
-    for at, point in enumerate(branch.points):
-        k = position.get(point.value)
-        if k is None:
+def trace_held(case: Case, name: str, values: list[float], stations: int, step: Callable[[float], None]) -> Traced:
+    """The branches over a held field on which the equilibria of a case under dead loads lie.
+
+    Each of these is also one with its own height held, so it is a start. Other branches, which no start lies on, are
+    not found.
+
+    step: called with each value of the field before the branch from it is followed. Raises `InputError` for a value
+    that no rod of that length reaches.
+    """
+    for value in (values[0], values[-1]):
+        with_fields(case, {name: value})
+
+    def begin(value: float, start: Equilibrium) -> Solution:
+        step(value)
+        return solve(with_fields(case, {name: value}), seed=start.solution, stations=stations)
+
+    starts = [(own_value(start.solution, name), start) for start in equilibria(case, stations=stations)]
+    begins = [value for value, _ in starts]
+    passed = np.union1d([*values, *begins], np.linspace(values[0], values[-1], FINE))
+    _, curves, remarks = _follow_each(name, starts, passed, begin)
+    return number_pieces([[] for _ in values], [[] for _ in values], curves, remarks)
+
+
+def _follow_each(
+    name: str,
+    starts: list[tuple[float, Equilibrium]],
+    passed: NDArray[np.float64],
+    begin: Callable[[float, Equilibrium], Solution],
+    until: float = np.inf,
+) -> tuple[list[Place | None], list[Branch], list[str]]:
+    """Follow each start that lies on no branch yet: where each lies, the branches, the remarks.
+
+    starts: the value of the field and the equilibrium. passed: the values over which branches are followed, rising.
+    begin: what is followed from a start.
+    """
+    places, curves, remarks = list[Place | None]([None] * len(starts)), list[Branch](), list[str]()
+    for k, (value, start) in enumerate(starts):
+        if places[k] is not None or time.monotonic() >= until:
             continue
-        problem = reduce(point.case)
-        assert isinstance(problem, EndsProblem)
-        place = LinePoint(problem)
-        for i, equilibrium in enumerate(listed[k]):
-            if owner[k][i] is None and same_equilibrium(place, path_of(equilibrium.path, 0), point.path):
-                owner[k][i] = (curve, at)
+        try:
+            branch = follow(begin(value, start), points=MOST, **{name: passed})
+        except InputError as error:
+            remarks.append(f"{name} = {value:.6g}: {error}")
+            continue
+        places[k] = len(curves), branch.start
+        for i, (other, equilibrium) in enumerate(starts):
+            at = _place_on(branch, other, equilibrium) if places[i] is None else None
+            places[i] = places[i] if at is None else (len(curves), at)
+        curves.append(branch)
+        remarks += [
+            f"{name} = {end.value:.6g}: {end.reason}"
+            for end in (branch.begin, branch.end)
+            if end.value not in (passed[0], passed[-1])
+        ]
+    return places, curves, remarks
+
+
+def _place_on(branch: Branch, value: float, equilibrium: Equilibrium) -> int | None:
+    """The point of a branch that is this equilibrium under dead loads; None where it is not on it."""
+    problem = equilibrium.solution.problem
+    for at in np.flatnonzero(branch.values == value):
+        point = branch.points[at]
+        pairs = [(getattr(point.problem, load)[0], getattr(problem, load)[0]) for load in ("lam", "mu", "phi")]
+        near = all(abs(a - b) < _NEAR * (1 + abs(b)) for a, b in pairs)
+        if near and same_equilibrium(LinePoint(point.problem), path_of(equilibrium.path, 0), point.path):
+            return int(at)
+    return None
+
+
+def own_value(solution: Solution, name: str) -> float:
+    """The value of a displacement or an end moment that a solution has."""
+    if name in ("M10", "M1L"):
+        return float(solution.M1[0 if name == "M10" else -1])
+    along = {"height": solution.z, "azimuth": solution.alpha, "rotation": solution.gamma}[name]
+    return float(along[-1] - along[0])
 
 
 def number_pieces(
-    found: list[list[Equilibrium]], owner: list[list[tuple[int, int] | None]], curves: list[Branch], remarks: list[str]
+    found: list[list[Equilibrium]], owner: list[list[Place | None]], curves: list[Branch], remarks: list[str]
 ) -> Traced:
     """The pieces in the order in which their equilibria appear; those without any come last."""
     cuts = [
@@ -128,65 +179,3 @@ def number_pieces(
         ends = [point for point in curve.special if point.kind == HELIX]
         special += [(curve, end, (number[piece_of(c, end.position)],) * 2) for end in ends]
     return Traced(found, branch, curves, pieces, special, remarks)
-
-
-PARTNER = {held: field for field, held in PAIRS}  # height -> FZ
-_NEAR = 1e-6  # between the loads of one equilibrium, relative
-
-
-def trace_held(case: Case, name: str, values: list[float], stations: int, step: Callable[[float], None]) -> Traced:
-    """The branches over a held field on which the equilibria of a case under dead loads lie.
-
-    Each of these is also one with its own height held, so it is a start. Other branches, which no start lies on, are
-    not found.
-
-    step: called with each value of the field before the branch from it is followed. Raises `InputError` for a value
-    that no rod of that length reaches.
-    """
-    for value in (values[0], values[-1]):
-        with_fields(case, {name: value})
-    starts = list(equilibria(case, stations=stations))
-    begins = [own_value(start.solution, name) for start in starts]
-    passed = np.union1d([*values, *begins], np.linspace(values[0], values[-1], FINE))
-    curves, remarks, known = list[Branch](), list[str](), [False] * len(starts)
-    for i, start in enumerate(starts):
-        if known[i]:
-            continue
-        step(begins[i])
-        try:
-            held = solve(with_fields(case, {name: begins[i]}), seed=start.solution, stations=stations)
-            branch = follow(held, points=MOST, **{name: passed})
-        except InputError as error:
-            remarks.append(f"{name} = {begins[i]:.6g}: {error}")
-            continue
-        curves.append(branch)
-        known = [
-            lies or _lies_on(branch, other, begins[k])
-            for k, (lies, other) in enumerate(zip(known, starts, strict=True))
-        ]
-        ends = float(passed[0]), float(passed[-1])
-        remarks += [
-            f"{name} = {end.value:.6g}: {end.reason}" for end in (branch.begin, branch.end) if end.value not in ends
-        ]
-    empty = [list[Equilibrium]() for _ in values]
-    return number_pieces(empty, [[] for _ in values], curves, remarks)
-
-
-def own_value(solution: Solution, name: str) -> float:
-    """The value of a displacement or an end moment that a solution has."""
-    if name in ("M10", "M1L"):
-        return float(solution.M1[0 if name == "M10" else -1])
-    along = {"height": solution.z, "azimuth": solution.alpha, "rotation": solution.gamma}[name]
-    return float(along[-1] - along[0])
-
-
-def _lies_on(branch: Branch, equilibrium: Equilibrium, value: float) -> bool:
-    """Whether a branch passes an equilibrium under dead loads."""
-    problem = equilibrium.solution.problem
-    for point in branch.points:
-        if point.value == value:
-            pairs = [(getattr(point.problem, load)[0], getattr(problem, load)[0]) for load in ("lam", "mu", "phi")]
-            near = all(abs(a - b) < _NEAR * (1 + abs(b)) for a, b in pairs)
-            if near and same_equilibrium(LinePoint(point.problem), path_of(equilibrium.path, 0), point.path):
-                return True
-    return False

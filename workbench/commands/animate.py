@@ -5,19 +5,12 @@ from pathlib import Path
 from typing import Annotated
 
 from . import console
-from .options import At, File, ForceOutput, PixelError, flag, number_option, option
+from .options import At, File, ForceOutput, PixelError, axis_values, check_file, flag, number_option, option
 from .present import Result, presents, result_of_files
 
 RATES = (0.1, 60.0)  # frames a second
 MOST = 480  # frames that are solved for a film
 STAYS = 1 / 3  # seconds for which a stored case stays where no others can be solved
-
-
-def is_film(out: Path) -> bool:
-    """Whether the name of a file is that of a film."""
-    from ..scene import film
-
-    return out.suffix.lower() in film.SUFFIXES
 
 
 def film_of(
@@ -49,7 +42,7 @@ def film_of(
     from ..scene.scene_kinds import kind_of
     from ..store import in_memory, schema
     from ..words import outcomes
-    from . import option_checks, study_scene
+    from . import study_scene
 
     study, ds = study_scene.open_rods(file)
     if study is not None:
@@ -61,12 +54,12 @@ def film_of(
     if axis is None and len(axes) > 1:
         raise InputError(f"{file} has several axes: choose one with --axis from {choices(axes)}")
     axis = axis or axes[0]
-    where = option_checks.axis_values(ds, at or [])
+    where = axis_values(ds, at)
     if axis in where:
         raise InputError(f"--at {axis}: the film runs along {axis}, so that axis takes no value")
     shown = film.Film(axis, where, film.observable_of(ds, axis, show), kind, pixel_error, dpi)
     default = file.with_name(f"{file.stem}_{axis}.mp4")
-    paths = [option_checks.check(path, film.SUFFIXES, force) for path in out or [default]]
+    paths = [check_file(path, film.SUFFIXES, force) for path in out or [default]]
     cases = film.cases_of(ds, shown)
     if not RATES[0] <= fps <= RATES[1]:
         raise InputError(f"--fps must be between {RATES[0]:g} and {RATES[1]:g}, got {fps:g}")

@@ -4,17 +4,17 @@ Long names and units are those of the table of quantities. The rest is written o
 of `solver`, because --help must not import NumPy; `tests/workbench/test_case_options.py` compares it with them.
 """
 
-import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import wraps
-from typing import Annotated, Any, TypeVar
+from math import isfinite
+from typing import TYPE_CHECKING, Annotated, Any
 
 from solver.problem.quantities import AT_START, quantity, unit_of
 
-from .options import angle_of, number_option, option
+from .options import angle_of, number_option, option, read_range
 
-T = TypeVar("T")  # what a command returns
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @dataclass(frozen=True)
@@ -117,50 +117,35 @@ WINDING = {
                   "default: that with which F2 is 0"),
     )
 }  # fmt: skip
+EVERY = (*FIELDS, *WINDING)
 HELD = ("height", "azimuth", "rotation", "M10", "M1L")  # what ends hold in place of dead loads and angles
 ENDS_FIELDS = tuple(
     name for name, field in FIELDS.items() if field.problem != "start" and name not in ("alpha", "gamma", *HELD)
 )
+AXES = tuple(name for name in (*ENDS_FIELDS, *HELD) if not FIELDS[name].choices)  # what may vary between two ends
+MAX_COUNT = 401  # values of an axis over which equilibria are followed
 ROD_FIELDS = tuple(name for name, field in FIELDS.items() if not field.problem and name not in ("alpha", "gamma"))
 
 
-def takes_case(names: Sequence[str] = (*FIELDS, *WINDING)) -> Callable[[Callable[..., T]], Callable[..., T]]:
-    """Decorate a command: its keyword `given` becomes the options of these fields and of the two units."""
-    whole = set(names) > set(FIELDS)
-
-    def decorate(command: Callable[..., T]) -> Callable[..., T]:
-        @wraps(command)
-        def parse(**options: Any) -> T:
-            values = {name: options.pop(name) for name in names}
-            units = {kind: options.pop(f"{kind}_unit") for kind in ("length", "force")}
-            given = Given(*({k: v for k, v in said.items() if v is not None} for said in (values, units)))
-            return command(**options, given=given)
-
-        signature = inspect.signature(command)
-        parameters = []
-        for name, parameter in signature.parameters.items():
-            parameters += _options(names, whole) if name == "given" else [parameter]
-        parse.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-        return parse
-
-    return decorate
-
-
-def _options(names: Sequence[str], whole: bool) -> list[inspect.Parameter]:
-    """The parameters of the units and the fields; whole: of both problems, so that the help names the problem."""
+def of_case(names: Sequence[str]) -> dict[str, Any]:
+    """The types of the options of these fields and of the two units."""
+    whole = set(names) > set(FIELDS)  # of both problems, so that the help names the problem
     also = "" if whole else "; if a unit is given, no value comes from Table 1"
-    notes = [f"default: {unit}{also}" for unit in ("cm", "N")]
     types: dict[str, Any] = {
         f"{kind}_unit": Annotated[
-            str | None, option("UNIT", f"Unit of {kind} of the options below; {note}.", rich_help_panel="Units")
+            str | None,
+            option("UNIT", f"Unit of {kind} of the options below; default: {unit}{also}.", rich_help_panel="Units"),
         ]
-        for kind, note in zip(("length", "force"), notes, strict=True)
+        for kind, unit in (("length", "cm"), ("force", "N"))
     }
-    types |= {name: _type({**FIELDS, **WINDING}[name], whole) for name in names}
-    return [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
-        for name, kind in types.items()
-    ]
+    return types | {name: _type({**FIELDS, **WINDING}[name], whole) for name in names}
+
+
+def given_of(options: dict[str, Any], names: Sequence[str]) -> Given:
+    """What the options of `of_case` give; they are taken out of `options`."""
+    values = {name: options.pop(name) for name in names}
+    units = {kind: options.pop(f"{kind}_unit") for kind in ("length", "force")}
+    return Given(*({k: v for k, v in said.items() if v is not None} for said in (values, units)))
 
 
 def _type(field: CaseField, whole: bool) -> Any:
@@ -190,3 +175,15 @@ def help_of(field: CaseField, whole: bool) -> str:
     parts = [field.words + unit, field.note if whole else "", default if whole and field.default is not None else ""]
     said = "; ".join(part for part in parts if part)
     return f"{said[0].upper()}{said[1:]}."
+
+
+def parse_axis(text: str) -> "tuple[str, np.ndarray]":
+    """``betaL=-90deg:60deg:41`` as a field and the values of such an axis of a study, rising. Raises `InputError`."""
+    from solver import InputError
+    from studies.grammar.axes import Axis
+
+    name, first, last, count = read_range("--axis", text, AXES, "FROM:TO:COUNT")
+    if not 2 <= count <= MAX_COUNT or first == last or not (isfinite(first) and isfinite(last)):
+        raise InputError(f"--axis needs two different finite ends and a count from 2 to {MAX_COUNT}, got {text!r}")
+    axis = Axis.model_validate({"from": min(first, last), "to": max(first, last), "count": count})
+    return name, axis.numbers()

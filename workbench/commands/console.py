@@ -2,25 +2,19 @@
 
 import json
 import sys
-from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
-from pathlib import Path
 from textwrap import wrap
 from time import monotonic
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from ..words import escaping
 
 if TYPE_CHECKING:  # --help does not import rich
-    import xarray as xr
     from rich.console import Console
 
     from ..store.tally import Meter
-
-    Stored = tuple[xr.Dataset, list[Path]]
-
-Piece = TypeVar("Piece")
 
 HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 EVERY = 5.0  # seconds between two lines of progress
@@ -54,11 +48,14 @@ def warn(sentence: str) -> None:
     err().print(at_words(f"workbench: {escaping.line(sentence)}", err()), markup=False)
 
 
-def say_units(units: Mapping[str, str], assumed: Collection[str] = ()) -> None:
-    """Print in which units a command took its numbers. assumed: what it assumed, "unit of length" perhaps among it."""
+def say_units(units: Mapping[str, str], assumed: Mapping[str, Any] | None = None) -> None:
+    """Print in which units a command took its numbers, and what it assumed, "unit of length" perhaps among it."""
+    assumed = assumed or {}
     chosen = [f"--{kind}-unit" for kind in ("length", "force") if f"unit of {kind}" in assumed]
     hint = f"; {' and '.join(chosen)} would change that" if chosen else ""
     say(f"units: lengths in {units['length']}, forces in {units['force']}, angles in rad{hint}")
+    if assumed:
+        say(f"assumed: {', '.join(f'{name} = {value}' for name, value in assumed.items())}")
 
 
 def at_words(text: str, console: "Console") -> str:
@@ -104,50 +101,6 @@ def progress(total: int, lines: bool = False) -> Iterator[Any]:
                 print(f"{begun} of {total}: {text}", file=sys.stderr, flush=True)
 
         yield step
-
-
-def keep_finished(
-    begin: "Callable[[Callable[[str], None]], Generator[Piece]]",
-    total: int,
-    what: str,
-    store: "Callable[[list[Piece], str], Stored]",
-    name: str,
-) -> "Stored":
-    """Work piece by piece, with a bar, and store the pieces; when interrupted, those that are finished.
-
-    Parameters
-    ----------
-    begin
-        Yields the pieces; it takes what is called with a text when each of them begins. An empty piece does not count.
-    total, what
-        The number of pieces, and their name: cases.
-    store
-        Stores pieces under a name: what was made, and the files.
-    name
-        Of the whole; interrupted: NAME_interrupted.
-    """
-    done: list[Piece] = []
-    try:
-        with progress(total, lines=True) as step, closing(begin(step)) as pieces:
-            for piece in pieces:
-                done += [piece] if piece else []
-    except BaseException as error:
-        files = store(done, f"{name}_interrupted")[1] if done else []
-        _stop(error, f"{len(done)} of {total} {what}", files)
-        raise
-    return store(done, name)
-
-
-def _stop(error: BaseException, done: str, files: Sequence[Path]) -> None:
-    """Say what an interrupted or failed command has stored: in the message of an interruption, else on stderr.
-
-    done: what is finished, such as ``3 of 9 cases``. files: where it is stored.
-    """
-    kept = f"{done} are stored in {', '.join(map(str, files))}" if files else "nothing was finished yet"
-    if isinstance(error, KeyboardInterrupt):
-        error.args = (f"interrupted; {kept}",)
-    else:
-        warn(kept)
 
 
 LINE_EVERY = 30.0  # seconds between two lines where stderr is no terminal

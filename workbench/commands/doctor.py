@@ -9,6 +9,8 @@ from typing import Any
 from . import console, tables
 from .present import Result, presents
 
+DRAWING = ("matplotlib", "typer", "rich", "pydantic", "pyvista", "vtk")  # packages of the tables and pictures
+
 
 @dataclass(frozen=True)
 class Extra:
@@ -29,11 +31,10 @@ def doctor() -> Result:
     """
     import platform
 
-    from ..store import dataset
+    from ..store import dataset, schema
 
-    findings = examine()
-    packages = {**dataset.versions(), **_drawing_versions()}
-    found = {"system": platform.platform(), "checks": findings, "versions": packages}
+    packages = {**dataset.versions(), **{name: schema.version_of(name) for name in DRAWING}}
+    found = {"system": platform.platform(), "checks": examine(), "versions": packages}
     return Result(lambda: found, lambda: _print(found))
 
 
@@ -165,15 +166,3 @@ def _chromium() -> dict[str, Any]:
     except (OSError, subprocess.SubprocessError) as error:
         return _finding(what, False, f"chromium --version: {error}")
     return _finding(what, True, f"tests of the pages: {asked.stdout.strip()}")
-
-
-def _drawing_versions() -> dict[str, str]:
-    from importlib import metadata
-
-    found = {"matplotlib": "", "typer": "", "rich": "", "pydantic": "", "pyvista": "", "vtk": ""}
-    for name in found:
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:  # of the extra scene
-            found[name] = "not installed"
-    return found

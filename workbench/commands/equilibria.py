@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console, tables
-from .case_options import ENDS_FIELDS, HELD, Given, takes_case
-from .option_checks import parse_axis, parse_choose, ranges
-from .options import Choose, OneCase, option
+from .case_options import ENDS_FIELDS, HELD, Given, parse_axis
+from .options import Choose, OneCase, option, parse_choose, ranges
 from .present import Result, presents
+from .tables import unit_shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 HEADS = {"turns": "bends", "stray": "overshoot"}  # of columns that are not named as in files
-COLUMNS = ("dbeta0", "energy", "bending_energy", "turns", "index", "stray", "attached")
+OWN = ("stray", "dead_index")  # columns that are no quantities
 
 
 @presents(
@@ -29,8 +29,8 @@ COLUMNS = ("dbeta0", "energy", "bending_energy", "turns", "index", "stray", "att
     "HDF5 file of the equilibria, or with --axis of the branches.",
     kind="equilibria",
     force="Replace an existing picture, and the file of --out even if it holds no equilibria.",
+    case=(*ENDS_FIELDS, *HELD),
 )
-@takes_case((*ENDS_FIELDS, *HELD))
 def equilibria(
     file: OneCase = None,
     *,
@@ -85,58 +85,38 @@ def equilibria(
 
     Angles: a number in rad, or a form like 30deg or pi/6.
     """
+    from solver import InputError
     from solver import equilibria as all_equilibria
+    from solver.problem.errors import choices
+    from solver.problem.reduced import held_of
 
     from ..branches.ends_study import study_and_case, write_cases
+    from ..branches.followed_curves import check_shown
     from ..store import writing
 
     study, case = study_and_case(file, given.values, given.units, held=axis is None)
-    search = _search(case, axis, within, values, tries)
-    _check(case, axis, show, export)
+    held = held_of(case)
+    every = {"within": ranges("--within", within, "FZ=-50:10") or None, "values": values, "tries": tries}
+    search: dict[str, Any] = {name: value for name, value in every.items() if value is not None}
+    if search and (axis is not None or not held):
+        name = next(iter(search))
+        raise InputError(f"--{name} belongs to the search of held ends, so it excludes dead loads and --axis")
+    if show is not None and axis is None:
+        raise InputError(f"--show {show} names what --axis shows; give --axis too")
+    if show is not None:
+        check_shown(show)
+    if axis is not None and export is not None:
+        raise InputError("--export writes the equilibria of one case, so it excludes --axis")
+    if export is not None and held:
+        raise InputError(f"--export writes cases under dead loads, got {choices(held)}; --out stores this list")
     if export is not None:
         writing.check_folder(export)
     if axis is not None:
         return _over_axis(study, case, *parse_axis(axis), show)
     found = all_equilibria(case, **search)
-    if export:
+    if export is not None:
         write_cases(study, case, found, export)
     return _list(study, case, found, choose, _source(study, file, given), export)
-
-
-def _check(case: "Case", axis: str | None, show: str | None, export: Path | None) -> None:
-    """Raise `InputError` for options that exclude each other."""
-    from solver import InputError
-    from solver.problem.errors import choices
-    from solver.problem.reduced import held_of
-
-    from ..branches.followed_curves import check_shown
-
-    if show is not None:
-        if axis is None:
-            raise InputError(f"--show {show} names what --axis shows; give --axis too")
-        check_shown(show)
-    if axis is not None and export is not None:
-        raise InputError("--export writes the equilibria of one case, so it excludes --axis")
-    if export is not None and held_of(case):
-        raise InputError(
-            f"--export writes cases under dead loads, got {choices(held_of(case))}; --out stores this list"
-        )
-
-
-def _search(
-    case: "Case", axis: str | None, within: list[str] | None, values: int | None, tries: int | None
-) -> dict[str, Any]:
-    """The options of the search of held ends that are given. Raises `InputError` where nothing is held."""
-    from solver import InputError
-    from solver.problem.reduced import held_of
-
-    every = {"within": within, "values": values, "tries": tries}
-    said = {name: value for name, value in every.items() if value is not None}
-    if said and (axis is not None or not held_of(case)):
-        raise InputError(
-            f"--{next(iter(said))} belongs to the search of held ends, so it excludes dead loads and --axis"
-        )
-    return said | ({"within": ranges("--within", within, "FZ=-50:10")} if within else {})
 
 
 def _source(study: "Study", file: Path | None, given: Given) -> str:
@@ -156,6 +136,7 @@ def _list(
     from solver.choose.selection import selection
     from solver.equilibria import meant
     from solver.equilibrium_list import HeldEquilibria
+    from solver.problem.errors import choices
     from solver.problem.reduced import held_of
     from studies.language.case_input import field_values, with_unit
 
@@ -172,10 +153,19 @@ def _list(
     how = selection(rule, np.array([one.index for one in found], dtype=int), len(found), found.complete)
     remark = with_unit(found.remark, case, study.unit_system)
     search = {} if searched is None else {"search": asdict(searched)}
+    held = held_of(case)
 
     def show() -> None:
-        reactions = list(searched.within) if searched else []
-        _print_list(study, case, found, rows, reactions, remark)
+        _print_table(study, rows, list(searched.within) if searched else [])
+        if rows:
+            console.say(
+                _energy_in_words(rows, bool(held), bool(case.rod.weight), unit_shown("energy", study.unit_system))
+            )
+        ends = f"under held ends: {choices(held)}" if held else "with the end angles held and dead loads"
+        noun = "equilibrium" if len(rows) == 1 else "equilibria"
+        console.say(f"{len(rows)} {noun}, {sum(r['index'] == 0 for r in rows)} stable {ends}")
+        if held or not found.complete:
+            console.say(remark if held else f"the list may be incomplete: {remark}")
         if taken or (found and not (searched and choose is None)):
             console.say(f"* {how.rule}" if taken else f"none has index {rule}")
         console.say(f"rod: {source}")
@@ -191,52 +181,27 @@ def _list(
             "equilibria": rows, "complete": found.complete, "remark": remark, **search,
         }  # fmt: skip
 
-    status = 0 if found and (found.complete or held_of(case)) else 1
+    status = 0 if found and (found.complete or held) else 1
     return Result(data, show, status, lambda: dataset_of(study, case, found))
 
 
-def _print_list(
-    study: "Study", case: "Case", found: "Equilibria", rows: list[dict[str, Any]], reactions: list[str], remark: str
-) -> None:
-    """Print the table of a list, how many are stable, and whether it is complete."""
-    from solver.problem.errors import choices
-    from solver.problem.reduced import held_of
-
-    _print_table(study, rows, reactions)
-    if rows:
-        unit = f"{study.units.force} {study.units.length}"
-        console.say(_energy_in_words(rows, list(found[0].solution.held), bool(case.rod.weight), unit))
-    held = held_of(case)
-    ends = f"under held ends: {choices(held)}" if held else "with the end angles held and dead loads"
-    noun = "equilibrium" if len(rows) == 1 else "equilibria"
-    console.say(f"{len(rows)} {noun}, {sum(r['index'] == 0 for r in rows)} stable {ends}")
-    if held:
-        console.say(remark)
-    elif not found.complete:
-        console.say(f"the list may be incomplete: {remark}")
-
-
-def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequence[str] = ()) -> None:
+def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequence[str]) -> None:
     """The equilibria, a row each; reactions: of held ends, shown with the index under dead loads."""
-    length, force = study.units.length, study.units.force
-    units = dict(zip(COLUMNS, [f"rad/{length}", *2 * [f"{force} {length}"], "", "", "deg", ""], strict=True))
-    moments = dict.fromkeys(("MZ", "M3"), f"{force} {length}")
-    units |= {name: {"FZ": force, **moments}.get(name, "deg") for name in reactions}
-    units["held_energy"] = units["energy"]
-    shown = [*reactions, *COLUMNS[:5], *(["dead_index"] if reactions else []), *COLUMNS[5:]]
     energy = "held_energy" if rows and "held_energy" in rows[0] else "energy"
-    shown[shown.index("energy")] = energy
+    dead = ["dead_index"] if reactions else []
+    names = (*reactions, "dbeta0", energy, "bending_energy", "turns", "index", *dead, "stray", "attached")
+    units = {name: unit_shown(name, study.unit_system) for name in names if name not in OWN} | {"stray": "deg"}
     least = _base_energy([row[energy] for row in rows])
-    heads = {name: tables.heading(HEADS.get(name, name).replace("_", " "), units.get(name, "")) for name in shown}
+    heads = {name: tables.heading(HEADS.get(name, name).replace("_", " "), units.get(name, "")) for name in names}
     table = []
     for i, row in enumerate(rows, 1):
         every = {**row, **row.get("reactions", {})}
-        angles = {name: degrees(every[name]) for name in shown if units.get(name) == "deg"}
+        angles = {name: degrees(every[name]) for name in names if units.get(name) == "deg"}
         above = {energy: row[energy] - least} if least else {}
         table.append({"": f"{i} *" if row["taken"] else f"{i}", **every, **angles, **above})
     tables.print_rows(table, {"": "", **heads})
     if least:
-        console.say(f"energies are listed above the least, {least:.10g} {units['energy']}")
+        console.say(f"energies are listed above the least, {least:.10g} {units[energy]}")
 
 
 def _base_energy(energies: Sequence[float]) -> float:
@@ -245,8 +210,8 @@ def _base_energy(energies: Sequence[float]) -> float:
     return least if 0 < most - least < 1e-3 * abs(least) else 0.0
 
 
-def _energy_in_words(rows: Sequence[dict[str, Any]], held: Sequence[str], heavy: bool, unit: str) -> str:
-    """What the energy of a list consists of; held: the ends that are held, whose reactions do no work."""
+def _energy_in_words(rows: Sequence[dict[str, Any]], held: bool, heavy: bool, unit: str) -> str:
+    """What the energy of a list consists of; held: whether ends are held, whose reactions do no work."""
     twist = [row["twist_energy"] for row in rows]
     same = max(twist) - min(twist) <= 1e-9 * max(twist)
     number = f" ({twist[0]:.6g} {unit}{' in each' if len(rows) > 1 else ''})"
@@ -271,7 +236,7 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
         return {"axis": name, "units": study.unit_system, "branches": numbered, "folds": folds, "remarks": remarks}
 
     def tell() -> None:
-        unit = "deg" if ds[name].attrs["units"] == "rad" else ds[name].attrs["units"]
+        unit = unit_shown(name, study.unit_system)
         keys = list(rows[0]) if rows else ["branch"]
         heads = {key: tables.heading(key, unit if key in ("from", "to") else "") for key in keys}
         plain: list[dict[str, Any]] = [

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from . import console
-from .options import AT, File, ForceOutput, flag, number_option, option
+from .options import AT, File, ForceOutput, axis_values, flag, number_option, option
 from .present import Result, presents
 
 FACTS = ("tolerance", "solution_error", "unit", "R")  # in the order in which they are printed, after the others
@@ -50,11 +50,10 @@ def export(
     from ..export.base import Options
     from ..export.formats import format_of
     from ..store import reading
-    from . import option_checks
 
     format_of(out)  # before a large file is read
     ds = reading.read(file)
-    asked = Options(option_checks.axis_values(ds, at or []), tolerance, centreline, overlap)
+    asked = Options(axis_values(ds, at), tolerance, centreline, overlap)
     done = stored_rod.export(ds, out, asked, force)
     status = 1 if done.warnings else 0
 

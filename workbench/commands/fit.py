@@ -1,13 +1,30 @@
 """The command fit: values of fields of a case that fit targets and measured points."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from .case_options import Given, takes_case
-from .options import At, Choose, Reading, Table1, argument, flag, option
+from . import console, tables
+from .case_options import EVERY, Given
+from .options import (
+    At,
+    Choose,
+    Reading,
+    Table1,
+    argument,
+    axis_values,
+    flag,
+    names,
+    numbers,
+    option,
+    parse_choose,
+    ranges,
+)
 from .present import Result, presents
+from .tables import number_shown, unit_shown
 
 if TYPE_CHECKING:
+    from solver.inverse.fit_result import Fit
     from studies.language.case_input import CaseInput
 
 OUT = (".toml", ".csv")
@@ -46,8 +63,8 @@ Sigma = Annotated[
     "Picture, .png, .pdf or .svg: curve and points, region, which data decide.",
     "The fitted case as a .toml file for solve, or the fitted values as a .csv table.",
     suffixes=OUT,
+    case=EVERY,
 )
-@takes_case()
 def fit(
     file: Study = None,
     target: Target = None,
@@ -76,18 +93,16 @@ def fit(
     from solver import fit as fitted
 
     from .. import fitting
-    from . import option_checks
-    from .fit_report import as_data, say
 
-    targets = option_checks.numbers("--target", target or [])
+    targets = numbers("--target", target)
     read, sigmas = fitting.read_points(points) if points is not None else (None, {})
-    asked = _case(file, at or [], given, table1, reading)
+    asked = _case(file, at, given, table1, reading)
     found = fitted(
         asked.case,
-        _vary(vary, option_checks.ranges("--bounds", bounds or [])),
+        _vary(vary, ranges("--bounds", bounds)),
         targets,
         read,
-        sigma={**sigmas, **option_checks.numbers("--sigma", sigma or [])},
+        sigma={**sigmas, **numbers("--sigma", sigma)},
         wrapped=wrapped,
         starts=starts,
         seed=seed,
@@ -95,27 +110,24 @@ def fit(
     )
     if not found.reached:
         raise InputError(found.outcome.removeprefix("failed: "))
-    status = 0 if found.solved else 1
-    if found.solution is None:
-        return Result(lambda: as_data(found, asked), lambda: say(found, asked), status)
+    drawn = found.solution is not None
     return Result(
-        lambda: as_data(found, asked),
-        lambda: say(found, asked),
-        status,
-        lambda: fitting.dataset_of(found, asked.units, read, wrapped),
-        lambda path: fitting.write(found, asked, path),
+        lambda: _as_data(found, asked),
+        lambda: _show(found, asked),
+        0 if found.solved else 1,
+        (lambda: fitting.dataset_of(found, asked.units, read, wrapped)) if drawn else None,
+        (lambda path: fitting.write(found, asked, path)) if drawn else None,
         "fit",
     )
 
 
-def _case(file: Path | None, at: list[str], given: Given, table1: bool, reading: str | None) -> "CaseInput":
+def _case(file: Path | None, at: list[str] | None, given: Given, table1: bool, reading: str | None) -> "CaseInput":
     """The case, of a study at a place of its axes."""
     from solver import InputError
     from studies import load
     from studies.language.case_input import check_alone, read_case
 
     from ..store.one_case import case_at, outline
-    from .option_checks import axis_values
 
     if file is None:
         if at:
@@ -134,25 +146,21 @@ def _vary(texts: list[str] | None, bounds: dict[str, tuple[float, float]]) -> "d
     """Field -> bounds or None. Raises `InputError` where no field is named, or one is bounded that is not varied."""
     from solver import InputError
 
-    from .option_checks import names as read_names
-
-    names = read_names(texts)
-    if not names:
+    fields = names(texts)
+    if not fields:
         raise InputError("fit needs --vary NAMES, the fields that are fitted, such as --vary E,M3")
-    if twice := [name for name in names if names.count(name) > 1]:
+    if twice := [name for name in fields if fields.count(name) > 1]:
         raise InputError(f"--vary names {twice[0]} twice")
     for name in bounds:
-        if name not in names:
-            raise InputError(f"--bounds {name} is of no field of --vary; choose from {', '.join(names)}")
-    return {name: bounds.get(name) for name in names}
+        if name not in fields:
+            raise InputError(f"--bounds {name} is of no field of --vary; choose from {', '.join(fields)}")
+    return {name: bounds.get(name) for name in fields}
 
 
 def _rule(asked: "CaseInput", choose: str | None) -> Any:
     """Which equilibrium of an ends problem the search begins with."""
     from solver import InputError
     from solver.choose.selection import NEAREST
-
-    from .option_checks import parse_choose
 
     which = asked.study.equilibrium if asked.study else None
     if choose is not None:
@@ -162,3 +170,154 @@ def _rule(asked: "CaseInput", choose: str | None) -> Any:
     if which.rule is None:
         raise InputError("the study names its equilibrium by dbeta0 and energy, which move in a fit: give --choose")
     return which.rule
+
+
+def _show(found: "Fit", asked: "CaseInput") -> None:
+    """Print a fit for people; angles in degrees."""
+    from studies.grammar.axes import is_angle
+
+    where = ", ".join(
+        f"{name} = {number_shown(name, value):.6g}{'deg' if is_angle(name) else ''}"
+        for name, value in asked.place.items()
+    )
+    console.say(f"rod: {asked.source}{f', at {where}' if where else ''}")
+    console.say_units(asked.units, asked.assumed)
+    console.say("")
+    if found.solution is not None:
+        _show_values(found, asked)
+        _show_data(found, asked)
+        _show_pairs(found)
+        _show_minima(found, asked)
+    for remark in (*found.remarks, *_cautions(found, asked)):
+        console.say(f"caution: {remark}")
+    count = "" if math.isnan(found.probability) else f", chance of larger residuals {found.probability:.3g}"
+    console.say(f"{found.outcome} ({found.solves} solutions, {found.derivatives} with derivatives{count})")
+
+
+def _as_data(found: "Fit", asked: "CaseInput") -> dict[str, Any]:
+    """A fit as plain data for --json; angles in rad."""
+    from studies.language.case_input import field_values
+
+    columns = ("measured", "computed", "residuals")
+    data = [
+        {"group": group, **{name.removesuffix("s"): float(getattr(found, name)[i]) for name in columns},
+         "shares": {name: float(row[i]) for name, row in found.shares.items()}}
+        for i, group in enumerate(found.groups)
+    ]  # fmt: skip
+    same = ("outcome", "values", "rule", "condition", "directions", "cost", "freedom", "probability", "solves",
+            "derivatives")  # fmt: skip
+    return {
+        "source": asked.source, "at": asked.place, "assumed": asked.assumed, "units": asked.units,
+        **{name: getattr(found, name) for name in same},
+        "intervals": {name: list(ends) for name, ends in found.intervals.items()},
+        "covariance": found.covariance.tolist(), "correlation": found.correlation.tolist(),
+        "shares": {group: found.share_of(group) for group in dict.fromkeys(found.groups)},
+        "data": data,
+        "minima": [{"values": one.values, "cost": one.cost, "as_good": one.as_good, "at_bound": list(one.at_bound)}
+                   for one in found.minima],
+        "remarks": list(found.remarks), "caution": " ".join(_cautions(found, asked)),
+        "case": field_values(found.case),
+    }  # fmt: skip
+
+
+def _cautions(found: "Fit", asked: "CaseInput") -> list[str]:
+    """The sentence of `solve` on what a real rod could not do."""
+    from ..words import cautions
+
+    if found.solution is None:
+        return []
+    sentence = cautions.said(cautions.of_cases(found.solution, unit=asked.units["length"]))
+    return [sentence] if sentence else []
+
+
+def _show_values(found: "Fit", asked: "CaseInput") -> None:
+    from studies.grammar.axes import quantity_of
+
+    from ..fitting import UNDETERMINED
+
+    rows = []
+    for name, value in found.values.items():
+        low, high = (number_shown(name, end) for end in found.intervals[name])
+        known = "unknown" if math.isnan(low) else UNDETERMINED if math.isinf(high) else f"{low:.6g} to {high:.6g}"
+        rows.append(
+            [name, number_shown(name, value), known, unit_shown(name, asked.units), quantity_of(name).long_name]
+        )
+    tables.print_table(["fitted", "value", "95 % interval", "unit", ""], rows)
+    console.say(f"{found.rule}\n")
+
+
+def _show_data(found: "Fit", asked: "CaseInput") -> None:
+    """A row for each target and each third of the points: how well it is met, and its share in each field."""
+    import numpy as np
+
+    from solver.observe.observables import OBSERVABLES
+
+    targets = set(found.groups) & set(OBSERVABLES)
+    rows: list[list[Any]] = []
+    for label, group, mine in _groups(found, asked, targets):
+        shares = [f"{100 * row[mine].sum():.3g} %" if np.isfinite(row).all() else "" for row in found.shares.values()]
+        pair: list[Any] = ["", "", ""] if targets else []
+        if group in targets:
+            pair = [*(number_shown(group, float(v[mine][0])) for v in (found.measured, found.computed)),
+                    unit_shown(group, asked.units)]  # fmt: skip
+        rows.append([label, *pair, f"{math.sqrt(float(np.mean(found.residuals[mine] ** 2))):.3g}", *shares])
+    heads = ["datum", *(["wanted", "fitted", "unit"] if targets else []), "residual"]
+    tables.print_table([*heads, *(f"share in {name}" for name in found.values)], rows)
+    size = "standard deviations" if found.rule.endswith("normal distribution") else "units of the target, or of rho"
+    console.say(f"residual: root mean square in {size}; share: of the field's variance, all fields fitted together\n")
+
+
+def _groups(found: "Fit", asked: "CaseInput", targets: set[str]) -> "list[tuple[str, str, Any]]":
+    """A label, the group and which data belong to it: each target, and of each column of the points each third of L."""
+    import numpy as np
+
+    groups, rows = np.array(found.groups), []
+    for group in dict.fromkeys(found.groups):
+        mine = groups == group
+        if group in targets or found.feet is None:
+            rows.append((group, group, mine))
+            continue
+        s, L = found.feet[0], float(found.case.rod.L)
+        third = np.minimum(3 * s // L, 2)
+        for k in range(3):
+            some = mine.copy()
+            some[mine] = third == k
+            if some.any():
+                until = f"{(k + 1) * L / 3:.3g} {asked.units['length']}"
+                rows.append((f"{group}, {some.sum()} points to s = {until}", group, some))
+    return rows
+
+
+def _show_pairs(found: "Fit") -> None:
+    pairs = [
+        f"{first} and {second} {found.correlation[i, j]:+.3f}"
+        for i, second in enumerate(found.values)
+        for j, first in enumerate(found.values)
+        if j < i and math.isfinite(found.correlation[i, j])
+    ]
+    if pairs:
+        console.say(f"correlation of {', '.join(pairs)}; condition number {found.condition:.3g}")
+
+
+def _show_minima(found: "Fit", asked: "CaseInput") -> None:
+    if not found.minima:
+        return
+    rows = [
+        [
+            _sum(found, one.cost),
+            *(f"{number_shown(n, one.values[n]):.6g}{' (bound)' if n in one.at_bound else ''}" for n in found.values),
+            "yes" if one.as_good == found.exact else "no",
+        ]
+        for one in found.minima
+    ]
+    heads = [tables.heading(name, unit_shown(name, asked.units)) for name in found.values]
+    goal = "data" if found.feet is not None else "target" if len(found.groups) == 1 else "targets"
+    judged = f"reaches the {goal}" if found.exact else "excluded by the data"
+    console.say("")
+    tables.print_table(["sum of squares", *heads, judged], rows, title="other minima")
+    console.say(f"sum of squares of the fit: {_sum(found, found.cost)}")
+
+
+def _sum(found: "Fit", cost: float) -> str:
+    """A sum of squares; 0 where the residuals are rounding."""
+    return f"{2 * cost:.4g}" if cost > 1e-20 * len(found.groups) else "0"

@@ -3,9 +3,8 @@
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console, tables
-from .case_options import ENDS_FIELDS, HELD, Given, takes_case
-from .option_checks import ENDS_NUMBERS, read_range
-from .options import OneCase, option
+from .case_options import AXES, ENDS_FIELDS, HELD, Given
+from .options import OneCase, option, read_range
 from .present import Result, presents
 
 if TYPE_CHECKING:
@@ -16,8 +15,12 @@ if TYPE_CHECKING:
 MOST_POINTS = 100_000  # as of `RegionMap.checked`
 
 
-@presents("Picture, .png, .pdf or .svg: the map.", "HDF5 file of the curves and regions.", kind="folds")
-@takes_case((*ENDS_FIELDS, *HELD))
+@presents(
+    "Picture, .png, .pdf or .svg: the map.",
+    "HDF5 file of the curves and regions.",
+    kind="folds",
+    case=(*ENDS_FIELDS, *HELD),
+)
 def folds(
     file: OneCase = None,
     *,
@@ -56,7 +59,7 @@ def folds(
     from ..branches.region_dataset import dataset_of
 
     study, case = study_and_case(file, given.values, given.units, held=True)
-    read = [read_range("--axis", text, (*ENDS_NUMBERS, *HELD)) for text in axis or []]
+    read = [read_range("--axis", text, AXES) for text in axis or []]
     ranges: dict[str, Any] = {name: (low, high) for name, low, high, _ in read}
     if len(axis or []) != 2 or len(ranges) != 2:
         said = ", ".join(axis or []) or "none"

@@ -1,12 +1,13 @@
 """The command gallery: the kinds of scene, and the two pictures at the top of the README."""
 
 from collections.abc import Callable
+from functools import partial
 from math import cos, pi
 from pathlib import Path
 from typing import Annotated, Any
 
 from . import console
-from .options import ForceOutput, option
+from .options import ForceOutput, check_file, option
 from .present import Result, presents, result_of_files
 
 DPI = 200  # of print
@@ -14,61 +15,14 @@ SWEEP, PAGE = "hero_sweep", "hero_page"
 HERO_SIZE, HERO_DPI = (5.375, 3.75), 160  # inches of the animated picture: as wide to its height as the other
 # there and back: 120 frames; slow near both ends, so that nothing jumps where the loop begins again
 FORCES = [-10.0 - 25.0 * (1 - cos(pi * k / 60)) for k in range(61)]
-HERO = """
-title = "A rod in a tube, pushed"
-outputs = ["beta", "dbeta", "alpha", "z"]
-stations = 401
-[units]
-length = "cm"
-force = "N"
-[base]
-E = 1.5e4
-nu = 0.25
-a = 0.2
-L = 8.5
-R = 0.9
-side = "inside"
-beta = 1.27
-dbeta = 0.35
-F2 = 11.38
-M3 = 22.71
-"""
-INSIDE = """
-title = "A soft rod inside a tube, pushed"
-outputs = ["beta", "alpha", "z"]
-[units]
-length = "cm"
-force = "N"
-[base]
-E = 1.07e4
-nu = 0.25
-a = 0.25
-L = 20.0
-R = 0.75
-side = "inside"
-beta = 0.5
-dbeta = 0.1
-dgamma = 0.5
-F3 = -10.0
-"""
-LONG = """
-title = "The rod of Table 1, forty times as long"
-reading = "force-first/tension/paper"
-outputs = ["beta", "alpha", "z"]
-stations = 8001
-[units]
-length = "cm"
-force = "N"
-[base]
-L = 800.0
-"""
-OWN = {"inside": INSIDE, "long": LONG}  # drawn as `contact`
+OWN = ("inside", "long")  # drawn as `contact`
+RODS = Path(__file__).with_name("gallery_rods")  # the studies of the pictures that are of no shipped study
 ROD, VIEWS, VIEW_DPI = "rod", ("plain", "contact", "curvature", "twist"), 120  # four kinds of one rod, two by two
 
 
 @presents()
 def gallery(
-    out: Annotated[Path, option("FOLDER", "Folder for the pictures.")] = Path("gallery"),
+    out: Annotated[Path, option("FOLDER", "Folder for the pictures.", "--out", "-o")] = Path("gallery"),
     only: Annotated[
         list[str] | None, option("NAME", "A picture to draw, such as rod or hero_sweep; repeatable; default: all.")
     ] = None,
@@ -83,11 +37,10 @@ def gallery(
     from ..scene import opengl
     from ..store import writing
     from ..web.live import live_document
-    from . import option_checks
 
     suffixes = _suffixes(only or [])
     writing.check_folder(out)
-    paths = {name: option_checks.check(out / f"{name}{suffix}", (suffix,), force) for name, suffix in suffixes.items()}
+    paths = {name: check_file(out / f"{name}{suffix}", (suffix,), force) for name, suffix in suffixes.items()}
     able, advice = opengl.probe() if set(paths) - {PAGE} else (True, "")
     if not able:
         return result_of_files([], warnings=[advice], status=1)
@@ -95,13 +48,13 @@ def gallery(
     with console.progress(len(paths), lines=True) as step:
         for name, path in paths.items():
             step(name)
-            if name == PAGE and (why := live_document.take_picture(path)):
-                warnings.append(f"{path.name} is left out: {why}")
-                continue
+            why = live_document.take_picture(path) if name == PAGE else None
             if name != PAGE:
-                draw = {SWEEP: _animate, ROD: _four_views}.get(name, _scene)
-                draw(datasets[name](), path)
-            drawn.append(path)
+                (_four_views if name == ROD else _scene)(datasets[name](), path)
+            if why:
+                warnings.append(f"{path.name} is left out: {why}")
+            else:
+                drawn.append(path)
     return result_of_files(drawn, warnings=warnings)
 
 
@@ -122,9 +75,12 @@ def _suffixes(only: list[str]) -> dict[str, str]:
 
 
 def _scene(ds: Any, path: Path) -> None:
-    """Draw one scene."""
-    from ..scene import composition, layout
+    """Draw one scene, or the rod along the axis of the film and back."""
+    from ..scene import composition, film, layout
 
+    if path.stem == SWEEP:
+        film.write([path], film.frames(ds, film.Film("F3", {}, dpi=HERO_DPI, size=HERO_SIZE)), back=True)
+        return
     kind, axes = "contact" if path.stem in OWN else path.stem, ["F1", "F3"] if path.stem == "grid" else []
     layout.render(ds, path, None, kind, axes, settings=composition.Settings(dpi=DPI), level=9)
 
@@ -148,44 +104,29 @@ def _four_views(ds: Any, path: Path) -> None:
     atomic.write(path, lambda aside: both.save(aside, compress_level=9))
 
 
-def _animate(ds: Any, path: Path) -> None:
-    """Draw the rod along the axis and back."""
-    from ..scene import film
-
-    shown = film.Film("F3", {}, dpi=HERO_DPI, size=HERO_SIZE)
-    film.write([path], film.frames(ds, shown), back=True)
-
-
 def _datasets() -> dict[str, Callable[[], Any]]:
     """What solves the dataset of each picture."""
+    from solver import equilibria as every
     from studies import load
     from studies.grammar.axes import Axis
-    from studies.language.loader import loads
 
+    from ..branches.ends_study import ends_problem
+    from ..branches.equilibria_dataset import dataset_of
     from ..store import in_memory
 
     def equilibria() -> Any:
-        from solver import equilibria as every
-
-        from ..branches.ends_study import ends_problem
-        from ..branches.equilibria_dataset import dataset_of
-
         study = load("fig7_4_end_angle")
         case = ends_problem(study)
         return dataset_of(study, case, every(case))
 
-    def sweep() -> Any:
-        axes = {"F3": Axis.model_validate({"values": FORCES[::-1]})}
-        return in_memory.run(loads(HERO, default_name="hero").model_copy(update={"axes": axes}))
+    def run(study: str | Path, **axes: list[float]) -> Any:
+        values = {name: Axis.model_validate({"values": each}) for name, each in axes.items()}
+        return in_memory.run(load(study).model_copy(update={"axes": values}) if axes else load(study))
 
-    def own(text: str) -> Callable[[], Any]:
-        return lambda: in_memory.run(loads(text, default_name="rod"))
-
+    shipped = {ROD: "fig6", "ghosts": "fig7_1_modulus", "grid": "fig7_5_forces"}
     return {
-        ROD: lambda: in_memory.run(load("fig6")),
-        "ghosts": lambda: in_memory.run(load("fig7_1_modulus")),
-        "grid": lambda: in_memory.run(load("fig7_5_forces")),
+        **{name: partial(run, study) for name, study in shipped.items()},
         "equilibria": equilibria,
-        SWEEP: sweep,
-        **{name: own(text) for name, text in OWN.items()},
+        **{name: partial(run, RODS / f"{name}.toml") for name in OWN},
+        SWEEP: partial(run, RODS / f"{SWEEP}.toml", F3=FORCES[::-1]),
     }

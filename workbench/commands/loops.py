@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console, tables
-from .case_options import ROD_FIELDS, Given, takes_case
+from .case_options import ROD_FIELDS, Given
 from .options import argument, flag, option
 from .present import Result, presents
 
@@ -21,8 +21,8 @@ COLUMNS = ("wraps", "folds", "about", "lam", "energy", "index", "push_min", "pus
     kind="equilibria",
     force="Replace an existing picture, and the file of --out even if it holds no loops.",
     short="plot",
+    case=ROD_FIELDS,
 )
-@takes_case(ROD_FIELDS)
 def loops(
     file: Annotated[Path | None, argument("FILE", "TOML study of one rod; default: the rod of Table 1.")] = None,
     *,
@@ -51,7 +51,7 @@ def loops(
     """
     from solver import loops as closed_rods
 
-    from ..branches import loops_dataset
+    from ..branches import ends_study, equilibria_dataset
 
     rod, cylinder, units = _rod(file, given)
     counts = parse_folds(folds)
@@ -63,13 +63,14 @@ def loops(
         remarks += [f"{count} folds: {one}" for one in told]
     complete = {one.folds for one in found if one.about > 0} == set(counts)
     if export:
-        loops_dataset.write_cases(found, units, export)
+        texts = [equilibria_dataset.study_of_loop(loop, units).text for loop in found]
+        ends_study.write_texts(texts, export, "loop")
 
     def data() -> dict[str, Any]:
         rows = [row(one) for one in found]
         return {"units": units, "loops": rows, "complete": complete, "remarks": remarks}
 
-    dataset = (lambda: loops_dataset.dataset_of(found, units)) if found else None
+    dataset = (lambda: equilibria_dataset.dataset_of_loops(found, units)) if found else None
     return Result(data, lambda: _print(found, remarks, units), 0 if complete else 1, dataset)
 
 
@@ -124,10 +125,10 @@ def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str]) -> No
 
 def row(one: "Loop") -> dict[str, Any]:
     """The numbers of a loop as plain data."""
-    from ..branches import loops_dataset
+    from ..branches import equilibria_dataset
     from ..words import cautions
 
-    keys = cautions.keys(loops_dataset.caution(one))
+    keys = cautions.keys(equilibria_dataset.caution_of_loop(one))
     decided = one.overlaps is not None
     return {name: getattr(one, name) for name in COLUMNS} | {
         "MZ": float(one.solution.MZ), "dbeta0": float(one.solution.dbeta[0]), "beta0": float(one.solution.beta[0]),

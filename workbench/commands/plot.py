@@ -1,17 +1,12 @@
 """The command plot: the figure of a stored study."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
-from .options import At, Dpi, File, ForceOutput, NoTitle, Style, Width, option
+from .options import At, Dpi, File, ForceOutput, NoTitle, Style, Width, axis_values, check_file, names, option
 from .present import Result, presents, result_of_files
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
-
-    from ..figures.sheet import Sheet
-    from ..store.file_kinds import Kind
 
 
 @presents()
@@ -83,30 +78,40 @@ def plot(
     """
     from solver.problem.errors import InputError
 
-    from ..figures import canvas, drawn_numbers, kinds, legend
+    from ..figures import canvas, drawn_numbers, kinds, legend, thumbnails
     from ..figures.sheet import sheet
-    from ..store import atomic, reading
+    from ..store import atomic, file_kinds, reading
     from ..words import outcomes
-    from . import option_checks
 
-    given: dict[str, Any] = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
-    named = {name: value for name, value in {**given, "kind": kind, "panel": panel}.items() if value}
+    every = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
+    given: dict[str, Any] = {name: value for name, value in every.items() if value}
+    named = [*given, *(name for name, value in (("kind", kind), ("panel", panel)) if value)]
     if file.is_dir():
         if alien := [*named, *(["data"] if data else [])]:
             raise InputError(f"{file} is a folder, whose story plot draws without --{alien[0]}")
         return _story(file, out or file / "story.png", width, force, dpi)
-    page = sheet(style, width, not no_title, panel)
-    if (other := _other(file)) is not None:
-        if alien := [name for name in named if name not in kinds.KINDS[other.figure].options]:
-            raise InputError(f"{file} is {other.what}, which plot draws without --{alien[0]}")
-        ds, kind, given = reading.read(file, study=False), other.figure, named
-    else:
+    page, of = sheet(style, width, not no_title, panel), reading.kind_of_file(file)
+    if of is file_kinds.STUDY:
         ds = reading.read(file)
         outcomes.check_any_solved(ds)
-        kind, given = _kind(ds, kind, given)
-    path = option_checks.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
-    numbers = option_checks.check(data, (".csv",), force) if data else None
-    drawn = _figure(ds, kind, given, page)
+        kind = kinds.kind_of(ds, kind, list(given))
+    else:
+        if not of.figure:
+            raise file_kinds.other_kind(file, of, "plot has no figure of it")
+        if alien := [name for name in named if name not in kinds.KINDS[of.figure].options]:
+            raise InputError(f"{file} is {of.what}, which plot draws without --{alien[0]}")
+        ds, kind = reading.read(file, study=False), of.figure
+    readers: dict[str, Callable[[Any], Any]] = {
+        "at": partial(axis_values, ds),
+        "show": names,
+        "shapes": thumbnails.read,
+    }
+    given = {name: readers.get(name, str)(value) for name, value in given.items()}
+    if kind == "map" and panel:
+        given["show"] = [panel]
+    path = check_file(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
+    numbers = check_file(data, (".csv",), force) if data else None
+    drawn = kinds.figure(ds, kind, page, **given)
     table = drawn_numbers.table(drawn) if numbers else ""
     if numbers and table.count("\n") < 2:
         raise InputError(f"--data writes lines, dots, bars and cells of maps, and the picture of {file} has none")
@@ -117,52 +122,13 @@ def plot(
     return result_of_files(paths, [*legend.notes_of(drawn), *map(str, paths)])
 
 
-def _other(file: Path) -> "Kind | None":
-    """The kind of a file that holds no study; None for a study. Raises `InputError` where it has no figure."""
-    from ..store import file_kinds, reading
-
-    kind = reading.kind_of_file(file)
-    if kind is file_kinds.STUDY:
-        return None
-    if not kind.figure:
-        raise file_kinds.other_kind(file, kind, "plot has no figure of it")
-    return kind
-
-
 def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) -> Result:
     """Draw the figure of the datasets that reproduce wrote into a folder."""
     from ..figures import canvas, story
     from ..figures.sheet import sheet
     from ..store import reading
-    from . import option_checks
 
-    path = option_checks.check(out, canvas.DIAGRAMS, force)
+    path = check_file(out, canvas.DIAGRAMS, force)
     datasets = {name: reading.read(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
     canvas.save(story.figure(datasets, sheet("paper", width or 183, titled=False)), path, dpi)
     return result_of_files([path])
-
-
-def _kind(ds: "xr.Dataset", kind: str | None, options: dict[str, Any]) -> tuple[str, dict[str, Any]]:
-    """The kind of picture, and its given options. Raises `InputError` for one that does not fit."""
-    from ..figures import kinds
-    from . import option_checks
-
-    given = {name: value for name, value in options.items() if value}
-    kind = kinds.kind_of(ds, kind, list(given))
-    if "at" in given:
-        given["at"] = option_checks.axis_values(ds, given["at"])
-    return kind, given
-
-
-def _figure(ds: "xr.Dataset", kind: str, given: dict[str, Any], page: "Sheet") -> "Figure":
-    """The figure of that kind."""
-    from ..figures import kinds, thumbnails
-    from . import option_checks
-
-    if "show" in given:
-        given["show"] = option_checks.names(given["show"])
-    if "shapes" in given:
-        given["shapes"] = thumbnails.read(given["shapes"])
-    if kind == "map" and page.panel:
-        given["show"] = [page.panel]
-    return kinds.figure(ds, kind, page, **given)

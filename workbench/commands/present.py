@@ -1,6 +1,6 @@
 """Present the result of a command: sentences and tables or JSON, a dataset in a file, a picture.
 
-A command returns a `Result`; `presents` gives it the options of what it writes, and calls `present`.
+A command returns a `Result`; `presents` gives it the options of its case and of what it writes, and calls `present`.
 """
 
 import inspect
@@ -10,28 +10,13 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from . import console
-from .options import Dpi, ForceOutput, Json, NoTitle, Style, Width, flag, option
+from . import case_options, console
+from .options import Dpi, ForceOutput, Json, NoTitle, Style, Width, check_file, flag, option
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ..figures.sheet import Sheet
-
-
-@dataclass(frozen=True)
-class Files:
-    """The files that a command is asked for, each checked before anything is computed.
-
-    picture, out: of the figure and of the dataset, or None. force: whether `out` may replace a file of another kind.
-    sheet, dpi: of the picture; sheet: default: that of the screen.
-    """
-
-    picture: Path | None = None
-    out: Path | None = None
-    force: bool = False
-    sheet: "Sheet | None" = None
-    dpi: int = 200
 
 
 @dataclass(frozen=True)
@@ -70,7 +55,8 @@ def presents(
     kind: str = "",
     suffixes: tuple[str, ...] = (),
     force: str = "",
-    short: str = "",
+    short: str = "out",
+    case: Sequence[str] = (),
 ) -> Callable[[Callable[..., Result]], Callable[..., int]]:
     """Decorate a command that returns a `Result`: it is presented, and the command returns its exit status.
 
@@ -80,41 +66,51 @@ def presents(
         The help of the options --plot and --out of a command that draws and stores; else it has none of these, and
         --json alone.
     kind, suffixes : str, tuple of str
-        Of `out`, as of `check_files`.
+        Of `out`: what it holds already may be replaced if it is a dataset of this kind; its suffixes where it is none.
     force : str
         The help of --force; default: that of other commands.
     short : str
-        Of the options --plot and --out the one that is also -o.
+        The option that is also -o.
+    case : sequence of str
+        The fields of a case: their options, and those of the two units, stand in place of the parameter `given`.
     """
     written = _options(plot, out, force, short) if plot else {}
-    shared: dict[str, tuple[Any, Any]] = {**written, "json": (Json, False)}
+    given = {name: (kind_, None) for name, kind_ in case_options.of_case(case).items()} if case else {}
 
     def decorate(command: Callable[..., Result]) -> Callable[..., int]:
         signature = inspect.signature(command)
         takes_json = "json" in signature.parameters
+        shared = written if takes_json else written | {"json": (Json, False)}
 
         @wraps(command)
         def run(*args: Any, **options: Any) -> int:
-            chosen = {name: options.pop(name, default) for name, (_, default) in shared.items()}
-            as_json = chosen.pop("json")
-            files = check_files(**chosen, kind=kind, suffixes=suffixes) if written else Files()
-            result = command(*args, **options, **({"json": as_json} if takes_json else {}))
-            present(result, as_json, files)
+            files = {name: options.pop(name, default) for name, (_, default) in written.items()}
+            as_json = options.get("json", False) if takes_json else options.pop("json", False)
+            sheet = _check_files(**files, kind=kind, suffixes=suffixes) if written else None
+            if case:
+                options["given"] = case_options.given_of(options, case)
+            result = command(*args, **options)
+            kept = {name: files[name] for name in ("plot", "out", "force", "dpi")} if written else {}
+            present(result, as_json, **kept, sheet=sheet)
             if result.afterwards is not None:
                 result.afterwards()
             return result.status
 
-        keyword = inspect.Parameter.KEYWORD_ONLY
-        parameters = [*signature.parameters.values()]
-        parameters += [
-            inspect.Parameter(name, keyword, default=default, annotation=annotation)
-            for name, (annotation, default) in shared.items()
-            if name not in signature.parameters
-        ]
-        run.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+        parameters: list[inspect.Parameter] = []
+        for name, parameter in signature.parameters.items():
+            parameters += _parameters(given) if name == "given" else [parameter]
+        run.__signature__ = signature.replace(parameters=parameters + _parameters(shared))  # type: ignore[attr-defined]
         return run
 
     return decorate
+
+
+def _parameters(options: dict[str, tuple[Any, Any]]) -> list[inspect.Parameter]:
+    """The parameters of options: name -> type and default."""
+    return [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
+        for name, (kind, default) in options.items()
+    ]
 
 
 def _options(plot: str, out: str, force: str, short: str) -> dict[str, tuple[Any, Any]]:
@@ -131,7 +127,7 @@ def _options(plot: str, out: str, force: str, short: str) -> dict[str, tuple[Any
     }
 
 
-def check_files(
+def _check_files(
     plot: Path | None,
     out: Path | None,
     style: str,
@@ -139,60 +135,68 @@ def check_files(
     no_title: bool,
     dpi: int,
     force: bool,
-    kind: str = "",
-    suffixes: tuple[str, ...] = (),
-) -> Files:
-    """The files of these options. Raises `InputError`, also for an option of a picture without a picture.
+    kind: str,
+    suffixes: tuple[str, ...],
+) -> "Sheet | None":
+    """The sheet of the picture, before anything is computed; None without a picture.
 
-    kind: of the dataset, as of `writing.check_free`: what `out` holds already may be replaced if it is of this kind.
-    suffixes: those of `out` where it is no dataset.
+    Raises `InputError` for a file that cannot be written, and for an option of a picture without a picture.
     """
+    from solver.problem.errors import InputError
+
     from ..store import writing
-    from . import option_checks
 
-    sheet = option_checks.page(plot, style, width, no_title)
-    if plot is not None:
-        from ..figures import canvas
-
-        option_checks.check(plot, canvas.DIAGRAMS, force)
     if out is not None and suffixes:
-        option_checks.check(out, suffixes, force)
+        check_file(out, suffixes, force)
     elif out is not None:
         writing.check_parent(out)
         if not force:
             writing.check_free(out, kind)
-    return Files(plot, out, force, sheet, dpi)
+    if plot is None:
+        given = {"--style": style != "screen", "--width": width is not None, "--no-title": no_title}
+        if named := [name for name, is_given in given.items() if is_given]:
+            raise InputError(f"{named[0]} is an option of the picture: give also --plot FILE")
+        return None
+    from ..figures import canvas
+    from ..figures.sheet import sheet
+
+    check_file(plot, canvas.DIAGRAMS, force)
+    return sheet(style, width, not no_title)
 
 
-def present(result: Result, as_json: bool, files: Files) -> None:
+def present(
+    result: Result,
+    as_json: bool,
+    plot: Path | None = None,
+    out: Path | None = None,
+    force: bool = False,
+    dpi: int = 0,
+    sheet: "Sheet | None" = None,
+) -> None:
     """Store and draw what is asked for, then print it; of a picture also what it leaves to its caption."""
     notes: Sequence[str] = ()
-    ds = None
-    if result.dataset is not None and (files.picture or (files.out and result.write is None)):
-        ds = result.dataset()
-    if files.out and result.write is not None:
-        result.write(files.out)
-    elif files.out and ds is not None:
+    dataset = None
+    if result.dataset is not None and (plot or (out and result.write is None)):
+        dataset = result.dataset()
+    if out and result.write is not None:
+        result.write(out)
+    elif out and dataset is not None:
         from ..store import writing
 
-        writing.write(ds, files.out, files.force)
-    if files.picture and ds is not None:
+        writing.write(dataset, out, force)
+    if plot and dataset is not None:
         from ..figures import canvas, kinds, legend
-        from ..figures.sheet import SCREEN
 
-        drawn = kinds.figure(ds, result.figure, files.sheet or SCREEN)
-        canvas.save(drawn, files.picture, files.dpi)
+        drawn = kinds.figure(dataset, result.figure, sheet)
+        canvas.save(drawn, plot, dpi)
         notes = legend.notes_of(drawn)
     if as_json:
         console.print_json(result.data())
     else:
         result.show()
-        for note in notes:
-            console.say(note)
-        for path in (files.out, files.picture) if result.names_files else ():
-            if path is not None:
-                console.say(str(path))
-    if (files.out or files.picture) and result.dataset is None and result.write is None:
+        for line in (*notes, *(str(path) for path in (out, plot) if path and result.names_files)):
+            console.say(line)
+    if (out or plot) and result.dataset is None and result.write is None:
         console.warn("no file is written: there is no solved case to store or draw")
     for sentence in result.warnings:
         console.warn(sentence)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console, tables
 from .options import Reading, option
-from .study_result import print_verdicts
+from .run import print_verdicts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,7 +22,7 @@ FIGURES = "fig"  # the shipped studies whose names begin so are figures of the p
 
 
 def reproduce(
-    out: Annotated[Path, option("FOLDER", "Folder for data, pictures and report.")] = Path("results"),
+    out: Annotated[Path, option("FOLDER", "Folder for data, pictures and report.", "--out", "-o")] = Path("results"),
     reading: Reading = None,
 ) -> int:
     """Reproduce Figures 6 and 7 of the paper from Table 1.

@@ -4,16 +4,20 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from .options import At, ForceOutput, PixelError, argument, flag, number_option, option
+from .options import At, ForceOutput, PixelError, argument, axis_values, check_file, flag, number_option, option
 from .present import Result, presents, result_of_files
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from studies import Study
+
     from ..scene.composition import Picture
 
 SUFFIXES = (".png", ".jpg")
 DPI, FILM_DPI = 200, 160
+PAGE, PAGE_KIND = ".html", "contact"  # the suffix of a page, and the kind of scene that it shows
+PAGE_FIRST, PAGE_ROUNDS = 201, 6  # stations that are tried first for a page of a study; how often more are tried
 
 
 @presents()
@@ -84,45 +88,50 @@ def scene(
     """
     from solver.problem.errors import InputError
 
-    from ..scene import opengl, scene_kinds
+    from ..scene import film, opengl, scene_kinds
     from ..scene.settings import Settings, check, check_name, color_range_of, size_of
     from ..store import schema, selection
-    from . import animate, option_checks, scene_page, study_scene
+    from . import animate, study_scene
 
-    at, axes, span = at or [], axis or [], (low, high)
+    axes, suffix = axis or [], "" if out is None else out.suffix.lower()
     others = [low is not None, high is not None, camera, color_range, bare, transparent, size]
-    if out is not None and animate.is_film(out):
+    if out is not None and suffix in film.SUFFIXES:
         if any(others) or len({*axes, along} - {None}) > 1:
             raise InputError(f"a film takes --axis, --at, --kind, --pixel-error and --dpi alone, got {out.name!r}")
         way = along or next(iter(axes), None)
         return animate.film_of(file, way, at, kind or "contact", None, [out], pixel_error=pixel_error,
                                dpi=dpi or FILM_DPI, force=force)  # fmt: skip
-    if out is not None and scene_page.is_page(out):
-        return scene_page.write(file, at, out, force, kind, any([axes, along, *others]))
+    if suffix == PAGE and (kind not in (None, PAGE_KIND, "equilibria") or any([axes, along, *others])):
+        raise InputError(
+            f"an {PAGE} file shows the kind {PAGE_KIND} of all cases that --at leaves; --kind, --axis, --along, --from "
+            "and --to are for pictures, .png and .jpg"
+        )
     asked = Settings(
         pixel_error, dpi or DPI, camera=camera, color_range=color_range_of(color_range), bare=bare,
         transparent=transparent, size=size_of(size),
     )  # fmt: skip
     check(asked)
     study, ds = study_scene.open_rods(file)
+    where = axis_values(ds, at)
+    if out is not None and suffix == PAGE:
+        return _page(study, ds, where, check_file(out, (PAGE,), force))
     file = file if study is None else Path(f"{study.name}.h5")
     found = scene_kinds.kind_of(kind or scene_kinds.default_kind(ds))
-    where = option_checks.axis_values(ds, at)
     case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
     named = [] if found.name in ("contact", "equilibria") else [found.name, *axes]
     default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
-    path = option_checks.check(out or default, SUFFIXES, force)
+    path = check_file(out or default, SUFFIXES, force)
     check_name(path, asked)
     able, advice = opengl.probe()
     if not able:
         return result_of_files([], warnings=[advice], status=1)
     from ..scene import layout
 
-    part = _part_of(ds, span)
+    if others[0] or others[1]:
+        asked = replace(asked, span=(low or 0.0, float(ds["s"].max()) if high is None else high))
 
     def draw(ds: "xr.Dataset", strict: bool) -> "Picture":
-        settings = replace(asked, span=part, strict=strict)
-        return layout.render(ds, path, where or None, found.name, axes, along, settings)
+        return layout.render(ds, path, where or None, found.name, axes, along, replace(asked, strict=strict))
 
     if found.cells == "one":  # the case is named also where --at was not given
         indices = selection.case(ds, where).items()
@@ -134,16 +143,40 @@ def scene(
     picture, stations = study_scene.at_needed_stations(ds, solve, draw)
     solved = f", solved at {stations} stations" if study or stations != ds.sizes["u"] else ""
     said = [" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved]
-    if picture.error > pixel_error * (1 + 1e-9):
-        reached = f"{picture.error:.1f} pixels, not {pixel_error:g}: {stations} stations are too few for that"
-        warning = f"drawn to within {reached}, about {picture.stations} are needed"
-        return result_of_files([path], said, [warning], 1)
-    return result_of_files([path], said)
+    if picture.error <= pixel_error * (1 + 1e-9):
+        return result_of_files([path], said)
+    reached = f"{picture.error:.1f} pixels, not {pixel_error:g}: {stations} stations are too few for that"
+    warning = f"drawn to within {reached}, about {picture.stations} are needed"
+    return result_of_files([path], said, [warning], 1)
 
 
-def _part_of(ds: "xr.Dataset", span: tuple[float | None, float | None]) -> tuple[float, float] | None:
-    """The arc lengths that --from and --to give, or None where neither is given."""
-    if span == (None, None):
-        return None
-    low, high = span
-    return (low or 0.0, float(ds["s"].max()) if high is None else high)
+def _page(study: "Study | None", ds: "xr.Dataset", where: "dict[str, float]", path: Path) -> Result:
+    """A scene as one offline HTML file: every case that --at leaves; of status 1 where the stations are too few."""
+    from ..scene.scene_kinds import kind_of
+    from ..store import atomic, schema
+    from ..web.turntable import turntable_page
+    from . import study_scene
+
+    sliders = [name for name in schema.axes_of(ds) if name not in where]
+    solve = study_scene.solver_of(study, ds, kind_of(PAGE_KIND), where, sliders)
+    if study is not None and solve is not None:
+        ds = solve(PAGE_FIRST)
+    for _ in range(PAGE_ROUNDS):
+        if solve is None or (more := _needed_stations(ds)) <= ds.sizes["u"]:
+            break
+        ds = solve(more)
+    text = turntable_page.html(ds, where)
+    atomic.write(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+    said = [f"{path}: {len(text) / 1e6:.2g} MB, opens in a browser without a network"]
+    if (needed := _needed_stations(ds)) <= ds.sizes["u"]:
+        return result_of_files([path], said)
+    warning = f"{ds.sizes['u']} stations are too few for a smooth rod, about {needed} are needed"
+    return result_of_files([path], said, [warning], 1)
+
+
+def _needed_stations(ds: "xr.Dataset") -> int:
+    """About how many stations the rods need for a curve without corners; as many as there are where these suffice."""
+    from ..geometry.stored_line import lines_of_solved
+    from ..web.turntable.turntable_page import stations_for
+
+    return max(int(ds.sizes["u"]), *map(stations_for, lines_of_solved(ds)), 0)

@@ -1,16 +1,23 @@
 """The command sensitivity: what the observables of a case, or of a sampled study, depend on."""
 
+import csv
+import io
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console, tables
-from .options import At, argument, flag, number, option
+from .options import At, argument, axis_values, flag, names, number, option
 from .present import Result, presents
 
 if TYPE_CHECKING:
     import xarray as xr
 
 CSV = (".csv",)
+LOCAL = ("observable", "value", "unit", "field", "at", "field_unit", "derivative", "derivative_unit", "effect",
+         "effect_unit", "amount", "remark")  # fmt: skip
+GLOBAL = ("observable", "field", "first", "first_conf", "total", "total_conf", "blocks", "lost", "remark")
+PAIRS = ("observable", "field", "other", "second", "second_conf")
 Study = Annotated[Path, argument("STUDY", "Shipped study, TOML file, or stored study: a file that run wrote.")]
 
 
@@ -18,7 +25,6 @@ Study = Annotated[Path, argument("STUDY", "Shipped study, TOML file, or stored s
     "Diagram: tornado diagrams, with --global the indices; .png, .pdf or .svg.",
     "Table, .csv, in full precision.",
     suffixes=CSV,
-    short="out",
 )
 def sensitivity(
     study: Study,
@@ -45,29 +51,27 @@ def sensitivity(
     """
     from solver.problem.errors import InputError
 
-    from ..influence import plain_rows
-    from . import option_checks
-
     if whole and fields:
         raise InputError("--fields is an option of the derivatives of one case; --global tells all sampled fields")
     if confidence is not None and not whole:
         raise InputError("--confidence is an option of --global: derivatives are exact and have no interval")
     if whole:
-        table, said = _indices(study, at or [], option_checks.names(show), confidence)
+        table, said = _indices(study, at, names(show), confidence)
     else:
-        table, said = _local(study, at or [], option_checks.names(fields) or None, option_checks.names(show) or None)
+        table, said = _local(study, at, names(fields) or None, names(show) or None)
+    pairs = {"pairs": table_pairs(table)} if "second" in table else {}
     return Result(
-        lambda: {**plain_rows.plain(table), "notes": said},
+        lambda: {**table.attrs, "rows": table_rows(table), **pairs, "notes": said},
         lambda: _print(table, said),
         dataset=lambda: table,
-        write=lambda path: plain_rows.write(table, path),
+        write=lambda path: _write(table, path),
         figure="indices" if whole else "tornado",
         names_files=True,
     )
 
 
 def _local(
-    file: Path, at: list[str], fields: list[str] | None, show: list[str] | None
+    file: Path, at: list[str] | None, fields: list[str] | None, show: list[str] | None
 ) -> "tuple[xr.Dataset, list[str]]":
     """The table of one case with its title, and the sentences on it."""
     from solver.observe.observables import is_count
@@ -75,7 +79,6 @@ def _local(
 
     from ..influence import derivatives
     from ..store import in_memory, one_case, reading, schema, stored_case
-    from . import option_checks
 
     real = None if show is None else [name for name in show if not is_count(name)]
     left_out = derivatives.counts_left_out(show or [])
@@ -85,11 +88,11 @@ def _local(
         study = load(file)
         follows = study.follow is not None
         ds = in_memory.run(study) if follows else one_case.outline(study)
-        where = option_checks.axis_values(ds, at)
+        where = axis_values(ds, at)
         found = one_case.of_dataset(ds, where) if follows else one_case.of_study(study, where)
     else:
         ds = reading.read(file)
-        found = one_case.of_dataset(ds, option_checks.axis_values(ds, at))
+        found = one_case.of_dataset(ds, axis_values(ds, at))
         study = stored_case.study_of(ds)
     table = derivatives.local(found, fields, real, study.unit_system)
     varied = " ".join(schema.dimension(name) for name in study.varied)
@@ -97,19 +100,20 @@ def _local(
     return table, [*derivatives.sentences(table), *([left_out] if left_out else [])]
 
 
-def _indices(file: Path, at: list[str], show: list[str], confidence: float | None) -> "tuple[xr.Dataset, list[str]]":
+def _indices(
+    file: Path, at: list[str] | None, show: list[str], confidence: float | None
+) -> "tuple[xr.Dataset, list[str]]":
     """The indices of a stored study, and the sentences on them."""
     from solver.problem.errors import InputError
 
     from ..influence import indices
     from ..store import one_case, reading
-    from . import option_checks
 
     if one_case.is_study(file):
         raise InputError(f"--global needs a stored study: workbench run {file} stores one")
     ds = reading.read(file)
     share = indices.CONFIDENCE if confidence is None else confidence
-    table = indices.sobol(ds, show, option_checks.axis_values(ds, at), share)
+    table = indices.sobol(ds, show, axis_values(ds, at), share)
     return table, indices.sentences(table)
 
 
@@ -145,14 +149,12 @@ def _effects(table: "xr.Dataset", i: int, fields: list[str]) -> list[str]:
 
 
 def _print_indices(table: "xr.Dataset") -> None:
-    from ..influence import plain_rows
-
     rows = []
-    for row in plain_rows.rows(table):
+    for row in table_rows(table):
         first, total = (_index(row, key) for key in ("first", "total"))
         rows.append([row["observable"], row["field"], first, total])
     tables.print_table(["observable", "field", "first", "total"], rows)
-    if found := plain_rows.pairs(table):
+    if found := table_pairs(table):
         console.say("")
         cells = [[row["observable"], f"{row['field']} and {row['other']}", _index(row, "second")] for row in found]
         tables.print_table(["observable", "pair", "second"], cells)
@@ -162,3 +164,36 @@ def _index(row: "dict[str, Any]", key: str) -> str:
     """An index and half its interval; a dash where there is none."""
     value, half = row[key], row[f"{key}_conf"]
     return "-" if value != value else f"{round(value, 3) + 0.0:.3f} ± {half:.3f}"
+
+
+def table_rows(ds: "xr.Dataset") -> list[dict[str, Any]]:
+    """A row for each observable and field, of a dataset of `local` or `sobol`."""
+    return _rows(ds, LOCAL if "derivative" in ds else GLOBAL, ("observable", "field"))
+
+
+def table_pairs(ds: "xr.Dataset") -> list[dict[str, Any]]:
+    """A row for each observable and pair of fields; none where the design does not tell pairs apart."""
+    if "second" not in ds:
+        return []
+    order = {name: i for i, name in enumerate(ds["field"].values.tolist())}
+    every = _rows(ds, PAIRS, ("observable", "field", "other"))
+    return [row for row in every if order[row["field"]] < order[row["other"]]]
+
+
+def _rows(ds: "xr.Dataset", columns: Sequence[str], dims: Sequence[str]) -> list[dict[str, Any]]:
+    """The columns, which are variables or dimensions, over the product of the dimensions."""
+    table = ds[[name for name in columns if name not in dims]].to_dataframe(dim_order=dims)
+    rows: list[dict[str, Any]] = table.reset_index()[[*columns]].to_dict("records")
+    return rows
+
+
+def _write(ds: "xr.Dataset", path: Path) -> None:
+    """Write the rows as CSV in full precision; those of pairs follow in the columns other, second, second_conf."""
+    from ..store import atomic
+
+    lines = [*table_rows(ds), *table_pairs(ds)]
+    text = io.StringIO(newline="")
+    writer = csv.DictWriter(text, dict.fromkeys(name for row in lines for name in row), restval="")
+    writer.writeheader()
+    writer.writerows(lines)
+    atomic.write(path, lambda aside: aside.write_text(text.getvalue(), encoding="utf-8", newline=""))

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console, tables
-from .case_options import Given, takes_case
-from .option_checks import parse_choose
-from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Table1, Tol, flag
+from .case_options import EVERY, Given
+from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Table1, Tol, flag, parse_choose
 from .present import Result, presents
 
 if TYPE_CHECKING:
     from solver import Solution
+    from solver.equilibria import Equilibria
     from studies import Study
 
     from .fidelity import Fidelity as Level
@@ -26,9 +26,8 @@ LOADS = ("FZ", "MZ", "M3")
     plot="Picture of the rod, .png, .pdf or .svg.",
     out="The solved case as an .h5 file, which plot, scene, export and explore read, or as a .toml study of it.",
     suffixes=(".h5", ".toml"),
-    short="out",
+    case=EVERY,
 )
-@takes_case()
 def solve(
     file: CaseFile = None,
     table1: Table1 = False,
@@ -60,11 +59,12 @@ def solve(
     Angles: a number in rad, or a form like 30deg or pi/6. Exit status 1 if the case is unsolved.
     """
 
+    from solver import equilibria
     from studies.language.case_input import read_case
     from studies.language.loader import dumps, loads
 
     from ..branches.ends_study import text_of_solution
-    from ..store import in_memory
+    from ..store import atomic, in_memory, writing
     from ..store.case_solutions import solve_one
     from ..words import cautions, pipe_numbers, pipe_state
     from .fidelity import fidelity
@@ -76,16 +76,18 @@ def solve(
         stations = asked.study.stations
         tol = asked.study.tol if tol is None and level is None else tol
         method = asked.study.method if method is None else method
-    tol = chosen.tol if tol is None else tol
+    tol, stations = chosen.tol if tol is None else tol, chosen.stations or stations
     if choose is not None:
         which = parse_choose(choose, asked.case.given)
-    sol = solve_one(asked.case, which, tol, "auto" if method is None else method, chosen.stations or stations)
+    named = which is not None and which.rule is None
+    listed = equilibria(asked.case, tol, stations) if named else None
+    sol = solve_one(asked.case, which, tol, "auto" if method is None else method, stations, listed)
     whole = every or json or not asked.case.varies
     rows = pipe_numbers.profile(sol, asked.units)
     found = _find(sol, asked.units, chosen, whole) | {
         "source": asked.source,
         "assumed": asked.assumed,
-        "which": _which(sol, asked.which is not None and asked.study is None and choose is None),
+        "which": _which(sol, listed, asked.study),
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
         "caution": cautions.said(cautions.of_cases(sol, unit=asked.units["length"])),
         "left_out": cautions.left_out_of(asked.case),
@@ -96,45 +98,37 @@ def solve(
     }
 
     def study(name: str = "rod") -> "Study":
-        named = which is not None or not asked.case.varies  # with weight the default takes no list of equilibria
-        plain = loads(text_of_solution(f"One rod, from {asked.source}", asked.units, sol, named))
+        taken = which is not None or not asked.case.varies  # with weight the default takes no list of equilibria
+        plain = loads(text_of_solution(f"One rod, from {asked.source}", asked.units, sol, taken))
         settings = {"tol": tol, "stations": sol.t.shape[-1], "observables": [*chosen.observables(sol.case.rod)]}
         settings |= {"name": name} | ({} if method is None else {"method": method})
-        return loads(dumps(plain.model_copy(update=settings)))
+        return loads(dumps(chosen.of(plain).model_copy(update=settings)))
 
-    if not sol.solved:  # another rule might solve it
-        return Result(lambda: found, lambda: print_case(found, every, whole), 1)
+    def write(path: Path) -> None:
+        named = study(re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem)[:200].strip("-") or "rod")
+        if path.suffix.lower() == ".toml":
+            atomic.write(path, lambda aside: aside.write_text(dumps(named), encoding="utf-8"))
+        else:
+            writing.write(in_memory.run(named), path, force=True)
+
     return Result(
         lambda: found,
-        lambda: print_case(found, every, whole),
-        dataset=lambda: in_memory.run(study()),
-        write=lambda path: _write(study(_name_of(path)), path),
+        lambda: _show(found, every, whole),
+        0 if sol.solved else 1,
+        (lambda: in_memory.run(study())) if sol.solved else None,  # another rule might solve it
+        write if sol.solved else None,
     )
 
 
-def _name_of(path: Path) -> str:
-    """The name of the study in a file: that of the file, with the letters that a study may have."""
-    return re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem)[:200].strip("-") or "rod"
-
-
-def _write(study: "Study", path: Path) -> None:
-    """Write the case as a study, or as the file of its run. Raises `InputError` where the disk refuses."""
-    from studies.language.loader import dumps
-
-    from ..store import atomic, in_memory, writing
-
-    if path.suffix.lower() == ".toml":
-        atomic.write(path, lambda aside: aside.write_text(dumps(study), encoding="utf-8"))
-    else:
-        writing.write(in_memory.run(study), path, force=True)
-
-
-def _which(sol: "Solution", wound: bool) -> str:
-    """Which equilibrium was taken; wound: the helix of a tension and a lay was asked for."""
+def _which(sol: "Solution", listed: "Equilibria | None", study: "Study | None") -> str:
+    """Which equilibrium was taken. listed: all, where it was named by numbers: by a study, or as a wound helix."""
     from solver import observe
 
-    if not wound or not sol.solved:
+    if listed is None or not sol.solved:
         return f"{sol.selection} (use workbench equilibria to list all)" if sol.selection is not None else ""
+    if study is not None:
+        stable = sum(equilibrium.index == 0 for equilibrium in listed)
+        return f"{len(listed)} equilibria, {stable} stable; shown: the one that {study.name} names"
     index = int(observe(sol, ["index"])["index"])
     ways = f"unstable in {index} way{'s' * (index != 1)} under dead loads: it needs more tension, or a guide"
     return f"shown: the helix of this tension and lay, {ways if index else 'which is stable'}"
@@ -147,11 +141,14 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
     """
     import numpy as np
 
+    from solver.equilibrium_list import energy_as_held
     from solver.observe.observables import observe, why_unknown
     from studies.language.case_input import field_values, with_unit
 
     seen = observe(sol, level.observables(sol.case.rod))
     remarks = [words for name in seen for words, here in why_unknown(name, seen[name]) if here and sol.solved and whole]
+    listed = "energy" in seen and sol.held and sol.solved and not sol.case.varies  # among equilibria of held ends
+    as_held = {"held_energy": energy_as_held(sol)} if listed else {}
     return {
         "case": field_values(sol.case),
         "given": type(sol.case.given).__name__,
@@ -167,17 +164,9 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
         "reactions": {name: float(value) for name, value in sol.reactions.items()},
         "begun": sol.begun or "",
         "indices": _indices(sol),
-        "observables": {name: np.asarray(value).item() for name, value in seen.items()}
-        | _energy_as_held(sol, "energy" in seen),
+        "observables": {name: np.asarray(value).item() for name, value in seen.items()} | as_held,
         "along": {name: getattr(sol, name).tolist() for name in level.along},
     }
-
-
-def _energy_as_held(sol: "Solution", wanted: bool) -> dict[str, float]:
-    """The energy by which the equilibria of held ends are listed; empty under dead loads."""
-    from solver.equilibrium_list import energy_as_held
-
-    return {"held_energy": energy_as_held(sol)} if wanted and sol.held and sol.solved and not sol.case.varies else {}
 
 
 def _indices(sol: "Solution") -> dict[str, int]:
@@ -197,24 +186,32 @@ HEADLINES = (
 )  # fmt: skip
 
 
-def print_case(found: dict[str, Any], every: bool, whole: bool) -> None:
+def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
     """Print a case. whole: with tables of what is given and found; else what an engineer asks of a pipe."""
+    from studies.grammar.axes import in_words
+
     if whole:
         _print_tables(found, every)
     else:
         console.say_units(found["units"])
-        console.say(", ".join(_given(found)))
-    console.say("")
-    accuracy = (
-        f": error {found['error']:.1e}, condition {found['condition']:.3g}" if math.isfinite(found["error"]) else ""
-    )
-    console.say(f"{found['outcome']} ({found['method']}, tolerance {found['tolerance']:g}{accuracy})")
-    if found["which"]:
-        console.say(found["which"])
-    for sentence in found["pipe"]:
-        console.say(sentence)
+        given = {name: value for name, value in found["case"].items() if name not in found["assumed"]}
+        words = (
+            f"{name} {value}" if isinstance(value, str) else in_words(name, value) for name, value in given.items()
+        )
+        console.say(", ".join(words))
+    accuracy = f": error {found['error']:.1e}, condition {found['condition']:.3g}"
+    if not math.isfinite(found["error"]):
+        accuracy = ""
+    console.say(f"\n{found['outcome']} ({found['method']}, tolerance {found['tolerance']:g}{accuracy})")
+    for sentence in (found["which"], *found["pipe"]):
+        if sentence:
+            console.say(sentence)
     if found["profile"]:
-        _print_profile(found)
+        heads = ["", "unit", "s = 0", "middle", "largest", f"at s ({found['units']['length']})", "s = L"]
+        rows = [[row["name"], row["unit"], *(f"{row[name]:.4g}" for name in PROFILE)] for row in found["profile"]]
+        console.say("")
+        tables.print_table(heads, rows)
+        console.say("middle: the mean of the middle third\n")
     if found["begun"] and not found["pipe"]:
         console.say(f"held: {', '.join(found['held'])}; the search began at {found['begun']}")
     if found["indices"]:
@@ -227,31 +224,12 @@ def print_case(found: dict[str, Any], every: bool, whole: bool) -> None:
         console.say(found["left_out"])
 
 
-def _print_profile(found: dict[str, Any]) -> None:
-    """The numbers along a pipe: at its ends, the mean of its middle third, and the largest."""
-    heads = ["", "unit", "s = 0", "middle", "largest", f"at s ({found['units']['length']})", "s = L"]
-    rows = [[row["name"], row["unit"], *(f"{row[name]:.4g}" for name in PROFILE)] for row in found["profile"]]
-    console.say("")
-    tables.print_table(heads, rows)
-    console.say("middle: the mean of the middle third\n")
-
-
-def _given(found: dict[str, Any]) -> list[str]:
-    """What a case is given, as ``L = 300``; angles in degrees."""
-    from studies.grammar.axes import in_words
-
-    given = {name: value for name, value in found["case"].items() if name not in found["assumed"]}
-    return [f"{name} {value}" if isinstance(value, str) else in_words(name, value) for name, value in given.items()]
-
-
 def _print_tables(found: dict[str, Any], every: bool) -> None:
     from solver.problem.quantities import quantity
     from studies.grammar.axes import quantity_of
 
     console.say(f"rod: {found['source']}")
     console.say_units(found["units"], found["assumed"])
-    if found["assumed"]:
-        console.say(f"assumed: {', '.join(f'{name} = {value}' for name, value in found['assumed'].items())}")
     console.say("")
     rows = []
     for name, value in found["case"].items():

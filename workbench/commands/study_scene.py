@@ -4,7 +4,7 @@ The rods are solved at a few stations, or read, and the camera is set up; where 
 are solved again at as many. The result is a dataset like any other, and is drawn like any other.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,26 +35,40 @@ Solve = Callable[[int], xr.Dataset]  # the cases of a scene at a number of stati
 SHAPE = ("beta", "dbeta", "alpha", "z", "gamma", "contact")
 
 
-def read_dataset(file: Path) -> xr.Dataset:
-    """The dataset of a study, or of equilibria. Raises `InputError`."""
+def open_rods(file: Path) -> tuple[Study | None, xr.Dataset]:
+    """The study of a name or a TOML file, and its rods as of `two_stations`; or None, and a stored dataset.
+
+    Raises `InputError` for a file that is no study and holds no equilibria.
+    """
+    if is_study(file):
+        return two_stations(file)
     kind = reading.kind_of_file(file)
     if kind is not file_kinds.STUDY and not kind.scene:
         raise file_kinds.other_kind(file, kind, "scene draws studies and equilibria")
-    return reading.read(file, study=kind is file_kinds.STUDY)
-
-
-def open_rods(file: Path) -> tuple[Study | None, xr.Dataset]:
-    """The study of a name or a TOML file, and its rods as of `two_stations`; or None, and a stored dataset."""
-    return two_stations(file) if is_study(file) else (None, read_dataset(file))
+    return None, reading.read(file, study=kind is file_kinds.STUDY)
 
 
 def solver_of(
     study: Study | None, ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: Sequence[str]
 ) -> Solve | None:
-    """What solves the cases that a scene shows, of what `open_rods` returns; None where they cannot be solved again."""
-    if study is None:
-        return solver_of_file(ds, at, shown)
-    return solver_of_study(needed_cases(study, ds, kind, at, shown))
+    """What solves the cases that a scene shows, of what `open_rods` returns; None where they cannot be solved again.
+
+    shown: the axes of which all cases are shown.
+    """
+    if study is not None:
+        needed = needed_cases(study, ds, kind, at, shown)
+        return lambda stations: in_memory.run(needed.at_stations(stations))
+    if not _is_whole(ds):
+        return None
+    where, kept = selection.case(ds, at), {selection.axis_of(ds, name) for name in shown}
+    part = ds.isel({name: [where[name]] for name in schema.axes_of(ds) if name not in kept})
+    names = [name for name in SHAPE if name in ds or name == "dbeta"]
+    return partial(solve_again, part, names=names)
+
+
+def _is_whole(ds: xr.Dataset) -> bool:
+    """Whether a study gives the cases of a dataset, on all axes that it has."""
+    return bool(ds.attrs.get("study")) and schema.axes_of(ds) == schema.axes_left(ds, study_of(ds))
 
 
 def two_stations(file: Path) -> tuple[Study, xr.Dataset]:
@@ -81,15 +95,19 @@ def needed_cases(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float],
     if study.follow is not None:
         return lean
     where = selection.case(ds, at)
-    axes = {}
-    for name, axis in study.axes.items():
-        dim = schema.dimension(name)
-        held = {} if {name, dim} & {*shown} else {"values": [float(ds[dim].values[where[dim]])]}
-        axes[name] = Axis.model_validate(held) if held else axis
-    part = lean.model_copy(update={"axes": axes})
+    part = _held_where(lean, ds, where, [name for name in study.axes if {name, schema.dimension(name)} & {*shown}])
     if study.sampled and SAMPLE not in shown:
         part = part.with_sample(where[SAMPLE])
     return part.part_of(plan(study).spine) if study.sweeps else part
+
+
+def _held_where(study: Study, ds: xr.Dataset, where: Mapping[str, int], free: Collection[str]) -> Study:
+    """The study with one value on each axis but the free ones: that of the dataset at an index."""
+    axes = dict(study.axes)
+    for name in axes.keys() - {*free}:
+        dim = schema.dimension(name)
+        axes[name] = Axis.model_validate({"values": [float(ds[dim].values[where[dim]])]})
+    return study.model_copy(update={"axes": axes})
 
 
 def film_cases(
@@ -99,18 +117,17 @@ def film_cases(
 
     None for a dataset whose cases a study does not give at any value of the axis. Raises `InputError` of the solver.
     """
-    if not ds.attrs.get("study") or schema.axes_of(ds) != schema.axes_left(ds, study_of(ds)):
+    if not _is_whole(ds):
         return None
     study = study_of(ds)
     field = schema.field_of(study, axis)
     if field not in study.axes or study.follow is not None or study.sampled:
         return None
-    where = selection.case(ds, at)
-    held = {name: [float(ds[schema.dimension(name)].values[where[schema.dimension(name)]])] for name in study.axes}
     lean = _with_outputs(study, kind.reads | {"dbeta"}).model_copy(update={"observables": [observable]})
+    lean = _held_where(lean, ds, selection.case(ds, at), [field])
 
     def solve(values: Any) -> xr.Dataset:
-        axes = {name: Axis.model_validate({"values": list(values) if name == field else held[name]}) for name in held}
+        axes = {**lean.axes, field: Axis.model_validate({"values": list(values)})}
         return in_memory.run(lean.model_copy(update={"axes": axes}))
 
     low, high = float(ds[axis].values[0]), float(ds[axis].values[-1])
@@ -150,24 +167,6 @@ def at_needed_stations(
                 raise
             ds = solve(min(max(error.stations, stations + 1), MAX_STATIONS))
     return draw(ds, False), ds.sizes["u"]
-
-
-def solver_of_study(needed: Study) -> Solve:
-    """What solves the cases of `needed_cases`."""
-    return lambda stations: in_memory.run(needed.at_stations(stations))
-
-
-def solver_of_file(ds: xr.Dataset, at: dict[str, float], shown: Sequence[str]) -> Solve | None:
-    """What solves the cases of a stored dataset that a scene shows; None for one that was not made from a study.
-
-    shown: as of `needed_cases`.
-    """
-    if not ds.attrs.get("study") or schema.axes_of(ds) != schema.axes_left(ds, study_of(ds)):
-        return None
-    where, kept = selection.case(ds, at), {selection.axis_of(ds, name) for name in shown}
-    part = ds.isel({name: [where[name]] for name in schema.axes_of(ds) if name not in kept})
-    names = [name for name in SHAPE if name in ds or name == "dbeta"]
-    return partial(solve_again, part, names=names)
 
 
 def _with_outputs(study: Study, outputs: Any) -> Study:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from math import degrees
 from textwrap import wrap
 from typing import Any
 
@@ -46,6 +47,22 @@ def print_rows(rows: Iterable[Mapping[str, Any]], columns: Mapping[str, str] | N
 def heading(name: str, unit: str) -> str:
     """The heading of a column with its unit, which stays on one line."""
     return f"{name} ({unit.replace(' ', chr(0xA0))})" if unit else name
+
+
+def number_shown(name: str, value: float) -> float:
+    """A value of a quantity or a field as it is printed: an angle in degrees."""
+    from studies.grammar.axes import is_angle
+
+    return degrees(value) if is_angle(name) else value
+
+
+def unit_shown(name: str, units: Mapping[str, str]) -> str:
+    """The unit of a quantity or a field as it is printed; nothing for a plain number."""
+    from solver.problem.quantities import unit_of
+    from studies.grammar.axes import quantity_of
+
+    unit = unit_of(quantity_of(name).name, units)
+    return {"rad": "deg", "1": ""}.get(unit, unit)
 
 
 def _narrowest(texts: Sequence[str]) -> int:

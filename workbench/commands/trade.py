@@ -1,19 +1,17 @@
-"""The command trade: store, draw and print accuracy against cost of every method."""
+"""The commands trade and extremes: accuracy against cost of every method, and its result at every named extreme."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console, tables
-from .options import option
+from .options import names, option
 from .present import Result, presents
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from solver.benchmark import Row
-    from solver.methods.base import Ladder
 
 
 @presents()
@@ -22,7 +20,7 @@ def trade(
     methods: Annotated[
         list[str] | None, option("NAMES", "Methods to measure, separated by commas; default: all.")
     ] = None,
-    out: Annotated[Path, option("FOLDER", "Folder for trade.h5 and its pictures.")] = Path("trade"),
+    out: Annotated[Path, option("FOLDER", "Folder for trade.h5 and its pictures.", "--out", "-o")] = Path("trade"),
 ) -> Result:
     """Measure the accuracy and the cost of every method.
 
@@ -33,35 +31,20 @@ def trade(
     """
     from ..compare import trade_runs as comparison
     from ..compare.trade_cases import choose
-    from ..store import writing
-    from .option_checks import names
+    from ..figures.work_precision import COSTS
 
     named, ladders = choose(names(cases)), comparison.ladders_of(names(methods))
     comparison.check_kinds(named, ladders)
-    writing.check_folder(out)
-    writing.check_free(out / "trade.h5", "trade")
-    measure, store = partial(comparison.rows_of, named, ladders), partial(_store, ladders, out)
-    ds, files = console.keep_finished(measure, len(named), "cases", store, "trade")
+
+    def dataset(pieces: "Sequence[Any]") -> "xr.Dataset":
+        return comparison.dataset_of([row for rows in pieces for row in rows], ladders)
+
+    pictures = {f"_{cost}": {"kind": "trade", "cost": cost} for cost in COSTS}
+    measure = partial(comparison.rows_of, named, ladders)
+    ds, files = _measure(measure, len(named), "cases", dataset, out / "trade.h5", pictures)
     found = comparison.summary_of(ds)
     stored = {"file": str(files[0]), "pictures": [str(picture) for picture in files[1:]]}
     return Result(lambda: found | stored, lambda: _print(found, files))
-
-
-def _store(
-    ladders: "Mapping[str, Ladder]", out: Path, cases: "Sequence[Sequence[Row]]", name: str
-) -> "tuple[xr.Dataset, list[Path]]":
-    """The dataset of the rows of cases, and the files made of it: NAME.h5 and its pictures."""
-    from ..compare.trade_runs import dataset_of
-    from ..figures import canvas, kinds
-    from ..figures.work_precision import COSTS
-    from ..store import writing
-
-    ds = dataset_of([row for rows in cases for row in rows], ladders)
-    path = writing.write(ds, out / f"{name}.h5")
-    pictures = [out / f"{name}_{cost}.png" for cost in COSTS]
-    for cost, picture in zip(COSTS, pictures, strict=True):
-        canvas.save(kinds.figure(ds, "trade", cost=cost), picture)
-    return ds, [path, *pictures]
 
 
 def _print(found: Mapping[str, Any], files: Sequence[Path]) -> None:
@@ -90,3 +73,94 @@ def _advice(row: Mapping[str, Any]) -> str:
     if row["method"] is None:
         return f"{wanted} no method reaches it."
     return f"{wanted} {row['method']} ({row['reached']} of {row['cases']} cases, median {1e3 * row['seconds']:.2g} ms)."
+
+
+@presents()
+def extremes(
+    out: Annotated[Path, option("FOLDER", "Folder for extremes.h5 and its map.", "--out", "-o")] = Path("extremes"),
+) -> Result:
+    """Test the robustness of every method at extreme parameters.
+
+    The folder receives extremes.h5 and extremes.png, a map of methods against extremes. Exit status 1 if a method
+    calls an inaccurate answer solved.
+
+    When interrupted, the command stores and draws the finished extremes as extremes_interrupted; extremes.h5 stays
+    unchanged.
+    """
+    from ..compare import extreme_cases
+    from ..compare.extreme_runs import INACCURATE, VERDICTS, dataset_of, rows_of
+
+    named = extreme_cases.extremes()
+
+    def dataset(pieces: "Sequence[Any]") -> "xr.Dataset":
+        return dataset_of(dict(pieces))
+
+    ds, files = _measure(partial(rows_of, named), len(named), "extremes", dataset, out / "extremes.h5", {"": {}})
+    counts = {
+        str(method): {verdict: int((ds["verdict"].sel({"method": method}) == verdict).sum()) for verdict in VERDICTS}
+        for method in ds["method"].values
+    }
+
+    def show() -> None:
+        rows = [[method, *map(str, row.values())] for method, row in counts.items()]
+        tables.print_table(["method", *VERDICTS], rows, str(ds.attrs["title"]))
+        console.say("\n".join(map(str, files)))
+
+    status = 1 if any(row[INACCURATE] for row in counts.values()) else 0
+    return Result(lambda: {"methods": counts, "files": [str(file) for file in files]}, show, status)
+
+
+def _measure(
+    begin: Callable[[Callable[[str], None]], Generator[Any]],
+    total: int,
+    what: str,
+    dataset: "Callable[[list[Any]], xr.Dataset]",
+    path: Path,
+    pictures: Mapping[str, Mapping[str, Any]],
+) -> "tuple[xr.Dataset, list[Path]]":
+    """Work piece by piece, with a bar, and store the pieces, interrupted the finished ones: the dataset and the files.
+
+    Parameters
+    ----------
+    begin
+        Yields the pieces; it takes what is called with a text when each of them begins. An empty piece does not count.
+    total, what
+        The number of pieces, and their name: cases.
+    dataset
+        That of pieces.
+    path
+        Of the dataset; interrupted: NAME_interrupted. A file of another kind is not replaced.
+    pictures
+        What is added to the name of the file for each picture -> the options of its figure.
+    """
+    from ..figures import canvas, kinds
+    from ..store import writing
+
+    writing.check_folder(path.parent)
+    writing.check_free(path, path.stem)
+    pieces: list[Any] = []
+
+    def store(path: Path) -> "tuple[xr.Dataset, list[Path]]":
+        ds, files = dataset(pieces), [path]
+        writing.write(ds, path)
+        for more, options in pictures.items():
+            files.append(path.with_name(f"{path.stem}{more}.png"))
+            drawn = kinds.figure(ds, **options)
+            canvas.save(drawn, files[-1], drawn.dpi)
+        return ds, files
+
+    try:
+        with console.progress(total, lines=True) as step, closing(begin(step)) as work:
+            for piece in work:
+                pieces += [piece] if piece else []
+    except BaseException as error:
+        kept = "nothing was finished yet"
+        if pieces:
+            _, files = store(path.with_name(f"{path.stem}_interrupted.h5"))
+            kept = f"{len(pieces)} of {total} {what} are stored in {', '.join(map(str, files))}"
+        if isinstance(error, KeyboardInterrupt):
+            error.args = (f"interrupted; {kept}",)
+        else:
+            console.warn(kept)
+        raise
+    return store(path)

@@ -37,8 +37,9 @@ def columns(rod: Rod) -> list[Column]:
     if line.swing > APART and not line.stored_slopes:
         more = int(np.ceil(2 * line.s.size * line.swing / APART))
         raise InputError(
-            f"{line.s.size} stations are too far apart to tell the rate of beta: store about {more} (stations = {more} "
-            "in the study), or store dbeta (in outputs)"
+            f"{line.s.size} stations are too far apart to tell the rate of beta: store about {more} "
+            f"(stations = {more}; workbench run takes --stations {more}, also for the .toml of solve --out), "
+            "or store dbeta (in outputs)"
         )
     units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
     case = ds.isel(rod.where)

@@ -193,7 +193,8 @@ class Centreline:
             raise InputError(
                 f"{self.s.size} stations fix the rod between them to {error:.1e} {self.unit} only, and "
                 f"{needed:.1e} {self.unit} is needed for a tolerance of {tolerance:g} {self.unit}: store about {more} "
-                f"(stations = {more} in the study), or give a larger --tolerance"
+                f"(stations = {more}; workbench run takes --stations {more}, also for the .toml of solve --out), "
+                "or give a larger --tolerance"
             )
 
 

@@ -2,11 +2,13 @@
 
 The first-order index of a field is the share of the variance of an observable that remains explained when this field
 alone is known; the total index is the share that remains when all other fields are known. In a block of Saltelli's
-design (`design`) the samples belong together: where one of them has no value, the block is left out.
+design the samples belong together: A, A with one coordinate of B each, and B; where it was drawn for pairs also B with
+one coordinate of A each. Where one of them has no value, the block is left out.
 """
 
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,9 +17,9 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices
 from studies.grammar.axes import SAMPLE
+from studies.language.samples import block_of
 
 from ..store import schema, selection
-from .design import Design, design_of
 
 CONFIDENCE, SEED = 0.95, 1  # of the intervals; of the bootstrap, whose 0 would mean another each time
 RESAMPLES, MOST_DRAWN = 200, 4_000_000  # of the bootstrap; blocks drawn in all, above which it has fewer resamples
@@ -26,6 +28,40 @@ MOST_LOST = 0.5  # share of the blocks that may be left out
 NO_SALIB = "Sobol' indices need SALib: install the extra global, pip install 'rod-workbench[global]'"
 
 Values = NDArray[np.float64]
+_SAME = 1e-12  # relative: equal values, as a table may have printed them
+
+
+@dataclass(frozen=True)
+class Design:
+    """The design of samples of some fields. blocks: their number. second: whether pairs of fields are told apart."""
+
+    fields: int
+    blocks: int
+    second: bool
+
+    @property
+    def block(self) -> int:
+        """The number of samples of a block."""
+        return block_of(self.fields, self.second)
+
+
+def design_of(samples: Values) -> Design | None:
+    """The design of samples (n, fields), which are in the order of `[sample]`; None where they form no blocks."""
+    n, d = samples.shape
+    for second in (False, True):
+        size = block_of(d, second)
+        if n % size == 0 and _is_design(samples.reshape(n // size, size, d), second):
+            return Design(d, n // size, second)
+    return None
+
+
+def _is_design(blocks: Values, second: bool) -> bool:
+    """Whether every block (blocks, size, d) is one."""
+    d = blocks.shape[2]
+    a, b = blocks[:, :1], blocks[:, -1:]
+    mixed = np.eye(d, dtype=bool)
+    parts = [np.where(mixed, b, a), *([np.where(mixed, a, b)] if second else [])]
+    return bool(np.allclose(blocks[:, 1:-1], np.concatenate(parts, axis=1), rtol=_SAME, atol=0))
 
 
 def sobol(
@@ -120,7 +156,7 @@ def analyse(
     Parameters
     ----------
     design : Design
-        That of the samples (`design.design_of`), with d fields.
+        That of the samples (`design_of`), with d fields.
     values : array, (samples, m)
         The observables on the samples, in their order; NaN where there is none.
     fields, observables : sequence of str

@@ -17,8 +17,7 @@ from cosseratbench.trajectory import Trajectory
 import solver
 from solver.numerics.arrays import Array
 
-from .ends import axes
-from .exact import equilibrium
+from .exact import axes, equilibrium
 
 LENGTH, RADIUS, CYLINDER = 0.2, 0.0015, 0.0485  # [m]; the centreline is at 0.05 from the axis
 MATERIAL = Material(youngs_modulus=1e7, shear_modulus=1e7 / 3, density=1000.0)

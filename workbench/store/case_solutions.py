@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from solver import Branch, Case, InputError, Solution, equilibria, follow, solve
 from solver.choose.selection import INCOMPLETE, NEAREST, Choose
-from solver.equilibria import nearest
+from solver.equilibria import Equilibria, nearest
 from solver.equilibrium_branch import BORDER, HELIX
 from solver.numerics.arclength import FOLD
 from solver.observe.observables import observe
@@ -38,10 +38,15 @@ def rule_of(which: Which | None) -> Choose:
     return NEAREST if which is None or which.rule is None else which.rule
 
 
-def solve_one(case: Case, which: Which | None, tol: float, method: str, stations: Any) -> Solution:
-    """The solution of a case, or of several; where a study names an equilibrium, that one. Raises `InputError`."""
+def solve_one(
+    case: Case, which: Which | None, tol: float, method: str, stations: Any, listed: Equilibria | None = None
+) -> Solution:
+    """The solution of a case, or of several; where a study names an equilibrium, that one. Raises `InputError`.
+
+    listed: all equilibria of the case at these stations, where they are known.
+    """
     if which is not None and which.dbeta0 is not None and which.energy is not None:
-        every = equilibria(case, tol, stations)
+        every = equilibria(case, tol, stations) if listed is None else listed
         if len(every):
             equilibrium = nearest(every, which.dbeta0, which.energy).solution
             return (

@@ -34,23 +34,8 @@ if TYPE_CHECKING:
     from solver import Case
 
 
-__all__ = [
-    "ALL_ALONG",
-    "IN_PART",
-    "JUDGED",
-    "PULLED",
-    "SLIGHT",
-    "UNCHECKED",
-    "UNKNOWN",
-    "WORDS",
-    "holding",
-    "keys",
-    "of_cases",
-    "parts",
-    "phrase",
-    "restable",
-    "sentence",
-]
+# those of `solver.observe.cautions` that others read here
+__all__ = ["ALL_ALONG", "IN_PART", "JUDGED", "PULLED", "SLIGHT", "UNCHECKED", "UNKNOWN", "of_cases"]
 
 # key -> words for one rod, and for several
 WORDS = {
