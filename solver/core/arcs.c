@@ -44,20 +44,6 @@ double rod_weight(const local_potential *l, double reach)
            square(fabs(l->s) + x);
 }
 
-double rod_ratio(const local_potential *l, double x, double turn)
-{
-    const double s = l->s, c = l->c, mid = (x + turn) / 2, d = (x - turn) / 2;
-    const double sh = sin(x / 2), ch = cos(x / 2), sin_mid = sin(mid), cos_mid = cos(mid);
-    const double sh1 = sin(turn / 2), ch1 = cos(turn / 2);
-    double S, C, bracket, S1, C1, unused;
-    const double near = near_of(l, sh, ch, &S, &C, &bracket);
-    near_of(l, sh1, ch1, &S1, &C1, &unused);
-    double inner = 2 * C1 * C1 * (c * cos_mid - s * sin_mid) * (S + S1 + 2 * s);
-    inner = inner - bracket * (2 * s * c * cos_mid + (c - s) * (c + s) * sin_mid) - 2 * l->turn * cos_mid;
-    const double W = sin_mid * (steepness_of(l, sh, ch, near) + 8 * sh1 * sh1 * l->bend) + 4 * sh1 * sh1 * inner;
-    return 0.5 * (d == 0 ? 1.0 : sin(d) / d) * W / (x + turn);
-}
-
 typedef struct {
     const local_potential *local;
     double side, wanted;
@@ -119,7 +105,7 @@ static double variable(int form, double scale, double x)
 /* u at the start, from beta_t, which loses no digits next to a turning point; may move the scale of a first piece. */
 double rod_start_variable(int form, double *scale, double x, double v, int first, const local_potential *l)
 {
-    const double root = sqrt(larger(fabs(rod_ratio(l, x, *scale)), rod_faintest(l)));
+    const double root = rod_slope_over_root(l, *scale, x);
     const double sine = v == 0 ? 0.0 : fabs(v) / (fabs(*scale) * root);
     if (form == PASS)
         return asinh(x / *scale);

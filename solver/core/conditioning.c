@@ -305,22 +305,6 @@ static int64_t most_panels(const read_orbits *all, int64_t n)
     return most;
 }
 
-/* The condition number and the estimated error of n start problems from their orbits, (n,) each. */
-int rod_orbits_judge(int64_t n, const start_problem *problems, const read_orbits *all, const points *at,
-                     const panel_errors *of, double *condition, double *error)
-{
-    flow *room = malloc(sizeof(flow) * (size_t)most_panels(all, n));
-    if (!room)
-        return NO_MEMORY;
-    for (int64_t b = 0; b < n; b++) {
-        course o = course_of(&problems[b], all, at, b, room);
-        condition[b] = condition_of(&o, of);
-        error[b] = error_of(&o, of, condition[b]);
-    }
-    free(room);
-    return DONE;
-}
-
 /* eta(L) of the change with eta(0) = 0 and eta_t(0) = 1, and the largest |eta(t)/eta(L)|. */
 static void response_of(course *o, const panel_errors *of, double *largest, double *end)
 {
@@ -342,16 +326,20 @@ static void response_of(course *o, const panel_errors *of, double *largest, doub
     *largest = isfinite(ratio) ? larger(ratio, 1) : INFINITY, *end = ends[1] / o->unit;
 }
 
-/* The answers of n orbits whose beta(0) is held to a change of their far angle, (n,) each: `orbits.response`. */
-int rod_orbits_response(int64_t n, const start_problem *problems, const read_orbits *all, const points *at,
-                        const panel_errors *of, double *largest, double *end)
+/* The condition number and the estimated error of n start problems from their orbits, (n,) each; or, with `held`, the
+   answers of those whose beta(0) is held to a change of their far angle: `orbits.response`. */
+int rod_orbits_judge(int64_t n, const start_problem *problems, const read_orbits *all, const points *at,
+                     const panel_errors *of, int64_t held, double *first, double *second)
 {
     flow *room = malloc(sizeof(flow) * (size_t)most_panels(all, n));
     if (!room)
         return NO_MEMORY;
     for (int64_t b = 0; b < n; b++) {
         course o = course_of(&problems[b], all, at, b, room);
-        response_of(&o, of, &largest[b], &end[b]);
+        if (held)
+            response_of(&o, of, &first[b], &second[b]);
+        else
+            first[b] = condition_of(&o, of), second[b] = error_of(&o, of, first[b]);
     }
     free(room);
     return DONE;

@@ -1,8 +1,20 @@
-/* The critical points of G of one problem, and bracketed roots. */
+/* The critical points of G of one problem, bracketed roots, and arrays that grow. */
 
 #include "orbit_parts.h"
 
 enum { GRID = 512 }; /* the most angles of the grid */
+
+int rod_roomy(void **array, int64_t *room, int64_t wanted, size_t size)
+{
+    if (wanted <= *room)
+        return DONE;
+    const int64_t more = 2 * wanted + 64;
+    void *larger_one = realloc(*array, size * (size_t)more);
+    if (!larger_one)
+        return NO_MEMORY;
+    *array = larger_one, *room = more;
+    return DONE;
+}
 
 double rod_bracketed(function *f, const void *of, double lo, double hi, double x)
 {

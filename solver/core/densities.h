@@ -61,14 +61,7 @@ INLINE void polynomials_at(int n, const double *restrict x, double *restrict out
 /* sin and cos of beta. */
 INLINE void directions_of(node_angles *restrict a)
 {
-    double far = 0;
-    for (int i = 0; i < AT; i++)
-        far = larger(far, fabs(a->beta[i]));
-    if (far < FAR)
-        sin_cos_of(AT, a->beta, a->s, a->c);
-    else
-        for (int i = 0; i < AT; i++)
-            a->s[i] = sin(a->beta[i]), a->c[i] = cos(a->beta[i]);
+    sin_cos_of(AT, a->beta, a->s, a->c);
 }
 
 /* Loads from series (5, n) of lam, mu, phi, the weight across the rod and the divisor of the contact force. */

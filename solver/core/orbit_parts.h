@@ -71,7 +71,7 @@ typedef struct {
 
 /* The panels of one problem after another; series: (room, FUNCTIONS, n + 1), NULL where durations alone are wanted. */
 typedef struct {
-    int64_t count, room, first;
+    int64_t count, room, series_room, first;
     panel *rows;
     double *series;
 } panels;
@@ -189,7 +189,7 @@ INLINE double chosen(int64_t mask, double x, double y) /* x where all bits are s
 }
 
 /* sin and cos to about one unit in the last place, |x| < FAR */
-INLINE void sin_cos_of(int n, const double *restrict x, double *restrict sine, double *restrict cosine)
+INLINE void near_sin_cos(int n, const double *restrict x, double *restrict sine, double *restrict cosine)
 {
     /* pi/2 in three parts: the products of the first two with a whole number below 2^20 are exact */
     const double p1 = 0x1.921fb54400000p+0, p2 = 0x1.0b4611a600000p-34, p3 = 0x1.3198a2e037073p-69;
@@ -214,6 +214,19 @@ INLINE void sin_cos_of(int n, const double *restrict x, double *restrict sine, d
         b.bits ^= (int64_t)((uint64_t)((shifted.bits + 1) & 2) << 62);
         sine[i] = a.number, cosine[i] = b.number;
     }
+}
+
+/* The same of any angles: where one is far, by libm. */
+INLINE void sin_cos_of(int n, const double *restrict x, double *restrict sine, double *restrict cosine)
+{
+    double far = 0;
+    for (int i = 0; i < n; i++)
+        far = larger(far, fabs(x[i]));
+    if (far < FAR)
+        near_sin_cos(n, x, sine, cosine);
+    else
+        for (int i = 0; i < n; i++)
+            sine[i] = sin(x[i]), cosine[i] = cos(x[i]);
 }
 
 /* out (m,) = values (n,) @ linear (n, m) */
@@ -276,6 +289,9 @@ static inline double shear_jump(double v, double H, double old, double new)
 typedef void function(const void *of, double x, double *value, double *rate);
 double rod_bracketed(function *f, const void *of, double lo, double hi, double x);
 
+/* Makes room for so many elements of an array. Returns DONE or NO_MEMORY. */
+int rod_roomy(void **array, int64_t *room, int64_t wanted, size_t size);
+
 /* critical_points.c */
 int rod_critical(double lam, double mu, double phi, const grid *, critical *);
 
@@ -283,13 +299,13 @@ int rod_critical(double lam, double mu, double phi, const grid *, critical *);
 local_potential rod_local(double lam, double mu, double phi, double o, double level);
 double rod_steepness(const local_potential *, double x);
 double rod_drop(const local_potential *, double x);
-double rod_ratio(const local_potential *, double x, double turn);
 double rod_weight(const local_potential *, double reach);
 double rod_faintest(const local_potential *);
 double rod_start_variable(int form, double *scale, double x, double v, int first, const local_potential *);
 int rod_arcs(const start_problem *, double pin, double gap, const critical *, arcs *);
 
-/* panels.c */
+/* panels.c; the first: beta_t over sqrt(turn^2 - x^2), not below what rounding leaves of it */
+double rod_slope_over_root(const local_potential *, double turn, double x);
 int rod_panelled(const start_problem *, const piece *, int count, const points *, const cutting *, panels *);
 void rod_panels_free(panels *);
 

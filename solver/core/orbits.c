@@ -3,7 +3,7 @@
 
 #include "orbit_parts.h"
 
-enum { COLUMNS = 6, PIECE_COLUMNS = 17 };
+enum { COLUMNS = 6, PIECE_COLUMNS = 9 };
 
 /* The orbits of a call until they are fetched. */
 typedef struct {
@@ -26,13 +26,8 @@ void rod_orbits_free(orbits *made)
 
 static int keep(orbits *made, const piece *pieces, int count)
 {
-    if (made->pieces + count > made->piece_room) {
-        made->piece_room = 2 * (made->pieces + count) + 16;
-        piece *more = realloc(made->kept, sizeof(piece) * (size_t)made->piece_room);
-        if (!more)
-            return NO_MEMORY;
-        made->kept = more;
-    }
+    if (rod_roomy((void **)&made->kept, &made->piece_room, made->pieces + count, sizeof(piece)))
+        return NO_MEMORY;
     if (count)
         memcpy(made->kept + made->pieces, pieces, sizeof(piece) * (size_t)count);
     made->pieces += count;
@@ -105,7 +100,7 @@ orbits *rod_orbits(int64_t n, const start_problem *problems, const double *pin, 
 
    columns: (6, P), duration, fastest, error, time_error, time_rounding and the time since the start. arc, rank: (P,).
    series: (P, 5, n + 1), its integrals from the start of the orbit. duration: (2 n,); gain: (2 n, 3), of the arcs.
-   pieces: (N, 17): arc, rank, kind, base, scale, u0, u1, and G about the base: lam, mu, phi, o, level and its constants. */
+   pieces: (N, 9), the columns of `orbit.pieces.Pieces`. */
 void rod_orbits_fetch(orbits *made, int64_t P, double *columns, int64_t *arc, int64_t *rank, double *series,
                       double *duration, double *gain, double *pieces)
 {
@@ -141,9 +136,9 @@ void rod_orbits_fetch(orbits *made, int64_t P, double *columns, int64_t *arc, in
     for (int64_t i = 0; i < made->pieces; i++) {
         const piece *p = &made->kept[i];
         const local_potential *l = &p->local;
-        const double values[PIECE_COLUMNS] = {(double)p->arc, (double)p->rank, (double)p->kind, p->base, p->scale, p->u0,
-                                              p->u1, l->lam, l->mu, l->phi, l->o, l->level, l->s, l->c, l->turn, l->bend,
-                                              l->fixed};
+        const double bend = l->fixed - 2 * l->bend + l->c * l->c * (l->s * l->s + l->s * (2 * l->s + 3 * l->s));
+        const double values[PIECE_COLUMNS] = {(double)p->arc, (double)p->rank, (double)p->kind, p->base, l->o, p->u0,
+                                              p->u1, l->level, bend};
         memcpy(pieces + PIECE_COLUMNS * i, values, sizeof values);
     }
     rod_orbits_free(made);

@@ -11,7 +11,7 @@ from ..numerics.arrays import Array, Booleans, Integers
 from .library import AT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, structure, widest
 
 _CRITICAL = 16  # most critical points of a problem
-FUNCTIONS, PIECE_COLUMNS = 5, 17  # series of a panel; numbers of a piece
+FUNCTIONS, PIECE_COLUMNS = 5, 9  # series of a panel; numbers of a piece
 
 
 _ReadOrbits = structure(  # orbit_parts.h
@@ -153,7 +153,7 @@ def read(orbit: Any, t: Array) -> Array:
 
 def judge(orbit: Any) -> tuple[Array, Array]:
     """Condition number and estimated error of B start problems from their orbits, (B,) each."""
-    return _variation("rod_orbits_judge", orbit)
+    return _judge(orbit, held=False)
 
 
 def response(orbit: Any) -> tuple[Array, Array]:
@@ -163,15 +163,14 @@ def response(orbit: Any) -> tuple[Array, Array]:
     eta(L) = d beta(L)/d beta_t(0), NaN for a helix. eta is the Jacobi field, at the nodes of all panels that the rod
     passes, in its first period and in its last: between them eta grows evenly. At least 1; unbounded at a fold.
     """
-    return _variation("rod_orbits_response", orbit)
+    return _judge(orbit, held=True)
 
 
-def _variation(name: str, orbit: Any) -> tuple[Array, Array]:
-    """Two numbers of each orbit by a function of conditioning.c."""
+def _judge(orbit: Any, held: bool) -> tuple[Array, Array]:
     panels = orbit.panels
     errors = map(np.ascontiguousarray, (panels.fastest, panels.error, panels.time_error, panels.time_rounding))
     first, second = np.empty((2, orbit.problem.size))
-    fine(run(name, *_problems(orbit), _PanelErrors(*errors), first, second))
+    fine(run("rod_orbits_judge", *_problems(orbit), _PanelErrors(*errors), held, first, second))
     return first, second
 
 

@@ -57,7 +57,7 @@ INLINE void passing(const piece *p, int n, const double *restrict x, const doubl
     }
 }
 
-/* beta_t over sqrt(x1^2 - x^2), kept above zero where the turning point is next to a helix: `rod_ratio` */
+/* beta_t over sqrt(x1^2 - x^2), kept above zero where the turning point is next to a helix */
 INLINE void slope_over_root(const piece *p, int n, const double *restrict x, const double *restrict sh,
                     const double *restrict ch, double *restrict root)
 {
@@ -96,25 +96,18 @@ INLINE void pace_of(const piece *p, int n, const double *u, double *x, double *p
     double far = 0;
     for (int i = 0; i < n; i++)
         far = larger(far, fabs(u[i]));
-    if (p->kind == CENTRE && far < FAR)
+    if (p->kind == CENTRE)
         sin_cos_of(n, u, form, rate);
-    else if (p->kind != CENTRE && far < 700)
+    else if (far < 700)
         sinh_cosh_of(n, u, p->kind == PASS ? form : rate, p->kind == PASS ? rate : form);
     else
         for (int i = 0; i < n; i++) {
-            form[i] = p->kind == PASS ? sinh(u[i]) : p->kind == SADDLE ? cosh(u[i]) : sin(u[i]);
-            rate[i] = p->kind == PASS ? cosh(u[i]) : p->kind == SADDLE ? sinh(u[i]) : cos(u[i]);
+            form[i] = p->kind == PASS ? sinh(u[i]) : cosh(u[i]);
+            rate[i] = p->kind == PASS ? cosh(u[i]) : sinh(u[i]);
         }
-    far = 0;
     for (int i = 0; i < n; i++)
         x[i] = p->scale * form[i], half[i] = x[i] / 2;
-    for (int i = 0; i < n; i++)
-        far = larger(far, fabs(half[i]));
-    if (far < FAR)
-        sin_cos_of(n, half, sh, ch);
-    else
-        for (int i = 0; i < n; i++)
-            sh[i] = sin(half[i]), ch[i] = cos(half[i]);
+    sin_cos_of(n, half, sh, ch);
     if (p->kind == PASS)
         passing(p, n, x, sh, ch, root);
     else
@@ -170,34 +163,40 @@ INLINE int inverted(const points *at, const double *clock, const double *rate, d
     return worst < 1e-7;
 }
 
+/* The pace at the nodes of a panel, its series and the clock's; the duration is set. */
+INLINE void clocked(const piece *p, const points *at, panel *out, double *u, double *x, double *pace, double *rate,
+                    double *clock)
+{
+    const int n = (int)at->n;
+    const double middle = (out->near + out->far) / 2, half = (out->far - out->near) / 2;
+    double speed[NODES], shares[NODES];
+    for (int i = 0; i < n; i++)
+        u[i] = middle + half * at->nodes[i];
+    pace_of(p, n, u, x, pace, speed);
+    for (int i = 0; i < n; i++)
+        shares[i] = pace[i] * fabs(half);
+    product(n, n, shares, at->analyse, rate);
+    integral(n, rate, clock);
+    out->duration = 0;
+    for (int k = 0; k <= n; k++)
+        out->duration += clock[k];
+}
+
 INLINE void series_of(const piece *p, const points *at, panel *out, double *series)
 {
     const int n = (int)at->n;
     const double middle = (out->near + out->far) / 2, half = (out->far - out->near) / 2;
     double u[NODES], x[NODES], pace[NODES], speed[NODES], values[5][NODES], rate[NODES], clock[NODES + 1];
-    double place[NODES], cut[5][NODES], duration = 0, quickest;
-    for (int i = 0; i < n; i++)
-        u[i] = middle + half * at->nodes[i];
-    pace_of(p, n, u, x, pace, speed);
-    quickest = most(n, pace);
-    for (int i = 0; i < n; i++)
-        pace[i] *= fabs(half);
-    product(n, n, pace, at->analyse, rate);
-    integral(n, rate, clock);
-    for (int k = 0; k <= n; k++)
-        duration += clock[k];
-    const int converged = inverted(at, clock, rate, duration, place);
+    double place[NODES], cut[5][NODES], angle[NODES];
+    clocked(p, at, out, u, x, pace, rate, clock);
+    const double quickest = most(n, pace), late = most(3, clock + n - 2);
+    const int converged = inverted(at, clock, rate, out->duration, place);
     for (int i = 0; i < n; i++)
         u[i] = middle + half * place[i];
     pace_of(p, n, u, x, pace, speed);
-    double angle[NODES], far = 0;
     for (int i = 0; i < n; i++)
-        angle[i] = p->base + x[i], far = larger(far, fabs(angle[i]));
-    if (far < FAR)
-        sin_cos_of(n, angle, values[2], values[3]);
-    else
-        for (int i = 0; i < n; i++)
-            values[2][i] = sin(angle[i]), values[3][i] = cos(angle[i]);
+        angle[i] = p->base + x[i];
+    sin_cos_of(n, angle, values[2], values[3]);
     for (int i = 0; i < n; i++)
         values[0][i] = x[i], values[1][i] = speed[i], values[4][i] = values[2][i] * values[3][i];
     for (int k = 0; k < 5; k++)
@@ -211,13 +210,12 @@ INLINE void series_of(const piece *p, const points *at, panel *out, double *seri
         double *row = series + k * (n + 1);
         integral(n, cut[k], row);
         for (int i = 0; i <= n; i++)
-            row[i] *= duration / 2;
+            row[i] *= out->duration / 2;
     }
-    const double late = most(3, clock + n - 2);
-    out->duration = duration, out->fastest = most(n, speed);
+    out->fastest = most(n, speed);
     out->error = larger(larger(most(2, cut[0] + n - 2), most(2, cut[2] + n - 2)), most(2, cut[3] + n - 2));
     out->error = larger(out->error, late * out->fastest);
-    out->time_error = late / duration;
+    out->time_error = late / out->duration;
     if (!converged) /* all that is known of beta is that it lies within the panel */
         out->error = fabs(x[n - 1] - x[0]);
     out->time_rounding = EPS / 2 * rod_weight(&p->local, most(n, x)) * square(quickest);
@@ -225,20 +223,9 @@ INLINE void series_of(const piece *p, const points *at, panel *out, double *seri
 
 INLINE void times_of(const piece *p, const points *at, panel *out)
 {
-    const int n = (int)at->n;
-    const double middle = (out->near + out->far) / 2, half = (out->far - out->near) / 2;
-    double u[NODES], x[NODES], pace[NODES], speed[NODES], rate[NODES], clock[NODES + 1], duration = 0;
-    for (int i = 0; i < n; i++)
-        u[i] = middle + half * at->nodes[i];
-    pace_of(p, n, u, x, pace, speed);
-    for (int i = 0; i < n; i++)
-        pace[i] *= fabs(half);
-    product(n, n, pace, at->analyse, rate);
-    integral(n, rate, clock);
-    for (int k = 0; k <= n; k++)
-        duration += clock[k];
-    out->duration = duration;
-    out->time_error = most(3, clock + n - 2) / duration;
+    double u[NODES], x[NODES], pace[NODES], rate[NODES], clock[NODES + 1];
+    clocked(p, at, out, u, x, pace, rate, clock);
+    out->time_error = most(3, clock + at->n - 2) / out->duration;
     out->error = out->fastest = out->time_rounding = 0;
 }
 
@@ -266,21 +253,18 @@ static WIDE void one_panel_wide(const piece *p, const points *at, panel *out, do
 /* Room for one panel more, with its series. */
 static int extended(panels *all, const points *at, int times_only)
 {
-    if (all->count < all->room)
-        return DONE;
-    const int64_t room = all->room ? 2 * all->room : 64;
-    panel *rows = realloc(all->rows, sizeof(panel) * (size_t)room);
-    if (!rows)
-        return NO_MEMORY;
-    all->rows = rows;
-    if (!times_only) {
-        double *series = realloc(all->series, sizeof(double) * (size_t)(room * FUNCTIONS * (at->n + 1)));
-        if (!series)
-            return NO_MEMORY;
-        all->series = series;
-    }
-    all->room = room;
-    return DONE;
+    const size_t size = sizeof(double) * (size_t)(FUNCTIONS * (at->n + 1));
+    const int failed = rod_roomy((void **)&all->rows, &all->room, all->count + 1, sizeof(panel));
+    return failed || times_only ? failed : rod_roomy((void **)&all->series, &all->series_room, all->count + 1, size);
+}
+
+double rod_slope_over_root(const local_potential *l, double turn, double x)
+{
+    const piece p = {.scale = turn, .local = *l};
+    const double sh = sin(x / 2), ch = cos(x / 2);
+    double root;
+    slope_over_root(&p, 1, &x, &sh, &ch, &root);
+    return root;
 }
 
 /* The pieces in equal parts of about `length` in u, linked in their order. */

@@ -27,11 +27,8 @@ static void derive_shape(const shapes *of, int64_t b)
         const double *t = of->t + at, *v = of->rate + at, *z = of->z + at;
         double s[CHUNK], c[CHUNK], H[CHUNK];
         sin_cos_of(many, of->beta + at, s, c);
-        for (int i = 0; i < many; i++) {
-            if (!(fabs(of->beta[at + i]) < FAR))
-                s[i] = sin(of->beta[at + i]), c[i] = cos(of->beta[at + i]);
+        for (int i = 0; i < many; i++)
             H[i] = slope_by(lam, mu, phi, s[i], c[i]);
-        }
         for (int64_t f = 0; f < F; f++) {
             const double *by = of->by ? of->by + b * F + f : NULL, longer = of->later[b * F + f] / of->span[b];
             const double d_rho = by ? by[table * RHO] : 0, d_mu = by ? by[table * MU] : 0;

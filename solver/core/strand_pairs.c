@@ -45,13 +45,8 @@ typedef struct {
 
 static int add_pair(pairs *to, int64_t k, int64_t i, int64_t j)
 {
-    if (to->count == to->room) {
-        const int64_t room = 2 * to->room + 1024;
-        pair *rows = realloc(to->rows, sizeof(pair) * (size_t)room);
-        if (!rows)
-            return NO_MEMORY;
-        to->rows = rows, to->room = room;
-    }
+    if (rod_roomy((void **)&to->rows, &to->room, to->count + 1, sizeof(pair)))
+        return NO_MEMORY;
     to->rows[to->count++] = (pair){k, i, j};
     return DONE;
 }
@@ -105,12 +100,8 @@ static int whole_pairs(search_of_rod *s, int64_t k, int64_t *used)
 static int middles(search_of_rod *s, int level, double size, const double **alpha, const double **z)
 {
     const int64_t n = 2 * s->now.count;
-    if (5 * n > s->point_room) {
-        double *points = realloc(s->points, sizeof(double) * (size_t)(10 * n));
-        if (!points)
-            return NO_MEMORY;
-        s->points = points, s->point_room = 10 * n;
-    }
+    if (rod_roomy((void **)&s->points, &s->point_room, 5 * n, sizeof(double)))
+        return NO_MEMORY;
     double *t = s->points, *angle = t + 3 * n, *height = t + 4 * n;
     *alpha = angle, *z = height;
     for (int64_t m = 0; m < n; m++) {

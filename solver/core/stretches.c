@@ -5,19 +5,6 @@
 enum { PATIENCE = 3, MOST = 1 << 19 }; /* halvings that may fail to shorten a series; parts of the pieces of a rod */
 #define ROUNDING (64 * EPS) /* of the terms of a density, and of beta: a series cannot end below that */
 
-/* Makes room for so many elements. Returns DONE or NO_MEMORY. */
-int rod_roomy(void **array, int64_t *room, int64_t wanted, size_t size)
-{
-    if (wanted <= *room)
-        return DONE;
-    const int64_t more = 2 * wanted + 64;
-    void *larger_one = realloc(*array, size * (size_t)more);
-    if (!larger_one)
-        return NO_MEMORY;
-    *array = larger_one, *room = more;
-    return DONE;
-}
-
 /* loads: NULL where they do not vary. */
 INLINE void angles_on(const rods *all, const rule *by, const stretch *p, node_angles *out, rod_loads *loads)
 {

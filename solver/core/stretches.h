@@ -109,7 +109,6 @@ typedef struct {
 /* stretches.c */
 workspace *rod_workspace(const rods *, int lanes);
 void rod_workspace_free(workspace *);
-int rod_roomy(void **array, int64_t *room, int64_t wanted, size_t size);
 int rod_angles(workspace *, int64_t b);
 int rod_resolved(workspace *, int64_t b, int kind, int precision, double allowed);
 double rod_largest(const workspace *, double sign);

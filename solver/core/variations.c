@@ -30,25 +30,12 @@ double rod_across(int n, const double *v, const double *H, const double *rate, d
     return slows ? fmax(c, ratio / 2) : c;
 }
 
-/* sin and cos of angles at the nodes */
-static void circular(int n, const double *angle, double *sine, double *cosine)
-{
-    double far = 0;
-    for (int i = 0; i < n; i++)
-        far = larger(far, fabs(angle[i]));
-    if (far < FAR)
-        sin_cos_of(n, angle, sine, cosine);
-    else
-        for (int i = 0; i < n; i++)
-            sine[i] = sin(angle[i]), cosine[i] = cos(angle[i]);
-}
-
 static void rates_at(const double *loads, int n, double origin, const double *x, double *s, double *c, double *rate)
 {
     double angle[NODES];
     for (int i = 0; i < n; i++)
         angle[i] = origin + x[i];
-    circular(n, angle, s, c);
+    sin_cos_of(n, angle, s, c);
     for (int i = 0; i < n; i++)
         rate[i] = -loads[0] * s[i] + 4 * loads[1] * s[i] * c[i] - loads[2] * c[i] -
                   2 * s[i] * s[i] * (3 * c[i] * c[i] - s[i] * s[i]);
@@ -64,7 +51,7 @@ static void distances_of(int n, const double *x, distances *out)
     double half[NODES], sh[NODES], ch[NODES];
     for (int i = 0; i < n; i++)
         half[i] = x[i] / 2;
-    circular(n, half, sh, ch);
+    sin_cos_of(n, half, sh, ch);
     for (int i = 0; i < n; i++) {
         const double sx = 2 * sh[i] * ch[i], cx = 1 - 2 * sh[i] * sh[i];
         out->q[i] = sh[i] * sh[i], out->sx[i] = sx, out->cx[i] = cx;

@@ -39,12 +39,8 @@ class Pieces:
 
     @classmethod
     def from_core(cls, table: Array) -> "Pieces":
-        """The pieces that the core made, (P, 17): see `rod_orbits_fetch`."""
-        arc, rank, kind = table[:, :3].T.astype(np.int64)
-        base, _, u0, u1, *_ = table[:, 3:].T
-        origin, level, s, c, _, double, fixed = table[:, 10:].T
-        bend = fixed - 2 * double + c * c * (s * s + s * (2 * s + 3 * s))
-        return cls(arc, rank, kind, base, origin, u0, u1, level, bend)
+        """The pieces that the core made, (P, 9): see `rod_orbits_fetch`."""
+        return cls(*table[:, :3].T.astype(np.int64), *table[:, 3:].T)
 
 
 @dataclass(frozen=True, eq=False)
