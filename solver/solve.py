@@ -117,7 +117,9 @@ def _varying(
     if choose != NEAREST:
         raise InputError(f"choose = {choose!r} needs all equilibria, which are not known with weight or friction")
     straight = isinstance(seed, str) and seed == "straight"
-    if seed is not None and (case.kind == "start" or (not straight and not _is_seed(case, seed))):
+    is_seed = straight or (isinstance(seed, Solution) and seed.trajectory.shapes is not None
+                           and seed.case.shape in ((), case.shape))  # fmt: skip
+    if seed is not None and (case.kind == "start" or not is_seed):
         raise InputError(
             "seed of a rod with weight or friction is 'straight', or a Solution between ends of such a rod, got "
             f"{seed if isinstance(seed, str | float | int) else type(seed).__name__}"
@@ -128,11 +130,6 @@ def _varying(
         return Solution(case, *answer_starts(case, t, tol), t, name, tol)
     begin = seed if straight or seed is None else seed.trajectory
     return Solution(case, *answer_ends(case, t, tol, begin), t, name, tol)
-
-
-def _is_seed(case: Case, seed: Any) -> bool:
-    """Whether a value is a solution that can seed a case whose loads vary."""
-    return isinstance(seed, Solution) and seed.trajectory.shapes is not None and seed.case.shape in ((), case.shape)
 
 
 def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose: Choose) -> Solution:

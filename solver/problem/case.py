@@ -572,11 +572,6 @@ def check_case(function: str, value: object) -> Case:
     return value
 
 
-def from_fields(kind: type, values: dict[str, Any]) -> Any:
-    """A Rod, Cylinder, Start or Ends from a mapping of its fields; raises `InputError` as the class itself does."""
-    return kind(**values)
-
-
 def weight_in_fluid(
     a: Any, inner_radius: Any = 0.0, density: float = 7850.0, fluid: float = 0.0, gravity: float = 9.80665
 ) -> Any:

@@ -65,17 +65,12 @@ def units_held(case: Case) -> NDArray[np.bool_]:
         return np.asarray((np.abs(A) < _DECADES) & (2 * np.abs(rho) < _DECADES))
 
 
-def is_taut(height: float, span: float) -> bool:
-    """Whether a height, in the unit of the span, leaves the rod no other shape than a straight one."""
-    return abs(height) > span * (1 - _ROUNDING)
-
-
 def unreachable(height: float, azimuth: float, span: float) -> str:
     """Why no rod of a span reaches from end to end, or only a straight one does; "" where one may.
 
     height, azimuth: over rho, 0 where not held.
     """
-    return TAUT if is_taut(height, span) else too_far(height, azimuth, span)
+    return TAUT if abs(height) > span * (1 - _ROUNDING) else too_far(height, azimuth, span)
 
 
 def too_far(height: float, azimuth: float, span: float) -> str:

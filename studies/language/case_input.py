@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
-from solver.problem.case import DIRECT, ELASTIC, PAIRS, TWISTS, from_fields, lacking
+from solver.problem.case import DIRECT, ELASTIC, PAIRS, TWISTS, lacking
 from solver.problem.errors import choices, no_such
 from solver.problem.limits import farthest
 from solver.problem.quantities import unit_of
@@ -150,7 +150,7 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
     known = [f for part in parts for f in fields(part)]
     _check_complete(problem, known, values, advice)
     chosen = [{f.name: values[f.name] for f in fields(part) if f.name in values} for part in parts]
-    rod, cylinder, given = (from_fields(part, part_values) for part, part_values in zip(parts, chosen, strict=True))
+    rod, cylinder, given = (part(**part_values) for part, part_values in zip(parts, chosen, strict=True))
     assumed = {f.name: f.default for f in known if f.name not in values and f.default is not None}
     if rod.EI is not None:
         assumed.pop("stiffness", None)  # a factor of E, which this rod does not have
@@ -200,23 +200,20 @@ def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
 
     Raises `InputError` for a field that the case does not have.
     """
-    parts: list[Any] = []
-    left = dict(changes)
-    for part in (case.rod, case.cylinder, case.given):
-        kind = type(part)
-        values = {f.name: getattr(part, f.name) for f in fields(kind)}
-        if kind is Rod:
-            values |= _of_other_section(changes)
-        if kind not in (Rod, Cylinder):  # whatever is left must be one of its fields
-            _check_known(kind, left)
-            if kind is Start and any(name in changes for name in TWISTS):
-                values |= dict.fromkeys(TWISTS)
-            for pair in PAIRS if kind is Ends else ():
-                values |= dict.fromkeys(pair) if any(name in changes for name in pair) else {}
-            parts.append(from_fields(kind, {**{k: v for k, v in values.items() if v is not None}, **left}))
-            break
-        parts.append(from_fields(kind, {**values, **{name: left.pop(name) for name in values if name in left}}))
-    return Case(*parts)
+    parts = (case.rod, case.cylinder, case.given)
+    known = {f.name for part in parts for f in fields(part)}
+    for name in changes:
+        if name not in known:
+            kind, names = _name(type(case.given)), choices(f.name for f in fields(case.given))
+            raise InputError(f"this case is {kind}, which has no {name}; choose from {names}")
+    groups = (TWISTS,) if isinstance(case.given, Start) else PAIRS
+    replaced = {*_other_section(changes), *(name for group in groups if {*group} & {*changes} for name in group)}
+    new: list[Any] = []
+    for part in parts:
+        values = {f.name: getattr(part, f.name) for f in fields(part) if f.name not in replaced}
+        kept = {name: value for name, value in values.items() if value is not None}
+        new.append(type(part)(**kept | {f.name: changes[f.name] for f in fields(part) if f.name in changes}))
+    return Case(*new)
 
 
 def field_values(case: Case) -> dict[str, Any]:
@@ -234,12 +231,12 @@ def with_unit(sentence: str, case: Case, units: Mapping[str, str]) -> str:
     return sentence if unit == "1" else sentence.replace(said, f"{said} {unit}")
 
 
-def _of_other_section(changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields of a rod's section that the changes replace, each with its default."""
-    elastic, direct = ([name for name in names if name in changes] for names in (OF_MODULUS, DIRECT))
+def _other_section(changes: Mapping[str, Any]) -> tuple[str, ...]:
+    """The fields of a rod's section that the changes replace."""
+    elastic, direct = ({*names} & {*changes} for names in (OF_MODULUS, DIRECT))
     if bool(elastic) == bool(direct):  # neither, or a mixture, which `Rod` refuses
-        return {}
-    return dict.fromkeys(DIRECT) if elastic else {**dict.fromkeys(OF_MODULUS), "stiffness": "solid"}
+        return ()
+    return DIRECT if elastic else (*OF_MODULUS, "stiffness")
 
 
 def _problem(values: Mapping[str, Any]) -> type:
@@ -256,7 +253,7 @@ def _problem(values: Mapping[str, Any]) -> type:
 def _check_complete(problem: type, known: list[Field[Any]], values: Mapping[str, Any], advice: str) -> None:
     section = {f.name: values[f.name] for f in fields(Rod) if f.name in values}
     if set(OF_MODULUS) & set(section) and set(DIRECT) & set(section):
-        from_fields(Rod, section)  # which refuses two sections
+        Rod(**section)  # which refuses two sections
     missing = lacking(section)
     missing += [f.name for f in known if f.default is MISSING and f.name not in values]
     if problem is Ends:
@@ -268,13 +265,6 @@ def _check_complete(problem: type, known: list[Field[Any]], values: Mapping[str,
         other = "; an ends problem needs beta0 and betaL instead" if undecided else ""
         said = f"{choices(missing[:-1])} and {missing[-1]}" if len(missing) > 1 else missing[0]
         raise InputError(f"{_name(problem)} also needs {said}{other}{advice}")
-
-
-def _check_known(problem: type, values: Mapping[str, Any]) -> None:
-    known = [f.name for f in fields(problem)]
-    for name in values:
-        if name not in known:
-            raise InputError(f"this case is {_name(problem)}, which has no {name}; choose from {choices(known)}")
 
 
 def _name(problem: type) -> str:

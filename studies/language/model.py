@@ -10,7 +10,6 @@ from pydantic import ValidationInfo, field_validator, model_validator
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.observe.observables import OBSERVABLES
-from solver.problem.case import from_fields
 from solver.problem.errors import choices, near, no_such
 from solver.problem.quantities import unit_of
 from solver.problem.shown import make
@@ -278,7 +277,7 @@ class Study(StudyData):
             return parse(self.reading).case(values, side)
         rod, cylinder = ({k: values[k] for k in names if k in values} for names in (ROD, CYLINDER))
         given = {k: v for k, v in values.items() if k not in (*ROD, *CYLINDER)}
-        return Case(from_fields(Rod, rod), from_fields(Cylinder, cylinder), from_fields(self.kind, given))
+        return Case(Rod(**rod), Cylinder(**cylinder), self.kind(**given))
 
 
 def _known(kind: str, names: list[str], known: Any) -> list[str]:

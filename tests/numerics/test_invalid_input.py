@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
-from solver.problem.case import from_fields
 from solver.problem.quantities import QUANTITIES, unit_of
 
 ROD: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 20.0}
@@ -21,10 +20,6 @@ def case(**start: Any) -> Case:
 @pytest.mark.parametrize("nu", (-0.999, 0.0, 0.5))
 def test_poisson_ratio_may_reach_one_half(nu: float) -> None:
     assert Rod(**{**ROD, "nu": nu}).torsional_stiffness > 0
-
-
-def test_from_fields_makes_what_the_class_makes() -> None:
-    assert from_fields(Rod, ROD).bending_stiffness == Rod(**ROD).bending_stiffness
 
 
 def test_a_case_keeps_its_values() -> None:

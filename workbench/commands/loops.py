@@ -89,17 +89,16 @@ def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str
     from dataclasses import fields
 
     from solver import Cylinder, Rod
-    from solver.problem.case import from_fields
     from studies.language.case_input import check_units, read_case
     from studies.language.readings import TABLE_UNITS
 
     if file is None and given.units:
         check_units(given.units)
-        parts = []
-        for kind in (Rod, Cylinder):
-            own = {field.name for field in fields(kind)}
-            parts.append(from_fields(kind, {name: value for name, value in given.values.items() if name in own}))
-        return parts[0], parts[1], {**TABLE_UNITS, **given.units}
+        rod, cylinder = (
+            {field.name: given.values[field.name] for field in fields(kind) if field.name in given.values}
+            for kind in (Rod, Cylinder)
+        )
+        return Rod(**rod), Cylinder(**cylinder), {**TABLE_UNITS, **given.units}  # type: ignore[arg-type]
     asked = read_case(file, given.values, given.units, table1=file is None)
     return asked.case.rod, asked.case.cylinder, asked.units
 
