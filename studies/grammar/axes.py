@@ -222,8 +222,9 @@ class Axis(BaseModel):
     @model_validator(mode="after")
     def _one_way(self) -> "Axis":
         ways = "give values, or from, to and count"
+        given = self.model_dump(by_alias=True, exclude_unset=True)
         if self.values is not None:
-            also = [k for k in ("from", "to", "count", "spacing") if k in self._said()]
+            also = [key for key in ("from", "to", "count", "spacing") if key in given]
             if also:
                 raise Misplaced(f"values and {also[0]} exclude each other: {ways}", also[0])
             if not self.values:
@@ -233,46 +234,29 @@ class Axis(BaseModel):
                 raise Misplaced(f"the value {twice!r} is given twice", "values")
             return self
         needed = ("to", "count") if self.follow else ("from", "to", "count")
-        missing = [key for key in needed if key not in self._said()]
+        missing = [key for key in needed if key not in given]
         if missing:
             raise ValueError(f"the axis has no {', '.join(missing)}: {ways}")
-        self._check_range()
+        if given["count"] < 1:
+            raise Misplaced(f"the axis is empty: count must be at least 1, got {self.count}", "count")
+        if "from" in given:
+            self._check_range(given["from"], given["to"], given["count"])
         return self
 
-    def _said(self) -> set[str]:
-        return {"from" if name == "from_" else name for name in self.model_fields_set}
-
-    def _check_range(self) -> None:
-        assert self.to is not None
-        assert self.count is not None
-        if self.count < 1:
-            raise Misplaced(f"the axis is empty: count must be at least 1, got {self.count}", "count")
-        if self.from_ is None:
-            return
-        if (self.count == 1) != (self.from_ == self.to):
-            ends = f"from {self.from_:g} to {self.to:g}"
-            fits = "count must be at least 2" if self.count == 1 else "count must be 1"
-            raise Misplaced(f"{fits} for an axis {ends}, got {self.count}", "count")
-        if self.spacing == "geometric" and not self.from_ * self.to > 0:
-            raise Misplaced(
-                f"geometric spacing needs both ends of one sign and not 0, got {self.from_:g} to {self.to:g}",
-                "spacing",
-            )
-        self._check_steps()
-
-    def _check_steps(self) -> None:
+    def _check_range(self, first: float, last: float, count: int) -> None:
         """Refuse values that are not finite or not distinct, judged by the ends alone: count may be very large."""
-        assert self.from_ is not None
-        assert self.to is not None
-        assert self.count is not None
-        first, last = abs(self.from_), abs(self.to)
+        if (count == 1) != (first == last):
+            fits = "count must be at least 2" if count == 1 else "count must be 1"
+            raise Misplaced(f"{fits} for an axis from {first:g} to {last:g}, got {count}", "count")
         if self.spacing == "geometric":
-            step = abs(log(last) - log(first)) / max(self.count - 1, 1)
+            if not first * last > 0:
+                why = f"geometric spacing needs both ends of one sign and not 0, got {first:g} to {last:g}"
+                raise Misplaced(why, "spacing")
+            step = abs(log(abs(last)) - log(abs(first))) / max(count - 1, 1)
         else:
-            step = abs(self.to - self.from_) / max(self.count - 1, 1) / max(first, last, 5e-324)
-        if isfinite(step) and (self.count == 1 or step > CLOSEST):
-            return
-        raise Misplaced(f"{self.count} distinct values do not fit between {self.from_!r} and {self.to!r}", "count")
+            step = abs(last - first) / max(count - 1, 1) / max(abs(first), abs(last), 5e-324)
+        if not isfinite(step) or (count > 1 and step <= CLOSEST):
+            raise Misplaced(f"{count} distinct values do not fit between {first!r} and {last!r}", "count")
 
     @property
     def size(self) -> int:

@@ -93,14 +93,14 @@ class Distribution(BaseModel):
     @model_validator(mode="after")
     def _complete(self) -> "Distribution":
         needed, allowed = DISTRIBUTIONS[self.distribution]
-        given = {name: self._key(name) for name in ("from", "to", "mean", "std")}
-        if missing := [name for name in needed if given[name] is None]:
+        given = self._numbers
+        if missing := [name for name in needed if name not in given]:
             raise ValueError(f"a {self.distribution} distribution needs {' and '.join(needed)}: no {missing[0]} given")
-        for name, value in given.items():
-            if value is not None and name not in (*needed, *allowed):
+        for name in given:
+            if name not in (*needed, *allowed):
                 raise Misplaced(f"a {self.distribution} distribution has no {name}; it needs {choices(needed)}", name)
-        low, high = given["from"], given["to"]
-        if low is not None and high is not None:
+        if {"from", "to"} <= set(given):
+            low, high = given["from"], given["to"]
             if not low < high:
                 raise Misplaced(f"from must be less than to, got from = {low:g} and to = {high:g}", "to")
             if not np.isfinite(high - low):
@@ -114,37 +114,32 @@ class Distribution(BaseModel):
             self._check_truncation()
         return self
 
-    def _key(self, name: str) -> float | None:
-        value: float | None = getattr(self, "from_" if name == "from" else name)
-        return value
+    @property
+    def _numbers(self) -> dict[str, float]:
+        """The numbers that are given, by their keys."""
+        return self.model_dump(by_alias=True, include={"from_", "to", "mean", "std"}, exclude_none=True)
 
     def _check_truncation(self) -> None:
         low, high = self._in_deviations()
         if not (np.isfinite(low) and np.isfinite(high) and low < REACH and high > -REACH):
-            where = " and ".join(f"{name} = {v:g}" for name in ("from", "to") if (v := self._key(name)) is not None)
+            where = " and ".join(f"{name} = {v:g}" for name, v in self._numbers.items() if name in ("from", "to"))
             far = f"more than {REACH:g} standard deviations from its mean"
             raise Misplaced(f"{where or 'the normal distribution'} leaves no value of it: all lie {far}", "mean")
 
     def _in_deviations(self) -> tuple[float, float]:
         """The ends of a normal distribution in standard deviations from its mean."""
-        assert self.mean is not None
-        assert self.std is not None
-        with np.errstate(over="ignore"):
-            low = -REACH if self.from_ is None else max((self.from_ - self.mean) / self.std, -REACH)
-            high = REACH if self.to is None else min((self.to - self.mean) / self.std, REACH)
-        return low, high
+        given = self._numbers
+        ends = {name: (given[name] - given["mean"]) / given["std"] for name in ("from", "to") if name in given}
+        return max(ends.get("from", -REACH), -REACH), min(ends.get("to", REACH), REACH)
 
     @property
     def support(self) -> tuple[float, float]:
         """The least and the greatest value that can be drawn, angles in rad."""
+        given = self._numbers
         if self.distribution == "normal":
-            assert self.mean is not None
-            assert self.std is not None
-            low, high = (self.mean + self.std * z for z in self._in_deviations())
+            low, high = (given["mean"] + given["std"] * z for z in self._in_deviations())
         else:
-            assert self.from_ is not None
-            assert self.to is not None
-            low, high = self.from_, self.to
+            low, high = given["from"], given["to"]
         return self._in_rad(low), self._in_rad(high)
 
     def values(self, share: Values) -> Values:
@@ -158,10 +153,8 @@ class Distribution(BaseModel):
         else:
             from scipy.stats import truncnorm
 
-            assert self.mean is not None
-            assert self.std is not None
-            deviations = truncnorm.ppf(share, *self._in_deviations())
-            value = self._in_rad(self.mean) + self._in_rad(self.std) * deviations
+            mean, std = (self._in_rad(self._numbers[name]) for name in ("mean", "std"))
+            value = mean + std * truncnorm.ppf(share, *self._in_deviations())
         return np.clip(value, low, high)
 
     def _in_rad(self, value: float) -> float:
@@ -169,12 +162,12 @@ class Distribution(BaseModel):
 
     def words(self, field: str) -> str:
         """``E uniform from 5000 to 40000``."""
-        unit = " deg" if self.unit == "deg" else ""
-        ends = [f"{word} {v:g}{unit}" for word in ("from", "to") if (v := self._key(word)) is not None]
+        said = {name: f"{v:g}{' deg' if self.unit == 'deg' else ''}" for name, v in self._numbers.items()}
+        ends = " ".join(f"{name} {said[name]}" for name in ("from", "to") if name in said)
         if self.distribution != "normal":
-            return f"{field} {self.distribution} {' '.join(ends)}"
-        cut = f", truncated {' '.join(ends)}" if ends else ""
-        return f"{field} normal with mean {self.mean:g}{unit} and std {self.std:g}{unit}{cut}"
+            return f"{field} {self.distribution} {ends}"
+        cut = f", truncated {ends}" if ends else ""
+        return f"{field} normal with mean {said['mean']} and std {said['std']}{cut}"
 
     def reach(self, field: str) -> str:
         """The distribution, and how to restrict what it reaches."""
