@@ -136,19 +136,14 @@ def _climb(
 
 def _time(case: Case, options: Mapping[str, Any], cold: bool) -> tuple[Solution, float]:
     """The answer, and the least seconds of a few calls; a short or cold first call is not counted."""
-    sol, first = _once(case, options)
-    if first > _ENOUGH and not cold:
-        return sol, first
-    again = [_once(case, options)[1]]
-    while len(again) < REPEATS and sum(again) < _ENOUGH:
-        again.append(_once(case, options)[1])
-    return sol, min(again)
-
-
-def _once(case: Case, options: Mapping[str, Any]) -> tuple[Solution, float]:
-    begun = time.perf_counter()
-    sol = solve(case, stations=STATIONS, **options)
-    return sol, time.perf_counter() - begun
+    seconds: list[float] = []
+    while len(seconds) <= REPEATS and sum(seconds[1:]) < _ENOUGH:
+        begun = time.perf_counter()
+        sol = solve(case, stations=STATIONS, **options)
+        seconds.append(time.perf_counter() - begun)
+        if seconds[0] > _ENOUGH and not cold:
+            break
+    return sol, min(seconds[1:] or seconds)
 
 
 def errors_against(sol: Solution, reference: Reference) -> dict[str, float]:

@@ -42,19 +42,14 @@ def held_equilibria(
     said = str(beyond(why, case)[0]).removeprefix("failed: ") if why else ""
     if sentence := said or too_far(*held_apart(problem)):
         return HeldEquilibria([], HeldSearch({}, swings, 0, 0, 0, 0, 0, sentence))
-    size = _sizes(case)
+    A, rho = float(case.rod.bending_stiffness), float(case.rho)
+    size = {name: value_of_number(name, 1.0, A, rho) for name, _ in PAIRS}  # the unit of each load and angle
     bounds = {NUMBER_OF[name]: (low / size[name], high / size[name]) for name, (low, high) in ranges.items()}
     result = held_search(Given.of(problem), bounds, swings, tries, values)
     t = problem.span[:, None] * np.linspace(0, 1, stations)
     listed = [_equilibrium(case, result.given, *pair, t, tol) for pair in zip(result.states, result.how, strict=True)]
     search = _search_of(result, size, swings)
     return HeldEquilibria(in_order(listed), replace(search, narrower=_narrower(listed, search, ranges)))
-
-
-def _sizes(case: Case) -> dict[str, float]:
-    """The unit of each dimensionless load and angle in those of the case."""
-    A, rho = float(case.rod.bending_stiffness), float(case.rho)
-    return {name: value_of_number(name, 1.0, A, rho) for name, _ in PAIRS}
 
 
 def _ranges(case: Case, within: dict[str, Any]) -> dict[str, tuple[float, float]]:

@@ -18,10 +18,9 @@ from .uncertainty import LEVEL, Uncertainty, uncertainty
 
 EQUAL = 1e-6  # relative: of two sums of squares that differ by less, none is lower
 ZERO = 1e-16  # a sum of squares of N data is 0 where it is smaller than N times this
-_EXACT = 1e-6  # a residual of data that are no more than the parameters: it is reached
 
 
-_REACHED = 1e-6  # relative: a target that is missed by more is not reached
+_REACHED = 1e-6  # relative, and of a residual: a datum that is missed by more is not reached
 UNLIKELY = 0.01  # probability of a larger sum of squares that is told
 MISFIT = "misfit: "  # how such an outcome begins
 IMPOSSIBLE = 1e-6  # below it, the minimum is no answer: it may be another one than that of the rod
@@ -125,7 +124,7 @@ def _as_good(model: Model, minimum: Minimum, best: Minimum, known: Uncertainty) 
     if model.data.known:
         return bool(more <= special.chdtri(F, 1 - LEVEL))
     if known.freedom <= 0:
-        return bool(np.abs(minimum.found.residuals).max() <= _EXACT)
+        return bool(np.abs(minimum.found.residuals).max() <= _REACHED)
     variance = 2 * best.cost / known.freedom
     return bool(more <= F * variance * special.fdtri(F, known.freedom, LEVEL))
 

@@ -154,9 +154,8 @@ class Law(BaseModel):
     def _check_keys(self, kind: Kind) -> None:
         """Raise `ValueError` unless the keys are those of the kind of the law."""
         said = self.rule
-        every = dict.fromkeys(key for other in KINDS.values() for key in other.all_keys)
-        for key in every:
-            if key in said and key not in kind.all_keys:
+        for key in said:
+            if key not in kind.all_keys:
                 its = f"its keys are {choices(kind.all_keys)}" if kind.all_keys else "it needs none"
                 raise Misplaced(f"a law of the kind {self.kind!r} has no key {key!r}; {its}", key)
         missing = [key for key in kind.needs if key not in said]
@@ -292,8 +291,6 @@ def decide(
     missing = [name for name in law.observables if name not in observed]
     if missing:
         raise InputError(f"the law {law.claim} needs the observable {missing[0]!r}; available: {choices(observed)}")
-    if law.axis not in axes:
-        raise no_such("axis", law.axis, axes)
     grid = Grid(axes, crossing, counts, known or {})
     rows = [
         {"observable": name, **_over_lines(law, name, np.asarray(observed[name]), grid)} for name in law.observables
@@ -337,8 +334,6 @@ def by_line(
     InputError
         If the axis is missing.
     """
-    if law.axis not in axes:
-        raise no_such("axis", law.axis, axes)
     grid = Grid(axes, crossing, counts, known or {})
     _, lines, judge = _lines(law, law.observable, np.asarray(observed), grid)
     words = [judge(where).verdict for where in np.ndindex(lines.shape[:-1])]
@@ -408,6 +403,8 @@ def _lines(
     law: Law, name: str, values: NDArray[Any], grid: Grid
 ) -> tuple[NDArray[Any], NDArray[Any], Callable[[tuple[int, ...]], Verdict]]:
     """The axis of the law in rising order, the observable with that axis last, the verdict on a line by its place."""
+    if law.axis not in grid.axes:
+        raise no_such("axis", law.axis, grid.axes)
     if values.shape != grid.shape:
         raise InputError(f"{name} has shape {values.shape}, but its axes are {', '.join(grid.axes)}")
     k = list(grid.axes).index(law.axis)
