@@ -15,6 +15,9 @@ from tests.cases import (
     pendulum_quarter,
     quarter_of_elliptic,
 )
+from tests.reach import core
+
+STEEP = {"helix at a saddle", "helix at a steep saddle", "buckled pipe 30 deg"}
 
 
 @pytest.mark.parametrize("name, s, what, figures", FIGURES)
@@ -45,6 +48,25 @@ def test_orbit_follows_every_closed_form(name: str, tol: float) -> None:
     atol = max(tol if tol > 1e-11 else 1e-11, 1e-15 * sol.condition)
     for got, exact, unit in zip((sol.beta, sol.alpha, sol.z), named.exact(sol.s), (1, named.L, named.L), strict=True):
         np.testing.assert_allclose(got, exact, rtol=0, atol=atol * max(1, unit if tol > 1e-11 else 1))
+
+
+@pytest.mark.parametrize("name", [name for name in EXACT if name not in STEEP and EXACT[name].L <= 60])
+def test_dop853_follows_every_closed_form(name: str) -> None:
+    named = EXACT[name]
+    sol = solve(named.case, tol=1e-13, method="dop853", stations=101)
+    assert sol.error < 1e-10 * max(1.0, sol.condition)  # what is left at its tightest tolerance, grown
+    for got, exact, unit in zip((sol.beta, sol.alpha, sol.z), named.exact(sol.s), (1, named.L, named.L), strict=True):
+        np.testing.assert_allclose(got, exact, rtol=0, atol=sol.error * max(1, unit))
+
+
+@pytest.mark.parametrize("name", ("elliptic k=0.25 L=20", pytest.param("elliptic k=0.9 L=60", marks=pytest.mark.slow)))
+def test_verlet_follows_the_closed_forms_to_its_tolerance(name: str) -> None:
+    named = EXACT[name]
+    sol = solve(named.case, tol=1e-7, method="verlet", stations=201)
+    assert sol.solved, sol.outcome
+    atol = 1e-7 * max(1, sol.condition)
+    for got, exact in zip((sol.beta, sol.alpha, sol.z), named.exact(sol.s), strict=True):
+        np.testing.assert_allclose(got, exact, rtol=0, atol=atol)
 
 
 def test_catenary_with_no_load_at_all() -> None:
@@ -99,3 +121,10 @@ def test_on_a_nearly_flat_surface_the_rod_is_a_planar_elastica(kp: float) -> Non
     np.testing.assert_allclose(sol.beta[[0, 2]], np.pi, atol=2e-12)
     np.testing.assert_allclose(sol.beta[1], 2 * np.pi - case.given.beta, atol=1e-12)
     np.testing.assert_allclose(sol.beta[3], case.given.beta, atol=1e-12)
+
+
+def test_a_pendulum_in_every_method_it_is_within_reach_of() -> None:
+    case, quarter = large_cylinder(1e-2, rho=1e4), pendulum_quarter(1e-2)
+    for name in core("start"):
+        sol = solve(case, tol=1e-4, method=name, stations=quarter * np.linspace(0, 1, 21))
+        assert sol.beta[-1] == pytest.approx(np.pi, abs=1e-4 * sol.condition), name  # as asked

@@ -206,6 +206,20 @@ def discrete_index(problem: EndsProblem, orbit: Any, names: tuple[str, ...], rat
     return int((np.linalg.eigvalsh(matrix) < 0).sum())
 
 
+@pytest.mark.slow
+def test_a_hinged_end_keeps_index_and_bends_along_a_branch() -> None:
+    """A turning point at the hinge itself is no bend, whichever side of the end rounding puts it."""
+    seed, told = None, []
+    for height in (4.25, 4.0, 3.75, 3.5):
+        found = solve(Case(SHORT, DRUM, Ends("20deg", M1L=0.0, rotation="90deg", height=height)), seed=seed)
+        seen = observe(found, ["turns", "index"])
+        mesh = discrete_index(found.problem, found.trajectory.orbit, ("beta0", "dbetaL", "z", "lam", "turn"), 1.25)
+        assert found.held_index == mesh
+        told.append((int(seen["turns"]), int(seen["index"]), int(found.held_index)))
+        seed = found
+    assert len(set(told)) == 1, told
+
+
 KINDS = (
     ("beta0", "betaL", "z", "alpha", "turn"),
     ("beta0", "betaL", "z", "lam", "mu"),

@@ -21,6 +21,13 @@ def test_a_buckled_pipe_takes_the_force_of_lubinski_and_pushes_as_mitchell_says(
     assert push / (compression**2 * r / (4 * A)) == pytest.approx(MITCHELL[degrees], abs=6e-6)
 
 
+@pytest.mark.parametrize("degrees", LUBINSKI)
+def test_the_pipe_pushes_outward_all_along(degrees: int) -> None:
+    sol = solve(EXACT[f"buckled pipe {degrees} deg"].case, tol=1e-10)
+    assert (sol.contact < 0).all()  # the cylinder pushes towards the axis
+    assert (sol.push > 0).all()
+
+
 def test_a_taut_helix_pushes_as_a_string_does() -> None:
     """Stiffness small against tension: f = F3 sin^2(beta)/rho, the capstan's law."""
     beta, phi = 1.0, 1e6

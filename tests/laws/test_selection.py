@@ -97,6 +97,13 @@ def test_how_far_beta_strays_is_exact(name: str) -> None:
         assert dense - 1e-12 <= one.stray <= dense + hidden(name)
 
 
+def test_an_index_that_no_equilibrium_has_is_said_in_the_outcome() -> None:
+    sol = solve(ends_in_units_of_rho(*PROBLEMS["no loads"]), choose=99)
+    assert not sol.solved
+    assert "none of the 9 equilibria found has index 99; their indices: 0, 1" in sol.outcome
+    assert np.isnan(sol.beta).all()
+
+
 def test_ties_go_to_the_lower_energy_and_then_to_the_positive_slope() -> None:
     index, stray = np.array([0, 0, 0, 1]), np.array([0.5, 0.5 + 1e-13, 0.7, 0.0])
     assert select("nearest", index, np.array([2.0, 1.0, -9.0, -9.0]), stray, np.array([1.0, -1.0, 1.0, 1.0])) == 1
@@ -141,3 +148,14 @@ def test_nothing_is_selected_where_a_load_is_too_large_for_floats() -> None:
     assert sol.solved.tolist() == [True, False]
     assert [one is None for one in sol.selection] == [False, True]
     assert solve(pipe(20.0, -1e300)).selection is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("FZ", np.linspace(-300.0, -50.0, 6))
+def test_the_long_pipe_lies_in_lubinskis_helix(FZ: float) -> None:
+    sol = solve(pipe(300.0, float(FZ)))
+    A, rho = sol.case.rod.bending_stiffness, sol.case.rho
+    middle = sol.beta[100]
+    assert -FZ * rho**2 / A == pytest.approx(2 * np.sin(middle) ** 2 * np.cos(middle), rel=1e-9)
+    assert sol.z[-1] > 299.9
+    assert len(equilibria(pipe(30.0, float(FZ)))) > 10

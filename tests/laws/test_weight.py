@@ -24,17 +24,21 @@ from solver import (
     solve,
     trace_fold,
 )
-from solver.core.varying_loads import march
+from solver.core.varying_loads import MOST_STEPS, march
 from solver.folds.fold_curves import fold_curve
 from solver.folds.parameter_plane import parameter_plane, with_two
 from solver.numerics.arclength import Lengths
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.limits import unreachable
-from solver.shooting.buckling import buckling_tension, straight_index, straight_shape
+from solver.shooting.buckling import buckling_shares, buckling_tension, straight_index, straight_shape
 from solver.shooting.descent import index_at
-from solver.shooting.loaded_rod import LoadedRod
+from solver.shooting.further_shapes import further_shapes
+from solver.shooting.loaded_rod import PHI, LoadedRod
+from solver.shooting.local_waves import compression, places, sinusoid, wave_shape
+from solver.shooting.newton import open_at
 from solver.shooting.numbers import rods_of
 from solver.shooting.pitchfork_line import pitchfork_at
+from solver.shooting.search import buckling_shapes
 from solver.shooting.shapes_on_plane import pitchforks_of
 from solver.shooting.slender_sinusoid import OVER, rows
 from solver.shooting.state import in_words
@@ -111,6 +115,16 @@ LONG_PIPES = (  # 1 km: inclination, load, sliding, ends
 def long_pipe(inclination: float, load: float, sliding: str, ends: dict[str, float]) -> Case:
     wall = Cylinder(**HOLE, inclination=f"{inclination}deg", friction=0.15, sliding=sliding)
     return Case(Rod(L=1000.0, **PIPE), wall, Ends(**ends, azimuth=0.0, FZ=-load))
+
+
+@pytest.mark.parametrize("pipe", LONG_PIPES)
+def test_a_long_pipe_with_friction_is_nearly_its_local_sinusoid(pipe: Any) -> None:
+    rod = rods_of(long_pipe(*pipe))[0]
+    found = sinusoid(rod)
+    assert found is not None
+    assert np.abs(open_at(found)).max() < 1e-9
+    local = wave_shape(rod, found.t, compression(rod, places(rod, found.t)))
+    assert local.y[0, PHI] == pytest.approx(found.y[0, PHI], rel=0.005)  # FZ at s = 0
 
 
 @pytest.mark.slow
@@ -363,6 +377,16 @@ def test_branches_from_no_weight_find_equilibria_that_a_scan_misses() -> None:
     assert max(max(unbalanced(one.solution)) for one in found) < 1e-8
 
 
+def test_the_branches_of_the_straight_rod_begin_at_each_buckling_load() -> None:
+    case = lying_pipe(1.2)
+    (rod,) = rods_of(case)
+    shapes = list(buckling_shapes(rod, rod.nodes()))
+    below = int((buckling_loads(case) < 1.2 * BUCKLES).sum())
+    assert len(list(buckling_shares(rod, rod.nodes()))) == below
+    assert sorted(index_at(one) for one in shapes) == [0, 0, 0, 0, 1, 1]
+    assert max(np.abs(open_at(one)).max() for one in shapes) < 1e-12
+
+
 SHORT = Case(
     Rod(EI=1.0, GJ=1.0, a=0.05, L=6.0, weight=1.0), Cylinder(R=0.15, side="inside", inclination="90deg"),
     Ends(M10=0.0, M1L=0.0, azimuth=0.0, FZ=-7.25),
@@ -380,6 +404,19 @@ def test_the_curve_of_a_buckling_load_over_the_weight_is_the_exact_one() -> None
     assert found.values[:, 0] == pytest.approx(exact, rel=1e-10)
     assert (found.kind, found.lower, found.ends) == ("pitchfork", 1, ("border", "border"))
     assert (found.more[:, 0] < 0).all()
+
+
+@pytest.mark.slow
+def test_deflation_finds_the_shapes_between_stable_ones() -> None:
+    """The straight pipe has index 2, four shapes are stable: as many of index 1 are passes between them."""
+    (rod,) = rods_of(with_field(SHORT, "weight", 1.06))
+    t = rod.nodes()
+    known = [straight_shape(rod, t), *buckling_shapes(rod, t)]
+    assert sorted(map(index_at, known)) == [0, 0, 0, 0, 2]
+    for shape in further_shapes(rod, t, known, 10):
+        assert np.abs(open_at(shape)).max() < 1e-11
+        known.append(shape)
+    assert sum(index_at(shape) == 1 for shape in known) >= 4
 
 
 @pytest.mark.slow
@@ -539,6 +576,24 @@ def test_the_buckling_load_of_an_inclined_pipe_counts_its_whole_weight() -> None
     assert lying == pytest.approx(-(modes + 0.01 / modes).min(), rel=1e-5)
 
 
+def test_derivatives_of_a_march_agree_with_differences() -> None:
+    rng = np.random.default_rng(1)
+    for turning in (0.0, 1.0):
+        rod = np.array([1.3, 0.3, 0.5, 0.2, turning, 0.4, -1.0])
+        begin, scale = np.append(rng.normal(size=6) / 2, [0.0, 0.0]), np.ones(8)
+        exact = march(rod, scale, begin[None], np.array([2.0]), 9).columns[0]
+        for k in range(9):
+            step = np.eye(9)[k] * 1e-6
+            ends = [
+                march(
+                    rod + sign * np.concatenate([[0], step[6:], [0, 0, 0]]), scale,
+                    (begin + sign * np.append(step[:6], [0, 0]))[None], np.array([2.0]),
+                ).end[0]
+                for sign in (1, -1)
+            ]  # fmt: skip
+            assert np.allclose((ends[0] - ends[1]) / 2e-6, exact[:, k], atol=1e-7 * (1 + np.abs(exact).max()))
+
+
 @pytest.mark.parametrize("sliding", ("", "forward", "rotating", "axial-backward"))
 @pytest.mark.parametrize("tol", (1e-6, 1e-8, 1e-10, 1e-12))
 def test_the_estimated_error_of_a_start_problem_bounds_the_true_one(tol: float, sliding: str) -> None:
@@ -572,6 +627,13 @@ def test_a_change_that_shrinks_and_grows_again_keeps_its_size() -> None:
     assert (off <= loose.error + tight.error).all()
     moved = off > 0
     assert np.median(loose.error[moved] / off[moved]) < 300
+
+
+@pytest.mark.slow
+def test_a_march_that_does_not_end_is_given_up_in_words() -> None:
+    sol = solve(Case(Rod(**(ROD | {"L": 1e6})), Cylinder(R=1.0, inclination=1.0), Start(0.5, 0.3, F3=1.0, M3=1.0)))
+    assert not sol.solved
+    assert f"did not end within {MOST_STEPS} steps" in str(sol.outcome)
 
 
 def test_a_march_gives_the_same_bits_in_lanes_of_every_width() -> None:
@@ -686,6 +748,21 @@ def test_a_helix_whose_ends_are_held_as_far_apart_as_the_rod_is_long_is_not_out_
     apart = [(7.3 * np.cos(beta), 7.3 * np.sin(beta)) for beta in np.linspace(0.1, 1.4, 200)]
     assert max(np.hypot(*ends) / 7.3 for ends in apart) > 1  # by a rounding
     assert {unreachable(*ends, 7.3) for ends in apart} == {""}
+
+
+@pytest.mark.parametrize(
+    ("inclination", "ends"),
+    [
+        (0.0, {"M10": 0.3, "M1L": -0.5, "FZ": 0.4, "MZ": 0.1, "M3": 0.2}),  # hinges leave the direction open at first
+        (1.0, {"beta0": 0.0, "betaL": 0.0, "FZ": 0.4, "MZ": 0.0, "rotation": 0.7}),  # twisted, so not straight
+    ],
+)
+def test_rods_whose_straight_shape_is_singular_or_none_are_solved(inclination: float, ends: dict[str, float]) -> None:
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.2, L=4.0, weight=0.5), Cylinder(0.8, "inside", inclination), Ends(**ends)))
+    assert sol.solved
+    assert sol.held_index == 0
+    fine = solve(sol.case, seed=sol, stations=2001)
+    assert max(unbalanced(fine)) < 1e-9
 
 
 def test_a_long_helix_with_a_free_end_falls_to_a_stable_one() -> None:

@@ -213,6 +213,39 @@ def test_stable_ones_turn_once_at_most_so_they_are_found_without_the_others() ->
     assert few.total == every.total == every.slope.size == 31
 
 
+@pytest.mark.parametrize("L", (20.0, 60.0))
+def test_how_an_equilibrium_answers_to_its_far_angle_is_what_moving_it_shows(L: float) -> None:
+    """Largest |d beta/d beta(L)|, against the two shapes next to it, for every one of the same path."""
+    numbers, step = (-0.3655, 0.7464, -0.7506, L, 0.5), 1e-7
+    there, here, beyond = (equilibria(ends_in_units_of_rho(*numbers, 0.5 + d), stations=4001) for d in (-step, 0, step))
+
+    def key(one):
+        p = one.path
+        return float(p.pin[0]), float(p.sign[0]), int(p.leaving[0]), int(p.turns[0])
+
+    counted = 0
+    for one in here:
+        pair = [[o for o in other if key(o) == key(one)] for other in (there, beyond)]
+        if any(len(p) != 1 for p in pair) or one.solution.condition > 1e3:
+            continue  # the level is pinned otherwise, or a fold is near
+        moved = np.abs(pair[1][0].solution.beta - pair[0][0].solution.beta).max() / (2 * step)
+        assert max(1.0, moved) == pytest.approx(float(one.solution.condition), rel=2e-3)  # stations, step
+        counted += 1
+    assert counted > 20
+
+
+def test_stray_is_how_far_beta_leaves_its_ends_interval() -> None:
+    for one in equilibria(ends_in_units_of_rho(-0.3655, 0.7464, -0.7506, 20.0, 0.5, 0.8), stations=20001):
+        beta = one.solution.beta
+        assert one.stray == pytest.approx(max(beta.max() - 0.8, 0.5 - beta.min(), 0.0), abs=1e-6)  # (h v)^2
+
+
+def test_a_list_of_at_most_so_many_periods_says_so() -> None:
+    found = equilibria(nylon(), most_swings=3)
+    assert not found.complete
+    assert "at most 3 whole periods" in found.remark
+
+
 # random problems
 
 

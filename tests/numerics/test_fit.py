@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, curve_fit
 
-from solver import Case, Cylinder, Rod, Start, fit, observe, solve
+from solver import Case, Cylinder, Ends, Rod, Start, fit, observe, solve
 from solver.inverse.data import check_data
 from solver.inverse.model import Model
 from solver.inverse.parameters import check_parameters
@@ -18,6 +18,12 @@ S = np.linspace(0.4, 20.0, 50)
 def rod(E=1.07e4, M3=18.0, R=0.75, L=20.0, side="outside", **start):
     given = {"beta": "30deg", "dbeta": 0.5, "F3": 10.0} | ({"M3": M3} if M3 is not None else {}) | start
     return Case(Rod(E=E, nu=0.25, a=0.25, L=L, stiffness="paper"), Cylinder(R=R, side=side), Start(**given))
+
+
+def between(FZ=-8.66, **given):
+    return Case(
+        Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Ends(0.5, 0.8, FZ=FZ, **({"MZ": 1.3, "M3": 6.1} | given))
+    )
 
 
 def points_of(case, s=S, noise=0.0, seed=0, with_s=True):
@@ -52,6 +58,13 @@ def test_the_derivatives_of_the_residuals_are_those_of_differences(with_s) -> No
         np.testing.assert_allclose(found[:, k], expected, atol=1e-7 * size, err_msg=name)  # rounding over h
 
 
+def test_the_derivative_of_a_point_with_s_by_the_length_keeps_its_s() -> None:
+    case, s = rod(), np.array([3.0, 11.0])
+    data = check_data(case, None, points_of(case, s), None, False)
+    model = Model(case, check_parameters(case, ["L"]), data, "nearest", 1e-12)
+    assert np.abs(model.jacobian(np.array([np.log(20.0)]))).max() < 1e-9  # a start problem does not know its length
+
+
 def test_the_distance_to_a_point_is_the_least_of_the_whole_curve() -> None:
     case, points = rod(), points_of(rod(), S, 0.2, with_s=False)
     data = check_data(case, None, points, None, False)
@@ -75,6 +88,23 @@ def test_a_fit_to_points_of_a_known_rod_recovers_it(with_s) -> None:
         assert found.values[name] == pytest.approx(value, rel=1e-8)
 
 
+def test_a_fit_to_targets_of_a_known_rod_recovers_it() -> None:
+    seen = observe(solve(rod(), tol=1e-11), ["height", "push_max"])
+    found = fit(rod(E=1.05e4, M3=17.8), ["E", "M3"], {name: float(v) for name, v in seen.items()}, starts=0)
+    assert found.solved
+    assert found.reached
+    for name, value in TRUE.items():
+        assert found.values[name] == pytest.approx(value, rel=1e-8)
+
+
+def test_a_fit_between_two_ends_recovers_the_loads_on_its_branch() -> None:
+    points = points_of(between())
+    found = fit(between(FZ=-8.5, M3=6.0), ["FZ", "M3"], points=points, starts=0)
+    assert found.solved
+    assert found.values["FZ"] == pytest.approx(-8.66, rel=1e-8)
+    assert found.values["M3"] == pytest.approx(6.1, rel=1e-8)
+
+
 def test_the_moment_of_a_helix_is_that_of_its_angle() -> None:
     # H(beta) = 0 with F2 = 0 is M3 = A sin(beta) cos(beta)/rho; the far end is then at L cos(beta)
     beta = 0.6
@@ -95,6 +125,12 @@ def test_the_length_of_the_catenary_like_rod_is_that_of_its_height() -> None:
     wanted = np.sqrt(1 + u0**2) - np.sqrt(1 + (u0 - L) ** 2)
     found = fit(rod(L=3.0, beta=beta, **loads), {"L": (2.0, 6.0)}, {"height": float(wanted)}, starts=0)
     assert found.values["L"] == pytest.approx(L, rel=1e-8)
+
+
+def test_one_target_and_one_field_agree_with_brent() -> None:
+    expected = brentq(lambda F1: height(F1) - 9.0, 6.0, 9.0, xtol=1e-12)
+    found = fit(rod(M3=None, F1=7.0), {"F1": (6.0, 9.0)}, {"height": 9.0})
+    assert found.values["F1"] == pytest.approx(expected, rel=1e-8)
 
 
 def test_every_value_that_reaches_a_target_is_found() -> None:

@@ -68,6 +68,12 @@ def test_the_papers_scheme_extrapolated_has_the_error_that_was_measured_for_it(n
     assert differenced((nodes + 1) // 2, True) == pytest.approx(error, rel=0.5, abs=3e-10)
 
 
+@pytest.mark.parametrize("extrapolate, order", [(False, 2), (True, 4)])
+def test_the_papers_scheme_is_of_order_two_and_extrapolated_of_order_four(extrapolate: bool, order: int) -> None:
+    measured = slopes([differenced(nodes, extrapolate) for nodes in (101, 201, 401)])
+    np.testing.assert_allclose(measured, order, atol=0.25)  # the next power of h^2 still shows
+
+
 def test_every_method_states_its_order() -> None:
     assert METHODS["orbit"].order == float("inf")
     assert METHODS["verlet"].order == 4
