@@ -196,7 +196,7 @@ static void begin_leaf(const rod *o, double low, double high, leaf *out)
         product(n, AT, o->rates[k], polynomials, out->M[k]);
     directions_of(&out->at.angles);
     for (int d = 0; d < INTEGRALS; d++)
-        if (o->integrates[d] || d == PUSH)
+        if (o->integrates[d] || (d == PUSH && wants(o, PEAK)))
             rate(kinds[d], &o->w->steady, &out->at, &out->by[d]);
 }
 
@@ -260,7 +260,7 @@ typedef struct {
 static void add_leaf(const rod *o, const leaf *part, double x, sums *to)
 {
     const rated *push = &part->by[PUSH];
-    const int pushes = total_of(push->of.values, o->w->by.weight) > 0;
+    const int pushes = o->integrates[PUSH] && total_of(push->of.values, o->w->by.weight) > 0;
     double column[AT], above[COLUMNS][AT], far = 0;
     for (int i = 0; i < AT; i++)
         far = larger(far, fabs(part->at.x[i]));
@@ -592,7 +592,8 @@ static void prepare_rod(rod *o)
         enter_panel(o, panel);
         begin_leaf(o, -1, 1, whole);
         for (int i = 0; i < AT; i++) {
-            o->most_pace = larger(o->most_pace, fabs(whole->by[PUSH].pace[i]));
+            if (wants(o, PEAK))
+                o->most_pace = larger(o->most_pace, fabs(whole->by[PUSH].pace[i]));
             fastest = larger(fastest, whole->at.angles.speed[i]);
         }
         for (int d = 0; d < INTEGRALS; d++)

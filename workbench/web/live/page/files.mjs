@@ -5,7 +5,6 @@ import { drawPicture } from "./picture.mjs";
 import { Refused, fieldNames, isUnused } from "./rod_case.mjs";
 import { post } from "./server.mjs";
 import { studyText } from "./study_text.mjs";
-import { csvText } from "./table.mjs";
 
 const say = (text) => set(element("message"), text);
 
@@ -56,4 +55,24 @@ export function showStudy(state) {
   element("study-text").value = text;
   element("study").showModal();
   return copyText(text, "The study is copied.");
+}
+
+/* The shape as a table of text (CSV). */
+function csvText({ one, s, alpha, beta, dbeta, z, push, kappa, tension }, { length, force }) {
+  const x = alpha.map((v) => one.rho * Math.cos(v)),
+    y = alpha.map((v) => one.rho * Math.sin(v));
+  const columns = {
+    [`s [${length}]`]: s,
+    [`x [${length}]`]: x,
+    [`y [${length}]`]: y,
+    [`z [${length}]`]: z,
+    "alpha [rad]": alpha,
+    "beta [rad]": beta,
+    [`dbeta [rad/${length}]`]: dbeta,
+    [`kappa [1/${length}]`]: kappa,
+    [`F3 [${force}]`]: tension,
+    [`push [${force}/${length}]`]: push,
+  };
+  const rows = Array.from(s, (_, i) => Object.values(columns).map((column) => column[i]));
+  return `${[Object.keys(columns), ...rows].map((row) => row.join(",")).join("\r\n")}\r\n`;
 }

@@ -1,11 +1,11 @@
 // A view of the rod with what stands about it: triad, scale, bar of colours, badges, two buttons.
 
+import { axesOf, dot } from "./camera.mjs";
+import { ramp, wordsOf } from "./colours.mjs";
 import { set } from "./details.mjs";
-import { showBar } from "./push_bar.mjs";
 import { makeView } from "./rod_view.mjs";
-import { showScale } from "./scale_bar.mjs";
 import { crossings } from "./self_contact.mjs";
-import { drawTriad } from "./triad.mjs";
+import { minus, number, tickText, ticks } from "./text.mjs";
 
 /* The stage in a canvas. part: the element of a name. unit: that of length. The others: as of `makeView`. */
 export function makeStage(canvas, mark, part, code, calm, unit, lies = false) {
@@ -33,4 +33,79 @@ export function makeStage(canvas, mark, part, code, calm, unit, lies = false) {
   }
 
   return { view, showLegend, showCrossings };
+}
+
+const LONGEST = 100, // pixels
+  SHORTEST = 12; // of one that says anything: the camera looks along the axis
+
+/* Set the bar of a round length along the axis, as long as the camera of a view sees it. */
+function showScale(box, { camera, drawn }, canvas, unit) {
+  const perUnit = (Math.abs(Math.cos(camera.elevation)) * drawn.squeeze * canvas.clientHeight) / (2 * camera.half),
+    power = 10 ** Math.floor(Math.log10(LONGEST / perUnit)),
+    length = power * [5, 2, 1].find((one) => one * power * perUnit <= LONGEST);
+  box.hidden = !(length * perUnit > SHORTEST) || Math.cos(camera.elevation) < 0.3;
+  box.style.setProperty("--wide", `${(length * perUnit).toFixed(1)}px`);
+  const text = `${number(length)} ${unit} along the axis`;
+  if (box.textContent !== text) box.textContent = text;
+}
+
+const TICKS = 4,
+  TONES = 256;
+
+/* Show the colours of the push in a box of their name, a canvas and ticks. */
+function showBar(box, code, scale, unit) {
+  const { low, end } = scale,
+    key = `${low} ${end} ${unit}`,
+    [name, pushes, canvas, marks] = [".name", ".pushes", "canvas", ".ticks"].map((part) => box.querySelector(part));
+  if (box.dataset.shown === key) return;
+  box.dataset.shown = key;
+  name.textContent = minus(end > 0 ? wordsOf(code, scale, unit) : "no push");
+  pushes.hidden = !(end > 0);
+  if (pushes.hidden) return;
+  Object.assign(canvas, { width: TONES, height: 1 });
+  canvas.getContext("2d").putImageData(new ImageData(ramp(code, TONES, low / end), TONES, 1), 0, 0);
+  marks.replaceChildren(
+    ...ticks(low, end, TICKS).map((value) => {
+      const mark = document.createElement("span");
+      mark.textContent = tickText(value, end);
+      mark.style.left = `${(100 * (value - low)) / (end - low)}%`;
+      return mark;
+    }),
+  );
+}
+
+const ARM = 26,
+  LETTER = 36,
+  MIDDLE = 44; // pixels
+const AXES = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
+
+/* Draw the directions of the axes x, y and z as the camera sees them into an SVG element. */
+function drawTriad(box, camera) {
+  if (!box.firstChild) prepare(box);
+  const { right, up, toward } = axesOf(camera);
+  for (const [name, way] of Object.entries(AXES)) {
+    const [arm, letter] = [box.querySelector(`line.${name}`), box.querySelector(`text.${name}`)];
+    const x = dot(way, right),
+      y = -dot(way, up);
+    arm.setAttribute("x2", (MIDDLE + ARM * x).toFixed(1));
+    arm.setAttribute("y2", (MIDDLE + ARM * y).toFixed(1));
+    letter.setAttribute("x", (MIDDLE + LETTER * x).toFixed(1));
+    letter.setAttribute("y", (MIDDLE + LETTER * y).toFixed(1));
+    const shown = Math.hypot(x, y) > 0.25 || dot(way, toward) > 0 ? "1" : "0.4";
+    arm.setAttribute("opacity", shown);
+    letter.setAttribute("opacity", Math.hypot(x, y) > 0.2 ? shown : "0");
+  }
+}
+
+function prepare(box) {
+  for (const name of Object.keys(AXES)) {
+    const arm = document.createElementNS(box.namespaceURI, "line"),
+      letter = document.createElementNS(box.namespaceURI, "text");
+    arm.setAttribute("class", name);
+    arm.setAttribute("x1", MIDDLE);
+    arm.setAttribute("y1", MIDDLE);
+    letter.setAttribute("class", name);
+    letter.textContent = name;
+    box.append(arm, letter);
+  }
 }
