@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.march_25_digits import march
 from solver.problem.reduced import reduce
-from workbench.compare.extreme_cases import FILE, SHARES, extremes
+from workbench.compare.extreme_runs import FILE, SHARES, extremes
 
 _STEPS = 1500  # some minutes for all of them together
 

@@ -15,7 +15,7 @@ from mpmath import mpf
 
 from benchmarks.make_references import DIGITS, ORDER, numbers, series, stepped
 from solver import Case, Ends
-from workbench.compare.trade_cases import CASES, FILE, Named
+from workbench.compare.trade_runs import CASES, FILE, Named
 
 STATIONS = 40  # and the start
 OUT = Path(__file__).resolve().parents[1] / "workbench" / "compare" / FILE

@@ -20,7 +20,7 @@ from solver.core.orbits import critical_points
 from solver.levels.line_point import path_of
 from solver.methods.orbit import OrbitQuadrature
 from solver.problem.reduced import StartProblem, reduce
-from workbench.compare.trade_cases import ends_in_units_of_rho
+from workbench.compare.trade_runs import ends_in_units_of_rho
 
 STATIONS = 201
 Work = dict[str, tuple[Callable[[], object], int]]  # what is measured, and how often

@@ -15,7 +15,7 @@ from solver.methods import METHODS, available
 from solver.methods.base import Ladder, tens
 from solver.problem.reduced import reduce
 from tests.cases import EXACT, elliptic, in_units_of_rho
-from workbench.compare.trade_cases import CASES, FILE, reference
+from workbench.compare.trade_runs import CASES, FILE, reference
 
 DATA = json.loads((files("workbench.compare") / FILE).read_text(encoding="utf-8"))
 MARCHES = {"euler": 1, "verlet": 4, "rk4": 4}

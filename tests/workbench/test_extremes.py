@@ -9,8 +9,16 @@ from matplotlib.colors import to_hex
 from solver.methods import available
 from tests.workbench.command import exit_status
 from workbench.compare import extreme_runs
-from workbench.compare.extreme_cases import extremes, references
-from workbench.compare.extreme_runs import INACCURATE, REFUSED, VERDICTS, Attempt, attempts_at, dataset_of
+from workbench.compare.extreme_runs import (
+    INACCURATE,
+    REFUSED,
+    VERDICTS,
+    Attempt,
+    attempts_at,
+    dataset_of,
+    extremes,
+    references,
+)
 from workbench.figures import canvas, robustness
 from workbench.figures import colours as palette
 from workbench.store import reading, writing
@@ -26,7 +34,7 @@ def test_every_extreme_has_a_name_of_its_own_and_a_reference_or_none_said() -> N
 def test_orbit_is_right_to_its_promise_at_every_extreme_that_a_march_of_25_digits_reaches() -> None:
     """Looser than the promise by ten only where rounding of the case's own numbers is amplified."""
     from solver import solve
-    from workbench.compare.extreme_cases import SHARES
+    from workbench.compare.extreme_runs import SHARES
 
     for one in extremes():
         known = references()[one.name].beta

@@ -14,8 +14,7 @@ from solver.observe.observables import OBSERVABLES
 from tests.workbench import forked, small
 from workbench.commands import trade
 from workbench.commands.fidelity import FIDELITIES
-from workbench.compare.trade_cases import CASES, reference
-from workbench.compare.trade_runs import advice
+from workbench.compare.trade_runs import CASES, advice, reference
 from workbench.figures import work_precision
 from workbench.store import in_memory, reading
 from workbench.store.schema import CURVES

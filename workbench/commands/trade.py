@@ -30,10 +30,9 @@ def trade(
     When interrupted, the command stores and draws the finished cases as trade_interrupted; trade.h5 stays unchanged.
     """
     from ..compare import trade_runs as comparison
-    from ..compare.trade_cases import choose
     from ..figures.work_precision import COSTS
 
-    named, ladders = choose(names(cases)), comparison.ladders_of(names(methods))
+    named, ladders = comparison.choose(names(cases)), comparison.ladders_of(names(methods))
     comparison.check_kinds(named, ladders)
 
     def dataset(pieces: "Sequence[Any]") -> "xr.Dataset":
@@ -87,10 +86,10 @@ def extremes(
     When interrupted, the command stores and draws the finished extremes as extremes_interrupted; extremes.h5 stays
     unchanged.
     """
-    from ..compare import extreme_cases
+    from ..compare import extreme_runs
     from ..compare.extreme_runs import INACCURATE, VERDICTS, dataset_of, rows_of
 
-    named = extreme_cases.extremes()
+    named = extreme_runs.extremes()
 
     def dataset(pieces: "Sequence[Any]") -> "xr.Dataset":
         return dataset_of(dict(pieces))

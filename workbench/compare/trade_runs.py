@@ -1,20 +1,31 @@
-"""Accuracy against cost: every method over a ladder of its knob on the named cases, as a dataset."""
+"""Accuracy against cost: every method over a ladder of its knob on named cases, as a dataset.
 
+The references of the cases are Taylor series with forty digits (benchmarks/make_trade_references.py), which no method
+uses. Tests compare those of the elliptic and the catenary rod with the closed forms.
+"""
+
+import json
 from collections.abc import Callable, Generator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from itertools import product
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from solver import InputError
-from solver.benchmark import STATIONS, Row, available_ladders, cheapest, measure
+from solver import Case, Cylinder, Ends, InputError, Rod, Start
+from solver.benchmark import STATIONS, Reference, Row, available_ladders, cheapest, measure
 from solver.methods import METHODS
 from solver.methods.base import Ladder
 from solver.problem.errors import choices, no_such
+from studies.language.readings import LOADS, READINGS, TWISTS
 
 from ..store import dataset
-from .trade_cases import CASES, Named, reference
 
+GAPS = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+FILE = "trade_references.json"
 LEVELS = (1e-3, 1e-6, 1e-9, 1e-12)
 NOT_OF_KIND = "not tried: it solves another kind of problem"
 LABELS = {
@@ -30,6 +41,92 @@ LABELS = {
     "drift_FZ": ("1", "largest difference of axial force from its load, over A/rho^2"),
     "drift_MZ": ("1", "largest difference of axial moment from its load, over A/rho"),
 }
+
+
+@dataclass(frozen=True, eq=False)
+class Named:
+    """A case, its description, and for an ends problem beta'(0) [rad/length] of the equilibrium to compare."""
+
+    case: Case
+    about: str
+    slope: float | None = None
+
+
+def in_units_of_rho(lam: float, mu: float, phi: float, span: float, beta0: float, dbeta0: float) -> Case:
+    """A start problem from its dimensionless numbers; A = rho = 1 up to rounding."""
+    rod, cylinder = _unit(span)
+    s, c = np.sin(beta0), np.cos(beta0)
+    A, FY = rod.bending_stiffness, lam - mu * c - s**3
+    twist = mu * (1 + rod.nu) - s * c
+    return Case(rod, cylinder, Start(beta0, dbeta0, F2=A * (phi * s - FY * c), F3=A * (phi * c + FY * s), dgamma=twist))
+
+
+def ends_in_units_of_rho(lam: float, mu: float, phi: float, span: float, beta0: float, betaL: float) -> Case:
+    """An ends problem from its dimensionless numbers; A = rho = 1 up to rounding."""
+    rod, cylinder = _unit(span)
+    A = rod.bending_stiffness
+    return Case(rod, cylinder, Ends(beta0, betaL, FZ=A * phi, MZ=A * lam, M3=A * mu))
+
+
+def _unit(span: float) -> tuple[Rod, Cylinder]:
+    a = 0.25
+    return Rod(E=4 / (np.pi * a**4), nu=0.25, a=a, L=span), Cylinder(1 - a)
+
+
+def _cases() -> dict[str, Named]:
+    pressed, pulled = READINGS["twist-first/compression/paper"], READINGS["force-first/tension/paper"]
+    b, quarter = float(np.pi / 6), float(np.pi / 4)
+    near_saddle = ends_in_units_of_rho(-0.3655, 0.7464, -0.7506, 20.0, b, b)
+    FZ, MZ, M3 = pressed.case().loads
+    held = Case(pressed.case().rod, pressed.case().cylinder, Ends(b, quarter, FZ, MZ, M3))
+    rows: list[tuple[str, Case, str] | tuple[str, Case, str, float]] = [
+        *((name, READINGS[f"{name}/paper"].case(), "Table 1, the paper's stiffness")
+          for name in map("/".join, product(TWISTS, LOADS))),
+        ("elliptic", in_units_of_rho(0, 0, 0, 20.0, b, 0.0), "no load, beta'(0) = 0: exact"),
+        ("catenary", in_units_of_rho(0, 0, 0, 20.0, b, float(np.sin(b) ** 2)), "no load, beta is monotonic: exact"),
+        *((f"gap {gap:.0e}", in_units_of_rho(0, 0, 1.0, 60.0, gap, 0.0), "beta'(0) = 0, that near to a saddle")
+          for gap in GAPS),
+        ("long", pulled.case({"L": 400.0}), "force-first/tension, L = 400 cm"),
+        ("stiff", pressed.case({"E": 1.07e7}), "twist-first/compression, E a thousand times Table 1's"),
+        ("soft", pressed.case({"E": 107.0}), "twist-first/compression, E a hundredth of Table 1's"),
+        ("ends elliptic", ends_in_units_of_rho(0, 0, 0, 20.0, b, 0.524317117841891221),
+         "the elliptic rod by its two ends", 0.0),
+        ("ends table 1", held, "twist-first/compression, 45 degrees at the end", 0.5),
+        ("ends stable 1", near_saddle, "stays near a saddle and is stable: beta'(0) = -1.538", -1.53804),
+        ("ends stable 2", near_saddle, "stays near a saddle and is stable: beta'(0) = 2.002", 2.00163),
+    ]  # fmt: skip
+    return {name: Named(*row) for name, *row in rows}
+
+
+CASES: dict[str, Named] = _cases()
+
+
+def choose(names: list[str]) -> dict[str, Named]:
+    """The cases with these names or first words (gap, ends); default: all. Raises `InputError` for another name."""
+    if not names:
+        return CASES
+    picked: dict[str, Named] = {}
+    for name in names:
+        cases = {k: v for k, v in CASES.items() if k == name or k.partition(" ")[0] == name}
+        if not cases:
+            raise no_such("case", name, CASES)
+        picked |= cases
+    return picked
+
+
+@cache
+def _references() -> dict[str, Any]:
+    return dict(json.loads((files(__package__) / FILE).read_text(encoding="utf-8")))
+
+
+def reference(name: str) -> Reference:
+    """The reference of a named case. Raises `InputError` if it has none."""
+    rows = _references()
+    if name not in rows["cases"]:
+        raise InputError(f"no reference for {name!r}: compute it with benchmarks/make_trade_references.py")
+    row = rows["cases"][name]
+    columns = {column: np.array(row[column]) for column in ("beta", "alpha", "z", "contact")}
+    return Reference(u=np.array(rows["u"]), condition=row["condition"], **columns)
 
 
 def rows_of(
@@ -82,53 +179,42 @@ def dataset_of(rows: Sequence[Row], ladders: Mapping[str, Ladder]) -> xr.Dataset
     """
     cases = list(dict.fromkeys(row.case for row in rows))
     methods = [name for name in ladders if any(row.ladder == name for row in rows)]
-    longest = max(len(ladders[name].values) for name in methods)
-    shape = len(cases), len(methods), longest
+    full, shape = ("case", "ladder", "rung"), (len(cases), len(methods), max(len(ladders[m].values) for m in methods))
     numbers = {name: np.full(shape, np.nan) for name in LABELS}
     outcome, answered = np.full(shape, NOT_OF_KIND, dtype=object), np.full(shape, "", dtype=object)
+    value = np.full(shape[1:], np.nan)
     for j, name in enumerate(methods):
-        outcome[:, j, len(ladders[name].values) :] = "not tried: the ladder ends before"
+        count = len(ladders[name].values)
+        value[j, :count] = ladders[name].values
+        outcome[:, j, count:] = "not tried: the ladder ends before"
     for row in rows:
         at = cases.index(row.case), methods.index(row.ladder), ladders[row.ladder].values.index(row.value)
         outcome[at], answered[at] = row.outcome, row.answered
         for name, values in numbers.items():
             values[at] = getattr(row, name)
-    value = np.full(shape[1:], np.nan)
-    for j, name in enumerate(methods):
-        value[j, : len(ladders[name].values)] = ladders[name].values
-    full = ("case", "ladder", "rung")
-    data: dict[str, Any] = {
-        name: xr.Variable(full, values, {"units": LABELS[name][0], "long_name": LABELS[name][1]})
-        for name, values in numbers.items()
-    }
-    data["outcome"] = xr.Variable(full, outcome.astype(str), {"long_name": "solved, or why not"})
-    data["answered"] = xr.Variable(full, answered.astype(str), {"long_name": "the method whose answer it is"})
-    data["value"] = xr.Variable(full[1:], value, {"units": "1", "long_name": "value of the knob"})
-    data["knob"] = xr.Variable(("ladder",), [ladders[name].knob for name in methods], {"long_name": "knob turned"})
-    kinds = [CASES[name].case.kind for name in cases]
-    data["kind"] = xr.Variable(("case",), kinds, {"long_name": "what is given"})
-    data["about"] = xr.Variable(("case",), [CASES[name].about for name in cases], {"long_name": "the case in words"})
-    known = [reference(name).condition for name in cases]
-    words = "growth of a change of the start, of the reference"
-    data["reference_condition"] = xr.Variable(("case",), known, {"units": "1", "long_name": words})
-    return xr.Dataset(
-        data | _best(rows, cases), {"case": cases, "ladder": methods, "level": list(LEVELS)}, _attributes()
-    )
-
-
-def _best(rows: Sequence[Row], cases: Sequence[str]) -> dict[str, Any]:
-    """The cheapest method and its seconds over (case, level); empty and NaN where none reaches the level."""
-    method = np.full((len(cases), len(LEVELS)), "", dtype=object)
-    seconds = np.full(method.shape, np.nan)
+    best, seconds = np.full((len(cases), len(LEVELS)), "", dtype=object), np.full((len(cases), len(LEVELS)), np.nan)
     for k, level in enumerate(LEVELS):
-        for name, row in cheapest(rows, level).items():
-            if row is not None:
-                method[cases.index(name), k], seconds[cases.index(name), k] = row.ladder, row.seconds
-    dims = ("case", "level")
-    return {
-        "cheapest": xr.Variable(dims, method.astype(str), {"long_name": "the method that reaches the level soonest"}),
-        "cheapest_seconds": xr.Variable(dims, seconds, {"units": "s", "long_name": "time that it takes"}),
+        for name, cheap in cheapest(rows, level).items():
+            if cheap is not None:
+                best[cases.index(name), k], seconds[cases.index(name), k] = cheap.ladder, cheap.seconds
+    of_case, of_level = ["case"], ("case", "level")
+    words = "growth of a change of the start, of the reference"
+    conditions = [reference(name).condition for name in cases]
+    data: dict[str, Any] = {
+        **{name: (full, numbers[name], {"units": unit, "long_name": text}) for name, (unit, text) in LABELS.items()},
+        "outcome": (full, outcome.astype(str), {"long_name": "solved, or why not"}),
+        "answered": (full, answered.astype(str), {"long_name": "the method whose answer it is"}),
+        "value": (full[1:], value, {"units": "1", "long_name": "value of the knob"}),
+        "knob": (["ladder"], [ladders[name].knob for name in methods], {"long_name": "knob turned"}),
+        "kind": (of_case, [CASES[name].case.kind for name in cases], {"long_name": "what is given"}),
+        "about": (of_case, [CASES[name].about for name in cases], {"long_name": "the case in words"}),
+        "reference_condition": (of_case, conditions, {"units": "1", "long_name": words}),
+        "cheapest": (of_level, best.astype(str), {"long_name": "the method that reaches the level soonest"}),
+        "cheapest_seconds": (of_level, seconds, {"units": "s", "long_name": "time that it takes"}),
     }
+    about = {"title": "Accuracy against cost", "study_name": "trade", "reading": "", "laws": "[]", "stations": STATIONS}
+    coordinates = {"case": cases, "ladder": methods, "level": list(LEVELS)}
+    return xr.Dataset(data, coordinates, about | dataset.provenance(measured=True))
 
 
 def advice(ds: xr.Dataset) -> list[dict[str, Any]]:
@@ -157,17 +243,6 @@ def advice(ds: xr.Dataset) -> list[dict[str, Any]]:
     return rows
 
 
-def _attributes() -> dict[str, Any]:
-    return {
-        "title": "Accuracy against cost",
-        "study_name": "trade",
-        "reading": "",
-        "laws": "[]",
-        "stations": STATIONS,
-        **dataset.provenance(measured=True),
-    }
-
-
 def summary_of(ds: xr.Dataset) -> dict[str, Any]:
     """The table of the cheapest methods and the counts of the outcomes of a stored comparison, as plain data."""
     table = [
@@ -177,7 +252,7 @@ def summary_of(ds: xr.Dataset) -> dict[str, Any]:
             for level in ds["level"].values]}
         for case in ds["case"].values
     ]  # fmt: skip
-    outcomes, counts = np.unique(ds["outcome"].values.astype(str), return_counts=True)
+    outcomes = ds["outcome"].values.astype(str)
     return {
         "title": str(ds.attrs["title"]),
         "machine": str(ds.attrs["machine"]),
@@ -185,7 +260,5 @@ def summary_of(ds: xr.Dataset) -> dict[str, Any]:
         "methods": [str(method) for method in ds["ladder"].values],
         "table": table,
         "advice": advice(ds),
-        "solved": int(sum(n for text, n in zip(outcomes, counts, strict=True) if text.startswith("solved"))),
-        "failed": int(sum(n for text, n in zip(outcomes, counts, strict=True) if text.startswith("failed"))),
-        "not run": int(sum(n for text, n in zip(outcomes, counts, strict=True) if text.startswith("not run"))),
+        **{word: int(np.char.startswith(outcomes, word).sum()) for word in ("solved", "failed", "not run")},
     }
