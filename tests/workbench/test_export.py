@@ -24,7 +24,7 @@ from tests.workbench import runs, small
 from workbench.commands import export as export_command
 from workbench.commands import plot as plot_command
 from workbench.commands.options import axis_values
-from workbench.export import formats, step
+from workbench.export import step, stored_rod
 from workbench.export.base import Options
 from workbench.export.stored_rod import export
 from workbench.figures import kinds
@@ -363,7 +363,7 @@ def test_a_disk_that_refuses_the_file_is_one_sentence_and_no_file_is_left(folder
 
 
 def test_the_help_lists_the_endings_and_the_kinds_of_pictures_that_a_refusal_lists() -> None:
-    assert export_command.SUFFIXES.split() == list(formats.FORMATS)
+    assert export_command.SUFFIXES.split() == list(stored_rod.FORMATS)
     help_of_kinds = get_type_hints(plot_command.plot, include_extras=True)["kind"].__metadata__[0].help
     assert re.findall(r"(\w+):", help_of_kinds.split("Default")[0]) == list(kinds.OF_STUDIES)
 

@@ -8,7 +8,7 @@ from .options import AT, File, ForceOutput, axis_values, flag, number_option, op
 from .present import Result, presents
 
 FACTS = ("tolerance", "solution_error", "unit", "R")  # in the order in which they are printed, after the others
-SUFFIXES = ".step .stp .stl .obj .glb .gltf .usda .vtp .pvd .csv"  # of `formats.FORMATS`, which --help does not import
+SUFFIXES = ".step .stp .stl .obj .glb .gltf .usda .vtp .pvd .csv"  # of `stored_rod.FORMATS`, which --help does not import
 
 
 @presents()
@@ -48,10 +48,9 @@ def export(
     """
     from ..export import stored_rod
     from ..export.base import Options
-    from ..export.formats import format_of
     from ..store import reading
 
-    format_of(out)  # before a large file is read
+    stored_rod.format_of(out)  # before a large file is read
     ds = reading.read(file)
     asked = Options(axis_values(ds, at), tolerance, centreline, overlap)
     done = stored_rod.export(ds, out, asked, force)

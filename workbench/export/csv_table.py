@@ -1,13 +1,68 @@
-"""CSV: one row a station, one column a quantity, the units in the header."""
+"""CSV: one row a station, one column a quantity, the units in the header. VTP has the same columns."""
 
 import csv
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from solver.mechanics import frames
+from solver.problem.errors import InputError
+from solver.problem.quantities import QUANTITIES, unit_of
+
+from ..geometry.centreline import APART, Array
+from ..store import schema
+from ..store.derived_arrays import StoredArrays
 from .base import Format, Rod
-from .columns import columns
+
+COMPUTED = ("kappa", "F1", "F2", "F3", "FY", "contact", "M1", "M2", "h")
+# columns before all others, whatever the study stores
+FIRST = ("s", "x", "y", "z", "alpha", "beta", "dbeta")
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """A quantity along the rod: values (n,), its unit ("1" for a number) and its name in words."""
+
+    name: str
+    values: Array
+    unit: str
+    words: str
+
+
+def columns(rod: Rod) -> list[Column]:
+    """Every quantity at the stations: what is stored, and what follows from it by the equations of statics.
+
+    Raises `InputError` where beta' is not stored and the stations are too far apart for it.
+    """
+    ds, line = rod.ds, rod.line
+    if line.swing > APART and not line.stored_slopes:
+        more = int(np.ceil(2 * line.s.size * line.swing / APART))
+        raise InputError(
+            f"{line.s.size} stations are too far apart to tell the rate of beta: store about {more} "
+            f"(stations = {more}; workbench run takes --stations {more}, also for the .toml of solve --out), "
+            "or store dbeta (in outputs)"
+        )
+    units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
+    case = ds.isel(rod.where)
+    along = {name: getattr(line, name) for name in ("s", "alpha", "beta", "dbeta", "z")}
+    stored = StoredArrays(case.assign({name: ("u", values) for name, values in along.items()}))
+    derived = {name: stored.derive(name) for name in COMPUTED}
+    known = along | {name: np.asarray(array) for name, array in derived.items() if array is not None}
+    for key, array in case.data_vars.items():
+        name = schema.CURVES.get(str(key), str(key))
+        if array.dims == ("u",) and name in QUANTITIES:
+            known[name] = np.asarray(array.values, dtype=float)
+    order = [*FIRST, *(name for name in known if name not in FIRST)]
+    x, y, _ = frames.position(line.rho, line.alpha, line.z).T
+    known |= {"x": x, "y": y}
+    words = {"x": "position across the axis, where alpha = 0", "y": "position across the axis, where alpha = 90 deg"}
+    return [
+        Column(name, known[name], units["length"] if name in words else unit_of(name, units),
+               words.get(name) or QUANTITIES[name].long_name)
+        for name in order
+    ]  # fmt: skip
 
 
 def write(path: Path, rod: Rod) -> dict[str, Any]:

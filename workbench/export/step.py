@@ -5,6 +5,7 @@ as soon as r, n and b are B-splines over the same knots, because a circle is one
 which is measured here before the kernel gets them.
 """
 
+from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -27,6 +28,10 @@ MISSING = (
     "STEP files need Open Cascade ({why}): pip install 'rod-workbench[cad]', and on a bare Debian or Ubuntu "
     "apt-get install libgl1"
 )
+MODULES = (
+    "BRepBuilderAPI", "BRepCheck", "BRepGProp", "BRepLib", "Geom", "GProp", "IFSelect", "Interface", "Message",
+    "STEPControl", "TopAbs", "TopExp", "TopoDS", "collections", "gp",
+)  # fmt: skip
 # Units of length that Open Cascade names; the others are written as SI with a prefix.
 NAMED = {"um": "UM", "mm": "MM", "cm": "CM", "m": "M", "km": "KM", "in": "INCH", "ft": "FT"}
 PREFIXED = {"nm": ".NANO.", "dm": ".DECI."}
@@ -71,30 +76,12 @@ def near(line: Centreline) -> float:
 def kernel() -> Any:
     """The names of Open Cascade that are used here. Raises `InputError` with what to install where it is missing."""
     try:
-        from OCP import (
-            BRepBuilderAPI,
-            BRepCheck,
-            BRepGProp,
-            BRepLib,
-            Geom,
-            GProp,
-            IFSelect,
-            Interface,
-            Message,
-            STEPControl,
-            TopAbs,
-            TopExp,
-            TopoDS,
-            collections,
-            gp,
-        )
+        import_module("OCP")
+        modules = [import_module(f"OCP.{name}") for name in MODULES]
     except ImportError as error:
         raise InputError(MISSING.format(why=str(error).partition("\n")[0])) from None
-    modules = BRepBuilderAPI, BRepCheck, BRepGProp, BRepLib, Geom, GProp, IFSelect, Interface, Message
-    names: dict[str, Any] = {}
-    for module in (*modules, STEPControl, TopAbs, TopExp, TopoDS, collections, gp):
-        names |= {key: value for key, value in vars(module).items() if not key.startswith("__")}
-    return SimpleNamespace(**names)
+    return SimpleNamespace(**{name: value for module in modules for name, value in vars(module).items()
+                              if not name.startswith("__")})  # fmt: skip
 
 
 def fit(line: Centreline, tolerance: float) -> tuple[BSpline, float]:
@@ -226,14 +213,9 @@ def _circle(occ: Any, wall: list[Any], u: float) -> Any:
     return wire.Wire()
 
 
-def _quiet(occ: Any) -> None:
-    """Silence Open Cascade's report of a transfer."""
-    for printer in occ.Message.DefaultMessenger_s().Printers():
-        printer.SetTraceLevel(occ.Message_Gravity.Message_Fail)
-
-
 def _write(occ: Any, path: Path, shapes: list[Any], unit: str, name: str) -> None:
-    _quiet(occ)
+    for printer in occ.Message.DefaultMessenger_s().Printers():  # which report every transfer
+        printer.SetTraceLevel(occ.Message_Gravity.Message_Fail)
     settings = occ.Interface_Static
     keys = ("xstep.cascade.unit", "write.step.unit", "write.step.product.name")
     writer = occ.STEPControl_Writer()

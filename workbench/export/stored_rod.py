@@ -1,7 +1,6 @@
 """One stored rod as a file for other programs, or those along an axis as one file each. Nothing is solved."""
 
 import re
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -13,10 +12,14 @@ from solver.problem.errors import InputError, choices
 
 from ..geometry import self_contact, stored_line
 from ..store import atomic, selection, writing
-from . import pvd
+from . import csv_table, gltf, pvd, step, surface_files, usd, vtp
 from .base import Format, Options, Rod, metres
-from .formats import FORMATS, format_of
 
+FORMATS = {  # a new format is a module with its `FORMAT` and its name here
+    suffix: module.FORMAT
+    for module in (step, surface_files, gltf, usd, vtp, pvd, csv_table)
+    for suffix in module.FORMAT.suffixes
+}
 DEFAULT = Options()
 NUMBERED = re.compile(r"[^{}]*\{(:0?\d*d)?\}[^{}]*")  # the name of a file for each value of an axis
 
@@ -29,6 +32,14 @@ class Exported:
     at: dict[str, float]
     facts: dict[str, Any]
     warnings: list[str]
+
+
+def format_of(path: Path) -> Format:
+    """The format of a file, by its suffix. Raises `InputError` with the choices."""
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
+        raise InputError(f"cannot export to {path.name!r}: choose a name that ends in {choices(FORMATS)}")
+    return FORMATS[suffix]
 
 
 def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool = False) -> Exported:
@@ -79,13 +90,16 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
         raise InputError(f"--tolerance is for {choices(able)}; {path.suffix} holds the stations as they are stored")
     if options.tolerance is not None and not 0 < options.tolerance < np.inf:
         raise InputError(f"--tolerance must be positive and finite, got {options.tolerance:g}")
-    if format.series:
-        return _series(ds, path, options, force, format)
+    if format.series:  # an index, and a folder of files beside it
+        pvd.check_free(path, force)
+        series = pvd.along(ds, path.stem, options)
+        return Exported(path, series.at, _write_file(path, series, format, force), [])
     if "{" in path.name:
         return _frames(ds, path, options, force, format)
     where = selection.case(ds, options.at)
     at = {name: float(ds[name].values[i]) for name, i in where.items()}
-    rod = Rod(ds, where, stored_line.read(ds, where), _title(ds, at), options)
+    title = " ".join([str(ds.attrs["study_name"]), *(f"{name}={value:.6g}" for name, value in at.items())])
+    rod = Rod(ds, where, stored_line.read(ds, where), title, options)
     facts, warnings = _write(path, rod, format, force)
     return Exported(path, at, facts, warnings)
 
@@ -94,8 +108,10 @@ def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str,
     """Write one rod; returns numbers about the file by name, and what a real rod could not do. Raises `InputError`."""
     options = rod.options
     faults = [] if format.body == "curve" or options.centreline else self_contact.findings(rod.line, rod.unit)
-    if format.body == "solid":
-        _refuse(faults, options)
+    for finding in faults if format.body == "solid" else []:
+        if finding.tight or not options.overlap:
+            also = "" if finding.tight else ", --overlap the solid all the same"
+            raise InputError(f"no solid: {finding.sentence}; --centreline writes the curve alone{also}")
     facts: dict[str, Any] = {}
     if format.tolerance is not None:
         tolerance = options.tolerance or format.tolerance(rod.line)
@@ -106,9 +122,7 @@ def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str,
             error = float(rod.ds["error"].isel(rod.where))
             facts["solution_error"] = error * max(rod.line.L, rod.line.rho)
         facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * metres(rod.unit) / metres(unit)
-    written: dict[str, Any] = {}
-    write_file(path, lambda aside: written.update(format.write(aside, rod)), force)
-    return {**written, **facts}, [finding.sentence for finding in faults]
+    return {**_write_file(path, rod, format, force), **facts}, [finding.sentence for finding in faults]
 
 
 def _frames(ds: xr.Dataset, path: Path, options: Options, force: bool, format: Format) -> Exported:
@@ -143,22 +157,16 @@ def _number(name: str, i: int) -> str:
     return name.format(i)
 
 
-def _series(ds: xr.Dataset, path: Path, options: Options, force: bool, format: Format) -> Exported:
-    """Write the rods along one axis: an index, and a folder of files beside it."""
-    pvd.check_free(path, force)
-    series = pvd.along(ds, path.stem, options)
-    written: dict[str, Any] = {}
-    write_file(path, lambda aside: written.update(format.write(aside, series)), force)
-    return Exported(path, series.at, written, [])
+def _write_file(path: Path, content: Any, format: Format, force: bool) -> dict[str, Any]:
+    """Write a rod or a series beside `path` under a name of the same suffix, and move that there once it is complete.
 
-
-def write_file(path: Path, work: Callable[[Path], None], force: bool) -> None:
-    """Have `work` write beside `path` under a name of the same suffix, and move that there once it is complete.
-
-    Raises `InputError` for an existing file without `force`, or where the folder cannot be written.
+    Returns numbers about the file by name. Raises `InputError` for an existing file without `force`, or where the
+    folder cannot be written.
     """
     check_free(path, force)
-    atomic.write(path, work)
+    facts: dict[str, Any] = {}
+    atomic.write(path, lambda aside: facts.update(format.write(aside, content)))
+    return facts
 
 
 def check_free(path: Path, force: bool) -> None:
@@ -168,16 +176,3 @@ def check_free(path: Path, force: bool) -> None:
     if path.exists() and not force:
         raise InputError(f"{path} exists; give --force to replace it")
     writing.check_parent(path)
-
-
-def _refuse(faults: list[self_contact.Finding], options: Options) -> None:
-    """Raise `InputError` where no solid can be made of the rod, or only with the option `overlap`."""
-    for finding in faults:
-        if finding.tight or not options.overlap:
-            also = "" if finding.tight else ", --overlap the solid all the same"
-            raise InputError(f"no solid: {finding.sentence}; --centreline writes the curve alone{also}")
-
-
-def _title(ds: xr.Dataset, at: Mapping[str, float]) -> str:
-    """The study and where on its axes, in ASCII."""
-    return " ".join([str(ds.attrs["study_name"]), *(f"{name}={value:.6g}" for name, value in at.items())])

@@ -8,7 +8,7 @@ import numpy as np
 from solver.mechanics import frames
 
 from .base import Format, Rod
-from .columns import columns
+from .csv_table import columns
 
 
 def write(path: Path, rod: Rod) -> dict[str, Any]:
