@@ -91,6 +91,17 @@ def test_a_long_rod_is_set_in_lines_that_show_all_of_it() -> None:
 
 
 @draws
+def test_all_lines_of_a_rod_share_the_triangles_of_a_picture(monkeypatch) -> None:
+    tight = dataset(stations=2001, L=2000.0)
+    layout.compose(tight, settings=layout.Settings(2.0, 50))
+    monkeypatch.setattr(rendering, "ALL_TRIANGLES", 5000)  # a line takes fewer, all take more
+    with pytest.raises(
+        InputError, match=r"triangles for a part of the picture, and \d+ are the limit: .*--from and --to"
+    ):
+        layout.compose(tight, settings=layout.Settings(2.0, 50))
+
+
+@draws
 def test_a_long_pipe_with_wide_bends_is_compressed_into_one_line_and_one_with_tight_bends_is_set_in_lines() -> None:
     ds = in_memory.run(loads(small.text(PIPE, units="m kN", stations=401)))
     pipe = layout.compose(ds, settings=layout.Settings(2.0, 50, camera="sides")).page

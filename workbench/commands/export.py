@@ -8,7 +8,7 @@ from .options import AT, File, ForceOutput, axis_values, flag, number_option, op
 from .present import Result, presents
 
 FACTS = ("tolerance", "solution_error", "unit", "R")  # in the order in which they are printed, after the others
-SUFFIXES = ".step .stp .stl .obj .glb .gltf .usda .vtp .pvd .csv"  # of `stored_rod.FORMATS`, which --help does not import
+SUFFIXES = ".step .stp .stl .obj .glb .gltf .usda .vtp .pvd .csv"  # of `stored_rod.FORMATS`; --help imports none
 
 
 @presents()

@@ -44,6 +44,7 @@ def rings(
     colour: Callable[[Array], Array] | None = None,
     colour_length: float = 0.0,
     sides_multiple: int = 2,
+    most: int = MOST_TRIANGLES,
 ) -> Rings:
     """The rings and sides with which a tube is drawn to a tolerance.
 
@@ -59,24 +60,26 @@ def rings(
         What the colour shows at s, as a share of its scale; it is shown truly on intervals longer than `colour_length`.
     sides_multiple
         The number of sides is a multiple of this; with 2, a corner of each ring touches the cylinder.
+    most
+        Triangles.
 
     Raises
     ------
     InputError
-        The tube would take more than `MOST_TRIANGLES`.
+        The tube would take more than `most` triangles.
     """
     missed = line.error
     left = max(tolerance - missed, tolerance / 2)
     sides = int(np.ceil(np.pi / np.arccos(max(1 - SHARE * left / line.a, 0.0))))
     sides = -(-max(sides, LEAST_SIDES) // sides_multiple) * sides_multiple
-    s = _probes(line, span, SHARE * left, turned)
-    if s.size * sides > 2 * PROBES * MOST_TRIANGLES:
-        _refuse(line, s.size * sides // PROBES * 2)
+    s = _probes(line, span, SHARE * left, turned, most)
+    if s.size * sides > 2 * PROBES * most:
+        _refuse(line, s.size * sides // PROBES * 2, most)
     place = _surface(line, s, turned)
     values = colour(s) if colour is not None else None
     chosen = _place(s, place, values, SHARE * left, colour_length)
-    if 2 * chosen.size * sides > MOST_TRIANGLES:
-        _refuse(line, 2 * chosen.size * sides)
+    if 2 * chosen.size * sides > most:
+        _refuse(line, 2 * chosen.size * sides, most)
     return Rings(s[chosen], sides, missed + left)
 
 
@@ -87,10 +90,11 @@ def stations_for(line: Centreline, tolerance: float) -> int:
     return max(line.stations_for(tolerance / 6), line.s.size + 1)
 
 
-def _refuse(line: Centreline, triangles: int) -> None:
+def _refuse(line: Centreline, triangles: int, most: int) -> None:
+    part = "" if most == MOST_TRIANGLES else " for a part of the picture"
     raise InputError(
-        f"drawing this rod of length {line.L:.4g} with that pixel error takes some {triangles} triangles, and "
-        f"{MOST_TRIANGLES} are the limit: give a larger --pixel-error, or draw a part of the rod with --from and --to"
+        f"drawing this rod of length {line.L:.4g} with that pixel error takes some {triangles} triangles"
+        f"{part}, and {most} are the limit: give a larger --pixel-error, or draw a part of the rod with --from and --to"
     )
 
 
@@ -103,7 +107,7 @@ def _surface(line: Centreline, s: Array, turned: Any) -> Array:
     return np.concatenate([place, line.a * out, line.a * across], axis=1)
 
 
-def _probes(line: Centreline, span: tuple[float, float], tolerance: float, turned: Any) -> Array:
+def _probes(line: Centreline, span: tuple[float, float], tolerance: float, turned: Any, most: int) -> Array:
     """Points so near that the surface between them is as good as straight.
 
     A point moves off a straight line by |r''| ds^2/8. Bends that are smaller than the tolerance may lie between two
@@ -114,8 +118,8 @@ def _probes(line: Centreline, span: tuple[float, float], tolerance: float, turne
     s = np.concatenate([[low], inside, [high]])
     # a helix may go around several times between two stations
     parts = np.maximum(np.ceil(np.abs(np.diff(line.at(s)[0])) / STEP), 4)
-    if (total := int(parts.sum())) > PROBES * MOST_TRIANGLES:
-        _refuse(line, 2 * LEAST_SIDES * total // PROBES)
+    if (total := int(parts.sum())) > PROBES * most:
+        _refuse(line, 2 * LEAST_SIDES * total // PROBES, most)
     fine = np.unique(np.interp(np.arange(total + 1), np.concatenate([[0.0], np.cumsum(parts)]), s))
     place = _surface(line, fine, turned)
     h = np.diff(fine)
@@ -126,8 +130,8 @@ def _probes(line: Centreline, span: tuple[float, float], tolerance: float, turne
     density = np.sqrt(np.maximum(size[1:], size[:-1]) / (8 * tolerance)) * PROBES
     count = np.concatenate([[0.0], np.cumsum(density * h)])
     number = max(int(np.ceil(count[-1])), PROBES) + 1
-    if number > PROBES * MOST_TRIANGLES:
-        _refuse(line, 2 * LEAST_SIDES * number // PROBES)
+    if number > PROBES * most:
+        _refuse(line, 2 * LEAST_SIDES * number // PROBES, most)
     if not count[-1]:
         return np.linspace(low, high, number)
     points = np.interp(np.linspace(0, count[-1], number), count, fine)

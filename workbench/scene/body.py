@@ -14,7 +14,7 @@ from solver.problem.errors import InputError
 from ..geometry import centreline, self_contact, stored_line
 from ..geometry.centreline import Array, Centreline
 from ..geometry.lines import TALLEST
-from ..geometry.refinement import Rings, rings
+from ..geometry.refinement import MOST_TRIANGLES, Rings, rings
 from ..store import schema
 from ..store.schema import SECTION
 from .scene_kinds import Kind, Paint
@@ -125,12 +125,15 @@ class Body:
         """Where the rod passes through itself, (3,) each [length]; heights are from where the drawing begins."""
         return [self._place_on_page(place) for place in self_contact.middles(self.line, self.span)]
 
-    def rings(self, tolerance: float, colour_length: float) -> Rings:
-        """Rings and sides for a tolerance [length]; colours are true on intervals longer than `colour_length`."""
+    def rings(self, tolerance: float, colour_length: float, most: int = MOST_TRIANGLES) -> Rings:
+        """Rings and sides for a tolerance [length]; colours are true on intervals longer than `colour_length`.
+
+        most: triangles. Raises `InputError` for a rod that takes more.
+        """
         scale = (self.paint.high - self.paint.low) or 1.0
         multiple = 2 * STRIPE if self.paint.stripe else 2
         colour = (lambda s: self.value(s) / scale) if self.paint.ramp is not None else None
-        return rings(self.line, self.span, tolerance, self.stripe_angle(), colour, colour_length, multiple)
+        return rings(self.line, self.span, tolerance, self.stripe_angle(), colour, colour_length, multiple, most)
 
 
 def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None) -> Body:

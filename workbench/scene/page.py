@@ -19,7 +19,6 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..figures import canvas, colours, fonts, legend
@@ -275,9 +274,8 @@ def draw_bar(ax: Axes, bar: Bar, corner: tuple[float, float], size: tuple[float,
     """A colour bar with a few round values below and its quantity above; corner and size in inches of the panel."""
     place = ax.inset_axes((*corner, *size), transform=ax.transData)
     scale = ScalarMappable(Normalize(bar.paint.low, bar.paint.high), bar.paint.ramp)
-    legend.colour_bar([ax], scale, cax=place, orientation="horizontal", ticks=MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
+    legend.colour_bar([ax], scale, cax=place, orientation="horizontal")
     place.set_xlim(bar.low, bar.high)
-    place.xaxis.set_major_formatter(lambda value, _: labels.minus_signs(labels.number(value)))
     place.tick_params(labelcolor=colours.INK, pad=1)
     place.set_title(bar.label, size=fonts.SMALL, loc="left", pad=2)
 

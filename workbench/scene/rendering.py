@@ -15,10 +15,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import find_objects, grey_opening, maximum_filter, maximum_filter1d
 
 from ..figures import colours
+from ..geometry.refinement import MOST_TRIANGLES
 from . import surfaces
 from .views import Camera, View
 
 COLOUR_PIXELS = 2  # between rings; on shorter intervals colours need not be true
+ALL_TRIANGLES = 8_000_000  # of a picture, in equal shares for its rods or lines: they take some 3 GB
 THIN = 6.0  # pixels of thickness, below which hidden stretches have no outline
 # Lights fixed to the camera: azimuth and elevation in degrees, intensity. The first is at the camera: nothing that is
 # seen is black.
@@ -98,12 +100,13 @@ def render(
             light.position = np.sin(around) * np.cos(above), np.sin(above), np.cos(around) * np.cos(above)
             plotter.add_light(light)
         walls: list[Any] = []
+        most = min(MOST_TRIANGLES, ALL_TRIANGLES // sum(len(one.view.bodies) for one in drawn))
         made: dict[Any, _Made] = {}  # the same rods may be seen from two sides
         for one in drawn:
             view = one.view
             same = (*view.bodies, view.cylinder)
             if same not in made:
-                made[same] = _make(view, camera.per_unit, pixel_error)
+                made[same] = _make(view, camera.per_unit, pixel_error, most)
             walls += _place(plotter, one, made[same], camera, size, line * block)
         depth = _set_camera(plotter, drawn, camera, size)
         outline = _draw(drawn, camera, depth, block, line)
@@ -143,11 +146,11 @@ class _Made:
     error: float
 
 
-def _make(view: View, per_unit: float, pixel_error: float) -> _Made:
-    """The surfaces of a view drawn at that many pixels per length."""
+def _make(view: View, per_unit: float, pixel_error: float, most: int) -> _Made:
+    """The surfaces of a view drawn at that many pixels per length, each rod with so many triangles at most."""
     tubes, error = [], 0.0
     for body in view.bodies:
-        rings = body.rings(pixel_error / per_unit, COLOUR_PIXELS / per_unit)
+        rings = body.rings(pixel_error / per_unit, COLOUR_PIXELS / per_unit, most)
         error = max(error, rings.error * per_unit)
         tubes += surfaces.tube_parts(body, rings)
     return _Made(tubes, surfaces.wall(view.bodies, view.cylinder, per_unit), error)
