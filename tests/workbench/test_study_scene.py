@@ -16,7 +16,7 @@ from workbench.store import in_memory, one_case, writing
 from workbench.web.turntable import turntable_page
 
 if opengl.probe()[0]:
-    from workbench.scene import layout
+    from workbench.scene import composition, layout
 
 draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 AXES = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n[axes.F1]\nvalues = [4.0, 5.0]\n"
@@ -113,3 +113,18 @@ def test_a_file_goes_before_a_study_of_its_name(tmp_path, monkeypatch) -> None:
     Path("fig6").write_text("")
     assert not one_case.is_study(Path("fig6"))
     assert not one_case.is_study(Path("mine.h5"))
+
+
+@draws
+def test_a_rod_that_the_most_stations_do_not_fix_is_drawn_once_and_refused() -> None:
+    """Before, each of twelve rounds solved it again at the same stations and drew it."""
+    drawn = []
+
+    def draw(ds: object, strict: bool) -> None:
+        drawn.append(strict)
+        raise composition.TooFewStations("too few", 10 * study_scene.MAX_STATIONS)
+
+    solved = SimpleNamespace(sizes={"u": study_scene.MAX_STATIONS})
+    with pytest.raises(InputError, match="too few"):
+        study_scene.at_needed_stations(SimpleNamespace(sizes={"u": 2}), lambda stations: solved, draw)
+    assert drawn == [True, False]

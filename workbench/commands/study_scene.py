@@ -163,7 +163,7 @@ def at_needed_stations(
         try:
             return draw(ds, solve is not None and stations < MAX_STATIONS), stations
         except TooFewStations as error:
-            if solve is None:
+            if solve is None or stations >= MAX_STATIONS:
                 raise
             ds = solve(min(max(error.stations, stations + 1), MAX_STATIONS))
     return draw(ds, False), ds.sizes["u"]

@@ -79,7 +79,7 @@ def _cases() -> dict[str, Named]:
     near_saddle = ends_in_units_of_rho(-0.3655, 0.7464, -0.7506, 20.0, b, b)
     FZ, MZ, M3 = pressed.case().loads
     held = Case(pressed.case().rod, pressed.case().cylinder, Ends(b, quarter, FZ, MZ, M3))
-    rows: list[tuple[str, Case, str] | tuple[str, Case, str, float]] = [
+    rows: list[tuple[Any, ...]] = [
         *((name, READINGS[f"{name}/paper"].case(), "Table 1, the paper's stiffness")
           for name in map("/".join, product(TWISTS, LOADS))),
         ("elliptic", in_units_of_rho(0, 0, 0, 20.0, b, 0.0), "no load, beta'(0) = 0: exact"),

@@ -127,16 +127,18 @@ def compose(scene: Scene) -> Picture:
     n, stations = _stations(scene.bodies, settings.pixel_error / camera.per_unit)
     if settings.strict and stations > n:
         raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
-    size = int(np.ceil(arranged.size[0] * dpi)), int(np.ceil(arranged.size[1] * dpi))
-    placed = [Placed(view, (float(x * dpi), float(size[1] - down * dpi)))
-              for view, (x, down) in _middles(scene, arranged)]  # fmt: skip
-    pixels, error, outlined = render(
-        placed, camera, size, settings.pixel_error, settings.transparent,
-        max(LINE * dpi / fonts.DPI, 0.8), settings.samples,
-    )  # fmt: skip
+    missed = max((body.line.error for body in scene.bodies), default=0.0) * camera.per_unit
+    error = max(settings.pixel_error, missed + settings.pixel_error / 2)
     blind = any(body.line.swing > APART for body in scene.bodies)  # then the push between stations is not known
     if error > (settings.pixel_error * (1 + 1e-9) if blind else COARSEST):
         raise TooFewStations(_too_few(n, stations, error, settings), stations)
+    size = int(np.ceil(arranged.size[0] * dpi)), int(np.ceil(arranged.size[1] * dpi))
+    placed = [Placed(view, (float(x * dpi), float(size[1] - down * dpi)))
+              for view, (x, down) in _middles(scene, arranged)]  # fmt: skip
+    pixels, outlined = render(
+        placed, camera, size, settings.pixel_error, settings.transparent,
+        max(LINE * dpi / fonts.DPI, 0.8), settings.samples,
+    )  # fmt: skip
     rough = [f"drawn to within {error:.1f} pixels"] * (error > settings.pixel_error * (1 + 1e-9))
     kept = outlined or len(scene.context) > len(scene.bodies)
     legend = [entry for entry in words.legend if kept or entry[0] != page.OUTLINE]

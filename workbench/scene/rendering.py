@@ -65,7 +65,7 @@ def render(
     transparent: bool = False,
     line: float = 1.0,
     samples: int = FINER,
-) -> tuple[NDArray[np.uint8], float, bool]:
+) -> tuple[NDArray[np.uint8], bool]:
     """Render all views into one picture.
 
     Parameters
@@ -82,13 +82,13 @@ def render(
     Returns
     -------
     tuple
-        The pixels, (height, width, 3 or 4); the error of the drawn surface in pixels: at most `pixel_error` where the
-        stations allow it; whether hidden stretches are drawn in outline, as they are where they are thick enough.
+        The pixels, (height, width, 3 or 4); whether hidden stretches are drawn in outline, as they are where they are
+        thick enough.
     """
     drawn = [one for one in placed if one.view.bodies]
     if not drawn:
         blank = np.full((size[1], size[0], 4), (255, 255, 255, 0), dtype=np.uint8)
-        return blank[..., : 4 if transparent else 3], 0.0, False
+        return blank[..., : 4 if transparent else 3], False
     block = min(samples, 2 if size[0] * size[1] <= AT_ONCE else 1)
     plotter: Any = pv.Plotter(off_screen=True, window_size=[block * n for n in size], lighting="none")
     try:
@@ -101,19 +101,18 @@ def render(
             plotter.add_light(light)
         walls: list[Any] = []
         most = min(MOST_TRIANGLES, ALL_TRIANGLES // sum(len(one.view.bodies) for one in drawn))
-        made: dict[Any, _Made] = {}  # the same rods may be seen from two sides
+        made: dict[Any, tuple[list[surfaces.Part], surfaces.Part]] = {}  # the same rods may be seen from two sides
         for one in drawn:
             view = one.view
             same = (*view.bodies, view.cylinder)
             if same not in made:
                 made[same] = _make(view, camera.per_unit, pixel_error, most)
-            walls += _place(plotter, one, made[same], camera, size, line * block)
+            walls += _place(plotter, one, *made[same], camera, size, line * block)
         depth = _set_camera(plotter, drawn, camera, size)
         outline = _draw(drawn, camera, depth, block, line)
-        pixels, outlined = _mean(plotter, block, samples, walls, outline, transparent)
+        return _mean(plotter, block, samples, walls, outline, transparent)
     finally:
         plotter.close()
-    return pixels, max(one.error for one in made.values()), outlined
 
 
 def _draw(placed: Sequence[Placed], camera: Camera, depth: float, block: int, line: float) -> Drawn | None:
@@ -137,26 +136,21 @@ def _set_camera(plotter: Any, placed: Sequence[Placed], camera: Camera, size: tu
     return float(2 * deep)
 
 
-@dataclass(frozen=True, eq=False)
-class _Made:
-    """The surfaces of a view before it is turned, and the error of the rods' in pixels."""
+def _make(view: View, per_unit: float, pixel_error: float, most: int) -> tuple[list[surfaces.Part], surfaces.Part]:
+    """The rods of a view and their wall before they are turned, at that many pixels per length.
 
-    tubes: list[surfaces.Part]
-    wall: surfaces.Part
-    error: float
-
-
-def _make(view: View, per_unit: float, pixel_error: float, most: int) -> _Made:
-    """The surfaces of a view drawn at that many pixels per length, each rod with so many triangles at most."""
-    tubes, error = [], 0.0
+    most: triangles of a rod.
+    """
+    tubes = []
     for body in view.bodies:
-        rings = body.rings(pixel_error / per_unit, COLOUR_PIXELS / per_unit, most)
-        error = max(error, rings.error * per_unit)
-        tubes += surfaces.tube_parts(body, rings)
-    return _Made(tubes, surfaces.wall(view.bodies, view.cylinder, per_unit), error)
+        tubes += surfaces.tube_parts(body, body.rings(pixel_error / per_unit, COLOUR_PIXELS / per_unit, most))
+    return tubes, surfaces.wall(view.bodies, view.cylinder, per_unit)
 
 
-def _place(plotter: Any, placed: Placed, made: _Made, camera: Camera, size: tuple[int, int], line: float) -> list[Any]:
+def _place(
+    plotter: Any, placed: Placed, tubes: list[surfaces.Part], wall: surfaces.Part, camera: Camera,
+    size: tuple[int, int], line: float,
+) -> list[Any]:  # fmt: skip
     """Add the rods and their cylinder, turned about the axis and then moved; returns what hides stretches of them."""
     view = placed.view
     ends, first = view.cylinder, view.bodies[0]
@@ -177,10 +171,10 @@ def _place(plotter: Any, placed: Placed, made: _Made, camera: Camera, size: tupl
         return plotter.add_mesh(pv.lines_from_points(circle), color=colours.SOFT, line_width=line, lighting=False,
                                 render=False)  # fmt: skip
 
-    for part in made.tubes:
+    for part in tubes:
         add(part, culling="back", specular=0.22, specular_power=30)
     inside = first.side == "inside"
-    walls = [add(made.wall, culling="front" if inside else "back", specular=0.0)]  # inside: the near half is cut away
+    walls = [add(wall, culling="front" if inside else "back", specular=0.0)]  # inside: the near half is cut away
     walls += [rim(z) for z in ends]
     if not inside:
         walls += [add(surfaces.disc(first.R, z, z == ends[1]), specular=0.0, ambient=0.75) for z in ends]
