@@ -51,9 +51,7 @@ INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 
 # heading of --help -> its commands: name -> what runs it and returns the exit status, and examples
 GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
-    "The paper": {
-        "reproduce": (reproduce.reproduce, "reproduce --out results"),
-    },
+    "The paper": {"reproduce": (reproduce.reproduce, "reproduce --out results")},
     "One rod": {
         "solve": (
             solve.solve,
@@ -71,11 +69,7 @@ GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
         "explore": (explore.explore, "explore", "explore fig7_1_modulus"),
     },
     "Equilibria": {
-        "equilibria": (
-            equilibria.equilibria,
-            "equilibria --plot all.png",
-            "equilibria --axis betaL=-90deg:60deg:41",
-        ),
+        "equilibria": (equilibria.equilibria, "equilibria --plot all.png", "equilibria --axis betaL=-90deg:60deg:41"),
         "folds": (folds.folds, "folds --axis betaL=-60deg:90deg --axis FZ=4:12 --plot map.png"),
         "loops": (
             loops.loops,
@@ -96,11 +90,7 @@ GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
         ),
     },
     "Pictures and files": {
-        "plot": (
-            plot.plot,
-            "plot regimes.h5 --show turns --shapes 6x4",
-            "plot fig7_1_modulus.h5 --out figure.pdf",
-        ),
+        "plot": (plot.plot, "plot regimes.h5 --show turns --shapes 6x4", "plot fig7_1_modulus.h5 --out figure.pdf"),
         "scene": (
             scene.scene,
             "scene fig6 --kind contact",

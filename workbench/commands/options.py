@@ -163,18 +163,15 @@ def pairs(option: str, texts: Sequence[str] | None) -> dict[str, str]:
 
 def numbers(option: str, texts: Sequence[str] | None) -> dict[str, float]:
     """The pairs with their values as numbers, angles in rad also from forms like 30deg. Raises `InputError`."""
-    return {name: _number(f"{option} {name}", name, value) for name, value in pairs(option, texts).items()}
-
-
-def _number(what: str, name: str, text: str) -> float:
     from solver.problem.errors import InputError
     from studies.grammar.axes import is_angle, number_of
 
-    value = number_of(name, text)
-    if not isfinite(value):
-        forms = "a number in rad, or a form like 30deg" if is_angle(name) else "a finite number"
-        raise InputError(f"{what} must be {forms}, got {text!r}")
-    return value
+    values = {name: (number_of(name, text), text) for name, text in pairs(option, texts).items()}
+    for name, (value, text) in values.items():
+        if not isfinite(value):
+            forms = "a number in rad, or a form like 30deg" if is_angle(name) else "a finite number"
+            raise InputError(f"{option} {name} must be {forms}, got {text!r}")
+    return {name: value for name, (value, _) in values.items()}
 
 
 def axis_values(ds: "xr.Dataset", at: Sequence[str] | None) -> dict[str, float]:
