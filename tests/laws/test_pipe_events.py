@@ -6,7 +6,7 @@ from scipy.interpolate import make_interp_spline
 
 from benchmarks.pipe_events import HELIX, SINUSOID, HalfWave, energy, events, push_min, wave_number
 from solver import Case, Cylinder, Ends, Rod, Start, solve
-from workbench.words.pipe_numbers import profile
+from workbench.words.pipe_state import profile
 
 
 @pytest.mark.slow

@@ -66,7 +66,7 @@ def solve(
     from ..branches.ends_study import text_of_solution
     from ..store import atomic, in_memory, writing
     from ..store.case_solutions import solve_one
-    from ..words import cautions, pipe_numbers, pipe_state
+    from ..words import cautions, pipe_state
     from .fidelity import fidelity
 
     chosen = fidelity(level or "standard")
@@ -83,7 +83,7 @@ def solve(
     listed = equilibria(asked.case, tol, stations) if named else None
     sol = solve_one(asked.case, which, tol, "auto" if method is None else method, stations, listed)
     whole = every or json or not asked.case.varies
-    rows = pipe_numbers.profile(sol, asked.units)
+    rows = pipe_state.profile(sol, asked.units)
     found = _find(sol, asked.units, chosen, whole) | {
         "source": asked.source,
         "assumed": asked.assumed,

@@ -35,7 +35,7 @@ from ...export.stored_rod import export
 from ...store import dataset
 from ...store.block import columns
 from ...store.case_solutions import rule_of, solve_one
-from ...words import cautions, labels, pipe_numbers, pipe_state
+from ...words import cautions, labels, pipe_state
 
 SMALL = 240  # points of a small picture
 KEYS = ("title", "units", "reading", "base", "equilibrium")
@@ -267,7 +267,7 @@ def stations(one: Shape) -> dict[str, Any]:
         names |= {"push": "push", "kappa": "kappa", "tension": "F3"}
     arrays = {name: np.asarray(getattr(sol, of), dtype=float) for name, of in names.items()}
     if sol.case.varies:
-        arrays["axial"] = pipe_numbers.axial_force(sol)
+        arrays["axial"] = pipe_state.axial_force(sol)
     return arrays
 
 
