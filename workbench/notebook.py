@@ -5,7 +5,7 @@ by which Jupyter, VS Code and Colab show a value, and `save`. No package of a no
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from html import escape
 from io import BytesIO
@@ -303,27 +303,24 @@ def table_of_case(case: Case) -> str:
 def table_of_equilibria(found: Equilibria) -> str:
     """A row for each equilibrium."""
     held = "held " if found and found[0].solution.held else ""
-    head = "".join(f"<th>{escape(f'{held}{name}' if name.startswith('energy') else name)}</th>" for name in HEADINGS)
+    heads = [f"{held}{name}" if name.startswith("energy") else name for name in HEADINGS]
     rows = []
-    for i, equilibrium in enumerate(found, 1):
-        numbers = (
-            stability(equilibrium.index),
-            f"{equilibrium.energy:.6g}",
-            str(equilibrium.turns),
-            f"{equilibrium.dbeta0:.6g}",
-            f"{equilibrium.attached:.0%}",
-        )
-        cells = "".join(f"<td>{labels.minus_signs(escape(number))}</td>" for number in numbers)
-        rows.append(f"<tr><th>{i}</th>{cells}</tr>")
+    for i, member in enumerate(found, 1):
+        numbers = f"{member.energy:.6g}", str(member.turns), f"{member.dbeta0:.6g}", f"{member.attached:.0%}"
+        rows.append((str(i), *map(labels.minus_signs, (stability(member.index), *numbers))))
     remark = found.remark or "the list passes the test of completeness"
-    caption = f"{len(found)} {'equilibrium' if len(found) == 1 else 'equilibria'}: {remark}"
-    return f"<table><caption>{escape(caption)}</caption><tr>{head}</tr>{''.join(rows)}</table>"
+    return _table(f"{len(found)} {'equilibrium' if len(found) == 1 else 'equilibria'}: {remark}", rows, heads)
 
 
-def _table(caption: str, rows: list[tuple[str, str]]) -> str:
-    left = 'style="text-align: left"'  # Jupyter's own style sets numbers and sentences flush right
-    lines = "".join(f"<tr><th>{escape(words)}</th><td {left}>{escape(value)}</td></tr>" for words, value in rows)
-    return f"<table><caption>{escape(caption)}</caption>{labels.typeset(lines)}</table>"
+def _table(caption: str, rows: Sequence[Sequence[str]], heads: Sequence[str] = ()) -> str:
+    """An HTML table, a heading first in each row; without `heads` of numbers and sentences, set flush left."""
+    left = "" if heads else ' style="text-align: left"'  # Jupyter's own style sets cells flush right
+    head = f"<tr>{''.join(f'<th>{escape(name)}</th>' for name in heads)}</tr>" if heads else ""
+    lines = "".join(
+        f"<tr><th>{escape(first)}</th>{''.join(f'<td{left}>{escape(cell)}</td>' for cell in cells)}</tr>"
+        for first, *cells in rows
+    )
+    return f"<table><caption>{escape(caption)}</caption>{head}{lines if heads else labels.typeset(lines)}</table>"
 
 
 def _field(value: Any) -> str:

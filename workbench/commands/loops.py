@@ -7,11 +7,13 @@ from . import console, tables
 from .case_options import ROD_FIELDS, Given
 from .options import argument, flag, option
 from .present import Result, presents
+from .tables import unit_shown
 
 if TYPE_CHECKING:
     from solver import Cylinder, Loop, Rod
 
 MOST_FOLDS = 50
+OWN = {"folds": "", "about": "rad", "lam": ""}  # units of the columns that are no quantities
 COLUMNS = ("wraps", "folds", "about", "lam", "energy", "index", "push_min", "push_max", "attached")
 
 
@@ -105,10 +107,8 @@ def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str
 
 def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str]) -> None:
     rows = [row(one) for one in found]
-    force, length = units["force"], units["length"]
-    words = {"about": "rad", "energy": f"{force} {length}", "push_min": f"{force}/{length}"}
-    words["push_max"] = words["push_min"]
-    heads = {name: tables.heading(name, words.get(name, "")) for name in COLUMNS}
+    units_shown = {name: OWN[name] if name in OWN else unit_shown(name, units) for name in COLUMNS}
+    heads = {name: tables.heading(name, unit) for name, unit in units_shown.items()}
     numbered = [{"": i, **r} for i, r in enumerate(rows, 1)]
     tables.print_rows(numbered, {"": "", **heads, "self_intersection": "self-intersection"})
     stable = sum(r["index"] == 0 for r in rows)
