@@ -131,11 +131,6 @@ def test_the_old_command_names_the_new_one(ds, tmp_path, monkeypatch, capsys) ->
     assert capsys.readouterr().err.endswith("workbench: animate will go: use scene --out film.mp4\n")
 
 
-def test_a_frame_has_even_sides() -> None:
-    assert film._even(np.zeros((3, 5, 3), dtype=np.uint8)).shape == (4, 6, 3)
-    assert film._even(np.zeros((4, 6, 3), dtype=np.uint8)).shape == (4, 6, 3)
-
-
 def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
     grid = in_memory.run(small.grid())
     assert film.observable_of(grid, "R", None) == "kappa_max"  # of its law

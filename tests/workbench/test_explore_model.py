@@ -9,8 +9,6 @@ import pytest
 from solver import Ends, solve
 from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError
-from studies.language.loader import dumps, loads
-from workbench.store import case_solutions
 from workbench.web.live import page_model
 from workbench.web.live.presets import PRESETS
 
@@ -58,13 +56,6 @@ def test_a_tight_cable_presses_with_its_tension_over_the_radius() -> None:
     found = shape("cable")
     np.testing.assert_allclose(found.sol.push, 10e3 / 190.0, rtol=1e-3)  # the lay is a degree off the hoop's
     assert found.sol.alpha[-1] / (2 * np.pi) == pytest.approx(5.0, abs=0.01)
-
-
-def test_the_state_is_a_study_and_its_text_gives_the_same_rod() -> None:
-    study = page_model.study_of(state(E=2e4, F3=12.0))
-    again = loads(dumps(study))
-    sol = case_solutions.solve_one(again.case(), again.equilibrium, 1e-8, "auto", 201)
-    np.testing.assert_array_equal(sol.beta, page_model.shape(study).sol.beta)
 
 
 def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_part() -> None:

@@ -12,7 +12,7 @@ pytest.importorskip("workbench.web.live.server", reason="the extra explore is no
 
 from solver import equilibria
 from studies import load
-from studies.language.case_input import read_case, with_fields
+from studies.language.case_input import with_fields
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from tests.workbench.live import asked, served, unpacked
@@ -61,13 +61,6 @@ def test_every_slider_of_a_file_has_a_value(tmp_path) -> None:
     named = run("answer(given.map((state) => rod_case.fieldNames(state)));", states, ("rod_case",))
     for state, names in zip(states, named, strict=True):
         assert all(isinstance(state["base"][name], float) for name in names)
-
-
-def test_options_change_the_file_as_they_do_for_solve(tmp_path) -> None:
-    for text in (PIPE, READ):
-        own = begun(tmp_path, text, L=12.0)
-        solved = read_case(tmp_path / "mine.toml", {"L": 12.0}, {})
-        assert asdict(page_model.study_of(own.state).case()) == asdict(solved.case)
 
 
 def test_the_equilibrium_that_a_file_names_is_the_one_that_is_drawn(tmp_path) -> None:

@@ -322,9 +322,3 @@ def test_a_line_now_and_then_where_nobody_watches_and_json_for_programs(monkeypa
     told = [json.loads(row) for row in rows]
     assert [(row["done"], row["cases"], row["unsolved"]) for row in told] == [(98, 150, 0), (146, 150, 2)]
     assert {"per_second", "seconds_left"} <= set(told[0])
-
-
-def test_nothing_is_said_of_a_short_run(capsys) -> None:
-    with console.progress_bar(150, 0, False) as meter:
-        meter.add(150, 0)
-    assert capsys.readouterr().err == ""

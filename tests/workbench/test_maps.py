@@ -10,7 +10,7 @@ from matplotlib.patches import PathPatch
 from studies import load
 from studies.laws.line_verdicts import HOLDS, VERDICTS, judge
 from tests.workbench.small import THREE, law, study
-from workbench.figures import canvas, colours, kinds, map_figure, regions, scales
+from workbench.figures import canvas, colours, drawn_numbers, kinds, map_figure, regions
 from workbench.figures import thumbnails as thumbs
 from workbench.store import in_memory, law_verdicts
 
@@ -53,6 +53,8 @@ def test_a_map_shows_the_stored_number_in_the_cell_of_its_two_values(regimes) ->
             np.testing.assert_array_equal(np.ma.getmaskarray(shown), np.ma.getmaskarray(expected))
             np.testing.assert_array_equal(shown.compressed(), expected.compressed())
             edges = mesh.get_coordinates()
+            told = [(x, y) for kind, *_, x, y, _ in drawn_numbers.rows(mesh.axes) if kind == "cell"]
+            np.testing.assert_allclose(told, ((edges[1:, 1:] + edges[:-1, :-1]) / 2).reshape(-1, 2))
             for name_of, ends in ((x, edges[0, :, 0]), (y, edges[:, 0, 1])):
                 values = regimes[name_of].values
                 assert (ends[1:-1] > values[:-1]).all()
@@ -65,21 +67,6 @@ def test_a_map_shows_where_its_samples_are(regimes) -> None:
     points = [line for line in ax.lines if line.get_label() == "_samples"]
     drawn = {(round(x, 6), round(y, 6)) for line in points for x, y in line.get_xydata().tolist()}
     assert drawn == {(round(E, 6), round(R, 6)) for E in regimes["E"].values for R in regimes["R"].values}
-
-
-def test_axes_of_equal_ratios_are_logarithmic_with_cells_of_one_width(regimes) -> None:
-    ax = maps(map_figure.figure(regimes))[0]
-    assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
-    widths = np.diff(np.log(scales.scale_of(regimes["E"]).edges))
-    np.testing.assert_allclose(widths[1:-1], widths[1], rtol=1e-9)  # rounding of the logarithms
-    np.testing.assert_allclose(widths[[0, -1]], widths[1] / 2, rtol=1e-9)
-
-
-def test_values_in_any_order_are_drawn_in_rising_order_and_angles_in_degrees() -> None:
-    ds = in_memory.run(study('[axes.R]\nvalues = [1.0, 0.5, 0.75]\n[axes.beta]\nvalues = ["60deg", "15deg"]'))
-    (mesh, *_) = meshes(map_figure.figure(ds, "beta", "R", ["wraps"]))
-    np.testing.assert_array_equal(mesh.get_array().reshape(3, 2), ds["wraps"].sortby(["beta0", "R"]))
-    np.testing.assert_allclose(mesh.get_coordinates()[0, :, 0], [15, 37.5, 60])
 
 
 def test_borders_lie_between_cells_of_different_numbers_and_nowhere_else() -> None:

@@ -2,7 +2,6 @@
 
 import json
 import subprocess
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -140,13 +139,6 @@ def test_each_panel_of_a_trade_has_the_numbers_of_its_cost_and_many_cases_are_si
 
 
 # fidelities
-
-
-def test_each_fidelity_is_tighter_and_computes_no_less_than_the_one_before() -> None:
-    rows = list(FIDELITIES.values())
-    assert [row.name for row in rows] == ["draft", "standard", "fine", "exact"]
-    assert all(a.tol > b.tol for a, b in pairwise(rows))
-    assert all(set(a.along) <= set(b.along) for a, b in pairwise(rows))
 
 
 def test_a_study_at_a_fidelity_has_its_tolerance_its_stations_and_what_it_computes() -> None:
