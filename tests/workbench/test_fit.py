@@ -10,8 +10,9 @@ from solver import Case, Cylinder, Rod, Start, fit, observe, solve
 from studies import load
 from tests.workbench import small
 from tests.workbench.command import exit_status
+from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench import fitting
-from workbench.figures import fit_figure
+from workbench.figures import colours, fit_figure
 
 ENDS = small.text({**small.ROD, "beta0": 0.5, "betaL": 0.8, "FZ": -8.5, "MZ": 1.3, "M3": 6.1})
 
@@ -96,3 +97,40 @@ def test_fields_that_are_undetermined_have_no_shares_in_the_picture() -> None:
     assert figure.get_figheight() < 7.4
     title = fitting.dataset_of(found, {"length": "cm", "force": "N"}, None).attrs["title"]
     assert title == "Fit: E undetermined, F₃ undetermined, M₃ undetermined"
+
+
+@pytest.mark.slow
+def test_points_give_intervals_shares_and_a_picture(points, tmp_path, capsys) -> None:
+    picture, table = tmp_path / "fit.png", tmp_path / "fit.csv"
+    given = ["--table1", "--M3", 17, "--points", points, "--vary", "E,M3", "--starts", 0]
+    status, said, _ = run(capsys, *given, "--plot", picture, "--out", table)
+    assert status == 0
+    for part in ("95 % interval", "alpha, 10 points to s = 6.67 cm", "z, 10 points to s = 20 cm", "share in E",
+                 "correlation of E and M3",
+                 "by the variance of the residuals and Student's t with 58 degrees of freedom"):  # fmt: skip
+        assert part in said
+    assert 0.02 < share_of_ink(pixels(picture)) < 0.6
+    for colour in colours.PAIR:  # the rod and M3, the share of each point in E
+        assert share_of_hue(pixels(picture), colour) > 0.001
+    header, first, _ = table.read_text().splitlines()
+    assert header == "field,value,low,high,unit,covariance_E,covariance_M3"
+    name, value, low, high, unit, *_ = first.split(",")
+    assert (name, unit) == ("E", "N/cm^2")
+    assert float(low) < 1.07e4 < float(high)
+    status, said, _ = run(capsys, *given, "--json")
+    found = json.loads(said)
+    assert found["values"]["E"] == pytest.approx(float(value), rel=1e-12)
+    assert sum(share["E"] for share in found["shares"].values()) == pytest.approx(1)
+    assert len(found["data"]) == 60
+
+
+@pytest.mark.slow
+def test_what_the_data_cannot_tell_is_status_1_and_a_sentence(points, tmp_path, capsys) -> None:
+    given = ["--table1", "--M3", 17, "--points", points, "--vary", "E,F3,M3", "--starts", 0]
+    status, said, _ = run(capsys, *given, "--plot", tmp_path / "fit.pdf")
+    assert status == 1
+    assert "undetermined: the data cannot tell E and F3 and M3 apart" in said
+    assert "when these change together, E, F3 and M3 by +1 % each" in said
+    row = next(line.split() for line in said.splitlines() if line.startswith("E "))
+    assert row[2:4] == ["undetermined", "N/cm^2"]
+    assert " inf" not in said

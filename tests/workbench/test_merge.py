@@ -15,7 +15,7 @@ from solver import InputError
 from studies.language.loader import loads
 from tests.slow import slow, slow_but
 from tests.workbench import small
-from workbench.store import assembly, dataset, file_merge, in_memory, law_verdicts, reading, writing
+from workbench.store import assembly, dataset, file_merge, in_memory, law_verdicts, reading, study_store, writing
 
 RADII = "[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "E"\ndirection = "falls"\nsource = "s"\n'
@@ -182,3 +182,19 @@ def test_a_law_is_judged_again_on_all_values(tmp_path) -> None:
     rising["turns"][:] = 99
     done = file_merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")
     assert (done["laws"][0]["verdict"], status(done)) == ("fails", 1)
+
+
+@pytest.mark.slow
+def test_a_run_goes_on_from_what_was_joined(tmp_path) -> None:
+    files = [tmp_path / "a.h5", tmp_path / "b.h5"]
+    for path, values in zip(files, ([1e4, 2e4], [3e4]), strict=True):
+        study_store.run_to_file(small.study(axis("E", values) + RADII, HEAD), path)
+    joined = tmp_path / "small.h5"
+    file_merge.merge(files, joined)
+    again = study_store.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), joined)
+    assert again.finished_before
+    assert again.statistics["outcomes"] == {"solved": 9}
+    whole = study_store.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), tmp_path / "whole.h5")
+    assert again.statistics == whole.statistics
+    grown = study_store.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4, 4e4]) + RADII, HEAD), joined)
+    assert grown.solved == 3
