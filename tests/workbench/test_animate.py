@@ -105,11 +105,13 @@ def test_a_film_that_cannot_be_drawn_leaves_nothing(tmp_path) -> None:
 def test_scene_makes_a_film(monkeypatch) -> None:
     asked = []
     monkeypatch.setattr(animate, "film_of", lambda *given, **more: asked.append((given, more)) or result_of_files([]))
+    film_options = ["--show", "turns", "--fps", "12", "--stored"]
     for way in ("--along", "--axis"):
-        assert exit_status("scene", "a.h5", way, "E", "--out", "E.mp4", "--dpi", "90") == 0
+        assert exit_status("scene", "a.h5", way, "E", "--out", "E.mp4", "--dpi", "90", *film_options) == 0
         given, more = asked.pop()
-        assert given == (Path("a.h5"), "E", None, "contact", None, [Path("E.mp4")])
-        assert more == {"pixel_error": 0.5, "dpi": 90, "force": False}
+        assert given == (Path("a.h5"), "E", None, "contact", "turns", [Path("E.mp4")], 12.0, True, 0.5, 90, False)
+        assert more == {}
+        assert exit_status("scene", "a.h5", way, "E", "--out", "E.png", *film_options) == 2, "it would be ignored"
     for other in (["--camera", "front"], ["--bare"], ["--axis", "E", "--along", "R"]):
         assert exit_status("scene", "a.h5", "--out", "E.mp4", *other) == 2, "it would be ignored"
 

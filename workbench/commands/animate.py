@@ -12,21 +12,25 @@ RATES = (0.1, 60.0)  # frames a second
 MOST = 480  # frames that are solved for a film
 STAYS = 1 / 3  # seconds for which a stored case stays where no others can be solved
 
+Show = Annotated[
+    str | None, option("OBSERVABLE", "Observable drawn beside a film; default: that of the axis's first law.")
+]
+Fps = Annotated[float | None, number_option("Frames per second of a film; default: 24.")]
+Stored = Annotated[bool, flag("Film the stored cases alone, each for a third of a second.", "--stored")]
+
 
 def film_of(
     file: File,
     axis: Annotated[str | None, option("AXIS", "Axis of the film; required if the study has several axes.")] = None,
     at: At = None,
     kind: Annotated[str, option("KIND", "plain, contact, curvature or twist.")] = "contact",
-    show: Annotated[
-        str | None, option("OBSERVABLE", "Observable drawn beside the rod; default: that of the axis's first law.")
-    ] = None,
+    show: Show = None,
     out: Annotated[
         list[Path] | None,
         option("FILE", "Film, .mp4, .webp or .gif; repeatable; default: FILE_AXIS.mp4.", "--out", "-o"),
     ] = None,
-    fps: Annotated[float, number_option("Frames per second.")] = 24.0,
-    stored: Annotated[bool, flag("Show the stored cases alone, each for a third of a second.", "--stored")] = False,
+    fps: Fps = None,
+    stored: Stored = False,
     pixel_error: PixelError = 0.5,
     dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 160 gives 1280 x 720 pixels.")] = 160,
     force: ForceOutput = False,
@@ -44,6 +48,7 @@ def film_of(
     from ..words import outcomes
     from . import study_scene
 
+    fps = film.FPS if fps is None else fps
     study, ds = study_scene.open_rods(file)
     if study is not None:
         ds = in_memory.run(study)

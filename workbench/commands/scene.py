@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from .animate import Fps, Show, Stored
 from .options import At, ForceOutput, PixelError, argument, axis_values, check_file, flag, number_option, option
 from .present import Result, presents, result_of_files
 
@@ -68,12 +69,15 @@ def scene(
     ] = None,
     bare: Annotated[bool, flag("Draw the views alone: no words, no bars.", "--bare")] = False,
     transparent: Annotated[bool, flag("Leave the background transparent (.png).", "--transparent")] = False,
+    show: Show = None,
+    fps: Fps = None,
+    stored: Stored = False,
     out: Annotated[
         Path | None,
         option(
             "FILE",
             "Picture, .png or .jpg; .html, an offline page with all cases that --at leaves, in which the rod turns; "
-            ".mp4 or .gif, a film of the cases along the axis, or along --along; "
+            ".mp4, .webp or .gif, a film of the cases along the axis, or along --along; "
             "default: FILE_scene.png or FILE_scene_E=10905.png.",
             "--out",
             "-o",
@@ -86,7 +90,7 @@ def scene(
     A stored study with too few stations is solved again. Exit status 1 if OpenGL does not work on this machine, or if a
     file without a study has too few stations for --pixel-error.
     """
-    from solver.problem.errors import InputError
+    from solver.problem.errors import InputError, choices
 
     from ..scene import film, opengl, scene_kinds
     from ..scene.settings import Settings, check, check_name, color_range_of, size_of
@@ -97,10 +101,13 @@ def scene(
     others = [low is not None, high is not None, camera, color_range, bare, transparent, size]
     if out is not None and suffix in film.SUFFIXES:
         if any(others) or len({*axes, along} - {None}) > 1:
-            raise InputError(f"a film takes --axis, --at, --kind, --pixel-error and --dpi alone, got {out.name!r}")
+            raise InputError(f"a film takes --axis, --at, --kind, --show, --fps, --stored, --pixel-error and --dpi "
+                             f"alone, got {out.name!r}")  # fmt: skip
         way = along or next(iter(axes), None)
-        return animate.film_of(file, way, at, kind or "contact", None, [out], pixel_error=pixel_error,
-                               dpi=dpi or FILM_DPI, force=force)  # fmt: skip
+        return animate.film_of(file, way, at, kind or "contact", show, [out], fps, stored, pixel_error,
+                               dpi or FILM_DPI, force)  # fmt: skip
+    if stored or (show, fps) != (None, None):
+        raise InputError(f"--show, --fps and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}")
     if suffix == PAGE and (kind not in (None, PAGE_KIND, "equilibria") or any([axes, along, *others])):
         raise InputError(
             f"an {PAGE} file shows the kind {PAGE_KIND} of all cases that --at leaves; --kind, --axis, --along, --from "
