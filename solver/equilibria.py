@@ -1,20 +1,38 @@
 """Every equilibrium of one ends problem, with its stability."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .choose.held_equilibrium import held_trajectory
 from .choose.selection import NEAREST, Choose, select
-from .equilibrium_list import Equilibria, Equilibrium, equilibrium_of, in_order
-from .held_equilibria import TRIES, held_equilibria
+from .equilibrium.given_numbers import Given
+from .equilibrium.held_index import dead_index_of
+from .equilibrium_list import Equilibria, Equilibrium, HeldEquilibria, HeldSearch, equilibrium_of, in_order
+from .folds.parameter_plane import read_range
+from .held.held_search import held_search
+from .held.held_starts import Reached
 from .numerics.arrays import Array
-from .problem.case import Case, Ends, check_case
-from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, whole_number
-from .problem.limits import OUT_OF_RANGE, TOO_LARGE, TOO_LONG, beyond, dimensionless, not_too_long, representable
-from .problem.reduced import EndsProblem, held_of, reduce
+from .problem.case import PAIRS, Case, Ends, check_case
+from .problem.case_fields import value_of, with_field
+from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, no_such, whole_number
+from .problem.limits import (
+    OUT_OF_RANGE,
+    TOO_LARGE,
+    TOO_LONG,
+    beyond,
+    beyond_limits,
+    dimensionless,
+    held_apart,
+    not_too_long,
+    representable,
+    too_far,
+    units_held,
+)
+from .problem.reduced import NUMBER_OF, EndsProblem, held_of, reduce, reduce_held, value_of_number
 from .problem.trajectory import Trajectory
 from .solution import Solution
 
@@ -24,9 +42,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
 
-MOST_SWINGS = 200
+TRIES, MOST_SWINGS, MOST_HELD_SWINGS = 10, 200, 8
 LARGEST_SWINGS, MOST_TRIES, MOST_VALUES, MOST_LISTED = 10_000, 10_000, 1_000, 100_001  # of one call
+_FAR_WIDER = 2.5  # times the range around the equilibria that were found
 FINE = 801  # stations of an equilibrium without weight, whose shape weight changes
+ANY_LOAD = "a straight rod or a helix is an equilibrium under any load and is not listed"
 NONE_FOUND = "incomplete: no equilibrium was found, and by degree there is always one"
 
 
@@ -97,7 +117,8 @@ def equilibria(
             raise InputError("with weight equilibria searches over ranges of its own; leave within out")
         return varying_equilibria(case, tol, stations)
     if held_of(case):
-        return held_equilibria(case, tol, stations, most_swings, dict(within or {}), tries, values)
+        swings = MOST_HELD_SWINGS if most_swings is None else most_swings
+        return _with_held_ends(case, tol, stations, swings, within or {}, tries, values)
     if within:
         raise InputError(f"within takes reactions of held ends, and the case holds none; got {choices(within)}")
     return _under_dead_loads(case, tol, stations, MOST_SWINGS if most_swings is None else most_swings)
@@ -124,7 +145,8 @@ def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -
     wide, index, stray = repeat(problem, K), all_of_them.index, all_of_them.stray
     t = wide.span[:, None] * np.linspace(0, 1, stations)
     together = equilibrium_trajectory(wide, orbit, t, tol)
-    read = Reading(Solution(_repeat(case, K), wide, together, t, "shooting", tol))
+    copies = with_field(case, "beta0", np.full(K, value_of(case, "beta0")))
+    read = Reading(Solution(copies, wide, together, t, "shooting", tol))
     for name, angle in (("low", all_of_them.lowest), ("high", all_of_them.highest)):
         read.know({name: (angle, read.error)})
     turns, attached = OBSERVABLES["turns"].compute(read), OBSERVABLES["attached"].compute(read)[0]
@@ -138,19 +160,62 @@ def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -
     return Equilibria(in_order(listed), all_of_them.remark)
 
 
-def _repeat(case: Case, K: int) -> Case:
-    """The same ends problem K times."""
-    g = case.given
-    assert isinstance(g, Ends)
-    return Case(case.rod, case.cylinder, Ends(np.full(K, g.beta0), g.betaL, g.FZ, g.MZ, g.M3, g.alpha, g.gamma))
-
-
 def _row_of(together: Trajectory, orbit: "Orbit", t: Array, i: int) -> Trajectory:
     """Row i of a trajectory, with its own orbit."""
     row = slice(i, i + 1)
     names = ("beta", "dbeta", "alpha", "z", "solved", "outcome", "error", "condition", "evaluations")
     picked = {name: getattr(together, name)[row] for name in names}
     return replace(together, **picked, swirl=partial(orbit.swirl, t[row]), orbit=orbit)
+
+
+def _with_held_ends(
+    case: Case, tol: float, stations: int, most_swings: int, within: Mapping[str, Any], tries: int, values: int | None
+) -> HeldEquilibria:
+    """Those of a case with held ends that a search over stated ranges finds."""
+    number_of = {name: NUMBER_OF[name] for held in held_of(case) for name, other in PAIRS if other == held}
+    for name in within:
+        if name not in number_of:
+            raise no_such("reaction of this case", name, [*number_of])
+    ranges = {name: read_range(name, ends) for name, ends in within.items()}
+    problem = reduce_held(case)
+    why = beyond_limits(problem) if units_held(case).all() else OUT_OF_RANGE
+    said = str(beyond(why, case)[0]).removeprefix("failed: ") if why else too_far(*held_apart(problem))
+    if said:
+        return HeldEquilibria([], HeldSearch({}, most_swings, 0, 0, 0, 0, 0, said))
+    A, rho = float(case.rod.bending_stiffness), float(case.rho)
+    size = {number: value_of_number(name, 1.0, A, rho) for name, number in number_of.items()}
+    bounds = {(k := number_of[name]): (low / size[k], high / size[k]) for name, (low, high) in ranges.items()}
+    result = held_search(Given.of(problem), bounds, most_swings, tries, values)
+    t = problem.span[:, None] * np.linspace(0, 1, stations)
+    listed = []
+    for state, how in zip(result.states, result.how, strict=True):
+        trajectory = held_trajectory(Reached(state, how), result.given, t, tol)
+        solution = Solution(case, state.problem, trajectory, t, "shooting", tol)
+        index, dead = (int(i) if np.isfinite(i) else -1 for i in (float(solution.held_index), dead_index_of(state)))
+        listed.append(equilibrium_of(solution, index, state.path.level_path, dead, how))
+
+    def in_units(number: str, some: Collection[float]) -> tuple[float, float]:
+        return min(some) * size[number], max(some) * size[number]
+
+    name_of = {number: name for name, number in number_of.items()}
+    searched = {name_of[k]: in_units(k, ends) for k, ends in result.ranges.bounds.items()}
+    outside = {name_of[k]: in_units(k, [unknowns[k] for unknowns in result.outside]) for k in name_of if result.outside}
+    counts = result.problems, result.starts, result.failed, result.tries, len(result.outside)
+    note = ANY_LOAD if result.any_load else ""
+    narrower = _narrower(listed, {name: ends for name, ends in searched.items() if name not in ranges})
+    return HeldEquilibria(in_order(listed), HeldSearch(searched, most_swings, *counts, note, outside, narrower))
+
+
+def _narrower(listed: list[Equilibrium], searched: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
+    """A range around the reactions that were found, for each whose range is far wider."""
+    narrower = {}
+    for name, (low, high) in searched.items() if listed else ():
+        values = [float(equilibrium.solution.reactions[name]) for equilibrium in listed]
+        margin = max(0.5 * max(map(abs, values)), 0.02 * (high - low))
+        ends = max(min(values) - margin, low), min(max(values) + margin, high)
+        if high - low > _FAR_WIDER * (ends[1] - ends[0]):
+            narrower[name] = float(f"{ends[0]:.2g}"), float(f"{ends[1]:.2g}")
+    return narrower
 
 
 def nearest(found: list[Equilibrium], dbeta0: float, energy: float) -> Equilibrium:

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from .equilibria import Equilibria, equilibria
-from .folds.curve_crossings import Pieces
 from .folds.fold_curves import FoldCurves, curves_of
 from .folds.fold_search import search_curves
 from .folds.parameter_plane import parameter_plane
+from .folds.whole_curve import Pieces
 from .numerics.arrays import Array, Booleans, Integers
 from .problem.case import Case
 from .problem.errors import InputError

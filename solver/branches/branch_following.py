@@ -13,19 +13,22 @@ import numpy as np
 
 from ..equilibrium.charts import CORNER
 from ..equilibrium.held_index import index_of
-from ..equilibrium.system import state_of
+from ..equilibrium.system import LEFT, state_of
 from ..levels.line_point import Path
 from ..levels.path_orbits import orbit_of
+from ..levels.transit_times import height_scale
+from ..mechanics.potential import slope
 from ..numerics import arclength
 from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK
+from ..numerics.arrays import Array
 from ..numerics.roots import locate
+from ..problem.reduced import EndsProblem
 from .branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
-from .branch_leaps import creeps, held_leap, is_near_helix, leap_from, leap_on
-from .branch_states import BranchState, begin_at, in_other_charts, rechart
-from .branch_steps import AT_END, IS_CLOSED, OrdinarySteps, ordinary_steps
+from .branch_states import AT_END, IS_CLOSED, BranchState, begin_at, in_other_charts, rechart, steps_in_core
+from .continuation import Stopped, carry
 from .family import Family
-from .helix_branch import end_of_helix, helix_place, helix_places
-from .leaps import shape_of
+from .helices import end_of_helix, helix_places
+from .leaps import leap, shape_of
 
 _LENGTHS = arclength.Lengths(first=0.02, longest=0.25, least=1e-7)  # of steps, in scales
 NARROW = 1e-3  # length of a step below which other coordinates and a leap are tried
@@ -38,7 +41,13 @@ _CREEPING = (
     "the rod is next to a helix, as beside a pitchfork, and the range ends so near that the steps became too small; "
     "choose a range that ends farther on"
 )
+_NONE_BESIDE = "the rod is no helix beyond, and no equilibrium next to the helix was found"
 UNBENT = "the rod is a helix and nothing bends it: helices between two hinges are solved, not followed"
+_BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix
+_BESIDE_HELD_HELIX, _HELD_LEAP = 1e-3, 0.05  # the same with held ends; of p's scale, the way past a helix
+_BESIDE_HINGE, _SHORTER = 0.01, (5e-3, 5e-4)  # rad between the ends of a hinged rod there; shorter ways past it
+_LITTLE = 0.01  # the share of the way to the next halt that a leap must pass
+_SLIGHT = 0.1  # rad: the range of beta of a rod beside a helix
 _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
 
 
@@ -54,62 +63,51 @@ def trace_branch(family: Family, path: Path, p: float, rises: bool, bounds: Boun
 def branch_through(family: Family, path: Path, p: float, bounds: Bounds) -> tuple[list[Place], int, Stop, Stop] | str:
     """The equilibria of the branch of the one at p, the place of that one among them, and why there are no more at
     either end; or why it cannot be followed."""
-    middle = own_place(family, path, p)
-    if isinstance(middle, str):
-        return middle
+    if path.helix:
+        given = family.given(p)
+        assert given is not None
+        index = index_of(state_of(family.begun, path), given)
+        middle = Place(p, path, family.begun, int(index) if np.isfinite(index) else None)
+    else:
+        begun = begin_at(family, path, p, True)
+        if isinstance(begun, str):
+            return begun
+        middle = replace(begun.record(), p=p)
     return both_ways(middle, bounds, lambda rises: trace_branch(family, path, p, rises, bounds))
 
 
 def _places(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
     """The same without the reason that a helix ceases to exist."""
-    if not family.is_dead and path.helix:
-        return _from_held_helix(family, path, p, rises, bounds)
-    if not path.helix or not family.is_dead:
-        begun = begin_at(family, path, p, rises)
-        return ([], Stop(begun, p)) if isinstance(begun, str) else _follow(begun, [], bounds)
-    places, last = helix_places(family, p, rises, bounds)
-    if last is None:
-        ended = bool(places) and bounds.is_end(places[-1].p, 1.0 if rises else -1.0)
-        return places, Stop(END if ended else bounds.limit, places[-1].p)
-    beyond = leap_from(family, places[-1].path if places else path, last, rises, bounds)
-    if beyond is None:
-        return places, Stop("the rod is no helix beyond, and no equilibrium next to the helix was found", last)
-    return _follow(beyond, [*places, beyond.record()], bounds)
-
-
-def _from_held_helix(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
-    """The same from a helix under held ends, which bend it."""
-    given = family.given(p)
-    if given is not None and all(given.number(name, np.nan) == 0 for name in ("dbeta0", "dbetaL")):
-        return [], Stop(UNBENT, p)
-    begun = held_leap(state_of(family.begun, path), p, rises, family, bounds, _LEAP)
-    if isinstance(begun, str):
-        return [], Stop(begun, p)
-    place = begun.record()
-    first = replace(place, p=bounds.snap(place.p))
-    if bounds.is_end(first.p, 1.0 if rises else -1.0):
-        return [first], Stop(END, first.p)
-    return _follow(begun, [first], bounds)
-
-
-def own_place(family: Family, path: Path, p: float) -> Place | str:
-    """The equilibrium at p itself, or why it cannot be followed."""
-    place = family.place(p) if family.is_dead else None
-    if path.helix and place is not None and place.helix is not None:
-        return helix_place(place, p)
-    if path.helix and not family.is_dead:
+    places, begun = list[Place](), family.begun
+    if not path.helix:
+        beyond = begin_at(family, path, p, rises)
+        return ([], Stop(beyond, p)) if isinstance(beyond, str) else _follow(beyond, [], bounds)
+    if family.is_dead:
+        places, last = helix_places(family, p, rises, bounds)
+        if last is None:
+            ended = bool(places) and bounds.is_end(places[-1].p, 1.0 if rises else -1.0)
+            return places, Stop(END if ended else bounds.limit, places[-1].p)
+        p = last
+        if places:
+            path, begun = places[-1].path, places[-1].problem
+    else:  # held ends bend it
         given = family.given(p)
-        assert given is not None
-        index = index_of(state_of(family.begun, path), given)
-        return Place(p, path, family.begun, int(index) if np.isfinite(index) else None)
-    begun = begin_at(family, path, p, True)
-    return begun if isinstance(begun, str) else replace(begun.record(), p=p)
+        if given is not None and all(given.number(name, np.nan) == 0 for name in ("dbeta0", "dbetaL")):
+            return [], Stop(UNBENT, p)
+    beyond = leap_from(family, begun, path, p, rises, bounds)
+    if isinstance(beyond, str):
+        return places, Stop(beyond, p)
+    first = beyond.record()
+    places.append(replace(first, p=bounds.snap(first.p)))
+    if bounds.is_end(places[-1].p, 1.0 if rises else -1.0):
+        return places, Stop(END, places[-1].p)
+    return _follow(beyond, places, bounds)
 
 
 def _follow(state: BranchState, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
     """The places before, and those after a state."""
-    first, most = state.record(), bounds.most - len(places)
-    walk = _Walk(bounds, most, first, ordinary_steps(state.curve.family, bounds, first))
+    most = bounds.most - len(places)
+    walk = _Walk(bounds, most, state.record())
     found, reason = arclength.trace(state, walk.stride, _LENGTHS, most)
     every = [*places, *found]
     return every, Stop(reason or bounds.limit, every[-1].p if every else state.p)
@@ -119,23 +117,22 @@ def _follow(state: BranchState, places: list[Place], bounds: Bounds) -> tuple[li
 class _Walk:
     """The way along a branch.
 
-    most: of the points. first: where it begins. ordinary: the steps of the core. kept: for how many steps the
-    coordinate is kept. creeps: how many points in a row did not advance p.
+    most: of the points. first: where it begins. kept: for how many steps the coordinate is kept. creeps: how many
+    points in a row did not advance p.
     """
 
     bounds: Bounds
     most: int
     first: Place
-    ordinary: OrdinarySteps | None
     kept: int = 0
     creeps: int = 0
 
     def stride(self, state: BranchState, step: float, before: list[Place]) -> arclength.Stride[Place, BranchState]:
         """The ordinary steps after a state, and one on which something happens."""
         places = list[Place]()
-        if self.ordinary is not None and state.curve.chart.kind != CORNER:
+        if state.curve.family.steps is not None:
             begin, left = state, self.most - len(before)
-            places, state, step, self.kept, why = self.ordinary.after(state, step, self.kept, left)
+            places, state, step, self.kept, why = steps_in_core(state, step, self.kept, left, self.first, self.bounds)
             self.creeps = self.creeps + len(places) if creeps(begin, state, self.bounds, False) else 0
             if why in (AT_END, IS_CLOSED):
                 return arclength.Stride(places, state, step, END if why == AT_END else CLOSED)
@@ -204,7 +201,7 @@ def _special(state: BranchState, there: BranchState) -> list[tuple[BranchState, 
     chart, at, kind = state.curve.chart, None, FOLD
     reach = float(state.node.tangent @ (there.node.w - state.node.w))
     if not chart.logarithmic and chart.kind != CORNER and state.x * there.x < 0:
-        at = state.curve.at(state.node.w)
+        at = state.at
     if at is not None and at[0].is_tied:
         kind = BRANCH_POINT if at[0].start in at[0].angles and state.rises * there.rises > 0 else PITCHFORK
     elif state.rises * there.rises >= 0:
@@ -218,3 +215,60 @@ def _is_same(first: Place, place: Place) -> bool:
     one, other = place.path, first.path
     same = (one.leaving, one.turns, one.sign) == (other.leaving, other.turns, other.sign)
     return same and abs(place.p - first.p) < _BACK and abs(one.pin - other.pin) < _BACK and abs(one.y - other.y) < _BACK
+
+
+def creeps(state: BranchState, there: BranchState, bounds: Bounds, leap: bool) -> bool:
+    """Whether p changes by rounding; or, in a leap beside a helix, by little of the way to the next halt."""
+    far, ahead = abs(there.p - state.p), abs(bounds.next(state.p, state.rises > 0) - state.p)
+    if far < 100 * bounds.rounding:
+        return True
+    return leap and far < _LITTLE * ahead and bool(np.ptp(_shape(there)) < _SLIGHT)
+
+
+def _shape(state: BranchState) -> Array:
+    """beta along the rod."""
+    return np.empty(0) if state.at is None else shape_of(orbit_of(state.at[0].problem, state.at[1]))[0]
+
+
+def is_near_helix(state: BranchState) -> bool:
+    """Whether the rod would be a helix at a parameter so near that its level leaves the range of floats there."""
+    found, family = state.at, state.curve.family
+    if found is None or abs(np.sin((found[0].start - found[0].end) / 2)) > (_BESIDE_HINGE if family.hinged else 0):
+        return False
+    problem = found[0].problem
+    near = _BESIDE_HELIX if family.is_dead else _BESIDE_HELD_HELIX
+    pull = np.abs([slope(problem, end)[0] for end in (problem.beta0, problem.betaL)])
+    if not 0 < pull.max() < near * height_scale(problem):
+        return False
+    return not family.hinged or bool(np.ptp(_shape(state)) < _SLIGHT)  # ends of a long rod rest next to saddles too
+
+
+def leap_on(state: BranchState, bounds: Bounds) -> BranchState | None:
+    """The equilibrium a little farther on; under held ends none but beside a helix."""
+    family, at = state.curve.family, state.at
+    if at is None or not (family.is_dead or is_near_helix(state)):
+        return None
+    shares = (_LEAP,) if family.is_dead else (_HELD_LEAP, *(_SHORTER if family.hinged else ()))
+    leaps = (leap_from(family, at[0].problem, at[1], state.p, state.rises > 0, bounds, share) for share in shares)
+    return next((beyond for beyond in leaps if not isinstance(beyond, str)), None)
+
+
+def leap_from(
+    family: Family, problem: EndsProblem, path: Path, p: float, rises: bool, bounds: Bounds, share: float = _LEAP
+) -> BranchState | str:
+    """The equilibrium a little beyond that at p, or why there is none: under dead loads the one with a close shape and
+    the same Morse index, under held ends that to which continuation leads, past a helix or from it on.
+
+    share: of p's scale, the longest way.
+    """
+    far = p + float(np.clip(bounds.next(p, rises) - p, -share * family.scale, share * family.scale))
+    first, last = family.given(p), family.given(far)
+    if first is None or last is None:
+        return LEFT
+    if family.is_dead:
+        found = leap(first, last, 0.0, problem, path)
+        return _NONE_BESIDE if found is None else begin_at(family, found[0].path, p + found[1] * (far - p), rises)
+    carried = carry(state_of(problem, path, family.hinged), last)
+    if isinstance(carried, Stopped):
+        return carried.reason
+    return begin_at(replace(family, begun=carried.problem), carried.path, far, rises)

@@ -1,18 +1,25 @@
-"""A point of a branch on its curve, and its change to another coordinate of the level."""
+"""A point of a branch on its curve, its change to another coordinate of the level, and ordinary steps by the core."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from ..core import branches as core
 from ..equilibrium.charts import Chart, charts, coordinate
-from ..levels.line_point import Path
+from ..equilibrium.held_index import held_index
+from ..equilibrium.orbit_rates import OrbitRates
+from ..levels.line_point import LinePoint, Path
 from ..numerics.arclength import LEFT, Node, advance, correct_point, node_at
 from ..numerics.arrays import Array
-from .branch_events import Place
+from ..problem.reduced import EndsProblem
+from .branch_events import Bounds, Place
 from .equilibrium_curve import AHEAD, EquilibriumCurve, curve_through
 from .family import Family
 
+AT_END, IS_CLOSED = core.AT_END, core.IS_CLOSED
+_PATH = ("pin", "sign", "y", "leaving", "turns")  # of a record of the core
 _SAME_SADDLE = 0.1  # half of the largest angle by which a saddle moves in a step
 _SHARE = 0.1  # of the change of p in a step, over which differences in p are taken
 _LEAST = 1e-10  # the same in scales of p
@@ -45,16 +52,15 @@ class BranchState:
         node = advance(self.curve, self.node, step, across)
         return node if isinstance(node, str) else BranchState(self.curve, node)
 
-    def path(self) -> Path:
-        found = self.curve.at(self.node.w)
-        assert found is not None
-        return found[1]
+    @cached_property
+    def at(self) -> tuple[LinePoint, Path] | None:
+        """The problem under dead loads and the path."""
+        return self.curve.at(self.node.w)
 
     def record(self, kind: str = "") -> Place:
-        found = self.curve.at(self.node.w)
-        assert found is not None
-        index = self.curve.index(self.node.w, found[1], self.node.jacobian)
-        return Place(self.p, found[1], found[0].problem, index, kind)
+        assert self.at is not None
+        place, path = self.at
+        return Place(self.p, path, place.problem, self.curve.index(self.node.w, path, self.node.jacobian), kind)
 
 
 def begin_at(family: Family, path: Path, p: float, rises: bool) -> BranchState | str:
@@ -91,10 +97,9 @@ def rechart(state: BranchState, step: float, keep: bool = False) -> BranchState:
     """
     ahead = float(np.clip(_SHARE * step * abs(state.rises), _LEAST, AHEAD))
     state = replace(state, curve=replace(state.curve, ahead=ahead))
-    at = state.curve.at(state.node.w)
-    if at is None:
+    if state.at is None:
         return state
-    every = charts(*at, state.curve.family.hinged)
+    every = charts(*state.at, state.curve.family.hinged)
     if not keep and not alike(every[0], state.curve.chart):
         changed = _change(state, every[0])
         if changed is not None:
@@ -107,8 +112,7 @@ def rechart(state: BranchState, step: float, keep: bool = False) -> BranchState:
 
 def in_other_charts(state: BranchState) -> Iterator[BranchState]:
     """The same in every other coordinate."""
-    at = state.curve.at(state.node.w)
-    for chart in charts(*at, state.curve.family.hinged) if at is not None else ():
+    for chart in charts(*state.at, state.curve.family.hinged) if state.at is not None else ():
         if not alike(chart, state.curve.chart):
             changed = _change(state, chart)
             if changed is not None:
@@ -153,3 +157,62 @@ def _change(state: BranchState, chart: Chart) -> BranchState | None:
                 if not isinstance(found, str) and found.rises * state.rises > 0:
                     return found
     return None
+
+
+def steps_in_core(
+    state: BranchState, step: float, kept: int, most: int, first: Place, bounds: Bounds
+) -> tuple[list[Place], BranchState, float, int, int]:
+    """At most so many places after a state; the state at the last, the next step, and why there are no more.
+
+    On these steps nothing happens but that the equilibrium changes; the others are not made. first: where the branch
+    begins, to tell whether it is closed.
+    """
+    at, curve, begin = _point_of(state), state.curve, np.zeros(1, core.RECORD)
+    assert curve.family.steps is not None
+    begin["p"] = first.p
+    for name in _PATH:
+        begin[name] = getattr(first.path, name)
+    halts = np.array(sorted({*bounds.wanted, bounds.low, bounds.high}))
+    found, rates, step, kept, why = curve.family.steps.run(
+        at, step, kept, begin, most, halts, bounds.rounding, curve.loads
+    )
+    if not found.size:
+        return [], state, step, kept, why
+    index = found["index"].tolist() if curve.family.is_dead else _indices_of(curve.family, found, rates)
+    return _places(found, index), _state_of(at, curve), step, kept, why
+
+
+def _places(found: Array, index: list[int | None]) -> list[Place]:
+    paths = zip(*(found[name].tolist() for name in _PATH), strict=True)
+    numbers = np.ascontiguousarray(found["numbers"].T)[:, :, None]
+    each = enumerate(zip(found["p"].tolist(), paths, index, strict=True))
+    return [Place(p, Path(*path), EndsProblem(*numbers[:, i]), known) for i, (p, path, known) in each]
+
+
+def _indices_of(family: Family, found: Array, rates: Array) -> list[int | None]:
+    """The Morse indices under the ends that are meant; None where an eigenvalue is zero to rounding."""
+    values, rows, by_span, length = core.split(rates)
+    problem = replace(EndsProblem(*found["numbers"].T), span=length)
+    every = OrbitRates(problem, values, rows, by_span)
+    given = [family.numbers(p) for p in found["p"].tolist()]
+    ratio = np.array([np.nan if one is None else one[-1] for one in given])
+    index = held_index(every, ratio, family.names, found["leaving"], found["turns"])
+    return [int(one) if np.isfinite(one) else None for one in index]
+
+
+def _point_of(state: BranchState) -> core.Point:
+    node = state.node
+    point = core.Point(sign=node.sign, bend=node.bend, ahead=state.curve.ahead, chart=core.chart_of(state.curve.chart))
+    for name, values in (("w", node.w), ("jacobian", node.jacobian), ("tangent", node.tangent)):
+        getattr(point, name)[: values.size] = values.ravel().tolist()
+    return point
+
+
+def _state_of(at: core.Point, curve: EquilibriumCurve) -> BranchState:
+    """The state at a point; curve: that of another state of the branch."""
+    chart, path, n = at.chart, at.chart.at, curve.scales.size
+    own = Path(path.pin, path.sign, path.y, path.leaving, path.turns)
+    drawn = Chart(core.KINDS[chart.kind], own, chart.scale, bool(chart.logarithmic))
+    w, tangent = np.array(at.w[:n]), np.array(at.tangent[:n])
+    jacobian = np.array(at.jacobian[: n * (n - 1)]).reshape(n - 1, n)
+    return BranchState(replace(curve, chart=drawn, ahead=at.ahead), Node(w, jacobian, tangent, at.sign, at.bend))

@@ -7,14 +7,13 @@ but do not exclude it. Where steps become small and a branch under dead loads do
 saddle, in a range as narrow as exp(-r L)), a leap is made (`leaps`).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..core import levels as core
 from ..equilibrium.charts import charts, coordinate
-from ..equilibrium.given_numbers import FREE, Given, OrbitState, orientation, predict, problem_after
+from ..equilibrium.given_numbers import FREE, Given, OrbitState, orientation, predict, problem_after, problem_of
 from ..equilibrium.system import LEFT, REACH, correct_equilibrium, state_of
 from ..levels.line_point import LinePoint, Path
 from ..levels.morse_index import jacobi_zeros
@@ -22,8 +21,8 @@ from ..levels.path_orbits import orbit_of
 from ..levels.transit_times import CUTTING, NODES
 from ..numerics.roots import DIVERGED
 from ..problem.reduced import EndsProblem
-from .held_helices import helix_ahead, off_helix
-from .leaps import LEAPS, NEAR, Line, leap, shape_of
+from .helices import helix_ahead, off_helix
+from .leaps import LEAPS, NEAR, leap, shape_of
 
 _MOST_STEPS = 4000
 _SHORTEST = 1e-6  # share of the line below which a step is abandoned
@@ -48,19 +47,9 @@ class Stopped:
     state: OrbitState
 
 
-def carry(
-    state: OrbitState,
-    wanted: Given,
-    most_steps: int = _MOST_STEPS,
-    poor: float = np.inf,
-    leap_from: Callable[[OrbitState, float], tuple[OrbitState, float] | None] = lambda state, share: None,
-) -> OrbitState | Stopped:
-    """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion.
-
-    poor: the size of the corrections over that of a step, above which it is refused as it may pass a pair of folds.
-    leap_from: from a state at a share of the line, where the steps have become too small.
-    """
-    first, share, step = wanted.at(state), 0.0, 1.0
+def carry(state: OrbitState, wanted: Given, most_steps: int = _MOST_STEPS) -> OrbitState | Stopped:
+    """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion."""
+    first, is_dead, share, step = wanted.at(state), wanted.names == FREE, 0.0, 1.0
     reason, before = LEFT, (0.0, state)
     if state.path.helix:
         off = np.abs(np.append(first.values - wanted.values, first.span - wanted.span))
@@ -76,7 +65,7 @@ def carry(
         if share > 1 - _ROUNDING:  # next to rest at an end each step goes a share of what is left
             return state
         step = min(step, 1 - share)
-        ahead = _advance(state, first, wanted, share, step, poor)
+        ahead = _advance(state, first, wanted, share, step)
         if isinstance(ahead, str) or (ahead[1] < _EASY and share > before[0]):
             beyond = _past_a_helix(before, (share, state), first, wanted)
             ahead = ahead if beyond is None else beyond
@@ -84,7 +73,7 @@ def carry(
             reason, step = ahead, step / 3
             if step >= _SHORTEST:
                 continue
-            beyond = leap_from(state, share)
+            beyond = leap(first, wanted, share, state.problem, state.path) if is_dead else None
             if beyond is None:
                 return Stopped(share, FOLD if reason == DIVERGED else reason, state)
             ahead = beyond
@@ -95,13 +84,13 @@ def carry(
     return Stopped(share, f"the limit of {most_steps} steps", state)
 
 
-def _is_crossed(before: OrbitState, after: OrbitState, given: Given, size: float, poor: float) -> bool:
+def _is_crossed(before: OrbitState, after: OrbitState, given: Given, size: float) -> bool:
     """Whether a step of some size may have led to another branch: it was predicted badly, or the equations change their
     orientation.
 
     A branching point that is passed along a branch changes it too; there the prediction of a small step is good.
     """
-    if after.corrected > max(poor * size, _CLOSE):
+    if given.names == FREE and after.corrected > max(_POOR * size, _CLOSE):  # a pair of folds may have been passed
         return True
     turned = orientation(before.rates, given) * orientation(after.rates, given) < 0
     return turned and (size > _SMALL or after.corrected > _GOOD * size)
@@ -137,7 +126,7 @@ def _past_a_helix(
 
 
 def _advance(
-    state: OrbitState, first: Given, wanted: Given, share: float, step: float, poor: float
+    state: OrbitState, first: Given, wanted: Given, share: float, step: float
 ) -> tuple[OrbitState, float] | str:
     """The state after at most one step, and the step taken; else why the step failed in the best coordinate."""
     reason = ""
@@ -154,7 +143,7 @@ def _advance(
             guess = problem_after(state.problem, ahead, change, factor)
             goal = 0.0 if ahead is wanted else _ROUGH
             found = correct_equilibrium(guess, ahead, chart, coordinate(chart) + factor * dx, goal)
-            if not isinstance(found, str) and not _is_crossed(state, found, wanted, factor * size, poor):
+            if not isinstance(found, str) and not _is_crossed(state, found, wanted, factor * size):
                 return found, factor * step
             reason = reason or (found if isinstance(found, str) else DIVERGED)
         if step > _EASY:
@@ -195,7 +184,7 @@ def _resume_by_leaps(first: EndsProblem, path: Path, last: EndsProblem) -> Path 
         return target  # H is linear in the loads, so it is zero on the whole line
     if target is None:
         return _follow(first, path, last)
-    before = Line(first, last).at(1 - LEAPS[0])
+    before = problem_of(Given.dead(first).towards(Given.dead(last), 1 - LEAPS[0]), {})
     near = _follow(first, path, before)
     if isinstance(near, Stopped):
         return near
@@ -208,16 +197,13 @@ def _resume_by_leaps(first: EndsProblem, path: Path, last: EndsProblem) -> Path 
 
 def _follow(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
     """The path followed along the line; not both ends of the line are helices."""
-    line = Line(first, last)
+    wanted = Given.dead(last)
     if path.helix:
-        begun = leap(line, first, path, 0.0)
+        begun = leap(Given.dead(first), wanted, 0.0, first, path)
         if begun is None:
             return Stopped(0.0, "no equilibrium next to the helix", state_of(first, path))
         state, share = begun
         found = _follow(state.problem, state.path, last)
         return replace(found, share=share + (1 - share) * found.share) if isinstance(found, Stopped) else found
-    carried = carry(
-        state_of(first, path), Given.dead(last), _MOST_STEPS, _POOR,
-        lambda state, share: leap(line, state.problem, state.path, share),
-    )  # fmt: skip
+    carried = carry(state_of(first, path), wanted)
     return carried if isinstance(carried, Stopped) else carried.path

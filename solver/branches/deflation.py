@@ -16,7 +16,6 @@ from ..equilibrium.given_numbers import (
     answer,
     move,
     problem_after,
-    rows_of,
     size_of,
     values_of,
 )
@@ -71,7 +70,7 @@ def _next_state(wanted: Given, state: OrbitState, change: Array, factor: float) 
     """The state after a step, halved where no orbit is there; and the size of the step of Newton's rule itself."""
     for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
         x = coordinate(chart)
-        dx = move(chart, x, change)
+        dx = float(move(chart, x, change))
         size = size_of(state.problem, chart, dx, change)
         if not np.isfinite(size) or size == 0:
             continue
@@ -102,7 +101,7 @@ def fold_beside(state: OrbitState, wanted: Given) -> tuple[Array, float] | None:
     Along the direction in which the equations have their smallest slope sigma, they are about sigma t + b t^2, so the
     other zero is at t = -sigma/b.
     """
-    rows, by_span = rows_of(state.rates, wanted.names, wanted.ratio)
+    (rows,), (by_span,) = state.rates.rows_of(wanted.names, wanted.ratio)
     every = state.rates.rows[0]
     if state.path.helix or not np.isfinite(every[:-1]).all():
         return None
@@ -138,7 +137,7 @@ def _beside(state: OrbitState, wanted: Given, change: Array, share: float) -> Or
     problem = replace(state.problem, **new)
     for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
         x = coordinate(chart)
-        beside = _state_at(problem, replace(wanted, names=()), chart, x + share * move(chart, x, change))
+        beside = _state_at(problem, replace(wanted, names=()), chart, x + share * float(move(chart, x, change)))
         if beside is not None:
             return beside
     return None

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core import branches as core
 from ..equilibrium.charts import CORNER, Chart, charts, coordinate, excess, path_at
-from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of, rows_of, values_of
+from ..equilibrium.given_numbers import FREE, Given, OrbitState, move, problem_of, values_of
 from ..equilibrium.held_index import held_index
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_numbers, start_rates
 from ..equilibrium.system import corner_state, rates_in
@@ -146,28 +146,18 @@ class EquilibriumCurve:
     def _answers(self, rates: OrbitRates, given: Given, x: float) -> tuple[Array, Array]:
         """The derivatives of the six equations by x and `FREE`, (6, 6), and what a unit of the length adds, (6,)."""
         names = [NUMBERS.index(name) for name in FREE]
-        rows, by_span = rows_of(rates, given.names, given.ratio)
+        (rows,), (by_span,) = rates.rows_of(given.names, given.ratio)
         known = np.column_stack([rates.rows[0], rates.by_span[0]])
         if self.chart.kind != CORNER:
-            matrix = np.vstack([self._row(known, x), known[names]])
+            matrix = np.vstack([move(self.chart, x, known), known[names]])
             every = np.vstack([np.column_stack([rows, by_span]), np.eye(6)[5]])
             return every @ solve(matrix[None], np.eye(6)[None])[0], np.zeros(6)
         far, start = names[_FAR], [k for k in (0, *range(1, 6)) if k != 1 + _FAR]  # the orbit knows no beta(L)
         parts = np.zeros((5, 6))
-        matrix = np.vstack([self._row(known, x), known[names]])[start, :5]
+        matrix = np.vstack([move(self.chart, x, known), known[names]])[start, :5]
         parts[:, start] = solve(matrix[None], np.eye(5)[None])[0]
         every = np.vstack([rows @ parts, np.eye(6)[1 + _FAR] - rates.rows[0, far] @ parts])
         return every, np.append(by_span, -rates.by_span[0, far])
-
-    def _row(self, known: Array, x: float) -> Array:
-        """What the parts of a change of the orbit, and a change of its length, add to the coordinate."""
-        if self.chart.kind == "saddle":
-            return np.asarray(known[NUMBERS.index("y")])
-        rate = known[NUMBERS.index("dbetaL" if self.chart.kind == "end" else "dbeta0")]
-        if not self.chart.logarithmic:
-            return np.asarray(rate)
-        direction = self.chart.at.leaving if self.chart.kind == "start" else self.chart.at.arriving
-        return np.asarray(2 * rate / (direction * float(np.exp(x / 2))))
 
     def index(self, w: Array, path: Path, jacobian: Array) -> int | None:
         """The Morse index under the ends that are meant; None where an eigenvalue is zero to rounding."""

@@ -4,11 +4,9 @@ All equilibria of the neighbouring paths are computed a little farther on; the b
 same Morse index whose shape is close.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from ..equilibrium.given_numbers import OrbitState
+from ..equilibrium.given_numbers import Given, OrbitState, problem_of
 from ..equilibrium.system import settle
 from ..levels.level_grid import level_grid_of
 from ..levels.level_search import level_paths_of, roots_on
@@ -24,25 +22,11 @@ LEAPS = (1e-3, 1e-4, 1e-5)  # shares of the line over which a leap is tried
 NEAR, _CLEAR = 0.05, 4.0  # rad between two shapes of a branch after a leap; factor by which others must be farther
 
 
-@dataclass(frozen=True)
-class Line:
-    """The line of problems from the first (share 0) to the last (share 1)."""
-
-    first: EndsProblem
-    last: EndsProblem
-
-    def at(self, share: float) -> EndsProblem:
-        """The problem at a share of the line."""
-        if share >= 1:
-            return self.last
-        pairs = zip(vars(self.first).values(), vars(self.last).values(), strict=True)
-        return EndsProblem(*((1 - share) * first + share * last for first, last in pairs))
-
-
-def leap(line: Line, problem: EndsProblem, path: Path, share: float) -> tuple[OrbitState, float] | None:
+def leap(first: Given, last: Given, share: float, problem: EndsProblem, path: Path) -> tuple[OrbitState, float] | None:
     """The equilibrium a little farther on with a close shape and the same Morse index, and the share that is leapt.
 
-    problem, path: the equilibrium at a share of the line. None where there is none beyond, or more than one.
+    first, last: the ends of the line. problem, path: the equilibrium at a share of it. None where there is none beyond,
+    or more than one.
     """
     before = orbit_of(problem, path)
     index, shape = jacobi_zeros(before)[0], shape_of(before)
@@ -50,7 +34,7 @@ def leap(line: Line, problem: EndsProblem, path: Path, share: float) -> tuple[Or
     for length in LEAPS:
         if share + length > 1:
             continue
-        there = line.at(share + length)
+        there = problem_of(first.towards(last, share + length), {})
         every, orbit = _neighbours(LinePoint(there), turns)
         if orbit is None:
             continue

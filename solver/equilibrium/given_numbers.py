@@ -90,26 +90,6 @@ def problem_of(given: Given, numbers: dict[str, float]) -> EndsProblem:
     return EndsProblem(**{name: np.array([v]) for name, v in numbers.items()}, span=np.array([given.span]))
 
 
-def rows_of(rates: OrbitRates, names: tuple[str, ...], ratio: float) -> tuple[Array, Array]:
-    """The rows (5, 5) and the derivatives by the length (5,) of the given numbers of one equilibrium."""
-    rows, by_span = [], []
-    for name in names:
-        if name == "turn":  # ratio mu span - swirl
-            mu, swirl, span = _AT["mu"], _AT["swirl"], float(rates.length[0])
-            rows.append(ratio * span * rates.rows[0, mu] - rates.rows[0, swirl])
-            by_span.append(ratio * rates.values[0, mu] - rates.by_span[0, swirl])
-        else:
-            k = _AT[name]
-            rows.append(rates.rows[0, k])
-            by_span.append(rates.by_span[0, k])
-    return np.array(rows), np.array(by_span)
-
-
-def parts_by_given(rates: OrbitRates, names: tuple[str, ...], ratio: float) -> Array:
-    """The five parts of a change of one equilibrium by a unit of each given number, and last of the length, (5, 6)."""
-    return parts_of(rates, Given(names, np.zeros(5), 0.0, ratio), np.eye(5, 6), np.eye(6)[5])
-
-
 def answer(rates: OrbitRates, given: Given, values: Array, span: Array) -> Array:
     """The changes of the `NUMBERS` by changes of the given numbers (5, k) and of the length (k,), (11, k)."""
     parts = parts_of(rates, given, values, span)
@@ -119,8 +99,8 @@ def answer(rates: OrbitRates, given: Given, values: Array, span: Array) -> Array
 
 def parts_of(rates: OrbitRates, given: Given, values: Array, span: Array) -> Array:
     """The five parts of the changes of the orbit by the same changes, (5, k)."""
-    rows, by_span = rows_of(rates, given.names, given.ratio)
-    return solve(rows[None], (values - by_span[:, None] * span)[None])[0]
+    rows, by_span = rates.rows_of(given.names, given.ratio)
+    return solve(rows, values - by_span[..., None] * span)[0]
 
 
 def orientation(rates: OrbitRates, given: Given) -> float:
@@ -128,17 +108,18 @@ def orientation(rates: OrbitRates, given: Given) -> float:
 
     It does not depend on the coordinates of the path, as the flow and its transversal always span a unit area.
     """
-    rows, _ = rows_of(rates, given.names, given.ratio)
+    rows = rates.rows_of(given.names, given.ratio)[0][0]
     with np.errstate(all="ignore"):
         column = 1 / np.abs(rows).max(axis=0)
         return float(np.linalg.slogdet(rows * column)[0])
 
 
-def move(chart: Chart, x: float, change: Array) -> float:
-    """The change of the coordinate of a chart; change: of the `NUMBERS`, (11,), of a path with the pin of the chart."""
+def move(chart: Chart, x: float, change: Array) -> Array:
+    """The changes of the coordinate of a chart, (...,), by changes of the `NUMBERS`, (11, ...), of a path with the pin
+    of the chart."""
     if chart.kind == "saddle":
-        return float(change[_AT["y"]])
-    rate = float(change[_AT["dbetaL" if chart.kind == "end" else "dbeta0"]])
+        return np.asarray(change[_AT["y"]])
+    rate = np.asarray(change[_AT["dbetaL" if chart.kind == "end" else "dbeta0"]])
     if not chart.logarithmic:
         return rate
     direction = chart.at.leaving if chart.kind == "start" else chart.at.arriving
@@ -177,5 +158,5 @@ def predict(state: OrbitState, chart: Chart, given: Given, ahead: Given) -> tupl
         rates = orbit_rates(state.problem, [path])
     values, span = ahead.values - given.values, np.array([ahead.span - given.span])
     change = answer(rates, given, values[:, None], span)[:, 0]
-    dx = move(chart, coordinate(chart), change)
+    dx = float(move(chart, coordinate(chart), change))
     return change, dx, size_of(state.problem, chart, dx, change)

@@ -64,42 +64,35 @@ class OrbitRates:
         """One of the `NUMBERS`, (B,)."""
         return np.asarray(self.values[:, NUMBERS.index(name)])
 
-    def parts(self, held: Sequence[str]) -> Array:
-        """The five parts by a unit of each of five held numbers, and last of the length, (B, 5, 6)."""
-        at = [NUMBERS.index(name) for name in held]
-        forced = np.zeros((self.values.shape[0], len(at), 6))
-        forced[:, range(5), range(5)] = 1
-        forced[:, :, 5] = -self.by_span[:, at]
-        return solve(self.rows[:, at], forced)
+    def rows_of(self, names: Sequence[str], ratio: Array | float) -> tuple[Array, Array]:
+        """The rows of k of the `NUMBERS` or of "turn" = ratio mu span - swirl, (B, k, 5), and what a unit of the length
+        adds to them, (B, k). ratio: A/C, (B,) or one."""
+        at = [NUMBERS.index("swirl" if name == "turn" else name) for name in names]
+        rows, by_span = self.rows[:, at], self.by_span[:, at]
+        if "turn" in names:
+            k, mu = names.index("turn"), NUMBERS.index("mu")
+            rows[:, k] = (ratio * self.length)[:, None] * self.rows[:, mu] - rows[:, k]
+            by_span[:, k] = ratio * self.values[:, mu] - by_span[:, k]
+        return rows, by_span
 
-    def response(self, held: Sequence[str]) -> Array:
-        """The derivatives of the `NUMBERS` by each of five of them, the others of the five held, and by the length.
+    def parts(self, names: Sequence[str], ratio: Array | float = np.nan) -> Array:
+        """The five parts by a unit of each of five given numbers, as of `rows_of`, and last of the length, (B, 5, 6).
 
-        Parameters
-        ----------
-        held : sequence of str
-            Five of the `NUMBERS`.
-
-        Returns
-        -------
-        array (B, 11, 6)
-            The last column is by the length; NaN where the five do not determine the equilibrium: at a fold.
+        NaN where the five do not determine the equilibrium: at a fold.
         """
-        with np.errstate(invalid="ignore", over="ignore"):
-            found = self.rows @ self.parts(held)
-            found[:, :, 5] += self.by_span
-        return np.asarray(found)
+        rows, by_span = self.rows_of(names, ratio)
+        forced = np.broadcast_to(np.eye(5, 6), (len(rows), 5, 6)).copy()
+        forced[:, :, 5] = -by_span
+        return solve(rows, forced)
 
     def compliance(self, ratio: Array, ends: Sequence[str] = ("beta0", "betaL")) -> Array:
         """d(z, alpha, gamma)/d(phi, lam, mu) with two numbers of the ends held: symmetric, (B, 3, 3).
 
         ratio: A/C, (B,): the rotation is gamma = ratio mu span - swirl.
         """
-        found = self.response((*ends, "phi", "lam", "mu"))
-        K = found[:, [NUMBERS.index(name) for name in ("z", "alpha", "swirl")], 2:5]
-        K[:, 2] *= -1
-        K[:, 2, 2] += ratio * self.problem.span
-        return np.asarray(K)
+        with np.errstate(invalid="ignore", over="ignore"):
+            parts = self.parts((*ends, "phi", "lam", "mu"))[:, :, 2:5]
+            return np.asarray(self.rows_of(("z", "alpha", "turn"), ratio)[0] @ parts)
 
 
 def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:

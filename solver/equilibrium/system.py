@@ -61,7 +61,7 @@ def correct_equilibrium(
             return LEFT
         off = given.values - values_of(numbers, length, given)
         change = answer(rates, given, off[:, None], np.array([given.span - length]))[:, 0]
-        dx = move(chart, at, change)
+        dx = float(move(chart, at, change))
         size = size_of(problem, chart, dx, change)
         last = OrbitState(problem, path, rates, size + (0.0 if last is None else last.corrected))
         if not last.corrected <= 2 * REACH:

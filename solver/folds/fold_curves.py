@@ -9,10 +9,9 @@ import numpy as np
 
 from ..numerics.arrays import Array, Booleans
 from ..problem.case import Case
-from .curve_crossings import change_along
 from .fold_search import Searched
 from .parameter_plane import ParameterPlane
-from .whole_curve import PIECES, WholeCurve
+from .whole_curve import PIECES, WholeCurve, change_along, without_zeros
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,28 +84,24 @@ class FoldCurves:
 
     def indices_at(self, values: Any) -> Counter[int]:
         """How many equilibria of each Morse index exist at a point (2,), counted from the curves crossed on the way."""
-        shares = self.searched.plane.shares(values)
-        start = self._reference
-        there = Counter(self.searched.counted.at(start).indices)
-        for index, n in change_along(self.searched.pieces, start, shares).items():
-            there[index] += n
-        return Counter({index: n for index, n in there.items() if n})
+        return self._indices_from(self._reference, self.searched.plane.shares(values))
 
     @cached_property
     def _reference(self) -> Array:
         """A counted point of which the curves count right most others."""
-        known = self.searched.counted.known
+        known = self.searched.counted
         points = np.array(list(known))[:: max(1, len(known) // 60)]
-        alike = []
-        for point in points[:10]:
-            base = Counter(known[tuple(point)].indices)
-            right = 0
-            for other in points:
-                change = Counter(base)
-                change.update(change_along(self.searched.pieces, point, other))
-                right += {k: n for k, n in change.items() if n} == dict(known[tuple(other)].indices)
-            alike.append(right)
-        return np.asarray(points[int(np.argmax(alike))])
+
+        def alike(point: Array) -> int:
+            return sum(self._indices_from(point, other) == known[tuple(other)].indices for other in points)
+
+        return np.asarray(max(points[:10], key=alike))
+
+    def _indices_from(self, start: Array, end: Array) -> Counter[int]:
+        """How many equilibria of each index exist at a point, counted from another one."""
+        indices = Counter(self.searched.at(start).indices)
+        indices.update(change_along(self.searched.pieces, start, end))
+        return without_zeros(indices)
 
 
 def curves_of(searched: Searched, remark: str | None = None) -> FoldCurves:
@@ -135,15 +130,18 @@ def fold_curve(plane: ParameterPlane, curve: WholeCurve) -> FoldCurve:
     )
 
 
+def said_of_stopped(searched: Searched) -> list[str]:
+    """A sentence on curves that could not be followed, where there are any."""
+    stopped = sum("stopped" in curve.ends for curve in searched.curves)
+    return [f"{stopped} of {len(searched.curves)} curves could not be followed to the border"] * bool(stopped)
+
+
 def _remark(searched: Searched) -> str:
     """Where the curves may be incomplete, or nothing."""
-    said = []
-    stopped = sum("stopped" in curve.ends for curve in searched.curves)
-    if stopped:
-        said.append(f"{stopped} of {len(searched.curves)} curves could not be followed to the border")
+    said = said_of_stopped(searched)
     if searched.open_lines:
         said.append(f"on {len(searched.open_lines)} lines of the lattice the numbers change where no curve was found")
-    incomplete = sum(not one.complete for one in searched.counted.known.values())
+    incomplete = sum(not one.complete for one in searched.counted.values())
     if incomplete:
-        said.append(f"at {incomplete} of {len(searched.counted.known)} points the equilibria may be incomplete")
+        said.append(f"at {incomplete} of {len(searched.counted)} points the equilibria may be incomplete")
     return "; ".join(said)

@@ -1,86 +1,212 @@
-"""All fold and pitchfork curves that cross a rectangle of two fields, searched for on a lattice of points."""
+"""All fold and pitchfork curves that cross a rectangle of two fields under dead loads, searched for on a lattice.
 
-from dataclasses import dataclass
-from itertools import pairwise
+The equilibria at both ends of a line are counted by their Morse index, which nothing but a fold or a pitchfork changes.
+The line is halved until Newton's rule, started between two equilibria that are about to meet, finds where they do.
+"""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import combinations, pairwise
+from typing import Any
 
 import numpy as np
 
+from ..levels.level_search import MOST_PERIODS, Census, census, near_misses
 from ..mechanics.potential import load_size
-from ..numerics.arclength import FOLD
+from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
-from .curve_crossings import Pieces, join_pieces
-from .fold_seeds import Counted, Seeds, change_beyond, strip_between
-from .orbit_folds import LENGTHS, given_on, sides_between
+from .orbit_folds import LENGTHS, GivenAt, given_on, point_near, sides_between
 from .parameter_plane import ParameterPlane
-from .separatrix_folds import DeadPoint, in_other_form
-from .special_line import MOST, Tracing, cusps_between, special_line
-from .whole_curve import WholeCurve, whole_curve
+from .separatrix_folds import DeadPoint, in_other_form, separatrix_guess
+from .special_line import Tracing, cusps_between, point_on_line, special_line
+from .whole_curve import Pieces, WholeCurve, change_along, pieces_of, whole_curve, without_zeros
 
 _INSIDE = 1e-4  # shares of the ranges: how far the lattice stays away from the border, where the curves end
 _ASKEW = np.array([0.13, -0.17])  # of a gap: lines of the lattice stay off lines of symmetry, on which cusps lie
 _PROBES = 30  # random points that are looked at beside the lattice
 _EACH = 6  # curves at most that are searched for on one line
+_FIRST, _LAST = 0.02, 1e-7  # lengths of a line, in shares: from where Newton's rule is tried, and where it ends
+_DEEP = 1e-3  # length from which on the pair may be next to a separatrix
+_PAIRS = 6  # of equilibria that are tried as those that meet
+_FINER = 24  # parts of a range into which lines are cut whose ends differ in the levels that nearly meet
+_NARROW = 1e-4  # shares: a strip between two curves that is narrower is not looked for
+Seed = tuple[str, DeadPoint]  # a point of a curve, of the kind FOLD or PITCHFORK
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Searched:
-    """The curves of a plane.
+    """The curves of a plane, and the points at which equilibria were counted, each once.
 
-    counted: the censuses of all points that were looked at. open_lines: ends (2, 2) of short lines across which the
+    pieces: of the curves. counted: the censuses of the points. open_lines: ends (2, 2) of short lines across which the
     numbers change and where no curve was found.
     """
 
     plane: ParameterPlane
-    curves: list[WholeCurve]
-    pieces: Pieces
-    counted: Counted
-    open_lines: list[Array]
+    curves: list[WholeCurve] = field(default_factory=list)
+    pieces: Pieces = field(default_factory=partial(pieces_of, ()))
+    counted: dict[tuple[float, ...], Census] = field(default_factory=dict)
+    open_lines: list[Array] = field(default_factory=list)
+    _missed: dict[tuple[float, ...], tuple[int, Counter[Any]]] = field(default_factory=dict)
+
+    def add(self, curves: list[WholeCurve]) -> None:
+        """Take more curves."""
+        self.curves += curves
+        self.pieces = pieces_of(self.curves)
+
+    def at(self, shares: Array) -> Census:
+        """The equilibria at a point."""
+        key = tuple(shares.tolist())
+        if key not in self.counted:
+            self.counted[key] = census(self.plane.problems(shares))
+        return self.counted[key]
+
+    def near_misses(self, shares: Array) -> tuple[int, Counter[Any]]:
+        """Those of `levels.level_search` at a point."""
+        key = tuple(shares.tolist())
+        if key not in self._missed:
+            self._missed[key] = near_misses(self.plane.problems(shares), MOST_PERIODS)
+        return self._missed[key]
+
+    def change_beyond(self, start: Array, end: Array) -> Counter[int]:
+        """The change of the numbers of equilibria of each index from start to end that no known curve explains."""
+        change = Counter(self.at(end).indices)
+        change.subtract(self.at(start).indices)
+        change.subtract(change_along(self.pieces, start, end))
+        return without_zeros(change)
+
+    def strip_between(self, start: Array, end: Array) -> Array | None:
+        """A point between two others, of numbers that the known curves explain, where they do not explain the numbers.
+
+        On some path two levels have met before and two others part beyond, so that two curves lie between the points
+        and undo each other's change. None where no path shows it, or where the strip is narrower than `_NARROW`.
+        """
+        differ = self.near_misses(start) != self.near_misses(end)
+        parts = int(np.ceil(_FINER * np.abs(end - start).max())) if differ else 1
+        points = [start + share * (end - start) for share in np.linspace(0, 1, parts + 1)]
+        strips = (self._strip(*two) for two in pairwise(points) if self._may_hide_two(*two))
+        return next((strip for strip in strips if strip is not None), None)
+
+    def _strip(self, start: Array, end: Array) -> Array | None:
+        """As `strip_between`, by halves."""
+        if self.change_beyond(start, end):
+            return end
+        while np.abs(end - start).max() > _NARROW:
+            middle = np.asarray((start + end) / 2)
+            if self.change_beyond(start, middle):
+                return middle
+            start, end = (start, middle) if self._may_hide_two(start, middle) else (middle, end)
+        return None
+
+    def _may_hide_two(self, start: Array, end: Array) -> bool:
+        """Whether the length of some path has one least value above the rod's less at one point than at the other, and
+        one largest value below it more; or the number of equilibria changes as the known curves do not explain."""
+        (before, _), (after, missed) = self.near_misses(start), self.near_misses(end)
+        if after - before != sum(change_along(self.pieces, start, end).values()):
+            return True
+        change = Counter(missed)
+        change.subtract(self.near_misses(start)[1])
+        return any(n * change[(*key[:2], not key[2])] < 0 for key, n in list(change.items()) if key[2])
 
 
 def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     """The curves that cross the lines of a lattice of so many points along each field."""
-    counted = Counted(plane)
-    ticks = _ticks(lattice)
+    searched, ticks = Searched(plane), _ticks(lattice)
     scale = float(np.sqrt(load_size(plane.problems(np.array([0.5, 0.5])))[0] + 1))
-    curves: list[WholeCurve] = []
-    pieces = join_pieces([], [])
-    failed: list[Array] = []
-
-    def known(kind: str, point: DeadPoint) -> bool:
-        alike = (curve for curve in curves if (curve.kind, curve.lower) == (kind, point.lower))
-        return any(curve.holds(point.z, point.mark) for curve in alike)
-
-    seeds = Seeds(counted, given_on(plane), scale, known)
-
-    def search_line(start: Array, end: Array) -> None:
-        nonlocal pieces
-        for _ in range(_EACH):
-            if not change_beyond(counted, pieces, start, end):
-                break
-            seed = seeds.between(pieces, start, end)
-            if seed is None:
-                break
-            if not isinstance(seed[0], str):
-                failed.append(np.array(seed))
-                break
-            curves.append(curve_through(*seed))
-            pieces = join_pieces([one.dense() for one in curves], [one.lower for one in curves])
-
-    edges = _edges(ticks)
+    seeds, edges = Seeds(searched, given_on(plane), scale), _edges(ticks)
     for line in [*edges, *_probes(ticks)]:
-        search_line(*line)
+        seeds.search_line(*line)
     for start, end in edges:
-        middle = strip_between(counted, pieces, start, end)
+        middle = searched.strip_between(start, end)
         if middle is not None:
-            search_line(start, middle)
-            search_line(middle, end)
-    return Searched(plane, curves, pieces, counted, failed)
+            seeds.search_line(start, middle)
+            seeds.search_line(middle, end)
+    return searched
 
 
 def curve_through(kind: str, point: DeadPoint) -> WholeCurve:
     """The curve of a kind under dead loads through one of its points."""
-    how = Tracing(LENGTHS, MOST, cusps_between if kind == FOLD else sides_between, in_other_form)
+    how = Tracing(LENGTHS, cusps_between if kind == FOLD else sides_between, in_other_form)
     return whole_curve(kind, special_line(point, how), point.lower)
+
+
+@dataclass(frozen=True, eq=False)
+class Seeds:
+    """The search for points of curves. scale: of beta_t(0)."""
+
+    searched: Searched
+    given_at: GivenAt
+    scale: float
+
+    def search_line(self, start: Array, end: Array) -> None:
+        """Add curves that cross a line until they explain its change of numbers."""
+        for _ in range(_EACH):
+            seed = self._between(start, end)
+            if seed is None:
+                break
+            if not isinstance(seed[0], str):
+                self.searched.open_lines.append(np.array(seed))
+                break
+            self.searched.add([curve_through(*seed)])
+
+    def _between(self, start: Array, end: Array) -> Seed | tuple[Array, Array] | None:
+        """A point of a curve on the line from start to end that is not among the known ones.
+
+        Where Newton's rule finds none, the two ends of the short line between which the numbers change; None where they
+        do not change.
+        """
+        while change := self.searched.change_beyond(start, end):
+            length = np.abs(end - start).max()
+            seed = self._seed_on(change, start, end) if length <= _FIRST else None
+            if seed is not None:
+                return seed
+            if length <= _LAST:
+                return start, end
+            middle = (start + end) / 2
+            start, end = (start, middle) if self.searched.change_beyond(start, middle) else (middle, end)
+        return None
+
+    def _seed_on(self, change: Counter[int], start: Array, end: Array) -> Seed | None:
+        """The point of the line at which two equilibria meet."""
+        rich, poor = (end, start) if sum(change.values()) > 0 else (start, end)
+        equilibria, axis = self.searched.at(rich), int(np.argmax(np.abs(end - start)))
+        index, slope = equilibria.index.tolist(), equilibria.slope
+        lost = [i for i in range(equilibria.count) if change[index[i]]]
+        pairs = [(i, j) for i, j in combinations(lost, 2) if abs(index[i] - index[j]) == 1]
+        pairs.sort(key=lambda pair: abs(slope[pair[0]] - slope[pair[1]]))
+        is_short = bool(np.abs(end - start).max() < _DEEP)
+        for i, j in pairs[:_PAIRS]:
+            for kind in (FOLD, PITCHFORK):
+                for point in self._points(kind, equilibria, (i, j), (start + end) / 2, axis, is_short):
+                    share = (point.z[axis] - poor[axis]) / (rich[axis] - poor[axis])
+                    is_new = point.lower == min(index[i], index[j]) and not self._is_known(kind, point)
+                    if is_new and -0.01 <= share <= 1.01:
+                        return kind, point
+        return None
+
+    def _is_known(self, kind: str, point: DeadPoint) -> bool:
+        """Whether a point lies on a known curve."""
+        alike = (curve for curve in self.searched.curves if (curve.kind, curve.lower) == (kind, point.lower))
+        return any(curve.holds(point.z, point.mark) for curve in alike)
+
+    def _points(
+        self, kind: str, equilibria: Census, pair: tuple[int, int], z: Array, axis: int, is_short: bool
+    ) -> Iterator[DeadPoint]:
+        """Points of a kind next to z on the line along number `axis`, from two equilibria that are about to meet.
+
+        is_short: whether the line is so short that they may lie next to a separatrix.
+        """
+        slope = float(equilibria.slope[list(pair)].mean())
+        point = point_near(kind, self.given_at, self.scale, slope, z, axis)
+        if point is not None:
+            yield point
+        for i in pair if is_short else ():
+            slope, turns = float(equilibria.slope[i]), int(equilibria.turns[i])
+            guess = separatrix_guess(self.given_at, self.scale, z, slope, turns, kind)
+            deep = None if guess is None else point_on_line(guess, axis)
+            if deep is not None:
+                yield deep
 
 
 def _ticks(lattice: int) -> Array:
@@ -105,8 +231,4 @@ def _edges(ticks: Array) -> list[tuple[Array, Array]]:
     across, up = ticks
     lines = [(np.array([a, w]), np.array([b, w])) for w in up for a, b in pairwise(across)]
     lines += [(np.array([u, a]), np.array([u, b])) for u in across for a, b in pairwise(up)]
-
-    def inner(line: tuple[Array, Array]) -> float:
-        return float(np.abs(line[0] + line[1] - 1).max() < 1 - 3 * _INSIDE)
-
-    return sorted(lines, key=inner)
+    return sorted(lines, key=lambda line: bool(np.abs(line[0] + line[1] - 1).max() < 1 - 3 * _INSIDE))

@@ -1,23 +1,84 @@
-"""Fold and pitchfork curves that hang together with known equilibria, by the branches along the lines of a lattice."""
+"""Fold and pitchfork curves that hang together with known equilibria, by the branches along the lines of a lattice.
 
+Equilibria that are known at a point of the lattice in the plane of two numbers z are followed along both lines through
+it, in any system whose equilibria can be followed. Those that are met at other points of the lattice, and those that
+split off, are followed in turn, until no new one is met.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
+from ..branches.branch_events import Place, Stop
 from ..levels.level_search import Census
-from ..numerics.arclength import FOLD, PITCHFORK
+from ..numerics.arclength import CLOSED, END, FOLD, PITCHFORK
 from ..numerics.arrays import Array
-from .curve_crossings import join_pieces
-from .fold_curves import FoldCurves, curves_of
+from .fold_curves import FoldCurves, curves_of, said_of_stopped
 from .fold_search import Searched
-from .fold_seeds import Counted, change_beyond
-from .lattice_branches import Branches, Equilibrium, Meeting, Node, PlaneSystem, branches_on
 from .parameter_plane import ParameterPlane
-from .whole_curve import WholeCurve
+from .whole_curve import WholeCurve, lies_on
 
 ASKEW = 0.013  # lines of the lattice stay off lines of symmetry
+MOST_BRANCHES = 150  # that are followed
+ALIKE = 1e-5  # least distance of the signatures of two equilibria at one z
+Node = tuple[int, int]
+Equilibrium = TypeVar("Equilibrium")
+Known = dict[Node, list[tuple[Equilibrium, int]]]  # at points of a lattice, with their indices
+
+
+@dataclass(frozen=True, eq=False)
+class Meeting:
+    """A special point of a branch along number `axis` of z. places: those before, at and after it."""
+
+    z: Array
+    axis: int
+    places: tuple[Place, Place, Place]
+
+
+class PlaneSystem(Protocol[Equilibrium]):
+    """Equilibria over a plane of two numbers z, 0 <= z <= 1, and the ways from one to others."""
+
+    def signature(self, equilibrium: Equilibrium) -> Array:
+        """Numbers of about 1 that tell it from others."""
+        ...
+
+    def branch(
+        self, z: Array, axis: int, equilibrium: Equilibrium, wanted: Array
+    ) -> tuple[list[Place], int, Stop, Stop] | str:
+        """The branch along number `axis` of an equilibrium at z, with places at the wanted values, as of `both_ways`:
+        its parameter is that number, its `path` an equilibrium; or why it cannot be followed."""
+        ...
+
+    def splits(self, z: Array, axis: int, place: Place) -> list[tuple[float, Equilibrium]]:
+        """Equilibria on the branches that cross one, along number `axis` through z, at a special point: values of that
+        number and equilibria there."""
+        ...
+
+    def curves(self, meeting: Meeting, is_known: Callable[[Array, Any], bool]) -> list[WholeCurve] | None:
+        """The curves through a special point; None where it should have one and has none.
+
+        is_known: whether z and an equilibrium there lie on a known curve of the same kind.
+        """
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Branches(Generic[Equilibrium]):
+    """What is met: different equilibria at the points of the lattice, and special points.
+
+    count, stopped: branches that were followed, and those of them that could not be followed to the border. whole:
+    whether every equilibrium was followed.
+    """
+
+    known: Known[Equilibrium]
+    meetings: list[Meeting]
+    count: int
+    stopped: int
+    whole: bool
 
 
 def lattice_ticks(lattice: int) -> Array:
@@ -26,38 +87,71 @@ def lattice_ticks(lattice: int) -> Array:
 
 
 def search_linked(
-    plane: ParameterPlane,
-    system: PlaneSystem[Equilibrium],
-    ticks: Array,
-    begin: dict[Node, list[tuple[Equilibrium, int]]],
+    plane: ParameterPlane, system: PlaneSystem[Equilibrium], ticks: Array, begin: Known[Equilibrium]
 ) -> FoldCurves:
-    """The curves that branches along the lines z = ticks of a lattice meet; begin: equilibria with their indices."""
-    branches = branches_on(system, ticks, begin)
-    curves, failed = curves_through(system, branches.meetings)
-    pieces = join_pieces([curve.dense() for curve in curves], [curve.lower for curve in curves])
-    counted = Counted(plane)
-    for (i, j), known in branches.known.items():
-        index = np.array([index for _, index in known], dtype=np.int64)
-        counted.known[float(ticks[i]), float(ticks[j])] = Census(0.0 * index, index, index, False)
-    searched = Searched(plane, curves, pieces, counted, [])
-    return curves_of(searched, remark_of(searched, branches, failed, ticks))
-
-
-def curves_through(
-    system: PlaneSystem[Equilibrium], meetings: list[Meeting[Equilibrium]]
-) -> tuple[list[WholeCurve], int]:
-    """The curves through the special points of branches, and how many of these gave none."""
-    curves: list[WholeCurve] = []
-    failed = 0
-    for meeting in meetings:
-        kind = FOLD if meeting.stages[1].kind == FOLD else PITCHFORK
-        is_known = partial(_is_known, system, tuple(curves), kind)
-        if is_known(meeting.z, meeting.stages[1].equilibrium):
+    """The curves that branches along the lines z = ticks of a lattice meet, from known equilibria on."""
+    branches, searched, failed = branches_on(system, ticks, begin), Searched(plane), 0
+    for meeting in branches.meetings:
+        kind = FOLD if meeting.places[1].kind == FOLD else PITCHFORK
+        is_known = partial(_is_known, system, tuple(searched.curves), kind)
+        if is_known(meeting.z, meeting.places[1].path):
             continue
         through = system.curves(meeting, is_known)
         failed += through is None
-        curves += through or []
-    return curves, failed
+        searched.add(through or [])
+    for (i, j), known in branches.known.items():
+        index = np.array([index for _, index in known], dtype=np.int64)
+        searched.counted[float(ticks[i]), float(ticks[j])] = Census(0.0 * index, index, index, False)
+    return curves_of(searched, remark_of(searched, branches, failed, ticks))
+
+
+def branches_on(system: PlaneSystem[Equilibrium], ticks: Array, begin: Known[Equilibrium]) -> Branches[Equilibrium]:
+    """The branches along the lines z = ticks of a lattice from 0 to 1 that hang together with known equilibria."""
+    known: Known[Equilibrium] = {(i, j): [] for i in range(ticks.size) for j in range(ticks.size)}
+    waiting: list[tuple[Node, int, float, Equilibrium]] = []
+    on_lines: dict[tuple[int, int], list[Array]] = {}
+    meetings: list[Meeting] = []
+    wanted, count, stopped = np.concatenate([[0.0], ticks, [1.0]]), 0, 0
+
+    def take(node: Node, equilibrium: Equilibrium, index: int) -> None:
+        mark = system.signature(equilibrium)
+        if all(np.linalg.norm(system.signature(other) - mark) > ALIKE for other, _ in known[node]):
+            known[node].append((equilibrium, index))
+            waiting.extend((node, axis, float(ticks[node[axis]]), equilibrium) for axis in (0, 1))
+
+    for node, equilibria in begin.items():
+        for equilibrium, index in equilibria:
+            take(node, equilibrium, index)
+    while waiting and count < MOST_BRANCHES:
+        node, axis, x, equilibrium = waiting.pop(0)
+        passed = on_lines.setdefault((axis, node[1 - axis]), [])
+        if any(lies_on(points, np.append(x, system.signature(equilibrium))) for points in passed):
+            continue
+        z, count = place_on(ticks[list(node)], axis, x), count + 1
+        followed = system.branch(z, axis, equilibrium, wanted)
+        if isinstance(followed, str):
+            stopped += 1
+            continue
+        places, _, *stops = followed
+        stopped += any(stop.reason not in (END, CLOSED) for stop in stops)
+        passed.append(np.array([np.append(place.p, system.signature(place.path)) for place in places]))
+        for i, place in enumerate(places):
+            if place.kind and 0 < i < len(places) - 1:
+                meetings.append(Meeting(place_on(z, axis, place.p), axis, (places[i - 1], place, places[i + 1])))
+                if place.kind != FOLD:
+                    waiting.extend((node, axis, *split) for split in system.splits(z, axis, place))
+            elif place.p in ticks:
+                k = int(np.flatnonzero(ticks == place.p)[0])
+                index = -1 if place.index is None else place.index
+                take((k, node[1]) if axis == 0 else (node[0], k), place.path, index)
+    return Branches(known, meetings, count, stopped, not waiting)
+
+
+def place_on(z: Array, axis: int, x: float) -> Array:
+    """A point with another value of one number."""
+    there = z.copy()
+    there[axis] = x
+    return there
 
 
 def _is_known(system: PlaneSystem[Any], curves: tuple[WholeCurve, ...], kind: str, z: Array, equilibrium: Any) -> bool:
@@ -71,14 +165,12 @@ def remark_of(searched: Searched, branches: Branches[Any], failed: int, ticks: A
         said.append(f"{branches.stopped} of them could not be followed to the border")
     if not branches.whole:
         said.append("more were met and not followed")
-    stopped = sum("stopped" in curve.ends for curve in searched.curves)
-    if stopped:
-        said.append(f"{stopped} of {len(searched.curves)} curves could not be followed to the border")
+    said += said_of_stopped(searched)
     if failed:
         said.append(f"of {failed} points where branches meet no curve was found")
     ends = [(np.array([a, w]), np.array([b, w])) for a, b in pairwise(ticks) for w in ticks]
     ends += [(one[::-1], other[::-1]) for one, other in ends]
-    unlike = sum(bool(change_beyond(searched.counted, searched.pieces, *two)) for two in ends)
+    unlike = sum(bool(searched.change_beyond(*two)) for two in ends)
     if unlike:
         said.append(f"on {unlike} of {len(ends)} pieces of these lines the equilibria do not fit the curves")
     return "; ".join(said)

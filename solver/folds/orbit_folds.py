@@ -12,20 +12,22 @@ in a pitchfork: the symmetric one is at rest at both ends, or a helix, so a pitc
 the rod that starts at rest vanishes at the far end.
 """
 
+from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import TypeVar
 
 import numpy as np
 
-from ..branches.family import given_over
-from ..equilibrium.given_numbers import FREE, Given, rows_of, values_of
+from ..branches.family import given_of, given_over
+from ..equilibrium.given_numbers import FREE, Given, values_of
 from ..equilibrium.held_index import index_of
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, rates_of_helices, start_rates
 from ..equilibrium.system import corner_state
 from ..levels.morse_index import helix_half_waves
 from ..mechanics.potential import load_size, slope
-from ..numerics.arclength import Lengths, Node
+from ..numerics.arclength import FOLD, Lengths, Node
 from ..numerics.arrays import Array
 from ..numerics.roots import enclose, root, solve
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
@@ -47,8 +49,12 @@ _CROSSING, _MIRRORED = 0.02, 1e-9  # of beta_t(0), in its size: where a fold cur
 
 def given_on(plane: ParameterPlane) -> GivenAt:
     """The given numbers at z in the unit square, a little beyond its border too."""
-    given = given_over(plane.case, *plane.names)
-    return partial(reflect, lambda z: given(*plane.values(z).tolist()), names=("values", "span", "ratio"))
+    names, numbers = given_over(plane.case, *plane.names)
+
+    def at(z: Array) -> Given:
+        return given_of(names, numbers(*plane.values(z).tolist()))
+
+    return partial(reflect, at, names=("values", "span", "ratio"))
 
 
 def mark_of(numbers: Array, loads: float, span: float) -> Array:
@@ -66,20 +72,9 @@ def orbit_at(given_at: GivenAt, free: Array, z: Array) -> tuple[Given, OrbitRate
     return given, start_rates(problem)
 
 
-def rates_by_start(rates: OrbitRates, given: Given) -> Array:
-    """The derivatives of the given numbers by `START`, (5, 5)."""
-    start = rates.rows[0][[NUMBERS.index(name) for name in START]]
-    return rows_of(rates, given.names, given.ratio)[0] @ solve(start[None], np.eye(5)[None])[0]
-
-
-def own_mark(rates: OrbitRates) -> Array:
-    """As of `mark_of`, of one orbit."""
-    return mark_of(rates.values[0, :-1], float(load_size(rates.problem)[0]), float(rates.problem.span[0]))
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
-class OrbitFold(SpecialPoint):
-    """A fold. w: the unknown numbers of the start over `scales`, and z."""
+class OrbitPoint(SpecialPoint):
+    """A fold or pitchfork. w: the unknown numbers of the start over `scales`, and z."""
 
     given_at: GivenAt
     scales: Array
@@ -93,7 +88,8 @@ class OrbitFold(SpecialPoint):
     @property
     def mark(self) -> Array:
         """As of `mark_of`."""
-        return own_mark(self.own[1])
+        rates = self.own[1]
+        return mark_of(rates.values[0, :-1], float(load_size(rates.problem)[0]), float(rates.problem.span[0]))
 
     @cached_property
     def own(self) -> tuple[Given, OrbitRates]:
@@ -102,17 +98,37 @@ class OrbitFold(SpecialPoint):
 
     def at(self, w: Array) -> tuple[Given, OrbitRates]:
         """The same at w."""
-        return orbit_at(self.given_at, w[:-2] * self.scales, w[-2:])
+        return orbit_at(self.given_at, np.append(w[:-2] * self.scales, 0.0), w[-2:])
 
-    def value(self, w: Array) -> Array | None:
-        """The numbers to be met at the far end less the given ones, and the determinant."""
+    def equations(self, w: Array) -> Array:
+        """The numbers to be met at the far end less the given ones, and the determinant of their derivatives."""
         given, rates = self.at(w)
         off = values_of(rates.values[0], given.span, given) - given.values
         met = [k for k, name in enumerate(given.names) if name not in START]
         free = [k for k, name in enumerate(START) if name not in given.names]
-        by_free = rates_by_start(rates, given)[np.ix_(met, free)] * self.scales
-        found = np.append(off[met], np.linalg.det(by_free))
+        start = rates.rows[0][[NUMBERS.index(name) for name in START]]
+        by_start = rates.rows_of(given.names, given.ratio)[0][0] @ solve(start[None], np.eye(5)[None])[0]
+        return np.append(off[met], np.linalg.det(by_start[np.ix_(met, free)] * self.scales))
+
+    @property
+    @abstractmethod
+    def is_true(self) -> bool:
+        """Whether the zero of its equations is such a point."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OrbitFold(OrbitPoint):
+    """A fold."""
+
+    def value(self, w: Array) -> Array | None:
+        """All equations."""
+        found = self.equations(w)
         return found if np.isfinite(found).all() else None
+
+    @property
+    def is_true(self) -> bool:
+        """Whether it moves with z."""
+        return bool(np.abs(self.more).max() > _MOVES)
 
     @cached_property
     def lower(self) -> int:
@@ -157,58 +173,51 @@ def fold_near(given_at: GivenAt, z: Array, axis: int, numbers: Array) -> OrbitFo
     free = [name for name in START if name not in given.names]
     scales = np.array([sizes[name] for name in free])
     w = np.append(numbers[[NUMBERS.index(name) for name in free]] / scales, z)
-    return fold_on_line(OrbitFold(given_at=given_at, scales=scales, w=w), axis)
+    return _on_line(OrbitFold(given_at=given_at, scales=scales, w=w), axis)
 
 
-def fold_on_line(guess: OrbitFold, axis: int) -> OrbitFold | None:
-    """The fold next to a guess on the line along number `axis`; None where there is none, or none that moves with z."""
-    fold = point_on_line(guess, axis)
-    return fold if fold is not None and np.abs(fold.more).max() > _MOVES else None
+def point_near(
+    kind: str, given_at: GivenAt, scale: float, slope: float, z: Array, axis: int
+) -> "OrbitFold | OrbitPitchfork | None":
+    """The fold or pitchfork under dead loads near z on the line along number `axis`; None where there is none.
+
+    scale, slope: of beta_t(0), and its value at a fold.
+    """
+    if kind == FOLD:
+        fold = OrbitFold(given_at=given_at, scales=np.array([scale]), w=np.append(slope / scale, z))
+        return _on_line(fold, axis)
+    return _on_line(OrbitPitchfork(given_at=given_at, scales=np.ones(1), w=z), axis)
+
+
+OnLine = TypeVar("OnLine", bound=OrbitPoint)
+
+
+def _on_line(guess: OnLine, axis: int) -> OnLine | None:
+    """The point next to a guess on the line along number `axis`; None where there is none."""
+    point = point_on_line(guess, axis)
+    return point if point is not None and point.is_true else None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class OrbitPitchfork(SpecialPoint):
-    """A pitchfork under dead loads. w: z."""
-
-    given_at: GivenAt
-    nudge = _STEP
-
-    @property
-    def slope(self) -> float:
-        """0: the rod starts at rest."""
-        return 0.0
-
-    @property
-    def mark(self) -> Array:
-        """As of `mark_of`."""
-        return own_mark(self.own[1])
-
-    @cached_property
-    def own(self) -> tuple[Given, OrbitRates]:
-        """The given numbers, and the orbit of the symmetric equilibrium."""
-        return orbit_at(self.given_at, np.zeros(1), self.w)
+class OrbitPitchfork(OrbitPoint):
+    """A pitchfork under dead loads: of the rod that starts at rest. w: z."""
 
     def value(self, w: Array) -> Array | None:
-        """The Jacobi field at the far end of the rod that starts at rest, (1,)."""
-        found = self._field(w, 0.0)
-        return np.array([found]) if np.isfinite(found) else None
-
-    def _field(self, z: Array, v: float) -> float:
-        """d beta(L)/d beta_t(0) of the rod that starts with beta_t = v."""
-        given, rates = orbit_at(self.given_at, np.array([v]), z)
-        return float(rates_by_start(rates, given)[given.names.index("betaL"), START.index("dbeta0")])
+        """The Jacobi field at the far end, (1,)."""
+        found = self.equations(w)[1:]
+        return found if np.isfinite(found).all() else None
 
     def side_of(self, node: Node) -> Array:
         """As of `SpecialPoint`. The miss of beta(L) is E v + B v^3/6: the two others exist where E B < 0."""
         v = _BEND * np.sqrt(1 + float(load_size(self.own[1].problem)[0]))
-        low, middle, high = (self._field(node.w, one) for one in (-v, 0.0, v))
+        low, middle, high = (self.equations(np.append(one, node.w))[1] for one in (-v, 0.0, v))
         return np.asarray(-np.sign(low + high - 2 * middle) * node.jacobian[0])
 
     @property
     def is_true(self) -> bool:
         """Whether the rod at rest is an equilibrium along the curve; else the fields break the symmetry, and folds meet
         in a cusp there."""
-        return all(_rests(self.given_at, z) for z in (self.w, self.w + _STRAY * self.way))
+        return all(abs(float(self.equations(z)[0])) < _UNFOLDED for z in (self.w, self.w + _STRAY * self.way))
 
     @cached_property
     def lower(self) -> int:
@@ -217,12 +226,6 @@ class OrbitPitchfork(SpecialPoint):
         orbit = solve_orbit(problem.with_start(np.zeros(1)), TIGHT)
         half_waves = 2 * problem.span / orbit.period if np.isfinite(orbit.period[0]) else helix_half_waves(problem)
         return int(np.round(half_waves[0])) - 1
-
-
-def _rests(given_at: GivenAt, z: Array) -> bool:
-    """Whether the rod that starts at rest is an equilibrium."""
-    given, rates = orbit_at(given_at, np.zeros(1), z)
-    return abs(float(rates.values[0, NUMBERS.index("betaL")]) - given.number("betaL", np.nan)) < _UNFOLDED
 
 
 def mirror_image(fold: OrbitFold) -> OrbitFold:
@@ -242,12 +245,6 @@ def meets_pitchforks(fold: OrbitFold, node: Node) -> bool:
     of_miss, of_field = np.abs(node.jacobian[:, 1:]).max(axis=1)
     image = fold.value(mirror_image(fold).w) if of_miss < 2 * abs(v) * of_field else None
     return image is not None and bool(np.abs(image).max() < _MIRRORED * of_field)
-
-
-def pitchfork_on_line(given_at: GivenAt, z: Array, axis: int) -> OrbitPitchfork | None:
-    """The pitchfork near z on the line along number `axis`; None where there is none."""
-    pitchfork = point_on_line(OrbitPitchfork(given_at=given_at, w=z), axis)
-    return pitchfork if pitchfork is not None and pitchfork.is_true else None
 
 
 def sides_between(point: Point, node: Node, step: float, taken: Ahead[Point]) -> list[Point] | None:

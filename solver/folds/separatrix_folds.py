@@ -24,15 +24,7 @@ from ..levels.transit_times import Levels, Paths, transit_times
 from ..mechanics.potential import slope
 from ..numerics.arclength import FOLD, PITCHFORK, Node, node_at
 from ..numerics.arrays import Array
-from .orbit_folds import (
-    GivenAt,
-    OrbitFold,
-    OrbitPitchfork,
-    fold_on_line,
-    meets_pitchforks,
-    mirror_image,
-    pitchfork_on_line,
-)
+from .orbit_folds import GivenAt, OrbitFold, OrbitPitchfork, meets_pitchforks, mirror_image, point_near
 from .special_line import Ahead, SpecialPoint, point_on_line
 
 UNIT = 20.0  # of log gap in the metric of the curve
@@ -136,13 +128,8 @@ class SeparatrixPoint(SpecialPoint):
         """Whether log gap is not the better unknown."""
         return float(self.w[0]) * UNIT > SHALLOW
 
-    @property
-    def own_saddle(self) -> float:
-        """The angle of the saddle; NaN where it no longer exists."""
-        return self.saddle_at(self.z)[1]
-
     def saddle_at(self, z: Array) -> tuple[LinePoint, float]:
-        """The problem at z, and its saddle next to this one."""
+        """The problem at z, and the angle of its saddle next to this one; NaN where it no longer exists."""
         place = LinePoint(problem_of(self.given_at(z), {}))
         far = np.abs(_apart(place.saddles, self.saddle))
         return place, float(place.saddles[int(np.argmin(far))]) if far.size and far.min() < 0.5 else np.nan
@@ -208,7 +195,7 @@ def in_other_form(point: DeadPoint, node: Node, stuck: bool) -> Iterator[Ahead[D
     elif isinstance(point, OrbitFold) and meets_pitchforks(point, node):
         yield from _onward(mirror_image(point), point, -way)
     elif point.own[0].names == FREE and (stuck or _is_deep(point)):
-        kind, scale = (FOLD, float(point.scales[0])) if isinstance(point, OrbitFold) else (PITCHFORK, 1.0)
+        kind, scale = FOLD if isinstance(point, OrbitFold) else PITCHFORK, float(point.scales[0])
         guess = separatrix_guess(point.given_at, scale, point.z, point.slope, point.lower + 1, kind)
         if guess is not None:
             yield from _onward(point_on_line(guess, int(np.argmin(np.abs(way)))), point, way)
@@ -216,16 +203,12 @@ def in_other_form(point: DeadPoint, node: Node, stuck: bool) -> Iterator[Ahead[D
 
 def _from_separatrix(point: SeparatrixPoint, node: Node, way: Array, stuck: bool) -> Iterator[Ahead[DeadPoint]]:
     """The same beside the saddle where it is now, or in the numbers of the start."""
-    saddle, axis = point.own_saddle, int(np.argmin(np.abs(way)))
+    saddle, axis = point.saddle_at(point.z)[1], int(np.argmin(np.abs(way)))
     if not point.is_shallow and abs(_apart(saddle, point.saddle)) > _FOLLOWED:
         yield replace(point, saddle=saddle), node
     elif point.is_shallow or stuck:
-        if point.kind == FOLD:
-            w = np.append(point.slope / point.scale, point.z)
-            guess = OrbitFold(given_at=point.given_at, scales=np.array([point.scale]), w=w)
-            yield from _onward(fold_on_line(guess, axis), point, way)
-        else:
-            yield from _onward(pitchfork_on_line(point.given_at, point.z, axis), point, way)
+        plain = point_near(point.kind, point.given_at, point.scale, point.slope, point.z, axis)
+        yield from _onward(plain, point, way)
 
 
 def _onward(other: DeadPoint | None, point: DeadPoint, way: Array) -> Iterator[Ahead[DeadPoint]]:

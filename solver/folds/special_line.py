@@ -104,11 +104,9 @@ Others = Callable[[Point, Node, bool], Iterator[Ahead[Point]]]
 
 @dataclass(frozen=True, eq=False)
 class Tracing(Generic[Point]):
-    """How lines of one kind are traced. most: points in each sense. is_known: of a point where another line passes, at
-    which this one ends."""
+    """How lines of one kind are traced. is_known: of a point where another line passes, at which this one ends."""
 
     lengths: Lengths
-    most: int
     between: Between[Point]
     others: Others[Point] = lambda *_: iter(())
     is_known: Callable[[Point], bool] = lambda _: False
@@ -164,7 +162,7 @@ def line_from(first: Point, direction: Array, how: Tracing[Point]) -> tuple[list
     begin = node_at(first, first.w, direction)
     if isinstance(begin, str):
         return [], STOPPED
-    points, end = trace((first, begin), stride, how.lengths, how.most)
+    points, end = trace((first, begin), stride, how.lengths, MOST)
     return points, end if end in ENDS else STOPPED
 
 

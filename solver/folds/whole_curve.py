@@ -1,5 +1,7 @@
-"""A fold or pitchfork curve as its points in order, and as a fine polyline."""
+"""A fold or pitchfork curve as its points and as a fine polyline, and how lines across such curves change counts."""
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -86,3 +88,50 @@ def lies_on(points: Array, x: Array) -> bool:
     share = np.clip(((x - first) * chord).sum(axis=1) / np.maximum((chord * chord).sum(axis=1), 1e-300), 0, 1)
     far = np.linalg.norm(first + share[:, None] * chord - x, axis=1)
     return bool((far < _SAME + 0.1 * np.linalg.norm(chord, axis=1)).any())
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """The pieces of all curves: first, last: (N, 2), their ends in shares; more: (N, 2), the side of two more
+    equilibria; lower: (N,), the lower index of the two."""
+
+    first: Array
+    last: Array
+    more: Array
+    lower: Integers
+
+
+def pieces_of(curves: Sequence[WholeCurve]) -> Pieces:
+    """The pieces of curves between the points of their polylines."""
+    empty, lines = np.zeros((0, 2)), [curve.dense() for curve in curves]
+    first = np.concatenate([empty, *(line[:-1] for line, _ in lines)])
+    last = np.concatenate([empty, *(line[1:] for line, _ in lines)])
+    more = np.concatenate([empty, *(side[:-1] for _, side in lines)])
+    lower = np.array([curve.lower for curve in curves], dtype=np.int64)
+    return Pieces(first, last, more, np.repeat(lower, [len(line) - 1 for line, _ in lines]))
+
+
+def change_along(pieces: Pieces, start: Array, end: Array) -> Counter[int]:
+    """How many more equilibria of each index exist at the end of a straight line than at its start.
+
+    Each piece that the line crosses adds two, where the line enters their side, or takes them away.
+    """
+    along, piece = end - start, pieces.last - pieces.first
+    side_first, side_last = (_cross(along, point - start) for point in (pieces.first, pieces.last))
+    side_start, side_end = (_cross(piece, point - pieces.first) for point in (start, end))
+    hit = ((side_first > 0) != (side_last > 0)) & ((side_start > 0) != (side_end > 0))
+    normal = np.stack([-piece[hit, 1], piece[hit, 0]], axis=1)  # the line crosses the piece along this normal
+    toward = np.sign((normal @ along) * (normal * pieces.more[hit]).sum(axis=1))
+    change: Counter[int] = Counter()
+    for lower, sign in zip(pieces.lower[hit].tolist(), toward.tolist(), strict=True):
+        change.update({lower: int(sign), lower + 1: int(sign)})
+    return without_zeros(change)
+
+
+def without_zeros(counts: Counter[int]) -> Counter[int]:
+    """The counts that are not 0."""
+    return Counter({index: n for index, n in counts.items() if n})
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

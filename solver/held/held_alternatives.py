@@ -5,7 +5,7 @@ be as near to the seed. They are looked for across the nearest fold, by deflatio
 itself: beyond the ends that are wanted and behind the seed it may turn back at a fold and meet these ends again.
 """
 
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -47,17 +47,15 @@ def alternatives_of(seed: OrbitState, found: OrbitState, wanted: Given) -> list[
 
 def _on_branch(seed: OrbitState, found: OrbitState, wanted: Given) -> list[OrbitState]:
     """Where the branch of the seed meets the wanted ends."""
-    first = wanted.at(seed)
-
-    def given(share: float) -> Given | None:
-        values, span = (
-            (1 - share) * getattr(first, name) + share * getattr(wanted, name) for name in ("values", "span")
-        )
-        return wanted if share == 1 else replace(wanted, values=values, span=span) if span > 0 else None
-
-    family, bounds = Family(given, found.problem, 1.0, wanted.names), Bounds(*_REACH, (1.0,), _MOST)
     if found.path.helix:
         return []
+    first, last = (np.append(given.values, [given.span, given.ratio]) for given in (wanted.at(seed), wanted))
+
+    def numbers(share: float) -> Sequence[float] | None:
+        at = last if share == 1 else (1 - share) * first + share * last
+        return at.tolist() if at[5] > 0 else None
+
+    family, bounds = Family(numbers, found.problem, 1.0, wanted.names), Bounds(*_REACH, (1.0,), _MOST)
     places = [place for rises in (True, False) for place in trace_branch(family, found.path, 1.0, rises, bounds)[0]]
     return [state_of(place.problem, place.path) for place in places if place.p == 1]
 

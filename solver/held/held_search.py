@@ -3,28 +3,39 @@ scan of the angle at a hinge where all loads are given.
 
 No search proves that it found all of them: their number need not be finite, as a rod held at a height takes ever more
 bends under ever larger loads. The search is over stated ranges of the unknown loads and angles.
+
+beta -> -beta changes the signs of lam and mu, beta -> pi - beta those of phi and mu, and the rod may be run through
+from its far end. Each of the seven images of an equilibrium solves a problem with other given numbers; where these are
+the same numbers, it is another equilibrium of the same problem.
 """
 
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 
 from ..branches.continuation import Stopped, carry
 from ..branches.deflation import across_fold, deflate, is_known, numbers_of
-from ..branches.held_helices import helices_of
+from ..branches.helices import helices_of
 from ..equilibrium.given_numbers import FREE, Given, OrbitState
-from ..equilibrium.orbit_rates import orbit_rates
-from ..equilibrium.system import settle
+from ..equilibrium.orbit_rates import orbit_rates, start_rates
+from ..equilibrium.system import corner_state, settle
+from ..levels.line_point import LinePoint, Path
+from ..levels.transit_times import wrap
+from ..mechanics.potential import TAU
 from ..numerics.arrays import Array
-from .held_mirrors import half_period_later, image_of, mirrors_of
-from .held_ranges import Ranges, ranges_of, within_a_turn
-from .held_sweep import Point, starts_of, swept
+from ..orbit.periodic_orbit import TIGHT, solve_orbit
+from ..problem.reduced import EndsProblem
+from .held_sweep import Point, Ranges, ranges_of, starts_of, swept
 from .hinge_scan import hinged_states
 
 _STEPS = 30  # of each continuation
 _SEED = 14  # of the random choice of where deflation begins
 CONTINUED, MIRRORED, FOLDED, DEFLATED, HELIX = "continuation", "mirror image", "across a fold", "deflation", "helix"
 SCANNED = "scan"
+_ODD = ({"alpha", "turn", "lam", "mu"}, {"z", "turn", "phi", "mu"})  # what beta -> -beta and beta -> pi - beta negate
+_REVERSED = {"beta0": "betaL", "betaL": "beta0", "dbeta0": "dbetaL", "dbetaL": "dbeta0"}
+_EQUAL = 1e-12
 
 
 @dataclass(eq=False)
@@ -34,7 +45,8 @@ class HeldFound:
     states, how: each equilibrium and by what it was found. ranges: of the unknowns. problems, equilibria: those under
     dead loads that were solved. starts, failed: continuations, and those of them that led to no equilibrium. tries: of
     deflation, the last `fruitless` of them without a new equilibrium. outside: the unknowns of each equilibrium outside
-    the ranges, which is not kept. any_load: whether a helix is an equilibrium under any load.
+    the ranges, which is not kept. any_load: whether a helix is an equilibrium under any load. known: the `numbers_of`
+    all equilibria, those outside the ranges too.
     """
 
     given: Given
@@ -48,14 +60,15 @@ class HeldFound:
     tries: int = 0
     outside: list[dict[str, float]] = field(default_factory=list)
     any_load: bool = False
-    _known: list[Array] = field(default_factory=list)
+    known: list[Array] = field(default_factory=list)
 
-    def add(self, state: OrbitState, how: str) -> bool:
+    def add(self, state: OrbitState | None, how: str) -> bool:
         """Add an equilibrium and its mirror images; whether it was new. A state without numbers is none."""
-        state = _settle(state, self.given)
-        if not np.isfinite(numbers_of(state)).all() or is_known(state, self._known):
+        if state is not None and not {"beta0", "betaL"} & {*self.given.names}:
+            state = _within_a_turn(state)
+        if state is None or not np.isfinite(numbers_of(state)).all() or is_known(state, self.known):
             return False
-        self._known.append(numbers_of(state))
+        self.known.append(numbers_of(state))
         values = {name: float(getattr(state.problem, name)[0]) for name in FREE}
         if self.ranges.holds(values):
             self.states.append(state)
@@ -65,15 +78,40 @@ class HeldFound:
         images = [image_of(state, mirror, self.given) for mirror in mirrors_of(self.given)]
         later = half_period_later(state, self.given)
         for image in [*images, *([] if later is None else [later])]:
-            whole = image if image.path.helix else settle(image.problem, image.path, self.given)
-            if not isinstance(whole, str):
-                self.add(whole, MIRRORED)
+            self.add(image if image.path.helix else self.equilibrium_near(image), MIRRORED)
         return True
 
-    @property
-    def known(self) -> list[Array]:
-        """The `numbers_of` all equilibria, those outside the ranges too."""
-        return self._known
+    def equilibrium_near(self, guess: OrbitState) -> OrbitState | None:
+        """The equilibrium next to a guess."""
+        state = settle(guess.problem, guess.path, self.given)
+        return None if isinstance(state, str) else state
+
+    def carry_one(self, starts: list[OrbitState]) -> None:
+        """Add what the first of the starts that leads to the given numbers leads to."""
+        self.starts += 1
+        for start in starts:
+            state = carry(start, self.given, _STEPS)
+            if not isinstance(state, Stopped):
+                self.add(state, CONTINUED)
+                return
+        self.failed += 1
+
+    def cross_folds(self, first: int) -> None:
+        """Add the partners across the nearest folds of the equilibria from the first on, and of these partners."""
+        while first < len(self.states):
+            for guess in across_fold(self.states[first], self.given)[:1]:
+                self.add(deflate(guess, self.given, self.known), FOLDED)
+            first += 1
+
+    def deflate(self, points: list[Point], most: int) -> None:
+        """Add what deflation leads to, until so many tries in a row find none within the ranges."""
+        seeds, rng, fruitless = [state for point in points for state in point.states], np.random.default_rng(_SEED), 0
+        while seeds and fruitless < most:
+            self.tries += 1
+            before = len(self.states)
+            self.add(deflate(seeds[int(rng.integers(len(seeds)))], self.given, self.known), DEFLATED)
+            fruitless = 0 if len(self.states) > before else fruitless + 1
+            self.cross_folds(before)
 
 
 def held_search(
@@ -91,60 +129,109 @@ def held_search(
     helices, result.any_load = helices_of(given)
     for state in helices:
         result.add(state, HELIX)  # first: an orbit whose swings fall to rounding is the helix
-    for start in scanned:
-        if not isinstance(whole := settle(start.problem, start.path, given), str):
-            result.add(whole, SCANNED)
+    for state in scanned:
+        result.add(result.equilibrium_near(state), SCANNED)
     if scanned:
         return result
     for starts in starts_of(points, result.ranges):
-        result.starts += 1
-        result.failed += not _continue_from(result, starts)
-    _across_folds(result, 0)
-    _deflate(result, points, tries)
+        result.carry_one(starts)
+    result.cross_folds(0)
+    result.deflate(points, tries)
     return result
 
 
-def _continue_from(result: HeldFound, starts: list[OrbitState]) -> bool:
-    """Whether one of the starts led to an equilibrium with the given numbers."""
-    for start in starts:
-        state = carry(start, result.given, _STEPS)
-        if not isinstance(state, Stopped):
-            result.add(state, CONTINUED)
-            return True
-    return False
-
-
-def _across_folds(result: HeldFound, first: int) -> None:
-    """Add the partners across the nearest folds of the equilibria from the first on, and of these partners."""
-    while first < len(result.states):
-        for guess in across_fold(result.states[first], result.given)[:1]:
-            state = deflate(guess, result.given, result.known)
-            if state is not None:
-                result.add(state, FOLDED)
-        first += 1
-
-
-def _deflate(result: HeldFound, points: list[Point], tries: int) -> None:
-    seeds = [state for point in points for state in point.states]
-    rng = np.random.default_rng(_SEED)
-    fruitless = 0
-    while seeds and fruitless < tries:
-        result.tries += 1
-        state = deflate(seeds[int(rng.integers(len(seeds)))], result.given, result.known)
-        before = len(result.states)
-        if state is None or not result.add(state, DEFLATED):
-            fruitless += 1
-            continue
-        fruitless = 0 if len(result.states) > before else fruitless + 1
-        _across_folds(result, before)
-
-
-def _settle(state: OrbitState, given: Given) -> OrbitState:
-    """The state with beta(0) in [-pi, pi) where no angle is given."""
-    if "beta0" in given.names or "betaL" in given.names:
-        return state
-    add = within_a_turn(float(state.problem.beta0[0]))
+def _within_a_turn(state: OrbitState) -> OrbitState:
+    """The state with beta(0) in [-pi, pi)."""
+    add = -TAU * np.floor((state.problem.beta0 + np.pi) / TAU)
     if not add:
         return state
     problem = replace(state.problem, beta0=state.problem.beta0 + add, betaL=state.problem.betaL + add)
     return replace(state, problem=problem, rates=orbit_rates(problem, [state.path]))
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """Whether beta becomes -beta, whether then pi - beta, whether the rod is run through from its far end; then whole
+    turns are added to beta."""
+
+    negated: bool
+    turned: bool
+    backward: bool
+    whole_turns: int = 0
+
+    @property
+    def direction(self) -> int:
+        """The sign by which beta, but for a constant, is multiplied."""
+        return -1 if self.negated != self.turned else 1
+
+    def angle(self, beta: float) -> float:
+        """The image of an angle."""
+        beta = -beta if self.negated else beta
+        return (np.pi - beta if self.turned else beta) + TAU * self.whole_turns
+
+    def number(self, name: str, value: float) -> tuple[str, float]:
+        """The image of one of the numbers: its name and value."""
+        to = _REVERSED.get(name, name) if self.backward else name
+        if name in ("beta0", "betaL"):
+            return to, self.angle(value)
+        if name in ("dbeta0", "dbetaL"):
+            return to, self.direction * (-value if self.backward else value)
+        odd = sum(on and name in signs for on, signs in zip((self.negated, self.turned), _ODD, strict=True))
+        return to, -value if odd == 1 else value
+
+
+def mirrors_of(given: Given) -> list[Mirror]:
+    """The images that have the given numbers of a problem."""
+    known = dict(zip(given.names, given.values.tolist(), strict=True))
+    mirrors = []
+    for kind in list(product((False, True), repeat=3))[1:]:
+        plain = Mirror(*kind)
+        image = dict(plain.number(name, value) for name, value in known.items())
+        if image.keys() != known.keys():
+            continue
+        turns = [round((known[name] - image[name]) / TAU) for name in FREE[:2] if name in known]
+        mirror = replace(plain, whole_turns=turns[0]) if turns else plain
+        image = dict(mirror.number(name, value) for name, value in known.items())
+        if all(abs(image[name] - value) <= _EQUAL * (1 + abs(value)) for name, value in known.items()):
+            mirrors.append(mirror)
+    return mirrors
+
+
+def half_period_later(state: OrbitState, given: Given) -> OrbitState | None:
+    """The rod that begins at the other turning point of the same orbit; None unless both ends rest at turning points.
+
+    Over whole periods all that is held is the same.
+    """
+    resting = all(given.number(name, np.nan) == 0 for name in ("dbeta0", "dbetaL"))
+    if not resting or state.path.helix or state.path.turns % 2 == 0:
+        return None
+    problem = state.problem.with_start(np.zeros(1))
+    orbit = solve_orbit(problem, TIGHT)
+    other = float(orbit.at(orbit.ahead[:, None])[0][0, 0])
+    rates = start_rates(replace(problem, beta0=np.array([other])))
+    return corner_state(rates, 0.0) if np.isfinite(rates.rows[0, :-1]).all() else None
+
+
+def image_of(state: OrbitState, mirror: Mirror, given: Given) -> OrbitState:
+    """The image of a state; what is given is exactly as given."""
+    old = state.problem
+    known = dict(zip(given.names, given.values.tolist(), strict=True))
+    numbers = dict(mirror.number(name, float(getattr(old, name)[0])) for name in FREE)
+    numbers |= {name: known[name] for name in numbers if name in known}
+    problem = EndsProblem(**{name: np.array([value]) for name, value in numbers.items()}, span=old.span)
+    path = _path(state.path, LinePoint(old), LinePoint(problem), mirror)
+    return OrbitState(problem, path, orbit_rates(problem, [path]))
+
+
+def _path(path: Path, old: LinePoint, new: LinePoint, mirror: Mirror) -> Path:
+    """The image of a path, its level measured from the image of the same angle."""
+    if path.helix:
+        return new.helix or path
+    ends = (new.end, new.start) if mirror.backward else (new.start, new.end)
+    if path.pin in (old.start, old.end) and path.pin not in old.saddles:
+        pin = ends[0] if path.pin == old.start else ends[1]
+    else:
+        apart = np.abs(np.sin((new.saddles - wrap(mirror.angle(path.pin))) / 2))
+        pin = float(new.saddles[int(np.argmin(apart))])
+    leaving = mirror.direction * (-path.arriving if mirror.backward else path.leaving)
+    return replace(path, pin=pin, leaving=leaving)

@@ -11,21 +11,98 @@ With several unknowns, equilibria are starts if the first-order change of the un
 
 from collections import defaultdict
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 
-from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of
-from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
+from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of, values_of
+from ..equilibrium.orbit_rates import OrbitRates, orbit_rates
 from ..levels.level_search import MOST_PERIODS, search_levels
 from ..levels.line_point import path_of
 from ..mechanics.potential import potential
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
-from .held_ranges import Ranges
 
+HALF_WAVES = 4  # of a straight rod: pushed as hard as it needs to buckle into so many, or pulled as hard
+_SURFACE = 2.0  # bound of what the cylinder's curvature adds to a load
+_SAFE = 4.0  # times the load that holds a nearly straight rod
+_HARDEST = 1e6
+VALUES = {1: 61, 2: 13, 3: 6, 4: 4, 5: 3}  # of each of so many unknowns
 _STEPS_AWAY = 1.5  # of the grid: the longest first-order change from a start
 _FEWEST, _MOST = 16, 100  # starts with several unknowns
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """The lowest and the highest value of each unknown number, by its name, and how many values of each are taken.
+
+    root: of the load under which a straight rod buckles into `HALF_WAVES`.
+    """
+
+    bounds: dict[str, tuple[float, float]]
+    count: int
+    root: float
+
+    def holds(self, values: dict[str, float]) -> bool:
+        """Whether numbers lie within."""
+        return all(low - 1e-9 <= values[name] <= high + 1e-9 for name, (low, high) in self.bounds.items())
+
+    def axes(self) -> dict[str, Array]:
+        """The values of each; of a force or MZ by its root, as half waves go with it.
+
+        The steps of the root are equal up to `root`, and grow in proportion to it beyond: a slender rod on a cylinder
+        buckles at loads far below those that the cylinder's curvature adds.
+        """
+        rooted = {name: self.root if name in ("phi", "lam") else None for name in self.bounds}
+        return {name: _steps(*ends, self.count, rooted[name]) for name, ends in self.bounds.items()}
+
+    def points(self) -> list[dict[str, float]]:
+        """All combinations of the values."""
+        axes = self.axes()
+        return [dict(zip(axes, values, strict=True)) for values in product(*(axis.tolist() for axis in axes.values()))]
+
+
+def ranges_of(given: Given, own: dict[str, tuple[float, float]], count: int | None) -> Ranges:
+    """The ranges of the unknown numbers of a problem, those of `own` as they are there, with `count` values of each."""
+    known = dict(zip(given.names, given.values.tolist(), strict=True))
+    bounds = {name: own.get(name) or _default(name, known, given) for name in FREE if name not in known}
+    return Ranges(bounds, VALUES[len(bounds)] if count is None else count, HALF_WAVES * np.pi / given.span)
+
+
+def _default(name: str, known: dict[str, float], given: Given) -> tuple[float, float]:
+    span = given.span
+    if name in ("beta0", "betaL"):
+        other = known.get("betaL" if name == "beta0" else "beta0", 0.0)
+        return other - np.pi, other + np.pi
+    if name == "mu":  # turn = ratio mu span - swirl, and |swirl| is at most span/2
+        low, high = ((known["turn"] + sign * span / 2) / (given.ratio * span) for sign in (-1, 1))
+        return low, high
+    dead = sum(abs(known.get(load, 0.0)) for load in ("phi", "lam", "mu"))
+    waves = (HALF_WAVES * np.pi / span) ** 2
+    most = float(min(waves + _SURFACE + dead + _straightening(name, known, span), _HARDEST))
+    return -most, most
+
+
+def _straightening(load: str, known: dict[str, float], span: float) -> float:
+    """The load that pulls a clamped rod to its held height or azimuth.
+
+    Each end falls 2 (1 - cos(b/2))/sqrt(load) short, b being its angle from the pull.
+    """
+    held = known["z" if load == "phi" else "alpha"]
+    pull = {"phi": 0.0, "lam": np.pi / 2}[load] if held >= 0 else {"phi": np.pi, "lam": -np.pi / 2}[load]
+    short = sum(2 * (1 - abs(np.cos((known[name] - pull) / 2))) for name in ("beta0", "betaL") if name in known)
+    slack = span - abs(held)
+    return float(_SAFE * (short / slack) ** 2) if slack > 1e-9 * span else 0.0
+
+
+def _steps(low: float, high: float, count: int, root: float | None) -> Array:
+    if root is None:
+        return np.linspace(low, high, count)
+    first, last = (float(np.arcsinh(np.sign(end) * np.sqrt(abs(end)) / root)) for end in (low, high))
+    roots = root * np.sinh(np.linspace(first, last, count))
+    steps = np.sign(roots) * roots * roots
+    steps[[0, -1]] = low, high
+    return np.asarray(steps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,24 +144,14 @@ def _point(problem: EndsProblem, given: Given, unknown: list[str], most_periods:
     if dead is None:
         return Point([], np.empty((0, k)), np.empty((0, k, k)))
     states, rates = dead
-    off, slope = _held(rates, given, unknown)
+    held = [i for i, name in enumerate(given.names) if name not in FREE]
+    values = [values_of(*numbers, given) for numbers in zip(rates.values, rates.length.tolist(), strict=True)]
+    off = (np.array(values) - given.values)[:, held]
+    by_unknown = rates.parts(FREE)[:, :, [FREE.index(name) for name in unknown]]
+    with np.errstate(invalid="ignore", over="ignore"):
+        slope = rates.rows_of(given.names, given.ratio)[0][:, held] @ by_unknown
     fine = np.flatnonzero(np.isfinite(off).all(axis=1))
     return Point([states[i] for i in fine], off[fine], slope[fine])
-
-
-def _held(rates: OrbitRates, given: Given, unknown: list[str]) -> tuple[Array, Array]:
-    response = rates.response(FREE)[:, :, [FREE.index(name) for name in unknown]]
-    off, slope = [], []
-    for name, value in zip(given.names, given.values, strict=True):
-        if name == "turn":
-            twist = given.ratio * rates.length
-            mu, swirl = NUMBERS.index("mu"), NUMBERS.index("swirl")
-            off.append(twist * rates.values[:, mu] - rates.values[:, swirl] - value)
-            slope.append(twist[:, None] * response[:, mu] - response[:, swirl])
-        elif name not in FREE:
-            off.append(rates.value(name) - value)
-            slope.append(response[:, NUMBERS.index(name)])
-    return np.stack(off, axis=1), np.stack(slope, axis=1)
 
 
 def starts_of(points: list[Point], ranges: Ranges) -> list[list[OrbitState]]:

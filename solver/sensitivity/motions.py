@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from ..equilibrium.given_numbers import parts_by_given
 from ..equilibrium.orbit_rates import helix_change, rates_of_helices, rates_of_variations
 from ..equilibrium.system import settle
 from ..levels.line_point import LinePoint, Path, path_of
@@ -78,10 +77,10 @@ def _of_equilibrium(sol: Shape, one: EndsProblem, path: Path, i: int) -> Motion:
     names, ratio = given_numbers(sol.case), float(flat(sol.case.rod.stiffness_ratio, sol.case.shape)[i])
     problem = one.with_start(sol.trajectory.dbeta[i : i + 1, 0])
     if path.helix:
-        parts = parts_by_given(rates_of_helices(one), names, ratio)[None]
+        parts = rates_of_helices(one).parts(names, ratio)
         return Motion(rows, problem, partial(_helix_change, helix_change, one), parts)
     varied = variations_of(one, path, LinePoint(one))
-    parts = parts_by_given(rates_of_variations(one, varied), names, ratio)[None]
+    parts = rates_of_variations(one, varied).parts(names, ratio)
     return Motion(rows, problem, varied.change, parts, varied)
 
 

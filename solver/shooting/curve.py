@@ -18,6 +18,16 @@ SOFT = 1e-14  # springs that hardly change the equations, in the scales
 REACH = 1.0  # the longest step of the angles, in their scales
 
 
+def angles_of(shape: Shape) -> Array:
+    """The angles at the nodes in their scales, such that the length of a difference is its mean size."""
+    return angles_in(shape.y / shape.rod.scale)
+
+
+def angles_in(change: Array) -> Array:
+    """Those of a change (N, 8) in the scales."""
+    return np.asarray(change[:, [BETA, ALPHA]].reshape(-1) / np.sqrt(len(change)))
+
+
 @dataclass(frozen=True, eq=False)
 class Point:
     """A point of a curve. tangent: (8 N + 1,), of length 1 by `inner`."""

@@ -1,24 +1,31 @@
 """The waves of a long lying rod inside a cylinder: a sinusoid or a helix that follows the local compression.
 
-F and x as of `slender_sinusoid`. A helix has the wave number k = (F/2)^(1/2) and the energy (k^4 - F k^2)/2 + 1.
+Of a slender rod, with F the compression in units of sqrt(A w sin(theta)/rho), x in (A rho/(w sin(theta)))^(1/4), and
+the mean over a wave in brackets: the energy e = <alpha''^2 + alpha'^4 - F alpha'^2>/2 + <1 - cos(alpha)> of a sinusoid
+is least over the harmonics of alpha and over the wave number k.
+A helix has the wave number k = (F/2)^(1/2) and the energy (k^4 - F k^2)/2 + 1.
 Friction f per push P pulls the phase of a wave:  d/dx (de/dk) = -f c,  with c = <P alpha'^2 + <P> alpha'^2>/(2k) of a
 rod that slides along itself and <<P> alpha'^2 - P alpha'^2>/(2k) of one that moves along the axis.
 A rod that turns in place leans: the wall drives it up by f P, against the weight. A sinusoid alpha = m + d leans by
 sin(m) <cos(d)> + f <P> = 0; its P falls by f sin(m) d as well, so that d feels the weight cos(m) - f sin(m).
 """
 
+from functools import cache
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans
+from ..numerics.roots import root
 from ..problem.case import ALONG_ITSELF
 from .descent import descend, index_of_any
 from .loaded_rod import ALPHA, BETA, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import Shape, correct
-from .slender_sinusoid import OVER, curves
 
+OVER = (1e-3, 0.4, 0.8, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2)  # F - 2, of the rows of a table of sinusoids
+HARMONICS = np.array([[1.0], [3.0], [5.0]])
+PHASES = np.linspace(0, 2 * np.pi, 64, endpoint=False)
 EQUAL, LIFTED, LAST = 0.901122, 1.541672, 3.2613  # F - 2: from which a helix has less energy than the sinusoid, from
 # which the sinusoid lifts off the wall, and of its fold
 FRONTS = EQUAL + np.array([0.0, 0.05, -0.05, -0.1])  # F - 2: where a helix may become a sinusoid
@@ -33,6 +40,65 @@ STEEPEST = 0.9  # sine of beta
 PASSED, SLIGHT = 0.01, 0.01  # of a change of the axial force: less is lock-up; of F, such a change
 TURNS = 2.0  # least, of a helix
 BLUR = 1.0  # of x: from where a helix becomes a sinusoid
+
+
+class Row(NamedTuple):
+    """Of the sinusoid at F: its wave number, what its energy and its push say, as smooth functions of F.
+
+    size, third: a/(F - 2)^(1/2) and a3/a^3 of the first and third harmonics a, a3. stiffness: d2e/dk2/(F - 2). push:
+    <P>. itself, axis: what friction takes from the phase, over F - 2 of a rod that slides along itself and over
+    (F - 2)^2 of one that moves along the axis, as of `local_waves`.
+    """
+
+    k: float
+    size: float
+    third: float
+    stiffness: float
+    push: float
+    itself: float
+    axis: float
+
+
+def row(over: float, sizes: Array, k: float) -> tuple[Row, Array]:
+    """The sinusoid at F - 2, and the sizes (3,) of its harmonics, from those and a wave number near it."""
+    F, n = 2 + over, HARMONICS
+    waves = np.stack([np.sin(n * PHASES), n * np.cos(n * PHASES), -n * n * np.sin(n * PHASES)])
+
+    def slopes(x: Array) -> Array:
+        """The derivatives of the energy by the sizes and by k, (4,)."""
+        (alpha, a, b), k = x[:3] @ waves, x[3]
+        by_size = k**4 * b * waves[2] + (2 * k**4 * a**3 - F * k**2 * a) * waves[1] + np.sin(alpha) * waves[0]
+        return np.append(by_size.mean(axis=1), (2 * k**3 * (b**2 + a**4) - F * k * a**2).mean())
+
+    def bends(x: Array) -> Array:
+        """Those of the slopes, (4, 4), exact: the imaginary part carries a change too small to be felt."""
+        return np.array([slopes(x + 1e-30j * unit).imag / 1e-30 for unit in np.eye(4)])
+
+    x = root(lambda x: (slopes(x), bends(x)), np.append(sizes, k), np.inf, STEPS)
+    assert x is not None
+    (alpha, a, b), sizes, k = x[:3] @ waves, x[:3], float(x[3])
+    stiffness = float(1 / np.linalg.inv(bends(x))[3, 3])
+    square, P = (k * a) ** 2, np.cos(alpha) + k**4 * (4 * a * (sizes @ (-(n**2) * waves[1])) + 3 * b**2 - a**4)
+    P += F * square
+    one, both = np.mean(P * square) / (2 * k), np.mean(P) * np.mean(square) / (2 * k)
+    scaled = sizes[0] / np.sqrt(over), sizes[1] / sizes[0] ** 3, stiffness / over
+    return Row(k, *scaled, P.mean(), (one + both) / over, (both - one) / over**2), sizes
+
+
+def rows() -> list[Row]:
+    """Those of the table."""
+    k, sizes, found, last = 1.0, np.sqrt([8 / 11, 0.0, 0.0]), [], 1.0
+    for over in OVER:
+        one, sizes = row(over, sizes * np.sqrt(over / last), k)
+        k, last = one.k, over
+        found.append(one)
+    return found
+
+
+@cache
+def curves() -> Array:
+    """The polynomials in F - 2 through the table, (8, 7): powers, numbers of a row."""
+    return np.asarray(np.polynomial.polynomial.polyfit(OVER, np.array(rows()), 7))
 
 
 class Waves(NamedTuple):

@@ -10,14 +10,14 @@ import numpy as np
 from ..branches.branch_events import Bounds
 from ..core.varying_loads import march
 from ..numerics.arrays import Array, Booleans
+from ..numerics.roots import lead_away
 from .branch import branch_from_straight
 from .buckling import buckling_shares, straight_shape
-from .curve import Curve
+from .curve import REACH, Curve, angles_in, angles_of
 from .descent import index_at, on_nodes, weakest_modes
 from .following import MOST_POINTS, begin, on_branch, trace_shapes
-from .further_shapes import further_shapes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
-from .newton import Shape, correct, is_same
+from .newton import DEEP, Shape, correct, is_same, linear_at, size_of
 
 LONGEST = 10.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
 CELLS = 120, 80  # of the scan, over beta_t(0) or beta(0) and over q(0)
@@ -26,6 +26,10 @@ WIDE = 5  # times the largest load: the range of a reaction
 HEAVIEST = 2.0  # times the weight: how far a branch is followed from no weight, as some turn back on the way
 MOST_NODES = 100  # of a rod that is followed from no weight
 MOST_MODES, SMALL = 8, 0.05  # of the straight rod, whose branches are followed; their first amplitude
+ROUNDS = 30  # steps of a deflation
+NEAR = 0.1  # size of a step of Newton's method from which it converges by itself
+AMPLITUDES = -1.0, 0.9  # of the waves of a start: the powers of ten between which it lies
+WAVES, FROM_KNOWN, AROUND = 4, 0.7, 0.3  # in a start; share of starts from known shapes; azimuths over angles
 STRAIGHT, DEFLATION, SCAN = "the branch of the straight rod", "deflation", "scan of the start"
 WEIGHT, BUCKLED = "growth of the weight", "a buckling load of the straight rod"
 
@@ -162,3 +166,40 @@ def _wound(open_: Array) -> Booleans:
     turns = np.roll(corners, -1, axis=0) - corners
     turns -= 2 * np.pi * np.round(turns / (2 * np.pi))
     return np.asarray(np.abs(turns.sum(axis=0)) > 1)
+
+
+def deflate(start: Shape, known: list[Shape]) -> Shape | None:
+    """An equilibrium that is none of the known ones; None where the steps from a shape lead to none."""
+
+    def newton_step(shape: Shape) -> tuple[Array, Array, Array] | None:
+        change = linear_at(shape, deep=DEEP).newton_change()
+        return None if change is None else (angles_of(shape), angles_in(change), change)
+
+    def move(shape: Shape, change: Array, factor: float) -> tuple[Shape, float]:
+        turn = float(np.abs(change[:, [BETA, ALPHA]]).max())
+        share = np.clip(factor, -REACH / turn, REACH / turn) if turn else 0.0
+        return replace(shape, y=shape.y + share * change * shape.rod.scale), size_of(change)
+
+    near = lead_away(start, newton_step, move, [angles_of(one) for one in known], ROUNDS, NEAR)
+    found = None if near is None else correct(near, reach=REACH, most=15)
+    return None if found is None or any(is_same(found, one) for one in known) else found
+
+
+def further_shapes(rod: LoadedRod, t: Array, known: list[Shape], tries: int) -> Iterator[Shape]:
+    """Further equilibria on nodes t, until so many tries in a row find none.
+
+    known: grows by what the caller takes of them.
+    """
+    rng, fruitless = np.random.default_rng(0), 0
+    wave = np.pi * np.outer(t / rod.span, np.arange(1, WAVES + 1))
+    while fruitless < tries:
+        from_known = known and rng.random() < FROM_KNOWN
+        y = known[rng.integers(len(known))].y.copy() if from_known else rod.lying(t)
+        size = 10 ** rng.uniform(*AMPLITUDES)
+        turned, moved = rng.normal(size=(2, WAVES)) / np.arange(1, WAVES + 1)
+        y[:, BETA] += size * rod.scale[BETA] * (np.sin(wave + rng.uniform(0, np.pi, WAVES)) @ turned)
+        y[:, ALPHA] += AROUND * size * (np.sin(wave) @ moved)
+        found = deflate(Shape(rod, t, y), known)
+        fruitless = fruitless + 1 if found is None else 0
+        if found is not None:
+            yield found

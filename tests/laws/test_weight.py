@@ -32,15 +32,12 @@ from solver.problem.case_fields import values_of, with_field
 from solver.problem.limits import unreachable
 from solver.shooting.buckling import buckling_shares, buckling_tension, straight_index, straight_shape
 from solver.shooting.descent import index_at
-from solver.shooting.further_shapes import further_shapes
 from solver.shooting.loaded_rod import PHI, LoadedRod
-from solver.shooting.local_waves import compression, places, sinusoid, wave_shape
+from solver.shooting.local_waves import OVER, compression, places, rows, sinusoid, wave_shape
 from solver.shooting.newton import open_at
 from solver.shooting.numbers import rods_of
-from solver.shooting.pitchfork_line import pitchfork_at
-from solver.shooting.search import buckling_shapes
-from solver.shooting.shapes_on_plane import pitchforks_of
-from solver.shooting.slender_sinusoid import OVER, rows
+from solver.shooting.search import buckling_shapes, further_shapes
+from solver.shooting.shape_folds import pitchforks_through
 from solver.shooting.state import in_words
 from solver.traced_folds import rods_over
 
@@ -398,7 +395,8 @@ def test_the_curve_of_a_buckling_load_over_the_weight_is_the_exact_one() -> None
     rod_at = rods_over(plane)
     z = plane.shares(np.array([-buckling_loads(with_field(SHORT, "weight", 1.15))[1], 1.15]))
     rod = rod_at(z)
-    (curve,) = pitchforks_of(pitchfork_at(rod_at, z, 0, straight_shape(rod, rod.nodes())), lambda z, shape: False)
+    straight = straight_shape(rod, rod.nodes())
+    (curve,) = pitchforks_through(rod_at, z, 0, straight, lambda z, shape: False) or []
     found = fold_curve(plane, curve)
     exact = [-buckling_loads(with_field(SHORT, "weight", weight))[1] for weight in found.values[:, 1]]
     assert found.values[:, 0] == pytest.approx(exact, rel=1e-10)

@@ -1,5 +1,9 @@
-"""The rods with held ends that are helices from end to end, which no path of levels reaches, and the bent rods that
-they become when the numbers that the ends hold change."""
+"""Rods that are helices from end to end, which no path of levels reaches.
+
+Those with held ends, and the bent rods that they become when the numbers that the ends hold change. Under dead loads, a
+helix followed over one parameter: where its Morse index changes, other equilibria branch off; it ceases to exist where
+H = H' = 0. A long rod that lies along it reaches a fold next to that parameter, nearer than its level can tell.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -7,15 +11,24 @@ import numpy as np
 import scipy  # its parts are imported when used
 
 from ..equilibrium.charts import charts, coordinate
-from ..equilibrium.given_numbers import FREE, Given, OrbitState, answer, parts_of, problem_after
+from ..equilibrium.given_numbers import FREE, Given, OrbitState, answer, parts_of, problem_after, problem_of
 from ..equilibrium.orbit_rates import NUMBERS, helix_change, orbit_rates
 from ..equilibrium.system import correct_equilibrium
 from ..levels.line_point import LinePoint, Path
+from ..levels.morse_index import helix_half_waves, helix_index
 from ..levels.transit_times import DOWN, UP
-from ..mechanics.potential import TAU, load_size, slope, slope_rate
+from ..mechanics.potential import TAU, Loads, load_size, slope, slope_higher_rates, slope_rate
+from ..numerics.arclength import BRANCH_POINT, PITCHFORK, difference_rates
 from ..numerics.arrays import Array
-from ..problem.reduced import EndsProblem
+from ..numerics.roots import root
+from .branch_events import Bounds, Place
+from .family import Family
 
+_STEP = 0.25  # of the parameter's scale
+_SYMMETRIC = 1e-9  # H'' of a helix about which G is symmetric
+_CEASES = 1e-2  # of the parameter's scale: how near a helix ceases that ends a branch
+_ALONG, _SHARE = 0.15, 0.2  # rad about a helix, and the share of the rod that lies there
+_ROUNDS, _NUDGE = 20, 1e-6  # of Newton's rule; rad and of the parameter's scale, for differences
 _EQUAL = 1e-11  # relative, of what a helix has and what is given
 _SCAN = 721  # angles between which those of helices are bracketed
 
@@ -59,7 +72,7 @@ def _angles(known: dict[str, float], given: Given) -> list[float]:
             return sorted({beta, float(other(beta))})
 
     def pull(beta: float) -> float:
-        return _slope(beta, known["lam"], _twist(beta, known, given), known["phi"])
+        return float(slope(Loads(known["lam"], _twist(beta, known, given), known["phi"]), beta))
 
     grid = np.linspace(-np.pi, np.pi, _SCAN) + 1e-3
     values = [pull(float(beta)) for beta in grid]
@@ -76,11 +89,6 @@ def _twist(beta: float, known: dict[str, float], given: Given) -> float:
     return (known["turn"] / given.span + float(np.sin(beta) * np.cos(beta))) / given.ratio
 
 
-def _slope(beta: float, lam: float, mu: float, phi: float) -> float:
-    problem = EndsProblem(*(np.array([value]) for value in (lam, mu, phi, 1.0, beta, beta)))
-    return float(slope(problem, problem.beta0)[0])
-
-
 def _helix(beta: float, known: dict[str, float], given: Given) -> Helix | None:
     """The helix of an angle with the loads that it needs, None where it has other displacements than the held ones."""
     s, c = float(np.sin(beta)), float(np.cos(beta))
@@ -89,7 +97,7 @@ def _helix(beta: float, known: dict[str, float], given: Given) -> Helix | None:
             return None
     mu = _twist(beta, known, given)
     lam, phi = known.get("lam"), known.get("phi")
-    rest = _slope(beta, lam or 0.0, mu, phi or 0.0)  # H is this plus lam c less phi s of the unknown ones
+    rest = float(slope(Loads(lam or 0.0, mu, phi or 0.0), beta))  # H is this plus lam c less phi s of the unknown ones
     small = _EQUAL * (1 + abs(lam or 0.0) + abs(mu) + abs(phi or 0.0))
     if lam is None and phi is not None and abs(c) > _EQUAL:
         return Helix(beta, -rest / c, mu, phi)
@@ -101,8 +109,8 @@ def _helix(beta: float, known: dict[str, float], given: Given) -> Helix | None:
 
 
 def _state(helix: Helix, given: Given) -> OrbitState | None:
-    numbers = {"lam": helix.lam, "mu": helix.mu, "phi": helix.phi, "beta0": helix.beta, "betaL": helix.beta}
-    problem = EndsProblem(**{name: np.array([value]) for name, value in numbers.items()}, span=np.array([given.span]))
+    loads = {name: load for name in FREE[2:] if (load := getattr(helix, name)) is not None}
+    problem = problem_of(given, {**loads, "beta0": helix.beta, "betaL": helix.beta})
     path = LinePoint(problem).helix
     if path is None or not np.isfinite(load_size(problem)[0]):
         return None
@@ -195,3 +203,83 @@ def _from_saddle(place: LinePoint, path: Path, v_0: float, v_L: float) -> Path:
     a = fall * (v_L - v_0 * fall) / (1 - fall * fall)
     gap = -4 * a * (a - v_0)
     return Path(float(saddle), float(np.sign(gap)), float(np.log(abs(gap))), path.leaving, path.turns) if gap else path
+
+
+def helix_places(family: Family, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], float | None]:
+    """The helices after the one at p, in order, and the parameter of the last if the rod is none beyond; else None.
+
+    With H' = r^2 on the helix, its index is the number of n with n pi < r L; equilibria of n half waves branch off
+    where r L = n pi. For even n, and where G is symmetric about the helix, they do so to both sides of p alike.
+    """
+    places, step = list[Place](), _STEP * family.scale
+    here = p
+    while len(places) < bounds.most:
+        halt = bounds.next(here, rises)
+        there = bounds.snap(min(here + step, halt) if rises else max(here - step, halt))
+        place = family.place(there)
+        if place is None or place.helix is None:
+            return places, here
+        places += [*_branch_points(family, here, there), helix_place(family, there)]
+        if bounds.is_end(places[-1].p, 1.0 if rises else -1.0):
+            break
+        here = there
+    return places, None
+
+
+def helix_place(family: Family, p: float) -> Place:
+    """The helix at p, where there is one."""
+    place = family.place(p)
+    assert place is not None
+    return Place(p, place.helix, place.problem, int(helix_index(helix_half_waves(place.problem))[0]))
+
+
+def _branch_points(family: Family, p: float, q: float) -> list[Place]:
+    """The special points between two parameters, from p to q."""
+
+    def waves(at: float) -> float:
+        place = family.place(at)
+        assert place is not None
+        return float(helix_half_waves(place.problem)[0])
+
+    low, high = sorted((waves(p), waves(q)))
+    found = list[Place]()
+    for n in range(int(np.floor(low)) + 1, int(np.ceil(high))):
+        at = float(scipy.optimize.brentq(lambda one, n=n: waves(one) - n, p, q, xtol=1e-15 * abs(p - q), rtol=1e-15))
+        if found:
+            found.append(helix_place(family, (found[-1].p + at) / 2))
+        place = helix_place(family, at)
+        even = n % 2 == 0 or abs(slope_higher_rates(place.problem, place.problem.beta0)[0][0]) < _SYMMETRIC
+        found.append(replace(place, kind=PITCHFORK if even else BRANCH_POINT))
+    return found if waves(p) < waves(q) else found[::-1]
+
+
+def end_of_helix(family: Family, p: float, beta: Array) -> tuple[float, float] | None:
+    """The parameter at which the helix that a rod lies along ceases to exist, and its beta; None if none does near p.
+
+    beta: along the rod at p, at equal steps (n,).
+    """
+    place = family.place(p)
+    if place is None:
+        return None
+
+    def equations(x: Array) -> Array | None:
+        """H and H' at an angle and a parameter over its scale."""
+        at = family.place(x[1] * family.scale)
+        return None if at is None else np.concatenate([slope(at.problem, x[:1]), slope_rate(at.problem, x[:1])])
+
+    def double_root(x: Array) -> tuple[Array, Array] | None:
+        off, rates = equations(x), difference_rates(equations, x, _NUDGE)
+        return None if off is None or rates is None else (off, rates)
+
+    angles = np.linspace(beta.min() - _ALONG, beta.max() + _ALONG, 2001)
+    rates = slope_rate(place.problem, angles)
+    for i in np.flatnonzero(rates[1:] * rates[:-1] < 0):
+        if np.mean(np.abs(beta - angles[i]) < _ALONG) < _SHARE:
+            continue
+        end = root(double_root, np.array([angles[i], p / family.scale]), np.inf, _ROUNDS)
+        if end is None:
+            continue
+        angle, at = float(end[0]), float(end[1]) * family.scale
+        if abs(at - p) < _CEASES * family.scale and abs(angle - angles[i]) < _ALONG:
+            return at, angle
+    return None

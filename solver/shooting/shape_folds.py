@@ -1,0 +1,216 @@
+"""The curves of folds and pitchforks over two numbers z, of a rod whose loads vary along it.
+
+Through each z a line goes along n, across the curve of a fold. On it the equilibria lie on a branch with a place a,
+along its direction at the last fold. At a fold the branch passes n = 0 where dn/da = 0: two equations in a and z,
+regular at cusps too, where z turns back.
+
+Along the curve of a pitchfork an equilibrium that its symmetry keeps, such as the straight rod, exists on both sides,
+and on it a push along one mode meets no resistance. The stiffness against that push, smooth over z, is the equation.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+
+from ..folds.special_line import (
+    CROSSING,
+    Ahead,
+    SpecialLine,
+    SpecialPoint,
+    Tracing,
+    cusps_between,
+    point_at,
+    point_on_line,
+    special_line,
+    step_from,
+)
+from ..folds.whole_curve import WholeCurve, whole_curve
+from ..numerics.arclength import FOLD, PITCHFORK, Lengths, Node, node_at
+from ..numerics.arrays import Array
+from ..numerics.roots import enclose
+from ..problem.errors import InputError
+from .curve import Curve, Point, angles_of
+from .descent import index_at, index_of_any, weakest_modes
+from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod, Q
+from .newton import Shape, correct, linear_at
+
+RodAt = Callable[[Array], LoadedRod]
+FOLD_STEPS = Lengths(first=0.02, longest=0.1, least=1e-4)  # in the sizes of the equilibrium and of z
+PITCHFORK_STEPS = Lengths(first=0.03, longest=0.1, least=2e-4)  # in the sizes of z
+STEP = 1e-4  # of derivatives by a and z
+BESIDE, NEAR_IT = 0.02, 1e-3  # how far beside a fold and beside a pitchfork its two indices are read
+CROSSED = 3e-3  # how closely the place is enclosed where another curve crosses
+NEAR = 3  # weakest modes: where another such curve crosses, that of this one is not the weakest
+SMALL = 0.02  # of the angles, in their scales: of the shapes that split off
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShapePoint(SpecialPoint):
+    """A fold or pitchfork. shape: the equilibrium there."""
+
+    rod_at: RodAt
+    shape: Shape
+    nudge = STEP
+
+    @property
+    def slope(self) -> float:
+        """beta_t(0)."""
+        return float(self.shape.y[0, SPEED])
+
+    @property
+    def mark(self) -> Array:
+        """As of `SpecialPoint`."""
+        return angles_of(self.shape)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FoldPoint(ShapePoint):
+    """A fold. w: a, and z over their sizes.
+
+    across: (2,), the unit vector of n. tangent: that of the branch over n at the shape, where a and n are 0.
+    """
+
+    across: Array
+    tangent: Array
+
+    def at(self, w: Array) -> Point | None:
+        """The equilibrium at a on the branch over n through z; None where there is none."""
+        shape = self.shape
+        curve = Curve(lambda n: self.rod_at(w[1:] + n * self.across), 1.0, shape.rod.scale)
+        change = w[0] * self.tangent[:-1].reshape(shape.y.shape) * shape.rod.scale
+        try:
+            return curve.correct(Shape(shape.rod, shape.t, shape.y + change), 0.0, self.tangent)
+        except InputError:  # no case has such values
+            return None
+
+    def value(self, w: Array) -> Array | None:
+        """n and dn/da, (2,)."""
+        point = self.at(w)
+        return None if point is None else np.array([point.x, point.tangent[-1]])
+
+    def after(self, node: Node) -> "Ahead[FoldPoint] | None":
+        """As of `SpecialPoint`; a is counted from there on."""
+        point = self.at(node.w)
+        if point is None:
+            return None
+        across = -node.jacobian[0, 1:] / np.linalg.norm(node.jacobian[0, 1:])  # n falls as z moves along it
+        tangent = np.append(point.tangent[:-1], 0.0)
+        fold = replace(self, w=np.append(0.0, node.w[1:]), across=across, shape=point.shape, tangent=tangent)
+        there = node_at(fold, fold.w, node.tangent)
+        return None if isinstance(there, str) else SpecialPoint.after(fold, there)
+
+    @property
+    def lower(self) -> int:
+        """The lower index of the two equilibria that meet; 0 with friction."""
+        sides = (self.at(self.w + np.array([a, 0.0, 0.0])) for a in (BESIDE, -BESIDE))
+        return min((index_of_any(side.shape) for side in sides if side is not None), default=0)
+
+
+def fold_through(rod_at: RodAt, z: Array, axis: int, shapes: list[Shape]) -> WholeCurve:
+    """The curve of the fold at z of a branch along number `axis`, from the shapes before, at and after it."""
+    (before, shape, after), (across, way) = shapes, np.eye(2)[[axis, 1 - axis]]
+    curve = Curve(lambda n: shape.rod, 1.0, shape.rod.scale)
+    tangent, w = curve.direction(after.y - before.y, 0.0), np.append(0.0, z)
+    guess = FoldPoint(w=w, way=way, rod_at=rod_at, across=across, shape=shape, tangent=tangent)
+    first = point_at(guess, w, np.append(0.0, way)) or guess
+    how: Tracing[FoldPoint] = Tracing(FOLD_STEPS, cusps_between)
+    return whole_curve(FOLD, special_line(first, how), first.lower)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PitchforkPoint(ShapePoint):
+    """A pitchfork. w: z over their sizes. more: NaN where the two others lie on different sides.
+
+    shape: that which the symmetry keeps. mode: (N, 8), along which others split off. index: the lower one beside the
+    curve.
+    """
+
+    mode: Array
+    index: int = 0
+
+    @property
+    def lower(self) -> int:
+        """As of `SpecialPoint`."""
+        return self.index
+
+    def shape_at(self, z: Array) -> Shape | None:
+        """The equilibrium that the symmetry keeps, at z."""
+        rod = self.rod_at(z).in_scales(self.shape.rod.scale)
+        return correct(Shape(rod, self.shape.t * (rod.span / self.shape.t[-1]), self.shape.y))
+
+    def value(self, w: Array) -> Array | None:
+        """The stiffness against a push along the mode at z = w, (1,)."""
+        shape = self.shape_at(w)
+        if shape is None:
+            return None
+        push = (self.mode / shape.rod.scale)[:, [BETA, ALPHA]]
+        right = np.zeros(self.mode.shape)
+        right[:-1, [SPEED, Q]] = push[1:]
+        found = linear_at(shape).solve(np.concatenate([np.zeros(4), right[:-1].reshape(-1), np.zeros(4)])[:, None])
+        if found is None:
+            return np.zeros(1)
+        return 1 / np.array([(push * found.reshape(self.mode.shape)[:, [BETA, ALPHA]]).sum()])
+
+    def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
+        """As of `SpecialPoint`, with its index and its mode."""
+        across = node.jacobian[0] / np.linalg.norm(node.jacobian[0])
+        low, high = (self.shape_at(node.w + sign * NEAR_IT * across) for sign in (-1, 1))
+        if low is None or high is None:
+            return None
+        rod = self.rod_at(node.w).in_scales(self.shape.rod.scale)
+        shape = Shape(rod, high.t * (rod.span / high.t[-1]), (low.y + high.y) / 2, high.steps)
+        mode = max(weakest_modes(high, NEAR), key=lambda one: abs(likeness(one, self.mode)))
+        curve = Curve(lambda n: self.rod_at(node.w + n * across), 1.0, shape.rod.scale)
+        turns = {float(np.sign(one.x)) for one in curve.split_off(shape, mode, (SMALL, -SMALL), 0.0)}
+        more = across * turns.pop() if len(turns) == 1 else np.full(2, np.nan)
+        index = min(index_at(low), index_at(high))
+        there = replace(self, w=node.w, way=node.tangent, more=more, shape=shape, mode=mode, index=index)
+        own = node_at(there, there.w, node.tangent)
+        return None if isinstance(own, str) else (there, own)
+
+
+def likeness(one: Array, other: Array) -> float:
+    """The cosine of the angle between the azimuths of two modes (N, 8)."""
+    a, b = one[:, ALPHA], other[:, ALPHA]
+    return float(a @ b / np.sqrt((a @ a) * (b @ b)))
+
+
+def pitchforks_through(
+    rod_at: RodAt, z: Array, axis: int, shape: Shape, known: Callable[[Array, Shape], bool]
+) -> list[WholeCurve] | None:
+    """The curve of the pitchfork near z on the line along number `axis`, in parts of equal index; None without one.
+
+    The index changes where another such curve crosses. shape: an equilibrium near it that its symmetry keeps. known:
+    whether a place and its shape lie on a known curve; where the shape becomes that of a known curve this one ends.
+    """
+    guess = PitchforkPoint(w=z, rod_at=rod_at, shape=shape, mode=weakest_modes(shape)[0])
+    first = point_on_line(guess, axis)
+    if first is None:
+        return None
+    if np.isnan(first.more).any():  # where the sides differ, branches exchange their indices, and no number changes
+        return []
+    how = Tracing(PITCHFORK_STEPS, crossing_between, is_known=lambda there: known(there.z, there.shape))
+    line = special_line(first, how)
+    points, last = line.points, len(line.points) - 1
+    cuts = [0, *(i + 1 for i, (one, other) in enumerate(pairwise(points)) if one.lower != other.lower), last]
+    found = []
+    for a, b in pairwise(dict.fromkeys(cuts)):
+        ends = line.ends[0] if a == 0 else CROSSING, line.ends[1] if b == last else CROSSING
+        found.append(whole_curve(PITCHFORK, SpecialLine(points[a : b + 1], ends), points[a].lower))
+    return found
+
+
+def crossing_between(
+    point: PitchforkPoint, node: Node, step: float, taken: Ahead[PitchforkPoint]
+) -> list[PitchforkPoint]:
+    """As of `Between`: pitchforks on either side of where another curve crosses, and close to it."""
+    if taken[0].lower == point.lower:
+        return []
+    sides = enclose(
+        partial(step_from, point, node), {0.0: (point, node), step: taken},
+        lambda there: there[0].lower != point.lower, CROSSED,
+    )  # fmt: skip
+    return [there for _, (there, _) in sides if there is not point and there is not taken[0]]
