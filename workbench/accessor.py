@@ -149,10 +149,11 @@ class RodAccessor:
         InputError
             For an unknown observable, a real one without a step, or a grid of more than two axes.
         """
-        from .store.attributes import laws
-        from .store.boundary import boundary, boundary_of_law
+        from .store.law_verdicts import boundary_of_law
+        from .store.refined import boundary
+        from .store.schema import laws_of
 
-        if any(law.claim == name for law in laws(self._ds)):
+        if any(law.claim == name for law in laws_of(self._ds)):
             return boundary_of_law(self._ds, name)
         return boundary(self._ds, name, step)
 

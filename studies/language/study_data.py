@@ -201,7 +201,13 @@ class StudyData(BaseModel):
         """The same study with another number of stations. Raises `InputError`."""
         if not 2 <= stations <= MAX_STATIONS:
             raise InputError(f"stations must be from 2 to {MAX_STATIONS}, got {stations}")
-        return self.model_copy(update={"stations": stations})
+        return self.with_values(stations=stations)
+
+    def with_values(self, **values: Any) -> Self:
+        """The same study with other values of some keys, which its text then has too (`study_text.dumps`)."""
+        other = self.model_copy(update=values)
+        other._text = ""
+        return other
 
     def with_samples(self, samples: Dimension | None) -> Self:
         """The same study with other samples."""

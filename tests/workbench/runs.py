@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.workbench import forked
-from workbench.store.tally import Meter
+from workbench.store.study_store import Meter
 
 ROOT = Path(__file__).parents[2]
 HEAD = """

@@ -94,7 +94,7 @@ def test_a_run_killed_at_twenty_random_moments_ends_with_every_bit_of_one_that_w
 
 
 WAYS = {
-    "while the file is assembled": ("workbench.store.writing.write_cases", []),
+    "while the file is assembled": ("workbench.store.writing._create", []),
     "while the parts are removed": ("pathlib.Path.rmdir", [pytest.mark.slow]),
     "while a shard is renamed": ("os.replace", [pytest.mark.slow]),
     "while a shard is put on the disk": ("os.fsync", [pytest.mark.slow]),

@@ -21,7 +21,7 @@ from tests.workbench import forked, runs, small
 from tests.workbench.command import exit_status
 from workbench.figures import canvas, study_figure
 from workbench.scene import opengl
-from workbench.store import checksums, growth, in_memory, reading, schema, writing
+from workbench.store import file_checks, in_memory, plan, reading, schema, writing
 from workbench.store.study_store import run_to_file
 
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
@@ -38,7 +38,7 @@ def whole(tmp_path_factory) -> bytes:
     """The bytes of a good file, without the checksums that would tell first whatever is altered."""
     path = stored(tmp_path_factory.mktemp("whole") / "small.h5")
     with h5py.File(path, "a") as file:
-        del file.attrs[checksums.KEY]
+        del file.attrs[file_checks.SUMS]
     return path.read_bytes()
 
 
@@ -173,12 +173,12 @@ def test_an_output_that_is_there_is_looked_at_with_the_same_care(tmp_path: Path)
     path, other = tmp_path / "many.h5", tmp_path / "other.h5"
     study = load(str(runs.study(tmp_path, runs.grid(2, 2))))
     run_to_file(study, path)
-    assert growth.look(path) is not None
+    assert plan.look(path) is not None
     shutil.copy(path, other)
     with h5py.File(path, "a") as file:
         del file["E"]
         file["E"] = h5py.ExternalLink("other.h5", "/E")  # the very same values
-    assert growth.look(path) is None
+    assert plan.look(path) is None
 
 
 AS_NOBODY = """

@@ -19,7 +19,7 @@ from workbench.figures import bars
 from workbench.influence import analyse, local, sobol
 from workbench.influence.derivatives import REAL, sentences
 from workbench.influence.indices import Design, design_of
-from workbench.store import in_memory, one_case, writing
+from workbench.store import in_memory, stored_case, writing
 
 TABLE = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start("30deg", 0.5, F1=5.0, F3=10.0))
 SAMPLES = """
@@ -94,7 +94,8 @@ def test_a_case_of_a_study_is_the_same_from_its_text_and_from_its_file(tmp_path)
     study = small.grid()
     ds = xr.open_dataset(writing.write(in_memory.run(study), tmp_path / "small.h5"))
     for at in ({}, {"E": 2e4, "R": 0.5}):
-        tables = [local(one_case.of_study(study, at)), local(one_case.of_dataset(ds, at))]
+        cases = stored_case.solve_case(stored_case.outline(study), at, study), stored_case.solve_case(ds, at)
+        tables = [local(case) for case in cases]
         np.testing.assert_array_equal(tables[0]["derivative"], tables[1]["derivative"])
         np.testing.assert_array_equal(tables[0]["at"], tables[1]["at"])
     assert float(tables[0]["at"].sel(field="E")) == 2e4
@@ -102,11 +103,11 @@ def test_a_case_of_a_study_is_the_same_from_its_text_and_from_its_file(tmp_path)
 
 def test_a_followed_study_and_a_sweep_have_elasticities_of_one_case() -> None:
     followed = load("fig7_4_end_angle").at_stations(21)
-    found = one_case.of_study(followed, {"betaL": -14.37992253 * np.pi / 180})
+    found = stored_case.solve_case(stored_case.outline(followed), {"betaL": -14.37992253 * np.pi / 180}, followed)
     assert "betaL" in local(found, observables=["height"])["field"]
     base = {**small.ROD, "beta0": 0.5, "betaL": 0.8, "MZ": 1.3, "M3": 6.1}
     sweep = loads(small.text(base, small.axis("FZ", [-9.0, -5.0])), default_name="ends")
-    swept = local(one_case.of_study(sweep, {"FZ": -5.0}), observables=["height"])
+    swept = local(stored_case.solve_case(stored_case.outline(sweep), {"FZ": -5.0}, sweep), observables=["height"])
     assert float(swept["at"].sel(field="FZ")) == -5
 
 

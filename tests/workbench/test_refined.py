@@ -14,9 +14,10 @@ from studies.language.loader import loads
 from tests.workbench import runs, small
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench.figures import canvas, kinds, map_figure, study_figure
-from workbench.store import attributes, block, in_memory, law_verdicts, reading, refined
-from workbench.store.boundary import boundary, boundary_of_law
+from workbench.store import block, in_memory, law_verdicts, reading, refined, schema
 from workbench.store.file_summary import summary
+from workbench.store.law_verdicts import boundary_of_law
+from workbench.store.refined import boundary
 from workbench.store.study_store import Options, run_to_file
 
 LINE = small.axis("E", (5e3, 4e4, 4), spacing="geometric")
@@ -224,7 +225,7 @@ def test_a_law_changes_its_verdict_between_the_two_lines_that_its_boundary_names
     (found,) = (pair for _, pair in boundary_of_law(ds, "(1)").groupby("pair"))
     lines = [float((found["R"] + sign * found["R_half_width"]).item()) for sign in (-1, 1)]
     alone = in_memory.run(study(PLANE.partition("[axes.R]")[0] + f"[axes.R]\nvalues = {lines}\n" + LAW, ""))
-    (law,) = attributes.laws(alone)
+    (law,) = schema.laws_of(alone)
     verdicts = list(law_verdicts.verdicts_of_lines(alone, law).values)
     assert verdicts == [found["before"].item(), found["after"].item()] == ["holds", "fails"]
 

@@ -12,7 +12,7 @@ from tests.workbench import small
 from workbench.commands import scene, study_scene
 from workbench.export.stored_rod import export
 from workbench.scene import opengl, scene_kinds
-from workbench.store import in_memory, one_case, writing
+from workbench.store import in_memory, stored_case, writing
 from workbench.web.turntable import turntable_page
 
 if opengl.probe()[0]:
@@ -109,10 +109,10 @@ def test_a_file_whose_case_is_solved_to_another_shape_is_refused(name, tmp_path)
 
 def test_a_file_goes_before_a_study_of_its_name(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert one_case.is_study(Path("fig6"))
+    assert stored_case.is_study(Path("fig6"))
     Path("fig6").write_text("")
-    assert not one_case.is_study(Path("fig6"))
-    assert not one_case.is_study(Path("mine.h5"))
+    assert not stored_case.is_study(Path("fig6"))
+    assert not stored_case.is_study(Path("mine.h5"))
 
 
 @draws

@@ -351,6 +351,13 @@ def test_values_added_to_an_axis_are_solved_alone_and_the_others_copied(half, na
     assert run_to_file(load(half), output).finished_before
 
 
+def test_the_version_of_the_code_covers_every_source_of_solver_and_studies(monkeypatch) -> None:
+    read: set[str] = set()
+    monkeypatch.setattr(Path, "read_bytes", lambda path: read.add("/".join(path.parts[-3:])) or b"")
+    recipe.code_version.__wrapped__()
+    assert {"studies/language/expressions.py", "studies/grammar/axes.py", "solver/core/measured.h"} <= read
+
+
 def test_a_file_whose_axes_were_changed_by_another_hand_is_not_taken_for_finished(half) -> None:
     with h5py.File(half.with_suffix(".h5"), "a") as file:
         file["E"][0] = 9e3

@@ -7,7 +7,7 @@ from studies.language.loader import loads
 from tests.slow import slow_but
 from tests.workbench import small
 from tests.workbench.command import exit_status
-from workbench.store import file_summary, in_memory, tally, writing
+from workbench.store import file_summary, in_memory, law_verdicts, writing
 
 AXES = small.axis("E", [1e4, 2e4]) + small.axis("R", [0.5, 0.75, 1.0])
 LAW = small.law("kappa_max", "R", "falls", claim="(2)")
@@ -29,7 +29,7 @@ def file(tmp_path):
 def test_small_blocks_tell_the_same(file, most: int, monkeypatch) -> None:
     path, _ = file
     whole = file_summary.summary(path)
-    monkeypatch.setattr(tally, "BLOCK", most)
+    monkeypatch.setattr(law_verdicts, "BLOCK", most)
     assert file_summary.summary(path) == whole
 
 

@@ -13,7 +13,7 @@ from tests.slow import slow, slow_but
 from tests.workbench import small
 from workbench.commands import study_scene
 from workbench.scene import scene_kinds
-from workbench.store import case_solutions, in_memory, law_verdicts, sweep
+from workbench.store import case_solutions, in_memory, law_verdicts
 from workbench.store.study_store import run_to_file
 
 PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "R": 0.108}
@@ -36,7 +36,7 @@ def study(axes: str = FORCES, L: float = 20.0) -> Study:
 
 @pytest.mark.parametrize("shape", ((1,), (2,), (30,), (3, 5), (4, 1), (1, 6), (2, 3, 4)))
 def test_every_case_continues_from_a_neighbour_and_all_from_the_middle(shape) -> None:
-    grid = sweep.Grid(shape)
+    grid = case_solutions.Grid(shape)
     first = grid.place(grid.first)
     assert grid.parent(first) is None
     for place in range(int(np.prod(shape))):
@@ -51,18 +51,14 @@ def test_every_case_continues_from_a_neighbour_and_all_from_the_middle(shape) ->
 
 
 @pytest.mark.parametrize("shape", ((30,), (3, 5), (7, 40), (2, 300)))
-def test_blocks_cut_the_grid_into_stretches_of_lines(shape) -> None:
-    grid, size = sweep.Grid(shape), sweep.block_size(shape, 1000)
-    covered = []
+def test_a_block_begins_on_each_line_at_its_case_nearest_to_the_first(shape) -> None:
+    grid, size = case_solutions.Grid(shape), case_solutions.block_size(shape, 1000)
     for start in range(0, int(np.prod(shape)), size):
-        stop = min(start + size, int(np.prod(shape)))
-        for a, b, entry in grid.pieces(start, stop):
-            assert a <= entry < b
-            assert a // shape[-1] == (b - 1) // shape[-1]
-            distance = [abs(grid.cell(place)[-1] - grid.first[-1]) for place in range(a, b)]
-            assert distance[entry - a] == min(distance)
-            covered += range(a, b)
-    assert covered == list(range(int(np.prod(shape))))
+        places = np.arange(start, min(start + size, int(np.prod(shape))))
+        lines = [places[places // shape[-1] == line] for line in np.unique(places // shape[-1])]
+        far = [np.abs(line % shape[-1] - grid.first[-1]) for line in lines]
+        nearest = [int(line[away.argmin()]) for line, away in zip(lines, far, strict=True)]
+        assert grid.entries(start, int(places[-1]) + 1) == nearest
 
 
 # what is stored

@@ -16,7 +16,7 @@ import xarray as xr
 from solver import InputError
 from tests.slow import slow
 from tests.workbench import forked, runs, small
-from workbench.store import in_memory, netcdf, reading, writing
+from workbench.store import in_memory, reading, writing
 
 
 @pytest.fixture(scope="module")
@@ -38,9 +38,9 @@ def test_a_text_that_grew_since_it_was_read_is_stored_whole(ds, tmp_path) -> Non
 
 def test_a_file_is_written_and_opened_as_xarray_alone_does(ds, tmp_path) -> None:
     ds.to_netcdf(tmp_path / "theirs.h5", engine="h5netcdf", encoding=writing.encoding(ds))
-    netcdf.write(ds, tmp_path / "ours.h5", writing.encoding(ds))
+    writing.write_new(ds, tmp_path / "ours.h5")
     assert runs.contents(tmp_path / "ours.h5") == runs.contents(tmp_path / "theirs.h5")
-    with netcdf.open_file(tmp_path / "ours.h5") as ours, xr.open_dataset(tmp_path / "ours.h5") as theirs:
+    with writing.open_file(tmp_path / "ours.h5") as ours, xr.open_dataset(tmp_path / "ours.h5") as theirs:
         xr.testing.assert_identical(ours, theirs)
         for name, variable in ours.variables.items():
             assert str(variable.encoding) == str(theirs[name].encoding)
@@ -50,7 +50,7 @@ def test_of_many_opened_files_those_closed_meanwhile_are_opened_again(ds, tmp_pa
     path = writing.write(ds, tmp_path / "small.h5")
     with ExitStack() as stack:
         copies = [tmp_path / f"{k}.h5" for k in range(4)]
-        opened = [stack.enter_context(netcdf.open_file(shutil.copy(path, copy))) for copy in copies]
+        opened = [stack.enter_context(writing.open_file(shutil.copy(path, copy))) for copy in copies]
         with xr.set_options(file_cache_maxsize=2):
             for one in (*opened, opened[0]):
                 np.testing.assert_array_equal(one["beta"], ds["beta"])

@@ -14,7 +14,7 @@ from ..words import escaping
 if TYPE_CHECKING:  # --help does not import rich
     from rich.console import Console
 
-    from ..store.tally import Meter
+    from ..store.study_store import Meter
 
 HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 EVERY = 5.0  # seconds between two lines of progress
@@ -111,7 +111,7 @@ def progress_bar(total: int, done: int, as_json: bool = False) -> "Iterator[Mete
     """A meter, shown while the body runs; where stderr is no terminal, or as JSON, by a line every 30 s."""
     from rich.progress import BarColumn, Progress, TextColumn
 
-    from ..store.tally import Meter
+    from ..store.study_store import Meter
 
     if as_json or not err().is_terminal:
         yield Meter(total, done, _make_lines(as_json))

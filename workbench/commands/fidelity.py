@@ -35,7 +35,7 @@ class Fidelity:
             changes |= {"outputs": [name for name in study.outputs if name in SHAPE], "observables": []}
         if self.computes == "all":
             changes |= {"outputs": list(OUTPUTS), "observables": list(study.known_observables)}
-        return study.model_copy(update=changes)
+        return study.with_values(**changes)
 
     @property
     def along(self) -> tuple[str, ...]:

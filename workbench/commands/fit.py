@@ -127,7 +127,7 @@ def _case(file: Path | None, at: list[str] | None, given: Given, table1: bool, r
     from studies import load
     from studies.language.case_input import check_alone, read_case
 
-    from ..store.one_case import case_at, outline
+    from ..store.stored_case import case_at, outline
 
     if file is None:
         if at:

@@ -80,7 +80,7 @@ def plot(
 
     from ..figures import canvas, drawn_numbers, kinds, legend, thumbnails
     from ..figures.sheet import sheet
-    from ..store import atomic, file_kinds, reading
+    from ..store import atomic, reading, schema
     from ..words import outcomes
 
     every = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
@@ -91,13 +91,13 @@ def plot(
             raise InputError(f"{file} is a folder, whose story plot draws without --{alien[0]}")
         return _story(file, out or file / "story.png", width, force, dpi)
     page, of = sheet(style, width, not no_title, panel), reading.kind_of_file(file)
-    if of is file_kinds.STUDY:
+    if of is schema.STUDY:
         ds = reading.read(file)
         outcomes.check_any_solved(ds)
         kind = kinds.kind_of(ds, kind, list(given))
     else:
         if not of.figure:
-            raise file_kinds.other_kind(file, of, "plot has no figure of it")
+            raise schema.other_kind(file, of, "plot has no figure of it")
         if alien := [name for name in named if name not in kinds.KINDS[of.figure].options]:
             raise InputError(f"{file} is {of.what}, which plot draws without --{alien[0]}")
         ds, kind = reading.read(file, study=False), of.figure

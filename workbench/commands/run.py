@@ -69,8 +69,8 @@ def run(
         raise InputError(
             f"a run reads {path.suffix} files and writes none, got {str(path)!r}; give a name such as {path.stem}.h5"
         )
-    changes = {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}
-    chosen = chosen.model_copy(update=changes)
+    if changes := {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}:
+        chosen = chosen.with_values(**changes)
     _check_free(path, chosen.name, force)
     worker_processes.keep_memory()
     options = Options(workers, scheduler, chunk, restart)
@@ -92,7 +92,7 @@ def _say(text: str) -> None:
 
 def _check_free(path: Path, name: str, force: bool) -> None:
     """Raise `InputError` if `path` holds something that may not be replaced; imports xarray only if it must look."""
-    from ..store.growth import look
+    from ..store.plan import look
 
     there = look(path)
     if force or (there is not None and there.name == name):
@@ -112,7 +112,7 @@ def check(file: File) -> Result:
     from studies.language.loader import notices
 
     from ..store import file_checks, reading
-    from ..store.tally import statistics
+    from ..store.law_verdicts import statistics
 
     with reading.open_study(file, whole=True) as ds, file_checks.refusing(file):
         named = {"title": ds.attrs["title"], "study": ds.attrs["study_name"], "reading": ds.attrs["reading"]}

@@ -78,22 +78,19 @@ def _local(
     from studies import load
 
     from ..influence import derivatives
-    from ..store import in_memory, one_case, reading, schema, stored_case
+    from ..store import reading, schema, stored_case
 
     real = None if show is None else [name for name in show if not is_count(name)]
     left_out = derivatives.counts_left_out(show or [])
     if show and not real:
         real = show  # refused with the choices
-    if one_case.is_study(file):
+    if stored_case.is_study(file):
         study = load(file)
-        follows = study.follow is not None
-        ds = in_memory.run(study) if follows else one_case.outline(study)
-        where = axis_values(ds, at)
-        found = one_case.of_dataset(ds, where) if follows else one_case.of_study(study, where)
+        ds = stored_case.outline(study)
     else:
         ds = reading.read(file)
-        found = one_case.of_dataset(ds, axis_values(ds, at))
         study = stored_case.study_of(ds)
+    found = stored_case.solve_case(ds, axis_values(ds, at), study)
     table = derivatives.local(found, fields, real, study.unit_system)
     varied = " ".join(schema.dimension(name) for name in study.varied)
     table = table.assign_attrs(title=study.title, reading=study.reading or "", varied=varied)
@@ -107,9 +104,9 @@ def _indices(
     from solver.problem.errors import InputError
 
     from ..influence import indices
-    from ..store import one_case, reading
+    from ..store import reading, stored_case
 
-    if one_case.is_study(file):
+    if stored_case.is_study(file):
         raise InputError(f"--global needs a stored study: workbench run {file} stores one")
     ds = reading.read(file)
     share = indices.CONFIDENCE if confidence is None else confidence

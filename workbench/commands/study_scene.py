@@ -19,10 +19,9 @@ from studies.language.study_data import MAX_STATIONS, OUTPUTS
 
 from ..figures.scales import WIDE
 from ..scene.scene_kinds import Kind
-from ..store import file_kinds, in_memory, reading, schema, selection
-from ..store.one_case import is_study
+from ..store import in_memory, reading, schema, selection
 from ..store.plan import plan
-from ..store.stored_case import solve_again, study_of
+from ..store.stored_case import is_study, solve_again, study_of
 
 if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
     from ..scene.composition import Picture
@@ -43,9 +42,9 @@ def open_rods(file: Path) -> tuple[Study | None, xr.Dataset]:
     if is_study(file):
         return two_stations(file)
     kind = reading.kind_of_file(file)
-    if kind is not file_kinds.STUDY and not kind.scene:
-        raise file_kinds.other_kind(file, kind, "scene draws studies and equilibria")
-    return None, reading.read(file, study=kind is file_kinds.STUDY)
+    if kind is not schema.STUDY and not kind.scene:
+        raise schema.other_kind(file, kind, "scene draws studies and equilibria")
+    return None, reading.read(file, study=kind is schema.STUDY)
 
 
 def solver_of(

@@ -23,11 +23,11 @@ def summary(file: File) -> Result:
     Prints its axes, observables, outcomes, laws and versions, and the cases of the largest error and condition number;
     of lists of equilibria, branches, fold maps and measurements their numbers.
     """
-    from ..store import file_kinds, reading
+    from ..store import reading, schema
     from ..store.file_summary import brief_law, contents
     from ..store.file_summary import summary as summarise
 
-    if reading.kind_of_file(file) is file_kinds.STUDY:
+    if reading.kind_of_file(file) is schema.STUDY:
         study = summarise(file)
         return Result(lambda: study | {"laws": [brief_law(row) for row in study["laws"]]}, lambda: _print(study))
     found = contents(file)

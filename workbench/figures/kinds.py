@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from solver.problem.errors import InputError, choices, no_such
 from studies.grammar.axes import SAMPLE
 
-from ..store import file_kinds as files
 from ..store import refined, schema, selection
 from . import (
     along,
@@ -71,7 +70,7 @@ def figure(ds: xr.Dataset, kind: str | None = None, sheet: Sheet | None = SCREEN
 
     Raises `InputError` as of `kind_of` and of the figure.
     """
-    name = kind or files.kind_of(ds).figure
+    name = kind or schema.kind_of(ds).figure
     if name in ("", "study"):
         name = kind_of(ds, None, [option for option in options if option != "verdicts"])
     if name in OF_STUDIES and not KINDS[name].refined:

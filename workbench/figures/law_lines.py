@@ -21,8 +21,7 @@ from studies.laws import law_words
 from studies.laws.law_words import PLAIN, count
 from studies.laws.line_verdicts import HOLDS, VERDICTS
 
-from ..store import attributes, law_verdicts, refined
-from ..store.schema import SAMPLING
+from ..store import law_verdicts, refined, schema
 from ..words import labels
 from . import colours
 from .map_cells import Cells, Choice
@@ -60,7 +59,7 @@ def judge(ds: xr.Dataset, choice: Choice, rows: Sequence[Mapping[str, Any]]) -> 
     """
     shown = [
         (law.axis, JudgedLaw(row, law_verdicts.verdicts_of_lines(ds, law)))
-        for law, row in zip(attributes.laws(ds), rows, strict=True)
+        for law, row in zip(schema.laws_of(ds), rows, strict=True)
         if law.observable in choice.shown
     ]
     axes = (choice.x, choice.y)
@@ -140,7 +139,7 @@ def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[st
         for row in rows
     ]
     watched = refined.describe(ds).watch
-    ended = str(ds.attrs.get(SAMPLING[-1], ""))
+    ended = str(ds.attrs.get(schema.SAMPLING[-1], ""))
     ended = re.sub(r"\w+", lambda one: labels.noun_of(one[0]) if one[0] in watched else one[0], ended)
     return [f"{text[0].upper()}{text[1:]}." for text in (ended, *told) if text]
 

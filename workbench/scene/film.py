@@ -22,7 +22,7 @@ from solver.problem.errors import InputError, choices, no_such
 
 from ..figures import canvas, colours, fonts
 from ..figures.scales import WIDE, set_scale
-from ..store import atomic, attributes, schema, selection
+from ..store import atomic, schema, selection
 from ..words import cautions, labels
 from . import body as rods
 from . import long_rod, page, scene_kinds
@@ -85,7 +85,7 @@ def observable_of(ds: xr.Dataset, axis: str, name: str | None = None) -> str:
         if name not in stored:
             raise no_such("observable", name, stored)
         return name
-    judged = [law.observable for law in attributes.laws(ds) if law.axis == axis]
+    judged = [law.observable for law in schema.laws_of(ds) if law.axis == axis]
     return next(one for one in (*judged, *stored) if one in stored)
 
 

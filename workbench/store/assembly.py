@@ -1,12 +1,12 @@
 """Cases of several sources assembled into one file, window by window, so that memory stays small, and judged."""
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import h5py
 import numpy as np
@@ -16,29 +16,17 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError
 
 from ..words import cautions, outcomes
-from . import atomic, checksums, dataset, file_checks, netcdf, schema, writing
+from . import atomic, dataset, file_checks, schema, writing
 from .grid_io import Where, blocks, extent, span
-from .growth import StoredRun, places
-from .plan import Plan, bytes_a_case, bytes_of_file, remarks
+from .law_verdicts import Tally
+from .law_verdicts import statistics as statistics_of
+from .plan import Plan, bytes_a_case, bytes_of_file, places, remarks
 from .schema import Columns
 from .shards import Shards
-from .tally import Tally
-from .tally import statistics as statistics_of
 
 WINDOW = 2**25  # bytes of results held while they are copied
 
 Piece = tuple[NDArray[np.int64], Columns]  # places of cases in a box, rising, and their variables
-
-
-class Source(Protocol):
-    """Where cases of a grid come from."""
-
-    @property
-    def name(self) -> str:
-        """Its name in messages."""
-
-    def read(self, where: Where) -> Piece | None:
-        """Those cases of a box of the grid that it holds; None where there are none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,47 +68,69 @@ def _rows(variable: xr.Variable, rows: Sequence[NDArray[np.int64]]) -> NDArray[A
     return values.astype(str) if values.dtype.kind == "O" else values
 
 
+@dataclass(frozen=True, eq=False)
+class ShardSource:
+    """The cases in the shards of a run."""
+
+    parts: Shards
+    plan: Plan
+    name = "the shards of the run"
+
+    def read(self, where: Where) -> Piece | None:
+        """The cases of a box that the run solves. Raises `Damaged`."""
+        start, stop = span(where, self.plan.shape)
+        new = self.plan.new
+        if new is None:
+            return np.arange(stop - start), self.parts.read_cases(start, stop)
+        a, b = np.searchsorted(new, [start, stop])
+        return (new[a:b] - start, self.parts.read_cases(a, b)) if a < b else None
+
+
 def gather(
-    sources: Sequence[Source],
-    shape: tuple[int, ...],
-    bytes_a_case: int,
-    along: tuple[int, str, NDArray[Any]] | None = None,
-) -> Iterator[tuple[Where, Columns]]:
+    sources: Sequence[FileSource | ShardSource], shape: tuple[int, ...], bytes_a_case: int,
+    name_of: Callable[[int], str] = str,
+) -> Iterator[tuple[Where, Columns]]:  # fmt: skip
     """The columns of each box of cases, in flat order, each case from the first source that holds it.
 
-    along: the axis along which sources overlap: its number, its name and its values. Raises `InputError` where they
-    then differ.
+    name_of: what a message says of a case, by its flat index. Raises `InputError` where two sources differ in a case.
     """
     for where in blocks(shape, max(1, WINDOW // bytes_a_case)):
         parts = [(source.name, source.read(where)) for source in sources]
         held = [(name, *piece) for name, piece in parts if piece is not None]
-        if len(held) == 1:
-            yield where, held[0][2]
-            continue
-        numbers = np.arange(*span(where, shape))
-        axis, name, values = along or (0, "case", numbers)
-        at = np.unravel_index(numbers, shape)[axis] if along else numbers - numbers[0]
-        yield where, combine(held, numbers.size, name, values[at])
+        yield where, held[0][2] if len(held) == 1 else _combine(held, *span(where, shape), name_of)
 
 
-class ShardSource:
-    """The cases in the shards of a run."""
+def _combine(
+    pieces: Sequence[tuple[str, NDArray[np.int64], Columns]], start: int, stop: int, name_of: Callable[[int], str]
+) -> Columns:
+    """The columns of the cases `start` to `stop`; pieces: the name of a source, its cases among them, their columns."""
+    owner = np.full(stop - start, -1)
+    for i, (_, mine, _) in reversed([*enumerate(pieces)]):
+        owner[mine] = i
+    combined: Columns = {}
+    for name in pieces[0][2]:
+        every = np.concatenate([columns[name] for _, _, columns in pieces])
+        combined[name] = np.empty((stop - start, *every.shape[1:]), dtype=every.dtype)
+        for _, mine, columns in reversed(pieces):
+            combined[name][mine] = columns[name]
+        for i, (source, mine, columns) in enumerate(pieces):
+            again = np.flatnonzero(owner[mine] != i)
+            if _same_bits(combined[name][mine[again]], columns[name][again].astype(every.dtype)):
+                continue
+            k = next(k for k in again if not _same_bits(combined[name][mine[[k]]], columns[name][[k]]))
+            sources = f"{pieces[owner[mine[k]]][0]} and {source}"
+            raise InputError(f"{sources} both hold {name_of(start + int(mine[k]))}, but with other values of {name}")
+    return combined
 
-    name = "the shards of the run"
 
-    def __init__(self, parts: Shards, plan: Plan) -> None:
-        self._parts, self._new, self._shape = parts, plan.new, plan.shape
-
-    def read(self, where: Where) -> Piece | None:
-        """The cases of a box that the run solves. Raises `Damaged`."""
-        start, stop = span(where, self._shape)
-        if self._new is None:
-            return np.arange(stop - start), self._parts.read_cases(start, stop)
-        a, b = np.searchsorted(self._new, [start, stop])
-        return (self._new[a:b] - start, self._parts.read_cases(a, b)) if a < b else None
+def _same_bits(a: NDArray[Any], b: NDArray[Any]) -> bool:
+    """Equal, NaN being equal to NaN."""
+    if a.dtype.kind in "iuf" and b.dtype.kind in "iuf":
+        return np.array_equal(a, b, equal_nan=True)
+    return np.array_equal(a.astype(str), b.astype(str))
 
 
-def assemble(plan: Plan, parts: Shards, output: Path, stored: StoredRun | None, tally: Tally) -> dict[str, Any]:
+def assemble(plan: Plan, parts: Shards, output: Path, tally: Tally) -> dict[str, Any]:
     """Write the dataset of all shards, and of the cases of the existing file, in place of that file.
 
     tally: counts of solved, outcome, caution and branch over all cases. Returns the statistics of the file. Raises
@@ -131,17 +141,14 @@ def assemble(plan: Plan, parts: Shards, output: Path, stored: StoredRun | None, 
     try:
         frame = dataset.frame(plan.study, plan.dimensions, remarks(plan))
         with ExitStack() as stack:
-            sources: list[Source] = [ShardSource(parts, plan)]
-            if stored is not None:
-                held = stack.enter_context(netcdf.open_file(output))
-                names = [variable.name for variable in variables]
-                source = FileSource(str(output), held, names, places(stored, plan))
+            sources: list[FileSource | ShardSource] = [ShardSource(parts, plan)]
+            if plan.stored is not None:
+                held = stack.enter_context(writing.open_file(output))
+                source = FileSource(str(output), held, list(variables), places(plan))
                 sources = [source, *sources] if plan.todo else [source]
             gathered = gather(sources, plan.shape, bytes_a_case(plan.study))
             windows = ((where, _final(columns, tally, plan.study.sweeps)) for where, columns in gathered)
-            statistics = store_cases(
-                frame, aside, bytes_of_file(plan), variables, plan.shape, windows, plan.recipe, tally
-            )
+            statistics = store_cases(frame, aside, bytes_a_case(plan.study), variables, windows, plan.recipe, tally)
         atomic.move(aside, output)
         return statistics
     finally:
@@ -149,24 +156,23 @@ def assemble(plan: Plan, parts: Shards, output: Path, stored: StoredRun | None, 
 
 
 def store_cases(
-    frame: xr.Dataset, path: Path, size: int, variables: Sequence[schema.CaseVariable], shape: tuple[int, ...],
+    frame: xr.Dataset, path: Path, bytes_a_case: int, variables: schema.CaseVariables,
     windows: Iterable[tuple[Where, Columns]], recipe: Mapping[str, Any] | None, tally: Tally | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Write a study to a new file, and judge it; its statistics.
 
-    frame, size: as of `writing.append_to`. variables, shape, windows: as of `writing.write_cases`. recipe: stored
-    beside the statistics, from which a later run knows what the file holds; None: neither is stored. tally: of all
-    cases, where it is known. Raises `OSError`.
+    frame, variables, windows: as of `writing.write_cases`. recipe: stored beside the statistics, from which a later run
+    knows what the file holds; None: neither is stored. tally: of all cases, where it is known. Raises `OSError`.
     """
-    with writing.append_to(frame, path, size) as file:
-        writing.write_cases(file, variables, shape, windows)
-    with netcdf.open_file(path) as ds:
+    cases = prod(frame.sizes[dim] for dim in variables["outcome"][0])
+    writing.write_cases(frame, path, frame.nbytes + bytes_of_file(cases, bytes_a_case), variables, windows)
+    with writing.open_file(path) as ds:
         statistics = statistics_of(ds, tally)
     with h5py.File(path, "a") as file:
         file.attrs["caution"] = cautions.tell(statistics["cautions"])
         if recipe is not None:
             file.attrs["recipe"], file.attrs["statistics"] = json.dumps(recipe), json.dumps(statistics)
-        checksums.store(file)
+        file_checks.store_sums(file)
     return statistics
 
 
@@ -181,38 +187,3 @@ def _final(columns: Columns, tally: Tally, sweeps: bool) -> Columns:
     if tally["solved"][False]:
         final |= {k: v.astype(float) for k, v in final.items() if v.dtype.kind == "i" and k != "branch"}
     return final
-
-
-def combine(
-    pieces: Sequence[tuple[str, NDArray[np.int64], Columns]], size: int, axis: str, values: NDArray[Any]
-) -> Columns:
-    """The columns of `size` cases from several sources, each case from the first that has it.
-
-    pieces: the name of a source, the cases that it holds, and their columns. axis, values: what a message says of a
-    case. Raises `InputError` where two sources differ in a case.
-    """
-    owner = np.full(size, -1)
-    for i, (_, mine, _) in reversed([*enumerate(pieces)]):
-        owner[mine] = i
-    combined: Columns = {}
-    for name in pieces[0][2]:
-        every = np.concatenate([columns[name] for _, _, columns in pieces])
-        combined[name] = np.empty((size, *every.shape[1:]), dtype=every.dtype)
-        for _, mine, columns in reversed(pieces):
-            combined[name][mine] = columns[name]
-        for i, (source, mine, columns) in enumerate(pieces):
-            again = np.flatnonzero(owner[mine] != i)
-            if same_bits(combined[name][mine[again]], columns[name][again].astype(every.dtype)):
-                continue
-            k = next(k for k in again if not same_bits(combined[name][mine[[k]]], columns[name][[k]]))
-            sources = f"{pieces[owner[mine[k]]][0]} and {source}"
-            raise InputError(f"{sources} both hold {axis} = {values[mine[k]]:.10g}, but with other values of {name}")
-    return combined
-
-
-def same_bits(a: Any, b: Any) -> bool:
-    """Equal, NaN being equal to NaN."""
-    a, b = np.asarray(a), np.asarray(b)
-    if a.dtype.kind in "iuf" and b.dtype.kind in "iuf":
-        return np.array_equal(a, b, equal_nan=True)
-    return np.array_equal(a.astype(str), b.astype(str))

@@ -19,10 +19,9 @@ from studies.language import expressions
 
 from ..words import cautions, pipe_state
 from ..words.outcomes import NO_BRANCH
-from .case_solutions import State, show, solve_one
+from .case_solutions import State, show, solve_one, states_of_block
 from .schema import JUDGED, LOADS, Columns, curve_name, inner_shape, shapes
 from .shards import encode, join
-from .sweep import states_of_block
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +29,7 @@ class Chunk:
     """Cases `start` to `stop` of those to be solved.
 
     values: of each axis, (cases,). deaths: how many workers died at it. shape, states: of a sweep, the shape of the
-    grid and the states of the cases from which its blocks begin (`sweep.Spine`).
+    grid and the states of the cases from which its blocks begin (`case_solutions.Spine`).
     """
 
     start: int

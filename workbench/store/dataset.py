@@ -15,23 +15,10 @@ from solver import Case
 from studies import Study
 from studies.grammar.axes import SAMPLE, Dimensions, quantity_of
 from studies.language import expressions, refine
+from studies.language.loader import dumps
 
 from ..words import cautions
-from .schema import (
-    COMPONENTS,
-    CONVENTIONS,
-    FORMAT,
-    INNER,
-    LOADS,
-    Columns,
-    attributes_of_case,
-    case_variables,
-    dimension,
-    labels,
-    laws_text,
-    numbers_of_case,
-    version_of,
-)
+from . import schema
 
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
 # How exact the observables are, in words.
@@ -44,19 +31,18 @@ MOST_LENGTHS = 10_000  # lengths of rods of which s is stored where no array alo
 
 
 def make(
-    study: Study, over: Dimensions, columns: Columns, remarks: Mapping[str, str] | None = None, case: Case | None = None
-) -> xr.Dataset:
+    study: Study, over: Dimensions, columns: schema.Columns, remarks: Mapping[str, str] | None = None,
+    case: Case | None = None,
+) -> xr.Dataset:  # fmt: skip
     """The dataset of a study as it was run, from its columns (`store.block.columns`) in the order of the grid.
 
     over: its samples and axes. remarks: attributes on how it was run (`plan.remarks`). case: the grid as one case,
     where the study does not know it.
     """
     data = {}
-    for variable in case_variables(study, over):
-        values = columns[variable.name]
-        data[variable.name] = xr.Variable(
-            variable.dims, values.reshape((*over.shape, *values.shape[1:])), variable.attrs
-        )
+    for name, (dims, attrs) in schema.case_variables(study, over).items():
+        values = columns[name]
+        data[name] = xr.Variable(dims, values.reshape((*over.shape, *values.shape[1:])), attrs)
     ds = frame(study, over, remarks, case).assign(data)  # all at once: xarray aligns at each assignment
     return ds.assign_attrs(caution=cautions.sentence(ds))
 
@@ -65,24 +51,24 @@ def frame(
     study: Study, over: Dimensions, remarks: Mapping[str, str] | None = None, case: Case | None = None
 ) -> xr.Dataset:
     """The dataset without the variables of each case: coordinates, fields of the case, attributes."""
-    axes = tuple(map(dimension, over.names))
+    axes = tuple(map(schema.dimension, over.names))
     units = study.unit_system
     case = study.case_of(over.open()) if case is None else case
     coords = _coordinates(study, over)
     data = {}
-    for name, value in numbers_of_case(case).items():
+    for name, value in schema.numbers_of_case(case).items():
         if name not in coords:
-            data[name] = xr.Variable(*_own_dims(value, axes), labels(name, units))
+            data[name] = xr.Variable(*_own_dims(value, axes), schema.labels(name, units))
     for field, value in expressions.numbers_of_laws(study).items():
-        if dimension(field) not in (*coords, *data, *LOADS):
-            data[dimension(field)] = xr.Variable((), float(value), _axis_labels(study, field))
+        if schema.dimension(field) not in (*coords, *data, *schema.LOADS):
+            data[schema.dimension(field)] = xr.Variable((), float(value), _axis_labels(study, field))
     u = np.linspace(0.0, 1.0, study.stations)
-    coords["u"] = xr.Variable(("u",), u, labels("u", units))
+    coords["u"] = xr.Variable(("u",), u, schema.labels("u", units))
     dims, length = _own_dims(case.rod.L, axes)
     if study.outputs or length.size < MOST_LENGTHS:
-        coords["s"] = xr.Variable((*dims, "u"), length[..., None] * u, labels("s", units))
-    if any(name in INNER for name in study.outputs):
-        coords["xyz"] = xr.Variable(("xyz",), list(COMPONENTS["xyz"]), {"long_name": "component; z is the axis"})
+        coords["s"] = xr.Variable((*dims, "u"), length[..., None] * u, schema.labels("s", units))
+    if any(name in schema.INNER for name in study.outputs):
+        coords["xyz"] = xr.Variable(("xyz",), list(schema.COMPONENTS["xyz"]), {"long_name": "component; z is the axis"})
     ds = xr.Dataset(coords=coords, attrs={**_attributes(study, case), **(remarks or {})})
     return ds.assign(data)  # the axes come first, in order
 
@@ -91,10 +77,10 @@ def _coordinates(study: Study, over: Dimensions) -> dict[str, Any]:
     """The coordinates of the dimensions: the values of each axis; the numbers of the samples, and their fields."""
     coords: dict[str, Any] = {}
     for each in over.each:
-        dim = dimension(each.name)
+        dim = schema.dimension(each.name)
         coords[dim] = xr.Variable((dim,), each.coordinate, _axis_labels(study, each.name))
         for field, values in each.fields.items():
-            coords[dimension(field)] = xr.Variable((dim,), values, _axis_labels(study, field))
+            coords[schema.dimension(field)] = xr.Variable((dim,), values, _axis_labels(study, field))
     if study.refine is not None:
         lattice = refine.lattice(study)
         levels = lattice.levels(lattice.places(over.fields))
@@ -105,7 +91,7 @@ def _coordinates(study: Study, over: Dimensions) -> dict[str, Any]:
 
 def versions() -> dict[str, str]:
     """Python and the packages that numbers and files depend on."""
-    return {"python": platform.python_version(), **{package: version_of(package) for package in PACKAGES}}
+    return {"python": platform.python_version(), **{package: schema.version_of(package) for package in PACKAGES}}
 
 
 def provenance(measured: bool = False) -> dict[str, str]:
@@ -117,7 +103,7 @@ def provenance(measured: bool = False) -> dict[str, str]:
 
 def _axis_labels(study: Study, name: str) -> dict[str, str]:
     row = quantity_of(name)
-    words = labels(row.name, study.unit_system)
+    words = schema.labels(row.name, study.unit_system)
     if meaning := study.meaning(name):
         words["long_name"] += f" ({meaning})"
         words["reading"] = meaning
@@ -126,7 +112,7 @@ def _axis_labels(study: Study, name: str) -> dict[str, str]:
 
 def variables(columns: Mapping[str, Any], dims: tuple[str, ...], units: Mapping[str, str]) -> dict[str, xr.Variable]:
     """Numbers by the names of their quantities as variables over these dimensions, labelled."""
-    return {name: xr.Variable(dims, np.asarray(values), labels(name, units)) for name, values in columns.items()}
+    return {name: xr.Variable(dims, np.asarray(values), schema.labels(name, units)) for name, values in columns.items()}
 
 
 def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
@@ -144,20 +130,20 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "sampling_caution": study.sample.caution if study.sample is not None else "",
     }
     return {
-        "Conventions": CONVENTIONS,
-        "format": FORMAT,
+        "Conventions": schema.CONVENTIONS,
+        "format": schema.FORMAT,
         "title": study.title,
         "study_name": study.name,
-        "study": study.text,
+        "study": study.text or dumps(study),
         "reading": study.reading or "",
-        **attributes_of_case(case, study.unit_system),
+        **schema.attributes_of_case(case, study.unit_system),
         "tolerance": study.tol,
         "method": study.method,
         "observed": RESOLVED if _knows_orbit(study.method) else AT_STATIONS,
-        "laws": laws_text(study),
+        "laws": schema.laws_text(study),
         **provenance(),
         **{name: sentence for name, sentence in sampling.items() if sentence},
-        **({} if study.followed is None else {"followed": dimension(study.followed)}),
+        **({} if study.followed is None else {"followed": schema.dimension(study.followed)}),
     }
 
 

@@ -2,19 +2,29 @@
 
 Links out of a file are not followed, filter plug-ins are not loaded, claimed sizes are compared with the bytes that are
 stored, and nothing read from a file is executed. Each refusal is an `InputError` of one sentence.
+
+A file has checksums of its attributes, and of its numbers and texts of each case, in the attribute `checksums`: some
+digits for each attribute and variable. A variable of another shape is a selection that another program has stored, and
+is not compared. Arrays along the rod have none: HDF5 guards what it has compressed, and a number that is lost in a
+solved case is refused.
 """
 
+import hashlib
+import json
 import os
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import h5py
+import numpy as np
 
 from solver.problem.errors import InputError
 
-from .attributes import show
+from .grid_io import blocks
+from .schema import show
 
 # What h5py, h5netcdf, xarray and pydantic raise on files that are not HDF5, not netCDF, cut short or damaged.
 UNREADABLE = (
@@ -24,6 +34,12 @@ UNREADABLE = (
 FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}  # HDF5's own, no plug-ins
 DEFLATED = 1032  # the best ratio of deflate; an array that claims a better one is not all stored
 MOST_VARIABLES = 1000
+
+SUMS = "checksums"
+UNSUMMED = {SUMS, "DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME", "_Netcdf4Dimid", "_Netcdf4Coordinates",
+            "_NCProperties", "_nc3_strict", "_FillValue", "coordinates"}  # fmt: skip
+_SIZE = 4  # bytes
+_READ = 2**16  # texts at a time
 
 
 @contextmanager
@@ -119,3 +135,58 @@ def _check_stored(variable: h5py.Dataset, what: str) -> None:
     stored = variable.id.get_storage_size()
     if variable.nbytes > DEFLATED * stored:
         raise InputError(f"{what} claims {variable.nbytes} bytes, but only {stored} compressed bytes are stored")
+
+
+def store_sums(file: h5py.File) -> None:
+    """Store the checksums of a complete file that is open for writing."""
+    file.attrs[SUMS] = json.dumps({place: _sum(file, place) for place in _places(file)})
+
+
+def check_sums(file: h5py.File, path: object, arrays: bool = True) -> None:
+    """Raise `InputError` where something has changed since `store`. arrays: whether variables are compared too.
+
+    Nothing is compared in a file without checksums, as other programs store it.
+    """
+    if SUMS not in file.attrs:
+        return
+    try:
+        stored = {str(place): str(summed) for place, summed in json.loads(file.attrs[SUMS]).items()}
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        raise InputError(f"{path}: the attribute {SUMS} is damaged") from None
+    for place in (place for place in _places(file) if arrays or "@" in place):
+        shape, _, _ = stored.get(place, "added:").partition(":")
+        if shape == _shape(file, place) and _sum(file, place) != stored[place]:
+            variable, _, key = place.partition("@")
+            what = f"the attribute {key}{variable and f' of {variable}'}" if key else variable
+            raise InputError(
+                f"{path}: {what} has changed since it was stored; delete the attribute {SUMS} to read it as it is"
+            )
+
+
+def _places(file: h5py.File) -> Iterator[str]:
+    """``@title`` of the file, ``E@units`` and ``outcome`` of variables."""
+    most = file["outcome"].ndim if "outcome" in file else 0
+    for name, held in (("", file), *file.items()):
+        yield from (f"{name}@{key}" for key in held.attrs if key not in UNSUMMED)
+        if name and (held.ndim <= most or not held.id.get_create_plist().get_nfilters()):
+            yield name
+
+
+def _shape(file: h5py.File, place: str) -> str:
+    name, at, key = place.partition("@")
+    shape = file[name or "/"].attrs.get_id(key).shape if at else file[name].shape
+    return "x".join(map(str, shape))
+
+
+def _sum(file: h5py.File, place: str) -> str:
+    """``9x3:0f3c11d2``: the shape, and a digest of the content."""
+    name, at, key = place.partition("@")
+    summed = hashlib.blake2b(digest_size=_SIZE)
+    if not at and h5py.check_string_dtype(file[name].dtype) and file[name].ndim:
+        for where in blocks(file[name].shape, _READ):
+            summed.update(b"\0".join(file[name][where].ravel().tolist()) + b"\0")
+    else:
+        value: Any = file[name or "/"].attrs[key] if at else file[name][()]
+        value = value.encode() if isinstance(value, str) else value
+        summed.update(value if isinstance(value, bytes) else np.asarray(value).tobytes())
+    return f"{_shape(file, place)}:{summed.hexdigest()}"

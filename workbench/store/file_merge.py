@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from math import prod
@@ -10,26 +11,17 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices
 from studies import TABLE_1, Study
 from studies.grammar.axes import SAMPLE, Dimension
-from studies.language.loader import axis_table, dumps, loads
+from studies.language.loader import axis_table, dumps
 from studies.language.study_data import SOURCES
 
 from ..words import cautions
-from . import (
-    assembly,
-    atomic,
-    attributes,
-    axis_union,
-    reading,
-    schema,
-    stored_case,
-    writing,
-)
-from .axis_union import Union
-from .plan import SPARE, TEXT_BYTES
+from . import assembly, atomic, reading, schema, stored_case, writing
+from .plan import TEXT_BYTES
 from .recipe import axis_line
 from .selection import SAME
 
@@ -53,52 +45,96 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         opened = [stack.enter_context(reading.open_study(path, whole=True)) for path in files]
         studies = [stored_case.study_of(ds) for ds in opened]
         names = [str(path) for path in files]
-        union = _union(opened, studies, names)
+        axis, axes = _axis(opened, studies, names), schema.axes_of(opened[0])
+        union, places = _unite([_dimension(ds, studies[0], axis) for ds in opened])
         attrs = _attributes(opened, studies[0], union, names, out)
         writing.check_parent(out)
         if not force:
             writing.check_free(out, attrs["study_name"])
-        axes = schema.axes_of(opened[0])
-        frame, cases = axis_union.layout(opened, names, union, axes)
-        shape = tuple(frame.sizes[axis] for axis in axes)
-        sources = [_source(k, opened, names, cases, union, shape) for k in range(len(opened))]
-        variables = [_case_variable(name, opened) for name in cases]
-        size = sum(_bytes_a_case(opened[0][name], len(axes)) for name in cases)
-        most = int(1.02 * (frame.nbytes + prod(shape) * size)) + SPARE
-        recipe = _recipe(opened, schema.field_of(studies[0], union.axis), union)
-        windows = assembly.gather(sources, shape, size, (axes.index(union.axis), union.axis, union.values))
+        first = opened[0]
+        cases = [name for name in map(str, first.data_vars) if first[name].dims[: len(axes)] == tuple(axes)]
+        frame = _frame(opened, names, cases, axis, union, places).transpose(*axes, ..., missing_dims="ignore")
+        shape = tuple(frame.sizes[dim] for dim in axes)
+        sources = []
+        for ds, name, place in zip(opened, names, places, strict=True):
+            rows = [place if dim == axis else np.arange(n) for dim, n in zip(axes, shape, strict=True)]
+            sources.append(assembly.FileSource(name, ds, cases, rows))
+        variables = {name: (tuple(map(str, first[name].dims)), first[name].attrs) for name in cases}
+        kinds = {name: [ds[name].dtype for ds in opened] for name in cases if first[name].dtype.kind in "biuf"}
+        types = {name: np.result_type(*each) for name, each in kinds.items()}  # whole numbers where all are whole
+        size = sum(prod(first[name].shape[len(axes) :]) * (8 if name in types else TEXT_BYTES) for name in cases)
+        along = axes.index(axis)
+
+        def name_of(case: int) -> str:
+            return f"{axis} = {union.coordinate[np.unravel_index(case, shape)[along]]:.10g}"
+
+        gathered = assembly.gather(sources, shape, size, name_of)
+        windows = ((where, {name: values.astype(types.get(name, values.dtype), copy=False)
+                            for name, values in columns.items()}) for where, columns in gathered)  # fmt: skip
         with atomic.refusing(out), atomic.replacement(out) as aside:
-            frame = frame.assign_attrs(attrs)
-            statistics = assembly.store_cases(frame, aside, most, variables, shape, windows, recipe)
+            recipe = _recipe(opened, union)
+            statistics = assembly.store_cases(frame.assign_attrs(attrs), aside, size, variables, windows, recipe)
     unsolved, laws, caution = statistics["unsolved"], statistics["laws"], cautions.tell(statistics["cautions"])
     counts = {"cases": prod(shape), "unsolved": unsolved, "laws": laws, "caution": caution}
-    return {"file": str(out), "axis": union.axis, "values": int(union.values.size), **counts}
+    return {"file": str(out), "axis": axis, "values": union.size, **counts}
 
 
-def _source(
-    k: int, files: Sequence[xr.Dataset], names: Sequence[str], cases: Sequence[str], union: Union,
-    shape: tuple[int, ...],
-) -> assembly.FileSource:  # fmt: skip
-    """The cases of file `k` in the grid of the union."""
-    axes = schema.axes_of(files[k])
-    places = [union.places[k] if a == union.axis else np.arange(n) for a, n in zip(axes, shape, strict=True)]
-    return assembly.FileSource(names[k], files[k], cases, places)
+def _dimension(ds: xr.Dataset, study: Study, axis: str) -> Dimension:
+    """An axis of a file by the study's field, or its samples."""
+    if axis == SAMPLE:
+        return Dimension(SAMPLE, stored_case.samples_of(ds))
+    field = schema.field_of(study, axis)
+    return Dimension(field, {field: ds[axis].values})
 
 
-def _bytes_a_case(variable: xr.DataArray, axes: int) -> int:
-    """Bytes of a case of a variable in the file, at most."""
-    return prod(variable.shape[axes:]) * (8 if variable.dtype.kind in "biuf" else TEXT_BYTES)
+def _unite(parts: Sequence[Dimension]) -> tuple[Dimension, list[NDArray[np.int64]]]:
+    """The values that several files hold of a dimension, each once; and where each file holds each of them, or -1.
+
+    Those of an axis rise, samples keep their order. A value is known to the bit; a sample that a file holds several
+    times stays so.
+    """
+    numbers: dict[tuple[float | int, ...], int] = {}
+    held = []
+    for part in parts:
+        seen: Counter[tuple[float, ...]] = Counter()
+        place: dict[int, int] = {}
+        for i, row in enumerate(zip(*(values.tolist() for values in part.fields.values()), strict=True)):
+            place[numbers.setdefault((*row, seen[row]), len(numbers))] = i
+            seen[row] += 1
+        held.append(place)
+    rows = np.array([key[:-1] for key in numbers])
+    order = np.arange(len(rows)) if parts[0].name == SAMPLE else np.argsort(rows[:, 0])
+    places = [np.array([place.get(number, -1) for number in order.tolist()]) for place in held]
+    fields = {name: rows[order, k] for k, name in enumerate(parts[0].fields)}
+    return Dimension(parts[0].name, fields), places
 
 
-def _case_variable(name: str, files: Sequence[xr.Dataset]) -> schema.CaseVariable:
-    """A variable of each case, labelled as in the first file; whole numbers stay whole where all are."""
-    first, kinds = files[0][name], [ds[name].dtype for ds in files]
-    dtype = None if any(kind.kind not in "biuf" for kind in kinds) else np.result_type(*kinds)
-    return schema.CaseVariable(name, tuple(map(str, first.dims)), first.attrs, dtype)
+def _frame(
+    files: Sequence[xr.Dataset], names: Sequence[str], cases: Sequence[str], axis: str, union: Dimension,
+    places: Sequence[NDArray[np.int64]],
+) -> xr.Dataset:  # fmt: skip
+    """The dataset of all that is not stored of each case.
+
+    A field of the case is stored without an axis of one value; it gets that axis if the files differ in it. Raises
+    `InputError` where two files differ at the same values.
+    """
+    parts = [ds.drop_vars(cases) for ds in files]
+    every = xr.concat(parts, axis, data_vars="different", coords="different", compat="equals", join="override",
+                      combine_attrs="override")  # fmt: skip
+    begins = np.cumsum([0, *(ds.sizes[axis] for ds in files[:-1])])
+    rows = [np.where(place < 0, -1, place + begin) for place, begin in zip(places, begins, strict=True)]
+    first = np.stack(rows)[np.argmax(np.stack(rows) >= 0, axis=0), np.arange(union.size)]
+    frame = every.isel({axis: first})
+    for name, row in zip(names, rows, strict=True):
+        mine = np.flatnonzero(row >= 0)
+        again, before = every.isel({axis: row[mine]}), frame.isel({axis: mine})
+        for key in (key for key in frame.variables if key != axis and not again[key].equals(before[key])):
+            raise InputError(f"{names[0]} and {name} hold the same values of {axis}, but with other values of {key}")
+    return frame.assign_coords({axis: (axis, union.coordinate, files[0][axis].attrs)})
 
 
-def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence[str]) -> Union:
-    """The union of the one axis in which the files differ. Raises `InputError` where anything else differs."""
+def _axis(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence[str]) -> str:
+    """The one axis in which the files differ. Raises `InputError` where anything else differs."""
     for ds, study, name in zip(files[1:], studies[1:], names[1:], strict=True):
         for what, (a, b) in _differences(files[0], studies[0], ds, study).items():
             if a != b:
@@ -108,7 +144,6 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
                 raise InputError(
                     f"the files differ in what is stored: {this} has {choices(more)}, which {that} has not"
                 )
-    axes = schema.axes_of(files[0])
     if studies[0].follow is not None:
         raise InputError(f"{names[0]} follows an equilibrium up to its fold, which cannot be merged")
     if studies[0].refine is not None:
@@ -116,20 +151,20 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
     if studies[0].sweeps:
         why = "its branches are numbered over the whole grid: run all values as one study"
         raise InputError(f"{names[0]} is a sweep of ends problems, {why}")
+    axes = schema.axes_of(files[0])
     differing = [axis for axis in axes if any(_values(files[0], axis) != _values(ds, axis) for ds in files[1:])]
     if len(differing) > 1:
         raise InputError(f"the files differ along {' and '.join(differing)}; merge along one axis at a time")
     if not differing:
         what = f"the same values of {choices(axes)}" if axes else "one case each, and no axis"
         raise InputError(f"there is nothing to merge: {choices(names)} have {what}")
-    if differing == [SAMPLE]:
-        return axis_union.unite_samples([stored_case.samples_of(ds) for ds in files])
-    union = axis_union.unite(differing[0], [ds[differing[0]].values for ds in files])
-    close = np.flatnonzero(np.diff(union.values) <= SAME * np.abs(union.values[1:]))
-    if close.size:
-        a, b = union.values[close[0] : close[0] + 2]
-        raise InputError(f"{union.axis} = {a} and {b} differ in their last digits only; make them the same value")
-    return union
+    if differing != [SAMPLE]:
+        values = np.unique([value for ds in files for value in ds[differing[0]].values])
+        close = np.flatnonzero(np.diff(values) <= SAME * np.abs(values[1:]))
+        if close.size:
+            a, b = values[close[0] : close[0] + 2]
+            raise InputError(f"{differing[0]} = {a} and {b} differ in their last digits only; make them the same value")
+    return differing[0]
 
 
 def _values(ds: xr.Dataset, axis: str) -> list[bytes]:
@@ -161,25 +196,27 @@ def _said(value: Any) -> str:
 
 
 def _attributes(
-    files: Sequence[xr.Dataset], study: Study, union: Union, names: Sequence[str], out: Path
+    files: Sequence[xr.Dataset], study: Study, union: Dimension, names: Sequence[str], out: Path
 ) -> dict[str, Any]:
-    """The attributes of the merged file: those of the first, with the study over all values, which is read again."""
-    context = None
+    """The attributes of the merged file: those of the first, with the text of the study over all values.
+
+    More than `MOST_LISTED` numbers of samples are not listed: the text names a table, and the samples are those of the
+    file.
+    """
     attrs = {key: value for key, value in files[0].attrs.items() if key not in OF_ONE_RUN}
-    if union.fields:
-        text, context = _text_with_samples(study, union, out)
-        fields = union.fields
-        attrs["sampling"] = _origin_of_samples(files, union)
+    axis = union.name
+    if axis != SAMPLE:
+        axis = schema.dimension(axis)
+        text = dumps(study, axes={union.name: axis_table(union.fields[union.name])})
     else:
-        field = schema.field_of(study, union.axis)
-        text = dumps(study, axes={field: axis_table(union.values)})
-        fields = {field: union.values}
-    again = loads(text, "the merged study", study.name, context).coordinates()
-    assert all(np.array_equal(values, again[name] if union.fields else np.sort(again[name]))
-               for name, values in fields.items())  # fmt: skip
-    versions = [attributes.versions(ds, name) for ds, name in zip(files, names, strict=True)]
+        attrs["sampling"] = _origin_of_samples(files, union)
+        if union.size * len(union.fields) <= MOST_LISTED:
+            text = dumps(study, zip={name: values.tolist() for name, values in union.fields.items()})
+        else:
+            text = dumps(study, table={"file": f"{out.stem}.csv", "columns": [*union.fields]})
+    versions = [schema.versions_of(ds, name) for ds, name in zip(files, names, strict=True)]
     sources = [
-        {"file": Path(name).name, "created": str(ds.attrs.get("created", "")), union.axis: ds.sizes[union.axis]}
+        {"file": Path(name).name, "created": str(ds.attrs.get("created", "")), axis: ds.sizes[axis]}
         for ds, name in zip(files, names, strict=True)
     ]
     return {
@@ -192,23 +229,12 @@ def _attributes(
     }
 
 
-def _text_with_samples(study: Study, union: Union, out: Path) -> tuple[str, dict[str, Any] | None]:
-    """The text of the study with the samples of the union, and the context in which it loads.
-
-    More than `MOST_LISTED` numbers are not listed: the text names a table, and the samples are those of the file.
-    """
-    if union.values.size * len(union.fields) <= MOST_LISTED:
-        return dumps(study, zip={name: values.tolist() for name, values in union.fields.items()}), None
-    text = dumps(study, table={"file": f"{out.stem}.csv", "columns": [*union.fields]})
-    return text, {"samples": Dimension(SAMPLE, union.fields)}
-
-
-def _origin_of_samples(files: Sequence[xr.Dataset], union: Union) -> str:
+def _origin_of_samples(files: Sequence[xr.Dataset], union: Dimension) -> str:
     """Where the samples of the union come from, in one sentence."""
     each = list(dict.fromkeys(str(ds.attrs.get("sampling", "")) for ds in files))
     more = [f"and {len(each) - MOST_SOURCES} more"] if len(each) > MOST_SOURCES else []
     whence = "; ".join([*each[:MOST_SOURCES], *more])
-    return f"{union.values.size} samples of {choices(union.fields)}, merged from: {whence}"
+    return f"{union.size} samples of {choices(union.fields)}, merged from: {whence}"
 
 
 def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
@@ -217,7 +243,7 @@ def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
     return {name: ", ".join(dict.fromkeys(row[name] for row in versions if name in row)) for name in packages}
 
 
-def _recipe(files: Sequence[xr.Dataset], field: str, union: Union) -> dict[str, Any] | None:
+def _recipe(files: Sequence[xr.Dataset], union: Dimension) -> dict[str, Any] | None:
     """The recipe of a run of all values, so that a later run can extend the merged file; None where it may not.
 
     It may where every file was stored by a run, with the same code and libraries.
@@ -225,7 +251,7 @@ def _recipe(files: Sequence[xr.Dataset], field: str, union: Union) -> dict[str, 
     try:
         recipes = [json.loads(ds.attrs["recipe"]) for ds in files]
         for recipe in recipes:
-            recipe["axes"] |= {name: axis_line(row) for name, row in (union.fields or {field: union.values}).items()}
+            recipe["axes"] |= {name: axis_line(row) for name, row in union.fields.items()}
     except (KeyError, TypeError, ValueError, RecursionError):
         return None
     return dict(recipes[0]) if all(recipe == recipes[0] for recipe in recipes) else None

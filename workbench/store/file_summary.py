@@ -16,8 +16,9 @@ from studies.grammar.axes import SAMPLE
 from studies.laws import law_words
 
 from ..words import cautions, labels
-from . import attributes, file_checks, file_kinds, reading, refined, schema, selection, tally
-from .boundary import boundary, boundary_of_law
+from . import file_checks, reading, refined, schema, selection
+from .law_verdicts import boundary_of_law, statistics
+from .refined import boundary
 from .stored_case import study_of
 
 MOST_PLACES = 12  # of a boundary along one axis that are listed
@@ -33,16 +34,16 @@ def summary(path: Path) -> dict[str, Any]:
     with reading.open_study(path, whole=True) as ds, file_checks.reading(path):
         data: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
         data |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
-        data |= {"tolerance": attributes.number(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
+        data |= {"tolerance": schema.number_of(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
         data |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", *schema.SAMPLING)}
-        data["versions"] = attributes.versions(ds, path)
+        data["versions"] = schema.versions_of(ds, path)
         data["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
         data["sampled"] = [_axis(ds[schema.dimension(name)]) for name in schema.fields_of_samples(ds)]
         data["stations"] = ds.sizes.get("u", 0)
         data["along"] = [name for name in schema.CURVES if name in ds.data_vars]
         data["boundaries"] = _boundaries(ds)
         data["cases"] = ds["outcome"].size
-        counted = tally.statistics(ds)
+        counted = statistics(ds)
         data |= {key: counted[key] for key in ("unsolved", "equilibria", "branches", "laws")}
         data["outcomes"] = dict(Counter(counted["outcomes"]).most_common())
         data["observables"] = [_spread(ds[name]) for name in _observables(ds)]
@@ -99,16 +100,10 @@ def _boundaries(ds: xr.Dataset) -> list[dict[str, Any]]:
         for axis in map(str, pairs.coords):
             half = pairs[f"{axis}_half_width"].values
             middle = pairs[axis].values[half > 0]
-            ends = {"from": float(middle.min()), "to": float(middle.max())} if middle.size else {}
-            row: dict[str, Any] = {
-                "name": name,
-                "axis": axis,
-                "pairs": int(middle.size),
-                "from": None,
-                "to": None,
-                **ends,
-            }
-            row["half_width"] = float(half.max()) if middle.size else None
+            row: dict[str, Any] = {"name": name, "axis": axis, "pairs": int(middle.size)}
+            row |= dict.fromkeys(("from", "to", "half_width"))
+            if middle.size:
+                row |= {"from": float(middle.min()), "to": float(middle.max()), "half_width": float(half.max())}
             row["places"] = _places(pairs, axis) if len(pairs.coords) == 1 and middle.size <= MOST_PLACES else []
             row |= {"units": str(ds[axis].attrs.get("units", "")), "unknown": pairs.attrs.get("unknown", 0)}
             rows.append(row)
@@ -202,7 +197,7 @@ def contents(path: Path) -> dict[str, Any]:
     return {
         "file": str(path),
         "bytes": os.stat(path).st_size,
-        "kind": file_kinds.kind_of(ds).what,
+        "kind": schema.kind_of(ds).what,
         "title": str(ds.attrs.get("title", "")),
         "sizes": {str(dim): int(size) for dim, size in ds.sizes.items()},
         "along": [str(name) for name, variable in ds.data_vars.items() if "u" in variable.dims],
@@ -212,5 +207,5 @@ def contents(path: Path) -> dict[str, Any]:
         "unsolved": int((~solved & (named != "")).sum()) if solved.shape == named.shape else 0,
         "caution": cautions.tell(texts),
         "said": {key: str(ds.attrs[key]) for key in SENTENCES if ds.attrs.get(key)},
-        "versions": attributes.versions(ds, path) if "versions" in ds.attrs else {},
+        "versions": schema.versions_of(ds, path) if "versions" in ds.attrs else {},
     }

@@ -15,8 +15,7 @@ from studies.grammar.axes import Dimensions, is_angle, quantity_of
 from ..words import outcomes
 from . import dataset, law_verdicts, schema
 from .block import block_of, columns
-from .growth import Growth, rounds
-from .plan import bytes_a_case, plan, remarks
+from .plan import bytes_a_case, plan, remarks, rounds
 from .schema import Columns
 from .shards import join
 
@@ -69,23 +68,25 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     >>> ds["turns"].values
     array([8, 7, 6, 6, 6, 5, 5, 5, 5])
     """
+    if given := {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}:
+        study = study.with_values(**given)
     if study.follow is not None:
-        return run_followed(study, study.tol if tol is None else tol, study.method if method is None else method)
-    work = plan(study, tol, method)
+        return run_followed(study)
+    work = plan(study)
     if (needed := work.size * bytes_a_case(study)) > MOST_IN_MEMORY:
         raise InputError(
             f"{work.size} cases take {needed / 1e9:.3g} GB in memory, more than the limit of {MOST_IN_MEMORY / 1e9:g} "
             "GB; workbench run stores them as they are solved"
         )
     parts: list[Columns] = []
-    growth = Growth(work)
-    for work, start, stop in rounds(growth, None, lambda *_: parts[-1]):
+    for so_far, start, stop in rounds(work, None, lambda *_: parts[-1]):
         if start < stop:
-            parts.append(join([block_of(work.study, part) for part in work.chunk(start, stop).blocks(work.block)]))
+            blocks = so_far.chunk(start, stop).blocks(so_far.block)
+            parts.append(join([block_of(so_far.study, part) for part in blocks]))
     columns = join(parts)
-    if work.study.sweeps:
+    if study.sweeps:
         columns["branch"] = outcomes.number_branches(columns["branch"], columns["branch"])
-    return dataset.make(work.study, work.dimensions, columns, remarks(work))
+    return dataset.make(so_far.study, so_far.dimensions, columns, remarks(so_far))
 
 
 def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:
@@ -93,7 +94,7 @@ def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResul
     return StudyResult(study, ds, law_verdicts.verdicts(ds), path)
 
 
-def run_followed(study: Study, tol: float, method: str) -> xr.Dataset:
+def run_followed(study: Study) -> xr.Dataset:
     """The dataset of a followed study, over the axis from the base rod's own value to the fold or the limit.
 
     Besides what every study stores: `dbeta0` over the axis; `fold` and `fold_dbeta0`, where the equilibrium
@@ -105,8 +106,8 @@ def run_followed(study: Study, tol: float, method: str) -> xr.Dataset:
     assert field is not None
     name = quantity_of(field).name
     branch = to_fold(study.case(), axis.limit, axis.size, name)
-    sol = solve(branch.ends, tol=tol, method=method, stations=study.stations, seed=branch.dbeta0)
-    as_run = study.model_copy(update={"tol": tol, "method": sol.method})
+    sol = solve(branch.ends, tol=study.tol, method=study.method, stations=study.stations, seed=branch.dbeta0)
+    as_run = study.model_copy(update={"method": sol.method})
     ds = dataset.make(as_run, Dimensions.of({field: branch.values}), columns(study, sol), case=branch.ends)
     units = study.unit_system
     data = {"dbeta0": xr.Variable((schema.dimension(field),), branch.dbeta0, schema.labels("dbeta0", units))}

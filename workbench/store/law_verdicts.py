@@ -1,23 +1,31 @@
-"""The verdicts on the laws of a stored dataset, and the numbers that their formulas use; nothing is solved."""
+"""The verdicts on the laws of a stored dataset, the numbers that their formulas use, and the tally of its cases."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.problem.errors import InputError, choices
+from solver.problem.errors import InputError, choices, no_such
 from studies.grammar.axes import SAMPLE
 from studies.language.expressions import unit_names
 from studies.language.readings import DROPPED
 from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED
 from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 
-from . import attributes, refined, schema
-from .schema import dimension
+from ..words import outcomes
+from . import refined, schema
+from .grid_io import pieces
+from .schema import SAMPLING, TEXTS, Columns, dimension
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
+
+
+Tally = dict[str, Counter[Any]]
+
+BLOCK = 100_000  # cases that are read at a time
 
 
 def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None" = None) -> list[dict[str, Any]]:
@@ -46,10 +54,10 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     >>> law["observable"], law["verdict"]
     ('turns', 'holds')
     """
-    if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims and attributes.laws(ds):
+    if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims and schema.laws_of(ds):
         ds = refined.coarse(ds)
     rows = []
-    for law in attributes.laws(ds):
+    for law in schema.laws_of(ds):
         observed = {name: ds[name].values for name in law.observables if name in ds}
         steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
         row = decide(law, observed, *_grid(ds, law, steps))
@@ -123,14 +131,10 @@ def is_refuted(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> bool:
     return unsolved > 0 or any(row["verdict"] in (UNDECIDED, FAILS) for row in rows)
 
 
-def numbers_of(ds: "xr.Dataset", names: Iterable[str]) -> "dict[str, NDArray[np.float64]]":
-    """The numbers of these names over the grid of the dataset. Raises `InputError` for a name that is missing."""
-    return {name: _over_cases(ds, name, _number_of(ds, name)) for name in names}
-
-
 def numbers_of_law(ds: "xr.Dataset", law: Law) -> "dict[str, NDArray[np.float64]]":
     """The numbers that the formulas of a law use. Raises `InputError` for a name that is missing."""
-    return numbers_of(ds, dict.fromkeys(name for formula in law.formulas.values() for name in formula.names))
+    names = dict.fromkeys(name for formula in law.formulas.values() for name in formula.names)
+    return {name: _over_cases(ds, _number_of(ds, name)) for name in names}
 
 
 def numbers_of_line(ds: "xr.Dataset", law: Law, places: "list[dict[str, int]]") -> "dict[str, NDArray[np.float64]]":
@@ -159,9 +163,95 @@ def _number_of(ds: "xr.Dataset", name: str) -> Any:
     return ds[key]
 
 
-def _over_cases(ds: "xr.Dataset", name: str, values: Any) -> "NDArray[np.float64]":
+def _over_cases(ds: "xr.Dataset", values: Any) -> "NDArray[np.float64]":
     outcome = ds["outcome"]
     if isinstance(values, float):
         return np.full(outcome.shape, values)
     over = values.broadcast_like(outcome).transpose(*outcome.dims)
     return np.asarray(over.values, dtype=float)
+
+
+def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
+    """The pairs of neighbouring lines of a study that is refined in the plane, between which a law changes its verdict.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+    claim : str
+        The claim of a law, such as "(1)".
+
+    Returns
+    -------
+    xr.Dataset
+        Of the dimension `pair`. The axis across the lines: the middle between the two lines; ``<axis>_half_width``:
+        half their distance; `before` and `after`: their verdicts.
+
+    Raises
+    ------
+    InputError
+        For an unknown claim, or a dataset that is not refined in the plane.
+    """
+    law = next((stated for stated in schema.laws_of(ds) if stated.claim == claim), None)
+    if law is None:
+        raise no_such("law", claim, [stated.claim for stated in schema.laws_of(ds)])
+    if not refined.is_refined(ds) or len(refined.axes_of(ds)) < 2:
+        raise InputError("the boundary of a law needs a study that is refined in the plane of two axes")
+    study = refined.describe(ds)
+    names, coarse = list(study.lattice.axes), study.lattice.axes[law.axis]
+    along = names.index(law.axis)
+    cases = np.flatnonzero(study.places[:, along] % (1 << study.lattice.depth) == 0)
+    at, counts = np.unique(study.places[cases, 1 - along], return_counts=True)
+    cases = cases[np.isin(study.places[cases, 1 - along], at[counts == coarse.size])]  # of complete lines
+    index = cases[np.lexsort(study.places[cases].T[::-1])]
+    across = names[1 - along]
+    values = {law.axis: coarse, across: study.lattice.along(across, at[counts == coarse.size])}
+    values = {name: values[name] for name in names}
+    grid = refined.grid_of(ds, index.reshape([row.size for row in values.values()]), values)
+    each = verdicts_of_lines(grid, law).values
+    change = np.flatnonzero(each[1:] != each[:-1])
+    sides = [("pair", each[change + side].astype(str)) for side in (0, 1)]
+    places = {across: (values[across][change], values[across][change + 1])}
+    return refined.pairs(ds, places, sides, "lines").assign_attrs(law=claim)
+
+
+def tally_of(statistics: Mapping[str, Any] | None = None) -> Tally:
+    """The tally of an existing file by its statistics, or an empty one."""
+    if statistics is None:
+        return {name: Counter() for name in ("solved", *TEXTS, "branch")}
+    texts = {"outcome": Counter(statistics["outcomes"]), "caution": Counter(statistics["cautions"])}
+    branch = Counter({int(number): cases for number, cases in statistics["branch_counts"].items()})
+    return {"solved": Counter({False: statistics["unsolved"]}), **texts, "branch": branch}
+
+
+def count(columns: Columns, tally: Tally) -> int:
+    """Add the columns to the tally, and return how many of their cases are not solved."""
+    if "branch" in columns:
+        tally["branch"].update(outcomes.count_branches(columns["branch"]))
+    for name in TEXTS:
+        texts, counts = np.unique(columns[name].astype(str), return_counts=True)
+        tally[name].update(dict(zip(texts.tolist(), counts.tolist(), strict=True)))
+        tally[name] = outcomes.group(tally[name])
+    unsolved = int(np.count_nonzero(~columns["solved"]))
+    tally["solved"][False] += unsolved
+    return unsolved
+
+
+def statistics(ds: "xr.Dataset", tally: Tally | None = None) -> dict[str, Any]:
+    """What is said of a stored study without reading its cases again: the tally, the verdicts, sentences.
+
+    tally: of all cases of the dataset; default: counted here, block by block.
+    """
+    if tally is None:
+        tally = tally_of()
+        names = [name for name in ("solved", *TEXTS, "branch") if name in ds]
+        for piece in pieces(ds, names, BLOCK):
+            count({name: piece[name].values for name in names}, tally)
+    return {
+        "unsolved": tally["solved"][False],
+        **{f"{name}s": dict(sorted(tally[name].items())) for name in TEXTS},
+        "laws": verdicts(ds),
+        "equilibria": str(ds.attrs.get("equilibria", "")),
+        "branches": outcomes.branches_of(ds, tally["branch"]),
+        "branch_counts": dict(sorted(tally["branch"].items())),
+        **{name: str(ds.attrs[name]) for name in SAMPLING if name in ds.attrs},
+    }

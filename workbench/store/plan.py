@@ -1,27 +1,31 @@
-"""The plan of a run: its cases in order, their blocks and chunks, and the disk space that they need."""
+"""What a run has to do: its cases in order, blocks and chunks, the disk space that they need; and which of them a file
+already holds. Needs no xarray."""
 
+import json
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from solver import Case, Ends, InputError
-from solver.problem.errors import check_tolerance, choices
+from solver import Case, Ends
+from solver.problem.errors import InputError, check_tolerance, choices
 from studies import Study
-from studies.grammar.axes import SAMPLE, Axis, Dimension, Dimensions, in_words
-from studies.language.refinement import Refinement
+from studies.grammar.axes import SAMPLE, Axis, Dimension, Dimensions, Values, in_words
+from studies.language import refine as tables
+from studies.language.refinement import OUTCOME, Refinement
 from studies.language.study_data import SOURCES
 
-from . import refined, shards, sweep
+from . import case_solutions, file_checks, refined, shards
 from .block import Chunk
 from .case_solutions import State
-from .recipe import recipe_of
-from .schema import TEXTS, shapes
+from .recipe import axis_line, differences, recipe_of, versions_of_code
+from .schema import FORMAT, TEXTS, Columns, dimension, shapes
 
 Coordinates = Mapping[str, NDArray[np.float64]]
 
@@ -36,17 +40,32 @@ FOLLOWED, MIDDLE = "the case from which the others continue", "the case in the m
 
 
 @dataclass(frozen=True, eq=False)
+class StoredRun:
+    """A complete file: its study's name, its recipe, its samples and axes, and its statistics."""
+
+    name: str
+    recipe: dict[str, Any]
+    dimensions: Dimensions
+    statistics: dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
 class Plan:
     """A study to be run, with its tolerance and method decided, its samples and axes, and the cases to be solved.
 
     new: flat indices in the grid of the cases to be solved, rising; None for all. refinement: of a refined study, whose
-    samples are those of its rounds so far.
+    samples are those of its rounds so far. stored: the run of a file that holds the study or a part of it. is_finished:
+    whether it holds all of it. replaced: a line on the results of this study that the run replaces, with what has
+    changed: ``replaces the results in rod.h5, which differ: tol was 1e-08, now 1e-09``
     """
 
     study: Study
     dimensions: Dimensions
     new: NDArray[np.int64] | None = None
     refinement: Refinement | None = None
+    stored: StoredRun | None = None
+    is_finished: bool = False
+    replaced: str = ""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -66,7 +85,7 @@ class Plan:
     def block(self) -> int:
         """Cases in a block; depends on the study alone."""
         if self.study.sweeps:
-            return sweep.block_size(self.shape, BLOCK_VALUES // self.study.stations)
+            return case_solutions.block_size(self.shape, BLOCK_VALUES // self.study.stations)
         most = BLOCK if self.batched else BLOCK_ALONE
         return max(1, min(most, BLOCK_VALUES // self.study.stations))
 
@@ -87,13 +106,13 @@ class Plan:
     def light(self) -> Study:
         """The study as workers need it: with the first of its samples and axes alone, as each chunk brings its own."""
         samples, axes = None, {}
-        for dimension in self.dimensions.each:
-            first = {name: values[:1] for name, values in dimension.fields.items()}
-            if dimension.name == SAMPLE:
+        for each in self.dimensions.each:
+            first = {name: values[:1] for name, values in each.fields.items()}
+            if each.name == SAMPLE:
                 samples = Dimension(SAMPLE, first)
             else:
-                follow = dimension.name == self.study.followed
-                axes[dimension.name] = Axis.model_validate({"values": first[dimension.name].tolist(), "follow": follow})
+                follow = each.name == self.study.followed
+                axes[each.name] = Axis.model_validate({"values": first[each.name].tolist(), "follow": follow})
         update = {"axes": axes, **dict.fromkeys(SOURCES), "refine": None, "laws": [], "observables": self.study.wanted}
         light = self.study.model_copy(update=update).with_samples(samples)
         light._text, light._part_of = "", None
@@ -107,16 +126,16 @@ class Plan:
         return Chunk(start, stop, values, 0, self.shape, states)
 
     def _states(self, start: int, stop: int, values: Coordinates) -> dict[int, State]:
-        whole: sweep.Spine | None = self.study.whole
+        whole: case_solutions.Spine | None = self.study.whole
         if whole is None:
             return self.spine.hand_over(start, stop)
         rows = (dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True))
         return {start + i: whole.nearest(row) for i, row in enumerate(rows)}
 
     @cached_property
-    def spine(self) -> sweep.Spine:
+    def spine(self) -> case_solutions.Spine:
         """The cases from which the blocks of a sweep begin."""
-        return sweep.Spine(self.study, self.dimensions.fields, self.block)
+        return case_solutions.Spine(self.study, self.dimensions.fields, self.block)
 
     def chunks(self, missing: Iterable[tuple[int, int]], most: int) -> Iterator[Chunk]:
         """The missing cases in chunks of at most so many cases, whole blocks each."""
@@ -133,23 +152,18 @@ class Plan:
         return self.block * max(1, min(MOST_BLOCKS, fair, held))
 
 
-def plan(study: Study, tol: float | None = None, method: str | None = None) -> Plan:
-    """The plan of a study, with another tolerance or method if given; "auto" becomes the automatic method.
-
-    Raises `InputError` for a tolerance or method that `solve` refuses.
-    """
+def plan(study: Study) -> Plan:
+    """The plan of a study; "auto" becomes the automatic method. Raises `InputError` as `solve` does."""
     from solver.methods import choose_method, varying_method
 
     dimensions = study.dimensions()
     first = study.case_of({name: values[0] for name, values in dimensions.fields.items()})
     if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
         first = Case(first.rod, first.cylinder, Ends(0.0, 0.0))
-    tol = check_tolerance(study.tol if tol is None else tol)
-    method_name = study.method if method is None else method
-    name = varying_method(first.kind, method_name) if study.varies else choose_method(first.kind, method_name).name
+    name = varying_method(first.kind, study.method) if study.varies else choose_method(first.kind, study.method).name
     if study.held and name != "shooting":
         raise InputError(f"method {name!r} needs dead loads and end angles, got {choices(study.held)}; choose shooting")
-    return Plan(study.model_copy(update={"tol": tol, "method": name}), dimensions)
+    return Plan(study.model_copy(update={"tol": check_tolerance(study.tol), "method": name}), dimensions)
 
 
 def remarks(plan: Plan) -> dict[str, str]:
@@ -183,9 +197,9 @@ def bytes_a_case(study: Study) -> int:
     )
 
 
-def bytes_of_file(plan: Plan) -> int:
-    """Bytes of the finished file, at most."""
-    return int(1.02 * plan.size * bytes_a_case(plan.study)) + SPARE
+def bytes_of_file(cases: int, bytes_a_case: int) -> int:
+    """Bytes of a finished file of so many cases, at most."""
+    return int(1.02 * cases * bytes_a_case) + SPARE
 
 
 TOLD = 1e9  # bytes: what needs less is not told
@@ -194,7 +208,7 @@ TOLD = 1e9  # bytes: what needs less is not told
 def room(work: Plan, folder: Path, kept: int) -> str:
     """The disk space that the run needs, in words; raises `InputError` where there is less."""
     case = bytes_a_case(work.study)
-    final, parts = bytes_of_file(work), max(work.todo - kept, 0) * case
+    final, parts = bytes_of_file(work.size, case), max(work.todo - kept, 0) * case
     left = shards.free(folder)
     if final + parts > left:
         needed = f"{_bytes(final)} for the file and {_bytes(parts)} for its parts until it is whole"
@@ -215,3 +229,190 @@ def _bytes(count: int) -> str:
         if count >= size:
             return f"{count / size:.3g} {unit}"
     return f"{count / 1e3:.3g} kB"
+
+
+MOST_TOLD = 5  # differences in one line
+_ROUNDING = 8 * 2.0**-52  # relative; values of an axis that differ by less are the same
+
+
+def look(path: Path) -> StoredRun | None:
+    """The run that stored the file; None where there is no file of this format that was stored by a run.
+
+    Raises `InputError` for a file of a newer format.
+    """
+    try:
+        with file_checks.open_valid(path) as file:
+            version = np.asarray(file.attrs["format"]).item()
+            stored = _read(file) if version == FORMAT else None
+            file_checks.check_sums(file, path, arrays=False)
+    except InputError:
+        return None
+    if version > FORMAT:
+        raise InputError(f"{path} is of format {version}, but this version reads format {FORMAT}")
+    return stored
+
+
+def _read(file: h5py.File) -> StoredRun | None:
+    recipe, statistics = (json.loads(file.attrs[name]) for name in ("recipe", "statistics"))
+    fields = {name: np.asarray(file[dimension(name)][...], dtype=float) for name in recipe["axes"]}
+    if any(recipe["axes"][name] != axis_line(values) for name, values in fields.items()):
+        return None  # changed since by another program
+    axes = {name: fields.pop(name) for name in recipe["order"] if name != SAMPLE}
+    samples = Dimension(SAMPLE, fields) if SAMPLE in recipe["order"] else None
+    return StoredRun(str(file.attrs["study_name"]), recipe, Dimensions.of(axes, samples), statistics)
+
+
+def compare(path: Path, plan: Plan, restart: bool = False) -> Plan:
+    """The plan beside what the file holds; restart: whatever it holds.
+
+    Raises `InputError` where only the code or a library has changed: old and new cases would not be consistent.
+    """
+    stored = None if restart else look(path)
+    if stored is None:
+        return plan
+    larger = _grow(stored, plan)
+    changes = differences(stored.recipe, (larger or plan).recipe)
+    if not changes:
+        return replace(larger or plan, stored=stored, is_finished=True)
+    if larger is not None and larger.new is not None:
+        return larger
+    if stored.name != plan.study.name:
+        return plan
+    more = f"; and {len(changes) - MOST_TOLD} more" if len(changes) > MOST_TOLD else ""
+    line = f"replaces the results in {path}, which differ: {'; '.join(changes[:MOST_TOLD])}{more}"
+    return replace(plan, replaced=line)
+
+
+def _grow(stored: StoredRun, plan: Plan) -> Plan | None:
+    """The plan with the cases of the file, those that it does not hold as `new`; None where it is of another study.
+
+    A file of a grid holds some values of its axes; one of a refined study the first cases of a refinement of more
+    halvings or a larger budget. A sweep does not grow, as its branches would be numbered anew. Raises `InputError`.
+    """
+    was, refines = stored.recipe, plan.study.refine is not None
+    if was.get("order") != plan.recipe["order"] or not plan.shape or ("refine" in was) != refines:
+        return None
+    matched = (stored.dimensions, []) if refines else _match_dimensions(stored.dimensions, plan.dimensions)
+    if matched is None:
+        return None
+    same = Plan(plan.study, matched[0], stored=stored)
+    changed = [key for key in {**was, **same.recipe} if was.get(key) != same.recipe.get(key)]
+    versions = [key for key in changed if key in versions_of_code()]
+    larger = [key for key in changed if key not in versions]
+    if not larger:
+        return same
+    grows = larger == ["refine"] and _is_larger(was["refine"], same.recipe["refine"]) if refines else larger == ["axes"]
+    if not grows or plan.study.sweeps:
+        return None
+    if versions:
+        changes = "; ".join(differences(*({key: row.get(key) for key in versions} for row in (was, same.recipe))))
+        raise InputError(
+            f"the existing file holds part of this study, but {changes}; use --restart to solve all of it again"
+        )
+    if refines:
+        return replace(same, new=np.arange(0))
+    held = np.ones(same.shape, dtype=bool)
+    for i, place in enumerate(matched[1]):
+        held &= (place >= 0).reshape([-1 if i == k else 1 for k in range(held.ndim)])
+    return replace(same, new=np.flatnonzero(~held))
+
+
+def _is_larger(before: Mapping[str, Any], after: Mapping[str, Any]) -> bool:
+    """Whether a refinement differs from an earlier one by more halvings or a larger budget alone."""
+    may_grow = ("halvings", "budget")
+    same = all(before.get(key) == after.get(key) for key in {**before, **after} if key not in may_grow)
+    return same and all(before[key] <= after[key] for key in may_grow)
+
+
+def places(plan: Plan) -> list[NDArray[np.int64]]:
+    """For each dimension the index of each value in the file, -1 where the file has no such value."""
+    assert plan.stored is not None
+    matched = _match_dimensions(plan.stored.dimensions, plan.dimensions)
+    assert matched is not None
+    return matched[1]
+
+
+def _match_dimensions(old: Dimensions, new: Dimensions) -> tuple[Dimensions, list[NDArray[np.int64]]] | None:
+    """The new dimensions, with the old values to the last digit, and the index of each value among the old.
+
+    None where an old value is not among the new.
+    """
+    each, indices = [], []
+    for before, now in zip(old.each, new.each, strict=True):
+        matched = _match_samples(before, now) if now.name == SAMPLE else _match_axis(before, now)
+        if matched is None:
+            return None
+        each.append(matched[0])
+        indices.append(matched[1])
+    return Dimensions(tuple(each)), indices
+
+
+def _match_samples(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.int64]] | None:
+    """Samples that begin with the old ones, and the index of each among the old, or -1; None where they do not."""
+    if tuple(old.fields) != tuple(new.fields) or old.size > new.size:
+        return None
+    if not all(np.array_equal(values, new.fields[name][: old.size]) for name, values in old.fields.items()):
+        return None
+    index = np.arange(new.size)
+    return new, np.where(index < old.size, index, -1)
+
+
+def _match_axis(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.int64]] | None:
+    """An axis that holds the old values in any order, and the index of each among the old, or -1."""
+    before, values = old.fields[old.name], new.fields[new.name]
+    order = np.argsort(before)
+    right = np.searchsorted(before[order], values)
+    pick = np.stack([order[np.clip(right + shift, 0, before.size - 1)] for shift in (-1, 0)])
+    off = np.abs(before[pick] - values)
+    nearest = np.take_along_axis(pick, off.argmin(axis=0)[None], axis=0)[0]
+    same = off.min(axis=0) <= _ROUNDING * np.abs(values)
+    if np.unique(nearest[same]).size < before.size:
+        return None
+    return Dimension(new.name, {new.name: np.where(same, before[nearest], values)}), np.where(same, nearest, -1)
+
+
+def rounds(work: Plan, output: Path | None, read: Callable[[int, int], Columns]) -> Iterator[tuple[Plan, int, int]]:
+    """The plan of all cases up to each round of a study, and the first and the last + 1 of the cases that it solves.
+
+    A study that is not refined has one round. Those of a refined study follow from the numbers of the rounds before;
+    its last one solves nothing. Cases are counted among those that the file `output` does not hold. read: the columns
+    of such cases, once they are solved. Raises `InputError` where the file was refined to other cases.
+    """
+    if work.study.refine is None:
+        yield work, 0, work.todo
+        return
+    state = tables.refinement(work.study)
+    held = np.empty((0, state.steps.size))
+    if work.stored is not None and output is not None:
+        with h5py.File(output, "r") as file:
+            held = _numbers_to_watch(work.study, {name: file[name][...] for name in (*work.study.wanted, "solved")})
+    while state.wanted:
+        first, last = len(state.numbers), len(state.places)
+        start, stop = max(first - len(held), 0), max(last - len(held), 0)
+        yield _plan_of_cases(work, state), start, stop
+        new = [_numbers_to_watch(work.study, read(start, stop))] if start < stop else []
+        state.take(np.concatenate([held[first:last], *new]))
+    done = _plan_of_cases(work, state)
+    yield done, done.todo, done.todo
+
+
+def _plan_of_cases(work: Plan, state: Refinement) -> Plan:
+    """The plan of the cases of a refinement so far. Raises `InputError` where the existing file holds other cases."""
+    samples = Dimension(SAMPLE, state.lattice.values(state.places))
+    new = None
+    if work.stored is not None:
+        (before,) = work.stored.dimensions.each
+        size = min(before.size, samples.size)
+        if any(not np.array_equal(row[:size], before.fields[name][:size]) for name, row in samples.fields.items()):
+            raise InputError("the existing file was refined to other cases; use --restart to solve all of it again")
+        new = np.arange(before.size, samples.size)
+    study = work.study.with_samples(samples)
+    return replace(work, study=study, dimensions=Dimensions((samples,)), new=new, refinement=state)
+
+
+def _numbers_to_watch(study: Study, columns: Columns) -> Values:
+    """The watched numbers of each case, (cases, watched), those of laws last; whether it is solved as 0 or 1."""
+    assert study.refine is not None
+    watched = ["solved" if name == OUTCOME else name for name in study.refine.watch]
+    rows = [columns[name] for name in (*watched, *(law.observable for law in tables.laws_to_watch(study)))]
+    return np.stack([np.asarray(row, dtype=float) for row in rows], axis=1)

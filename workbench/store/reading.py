@@ -1,4 +1,4 @@
-"""Stored datasets opened lazily, after their file (`file_checks`), layout (`study_checks`) and values are validated."""
+"""Stored datasets opened lazily, after their file (`file_checks`) and what it holds (`checks`) are validated."""
 
 import os
 import warnings
@@ -9,7 +9,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from . import checksums, file_checks, file_kinds, netcdf, study_checks, value_checks
+from . import checks, file_checks, schema, writing
 from .file_checks import open_valid, refusing
 
 
@@ -21,11 +21,11 @@ def open_study(path: str | Path, whole: bool = False) -> xr.Dataset:
     ds = raw(path)
     try:
         with refusing(path):
-            study_checks.check_kind(ds, path)
-            study_checks.check(ds, path, study_checks.STUDY)
-            check_sums(path)
+            checks.check_kind(ds, path)
+            checks.check(ds, path, checks.STUDY)
+            _check_sums(path)
             if whole:
-                study_checks.check(ds, path, [value_checks.curves])
+                checks.check(ds, path, [checks.curves])
     except InputError:
         ds.close()
         raise
@@ -38,21 +38,21 @@ def raw(path: str | Path) -> xr.Dataset:
         pass
     with refusing(path), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of xarray, on files that are refused below
-        ds = netcdf.open_file(path, decode_times=False)
-    ds.attrs.pop(checksums.KEY, None)  # a selection that is stored has others
+        ds = writing.open_file(path, decode_times=False)
+    ds.attrs.pop(file_checks.SUMS, None)  # a selection that is stored has others
     return ds
 
 
-def kind_of_file(path: str | Path) -> file_kinds.Kind:
+def kind_of_file(path: str | Path) -> schema.Kind:
     """The kind of a stored file. Raises `InputError` where it is none."""
     with raw(path) as ds:
-        return file_kinds.kind_of(ds)
+        return schema.kind_of(ds)
 
 
-def check_sums(path: str | Path) -> None:
+def _check_sums(path: str | Path) -> None:
     """Raise `InputError` where an attribute, a text or a single number is not what was stored."""
     with refusing(path), h5py.File(path, "r") as file:
-        checksums.check(file, path)
+        file_checks.check_sums(file, path)
 
 
 def read(path: str | Path, study: bool = True) -> xr.Dataset:
@@ -61,19 +61,15 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
     Raises `InputError` where the file is missing, damaged, foreign or too large, or holds invalid values.
     """
     with open_study(path) if study else raw(path) as ds:
-        if ds.nbytes > _memory():
-            held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {_memory() / 1e9:.3g} GB"
+        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")  # bytes
+        if ds.nbytes > memory:
+            held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {memory / 1e9:.3g} GB"
             raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
-        with file_checks.refusing(path):
+        with refusing(path):
             ds.load()
         if not study:
-            study_checks.check(ds, path, [value_checks.texts, value_checks.fields])
-            check_sums(path)
+            checks.check(ds, path, [checks.texts, checks.fields])
+            _check_sums(path)
         if "solved" in ds:
-            study_checks.check(ds, path, [value_checks.each, value_checks.curves])
+            checks.check(ds, path, [checks.each, checks.curves])
         return ds
-
-
-def _memory() -> int:
-    """The memory of this machine [bytes]."""
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")

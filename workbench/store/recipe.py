@@ -1,5 +1,6 @@
 """The recipe of a run: all that its numbers depend on, by which a later run knows whether it continues this one."""
 
+import hashlib
 import json
 from collections.abc import Mapping
 from functools import cache
@@ -16,9 +17,7 @@ from solver.problem.errors import InputError
 from studies import Study
 from studies.grammar.axes import Dimensions
 from studies.language.refine import lattice
-from studies.laws.verdicts import Law
 
-from .checksums import digest
 from .schema import version_of
 
 
@@ -27,6 +26,8 @@ def recipe_of(study: Study, dimensions: Dimensions, block: int) -> dict[str, Any
 
     Two runs of one recipe give the same bits on the same kind of machine.
     """
+    required = [METHODS[study.method].requires] if study.method in METHODS and METHODS[study.method].requires else []
+    laws = {str(i): law.model_dump(exclude_defaults=True, mode="json") for i, law in enumerate(study.laws, 1)}
     data = {
         "units": study.unit_system,
         "reading": study.reading or "",
@@ -40,12 +41,12 @@ def recipe_of(study: Study, dimensions: Dimensions, block: int) -> dict[str, Any
         "outputs": sorted(study.outputs),
         "observables": sorted(study.wanted),
         "expressions": dict(study.expressions),
-        "laws": {str(i): _law_line(law) for i, law in enumerate(study.laws, 1)},  # their verdicts are stored as well
+        "laws": laws,  # their verdicts are stored as well
         "tol": study.tol,
         "method": study.method,
         "block": block,
         "code": code_version(),
-        **{package: version_of(package) for package in ("numpy", "scipy", *_requirements(study.method))},
+        **{package: version_of(package) for package in ("numpy", "scipy", *required)},
     }
     plain: dict[str, Any] = json.loads(json.dumps(data))
     return plain
@@ -67,7 +68,7 @@ def differences(was: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
 def code_version() -> str:
     """The version of the package and a digest of the sources that make the numbers."""
     mechanics, language = Path(solver.__file__).parent, Path(studies.__file__).parent
-    sources = [*mechanics.rglob("*.py"), *mechanics.rglob("*.[ch]"), *language.glob("*.py")]
+    sources = [*mechanics.rglob("*.py"), *mechanics.rglob("*.[ch]"), *language.rglob("*.py")]
     content = b"".join(path.name.encode() + path.read_bytes() for path in sorted(sources))
     return f"{version_of('rod-workbench')}+{_digest(content)}"
 
@@ -85,13 +86,8 @@ def versions_of_code() -> set[str]:
     return {"code", "numpy", "scipy", "block", *(method.requires for method in METHODS.values())}
 
 
-def _requirements(method: str) -> list[str]:
-    """The package whose version decides the last bits of a method, if there is one."""
-    return [METHODS[method].requires] if method in METHODS and METHODS[method].requires else []
-
-
 def _digest(content: bytes) -> str:
-    return digest(content, size=6).hex()
+    return hashlib.blake2b(content, digest_size=6).hexdigest()
 
 
 def axis_line(values: NDArray[np.float64]) -> str:
@@ -120,11 +116,6 @@ def _refine_lines(study: Study) -> dict[str, Any]:
         "halvings": grid.depth,
         "budget": study.refine.budget,
     }
-
-
-def _law_line(law: Law) -> str:
-    """A law in one line."""
-    return ", ".join(f"{name} {value}" for name, value in law.model_dump(exclude_defaults=True).items())
 
 
 def _tell(value: object) -> str:

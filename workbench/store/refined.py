@@ -1,4 +1,5 @@
-"""Refined studies as stored: what was refined, why it ended, and the cases as a grid, as a line, or as a raster."""
+"""Refined studies as stored: what was refined, why it ended; the cases as a grid, as a line, or as a raster; and the
+boundary of an observable: the pairs of neighbouring cases between which it changes."""
 
 import json
 from collections.abc import Mapping
@@ -9,17 +10,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.problem.errors import InputError
+from solver.problem.errors import InputError, choices, near
 from studies.grammar.axes import SAMPLE, Values
 from studies.language import refine as tables
 from studies.language.refinement import BUDGET, OUTCOME, Lattice, Places, Refinement, refinement_of
 
+from . import schema, selection
 from .schema import OF_THE_CASE, SAMPLING, dimension
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from studies import Study
+    from studies.grammar.axes import Values
+    from studies.language.refinement import Places
 
 KEY = "refined"  # the attribute of a refined study, JSON
 MOST_DRAWN = 800  # cells of a raster along an axis, unless the coarse grid has more
@@ -29,7 +33,7 @@ MOST_HALVINGS = 31
 
 @dataclass(frozen=True, eq=False)
 class Refined:
-    """The refinement of a stored study.
+    """The refinement of a stored study, or a grid of one axis or two as one without halvings.
 
     lattice: its axes as the dataset names them. places: of each case, (cases, axes). watch: name -> the change from
     which two cases differ. laws: the claims of watched laws.
@@ -115,6 +119,8 @@ def _tell(ds: "xr.Dataset") -> dict[str, Any]:
 
 def describe(ds: "xr.Dataset") -> Refined:
     """The refinement of a dataset. Raises `InputError` where cases of it are missing or have other values."""
+    if not is_refined(ds):
+        return Refined(*_grid(ds), {}, [])
     data = _tell(ds)
     names = list(data["axes"])
     fields = {name: np.atleast_1d(ds[name].values).astype(float) for name in names}
@@ -209,3 +215,88 @@ def grid_of(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Val
     cases = grid.assign_coords(coords)
     cases.attrs = attrs
     return cases
+
+
+def boundary(ds: "xr.Dataset", name: str, step: float | None = None) -> "xr.Dataset":
+    """The pairs of neighbouring cases between which an observable changes.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        A refined study, or a grid of one axis or two.
+    name : str
+        An observable, an expression, or "outcome" (whether a case is solved).
+    step : float, optional
+        The change that counts, in the unit of the observable; default: that of `[refine.steps]`, and 0 for a count.
+
+    Returns
+    -------
+    xr.Dataset
+        Of the dimension `pair`. Each axis: the middle between the two cases, in the unit of the axis, angles in rad.
+        ``<axis>_half_width``: half their distance along it, so that the boundary lies within; 0 along the other axis.
+        `before` and `after`: the number of the case of the lower and of the higher value of the axis. The attribute
+        `unknown` counts the pairs of which one case has no number: they are not compared.
+
+    Raises
+    ------
+    InputError
+        For an unknown observable, a real one without a step, a dataset of more than two axes, or lost cases.
+    """
+    study = describe(ds)
+    numbers, step = _numbers(ds, name, study.watch, step)
+    cells = refinement_of(study.lattice, study.places, numbers.reshape(-1, 1), np.zeros(1), study.lattice.depth)
+    edges, along = cells.edges()
+    change = np.abs(np.diff(cells.numbers[edges, 0], axis=1)[:, 0])
+    unknown = int((np.isnan(cells.numbers[edges, 0]).sum(axis=1) == 1).sum())
+    edges, along = edges[change > step], along[change > step]
+    places = {}
+    for k, (axis, row) in enumerate(cells.lattice.values(cells.places).items()):
+        low, high = row[edges].T
+        places[axis] = low, np.where(along == k, high, low)
+    label = {} if name == OUTCOME else dict(ds[name].attrs)
+    sides = [("pair", cells.numbers[edges[:, side], 0], label) for side in (0, 1)]
+    return pairs(ds, places, sides, "cases").assign_attrs(observable=name, step=step, unknown=unknown)
+
+
+def pairs(ds: "xr.Dataset", places: "Mapping[str, tuple[Values, Values]]", sides: list[Any], of: str) -> "xr.Dataset":
+    """The dataset of a boundary. places: axis -> its values on the two sides of each pair. of: what makes a pair."""
+    import xarray as xr
+
+    result: dict[str, Any] = dict(zip(("before", "after"), sides, strict=True))
+    for axis, (low, high) in places.items():
+        label = dict(ds[axis].attrs)
+        half = {**label, "long_name": f"half the distance of the two {of} along {axis}"}
+        result |= {
+            axis: ("pair", low + (high - low) / 2, label),
+            f"{axis}_half_width": ("pair", (high - low) / 2, half),
+        }
+    return xr.Dataset(result).set_coords(list(places))
+
+
+def _numbers(ds: "xr.Dataset", name: str, watch: Mapping[str, float], step: float | None) -> "tuple[Values, float]":
+    """The numbers of an observable, of the shape of the cases, and the change that counts."""
+    if name == OUTCOME:
+        return ds["solved"].values.astype(float), 0.0
+    known = [*selection.observables(ds), OUTCOME]
+    if name not in ds.data_vars or ds[name].dims != ds["outcome"].dims or ds[name].dtype.kind not in "iuf":
+        raise InputError(f"no observable {name!r}{near(name, known)}; the dataset has {choices(known)}")
+    if step is None and name not in watch and not schema.is_count(ds[name]):
+        raise InputError(f"{name} is a real number: give the change that counts, such as step=0.1")
+    step = watch.get(name, 0.0) if step is None else step
+    if not 0 <= step < np.inf:
+        raise InputError(f"step must be a number that is not negative, got {step}")
+    return ds[name].values.astype(float), float(step)
+
+
+def _grid(ds: "xr.Dataset") -> "tuple[Lattice, Places]":
+    """A grid of one axis or two as a lattice without halvings, and the places of its cases in their order."""
+    axes = schema.axes_of(ds)
+    if not 1 <= len(axes) <= 2 or SAMPLE in axes:
+        has = choices(axes) or "none"
+        raise InputError(f"a boundary needs a refined study, or a grid of one axis or two; the axes are {has}")
+    if small := [axis for axis in axes if ds.sizes[axis] < 2]:
+        raise InputError(f"a boundary needs at least two values of each axis; {small[0]} has one")
+    values = {axis: ds[axis].values.astype(float) for axis in axes}
+    lattice = Lattice({axis: np.sort(row) for axis, row in values.items()}, frozenset(), 0)
+    ranks = np.meshgrid(*(np.argsort(np.argsort(row)) for row in values.values()), indexing="ij")
+    return lattice, np.stack([row.ravel() for row in ranks], axis=1)

@@ -1,10 +1,11 @@
-"""The schema of a stored study: its format, names, dimensions, labels and packing. Needs no xarray."""
+"""The schema of stored files: kinds, format, names, dimensions, labels, packing, attributes. Needs no xarray."""
 
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,12 +14,15 @@ from numpy.typing import NDArray
 from solver.observe import observables
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case import GIVEN, STIFFNESS, fourth_powers
+from solver.problem.errors import InputError
 from solver.problem.quantities import quantity, unit_of
-from studies.grammar.axes import CYLINDER, SAMPLE, WORDS, quantity_of
+from studies.grammar.axes import CYLINDER, LONGEST_LINE, SAMPLE, WORDS, quantity_of
 from studies.grammar.formulas import parse
 from studies.language import expressions
 from studies.language.study_data import OUTPUTS
+from studies.laws.verdicts import Law
 
+from ..words import escaping
 from ..words.outcomes import LEFT
 
 if TYPE_CHECKING:
@@ -33,6 +37,7 @@ FORMAT = 2  # of the file; any other is refused
 CONVENTIONS = "CF-1.11"  # of units, names and missing values; every file says so
 
 Columns = dict[str, NDArray[Any]]  # name in the file -> (cases, ...)
+CaseVariables = Mapping[str, tuple[tuple[str, ...], Mapping[str, Any]]]  # over all axes: dimensions and attributes
 
 LOADS = ("FZ", "MZ", "M3")
 TEXTS = ("outcome", "caution")  # of each case
@@ -48,22 +53,12 @@ CURVES = {f"{name}_along" if name in ("F1", "F2", "F3") else name: name for name
 PACKED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
 
-@dataclass(frozen=True)
-class CaseVariable:
-    """A variable over all axes: its dimensions and attributes; dtype: None for that of its first values."""
-
-    name: str
-    dims: tuple[str, ...]
-    attrs: Mapping[str, Any]
-    dtype: Any = None
-
-
-def case_variables(study: "Study", over: "Dimensions") -> list[CaseVariable]:
+def case_variables(study: "Study", over: "Dimensions") -> CaseVariables:
     """Every variable that is stored of each case, in order. over: the samples and axes of the study."""
     axes = tuple(map(dimension, over.names))
     outputs = {curve_name(name): name for name in study.outputs}
     dims = {name: (*axes, *(("u", *INNER.get(outputs[name], ())) if name in outputs else ())) for name in shapes(study)}
-    return [CaseVariable(name, dims[name], labels_in(study, outputs.get(name, name))) for name in dims]
+    return {name: (dims[name], labels_in(study, outputs.get(name, name))) for name in dims}
 
 
 def shapes(study: "Study") -> dict[str, tuple[int, ...]]:
@@ -208,3 +203,97 @@ def bending_stiffness(word: str, number: Any) -> Any:
 def torsional_stiffness(word: str, number: Any) -> Any:
     """C [force length^2]; parameters as of `bending_stiffness`."""
     return number["GJ"] if word == GIVEN else bending_stiffness(word, number) / (1 + number["nu"])
+
+
+LINE, LABEL = LONGEST_LINE, 1000  # characters of an attribute of a file, and of a variable
+
+
+def show(value: object) -> str:
+    """A value from a file as a message may show it: on one line, at most 60 characters."""
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def text_of(ds: "xr.Dataset", name: str) -> str:
+    """An attribute that is text, of a dataset that was not read from a file; `InputError` otherwise."""
+    value = ds.attrs.get(name)
+    if not isinstance(value, str):
+        raise InputError(f"the dataset's attribute {name} is {'missing' if value is None else 'not text'}")
+    return value
+
+
+def number_of(ds: "xr.Dataset", name: str, path: str | Path = "the dataset") -> float:
+    """An attribute that is one number; `InputError` otherwise."""
+    value = np.asarray(ds.attrs.get(name))
+    if value.size != 1 or value.dtype.kind not in "iuf":
+        raise InputError(f"{path}: the attribute {name} must be a number, got {show(ds.attrs.get(name))}")
+    return float(value.item())
+
+
+def laws_of(ds: "xr.Dataset", path: str | Path = "the dataset") -> list[Law]:
+    """The laws that the dataset's study states; `InputError` where the attribute is not a list of laws."""
+    try:
+        laws = [Law.model_validate(row) for row in json.loads(ds.attrs["laws"])]
+    except (KeyError, ValueError, TypeError, RecursionError):
+        raise InputError(f"{path}: the attribute laws is not a list of laws in JSON") from None
+    for law in laws:
+        for name, said in law.model_dump().items():
+            if isinstance(said, str) and not escaping.is_line(said, LINE):
+                raise InputError(f"{path}: {name} of a law must be one line of text, got {show(said)}")
+    return laws
+
+
+def versions_of(ds: "xr.Dataset", path: str | Path = "the dataset") -> dict[str, str]:
+    """The versions the dataset was made with, by package; `InputError` where the attribute is not such a table."""
+    try:
+        table = json.loads(ds.attrs["versions"])
+    except (KeyError, ValueError, TypeError, RecursionError):
+        table = None
+    if not isinstance(table, dict) or not all(escaping.is_line(f"{a} {b}", LABEL) for a, b in table.items()):
+        raise InputError(f"{path}: the attribute versions is not a table in JSON")
+    return {str(name): str(number) for name, number in table.items()}
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file.
+
+    what: in words. figure: its kind in `workbench.figures.kinds`, "" for none. scene: whether `scene` draws
+    it. needs: dimensions and variables that no other kind has.
+    """
+
+    what: str
+    figure: str = ""
+    scene: bool = False
+    needs: tuple[str, ...] = ()
+
+
+STUDY = Kind("the results of a study", "study", True)
+LOOPS = Kind("a list of closed rods", "loops", True, ("equilibrium", "wraps", "about"))
+KINDS = (
+    LOOPS,
+    Kind("a list of equilibria", "equilibria", True, ("equilibrium", "index")),
+    Kind("all equilibria over an axis", "branches", False, ("curve_point", "curve_branch")),
+    Kind("a fold map", "folds", False, ("region_at",)),
+    Kind("a branch of equilibria", "", False, ("point", "special", "dbeta0")),
+    Kind("a trade of methods", "trade", False, ("ladder", "rung")),
+    Kind("extremes by method", "extremes", False, ("extreme", "method")),
+    Kind("the laws under each reading of Table 1", "", False, ("reading", "claim_verdict")),
+)
+
+
+def kind_of(ds: "xr.Dataset") -> Kind:
+    """The kind of a dataset; that of a study where nothing says otherwise."""
+    held = {*map(str, ds.dims), *map(str, ds.variables)}
+    return next((kind for kind in KINDS if held.issuperset(kind.needs)), STUDY)
+
+
+def other_kind(path: object, kind: Kind, reads: str) -> InputError:
+    """The error of a file of a kind that a command does not read; reads: what it reads, or why it does not."""
+    return InputError(f"{path} is {kind.what}, which {_readers(kind)}; {reads}")
+
+
+def _readers(kind: Kind) -> str:
+    """``summary, plot and scene read``."""
+    names = ["summary", *(["plot"] if kind.figure else []), *(["scene"] if kind.scene else [])]
+    return f"{' and '.join(part for part in (', '.join(names[:-1]), names[-1]) if part)} read{'s' * (len(names) == 1)}"

@@ -8,10 +8,9 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from decimal import Decimal, InvalidOperation
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices, near, no_such
@@ -22,6 +21,9 @@ from studies.laws.line_verdicts import NOISE
 from . import schema
 from .schema import COMPONENTS, axes_of, dimension, fields_of_samples
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 SAME = 1e-9  # share by which a number may differ from the stored value that it means
 LISTED = 12  # values of an axis that a message lists
 WRITTEN = 4  # digits of a value in a diagram
@@ -31,7 +33,7 @@ Array = NDArray[np.float64]
 Value = float | str
 
 
-def case(ds: xr.Dataset, at: Mapping[str, Value] | None = None) -> dict[str, int]:
+def case(ds: "xr.Dataset", at: Mapping[str, Value] | None = None) -> dict[str, int]:
     """The indices of the case at these values; an axis that is not named stays where the laws or Table 1 put it.
 
     Raises `InputError` for a name that is no axis or a value that is not stored.
@@ -40,7 +42,7 @@ def case(ds: xr.Dataset, at: Mapping[str, Value] | None = None) -> dict[str, int
     return {name: index(ds, name, chosen[name]) if name in chosen else _base(ds, name) for name in axes_of(ds)}
 
 
-def line(ds: xr.Dataset, axis: str, at: Mapping[str, Value] | None = None) -> list[dict[str, int]]:
+def line(ds: "xr.Dataset", axis: str, at: Mapping[str, Value] | None = None) -> list[dict[str, int]]:
     """The indices of each case along an axis in its rising order, the other axes as in `case`."""
     axis = axis_of(ds, axis)
     place = case(ds, at)
@@ -54,7 +56,7 @@ def spread(places: list[dict[str, int]], count: int) -> list[dict[str, int]]:
     return [places[i] for i in np.linspace(0, len(places) - 1, count).round().astype(int)]
 
 
-def axis_of(ds: xr.Dataset, name: str) -> str:
+def axis_of(ds: "xr.Dataset", name: str) -> str:
     """The axis of that name, or of that field of the study (`beta` is beta0). Raises `InputError` with the axes."""
     dims = axes_of(ds) if "outcome" in ds else list(map(str, ds.dims))
     axes = [dim for dim in dims if dim in ds.coords and dim not in ("u", *COMPONENTS)]
@@ -70,7 +72,7 @@ def axis_of(ds: xr.Dataset, name: str) -> str:
     raise no_such("axis", name, axes)
 
 
-def index(ds: xr.Dataset, name: str, value: Value) -> int:
+def index(ds: "xr.Dataset", name: str, value: Value) -> int:
     """The index of the value of an axis that is meant. Raises `InputError` with the stored values."""
     axis = np.asarray(ds[name].values, dtype=float)
     number = real(name, value)
@@ -88,7 +90,7 @@ def index(ds: xr.Dataset, name: str, value: Value) -> int:
     raise InputError(f"{name} = {shown} is not on the axis; {_list(axis, name, number)}")
 
 
-def indices(ds: xr.Dataset, name: str, value: Any) -> Any:
+def indices(ds: "xr.Dataset", name: str, value: Any) -> Any:
     """The index of a value, those of a list of values, or those of the values in a slice. Raises `InputError`."""
     if isinstance(value, slice):
         return _between(ds, name, value)
@@ -142,7 +144,7 @@ def _half_digit(text: str, zeros: bool = True) -> float:
     return math.radians(half) if number != text.strip() else half
 
 
-def _between(ds: xr.Dataset, name: str, bounds: slice) -> NDArray[np.intp]:
+def _between(ds: "xr.Dataset", name: str, bounds: slice) -> NDArray[np.intp]:
     if bounds.step is not None:
         raise InputError(f"{name} takes a slice without a step, got {bounds}")
     axis = np.asarray(ds[name].values, dtype=float)
@@ -164,7 +166,7 @@ def _list(axis: Array, name: str, near: float) -> str:
     return f"its {axis.size} values go {ends}, the nearest are {choices(write(name, v, 10) for v in nearest)}"
 
 
-def _base(ds: xr.Dataset, name: str) -> int:
+def _base(ds: "xr.Dataset", name: str) -> int:
     """The index nearest to where the laws or Table 1 put an axis; else its middle."""
     values = ds[name].values.astype(float)
     for row in json.loads(ds.attrs.get("laws", "[]")):
@@ -181,13 +183,13 @@ _ROUNDING = 1e-9  # of the largest: a load that is 0 by symmetry differs by less
 HELD_INDEX = "held_index"  # stored of held ends alone
 
 
-def observables(ds: xr.Dataset) -> list[str]:
+def observables(ds: "xr.Dataset") -> list[str]:
     """The observables that are stored for each case, in the order of the file; of a sweep, its branches too."""
     names = [str(name) for name in ds.data_vars if _is_number_of_each_case(ds, str(name))]
     return [name for name in names if not name.endswith("error") and name not in NOT_OBSERVED and _is_told(ds, name)]
 
 
-def _is_told(ds: xr.Dataset, name: str) -> bool:
+def _is_told(ds: "xr.Dataset", name: str) -> bool:
     """Whether a number tells something: not the only branch, nor a load or an end angle that was given."""
     if name == "branch":
         return bool((ds[name] != ds[name].values.flat[0]).any())
@@ -199,19 +201,19 @@ def _is_told(ds: xr.Dataset, name: str) -> bool:
     return float(ds[name].max() - ds[name].min()) > _ROUNDING * largest
 
 
-def is_count(ds: xr.Dataset, name: str) -> bool:
+def is_count(ds: "xr.Dataset", name: str) -> bool:
     """Whether a stored variable is a whole number: a count, a comparison, or the number of a branch."""
     return name == HELD_INDEX or schema.is_count(ds[name]) or ds[name].dtype.kind in "iu"
 
 
-def is_level(ds: xr.Dataset, name: str) -> bool:
+def is_level(ds: "xr.Dataset", name: str) -> bool:
     """Whether a number is the same in all cases, but for rounding and its estimated errors: one value lies within the
     error of each."""
     low, high = level(ds, name)
     return low <= high
 
 
-def level(ds: xr.Dataset, name: str) -> tuple[float, float]:
+def level(ds: "xr.Dataset", name: str) -> tuple[float, float]:
     """The ends of what all cases may have in common of a number, within rounding and their estimated errors; the first
     is the larger where they have nothing in common."""
     values = np.asarray(ds[name].values, dtype=float)
@@ -223,7 +225,7 @@ def level(ds: xr.Dataset, name: str) -> tuple[float, float]:
     return float((values[known] - errors).max()), float((values[known] + errors).min())
 
 
-def names_of(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
+def names_of(ds: "xr.Dataset", names: Sequence[str]) -> list[str]:
     """The names, each once. Raises `InputError` for one that is no number of each case, with the observables."""
     for name in names:
         if not _is_number_of_each_case(ds, name):
@@ -232,6 +234,6 @@ def names_of(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def _is_number_of_each_case(ds: xr.Dataset, name: str) -> bool:
+def _is_number_of_each_case(ds: "xr.Dataset", name: str) -> bool:
     """Also the estimated errors, the condition number and the loads are numbers of each case."""
     return name in ds.data_vars and ds[name].dtype.kind in "iuf" and set(ds[name].dims) == set(ds["outcome"].dims)

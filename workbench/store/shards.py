@@ -5,6 +5,7 @@ was killed continues from it. The checksum covers the recipe of the run and the 
 shard of another run, or under the name of another one, counts as damaged.
 """
 
+import hashlib
 import json
 import os
 import re
@@ -24,7 +25,6 @@ import numpy as np
 from solver.problem.errors import InputError
 
 from . import atomic
-from .checksums import digest
 from .recipe import differences
 from .schema import Columns
 
@@ -147,7 +147,7 @@ def check_recipe(folder: Path, recipe: dict[str, Any]) -> str:
 
 
 def _digest(recipe: dict[str, Any]) -> str:
-    return digest(json.dumps(recipe, sort_keys=True).encode(), size=_CHECKSUM).hex()
+    return hashlib.blake2b(json.dumps(recipe, sort_keys=True).encode(), digest_size=_CHECKSUM).hexdigest()
 
 
 def is_left_over(folder: Path, recipe: dict[str, Any]) -> bool:
@@ -216,7 +216,9 @@ class Shards:
 
     def _checksum(self, start: int, stop: int, content: bytes | memoryview) -> bytes:
         """Of the columns, the range of cases and the recipe: a shard of another place or run has another one."""
-        return digest(f"{self.recipe} {start} {stop} ".encode(), content, size=_CHECKSUM)
+        summed = hashlib.blake2b(f"{self.recipe} {start} {stop} ".encode(), digest_size=_CHECKSUM)
+        summed.update(content)
+        return summed.digest()
 
 
 def shard_ranges(folder: Path, cases: int) -> list[tuple[int, int]]:

@@ -1,30 +1,33 @@
-"""The study and the case of a stored dataset, and its cases solved again, or at other values."""
+"""The study and the cases of a stored dataset, solved again or at other values; and the one case that a user means, of
+any study or file."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver import Case, Solution, solve
+from solver import Case, Ends, Solution, solve
 from solver.end_angle_branch import own_ends
 from solver.mechanics.statics import push_from
 from solver.orbit.joined_orbits import Rows
 from solver.problem.case_fields import values_of, with_field
-from solver.problem.errors import InputError, no_such
+from solver.problem.errors import InputError, choices, no_such
 from solver.problem.reduced import flat
-from studies import Study
-from studies.grammar.axes import FIELDS, SAMPLE, WORDS, Dimension, quantity_of
+from studies import Study, load
+from studies.grammar.axes import FIELDS, SAMPLE, WORDS, Dimension, Which, in_words, quantity_of
+from studies.language.case_input import CaseInput, from_values, with_fields
 from studies.language.loader import loads
 from studies.language.study_data import MAX_STATIONS
 
-from . import attributes
+from . import in_memory, reading, schema, selection
 from .case_solutions import between, solve_one
-from .schema import axes_left, axes_of, curve_name, dimension, field_of, fields_of_samples, own_dimension
-from .selection import SAME, real
+from .plan import plan
+from .selection import SAME, Value, real
 
 AGREES = 1e-4  # rad, or a share of the length or of the largest value: by which a rod may differ that is solved again
 MOST_SOLVED = 10_000  # cases that are solved again: seconds
@@ -36,8 +39,8 @@ def study_of(ds: xr.Dataset) -> Study:
         raise InputError("the dataset has no attribute study, so its study is unknown")
     values = samples_of(ds)  # also where there are none: no table that the text names is read
     context = {"samples": Dimension(SAMPLE, values) if values else None}
-    study = loads(attributes.text(ds, "study"), "the dataset's study", attributes.text(ds, "study_name"), context)
-    return study.under(attributes.text(ds, "reading") or None)
+    study = loads(schema.text_of(ds, "study"), "the dataset's study", schema.text_of(ds, "study_name"), context)
+    return study.under(schema.text_of(ds, "reading") or None)
 
 
 def case_of(ds: xr.Dataset, study: Study, values: Mapping[str, float] | None = None) -> Case:
@@ -47,8 +50,8 @@ def case_of(ds: xr.Dataset, study: Study, values: Mapping[str, float] | None = N
     """
     values = dict(values or {})
     for name in study.varied:
-        if name not in values and dimension(name) not in ds.coords:
-            raise InputError(f"the dataset has lost its axis {dimension(name)!r}")
+        if name not in values and schema.dimension(name) not in ds.coords:
+            raise InputError(f"the dataset has lost its axis {schema.dimension(name)!r}")
     placed: dict[str, Any] = {**_places(ds, study, values), **values}
     if study.follow is None:
         return study.case_of(placed)
@@ -62,15 +65,15 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
     Raises `InputError` for a field that the study has not, or for more than `MOST_SOLVED` cases.
     """
     fields = [*study.varied] if study.follow else [name for name in study.fields if name not in WORDS]
-    values = {field_of(study, name): value for name, value in values.items()}
+    values = {schema.field_of(study, name): value for name, value in values.items()}
     for name in values:
         if name not in fields:
             raise no_such("field", name, fields)
     case = case_of(ds, study, {name: real(name, value) for name, value in values.items()})
     if case.size > MOST_SOLVED:
         many = f"{case.size} cases would have to be solved again, more than {MOST_SOLVED}"
-        raise InputError(f"{many}; select some first, as ds.rod.sel({axes_left(ds, study)[0]}=...).rod")
-    tol, method = attributes.number(ds, "tolerance"), attributes.text(ds, "method")
+        raise InputError(f"{many}; select some first, as ds.rod.sel({schema.axes_left(ds, study)[0]}=...).rod")
+    tol, method = schema.number_of(ds, "tolerance"), schema.text_of(ds, "method")
     stations = _stations(ds, study, case)
     if study.sweeps:
         as_run = study.model_copy(update={"tol": tol, "method": method})
@@ -104,14 +107,14 @@ def solve_again(ds: xr.Dataset, stations: int, names: Iterable[str]) -> xr.Datas
         raise InputError(f"about {stations} stations are needed, and at most {MAX_STATIONS} are solved")
     u = xr.Variable(("u",), np.linspace(0, 1, more * n + 1), ds["u"].attrs if "u" in ds.coords else None)
     bare = (ds.drop_dims("u") if "u" in ds.dims else ds.drop_vars(["u", "s"], errors="ignore")).assign_coords(u=u)
-    sol, dims = solve_at(bare, study, {}), (*axes_of(ds), "u")
+    sol, dims = solve_at(bare, study, {}), (*schema.axes_of(ds), "u")
     shape = [bare.sizes[dim] for dim in dims]
 
     def array(values: Any) -> xr.Variable:
         return xr.Variable(dims, np.broadcast_to(np.asarray(values), shape))
 
     denser = bare.assign_coords(s=array(sol.s)).assign({
-        curve_name(name): array(push_from(sol.contact, attributes.text(ds, "side")) if name == "push" else
+        schema.curve_name(name): array(push_from(sol.contact, schema.text_of(ds, "side")) if name == "push" else
                                 getattr(sol, name)) for name in names})  # fmt: skip
     for name in (str(name) for name in denser.data_vars if "u" in denser[name].dims and name in ds):
         stored = ds[name].transpose(*dims).values[ds["solved"].values]
@@ -125,28 +128,26 @@ def solve_again(ds: xr.Dataset, stations: int, names: Iterable[str]) -> xr.Datas
 def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str, Any]:
     """The values of the study's varied fields: one where given or selected, else along their own dimension."""
     left = [name for name in study.varied if name not in values]
-    dims = {name: own_dimension(study, name) for name in left}
-    open_axes = [dim for dim in axes_left(ds, study) if dim in dims.values()]
+    dims = {name: schema.own_dimension(study, name) for name in left}
+    open_axes = [dim for dim in schema.axes_left(ds, study) if dim in dims.values()]
     placed: dict[str, Any] = {name: real(name, values[name]) for name in study.varied if name in values}
     for name in left:
         shape = [-1 if dims[name] == other else 1 for other in open_axes if dims[name] in open_axes]
-        placed[name] = ds[dimension(name)].values.reshape(shape)
+        placed[name] = ds[schema.dimension(name)].values.reshape(shape)
     return placed
 
 
 def samples_of(ds: xr.Dataset) -> dict[str, NDArray[np.float64]]:
     """The samples of a dataset, or the one that is selected: field -> values. Raises `InputError`."""
-    fields = fields_of_samples(ds)
+    fields = schema.fields_of_samples(ds)
     for name in fields:
-        if name not in FIELDS or dimension(name) not in ds.coords:
+        if name not in FIELDS or schema.dimension(name) not in ds.coords:
             raise InputError(f"the dataset has lost its sampled field {name!r}")
-    return {name: np.atleast_1d(ds[dimension(name)].values).astype(float) for name in fields}
+    return {name: np.atleast_1d(ds[schema.dimension(name)].values).astype(float) for name in fields}
 
 
 def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -> Solution:
     """Cases at or between those of a sweep."""
-    from .plan import plan
-
     work = plan(study)
     rows = {name: np.broadcast_to(value, case.shape).ravel() for name, value in places.items()}
     solutions = []
@@ -191,7 +192,7 @@ def _stations(ds: xr.Dataset, study: Study, case: Case) -> Any:
 
 def _slope(ds: xr.Dataset, study: Study, case: Case) -> Any:
     """beta'(0) near that of the followed equilibrium, of the shape of the case. Raises `InputError` past the fold."""
-    (name,) = map(dimension, study.varied)
+    (name,) = map(schema.dimension, study.varied)
     targets, fold = np.broadcast_to(values_of(case, name), case.shape), float(ds["fold"])
     values, slopes = np.atleast_1d(ds[name].values), np.atleast_1d(ds["dbeta0"].values)
     rises = 1 if fold >= values.max() else -1  # the fold is the last value
@@ -201,3 +202,121 @@ def _slope(ds: xr.Dataset, study: Study, case: Case) -> Any:
         raise InputError(f"{name} = {far:.10g} lies beyond the fold at {fold:.10g}, where the equilibrium ends")
     order = np.argsort(values)
     return np.interp(targets, values[order], slopes[order])
+
+
+def is_study(file: Path) -> bool:
+    """Whether the path means a study, by its name or its TOML file, and not a stored dataset."""
+    return file.suffix.lower() == ".toml" or not (file.exists() or file.is_symlink() or file.suffix)
+
+
+def outline(study: Study) -> xr.Dataset:
+    """A dataset of the study without any result, in which a case is chosen and solved as in a stored one.
+
+    That of a study which follows an equilibrium is solved, as its values are found on the way.
+    """
+    if study.follow is not None:
+        return in_memory.run(study)
+    over = study.dimensions()
+    dims = tuple(map(schema.dimension, over.names))
+    coords = {dim: (dim, each.coordinate.astype(float)) for dim, each in zip(dims, over.each, strict=True)}
+    for dim, each in zip(dims, over.each, strict=True):
+        coords |= {schema.dimension(field): (dim, values) for field, values in each.fields.items()}
+    ds = xr.Dataset({"outcome": (dims, np.broadcast_to(np.array("", dtype=object), over.shape))}, coords)
+    return ds.assign_attrs(
+        laws=schema.laws_text(study), reading=study.reading or "", sampled=" ".join(study.sampled), tolerance=study.tol,
+        method=study.method,
+    )  # fmt: skip
+
+
+def place_of(study: Study, at: Mapping[str, Value] | None = None) -> dict[str, float]:
+    """The values of the fields that vary, of the case at these values; at: as of `selection.case`."""
+    ds = outline(study)
+    place = ds.isel(selection.case(ds, at))
+    return {field: float(place[schema.dimension(field)]) for field in study.dimensions().fields}
+
+
+def solve_case(ds: xr.Dataset, at: Mapping[str, Value] | None = None, study: Study | None = None) -> Solution:
+    """A case of a study's dataset, or of its `outline`, solved as it is run; along a followed axis after those before.
+
+    at: as of `selection.case`. study: default: that of the dataset. Raises `InputError`.
+    """
+    case = ds.isel(selection.case(ds, at))
+    return solve_at(case, study_of(case) if study is None else study, {})
+
+
+def case_at(study: Study, at: Mapping[str, Any], values: Mapping[str, Any], named: str = "") -> CaseInput:
+    """A case of a study, and in `place` where on its axes it was taken.
+
+    Parameters
+    ----------
+    study
+        Of one case or of several; of one that follows an equilibrium the base case is taken.
+    at
+        Values of axes; an axis that is not named stays where the laws or Table 1 put it.
+    values
+        Fields that replace those of the case.
+    named
+        What the case comes from, in words; default: the title of the study.
+
+    Raises
+    ------
+    InputError
+        For a value that is not on its axis, and for an unknown or invalid field.
+    """
+    place = {} if study.follow is not None else place_of(study, at)
+    changed = f", except {choices(values)}" if values else ""
+    case = study.case() if study.follow is not None else study.case_of(place)
+    source = f"{named or study.title}{changed}"
+    which = study.equilibrium
+    return CaseInput(with_fields(case, values), study.unit_system, source, study=study, which=which, place=place)
+
+
+def open_case(file: Path, values: Mapping[str, Any]) -> CaseInput:
+    """The case of any study or stored file of rods, named in `source`.
+
+    Of several cases of a study it is the one at which the laws or Table 1 put it, of a map or of branches over an axis
+    the one in the middle, of several equilibria the first. values: fields that replace those of the case. Raises
+    `InputError` for a file that holds no rods.
+    """
+    if is_study(file):
+        study = load(str(file))
+        return case_at(study, {}, values, _part(file.name, study))
+    with reading.raw(file) as ds:
+        kind = schema.kind_of(ds)
+        if kind in (schema.STUDY, schema.LOOPS):
+            study = study_of(ds)
+            first = "" if kind is schema.STUDY else f"{file.name}, the first of {ds.sizes['equilibrium']}"
+            return case_at(study, {}, values, first or _part(file.name, study))
+        if "L" not in ds.variables:
+            raise schema.other_kind(file, kind, "explore opens files with all fields of a rod")
+        return _equilibrium_of(ds, file.name, values)
+
+
+def _part(name: str, study: Study) -> str:
+    """What of a study is taken: ``fig7_1_modulus, the case at E = 10910, one of 9``."""
+    if study.follow is not None:
+        return f"{name}, the case from which {study.followed} is followed"
+    place = ", ".join(in_words(field, value) for field, value in place_of(study).items())
+    return f"{name}, the case at {place}, one of {study.size}" if place else name
+
+
+def _equilibrium_of(ds: xr.Dataset, name: str, values: Mapping[str, Any]) -> CaseInput:
+    """The first equilibrium of a list, or of those in the middle of branches or of a map, with its own case."""
+    fields = [field for field in FIELDS if field in ds.variables and ds[field].dims in ((), (field,))]
+    middle = {field: ds.sizes[field] // 2 for field in fields if ds[field].dims}
+    rods = ds.isel(middle)
+    numbers = {field: float(rods[field]) for field in fields}
+    given = [field for field in WORDS if field in ds.attrs and not (field == "stiffness" and "EI" in numbers)]
+    case, _ = from_values(numbers | {field: str(ds.attrs[field]) for field in given}, Ends)
+    places = [in_words(field, numbers[field]) for field in sorted(middle)]
+    place = f", in the middle: {', '.join(places)}" if places else ""
+    which = None
+    if {"dbeta0", "energy"} <= set(rods):
+        energies = np.atleast_1d(rods["energy"].values)
+        first, count = int(np.nanargmin(energies)), int(np.isfinite(energies).sum())
+        which = Which(index=None, dbeta0=float(np.atleast_1d(rods["dbeta0"].values)[first]), energy=energies[first])
+        place += f", the equilibrium of the lowest energy, one of {count}" if count > 1 else ""
+    units = {kind: str(ds.attrs[f"{kind}_unit"]) for kind in ("length", "force")}
+    if values:
+        return CaseInput(with_fields(case, values), units, f"{name}{place}, except {choices(values)}")
+    return CaseInput(case, units, f"{name}{place}", which=which)

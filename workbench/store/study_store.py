@@ -2,8 +2,8 @@
 
 import json
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,10 +13,62 @@ from studies import Study
 
 from . import atomic, engines, shards, worker_processes
 from .block import unsolved
-from .growth import Growth, compare, rounds
-from .plan import Plan, plan, room
+from .law_verdicts import Tally, count, statistics, tally_of
+from .plan import Plan, compare, plan, room, rounds
 from .shards import Damaged, Shards, decode, encode
-from .tally import Meter, Progress, Tally, count, statistics, tally_of, unshown
+
+
+class Meter:
+    """Counts cases: `done` of `total` are finished. show: called with the meter whenever the count has changed."""
+
+    def __init__(self, total: int, done: int, show: "Callable[[Meter], None]" = lambda meter: None) -> None:
+        self.total, self.done, self.unsolved = total, done, 0
+        self._before, self._began, self._show = done, time.monotonic(), show
+
+    def add(self, cases: int, unsolved: int) -> None:
+        """So many more cases are done, of which so many were not solved."""
+        self.done += cases
+        self.unsolved += unsolved
+        self._show(self)
+
+    @property
+    def seconds(self) -> float:
+        """Since the run began."""
+        return time.monotonic() - self._began
+
+    @property
+    def rate(self) -> float:
+        """Cases a second."""
+        return (self.done - self._before) / max(self.seconds, 1e-9)
+
+    @property
+    def left(self) -> float | None:
+        """Seconds left; None while nothing tells."""
+        return (self.total - self.done) / self.rate if self.done > self._before else None
+
+    def text(self) -> str:
+        """``310 a second, 0:12:05 left, 2 unsolved``."""
+        left = "" if self.left is None else f", {_clock(self.left)} left"
+        return f"{self.rate:.3g} a second{left}" + (f", {self.unsolved} unsolved" if self.unsolved else "")
+
+    def data(self) -> dict[str, Any]:
+        """The same for programs."""
+        counts = {"done": self.done, "cases": self.total, "unsolved": self.unsolved}
+        return {**counts, "per_second": round(self.rate, 1), "seconds_left": self.left and round(self.left, 1)}
+
+
+Progress = Callable[[int, int], AbstractContextManager[Meter]]  # takes total and done
+
+
+@contextmanager
+def unshown(total: int, done: int) -> Iterator[Meter]:
+    """A meter that nobody sees."""
+    yield Meter(total, done)
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes // 60}:{minutes % 60:02d}:{rest:02d}"
 
 
 @dataclass(frozen=True)
@@ -47,7 +99,7 @@ KEPT = "finished cases are kept; run the same command again to continue"
 
 @dataclass(frozen=True)
 class Ran:
-    """What a run did. statistics: of the file (`tally.statistics`). solved: cases that this run solved itself."""
+    """What a run did. statistics: of the file (`law_verdicts.statistics`). solved: cases that it solved itself."""
 
     statistics: dict[str, Any]
     solved: int
@@ -102,14 +154,14 @@ def run_to_file(
     """
     if options.workers is not None and options.scheduler is not None:
         raise InputError("--workers is for this machine, --scheduler for a cluster: give one of them")
-    work = plan(study)
-    growth = compare(output, work, options.restart)
-    if growth.is_finished:
+    whole = plan(study)
+    work = compare(output, whole, options.restart)
+    if work.is_finished:
         _tidy(work, output)
-        return _already(growth)
+        return _already(work)
     if study.follow is not None:
-        if growth.replaced:
-            say(growth.replaced)
+        if work.replaced:
+            say(work.replaced)
         return _follow(work, output)
     if options.scheduler is None and engines.count_workers(work, work.todo, options.workers) > 1:
         worker_processes.get_ready()  # while this process reads xarray
@@ -118,12 +170,13 @@ def run_to_file(
     check_parent(output)
     folder = shards.folder_of(output)
     with atomic.refusing(output, KEPT), shards.lock(folder):
-        growth = compare(output, work, options.restart)
-        if growth.is_finished:  # by the run that held the lock
-            return _already(growth)
-        if growth.replaced:
-            say(growth.replaced)
-        return _run(growth, shards.begin(folder, growth.recipe, options.restart), output, options, say, progress)
+        work = compare(output, whole, options.restart)
+        if work.is_finished:  # by the run that held the lock
+            return _already(work)
+        if work.replaced:
+            say(work.replaced)
+        recipe = work.recipe if work.stored is None else {**work.recipe, "grows": work.stored.recipe["axes"]}
+        return _run(work, shards.begin(folder, recipe, options.restart), output, options, say, progress)
 
 
 def _follow(work: Plan, output: Path) -> Ran:
@@ -133,15 +186,15 @@ def _follow(work: Plan, output: Path) -> Ran:
 
     writing.check_parent(output)
     began = time.monotonic()
-    ds = run_followed(work.study, work.study.tol, work.study.method)
+    ds = run_followed(work.study)
     numbers = statistics(ds)
     writing.write(ds.assign_attrs(recipe=json.dumps(work.recipe), statistics=json.dumps(numbers)), output, force=True)
     return Ran(numbers, ds["outcome"].size, time.monotonic() - began)
 
 
-def _already(growth: Growth) -> Ran:
-    assert growth.stored is not None
-    return Ran(growth.stored.statistics, 0, 0.0, True)
+def _already(work: Plan) -> Ran:
+    assert work.stored is not None
+    return Ran(work.stored.statistics, 0, 0.0, True)
 
 
 def _tidy(work: Plan, output: Path) -> None:
@@ -155,26 +208,27 @@ def _tidy(work: Plan, output: Path) -> None:
 
 
 def _run(
-    growth: Growth, parts: Shards, output: Path, options: Options, say: Callable[[str], None], progress: Progress
+    work: Plan, parts: Shards, output: Path, options: Options, say: Callable[[str], None], progress: Progress
 ) -> Ran:
     from .assembly import assemble
 
-    work, tally = growth.work, tally_of(growth.stored)
+    before = None if work.stored is None else work.stored.statistics
+    tally = tally_of(before)
     kept = _count_kept(work, parts, tally)
     say(room(work, parts.folder, kept))
-    held, statistics = work.size - work.todo, None
+    held, so_far, statistics = work.size - work.todo, work, None
     with progress(max(work.size, held + kept), held + kept) as meter:
         while statistics is None:
             try:
-                for work, start, stop in rounds(growth, output, parts.read_cases):
-                    meter.total = max(meter.total, work.size)
-                    _solve(work, parts, options, meter, tally, start, stop)
-                statistics = assemble(work, parts, output, growth.stored, tally)
+                for so_far, start, stop in rounds(work, output, parts.read_cases):
+                    meter.total = max(meter.total, so_far.size)
+                    _solve(so_far, parts, options, meter, tally, start, stop)
+                statistics = assemble(so_far, parts, output, tally)
             except Damaged:  # by another program since it was read: its cases are solved again
-                tally = tally_of(growth.stored)
-                meter.done = held + _count_kept(growth.work, parts, tally)
+                tally = tally_of(before)
+                meter.done = held + _count_kept(work, parts, tally)
     shards.clear(parts.folder)
-    return Ran(statistics, work.todo - kept, meter.seconds)
+    return Ran(statistics, so_far.todo - kept, meter.seconds)
 
 
 def _count_kept(work: Plan, parts: Shards, tally: Tally) -> int:

@@ -1,19 +1,77 @@
-"""Datasets written to HDF5 (netCDF4-compatible) by an atomic replacement."""
+"""Datasets in HDF5 (netCDF4-compatible): opened, and written by an atomic replacement."""
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import h5netcdf
 import h5py
 import numpy as np
 import xarray as xr
+from xarray.backends import CachingFileManager, H5NetCDFStore
 
 from solver.problem.errors import InputError
 
-from . import atomic, checksums, file_checks, grid_io, netcdf, schema
+from . import atomic, file_checks, grid_io, schema
+
+
+class _Arrays(h5py.File):  # type: ignore[misc]
+    """An HDF5 file that remembers its arrays: h5netcdf asks for each about fifty times, half of its time."""
+
+    def __init__(self, path: str | BytesIO, mode: str) -> None:
+        super().__init__(path, mode, **({} if mode == "r" else {"track_order": True}))  # as h5netcdf wants it
+        self._found: dict[str, Any] = {}
+
+    def __getitem__(self, name: Any) -> Any:
+        if not isinstance(name, str):
+            return super().__getitem__(name)  # a reference
+        if name == "/":
+            return self
+        if name not in self._found:
+            self._found[name] = super().__getitem__(name)
+        return self._found[name]
+
+    def __delitem__(self, name: str) -> None:
+        super().__delitem__(name)
+        self._found.clear()
+
+
+class File(h5netcdf.File):  # type: ignore[misc]
+    """Such a file as netCDF; it is closed with its arrays."""
+
+    def __init__(self, arrays: _Arrays, mode: str, **options: Any) -> None:
+        self._arrays = arrays
+        super().__init__(arrays, mode, **options)
+
+    def close(self) -> None:
+        super().close()
+        self._arrays.close()
+
+
+def _open(path: str | Path | BytesIO, mode: str, **options: Any) -> File:
+    """A netCDF4 file: "r" is read, "a" gets more variables, "w" is new."""
+    return File(_Arrays(path if isinstance(path, BytesIO) else str(path), mode), mode, **options)
+
+
+def open_file(path: str | Path, **options: Any) -> xr.Dataset:
+    """The dataset of a netCDF4 file, opened lazily; to be closed after use.
+
+    options: keywords of `xarray.open_dataset`. Arrays without names for their dimensions get some.
+    """
+    keywords = {"decode_vlen_strings": True, "phony_dims": "access"}
+    manager = CachingFileManager(_open, str(path), mode="r", kwargs=keywords)  # keeps at most 128 files open
+    return xr.open_dataset(H5NetCDFStore(manager, mode="r"), cache=False, **options)
+
+
+def write_new(ds: xr.Dataset, path: str | Path | BytesIO) -> None:
+    """Write a dataset to a new file, as `Dataset.to_netcdf` does.
+
+    How a file was packed that it was read from does not count: a longer text would be cut to the length of that file.
+    """
+    with _open(path, "w") as target:
+        ds.drop_encoding().dump_to_store(H5NetCDFStore(target, mode="w"), encoding=encoding(ds))
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
@@ -28,58 +86,50 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
     if not force:
         check_free(path, str(ds.attrs["study_name"]))
     image = BytesIO()  # HDF5 does not survive a full disk, so it writes to memory
-    netcdf.write(ds, image, encoding(ds))
+    write_new(ds, image)
     with h5py.File(image, "a") as file:
-        checksums.store(file)
+        file_checks.store_sums(file)
     return atomic.write(path, lambda aside: aside.write_bytes(image.getbuffer()))
 
 
-@contextmanager
-def append_to(frame: xr.Dataset, path: Path, size: int) -> Iterator[netcdf.File]:
-    """Write a dataset to a new file, and yield the file for further variables.
+def write_cases(
+    frame: xr.Dataset, path: Path, size: int, variables: schema.CaseVariables,
+    windows: Iterable[tuple[grid_io.Where, schema.Columns]],
+) -> None:  # fmt: skip
+    """Write a dataset to a new file, and into it the variables of each case, box by box.
 
     size: bytes of the whole file at most, which are reserved: HDF5 does not survive a full disk. Raises `OSError`.
     """
+    created: dict[str, Any] = {}
     try:
         atomic.reserve(path, size)
-        netcdf.write(frame, path, encoding(frame))
+        write_new(frame, path)
         atomic.reserve(path, size)
-        with netcdf.file(path, "a") as file:
-            yield file
+        with _open(path, "a") as file:
+            for where, columns in windows:
+                for name, (dims, attrs) in variables.items():
+                    values = columns[name]
+                    if name not in created:
+                        shape = (*(frame.sizes[dim] for dim in dims[: len(where)]), *values.shape[1:])
+                        created[name] = _create(file, name, dims, attrs, shape, values.dtype)
+                    values = values.astype({"U": object, "b": np.int8}.get(values.dtype.kind, values.dtype), copy=False)
+                    created[name][(*where, ...)] = values.reshape(grid_io.extent(where) + values.shape[1:])
     except RuntimeError as error:  # HDF5 closing a file for which the disk has no room
         raise OSError(f"HDF5: {error}") from None
 
 
-def write_cases(
-    file: netcdf.File, variables: Sequence[schema.CaseVariable], shape: tuple[int, ...],
-    windows: Iterable[tuple[grid_io.Where, schema.Columns]],
-) -> None:  # fmt: skip
-    """Write the variables over the axes into an open file, box by box; shape: of the grid."""
-    created: dict[str, Any] = {}
-    for where, columns in windows:
-        for variable in variables:
-            values = (
-                columns[variable.name]
-                if variable.dtype is None
-                else columns[variable.name].astype(variable.dtype, copy=False)
-            )
-            if variable.name not in created:
-                created[variable.name] = _create(file, variable, shape + values.shape[1:], values.dtype)
-            values = values.astype({"U": object, "b": np.int8}.get(values.dtype.kind, values.dtype), copy=False)
-            created[variable.name][(*where, ...)] = values.reshape(grid_io.extent(where) + values.shape[1:])
-
-
-def _create(file: netcdf.File, case_variable: schema.CaseVariable, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Any:
+def _create(
+    file: File, name: str, dims: Sequence[str], attrs: Mapping[str, Any], shape: tuple[int, ...], dtype: np.dtype[Any]
+) -> Any:
     kind: dict[str, Any] = {"dtype": {"U": h5py.string_dtype(), "b": np.dtype(np.int8)}.get(dtype.kind, dtype)}
     if dtype.kind == "f":
         kind["fillvalue"] = np.nan
     if shape:
         kind |= {"chunks": grid_io.packing(shape), **schema.packing(len(shape), dtype)}
-    variable = file.create_variable(case_variable.name, case_variable.dims, **kind)
-    for key, text in case_variable.attrs.items():
+    variable = file.create_variable(name, dims, **kind)
+    # netCDF has no booleans: as xarray stores them
+    for key, text in {**attrs, **({"dtype": "bool"} if dtype.kind == "b" else {})}.items():
         variable.attrs[key] = text
-    if dtype.kind == "b":  # which netCDF has not: as xarray stores it
-        variable.attrs["dtype"] = "bool"
     return variable
 
 

@@ -1,10 +1,12 @@
-"""Validate the texts and numbers of a stored dataset before they are used: checks as of `study_checks`.
+"""Validate a dataset before it is used: its layout, texts and numbers.
 
-`texts`, `fields` and `each` are asked for every file; they read no array along the rod. `curves` does, block by block:
-of a dataset that is read whole, for its summary and for its check.
+A check yields what is wrong with a dataset, each a sentence without its beginning, the name of the file; a dataset with
+which nothing is wrong is valid. Checks change nothing. Those of `STUDY` are asked for every study; they read no array
+along the rod. `curves` does, block by block: of a dataset that is read whole, for its summary and for its check.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,21 +15,32 @@ from numpy.typing import NDArray
 
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case import DIRECT, ELASTIC, GIVEN, SIDES, SLIDING
-from solver.problem.errors import choices
+from solver.problem.errors import InputError, choices
+from studies import names
+from studies.grammar.axes import FIELDS, SAMPLE
 from studies.grammar.formulas import FORCES, LENGTHS
 
 from ..words import escaping
-from . import schema
-from .attributes import LABEL, LINE, show
+from . import refined, schema
 from .grid_io import pieces
-from .schema import CURVES, JUDGED, LOADS, SECTION, TEXTS
+from .schema import CURVES, FORMAT, INNER, JUDGED, LABEL, LINE, LOADS, SECTION, show
+
+Check = Callable[[xr.Dataset], Iterator[str]]
+
+# The attributes that mark a study's dataset, and all that are text.
+NEEDED = ("title", "study_name", "laws")
+NAMED = (*NEEDED, "study", "reading", "side", "stiffness", "length_unit", "force_unit", "method", "versions")
+EACH = ("solved", "caution", *JUDGED)  # of every case, beside the outcome
+WORDS = ("outcome", "caution", "xyz")  # the variables that are text; `solved` is boolean, all others are numbers
+SCALED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")  # attributes by which xarray changes numbers
+MOST_TEXT = 64_000_000  # bytes of an attribute
 
 LONG = ("study", "laws", "versions", "recipe", "statistics", "branches", "rows")  # of many lines, or JSON; not printed
 BLOCK = 100_000  # cases that are read at a time
 BLOCK_ALONG = 2**20  # stations of their curves
 COUNTED = ("held_index", "branch")  # whole numbers of each case that are no observables
 LABELS = ("units", "long_name", "symbol", "reading")
-WORDS: Mapping[str, Any] = {
+CHOICES: Mapping[str, Any] = {
     "side": SIDES,
     "sliding": SLIDING,
     "stiffness": schema.SECTIONS,
@@ -44,13 +57,116 @@ SAME = 1e-9  # relative, between a stored number and what it follows from
 STRAIGHT = 1e-6  # share of the arc by which its chord may exceed it: rounding and the error of the method
 
 
+def check(ds: xr.Dataset, path: str | Path, checks: Sequence[Check]) -> None:
+    """Raise `InputError`, a sentence that begins with the path, for the first thing that is wrong with a dataset."""
+    for look in checks:
+        for wrong in look(ds):
+            raise InputError(f"{path}{wrong}")
+
+
+def check_kind(ds: xr.Dataset, path: str | Path) -> None:
+    """Raise `InputError` unless it is a study's dataset of this version's format; a study is cheap to solve again."""
+    kind = schema.kind_of(ds)
+    if kind is not schema.STUDY:
+        raise schema.other_kind(path, kind, f"this command reads {schema.STUDY.what}")
+    missing = [name for name in NEEDED if name not in ds.attrs]
+    if missing or "outcome" not in ds:
+        raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
+    version = np.asarray(ds.attrs.get("format", 1))
+    if version.size != 1 or version.dtype.kind not in "iu":
+        raise InputError(f"{path}: the attribute format must be a whole number, got {show(ds.attrs['format'])}")
+    other = f"{path} is of format {version.item()}, but this version reads format {FORMAT}"
+    if version.item() > FORMAT:
+        raise InputError(other)
+    if version.item() < FORMAT:
+        study = str(ds.attrs["study_name"])
+        study = study if study in names() else "STUDY"
+        raise InputError(f"{other}; make it again with: workbench run {study} --out {path}")
+
+
+def texts_of_study(ds: xr.Dataset) -> Iterator[str]:
+    """Whether it has the attributes that every command relies on, and laws about its axes."""
+    for name in NAMED:
+        value = ds.attrs.get(name)
+        if not isinstance(value, str) or len(value) > MOST_TEXT:
+            kind = "missing" if value is None else f"not text of at most {MOST_TEXT} characters"
+            yield f": the attribute {name} is {kind}"
+    of_laws = [*schema.axes_of(ds), *(refined.axes_of(ds) if refined.is_refined(ds) else [])]
+    try:
+        if not 0 < schema.number_of(ds, "tolerance", "") < 1:
+            yield ": the attribute tolerance is not between 0 and 1"
+        about = [[law.axis, *law.at] for law in schema.laws_of(ds, "")]
+    except InputError as error:
+        yield str(error)
+        return
+    for axes in about:
+        if not {*axes} <= {*of_laws}:
+            yield f": a law is about {show(axes)}, but the axes are {show(of_laws)}"
+
+
+def axes(ds: xr.Dataset) -> Iterator[str]:
+    """Whether each axis has finite, different numbers; those of the samples are whole."""
+    for name in schema.axes_of(ds):
+        if name not in ds.coords or ds[name].dtype.kind not in ("iu" if name == SAMPLE else "f"):
+            yield f": the axis {show(name)} has no values"
+        values = ds[name].values
+        if not np.isfinite(values).all():
+            yield f": the axis {show(name)} holds values that are not finite"
+        if np.unique(values).size < values.size:
+            yield f": the axis {show(name)} holds a value twice"
+
+
+def samples(ds: xr.Dataset) -> Iterator[str]:
+    """Whether each sampled field is a coordinate of finite numbers along the samples."""
+    fields = schema.fields_of_samples(ds)
+    if bool(fields) != (SAMPLE in ds["outcome"].dims):
+        yield f": the attribute sampled and the dimension {SAMPLE} belong together: one is missing"
+    for field in fields:
+        name = schema.dimension(field) if field in FIELDS else field
+        if name not in ds.coords or ds[name].dims != (SAMPLE,) or ds[name].dtype.kind != "f":
+            yield f": the sampled field {show(field)} has no values"
+        if not np.isfinite(ds[name].values).all():
+            yield f": the sampled field {show(field)} holds values that are not finite"
+    if refined.is_refined(ds):
+        try:
+            refined.describe(ds)
+        except InputError as error:
+            yield f": {error}"
+
+
+def variables(ds: xr.Dataset) -> Iterator[str]:
+    """Whether each variable has dimensions and a kind of values that fit."""
+    axes = schema.axes_of(ds)
+    known = [*axes, "u", *dict.fromkeys(dim for dims in INNER.values() for dim in dims)]
+    for name, variable in ((str(key), variable) for key, variable in ds.variables.items()):
+        expected = [*axes, "u", *INNER.get(CURVES.get(name, name), ())]
+        dims = [str(dim) for dim in variable.dims]
+        fits = dims == [dim for dim in known if dim in dims] and (name not in CURVES or dims == expected)
+        if not fits or (name in ("u", "s") and dims[-1:] != ["u"]):
+            yield f": {show(name)} has the dimensions {show(dims)}, which do not fit the axes"
+        for key in SCALED:
+            if key in variable.encoding:
+                yield f": {show(name)} has the attribute {key}, which the format does not allow"
+        fill = np.asarray(variable.encoding.get("_FillValue", np.nan))
+        if fill.size != 1 or fill.dtype.kind not in "iuf":
+            yield f": the attribute _FillValue of {show(name)} must be a number"
+        kind, kinds = ("text", "OUST") if name in WORDS else ("numbers", "iuf")
+        if name == "solved":
+            kind, kinds = "booleans", "b"
+        if variable.dtype.kind not in kinds:
+            yield f": {show(name)} must hold {kind}, got {variable.dtype}"
+    for name in EACH:
+        if name not in ds or list(ds[name].dims) != axes:
+            yield f" has no {name} for each of its cases"
+
+
 def texts(ds: xr.Dataset) -> Iterator[str]:
     """Whether every text is printable and every word is one of its choices."""
     for key, value in ds.attrs.items():
         yield from _text(str(key), LABEL, "the name of an attribute")
         if isinstance(value, str):
             yield from _text(value, None if key in LONG else LINE, f"the attribute {key}")
-    for key, known in WORDS.items():
+    for key, known in CHOICES.items():
         if key in ds.attrs and ds.attrs[key] not in (*known,):
             yield f": the attribute {key} is {show(ds.attrs[key])}; it can be {choices(known)}"
     for name, variable in ds.variables.items():
@@ -141,9 +257,11 @@ def each(ds: xr.Dataset) -> Iterator[str]:
     numbers = [
         str(name) for name, variable in ds.data_vars.items() if variable.dims == dims and variable.dtype.kind in "iuf"
     ]
-    names = [name for name in dict.fromkeys(("solved", *TEXTS, *numbers, *LOADS, *sizes)) if name in ds.variables]
+    names = [
+        name for name in dict.fromkeys(("solved", *schema.TEXTS, *numbers, *LOADS, *sizes)) if name in ds.variables
+    ]
     for block in pieces(ds, names, BLOCK):
-        for name in TEXTS:
+        for name in schema.TEXTS:
             for text in set(block[name].values.ravel().tolist()) if name in block.data_vars else ():
                 yield from _text(str(text), LABEL, f"one of {name}")
         for name in numbers:
@@ -216,3 +334,6 @@ def _over(values: xr.DataArray, ds: xr.Dataset) -> xr.DataArray:
 
 def _worst(values: NDArray[Any], good: NDArray[np.bool_]) -> str:
     return f"{values[~good].flat[0]:g}"
+
+
+STUDY = (texts_of_study, axes, samples, texts, variables, fields, each)
