@@ -279,7 +279,7 @@ def _number(ds: xr.Dataset, name: str) -> Iterator[str]:
     least = 0.0 if counted or name.endswith("_error") else -np.inf if row is None else row.least
     most: Any = np.inf if row is None else row.most
     if most == "L":
-        most = _over(ds["L"], ds).values[solved] * (1 + STRAIGHT) if "L" in ds.variables else np.inf
+        most = schema.over_cases(ds, ds["L"]).values[solved] * (1 + STRAIGHT) if "L" in ds.variables else np.inf
     with np.errstate(invalid="ignore"):
         bad = (values < least) | (np.abs(values) > most * (1 + SAME))
         bad |= counted & (values != np.round(values)) & ~np.isnan(values)
@@ -295,7 +295,7 @@ def _loads(ds: xr.Dataset) -> Iterator[str]:
     for name in (name for name in LOADS if name in ds.variables):
         with np.errstate(all="ignore"):
             size = abs(ds[name]) / (unit / ds["rho"] if name == "FZ" else unit)
-        if not (_over(size, ds).values[ds["solved"].values] < MOST).all():
+        if not (schema.over_cases(ds, size).values[ds["solved"].values] < MOST).all():
             yield f": {name} of a solved case is not finite, or far too large for its rod"
 
 
@@ -325,11 +325,6 @@ def _chords(ds: xr.Dataset) -> Iterator[str]:
                 far = np.abs(ds[name].diff("u") * scale) > arc * (1 + STRAIGHT) + STRAIGHT * ds["rho"]
             if bool((far & ds["solved"].variable).any()):
                 yield f": {name} of a solved case moves farther than the rod is long"
-
-
-def _over(values: xr.DataArray, ds: xr.Dataset) -> xr.DataArray:
-    """The values over all axes of the cases, in their order."""
-    return values.broadcast_like(ds["outcome"]).transpose(*ds["outcome"].dims)
 
 
 def _worst(values: NDArray[Any], good: NDArray[np.bool_]) -> str:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from math import prod
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -88,6 +87,23 @@ class StoredArrays:
         """The loads over A: l = MZ/A, m = M3/A [1/length], p = FZ/A [1/length^2]."""
         return self.constant("MZ") / self.A, self.constant("M3") / self.A, self.constant("FZ") / self.A
 
+    # the problem without dimensions, as `solver.mechanics.potential.potential` reads it
+
+    @property
+    def lam(self) -> xr.DataArray:
+        """l rho."""
+        return self.lmp[0] * self.rho
+
+    @property
+    def mu(self) -> xr.DataArray:
+        """m rho."""
+        return self.lmp[1] * self.rho
+
+    @property
+    def phi(self) -> xr.DataArray:
+        """p rho^2."""
+        return self.lmp[2] * self.rho**2
+
 
 @dataclass(frozen=True)
 class Stored(StoredArrays):
@@ -143,12 +159,6 @@ def _contact(at: StoredArrays, FY: Any, beta: Any, dbeta: Any) -> Any:
     return contact_force(at.A, m, at.rho, FY, H, beta, dbeta)
 
 
-def _h(at: StoredArrays, beta: Any, dbeta: Any) -> Any:
-    l, m, p = at.lmp
-    numbers: Any = SimpleNamespace(lam=l * at.rho, mu=m * at.rho, phi=p * at.rho**2)
-    return dbeta**2 + potential(numbers, beta) / at.rho**2
-
-
 def _FY(at: StoredArrays, beta: Any) -> Any:
     l, m, _ = at.lmp
     return statics.circumferential_force(at.A, l, m, at.rho, beta)
@@ -179,7 +189,7 @@ RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
     "push": (("contact",), _push),
     "M1": (("dbeta",), lambda at, db: at.A * db),
     "M2": (("beta",), lambda at, b: at.A * np.sin(b) ** 2 / at.rho),
-    "h": (("beta", "dbeta"), _h),
+    "h": (("beta", "dbeta"), lambda at, b, db: db**2 + potential(at, b) / at.rho**2),
     "position": (("alpha", "z"), lambda at, a, z: _vectors(frames.position, "position", at.rho, a, z)),
     "tangent": (("alpha", "beta"), lambda at, a, b: _vectors(frames.tangent, "tangent", a, b)),
     "normal": (("alpha",), lambda at, a: -_vectors(frames.outward, "normal", a)),

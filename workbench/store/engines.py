@@ -8,7 +8,7 @@ import itertools
 import os
 import traceback
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from multiprocessing.connection import wait
 from typing import Any
 from urllib.parse import urlsplit
@@ -41,7 +41,7 @@ def solve(
     chunks = work.chunks(missing, work.chunk_size(count, chunk))
     if count == 1:
         return ((chunk, solve_chunk(work.light, chunk, work.block)) for chunk in chunks)
-    return pool(work.light, chunks, work.block, count)
+    return pool(work, chunks, count)
 
 
 def count_workers(work: Plan, cases: int, given: int | None) -> int:
@@ -57,40 +57,58 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def pool(study: Study, chunks: Iterable[Chunk], block: int, workers: int) -> Results:
-    """Solve the chunks in so many processes of this machine.
+def _hand_out(
+    work: Plan, chunks: Iterable[Chunk], room: Callable[[], int], give: Callable[[Chunk], None],
+    take: Callable[[], tuple[Chunk, bytes | str]],
+) -> Results:  # fmt: skip
+    """Give chunks to workers as far as there is room, and yield the results.
 
-    A worker that dies is replaced, and its chunk is solved again block by block; a block at which a second worker dies
-    is given up. Raises `InputError` where workers cannot start.
+    A chunk at which a worker died is solved again at the end, one block at a time; a block at which a second one dies
+    is given up. take: waits for a chunk, and returns it with its results, or says why it has none.
     """
-    waiting, again = iter(chunks), deque[Chunk]()
+    waiting, suspects, under_way = iter(chunks), deque[Chunk](), 0
+    done: tuple[Chunk, bytes | str] | None = None
+    while True:
+        for chunk in itertools.islice(waiting, max(0, room())):
+            give(chunk)
+            under_way += 1
+        if suspects and not under_way:
+            give(suspects.popleft())
+            under_way = 1
+        if done is not None:
+            yield done  # after others were given, as storing takes time
+        if not under_way:
+            return
+        chunk, results = done = take()
+        under_way -= 1
+        if isinstance(results, str) and chunk.deaths + 1 < DEATHS:
+            suspects.extend(chunk.blocks(work.block, chunk.deaths + 1))
+            done = None
+
+
+def pool(work: Plan, chunks: Iterable[Chunk], workers: int) -> Results:
+    """Solve the chunks in so many processes of this machine. Raises `InputError` where workers cannot start."""
     started: list[Worker] = []
+
+    def give(chunk: Chunk) -> None:
+        next(worker for worker in started if worker.chunk is None).give(chunk, work.block)
+
+    def take() -> tuple[Chunk, bytes | str]:
+        busy: dict[Any, Worker] = {worker.pipe: worker for worker in started if worker.chunk}
+        worker = busy[wait(list(busy))[0]]
+        chunk, results = worker.take()
+        if results is not None:
+            return chunk, results
+        how = worker.end_reason()
+        worker.replace()
+        return chunk, f"{KILLED} ({how})"
+
     try:
         for _ in range(workers):  # each is listed at once, so that it is stopped where the next cannot start
-            started.append(Worker(study))
+            started.append(Worker(work.light))
         for worker in started:
             worker.check()
-        while True:
-            for worker in started:
-                if worker.chunk is None and (chunk := again.popleft() if again else next(waiting, None)):
-                    worker.give(chunk, block)
-            busy = {worker.pipe: worker for worker in started if worker.chunk}
-            if not busy:
-                return
-            for pipe in wait(list(busy)):
-                worker = busy[pipe]  # type: ignore[index]
-                chunk, results = worker.take()
-                if results is None:
-                    how = worker.end_reason()
-                    worker.replace()
-                    if chunk.deaths + 1 < DEATHS:
-                        again.extend(chunk.blocks(block, chunk.deaths + 1))
-                    else:
-                        yield chunk, f"{KILLED} ({how})"
-                    continue
-                if following := again.popleft() if again else next(waiting, None):
-                    worker.give(following, block)  # before the results are stored
-                yield chunk, results
+        yield from _hand_out(work, chunks, lambda: sum(worker.chunk is None for worker in started), give, take)
     finally:
         for worker in started:
             worker.stop()
@@ -104,12 +122,13 @@ AHEAD = 2  # chunks submitted for each thread of a worker: one to solve, one to 
 def cluster(work: Plan, missing: Iterable[tuple[int, int]], address: str, chunk_size: int | None) -> Results:
     """Solve the missing cases on the cluster at that address (tcp://host:port).
 
-    Where a worker dies, Dask solves its chunks again, as often as its scheduler allows, and then gives up all of them;
-    their blocks are solved at the end, one at a time, and a block at which workers die even then is given up. Raises
-    `InputError` where there is no such cluster, no worker, or a worker with other code.
+    A few chunks are submitted for each thread, so that neither side holds many. Where a worker dies, Dask solves its
+    chunks again, as often as its scheduler allows, and then gives up all of them. Raises `InputError` where there is no
+    such cluster, no worker, or a worker with other code.
     """
     try:
-        from distributed import Client
+        from distributed import CancelledError, Client, KilledWorker, as_completed
+        from distributed.comm.core import CommClosedError
     except ImportError:
         raise InputError(MISSING) from None
     _check_address(address)
@@ -118,10 +137,35 @@ def cluster(work: Plan, missing: Iterable[tuple[int, int]], address: str, chunk_
     except (OSError, ValueError, TypeError) as error:
         why = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"no Dask scheduler answers at {address}: {why}") from None
+    done, code = as_completed(loop=client.loop), code_version()
+    under_way: dict[str, Chunk] = {}
+
+    def threads() -> int:
+        return sum(client.nthreads().values())
+
+    def give(chunk: Chunk) -> None:
+        future = client.submit(_solve, work.light, chunk, work.block, code, pure=False)
+        under_way[future.key] = chunk
+        done.add(future)
+
+    def take() -> tuple[Chunk, bytes | str]:
+        future = next(done)
+        chunk = under_way.pop(future.key)
+        try:
+            results = future.result()  # Dask solves it again where the worker died before the results were fetched
+        except KilledWorker:
+            return chunk, KILLED
+        except (CancelledError, CommClosedError):
+            raise InputError(
+                "the Dask scheduler no longer answers; finished cases are kept; run the same command again to continue"
+            ) from None
+        future.release()
+        return chunk, results
+
     try:
         _check_workers(client, work.light)
-        threads = sum(client.nthreads().values())
-        yield from _hand_out(client, work, work.chunks(missing, work.chunk_size(threads, chunk_size)))
+        chunks = work.chunks(missing, work.chunk_size(threads(), chunk_size))
+        yield from _hand_out(work, chunks, lambda: AHEAD * max(1, threads()) - len(under_way), give, take)
     finally:
         client.close(timeout=2)
 
@@ -159,45 +203,3 @@ def _solve(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
         wrong = traceback.format_exc()
     # Outside the handler: Dask also sends the exception's context, and waits for ever where it cannot be sent.
     raise RuntimeError(f"in a worker of the cluster:\n{wrong}")
-
-
-def _hand_out(client: Any, work: Plan, chunks: Iterable[Chunk]) -> Results:
-    """Submit chunks and yield results; a few chunks are submitted for each thread, so that neither side holds many."""
-    from distributed import CancelledError, KilledWorker, as_completed
-    from distributed.comm.core import CommClosedError
-
-    waiting, suspects, code = iter(chunks), deque[Chunk](), code_version()
-    under_way: dict[str, Chunk] = {}
-    done = as_completed(loop=client.loop)
-
-    def hand_out(chunk: Chunk) -> None:
-        future = client.submit(_solve, work.light, chunk, work.block, code, pure=False)
-        under_way[future.key] = chunk
-        done.add(future)
-
-    def fill() -> None:
-        room = AHEAD * max(1, sum(client.nthreads().values())) - len(under_way)
-        for chunk in itertools.islice(waiting, max(0, room)):
-            hand_out(chunk)
-        if suspects and not under_way:
-            hand_out(suspects.popleft())
-
-    fill()
-    while under_way:
-        future = next(done)
-        chunk = under_way.pop(future.key)
-        try:
-            results = future.result()  # Dask solves it again where the worker died before the results were fetched
-        except KilledWorker:
-            if chunk.deaths + 1 < DEATHS:
-                suspects.extend(chunk.blocks(work.block, chunk.deaths + 1))
-                fill()
-                continue
-            results = KILLED
-        except (CancelledError, CommClosedError):
-            raise InputError(
-                "the Dask scheduler no longer answers; finished cases are kept; run the same command again to continue"
-            ) from None
-        future.release()
-        fill()
-        yield chunk, results

@@ -134,7 +134,7 @@ def is_refuted(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> bool:
 def numbers_of_law(ds: "xr.Dataset", law: Law) -> "dict[str, NDArray[np.float64]]":
     """The numbers that the formulas of a law use. Raises `InputError` for a name that is missing."""
     names = dict.fromkeys(name for formula in law.formulas.values() for name in formula.names)
-    return {name: _over_cases(ds, _number_of(ds, name)) for name in names}
+    return {name: np.asarray(schema.over_cases(ds, _number_of(ds, name)), dtype=float) for name in names}
 
 
 def numbers_of_line(ds: "xr.Dataset", law: Law, places: "list[dict[str, int]]") -> "dict[str, NDArray[np.float64]]":
@@ -147,8 +147,10 @@ def numbers_of_line(ds: "xr.Dataset", law: Law, places: "list[dict[str, int]]") 
 
 def _number_of(ds: "xr.Dataset", name: str) -> Any:
     """A number by its name in a formula: of a field, a stored variable, a stiffness or a unit."""
+    import xarray as xr
+
     if name in unit_names({key: str(ds.attrs[f"{key}_unit"]) for key in ("length", "force")}):
-        return 1.0
+        return xr.DataArray(1.0)
     if name == "torsional_stiffness":
         return schema.torsional_stiffness(str(ds.attrs["stiffness"]), ds)
     if name == "bending_stiffness":
@@ -161,14 +163,6 @@ def _number_of(ds: "xr.Dataset", name: str) -> Any:
         stored = [str(variable) for variable in ds.variables if set(ds[variable].dims) <= set(ds["outcome"].dims)]
         raise InputError(f"the dataset stores no number {name!r} of each case; available: {choices(stored)}")
     return ds[key]
-
-
-def _over_cases(ds: "xr.Dataset", values: Any) -> "NDArray[np.float64]":
-    outcome = ds["outcome"]
-    if isinstance(values, float):
-        return np.full(outcome.shape, values)
-    over = values.broadcast_like(outcome).transpose(*outcome.dims)
-    return np.asarray(over.values, dtype=float)
 
 
 def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":

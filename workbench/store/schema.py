@@ -114,6 +114,11 @@ def axes_of(ds: "xr.Dataset") -> list[str]:
     return [str(dim) for dim in ds["outcome"].dims]
 
 
+def over_cases(ds: "xr.Dataset", values: "xr.DataArray") -> "xr.DataArray":
+    """The values over all axes of the cases, in their order."""
+    return values.broadcast_like(ds["outcome"]).transpose(*ds["outcome"].dims)
+
+
 def own_dimension(study: "Study", field: str) -> str:
     """The dimension along which a field of the study varies: its own, or that of the samples."""
     return SAMPLE if field in study.sampled else dimension(field)

@@ -105,7 +105,7 @@ def process(target: Callable[..., None], *args: Any) -> tuple[BaseProcess, Conne
     ours, theirs = context.Pipe()
     child: BaseProcess = context.Process(target=target, args=(theirs, *args), daemon=True)
     try:
-        with _one_thread(), _interrupts_held():
+        with _as_workers():
             child.start()
     except (EOFError, ConnectionError):  # which of them depends on when it ended
         raise InputError("a worker process cannot start: the process from which it is forked has ended") from None
@@ -119,7 +119,7 @@ def get_ready() -> None:
     """Start the server process from which workers are forked; it imports the code while this process goes on."""
     if FORKED:
         _context()
-        with _one_thread(), _interrupts_held():
+        with _as_workers():
             forkserver.ensure_running()
 
 
@@ -159,29 +159,24 @@ def _work(pipe: Connection, study: Study, code: str) -> None:
 
 
 @contextmanager
-def _one_thread() -> Iterator[None]:
-    """Processes started in the body use one thread each, unless the environment says otherwise."""
+def _as_workers() -> Iterator[None]:
+    """Processes started in the body use one thread each, unless the environment says otherwise, and ignore Ctrl-C.
+
+    A terminal sends that to all: their run ends them.
+    """
     ours = [name for name in ONE_THREAD if name not in os.environ]
     os.environ.update(dict.fromkeys(ours, "1"))
+    masks = hasattr(signal, "pthread_sigmask")
+    if masks:
+        resource_tracker.ensure_running()  # its own start would unblock the signal
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
+        if masks:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for name in ours:
             del os.environ[name]
-
-
-@contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Processes started in the body ignore Ctrl-C, which a terminal sends to all: their run ends them."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    resource_tracker.ensure_running()  # its own start would unblock the signal
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 # Of malloc.h. The sizes are the largest that glibc itself would choose after such arrays were freed.
