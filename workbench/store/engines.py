@@ -138,7 +138,7 @@ def cluster(work: Plan, missing: Iterable[tuple[int, int]], address: str, chunk_
         why = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"no Dask scheduler answers at {address}: {why}") from None
     done, code = as_completed(loop=client.loop), code_version()
-    under_way: dict[str, Chunk] = {}
+    under_way: dict[Any, Chunk] = {}
 
     def threads() -> int:
         return sum(client.nthreads().values())

@@ -166,14 +166,14 @@ def _as_workers() -> Iterator[None]:
     """
     ours = [name for name in ONE_THREAD if name not in os.environ]
     os.environ.update(dict.fromkeys(ours, "1"))
-    masks = hasattr(signal, "pthread_sigmask")
-    if masks:
+    before = None
+    if hasattr(signal, "pthread_sigmask"):
         resource_tracker.ensure_running()  # its own start would unblock the signal
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        if masks:
+        if before is not None:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for name in ours:
             del os.environ[name]
