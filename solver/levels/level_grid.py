@@ -43,8 +43,8 @@ class LevelGrid:
         """Pin, sign and the two y of the levels between point k and the next; None beside a saddle's own height."""
         if self.place[k] or self.place[k + 1]:
             return None
-        one, y = self.levels, self.levels.y
-        return int(one.pin[k + 1]), float(one.sign[k + 1]), float(y[k]), float(y[k + 1])
+        levels, y = self.levels, self.levels.y
+        return int(levels.pin[k + 1]), float(levels.sign[k + 1]), float(y[k]), float(y[k + 1])
 
 
 def boundary_of(problem: EndsProblem) -> Boundary:
@@ -52,9 +52,9 @@ def boundary_of(problem: EndsProblem) -> Boundary:
 
     `pins`, `falls` and `deepest` are left to `level_grid_of`.
     """
-    found = critical_points(problem)
-    angles = found.beta[0, : found.count[0]]
-    helix = helix_of(problem, found)
+    critical = critical_points(problem)
+    angles = critical.beta[0, : critical.count[0]]
+    helix = helix_of(problem, critical)
     ends = [float(problem.beta0[0]), float(problem.betaL[0])]
     rising = ends[0] <= ends[1]
     around = [wrap(b) for b in sorted(ends)]
@@ -66,7 +66,7 @@ def boundary_of(problem: EndsProblem) -> Boundary:
     whole_turns = round((max(ends) - min(ends) - rest) / TAU)
     behind = [int(np.count_nonzero(angles <= b)) - 1 for b in (low, high)]
     passed = behind[1] - behind[0] + (angles.size if high < low else 0)
-    return Boundary(problem, found, low, high, whole_turns, passed, rising, np.empty(0), np.empty((0, 2)), LOWEST)
+    return Boundary(problem, critical, low, high, whole_turns, passed, rising, np.empty(0), np.empty((0, 2)), LOWEST)
 
 
 def _apart(a: Array, b: Array) -> Array:
@@ -117,7 +117,7 @@ def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelG
     if blank.whole_turns > 0 or blank.high != blank.low:
         reach = abs(float(problem.betaL[0] - problem.beta0[0])) / float(problem.span[0])
         tops.append(np.log((2 * reach) ** 2 + 1e-3 * height_scale(problem)))
-    lowest = min([*tops, *(f for some in features for f in some)])
+    lowest = min([*tops, *(f for feature in features for f in feature)])
     deepest = max(LOWEST, lowest - (80 if at_end else 40))
     boundary = replace(blank, pins=pins, falls=falls, deepest=deepest)
     shelves = [[_beside(sign * gap, size, step) for sign in (1, -1)] for gap in gaps]
@@ -133,9 +133,9 @@ def _levels_between(
     def add(pin: int, sign: float, y: Array, place: bool = False) -> None:
         rows.append((np.full(y.size, pin), np.full(y.size, sign), y, np.full(y.size, place)))
 
-    here = np.array([deepest])
+    height = np.array([deepest])
     for k, top in enumerate(tops):
-        add(k, 1.0, here, True)
+        add(k, 1.0, height, True)
         up = grid_levels(top, features[k], shelves[k][0], deepest, step)[::-1]
         if at_end and k == 0:  # next to rest the times are linear in beta_t at that end
             law = min([top, *features[0]]) - 36
@@ -144,7 +144,7 @@ def _levels_between(
         if k < groups:
             add(k + 1, -1.0, grid_levels(top, features[k + 1], shelves[k + 1][1], deepest, step)[1:])
     if len(tops) == groups and groups:
-        add(groups, -1.0, here, True)
+        add(groups, -1.0, height, True)
     if not rows:  # no level joins the ends but a helix's own
         empty = np.empty(0)
         return LevelGrid(Levels(empty.astype(int), empty, empty), empty.astype(bool), at_end)
@@ -189,10 +189,10 @@ def _shelves(problem: EndsProblem) -> tuple[Array, Array]:
 def _beside(gap: Array, size: Array, step: float) -> Array:
     """Values of log gap on both sides of the shelves whose peak is narrower than the grid; gap: above the pin."""
     out = [np.empty(0)]
-    for one, w in zip(gap, size, strict=True):
-        if 0 < w < step * one:
-            off = w / 8 * np.exp(np.arange(0.0, np.log(8 * step * one / w), 2 * step))
-            out.append(np.log(np.concatenate([[one], one - off, one + off])))
+    for depth, w in zip(gap, size, strict=True):
+        if 0 < w < step * depth:
+            off = w / 8 * np.exp(np.arange(0.0, np.log(8 * step * depth / w), 2 * step))
+            out.append(np.log(np.concatenate([[depth], depth - off, depth + off])))
     return np.concatenate(out)
 
 

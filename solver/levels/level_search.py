@@ -118,14 +118,14 @@ def search_levels(
     Found or None
         None where no equilibrium was found.
     """
-    found = None
+    result = None
     if not _fits(problem):
         return None
     for step in (0.25, 0.0625):
-        found = _search(problem, most_periods, most_turns, step)
-        if found is not None and not found.remark.startswith(_COUNT):
+        result = _search(problem, most_periods, most_turns, step)
+        if result is not None and not result.remark.startswith(_COUNT):
             break
-    return found
+    return result
 
 
 _COUNT = "incomplete"
@@ -240,13 +240,13 @@ def near_misses(problem: EndsProblem, most_periods: int) -> tuple[int, Counter[t
     count = brackets_on_grid(boundary, grid, seen, every, 0)[0].path.size
     off = seen.lengths(every.counts(boundary.rising)) - problem.span[0]
     off[:, grid.place] = np.nan
-    before, here, after = off[:, :-2], off[:, 1:-1], off[:, 2:]
+    before, middle, after = off[:, :-2], off[:, 1:-1], off[:, 2:]
     with np.errstate(invalid="ignore"):
-        least = (here > 0) & (here < before) & (here <= after)
-        largest = (here < 0) & (here > before) & (here >= after)
+        least = (middle > 0) & (middle < before) & (middle <= after)
+        largest = (middle < 0) & (middle > before) & (middle >= after)
     ways = list(zip(every.leaving.tolist(), every.turns.tolist(), strict=True))
     sides = ((True, least), (False, largest))
-    return count, Counter((*ways[n], above) for above, some in sides for n in np.nonzero(some)[0])
+    return count, Counter((*ways[n], above) for above, side in sides for n in np.nonzero(side)[0])
 
 
 def roots_on(boundary: Boundary, grid: LevelGrid, some: Paths) -> Roots:
@@ -257,9 +257,9 @@ def roots_on(boundary: Boundary, grid: LevelGrid, some: Paths) -> Roots:
 
 def level_paths_of(boundary: Boundary, roots: Roots, helix: Any) -> tuple[LevelPaths, Array]:
     """Level and path of each root, the helix last; and whether its length grows with the level, NaN for the helix."""
-    levels, some = roots.levels, roots.paths
+    levels, paths = roots.levels, roots.paths
     columns: list[Any] = [boundary.pins[levels.pin], levels.sign, levels.y]
-    columns += [some.leaving, some.turns, np.zeros(levels.y.size, dtype=bool)]
+    columns += [paths.leaving, paths.turns, np.zeros(levels.y.size, dtype=bool)]
     lengthens = roots.lengthens.astype(float)
     if helix is not None:
         mark = (helix[0], 1.0, -np.inf, 0, 0, True)
@@ -302,10 +302,10 @@ def brackets_on_grid(
         return Brackets(none.astype(int), none, none, none, none.astype(int), none.astype(bool)), 0
     off = seen.lengths(counts) - boundary.problem.span[0]
     rate = seen.rates(counts)
-    for own in np.flatnonzero(grid.place):  # at a saddle's own height the length is infinite, or continuous
-        sides = [rate[:, j] for j in (own - 1, own + 1) if 0 <= j < levels.y.size]
+    for saddle in np.flatnonzero(grid.place):  # at a saddle's own height the length is infinite, or continuous
+        sides = [rate[:, j] for j in (saddle - 1, saddle + 1) if 0 <= j < levels.y.size]
         steep = np.fmax.reduce(sides) > 0
-        off[:, own] = np.where(steep, np.inf, off[:, own] if own else np.nan)
+        off[:, saddle] = np.where(steep, np.inf, off[:, saddle] if saddle else np.nan)
     known, above = _above(off, boundary.problem.span[0])
     n, k = np.nonzero(known[:, :-1] & known[:, 1:] & (above[:, :-1] != above[:, 1:]))
     beside = grid.place[k] | grid.place[k + 1]
@@ -357,8 +357,8 @@ def _dips(boundary: Boundary, grid: LevelGrid, some: Paths, off: Array) -> tuple
         cells = grid.cell(int(k) - 1), grid.cell(int(k))
         if None in cells:
             continue
-        found, more = _dip(boundary, cells, counts[n], bool(off[n, k] > 0))
-        out += [(*cell, int(n), rises) for cell, rises in found]
+        dip, more = _dip(boundary, cells, counts[n], bool(off[n, k] > 0))
+        out += [(*cell, int(n), rises) for cell, rises in dip]
         calls += more
     columns = zip(*out, strict=True) if out else iter([()] * 6)
     kinds = (int, float, float, float, int, bool)
@@ -423,8 +423,8 @@ class Census:
 
 def census(problem: EndsProblem) -> Census:
     """The equilibria of one ends problem (of size 1)."""
-    found = _count(problem, 0.25)
-    return found if found.complete else _count(problem, 0.0625)
+    count = _count(problem, 0.25)
+    return count if count.complete else _count(problem, 0.0625)
 
 
 def _count(problem: EndsProblem, step: float) -> Census:

@@ -48,9 +48,9 @@ class LinePoint:
     def __init__(self, problem: EndsProblem) -> None:
         self.problem = problem
         self.blank = boundary_of(problem)
-        found = self.blank.found
-        self.angles = found.beta[0, : found.count[0]]
-        self.saddles = self.angles[~found.centre[0, : found.count[0]]]
+        critical = self.blank.found
+        self.angles = critical.beta[0, : critical.count[0]]
+        self.saddles = self.angles[~critical.centre[0, : critical.count[0]]]
         self.start, self.end = (self.blank.low, self.blank.high)[:: 1 if self.blank.rising else -1]
 
     @property
@@ -61,8 +61,8 @@ class LinePoint:
     @property
     def helix(self) -> Path | None:
         """The rod that is a helix from end to end, where there is one."""
-        found = helix_of(self.problem, self.blank.found)
-        return None if found is None else Path(found[0], 1.0, -np.inf, 0, 0, True)
+        helix = helix_of(self.problem, self.blank.found)
+        return None if helix is None else Path(helix[0], 1.0, -np.inf, 0, 0, True)
 
     def fall(self, pin: float, beta: float) -> float:
         """G(pin) - G(beta)."""

@@ -88,12 +88,12 @@ def index_at_stations(problem: Reduced, t: Array, beta: Array, rate: Array) -> A
         steps = 2 * np.maximum(12 * problem.span * quickest, 400)
     for i in np.flatnonzero(dense & (steps <= _MOST) & (t.shape[1] >= 5)):
         counts = []
-        for some in (slice(None), np.unique([*range(0, t.shape[1], 2), t.shape[1] - 1])):
+        for stations in (slice(None), np.unique([*range(0, t.shape[1], 2), t.shape[1] - 1])):
             n = int(steps[i])
             even = np.linspace(0, problem.span[i], n + 1)
-            shape = scipy.interpolate.CubicHermiteSpline(t[i, some], beta[i, some], rate[i, some])(even)
-            one = problem.take(slice(i, i + 1))
-            counts.append(int(morse_index(one, problem.span[i : i + 1] / n, shape[None])[0]))
+            shape = scipy.interpolate.CubicHermiteSpline(t[i, stations], beta[i, stations], rate[i, stations])(even)
+            rod = problem.take(slice(i, i + 1))
+            counts.append(int(morse_index(rod, problem.span[i : i + 1] / n, shape[None])[0]))
         index[i] = counts[0] if counts[0] == counts[1] else np.nan
     return index
 

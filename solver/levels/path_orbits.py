@@ -104,10 +104,10 @@ def _starts(problem: EndsProblem, boundary: Boundary, path: LevelPaths) -> tuple
     deep = excess > 0
     if not deep.any():
         return start, gap, excess, pin
-    some = Paths(path.leaving[moves], path.turns[moves])
+    moving = Paths(path.leaving[moves], path.turns[moves])
     seen = transit_times(boundary, Levels(pin, path.sign[moves], path.y[moves]), deep=False)
     span = start.span.copy()
-    span[moves] = np.where(deep[moves], seen.lengths_along(some.counts(boundary.rising)), span[moves])
+    span[moves] = np.where(deep[moves], seen.lengths_along(moving.counts(boundary.rising)), span[moves])
     return replace(start, span=span), gap, excess, pin
 
 

@@ -169,11 +169,11 @@ class TransitTimes:
 
 def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> TransitTimes:
     """The times at M levels. deep: continue them below `boundary.deepest`, else take those at `deepest`."""
-    found = core.transit_times(boundary, levels.pin, levels.sign, levels.y, deep, NODES, CUTTING)
-    if found is None:  # the loads are not finite
+    answer = core.transit_times(boundary, levels.pin, levels.sign, levels.y, deep, NODES, CUTTING)
+    if answer is None:  # the loads are not finite
         nothing = np.full((3, levels.y.size), np.nan)
         return TransitTimes(nothing, nothing, np.zeros(levels.y.size, dtype=bool), 0)
-    return TransitTimes(*found)
+    return TransitTimes(*answer)
 
 
 def half_passages(pieces: Pieces, gap: Array) -> Array:
@@ -183,6 +183,6 @@ def half_passages(pieces: Pieces, gap: Array) -> Array:
     it, else 0. gap: (B,), of the problem of each piece, arc // 2.
     """
     far = np.abs(np.abs(pieces.level) - np.abs(gap[pieces.arc // 2]))
-    own = (pieces.kind != CENTRE) & (far < 1e-9 * np.abs(pieces.level))
-    share = np.where(own, 0.5 / np.sqrt(np.maximum(pieces.bend, 1e-30)), 0.0)
+    at_saddle = (pieces.kind != CENTRE) & (far < 1e-9 * np.abs(pieces.level))
+    share = np.where(at_saddle, 0.5 / np.sqrt(np.maximum(pieces.bend, 1e-30)), 0.0)
     return np.stack([np.where(pieces.u0 == 0, share, 0.0), np.where(pieces.u1 == 0, share, 0.0)])
