@@ -322,3 +322,16 @@ def test_a_line_now_and_then_where_nobody_watches_and_json_for_programs(monkeypa
     told = [json.loads(row) for row in rows]
     assert [(row["done"], row["cases"], row["unsolved"]) for row in told] == [(98, 150, 0), (146, 150, 2)]
     assert {"per_second", "seconds_left"} <= set(told[0])
+
+
+@pytest.mark.slow
+def test_a_worker_ends_with_the_run_that_was_killed(tmp_path) -> None:
+    runs.study(tmp_path, GRID)
+    before = TELLING.replace("time.sleep(60)", "time.sleep(1)")
+    with runs.start(tmp_path, "many.toml", "--workers", 2, "--chunk", 16, before=before) as process:
+        worker = int(awaited(tmp_path / "worker", process))
+        process.kill()
+    until = time.monotonic() + 600
+    while alive(worker):
+        assert time.monotonic() < until
+        time.sleep(0.05)

@@ -466,3 +466,17 @@ def test_on_a_phone_the_page_is_no_wider_than_the_screen(shown) -> None:
         "Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
     )
     assert shown.execute_script("return document.documentElement.scrollWidth") == 390
+
+
+@pytest.mark.slow
+def test_a_turntable_comes_back_after_a_lost_drawing_context(shown) -> None:
+    shown.execute_script(f"document.querySelector('{FIGURE}').scrollIntoView()")
+    before = seen_in(shown)
+    canvas = f"document.querySelector('{FIGURE} canvas.rod')"
+    shown.execute_script(f"window.lose = {canvas}.getContext('webgl2').getExtension('WEBGL_lose_context')")
+    told = f"document.querySelector('{FIGURE} .lost').textContent"
+    shown.execute_script("lose.loseContext()")
+    until(shown, f"return {told}.includes('stopped drawing')")
+    shown.execute_script("lose.restoreContext()")
+    until(shown, f"return {told} === ''")
+    np.testing.assert_allclose(seen_in(shown), before, atol=0.02)

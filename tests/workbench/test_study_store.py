@@ -399,3 +399,41 @@ def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path)
         assert good["turns"].dtype == np.int64
         assert bad["turns"].dtype == np.float64
         assert np.isnan(bad["turns"]).all()
+
+
+DAMAGE = {
+    "cut short": lambda content: content[: len(content) // 2],
+    "empty": lambda content: b"",
+    "a byte flipped in the middle": lambda content: _flipped(content, len(content) // 2),
+    "a byte flipped in the digest": lambda content: _flipped(content, 3),
+    "the last bit flipped": lambda content: _flipped(content, len(content) - 1),
+    "without a checksum": lambda content: content[32:],
+}
+
+
+@pytest.mark.parametrize("damage", slow_but(DAMAGE, "empty", "the last bit flipped"))
+def test_a_damaged_shard_is_found_and_solved_again(damage, whole, tmp_path, monkeypatch) -> None:
+    path = runs.study(tmp_path, GRID)
+    shard = kept(path, monkeypatch) / "000000000000-000000000064.shard"
+    shard.write_bytes(DAMAGE[damage](shard.read_bytes()))
+    solved = counted(monkeypatch)
+    run_to_file(load(path), tmp_path / "many.h5", Options(workers=1))
+    assert solved == [64]
+    assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
+
+
+def test_a_grown_study_that_was_stopped_goes_on(half, monkeypatch) -> None:
+    runs.study(half.parent, {"E": [1e4, 2e4, 3e4, 4e4], "F1": FORCES.tolist()})
+    folder = kept(half, monkeypatch)
+    assert len(list(folder.glob("*.shard"))) == 2
+    assert run_to_file(load(half), half.with_suffix(".h5")).solved == 0
+    with xr.open_dataset(half.with_suffix(".h5")) as ds:
+        assert ds["E"].values.tolist() == [1e4, 2e4, 3e4, 4e4]
+        assert (ds["outcome"] == "solved").all()
+
+
+def test_a_study_does_not_grow_with_other_code(half, monkeypatch) -> None:
+    runs.study(half.parent, {"E": [1e4, 2e4, 3e4], "F1": FORCES.tolist()})
+    monkeypatch.setattr(recipe, "code_version", lambda: "0.2.0+new")
+    with pytest.raises(InputError, match=r"holds part of this study, but code was .*, now 0\.2\.0\+new; use --restart"):
+        run_to_file(load(half), half.with_suffix(".h5"))

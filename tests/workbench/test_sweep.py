@@ -262,3 +262,13 @@ def test_past_a_fold_the_cases_are_of_another_branch_and_say_so() -> None:
     (law,) = law_verdicts.verdicts(ds)
     assert law["verdict"] in (UNDECIDED, FAILS)
     assert "crosses to another branch of equilibria" in law["reason"]
+
+
+@pytest.mark.slow
+def test_a_wire_pushed_into_a_tube_is_not_turned_back_because_the_axis_goes_far() -> None:
+    base = {"E": 6e4, "nu": 0.3, "a": 0.25, "L": 120.0, "R": 2.0, "side": "inside", "beta0": 0.0, "betaL": 0.0}
+    for last in (-10.0, -200.0):
+        forces = small.axis("FZ", [0.0, -5.0, 0.6 * last, 0.75 * last, last])
+        ds = in_memory.run(loads(small.text(base, forces, "mm N", observables=["height", "push_max"]), "text", "wire"))
+        assert float(ds["height"].sel(FZ=-5.0)) == pytest.approx(117.7948, abs=1e-4)
+        assert float(ds["push_max"].sel(FZ=-5.0)) == pytest.approx(0.182, abs=5e-4)
