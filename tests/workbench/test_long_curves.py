@@ -9,7 +9,7 @@ import xarray as xr
 
 from studies.language.loader import loads
 from tests.workbench import small
-from workbench.figures import drawn_numbers, long_curve, study_figure, unrolled
+from workbench.figures import drawn_numbers, study_figure, unrolled
 from workbench.figures.drawn_rods import DrawnRod
 from workbench.figures.sheet import sheet
 from workbench.store import in_memory
@@ -32,25 +32,25 @@ def helix(length: float, pitch: float, rho: float = 0.05) -> DrawnRod:
 
 
 def test_only_a_rod_that_would_be_a_hair_is_set_in_lines() -> None:
-    assert long_curve.lines_for(helix(300, 9.0), ROOM) is not None
-    assert long_curve.lines_for(helix(5, 9.0), ROOM) is None  # 25 diameters high
-    assert long_curve.lines_for(helix(300, 0.3), ROOM) is None  # as wide as it is high: it is seen in one piece
+    assert unrolled.lines_for(helix(300, 9.0), ROOM) is not None
+    assert unrolled.lines_for(helix(5, 9.0), ROOM) is None  # 25 diameters high
+    assert unrolled.lines_for(helix(300, 0.3), ROOM) is None  # as wide as it is high: it is seen in one piece
 
 
 def test_the_lines_show_all_of_a_rod_each_from_where_the_one_above_ends() -> None:
     curve = helix(300, 9.0)
-    found = long_curve.lines_for(curve, ROOM)
+    found = unrolled.lines_for(curve, ROOM)
     assert found is not None
     assert found.count * found.each == pytest.approx(300)
     assert found.every == found.each
-    assert found.scale * found.wide >= long_curve.THINNEST
+    assert found.scale * found.wide >= unrolled.THINNEST
     assert found.height <= ROOM[1] * (1 + 1e-9)
     assert found.scale * np.ptp(curve["z"]) / found.count <= ROOM[0]
-    fewer = long_curve.lines_for(curve, (1.0, 0.3))  # no room for all
+    fewer = unrolled.lines_for(curve, (1.0, 0.3))  # no room for all
     assert fewer is not None
     assert fewer.count * fewer.each < 300
     assert fewer.every * (fewer.count - 1) + fewer.each == pytest.approx(300)  # the last line has the end
-    assert long_curve.said(fewer, curve["s"], "m")[1].startswith(f"Only {fewer.count} pieces of ")
+    assert fewer.said()[1].startswith(f"Only {fewer.count} pieces of ")
 
 
 def test_each_point_of_a_line_is_on_the_rod_and_inside_the_line(pipe) -> None:

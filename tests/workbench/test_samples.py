@@ -13,7 +13,7 @@ from studies.language.loader import loads
 from tests.workbench import runs, small
 from tests.workbench.command import run
 from workbench.commands import study_scene
-from workbench.figures import canvas, scatter, study_figure
+from workbench.figures import canvas, study_figure, trends
 from workbench.figures.sheet import SCREEN
 from workbench.scene import scene_kinds
 from workbench.store import file_merge, in_memory, reading, selection, stored_case, writing
@@ -233,7 +233,7 @@ def test_a_scene_of_one_sample_solves_that_sample_alone(tmp_path) -> None:
 
 def drawn(ds: xr.Dataset) -> list:
     names = selection.observables(ds)
-    return canvas.page(None, SCREEN, scatter.rows(ds, names, 9.0, narrow=False)).axes
+    return canvas.page(None, SCREEN, trends.samples(ds, names, 9.0, narrow=False)[0]).axes
 
 
 def test_unsolved_samples_are_crosses_and_no_points(stored: Path) -> None:
@@ -246,7 +246,7 @@ def test_unsolved_samples_are_crosses_and_no_points(stored: Path) -> None:
 
 
 def test_many_samples_are_drawn_as_a_density_of_them_all(monkeypatch, stored: Path) -> None:
-    monkeypatch.setattr(scatter, "MANY", 30)
+    monkeypatch.setattr(trends, "MANY", 30)
     for panel in drawn(reading.read(stored)):
         (mesh,) = panel.collections
         assert mesh.get_array().sum() == 40
@@ -267,6 +267,6 @@ def test_a_column_of_other_dimensions_is_no_row(stored: Path) -> None:
 
 def test_few_samples_or_one_value_have_no_rank_correlation() -> None:
     x = np.arange(9.0)
-    assert scatter.rank_correlation(x, x**3) == pytest.approx(1.0)
-    assert scatter.rank_correlation(x, 0 * x) is None
-    assert scatter.rank_correlation(x[:5], x[:5]) is None
+    assert trends.rank_correlation(x, x**3) == pytest.approx(1.0)
+    assert trends.rank_correlation(x, 0 * x) is None
+    assert trends.rank_correlation(x[:5], x[:5]) is None

@@ -17,10 +17,9 @@ from studies.grammar.axes import SAMPLE
 
 from ..store import law_verdicts, refined, schema, selection
 from ..words import cautions, labels
-from . import along, canvas, drawn_rods, legend, scatter, unrolled
+from . import along, canvas, drawn_rods, legend, trends, unrolled
 from .laws import panel
 from .sheet import SCREEN, Sheet
-from .trends import trend
 
 LAW_HEIGHT, TALL_LAW, LEAST_LAW, LEAST_LINE = 3.2, 3.8, 2.4, 1.5  # inches; the second beside curves
 ONE_ROD = 0.55  # the share of the least height of a narrow panel of one rod
@@ -108,7 +107,7 @@ def figure(
     def law_of(one: Any, ax: Axes) -> canvas.Said:
         if not isinstance(one, str):
             return [panel(ds, ax, one)]
-        trend(ds, ax, one, axis_of_trends).set_label(labels.long_name(ds[one]))
+        trends.trend(ds, ax, one, axis_of_trends).set_label(labels.long_name(ds[one]))
         legend.add(ax)
         return []
 
@@ -124,12 +123,14 @@ def figure(
                         for one, view, law in zip(strips_of, views, laws_of, strict=False)]  # fmt: skip
     else:
         lines += canvas.in_rows(laws_of, min(across, count), below / max(-(-count // across), 1))
+    said = []
     if sampled:
         wide = sheet.style == SCREEN.style and not sheet.narrow
-        width = max(width, scatter.LEAST_WIDTH * len(scatter.fields_of(ds)) + 0.8) if wide else width
-        lines += scatter.rows(ds, sampled, width, sheet.narrow)
+        width = max(width, trends.LEAST_WIDTH * len(trends.fields_of(ds)) + 0.8) if wide else width
+        diagrams, sentence = trends.samples(ds, sampled, width, sheet.narrow)
+        lines, said = lines + diagrams, [sentence]
     rest = cautions.restable(ds)
-    said = [*([scatter.said(ds)] if sampled else []), *[f"{rest[:1].upper()}{rest[1:]}."] * bool(rest), *chosen.level]
+    said += [*[f"{rest[:1].upper()}{rest[1:]}."] * bool(rest), *chosen.level]
     ratios = (BESIDE, 1 - BESIDE) if beside else None
     fig = canvas.page(ds, sheet, lines, said, 0.3 * bool(sampled), width=width, ratios=ratios)
     left_out = [f"Not drawn: {', '.join(chosen.left_out)}; choose with --show or --panel."] * bool(chosen.left_out)

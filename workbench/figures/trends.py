@@ -1,21 +1,32 @@
-"""An observable of a stored study against one of its axes."""
+"""An observable of a stored study against one of its axes, and samples: each observable against each sampled field."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from numpy.typing import NDArray
 
 from solver.problem.errors import no_such
+from studies.grammar.axes import SAMPLE
 from studies.laws.line_verdicts import FAILS
 
-from ..store import selection
+from ..store import schema, selection
 from ..words import labels
-from . import colours, fonts
+from . import canvas, colours, fonts
 from .scales import SPARE, WIDE, RoomLocator, is_geometric, set_scale
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
+ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel of samples; of all
+NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches of a panel at least; of ticks and label
+FEW, MANY = 300, 4000  # samples up to which a dot is large, and beyond which the density is drawn
+LEAST = 8  # samples of which a rank correlation says something
+BINS = (90, 60)  # of the density
+
+Values = NDArray[np.float64]
 
 
 def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:
@@ -26,22 +37,27 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     if observable not in ds:
         raise no_such("observable", observable, [str(name) for name in ds.data_vars])
     order = selection.line(ds, axis, at)
-    along = labels.in_label_unit(ds[axis], ds[axis].values[[where[axis] for where in order]])
-    lines = ds[observable].transpose(..., axis).isel({axis: [where[axis] for where in order]})
+    on = {axis: [where[axis] for where in order]}
+    along = labels.in_label_unit(ds[axis], ds[axis].values[on[axis]])
+    lines = ds[observable].transpose(..., axis).isel(on)
     lines = lines.copy(data=labels.in_label_unit(ds[observable], lines.values))
     others = {name: i for name, i in order[0].items() if name != axis}
     values = lines.isel(others).values.astype(float)
-    look: dict[str, Any] = {"drawstyle": "steps-mid"} if selection.is_count(ds, observable) else {}
+    is_count = selection.is_count(ds, observable)
+    look: dict[str, Any] = {"drawstyle": "steps-mid"} if is_count else {}
     for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 else ():
         ax.plot(along, line, color=colours.FAINT, linewidth=1, zorder=1, **look)
-    ax.plot(*_broken(along, values, _branches(ds, order)), color=colours.DATA, linewidth=1.2, zorder=2, **look)
+    broken = np.empty(0, dtype=int)  # a line has a gap wherever the branch changes
+    if "branch" in ds and set(ds["branch"].dims) == set(order[0]):
+        broken = np.flatnonzero(np.diff(ds["branch"].isel(others | on).values)) + 1
+    ax.plot(*(np.insert(numbers, broken, np.nan) for numbers in (along, values)), color=colours.DATA, linewidth=1.2,
+            zorder=2, **look)  # fmt: skip
     if along.size <= MOST_DOTS:
         ax.scatter(along, values, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
-    unsolved = ~np.isfinite(values)
-    if unsolved.any():
-        ax.plot(along[unsolved], np.zeros(unsolved.sum()), "x", color=colours.VERDICTS[FAILS], clip_on=False,
-                transform=ax.get_xaxis_transform(), label="unsolved")  # fmt: skip
-    _scale(ax, ds, axis, along)
+    _mark_unsolved(ax, along[~np.isfinite(values)], label="unsolved")
+    low, high = float(along.min()), float(along.max())
+    refined_so = ds[axis].attrs.get("spacing") == "geometric" and low > 0 and high > WIDE * low
+    set_scale(ax.xaxis, (low, high), refined_so or is_geometric(along), SPARE)
     if "fold" in ds and axis == ds.attrs.get("followed") and np.isfinite(ds["fold"]):
         ax.axvline(float(np.degrees(ds["fold"])), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     words = [axis_label(ds, axis, others, long) for long in (True, False)]
@@ -49,14 +65,12 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     ax.set_ylabel(fonts.shorter([labels.label(ds[observable], long) for long in (True, False)], fonts.inches(ax)[1]))
     ax.margins(y=0.1)
     drawn = lines.values[np.isfinite(lines.values)]
-    if selection.is_count(ds, observable):
+    if is_count:
         ax.yaxis.set_major_locator(RoomLocator("counts"))
         if drawn.size and np.ptp(drawn) < 2:
             count = round(float(drawn.mean()))
             ax.set_ylim(max(count - 2, min(count, 0) - 0.5), count + 2)
-    elif (
-        drawn.size and np.ptp(drawn) and selection.is_level(ds, observable)
-    ):  # what rounding and errors allow is no news
+    elif drawn.size and np.ptp(drawn) and selection.is_level(ds, observable):  # what rounding allows is no news
         middle = float(drawn.mean())
         half = max(0.1 * abs(middle), 10 * np.ptp(drawn))
         ax.set_ylim(middle - half, middle + half)
@@ -69,21 +83,94 @@ def axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = Tr
     return labels.axis_label(axis, ds[axis], long) + (f", at {held}" if held else "")
 
 
-def _branches(ds: xr.Dataset, order: Sequence[dict[str, int]]) -> Any:
-    """The number of the branch of each case; None where the dataset has none."""
-    if "branch" not in ds or set(ds["branch"].dims) != set(order[0]):
+def _mark_unsolved(ax: Axes, at: Values, **look: Any) -> None:
+    """A cross on the lower edge at each value whose case is not solved."""
+    if at.size:
+        ax.plot(at, np.zeros(at.size), "x", color=colours.VERDICTS[FAILS], clip_on=False,
+                transform=ax.get_xaxis_transform(), **look)  # fmt: skip
+
+
+def fields_of(ds: xr.Dataset) -> list[str]:
+    """The sampled fields, as the dataset names them: the columns of the diagrams of samples."""
+    return [schema.dimension(name) for name in schema.fields_of_samples(ds)]
+
+
+def samples(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) -> tuple[list[canvas.Row], str]:
+    """Each of these observables against each sampled field, in rows of panels of a figure of so many inches.
+
+    Beside samples the dataset may have axes: they are held where the laws or Table 1 put them. Each panel says the rank
+    correlation (Spearman) of its two quantities, over the solved samples. Returns the rows, and a sentence about them.
+    """
+    held = {axis: i for axis, i in selection.case(ds).items() if axis != SAMPLE}
+    every, most, high = fields_of(ds), max(int((width - BESIDE) / LEAST_PANEL), 1), NARROW_ROW if narrow else ROW_HEIGHT
+    blocks = [every[i : i + most] for i in range(0, len(every), most)]
+    whole = min(len(blocks) * (high * len(names) + 0.5), max(TALLEST, 1.1 * len(blocks) * len(names)))
+    across = len(blocks[0])
+    room = (width - BESIDE) / across - 0.1
+
+    def draw(name: str, field: str, fields: list[str], ax: Axes) -> None:
+        ax.set_label(f"{name} against {field}")
+        _draw_samples(ds.isel(held), ax, name, field, room)
+        ax.tick_params(labelleft=field == fields[0], labelbottom=name == names[-1])
+        if name == names[-1]:
+            words = [labels.axis_label(field, ds[field], long) for long in (True, False)]
+            ax.set_xlabel(fonts.shorter(words, room))
+        if field == fields[0]:
+            words = [fonts.break_lines(labels.label(ds[name], long), 1.2) for long in (True, False)]
+            ax.set_ylabel(words[words[0].count("\n") > 1])
+
+    rows = [
+        row
+        for fields in blocks for name in names
+        for row in canvas.in_rows([partial(draw, name, field, fields) for field in fields], across,
+                                  whole / len(names) / len(blocks))
+    ]  # fmt: skip
+    count, at = ds.sizes[SAMPLE], labels.equations(ds, held)
+    dense = "; the darker, the more samples" if count > MANY else ""
+    return rows, f"{count} sample{'s' * (count != 1)}{f', at {at}' if at else ''}; r: rank correlation{dense}."
+
+
+def _draw_samples(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None:
+    """One observable against one field, on a panel of so many inches.
+
+    The scale is logarithmic where the samples are spread more evenly so.
+    """
+    x, y = (labels.in_label_unit(ds[key], ds[key].values) for key in (field, name))
+    solved = np.isfinite(y)
+    low, middle, high = float(x.min()), float(np.median(x)), float(x.max())
+    is_even = low > 0 and abs(middle - np.sqrt(low * high)) < abs(middle - (low + high) / 2)
+    logarithmic = is_even and high > WIDE * low
+    set_scale(ax.xaxis, (low, high), logarithmic, SPARE)
+    if solved.sum() > MANY:
+        _density(ax, x[solved], y[solved], logarithmic)
+    else:
+        size, alpha = (16, 0.75) if x.size <= FEW else (5, 0.45)
+        area = size * min(room / ROW_HEIGHT, 1.0) ** 2
+        ax.scatter(x[solved], y[solved], s=area, color=colours.DATA, alpha=alpha, linewidths=0, zorder=3)
+    _mark_unsolved(ax, x[~solved], markersize=4, rasterized=x.size > MANY)
+    if (r := rank_correlation(x[solved], y[solved])) is not None:
+        ax.set_title(f"r = {r:+.2f}".replace("-", "−"), loc="right", size=fonts.small(), color=colours.SOFT, pad=2)
+    ax.yaxis.set_major_locator(RoomLocator("counts" if selection.is_count(ds, name) else "numbers"))
+    ax.margins(y=0.12)
+
+
+def rank_correlation(x: Values, y: Values) -> float | None:
+    """Spearman's rank correlation; None for fewer than `LEAST` samples, or where one of the two is constant."""
+    from scipy.stats import rankdata
+
+    if x.size < LEAST or np.ptp(x) == 0 or np.ptp(y) == 0:
         return None
-    return np.array([int(ds["branch"].isel(where)) for where in order])
+    return float(np.corrcoef(rankdata(x), rankdata(y))[0, 1])
 
 
-def _broken(along: Any, values: Any, branches: Any) -> tuple[Any, Any]:
-    """The points of a line with a gap wherever the branch changes."""
-    at = np.flatnonzero(np.diff(branches)) + 1 if branches is not None else np.empty(0, dtype=int)
-    return np.insert(along, at, np.nan), np.insert(values, at, np.nan)
-
-
-def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
-    """A logarithmic axis where the values are spaced so or were refined so, with ticks at 1, 2 and 5."""
-    low, high = float(along.min()), float(along.max())
-    refined_so = ds[axis].attrs.get("spacing") == "geometric" and low > 0 and high > WIDE * low
-    set_scale(ax.xaxis, (low, high), refined_so or is_geometric(along), SPARE)
+def _density(ax: Axes, x: Values, y: Values, logarithmic: bool) -> None:
+    """How many samples lie where, on a logarithmic scale of colours: dots would hide one another."""
+    space = np.geomspace if logarithmic else np.linspace
+    spare = 0.01 * (float(np.ptp(y)) or abs(float(y[0])) or 1.0)
+    bins: Any = [space(x.min(), x.max(), BINS[0] + 1), np.linspace(y.min() - spare, y.max() + spare, BINS[1] + 1)]
+    counts, across, up = np.histogram2d(x, y, bins=bins)
+    ax.pcolormesh(
+        across, up, np.ma.masked_equal(counts.T, 0), cmap=colours.COUNTS, norm=LogNorm(0.3, max(counts.max(), 1.0)),
+        rasterized=True, zorder=3,
+    )  # fmt: skip
+    ax.use_sticky_edges = False

@@ -1,12 +1,15 @@
 """Unrolled views: the cylinder is cut open and laid flat, and the rods lie on it in rows, all at one scale.
 
 z is to the right and the distance around the cylinder down, as one sees it from outside. A rod a thousand times as long
-as it is wide is a hair at one scale: one such rod is set in lines (`long_curve`), several have one direction drawn
-larger.
+as it is wide is a hair at one scale: one such rod is set in lines, as text is, several have one direction drawn larger.
+
+Of a rod in lines each line continues the one above it and shows the whole unrolled cylinder, or as much of its width as
+the rod needs. A rod that leaves a line below comes back above, as it goes about the axis.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import floor, log10
 from typing import Any
 
@@ -15,17 +18,18 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
-from matplotlib.transforms import Affine2D
+from matplotlib.transforms import Affine2D, Transform
 from numpy.typing import NDArray
 
 from solver.mechanics import frames
 
-from ..geometry import self_contact
+from ..geometry import lines, self_contact
 from ..words import cautions, labels
-from . import arrangement, canvas, colours, drawn_rods, fonts, long_curve, push_scale
+from . import arrangement, canvas, colours, drawn_rods, fonts, push_scale
 from .arrangement import Arrangement
 from .drawn_rods import DrawnRod, DrawnRods
 from .scales import round_below
@@ -47,6 +51,13 @@ ARROW = 0.55  # inches of the arrows of the key at most
 VIEWS = "unrolled views"  # the label of their axes
 THROUGH = "the rod passes through itself at its true thickness"
 TOO_LONG = "is too long to search for the places where it passes through itself"
+# of a rod in lines
+THINNEST = 0.07  # inches of a line; below, nothing of its curve is seen
+TALLEST_LINES = 0.5, 2.8  # height of all lines as a share of the width, and inches at least
+LABELS = 1.0  # inches beside the lines
+HAIR = 0.3  # inches: a rod less wide is a hair
+ROOM = 0.97  # of the width is for the rod, as its bends at the cuts are not known before
+MOST_WIDE = 1.15  # of the width that the rod needs is that of a line
 
 Values = NDArray[np.float64]
 
@@ -131,12 +142,7 @@ def draw(
             continue
         to_page = Affine2D().translate(-view.x.min(), -view.y.min()).scale(form.scale, form.scale * form.factor)
         where = to_page.translate(left, top) + ax.transData
-        name = view.name or view.text.partition("\n")[0]
-        if "push" in view.look:
-            drawn = push_scale.line(ax, view.x, view.y, **view.look, label=name, where=where)
-        else:
-            look = {"solid_capstyle": "round", "zorder": 3, **view.look}
-            ax.plot(view.x, view.y, **look, transform=where, label=name)
+        drawn = _draw_line(ax, view.x, view.y, view.look, view.name or view.text.partition("\n")[0], where) or drawn
         ax.plot(view.x[0], view.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where, label="s = 0")
         rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
     if rings:
@@ -148,6 +154,25 @@ def draw(
         artist.set_clip_on(False)
     _draw_key(ax, form, form.places[len(views)], unit, letters)
     return drawn
+
+
+def _draw_line(
+    ax: Axes, x: Values, y: Values, look: Mapping[str, Any], name: str, where: Transform
+) -> LineCollection | None:
+    """Draw a line in the colours of the push, which is returned, or in one colour."""
+    if "push" in look:
+        return push_scale.line(ax, x, y, **look, label=name, where=where)
+    ax.plot(x, y, **{"solid_capstyle": "round", "zorder": 3, **look}, transform=where, label=name)
+    return None
+
+
+def _look(rod: DrawnRod, norm: Normalize | None) -> dict[str, Any]:
+    """The look of the line of a rod, in the colours of the push where they have a scale; dots miss bends."""
+    if is_coarse(rod):
+        return {"color": colours.DATA, "marker": ".", "markersize": 3, "linestyle": "none"}
+    if norm is not None:
+        return {"push": rod["push"], "norm": norm, "width": 1.6}
+    return {"color": colours.DATA, "linewidth": 1.1}
 
 
 def _draw_key(ax: Axes, form: Arrangement, place: Any, unit: str, letters: float) -> None:
@@ -260,29 +285,131 @@ class Panel:
         return [*ring_entries(ax), sentence(self.form, more), *self.notes]
 
 
-class LongPanel:
-    """The unrolled view of one long rod in lines; as `Panel`."""
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """The unrolled view of one long rod in lines; drawn as a `Panel`.
 
-    def __init__(self, rod: DrawnRod, lines: long_curve.Lines, unit: str, coloured: bool) -> None:
-        self.rod, self.lines, self.unit, self.coloured, self.height = rod, lines, unit, coloured, lines.height
+    count: the number of lines. each: the arc on each [length]. every: the arc from the start of one to that of the
+    next. wide: the width of a line [length]. low: rho alpha at its upper edge. turn: what is taken off at each turn
+    about the axis, 0 where the rod stays in a line. scale: inches per length. unit: of lengths. coloured: whether the
+    lines have the colours of the push.
+    """
+
+    rod: DrawnRod
+    count: int
+    each: float
+    every: float
+    wide: float
+    low: float
+    turn: float
+    scale: float
+    unit: str
+    coloured: bool
+
+    @property
+    def height(self) -> float:
+        """Inches of all lines."""
+        return self.count * lines.PITCH * self.wide * self.scale
 
     def draw(self, ax: Axes, more: str = "", bar: tuple[str, float] | None = None) -> list[str | Artist]:
         """As of `Panel`."""
-        coloured, said = long_curve.draw(ax, self.rod, self.lines, self.unit, is_coarse(self.rod), self.coloured)
-        if bar and coloured is not None:
-            push_scale.bar(ax, coloured, *bar)
-        return [*said]
+        norm = push_scale.scale([self.rod["push"]]) if self.coloured else None
+        look = _look(self.rod, norm)
+        s, (z, across) = self.rod["s"], self.rod.plane_points()
+        starts = s[0] + self.every * np.arange(self.count)
+        ends: list[float] = []
+        drawn: LineCollection | None = None
+        for k, start in enumerate(starts):
+            top = k * lines.PITCH * self.wide - self.low
+            left = float(np.interp(start, s, z))
+            ax.axhspan(top + self.low, top + self.low + self.wide, color=colours.BAND, linewidth=0, zorder=0)
+            for places, turn in self._pieces(s, across, float(start)):
+                x, y = np.interp(places, s, z), np.interp(places, s, across) - turn
+                ends += [float(x.min()) - left, float(x.max()) - left]
+                here = look | ({"push": np.interp(places, s, look["push"])} if "push" in look else {})
+                drawn = _draw_line(ax, x, y, here, self.rod.name, Affine2D().translate(-left, top) + ax.transData)
+        ax.plot(0, -self.low + across[0], "o", color=colours.INK, markersize=4, label="s = 0", zorder=4)
+        size = max(ends) - min(ends)
+        ax.set_xlim(min(ends) - 0.01 * size, max(ends) + 0.01 * size)
+        ax.set_ylim((self.count - 1) * lines.PITCH * self.wide + 1.1 * self.wide, -0.1 * self.wide)
+        ax.set_aspect("equal", anchor="NW")
+        every = -(-self.count // lines.LABELLED)
+        middles = (np.arange(self.count) * lines.PITCH + 0.5) * self.wide
+        ax.set_yticks(middles[::every], [labels.number(float(start)) for start in starts[::every]])
+        ax.tick_params(length=2, pad=2)
+        ax.tick_params(axis="y", length=0)
+        ax.spines[:].set_visible(False)
+        ax.set(ylabel=f"line from s [{self.unit}]", xlabel=f"z from the start of a line [{self.unit}]")
+        if bar and drawn is not None:
+            push_scale.bar(ax, drawn, *bar)
+        return [*self.said()]
+
+    def said(self) -> list[str]:
+        """How the lines are read, and which parts are left out."""
+        whole, unit = float(np.ptp(self.rod["s"])), self.unit
+        texts = [f"Unrolled view, seen from outside: {fonts.WAYS}; dot: s = 0."]
+        if self.every > self.each * (1 + 1e-9):
+            pieces = f"{self.count} pieces of {labels.number(self.each)} {unit} each"
+            texts.append(f"Only {pieces} are shown, spread over {labels.number(whole)} {unit}, at one scale.")
+        else:
+            each = f"each is {labels.number(self.wide)} {unit} wide"
+            texts.append(f"{self.count} lines, one after the other, at one scale; {each}.")
+        if self.turn:
+            texts.append("A line is the whole unrolled cylinder: the rod leaves it below and comes back above.")
+        if "overlaps" in cautions.keys(self.rod.caution):
+            texts.append("The rod passes through itself; the places are not marked in lines.")
+        return texts
+
+    def _pieces(self, s_of: Values, across_of: Values, start: float) -> Iterator[tuple[Values, float]]:
+        """The arcs of a line that lie on one turn about the axis, and what is taken off there from rho alpha."""
+        stop = min(start + self.each, float(s_of[-1]))
+        s = np.concatenate([[start], s_of[(s_of > start) & (s_of < stop)], [stop]])
+        if not self.turn:
+            yield s, 0.0
+            return
+        across = np.interp(s, s_of, across_of)
+        turns = np.floor((across - self.low) / self.turn)
+        cuts = []
+        for i in np.flatnonzero(np.diff(turns)):
+            between = np.arange(min(turns[i], turns[i + 1]) + 1, max(turns[i], turns[i + 1]) + 1)
+            shares = (between * self.turn + self.low - across[i]) / (across[i + 1] - across[i])
+            cuts += [float(s[i] + share * (s[i + 1] - s[i])) for share in np.sort(shares)]
+        for a, b in pairwise([start, *cuts, stop]):
+            if b > a:
+                middle = np.interp((a + b) / 2, s_of, across_of)
+                turn = float(np.floor((middle - self.low) / self.turn)) * self.turn
+                yield np.concatenate([[a], s[(s > a) & (s < b)], [b]]), turn
 
 
-def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True) -> "Panel | LongPanel":
+def lines_for(rod: DrawnRod, room: tuple[float, float], unit: str = "", coloured: bool = True) -> Lines | None:
+    """The lines in which a rod is largest in a room of inches; None where it needs none: in one piece it is no hair."""
+    z, across = rod.plane_points()
+    tall, spread, length = float(np.ptp(z)), float(np.ptp(across)), float(np.ptp(rod["s"]))
+    if not lines.is_long(tall, rod.rho + rod.a) or spread * room[0] >= HAIR * tall:
+        return None
+    turn = 2 * np.pi * rod.rho
+    around = spread > turn
+    wide = turn if around else max(MOST_WIDE * spread, 0.25 * turn)
+    low = -turn / 2 if around else float(across.min() + across.max() - wide) / 2
+    count, scale = lines.largest(tall / ROOM, wide, 0.0, room)
+    each = every = length / count
+    if scale * wide < THINNEST:
+        count, scale = max(int(room[1] / (lines.PITCH * THINNEST)), 1), THINNEST / wide
+        each = min(ROOM * room[0] / scale * length / tall, length / count)
+        every = (length - each) / max(count - 1, 1)
+    return Lines(rod, count, each, every, wide, low, turn * around, scale, unit, coloured)
+
+
+def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True) -> Panel | Lines:
     """The unrolled views of rods of a study in a room of inches: in rows, or one long rod in lines.
 
     coloured: whether the lines have the colours of the push. A rod whose stations are too far apart is drawn as dots.
     """
     unit = labels.unit(str(rods.source.attrs["length_unit"]))
-    lines = long_curve.lines_for(rods.solved[0], long_curve.room(room[0])) if len(rods.rods) == 1 else None
-    if lines:
-        return LongPanel(rods.rods[0], lines, unit, coloured)
+    if len(rods.rods) == 1:
+        inches = room[0] - LABELS, max(TALLEST_LINES[0] * room[0], TALLEST_LINES[1])
+        if in_lines := lines_for(rods.rods[0], inches, unit, coloured):
+            return in_lines
     norm = push_scale.scale([rod["push"] for rod in rods.solved]) if coloured else None
     views, notes = [], list[str]()
     for k, rod in enumerate(rods.rods):
@@ -290,16 +417,13 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
         if rod.arrays is None:
             views.append(View(np.zeros(0), np.zeros(0), text, {}))
             continue
-        look: dict[str, Any] = {"color": colours.DATA, "linewidth": 1.1}
         if is_coarse(rod):
-            look = {"color": colours.DATA, "marker": ".", "markersize": 3, "linestyle": "none"}
             notes.append(f"Dots: {rods.source.sizes['u']} stations miss bends.")
-        elif norm is not None:
-            look = {"push": rod["push"], "norm": norm, "width": 1.6}
-        passes = norm is not None and "overlaps" in cautions.keys(rod.caution)
+        passes = coloured and "overlaps" in cautions.keys(rod.caution)
         rings = crossings(rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a) if passes else []
-        notes += [f"The rod of {rod.name} {TOO_LONG}."] * (rings is None)
-        views.append(View(*rod.plane_points(), text, look, rings or [], rod.name))
+        if rings is None:
+            notes.append(f"The rod {TOO_LONG}." if rods.axis is None else f"The rod of {rod.name} {TOO_LONG}.")
+        views.append(View(*rod.plane_points(), text, _look(rod, norm), rings or [], rod.name))
     return Panel(views, room, letters, unit, even=True, notes=notes)
 
 
