@@ -11,7 +11,7 @@ from studies import load
 from studies.laws.line_verdicts import HOLDS, VERDICTS, judge
 from tests.workbench.small import THREE, law, study
 from workbench.figures import canvas, colours, drawn_numbers, kinds, map_figure, regions
-from workbench.figures import thumbnails as thumbs
+from workbench.figures import map_panel
 from workbench.store import in_memory, law_verdicts
 
 
@@ -212,7 +212,7 @@ def test_the_two_regimes_of_the_page_are_those_of_the_potential() -> None:
 
 @pytest.mark.slow
 def test_shapes_are_developed_curves_at_one_scale_each_in_its_cell(regimes, tmp_path) -> None:
-    fig = map_figure.figure(regimes, show=["turns"], shapes=thumbs.Shapes(4, 3))
+    fig = map_figure.figure(regimes, show=["turns"], shapes=map_panel.Shapes(4, 3))
     canvas.save(fig, tmp_path / "shapes.png")
     panel = maps(fig)[-1]
     assert len(panel.child_axes) == 12

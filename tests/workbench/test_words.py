@@ -14,8 +14,7 @@ from studies import load
 from tests import transcripts
 from tests.workbench import small
 from tests.workbench.page_faults import faults, words
-from workbench.figures import map_figure, study_figure
-from workbench.figures import thumbnails as thumbs
+from workbench.figures import map_figure, map_panel, study_figure
 from workbench.figures.sheet import sheet
 from workbench.store import in_memory, law_verdicts
 
@@ -89,9 +88,9 @@ MAPS: dict[str, Callable[[], Figure]] = {
     "constant": lambda: drawn_map(set_to("attached", nearly_constant), show=["attached"]),
     "all lift off": lambda: drawn_map(set_to("caution", cautions("pulled"))),
     "three not checked": lambda: drawn_map(set_to("caution", cautions("not checked: self-contact", 3))),
-    "half not solved": lambda: drawn_map(unsolved(slice(13, None)), shapes=thumbs.Shapes(2, 1)),
+    "half not solved": lambda: drawn_map(unsolved(slice(13, None)), shapes=map_panel.Shapes(2, 1)),
     "nothing solved": lambda: drawn_map(unsolved(slice(None)), show=None),
-    "shapes": lambda: drawn_map(lambda ds: ds, show=None, shapes=thumbs.Shapes(3, 2)),
+    "shapes": lambda: drawn_map(lambda ds: ds, show=None, shapes=map_panel.Shapes(3, 2)),
 }
 
 

@@ -78,7 +78,7 @@ def plot(
     """
     from solver.problem.errors import InputError
 
-    from ..figures import canvas, drawn_numbers, kinds, legend, thumbnails
+    from ..figures import canvas, drawn_numbers, kinds, legend, map_panel
     from ..figures.sheet import sheet
     from ..store import atomic, reading, schema
     from ..words import outcomes

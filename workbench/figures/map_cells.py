@@ -71,13 +71,12 @@ class Cells:
 
     def samples(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
         """The values of x and y of the cases, and whether no real rod takes the shape, (n,) each."""
-        names = [str(dim) for dim in self.ds["outcome"].dims][::-1]
         refined = SAMPLE in self.source.dims
         ds = self.source if refined else self.ds
         texts = ds["caution"].values.ravel() if "caution" in ds else np.full(ds["outcome"].size, "")
         barred = np.array([cautions.is_barred(str(text)) for text in texts])
         if refined:
-            x, y = (labels.in_label_unit(ds[name], ds[name].values) for name in names)
+            x, y = (labels.in_label_unit(ds[str(dim)], ds[str(dim)].values) for dim in self.ds["outcome"].dims[::-1])
             return x, y, barred
         x, y = np.meshgrid(self.x.values, self.y.values)
         return x.ravel(), y.ravel(), barred

@@ -1,16 +1,31 @@
-"""The maps of a stored study over two axes: one for each observable, and for each of some values of a third axis."""
+"""The maps of a stored study over two axes: one for each observable, and for each of some values of a third axis.
 
+Beside a map stands the verdict of each law on each line of the grid, and on it the line that decides. A law along an
+axis that the map does not have is judged on one line for each cell: it has a map of its own.
+"""
+
+import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
-from ..store import law_verdicts, refined, selection
+from studies.laws import law_words
+from studies.laws.law_words import PLAIN
+from studies.laws.line_verdicts import HOLDS, VERDICTS
+
+from ..store import law_verdicts, refined, schema, selection
 from ..words import labels
-from . import canvas, fonts, law_lines, map_panel, thumbnails
+from . import canvas, colours, fonts, map_panel
 from .map_cells import MOST_MAPS, Cells, Choice, cells, choose
 from .sheet import SCREEN, Sheet
 from .study_figure import level_notes
@@ -19,6 +34,14 @@ from .trends import axis_label
 COLUMN = 2.0  # inches, the height of maps in columns
 LEAST_COLUMN = 1.45  # inches, their least width with a gap
 MOST_NARROW = 2  # observables on one column of a page, where none is asked for
+THICK, GAP = 0.06, 0.04  # inches of a strip of verdicts, and between strips
+DECIDES: dict[str, Any] = {"color": colours.INK, "linewidth": 1.3, "linestyle": (0, (5, 2)),
+                           "label": "the law is judged on this line"}  # fmt: skip
+OF_VERDICTS: dict[str, Any] = {
+    "cmap": ListedColormap([colours.VERDICTS[verdict] for verdict in VERDICTS]),
+    "vmin": -0.5,
+    "vmax": len(VERDICTS) - 0.5,
+}
 
 
 def figure(
@@ -27,7 +50,7 @@ def figure(
     y: str | None = None,
     show: Sequence[str] = (),
     at: Mapping[str, float] | None = None,
-    shapes: thumbnails.Shapes | None = None,
+    shapes: map_panel.Shapes | None = None,
     sheet: Sheet = SCREEN,
 ) -> Figure:
     """Draw a map of each observable.
@@ -43,7 +66,7 @@ def figure(
     ds : xr.Dataset
     x, y, show, at
         As of `map_cells.choose`.
-    shapes : thumbnails.Shapes, optional
+    shapes : map_panel.Shapes, optional
         Numbers of unrolled views that a further panel shows; default: no such panel.
     sheet : Sheet
         What the figure is drawn for.
@@ -58,50 +81,55 @@ def figure(
         As of `map_cells.choose`; where shapes are not stored or more than the values of an axis; for invalid laws.
     """
     verdicts = law_verdicts.verdicts(ds) if "laws" in ds.attrs else []
-    source, ds = ds, refined.raster(ds) if refined.is_refined(ds) else ds
+    whole, ds = (ds, refined.raster(ds)) if refined.is_refined(ds) else (None, ds)
     most = MOST_NARROW if sheet.narrow and not show else MOST_MAPS
     choice = choose(ds, x, y, show, at, max(int((sheet.width - 1.5) / LEAST_COLUMN), 1), most)
     if shapes is not None:
-        thumbnails.check(source, ds, choice, shapes)
-    whole = None if source is ds else source
+        map_panel.check_shapes(ds if whole is None else whole, ds, choice, shapes)
     columns = [cells(ds, choice, where, whole) for where in choice.places()]
-    laws, elsewhere = law_lines.judge(ds, choice, verdicts) if whole is None else ([], [])
-    maps = _Maps(ds, choice, columns, laws, sheet)
-    maps.asked = bool(show)
-    maps.more = law_lines.of_coarse_grid(whole, verdicts) if whole is not None else []
+    laws = _judge(ds, choice, verdicts) if whole is None else []
+    maps = _Maps(ds, choice, columns, [law for law in laws if law.row["axis"] in (choice.x, choice.y)], sheet)
+    elsewhere = [law for law in laws if law not in maps.laws]
     mixed = [law for law in elsewhere if law.is_mixed()]
     rows = maps.rows_of_panels()
     rows += canvas.in_rows([partial(maps.draw_law, law) for law in mixed], len(rows[0][1]), maps.small[1] + 1.2)
     if shapes is not None:
         rows.append((maps.of_shapes[1] + 0.8, [partial(maps.draw_shapes, shapes)]))
-    alike = [f"Law {law_lines.sentence(law, ds, choice)}." for law in elsewhere if law not in mixed]
-    said = [*map_panel.entries(columns, choice.shown), *maps.notes(), *alike]
+    said: list[str | Artist] = [*map_panel.entries(columns, choice.shown)]
+    said += [] if whole is None else _refinement(whole, verdicts)
+    said += [f"Law {law.sentence(ds)}." for law in maps.laws if choice.along]
+    if choice.along and len(choice.columns) < ds.sizes[choice.along]:
+        of = f"the {ds.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
+        said.append(f"The columns show {len(choice.columns)} of {of}.")
+    said += level_notes(ds, selection.observables(ds)) if not show else []
+    if choice.left_out:
+        said.append(f"Not drawn: {', '.join(choice.left_out)}; choose with --show.")
+    if choice.along and choice.held:
+        said.append(f"All maps: {labels.equations(ds, choice.held)}.")
+    said += [f"Law {law.sentence(ds)}." for law in elsewhere if law not in mixed]
     return canvas.page(ds, sheet, rows, said, 0.4)
 
 
 class _Maps:
-    """The maps of one figure, row by row; collects the entries of the legend while it draws."""
+    """The maps of one figure, row by row."""
 
     def __init__(
-        self, ds: xr.Dataset, choice: Choice, columns: list[Cells], laws: list[law_lines.JudgedLaw], sheet: Sheet
+        self, ds: xr.Dataset, choice: Choice, columns: list[Cells], laws: list["_JudgedLaw"], sheet: Sheet
     ) -> None:
-        self.width, self.across = sheet.width, 1 if sheet.narrow else 2
-        alone = self.width - (1.25 if sheet.narrow else 2.0)
-        self.large = alone, alone * 0.605  # inches of a map alone in its row
-        beside = (self.width - 2.5) / 2
-        self.small = self.large if sheet.narrow else (beside, beside * 0.775)  # of one of two
-        self.of_shapes = self.width - 1.4, (self.width - 1.4) * 0.52
-        self.ds, self.choice, self.columns, self.laws = ds, choice, columns, laws
-        self.places = choice.places()
-        self.more: list[str] = []
-        self.drawn: dict[str, list[Axes]] = {}
-        self.asked = False
-        shown = choice.shown
-        self.inches = self.large if len(shown) == 1 else self.small
+        self.across = 1 if sheet.narrow else 2
+        alone, beside = sheet.width - (1.25 if sheet.narrow else 2.0), (sheet.width - 2.5) / 2
+        large = alone, alone * 0.605  # inches of a map alone in its row
+        self.small = large if sheet.narrow else (beside, beside * 0.775)  # of one of two
+        self.of_shapes = sheet.width - 1.4, (sheet.width - 1.4) * 0.52
+        self.ds, self.choice, self.columns, self.laws, self.places = ds, choice, columns, laws, choice.places()
+        self.drawn: dict[str, list[Axes]] = {name: [] for name in choice.shown}
+        self.inches = large if len(choice.shown) == 1 else self.small
         if choice.along:
-            self.inches = (self.width - 1.8) / len(columns) - 0.15, COLUMN
-        values = {name: np.stack([column.values(name) for column in columns]) for name in shown}
-        self.colours = {name: map_panel.Colours(ds, name, values[name]) for name in shown}
+            self.inches = (sheet.width - 1.8) / len(columns) - 0.15, COLUMN
+        self.colours = {
+            name: map_panel.Colours(ds, name, np.stack([column.values(name) for column in columns]))
+            for name in choice.shown
+        }
 
     def rows_of_panels(self) -> list[canvas.Row]:
         """The maps in rows; along a third axis a row an observable."""
@@ -112,71 +140,48 @@ class _Maps:
                 for name in shown]  # fmt: skip
 
     def draw(self, name: str, k: int, lowest: bool, ax: Axes) -> canvas.Said:
-        """Draw the map of an observable in a column, with its bar of colours; along a third axis they share one."""
-        column, where = self.columns[k], self.places[k]
+        """Draw the map of an observable in a column, with its bar of colours; along a third axis they share one.
+
+        Returns the entries of the legend, and what is said of each law.
+        """
+        column, where, along = self.columns[k], self.places[k], self.choice.along
+        laws = [law for law in self.laws if law.row["observable"] == name]
         mesh = map_panel.draw(ax, column, name, self.colours[name], self.inches)
-        entries = law_lines.draw(ax, self._laws_of(name), column, self.choice, where, self.inches)
-        said = self._title(ax, name, where, leftmost=k == 0)
+        entries = _draw_laws(ax, laws, column, self.choice, where, self.inches)
+        value = labels.equations(self.ds, {along: where[along]}) if along else ""
+        heads = [f"{law.row['claim']}: " if along else f"{law.sentence(self.ds)}; lines: " for law in laws]
+        tail = f" at {value}." if value else "."
+        said = [f"Law {head}{law.counts(where)}{tail}" for head, law in zip(heads, laws, strict=True)]
+        title = labels.label(self.ds[name], long=True) + self.colours[name].said
+        title = fonts.break_lines(title, self.inches[0] + 0.3)
+        if along:
+            title = f"{title}\n{value}" if k == 0 else value
+        above = sum(law.row["axis"] == self.choice.y for law in laws) * (THICK + GAP) * 72
+        ax.set_title(title, loc="left", pad=above + 6)
         self._label(ax, leftmost=k == 0, lowest=lowest)
-        self.drawn[name] = [*self.drawn.get(name, []), ax]
-        if k == len(self.columns) - 1 or not self.choice.along:
+        self.drawn[name].append(ax)
+        if k == len(self.columns) - 1:
             self.colours[name].bar(mesh, self.drawn[name])
         return [*entries, *said]
 
-    def draw_law(self, law: law_lines.JudgedLaw, ax: Axes) -> canvas.Said:
-        """Draw a map of its own for a law along a further axis."""
-        where = self.places[0]
-        entries = law_lines.draw_map(ax, law, self.columns[0], where)
+    def draw_law(self, law: "_JudgedLaw", ax: Axes) -> canvas.Said:
+        """Draw the verdict on the line through each cell, for a law along an axis that the map does not have."""
+        here, column = law.at(self.places[0]), self.columns[0]
+        verdicts = here.sortby([*here.dims]).transpose(*column.ds["outcome"].dims).values
+        column.colour(ax, _numbers(verdicts), **OF_VERDICTS)
+        column.draw_borders(ax, _numbers(verdicts), colors="white", linewidths=1.0)
         self._label(ax, leaving=law.row["axis"])
         ax.set_title(f"verdicts on {law.row['observable']} along {labels.axis_symbol(law.row['axis'])}", loc="left")
-        said = f"{law_lines.sentence(law, self.ds, self.choice)}; lines: {law_lines.counts(law, where)}"
-        return [*entries, f"Law {said}."]
+        return [*_entries(verdicts), f"Law {law.sentence(self.ds)}; lines: {law.counts(self.places[0])}."]
 
-    def draw_shapes(self, shapes: thumbnails.Shapes, ax: Axes) -> canvas.Said:
+    def draw_shapes(self, shapes: map_panel.Shapes, ax: Axes) -> canvas.Said:
         """Draw the panel of shapes: those of the first column, on a pale map of the first observable."""
         name, column = self.choice.shown[0], self.columns[0]
         map_panel.draw(ax, column, name, self.colours[name], self.of_shapes, pale=0.3)
         self._label(ax)
         held = [labels.equations(self.ds, self.places[0])] if self.choice.along else []
         ax.set_title(", ".join([f"unrolled views over the {labels.long_name(self.ds[name])}", *held]), loc="left")
-        return thumbnails.draw(ax, column, shapes, self.of_shapes)
-
-    def notes(self) -> list[str]:
-        """What the figure says in words."""
-        choice, found = self.choice, list(self.more)
-        if choice.along:
-            found += [f"Law {law_lines.sentence(law, self.ds, choice)}." for law in self.laws]
-        if choice.along and len(choice.columns) < self.ds.sizes[choice.along]:
-            of = f"the {self.ds.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
-            found.append(f"The columns show {len(choice.columns)} of {of}.")
-        if not self.asked:
-            found += level_notes(self.ds, selection.observables(self.ds))
-        if choice.left_out:
-            found.append(f"Not drawn: {', '.join(choice.left_out)}; choose with --show.")
-        if choice.along and choice.held:
-            found.append(f"All maps: {labels.equations(self.ds, choice.held)}.")
-        return found
-
-    def _laws_of(self, name: str) -> list[law_lines.JudgedLaw]:
-        return [law for law in self.laws if law.row["observable"] == name]
-
-    def _title(self, ax: Axes, name: str, where: Mapping[str, int], leftmost: bool) -> list[str]:
-        """The observable and the value of the third axis; returns what is said of each law."""
-        laws = self._laws_of(name)
-        above = sum(law.row["axis"] == self.choice.y for law in laws) * (law_lines.THICK + law_lines.GAP) * 72
-        along = self.choice.along
-        value = labels.equations(self.ds, {along: where[along]}) if along else ""
-        told = []
-        for law in laws:
-            said, lines = law_lines.sentence(law, self.ds, self.choice), law_lines.counts(law, where)
-            text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
-            told.append(f"Law {text}{f' at {value}' if value else ''}.")
-        title = labels.label(self.ds[name], long=True) + self.colours[name].said()
-        title = fonts.break_lines(title, self.inches[0] + 0.3)
-        if self.choice.along:
-            title = f"{title}\n{value}" if leftmost else value
-        ax.set_title(title, loc="left", pad=above + 6)
-        return told
+        return map_panel.draw_shapes(ax, column, shapes, self.of_shapes)
 
     def _label(self, ax: Axes, leftmost: bool = True, lowest: bool = True, leaving: str = "") -> None:
         """The labels of the two axes at the edge of the figure; the values of further axes stand behind that of x.
@@ -185,16 +190,106 @@ class _Maps:
         """
         choice = self.choice
         short = choice.along is not None
-        held = {} if short else {name: i for name, i in self.places[0].items() if name != leaving}
-        where = {**held, choice.x: 0}
+        where = {} if short else {name: i for name, i in self.places[0].items() if name != leaving}
+        ax.tick_params(labelbottom=lowest, labelleft=leftmost)
         if lowest:
-            ax.set_xlabel(
-                fonts.break_lines(axis_label(self.ds, choice.x, where, long=not short), max(self.inches[0], 1.0))
-            )
-        else:
-            ax.tick_params(labelbottom=False)
+            text = axis_label(self.ds, choice.x, {**where, choice.x: 0}, long=not short)
+            ax.set_xlabel(fonts.break_lines(text, max(self.inches[0], 1.0)))
         if leftmost:
             words = [labels.axis_label(choice.y, self.ds[choice.y], long and not short) for long in (True, False)]
             ax.set_ylabel(fonts.shorter(words, 0.7 * self.inches[1]))
-        else:
-            ax.tick_params(labelleft=False)
+
+
+@dataclass(frozen=True, eq=False)
+class _JudgedLaw:
+    """A law on a map: its row of `law_verdicts.verdicts`, and the verdict on each line of the grid."""
+
+    row: Mapping[str, Any]
+    lines: xr.DataArray
+
+    def at(self, where: Mapping[str, int]) -> xr.DataArray:
+        """The verdicts at indices on other axes; a law has none along its own."""
+        return self.lines.isel({name: i for name, i in where.items() if name in self.lines.dims})
+
+    def is_mixed(self) -> bool:
+        """Whether lines differ in their verdict."""
+        return np.unique(self.lines.values).size > 1
+
+    def counts(self, where: Mapping[str, int]) -> str:
+        """How many lines of one map have each verdict: ``16 hold, 3 fail``."""
+        verdicts = self.at(where).values
+        return law_words.count({verdict: int(np.count_nonzero(verdicts == verdict)) for verdict in VERDICTS})
+
+    def sentence(self, ds: xr.Dataset) -> str:
+        """``(1): the number of bends falls with E; true in part: true at R = 0.75 cm``, on the line that decides."""
+        row = self.row
+        at = ", ".join(labels.equation(ds[name], value) for name, value in row["at"].items())
+        at = at.replace(" ", "\N{NO-BREAK SPACE}")
+        text = law_words.law_in_words(row, labels.noun_of(row["observable"]), labels.axis_symbol(row["axis"]))
+        said = f"{row['claim']}: {text}; {PLAIN[row['verdict']]}"
+        if not at:
+            return said
+        place = {name: int(np.abs(self.lines[name].values - value).argmin())
+                 for name, value in row["at"].items() if name in self.lines.dims}  # fmt: skip
+        decided = str(self.lines.isel(place).values)
+        how = f": {PLAIN[decided]} at" if decided in VERDICTS and decided != row["verdict"] else "; judged at"
+        return f"{said}{how} {at}"
+
+
+def _judge(ds: xr.Dataset, choice: Choice, rows: Sequence[Mapping[str, Any]]) -> list[_JudgedLaw]:
+    """The laws on the observables shown; rows: of `law_verdicts.verdicts`, in the same order."""
+    return [_JudgedLaw(row, law_verdicts.verdicts_of_lines(ds, law))
+            for law, row in zip(schema.laws_of(ds), rows, strict=True) if law.observable in choice.shown]  # fmt: skip
+
+
+def _draw_laws(
+    ax: Axes, laws: Sequence[_JudgedLaw], cells: Cells, choice: Choice, where: Mapping[str, int],
+    inches: tuple[float, float],
+) -> list[Artist]:  # fmt: skip
+    """Draw the laws along its axes on a map of that width and height in inches; returns the entries of the legend.
+
+    The lines on which a law does not hold are a strip of colours beside the map, or above it. where: the indices on
+    the other axes.
+    """
+    entries: list[Artist] = []
+    count = {True: 0, False: 0}  # strips
+    for law in laws:
+        upward = law.row["axis"] == choice.x  # its lines lie one above the other
+        across, scale = (choice.y, cells.y) if upward else (choice.x, cells.x)
+        verdicts = law.at(where).sortby(across).values
+        size = inches[0] if upward else inches[1]
+        start, thick = 1 + (GAP + count[upward] * (THICK + GAP)) / size, THICK / size
+        count[upward] += 1
+        strip = ax.inset_axes((start, 0, thick, 1) if upward else (0, start, 1, thick))
+        numbers, whole = np.ma.masked_where(verdicts == HOLDS, _numbers(verdicts)), np.array([0.0, 1.0])
+        grid = (whole, scale.edges, numbers[:, None]) if upward else (scale.edges, whole, numbers[None])
+        strip.pcolormesh(*grid, **OF_VERDICTS, rasterized=True)
+        scale.apply(strip, "y" if upward else "x")
+        strip.tick_params(left=False, bottom=False, labelleft=False, labelbottom=False)
+        strip.set_axis_off()
+        entries += _entries(verdicts, unless=HOLDS)
+        at = law.row["at"]
+        if across in at and all(name not in at or at[name] == float(cells.ds[name]) for name in where):
+            place = float(labels.in_label_unit(cells.ds[across], at[across]))
+            entries.append((ax.axhline if upward else ax.axvline)(place, **DECIDES))
+    return entries
+
+
+def _entries(verdicts: NDArray[np.str_], unless: str = "") -> list[Artist]:
+    """The legend of the verdicts that occur, without that of one which is not drawn."""
+    return [Patch(facecolor=colours.VERDICTS[verdict], label=f"law {PLAIN[verdict]} on these lines")
+            for verdict in VERDICTS if verdict in verdicts and verdict != unless]  # fmt: skip
+
+
+def _numbers(verdicts: NDArray[np.str_]) -> NDArray[np.float64]:
+    return np.vectorize(VERDICTS.index, otypes=[float])(verdicts)
+
+
+def _refinement(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The refinement of a study in words, and the verdict of each of its laws."""
+    watched = refined.describe(ds).watch
+    ended = str(ds.attrs.get(schema.SAMPLING[-1], ""))
+    ended = re.sub(r"\w+", lambda word: labels.noun_of(word[0]) if word[0] in watched else word[0], ended)
+    verdicts = [f"law {row['claim']}: {labels.law_text(row, law_words.law_in_words(row))}; {PLAIN[row['verdict']]}"
+                for row in rows]  # fmt: skip
+    return [f"{text[0].upper()}{text[1:]}." for text in (ended, *verdicts) if text]

@@ -1,5 +1,10 @@
-"""One map: an observable in colours over two axes, the regions of a count, the cases, and cells without a number."""
+"""One map: an observable in colours over two axes, the regions of a count, the cases, and cells without a number.
 
+A further map has unrolled views of the rod at chosen cells, all at one scale.
+"""
+
+import re
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,11 +17,13 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from solver.problem.errors import InputError
+
 from ..store import selection
 from ..words import labels
-from . import colours, fonts, legend, regions
-from .map_cells import STRAIGHT, Cells
-from .scales import RoomLocator
+from . import colours, drawn_rods, fonts, legend, regions, unrolled
+from .map_cells import STRAIGHT, Cells, Choice
+from .scales import RoomLocator, Scale
 
 Values = NDArray[np.float64]
 DECADES = 1e3  # ratio of the values from which their colours are logarithmic
@@ -25,38 +32,33 @@ MOST_CLASSES = 24  # of a count, with a border between each two
 MOST_SAMPLES = 2500  # points that a map shows
 BARRED = "would lift off away from its ends, or pass through itself"
 SAMPLES: Any = {"color": colours.INK, "linestyle": "none", "markeredgewidth": 0.4, "alpha": 0.6}
+MOST_SHAPES, FILL = 12, 0.86  # shapes along an axis; of the room of a shape that it fills
 HALO = withStroke(linewidth=2.2, foreground="white", alpha=0.75)
 
 
 class Colours:
-    """The one scale of colours of an observable, over all its panels."""
+    """The one scale of colours of an observable, over all its panels.
+
+    said: ``, 3 in all cases`` of a constant, which is white and has no bar; else nothing.
+    """
 
     def __init__(self, ds: xr.Dataset, name: str, values: Values) -> None:
         self.count = selection.is_count(ds, name)
         known = values[np.isfinite(values)]
-        self.low, self.high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
+        low, high = self.low, self.high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
         self.constant = selection.is_level(ds, name)  # what rounding and errors allow is no news
-        self.text = labels.level(ds[name], *selection.level(ds, name))
+        self.said = f", {labels.level(ds[name], *selection.level(ds, name))} in all cases" if self.constant else ""
         self.cmap: Colormap = colours.map_colours()
-        self.norm = self._norm()
-
-    def _norm(self) -> Normalize:
-        if self.constant:  # written and not coloured
-            self.cmap = ListedColormap(["white"])
-            return Normalize(self.low - 1, self.high + 1)
-        if self.count and self.high - self.low < MOST_COLOURS:
-            levels = np.arange(self.low - 0.5, self.high + 1)
-            self.cmap = colours.map_colours(levels.size - 1)
-            return BoundaryNorm(levels, levels.size - 1)
-        if not self.count and self.low > 0 and self.high > DECADES * self.low:
-            return LogNorm(self.low, self.high)
-        if self.count:
-            return Normalize(self.low - 0.5, self.high + 0.5)
-        return Normalize(self.low, self.high)
-
-    def said(self) -> str:
-        """``, 3 in all cases`` of a constant, which has no bar; else nothing."""
-        return f", {self.text} in all cases" if self.constant else ""
+        self.norm = Normalize(low, high)
+        if self.constant:
+            self.cmap, self.norm = ListedColormap(["white"]), Normalize(low - 1, high + 1)
+        elif self.count and high - low < MOST_COLOURS:
+            levels = np.arange(low - 0.5, high + 1)
+            self.cmap, self.norm = colours.map_colours(levels.size - 1), BoundaryNorm(levels, levels.size - 1)
+        elif self.count:
+            self.norm = Normalize(low - 0.5, high + 0.5)
+        elif low > 0 and high > DECADES * low:
+            self.norm = LogNorm(low, high)
 
     def bar(self, mesh: Any, axes: list[Axes]) -> None:
         """The bar of colours beside the panels; none of a constant."""
@@ -74,14 +76,11 @@ def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float,
     values = cells.values(name)
     x, y = cells.x.edges, cells.y.edges
     mesh = cells.colour(ax, values, cmap=scale.cmap, norm=scale.norm, alpha=pale)
-    if cells.unbent(name).any():
-        ax.add_patch(PathPatch(regions.path(cells.unbent(name), x, y), facecolor=colours.BAND, linewidth=0))
-    if not cells.solved.all():
-        ax.add_patch(PathPatch(regions.path(~cells.solved, x, y), facecolor=colours.UNSOLVED, linewidth=0))
+    for mask, colour in ((cells.unbent(name), colours.BAND), (~cells.solved, colours.UNSOLVED)):
+        if mask.any():
+            ax.add_patch(PathPatch(regions.path(mask, x, y), facecolor=colour, linewidth=0))
     if scale.count and not scale.constant and pale == 1:
-        classes, step = _classes(np.where(cells.unbent(name), -1.0, values), scale)
-        cells.draw_borders(ax, classes, colors=colours.INK, linewidths=0.5, capstyle="projecting")
-        _number_regions(ax, cells, classes, step, inches)
+        _number_regions(ax, cells, np.where(cells.unbent(name), -1.0, values), scale, inches)
     if pale == 1:
         _show_samples(ax, cells)
     for side in ("top", "right"):
@@ -99,17 +98,17 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
         for mark, label in ((".", f"a case{few}"), ("x", f"a case: {BARRED}"))
         if barred.any() and not barred.all()
     ]
-    if any(panel.unbent(name).any() for panel in panels for name in shown):
-        label = f"β varies by less than {np.degrees(STRAIGHT):.0f}°"
-        found.append(Patch(facecolor=colours.BAND, edgecolor=colours.SOFT, linewidth=0.6, label=label))
-    if not all(panel.solved.all() for panel in panels):
-        found.append(Patch(facecolor=colours.UNSOLVED, label="not solved"))
-    if any(
-        (np.isnan(panel.values(name)) & panel.solved & ~panel.unbent(name)).any() for panel in panels for name in shown
-    ):
-        found.append(
-            Patch(facecolor=colours.UNKNOWN, edgecolor=colours.SOFT, linewidth=0.6, label="solved, number unknown")
-        )
+    numbers = [(np.isnan(panel.values(name)) & panel.solved, panel.unbent(name)) for panel in panels
+               for name in shown]  # fmt: skip
+    framed: Any = {"edgecolor": colours.SOFT, "linewidth": 0.6}
+    for occurs, label, look in (
+        (any(unbent.any() for _, unbent in numbers), f"β varies by less than {np.degrees(STRAIGHT):.0f}°",
+         {"facecolor": colours.BAND, **framed}),
+        (not all(panel.solved.all() for panel in panels), "not solved", {"facecolor": colours.UNSOLVED}),
+        (any((unknown & ~unbent).any() for unknown, unbent in numbers), "solved, number unknown",
+         {"facecolor": colours.UNKNOWN, **framed}),
+    ):  # fmt: skip
+        found += [Patch(label=label, **look)] * bool(occurs)
     notes = [f"Every rod {BARRED}."] if barred.size and barred.all() else []
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
     if unchecked:
@@ -117,25 +116,18 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
     return [*found, *notes]
 
 
-def _classes(values: Values, scale: Colours) -> tuple[Values, int]:
-    """The lowest count of the class of each cell, and how many counts a class has: 1, or 2, 5, 10, ... for many."""
-    span = scale.high - scale.low
-    step = next(
-        digit * 10**power for power in range(20) for digit in (1, 2, 5) if span <= MOST_CLASSES * digit * 10**power
-    )
-    return np.floor(values / step) * step, step
+def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inches: tuple[float, float]) -> None:
+    """The borders of the regions of a count, and its number in each that has room for it.
 
-
-def _number_regions(ax: Axes, cells: Cells, classes: Values, step: int, inches: tuple[float, float]) -> None:
-    """The count of each region that has room for it, or the first and the last count of its class."""
+    Many counts are taken in classes of 2, 5, 10, ..., which have their first and their last.
+    """
+    steps = (digit * 10**power for power in range(20) for digit in (1, 2, 5))
+    step = next(step for step in steps if scale.high - scale.low <= MOST_CLASSES * step)
+    classes = np.floor(values / step) * step
+    cells.draw_borders(ax, classes, colors=colours.INK, linewidths=0.5, capstyle="projecting")
     for number, area in regions.areas(classes):
-        text = (
-            "nearly straight"
-            if number < 0
-            else labels.tick(number)
-            if step == 1
-            else f"{labels.tick(number)}–{labels.tick(number + step - 1)}"
-        )
+        last = f"–{labels.tick(number + step - 1)}" if step > 1 else ""
+        text = "nearly straight" if number < 0 else f"{labels.tick(number)}{last}"
         size = 1.25 * fonts.small() / 72, fonts.width_of(text, fonts.small()) + 0.06
         middle = regions.place(area, (inches[1] / cells.y.values.size, inches[0] / cells.x.values.size), size)
         if middle is not None:
@@ -152,3 +144,64 @@ def _show_samples(ax: Axes, cells: Cells) -> None:
         if some.size:
             ax.plot(x[some], y[some], marker=marker, markersize=1.6 * size, clip_on=False, zorder=4, label="_samples",
                     **SAMPLES)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """How many shapes stand side by side, and one above the other."""
+
+    across: int
+    up: int
+
+
+def read_shapes(text: str) -> Shapes:
+    """``5x4`` as the numbers of shapes. Raises `InputError`."""
+    found = re.fullmatch(r"(\d{1,4})x(\d{1,4})", text.strip())
+    numbers = [int(number) for number in found.groups()] if found else [0]
+    if not all(1 <= number <= MOST_SHAPES for number in numbers):
+        raise InputError(f"the shapes are two numbers from 1 to {MOST_SHAPES} such as 5x5, got {text!r}")
+    return Shapes(*numbers)
+
+
+def check_shapes(ds: xr.Dataset, grid: xr.Dataset, choice: Choice, shapes: Shapes) -> None:
+    """Raise `InputError` unless the dataset stores the curves, and the axes of its grid have enough values."""
+    for axis, count in ((choice.x, shapes.across), (choice.y, shapes.up)):
+        if count > grid.sizes[axis]:
+            raise InputError(f"{count} shapes along {axis} are more than its {grid.sizes[axis]} values")
+    if not unrolled.has_curve(ds):
+        raise InputError('the study stores no unrolled curves: add "alpha" and "z" to its outputs, and run it again')
+
+
+def draw_shapes(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float]) -> list[str]:
+    """Draw the shapes on a map so many inches wide and high, each about its own case; returns notes."""
+    ds = cells.source
+    columns, across = _spread(cells.x, shapes.across)
+    rows, up = _spread(cells.y, shapes.up)
+    rods = {(j, i): drawn_rods.rod_of_case(ds.isel(cells.place(j, i)), ["alpha", "z"]) for j in rows for i in columns}
+    known = [rod for cell, rod in rods.items() if cells.solved[cell] and rod.arrays is not None]
+    if not known:
+        return ["None of the chosen rods is solved: no shape is drawn."]
+    wide, tall = (max(float(np.ptp(rod.plane_points()[k])) for rod in known) for k in (0, 1))
+    factor = unrolled.stretch(wide, tall, (across * inches[0], up * inches[1]))
+    for (j, i), rod in rods.items():
+        left, low = (float(np.clip(scale.share(float(scale.values[k])) - room / 2, 0, 1 - room))
+                     for scale, k, room in ((cells.x, i, across), (cells.y, j, up)))  # fmt: skip
+        if rod in known:
+            coarse: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2}
+            unrolled.inset(ax, (left, low, across, up), *rod.plane_points(), (wide, tall), factor,
+                           **(coarse if unrolled.is_coarse(rod) else {}))  # fmt: skip
+        else:
+            ax.text(left + across / 2, low + up / 2, "not solved", transform=ax.transAxes, ha="center", va="center",
+                    size=fonts.small(), path_effects=[HALO], zorder=20)  # fmt: skip
+    notes = [f"Dots: {ds.sizes['u']} stations miss bends."] if any(map(unrolled.is_coarse, known)) else []
+    size = f"the longest is {labels.number(wide)} {labels.unit(str(ds.attrs['length_unit']))} long"
+    enlarged = f"{unrolled.larger(1 / factor, 'z')}{unrolled.larger(factor, fonts.AROUND)}"
+    where = f"{fonts.WAYS}, each about its own case"
+    return [f"Shapes: unrolled views, {where}; all at one scale{enlarged}; {size}.", *notes]
+
+
+def _spread(scale: Scale, count: int) -> tuple[list[int], float]:
+    """The cells in the middles of so many equal bands of an axis, and the room of each as a share of the axis."""
+    chosen = list(dict.fromkeys(scale.cell((k + 0.5) / count) for k in range(count)))
+    shares = [scale.share(float(scale.values[i])) for i in chosen]
+    return chosen, FILL * float(min([*np.diff(shares), 1 / count]))
