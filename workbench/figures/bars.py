@@ -25,6 +25,8 @@ BAR, FRAME, AROUND = 0.2, 0.6, 0.8  # inches of a bar, of title and ticks of a p
 MOST, MOST_PANELS = 12, 4  # bars of a panel of a tornado or of cases; panels of cases where none is asked for
 ROOM = 0.34  # share of the width that is kept for the numbers on either side
 FIRST, TOTAL = colours.PAIR
+EDGE: dict[str, Any] = {"ecolor": "white", "elinewidth": 2.4}  # of an interval
+LINE: dict[str, Any] = {"ecolor": colours.INK, "elinewidth": 1, "capsize": 2}
 
 
 def of_cases(
@@ -64,40 +66,57 @@ def of_cases(
     cases = selection.line(ds, axis, at)
     held = {name: i for name, i in cases[0].items() if name != axis}
     notes = [f"All bars: {labels.equations(ds, held)}."] if held else []
-    return _panels(ds, names, count, partial(_cases, ds, axis, cases), notes, sheet)
-
-
-def _cases(ds: xr.Dataset, axis: str, cases: Sequence[dict[str, int]], name: str, ax: Axes) -> None:
-    """One observable of the cases along an axis, the first on top."""
-    array = ds[name]
-    sizes = np.array([float(labels.in_label_unit(array, array.isel(case).values)) for case in cases])
-    ax.barh(range(sizes.size), np.nan_to_num(sizes), 0.66, color=colours.DATA, zorder=3)
-    _write_sizes(
-        ax,
-        sizes,
-        [labels.minus_signs(labels.number(size)) if np.isfinite(size) else "unsolved" for size in sizes],
-        selection.is_count(ds, name),
-    )
     first, *others = labels.distinct(ds[axis], ds[axis].values[[case[axis] for case in cases]])
-    _look(ax, [f"{labels.axis_symbol(axis)} = {first}", *(text.partition(" ")[0] for text in others)])
-    ax.set_title(fonts.wrap(labels.label(array, long=True), ax), loc="left", pad=4)
+    rows = [f"{labels.axis_symbol(axis)} = {first}", *(text.partition(" ")[0] for text in others)]
+
+    def panel(name: str, ax: Axes) -> None:
+        sizes = np.array([float(labels.in_label_unit(ds[name], ds[name].isel(case).values)) for case in cases])
+        texts = [labels.minus_signs(labels.number(size)) if np.isfinite(size) else "unsolved" for size in sizes]
+        draw(ax, rows, [(np.nan_to_num(sizes), colours.DATA)], texts, integer=selection.is_count(ds, name))
+        ax.set_title(fonts.wrap(labels.label(ds[name], long=True), ax), loc="left", pad=4)
+
+    return _panels(ds, names, count, panel, notes, sheet)
 
 
 def indices(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
     """The Sobol' indices of a dataset of `influence.sobol`, of first order and total, with intervals.
 
-    sheet: what the figure is drawn for; default: a column of a journal as wide as on paper, with letters for the
-    screen, and two columns for several panels.
+    The field of the largest total is on top. The axis of every panel goes from 0 to 1, and beyond them as far as the
+    intervals need. sheet: what the figure is drawn for; default: a column of a journal as wide as on paper, with
+    letters for the screen, and two columns for several panels.
     """
-    names = [str(name) for name in ds["observable"].values]
-    limits = _limits(ds)
+    low = min(float((ds[key] - ds[f"{key}_conf"]).min()) for key in ("first", "total"))
+    high = max(float((ds[key] + ds[f"{key}_conf"]).max()) for key in ("first", "total"))
+    limits = min(np.nan_to_num(low), 0.0) - 0.03, max(np.nan_to_num(high), 1.0) + 0.03
+
+    def panel(name: str, ax: Axes) -> None:
+        row = ds.sel(observable=name)
+        ax.set_title(str(row["symbol"].values), loc="left", pad=4)
+        if not np.isfinite(row["total"].values).any():
+            ax.text(0.5, 0.5, "one value on all samples", transform=ax.transAxes, ha="center", color=colours.SOFT)
+            ax.set(xticks=[], yticks=[])
+            return
+        order = np.argsort(-row["total"].values)
+        fields = [str(ds["field_symbol"].values[i]) for i in order]
+        draw(ax, fields, [(row["first"].values[order], FIRST), (row["total"].values[order], TOTAL)],
+             errors=[row[f"{key}_conf"].values[order] for key in ("first", "total")])  # fmt: skip
+        ax.set_xlim(*limits)
+        if row["lost"] > 0:
+            _remark(ax, f"{100 * float(row['lost']):.2g} % of the blocks left out")
+
     entries = [
         Patch(color=FIRST, label="first order: the field alone"),
         Patch(color=TOTAL, label="total: with interactions"),
     ]
-    share = f"{100 * ds.attrs['confidence']:g} %"
-    notes = [f"Shares of the variance; lines: {share} intervals.", *_notes_of_errors(ds)]
-    return _panels(ds, names, 2 * ds.sizes["field"], partial(_indices, ds, limits), [*entries, *notes], sheet)
+    notes = [f"Shares of the variance; lines: {100 * ds.attrs['confidence']:g} % intervals."]
+    surprises = {
+        "an index can be below 0": bool((ds["first"] < 0).any() or (ds["total"] < 0).any()),
+        "a total index can be below that of first order": bool((ds["total"] < ds["first"]).any()),
+    }
+    if said := " and ".join(words for words, occurs in surprises.items() if occurs):
+        notes.append(f"The samples give estimates: by their sampling error {said}.")
+    names = [str(name) for name in ds["observable"].values]
+    return _panels(ds, names, 2 * ds.sizes["field"], panel, [*entries, *notes], sheet)
 
 
 def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
@@ -106,17 +125,83 @@ def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
     ds may have the attribute varied: the fields of the axes of a study, whose values the title names. Raises
     `InputError` where no field has an effect.
     """
-    names = [str(name) for name in ds["observable"].values if _effects(ds, str(name))]
+    effects = {str(name): _effects(ds, str(name)) for name in ds["observable"].values}
+    names = [name for name, rows in effects.items() if rows]
     if not names:
         raise InputError("no diagram: no observable depends on these fields, or none has a derivative")
-    most = max(len(_effects(ds, name)[:MOST]) for name in names)
     varied = [name for name in str(ds.attrs.get("varied", "")).split() if name in ds["field"].values]
     at = [(quantity(name).symbol, ds.sel(field=name)) for name in varied]
     values = [f"{symbol} = {_in_unit(float(row['at']), str(row['field_unit'].values))}" for symbol, row in at]
     titled = ds.assign_attrs(title=", ".join([str(ds.attrs["title"]), *values]))
+
+    def panel(name: str, ax: Axes) -> None:
+        row, shown, rest = ds.sel(observable=name), effects[name][:MOST], effects[name][MOST:]
+        sizes = np.array([effect for _, effect in shown])
+        texts = [f"{'+' if size > 0 else '−'}{labels.number(abs(size), 2)}" for size in sizes]
+        draw(ax, [_tick(ds, field) for field, _ in shown], [(sizes, [colours.PAIR[int(size > 0)] for size in sizes])],
+             texts)  # fmt: skip
+        value, unit = _in_unit(float(row["value"]), str(row["unit"].values)), str(row["effect_unit"].values)
+        ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
+        _remark(ax, f"change [{labels.unit(unit)}]" if unit != "1" else "change")
+        if rest:
+            more = f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}"
+            ax.set_xlabel(more, size=fonts.small(), color=colours.SOFT)
+
     entries = [Patch(color=colours.PAIR[k], label=word) for k, word in ((1, "rises"), (0, "falls"))]
     note = "The change of each observable if a field rises by 1 %, or by the amount beside it."
-    return _panels(titled, names, most, partial(_tornado, ds), [*entries, note], sheet)
+    most = max(len(effects[name][:MOST]) for name in names)
+    return _panels(titled, names, most, panel, [*entries, note], sheet)
+
+
+def draw(
+    ax: Axes, rows: Sequence[str], series: Sequence[tuple[Any, Any]], texts: Sequence[str] = (),
+    errors: Sequence[Any] = (), integer: bool = False, names: Sequence[str | None] = (),
+) -> None:  # fmt: skip
+    """Draw bars in rows, the first on top.
+
+    Parameters
+    ----------
+    ax, rows
+        The panel, and the word at the left of each row.
+    series
+        The sizes of the bars of a row, (rows,), and their colour or colours; several series share each row.
+    texts
+        What is written beside the end of each bar of one series; the axis has room for it.
+    errors
+        Half the length of the interval of each bar, (rows,) of each series.
+    integer
+        Whether the sizes are counts.
+    names
+        Of the series in the legend.
+    """
+    count, at = len(series), np.arange(len(rows))
+    thick, step = (0.66, 0.0) if count == 1 else (0.72 / count, 0.76 / count)
+    for k, (sizes, colour) in enumerate(series):
+        place = at + (k - (count - 1) / 2) * step
+        ax.barh(place, sizes, thick, color=colour, zorder=3, label=names[k] if names else None)
+        for look in EDGE, LINE:
+            if errors:
+                ax.errorbar(sizes, place, xerr=errors[k], linestyle="none", zorder=4, **look)
+    if texts:
+        sizes = series[0][0]
+        for i, (end, text) in enumerate(zip(sizes, texts, strict=True)):
+            ax.annotate(text, (end, i), (-3 if end < 0 else 3, 0), textcoords="offset points",
+                        ha="right" if end < 0 else "left", va="center", color=colours.INK,
+                        size=fonts.small())  # fmt: skip
+        low, high = min(sizes.min(), 0.0), max(sizes.max(), 0.0)
+        room = ROOM * (high - low or 1.0)
+        ax.set_xlim(low - (room if low < 0 else room / 6), high + (room if high > 0 else room / 6))
+        ax.xaxis.set_major_locator(RoomLocator("counts" if integer else "numbers"))
+    ax.set_yticks(at, rows)
+    ax.set_ylim(len(rows) - 0.4, -0.6)
+    ax.tick_params(axis="y", length=0, labelcolor=colours.INK, labelsize=fonts.small())
+    ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=4)
+    ax.spines["left"].set_visible(False)
+
+
+def _remark(ax: Axes, text: str) -> None:
+    """A remark at the upper right of a panel."""
+    ax.set_title(text, loc="right", pad=4, size=fonts.small(), color=colours.SOFT)
 
 
 def _panels(
@@ -134,88 +219,6 @@ def _panels(
     page = sheet or Sheet(COLUMN * columns)
     rows = canvas.in_rows([partial(panel, name) for name in names], columns, FRAME + BAR * max(bars, 2))
     return canvas.page(ds, page, rows, said, AROUND)
-
-
-def _look(ax: Axes, ticks: Sequence[str]) -> None:
-    """The look of a panel whose bars lie at 0, 1, ... downward."""
-    ax.set_yticks(range(len(ticks)), ticks)
-    ax.set_ylim(len(ticks) - 0.4, -0.6)
-    ax.tick_params(axis="y", length=0, labelcolor=colours.INK, labelsize=fonts.small())
-    ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=4)
-    ax.spines["left"].set_visible(False)
-
-
-def _indices(ds: xr.Dataset, limits: tuple[float, float], name: str, ax: Axes) -> None:
-    """The indices of one observable, the field of the largest total on top."""
-    row = ds.sel(observable=name)
-    ax.set_title(str(row["symbol"].values), loc="left", pad=4)
-    if not np.isfinite(row["total"].values).any():
-        ax.text(0.5, 0.5, "one value on all samples", transform=ax.transAxes, ha="center", color=colours.SOFT)
-        ax.set(xticks=[], yticks=[])
-        return
-    order = np.argsort(-row["total"].values)
-    at = np.arange(order.size)
-    looks: list[dict[str, Any]] = [
-        {"ecolor": "white", "elinewidth": 2.4},
-        {"ecolor": colours.INK, "elinewidth": 1, "capsize": 2},
-    ]
-    for key, color, offset in (("first", FIRST, -0.19), ("total", TOTAL, 0.19)):
-        values = row[key].values[order]
-        ax.barh(at + offset, values, 0.36, color=color, zorder=3)
-        for look in looks:
-            ax.errorbar(values, at + offset, xerr=row[f"{key}_conf"].values[order], linestyle="none", zorder=4, **look)
-    _look(ax, [str(ds["field_symbol"].values[i]) for i in order])
-    ax.set_xlim(*limits)
-    if row["lost"] > 0:
-        lost = f"{100 * float(row['lost']):.2g} % of the blocks left out"
-        ax.set_title(lost, loc="right", pad=4, size=fonts.small(), color=colours.SOFT)
-
-
-def _notes_of_errors(ds: xr.Dataset) -> list[str]:
-    """Why an index is negative, or a total index is less than that of first order, where this is so."""
-    found = {
-        "an index can be below 0": bool((ds["first"] < 0).any() or (ds["total"] < 0).any()),
-        "a total index can be below that of first order": bool((ds["total"] < ds["first"]).any()),
-    }
-    said = " and ".join(words for words, is_so in found.items() if is_so)
-    return [f"The samples give estimates: by their sampling error {said}."] if said else []
-
-
-def _limits(ds: xr.Dataset) -> tuple[float, float]:
-    """The ends of the axis of every panel of indices: 0 and 1, and beyond them what the intervals need."""
-    low = min(float((ds[key] - ds[f"{key}_conf"]).min()) for key in ("first", "total"))
-    high = max(float((ds[key] + ds[f"{key}_conf"]).max()) for key in ("first", "total"))
-    return min(np.nan_to_num(low), 0.0) - 0.03, max(np.nan_to_num(high), 1.0) + 0.03
-
-
-def _tornado(ds: xr.Dataset, name: str, ax: Axes) -> None:
-    """The tornado diagram of one observable."""
-    row, found = ds.sel(observable=name), _effects(ds, name)
-    shown, rest = found[:MOST], found[MOST:]
-    sizes = np.array([effect for _, effect in shown])
-    ax.barh(range(sizes.size), sizes, 0.66, color=[colours.PAIR[int(size > 0)] for size in sizes], zorder=3)
-    _write_sizes(ax, sizes, [f"{'+' if size > 0 else '−'}{labels.number(abs(size), 2)}" for size in sizes])
-    _look(ax, [_tick(ds, field) for field, _ in shown])
-    value = _in_unit(float(row["value"]), str(row["unit"].values))
-    unit = str(row["effect_unit"].values)
-    ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
-    change = f"change [{labels.unit(unit)}]" if unit != "1" else "change"
-    ax.set_title(change, loc="right", pad=4, size=fonts.small(), color=colours.SOFT)
-    if rest:
-        more = f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}"
-        ax.set_xlabel(more, size=fonts.small(), color=colours.SOFT)
-
-
-def _write_sizes(ax: Axes, sizes: Any, texts: Sequence[str], integer: bool = False) -> None:
-    """Write the sizes of bars at 0, 1, ... beside their ends, and give the axis room for them; NaN has no bar."""
-    ends = np.nan_to_num(sizes)
-    for i, (end, text) in enumerate(zip(ends, texts, strict=True)):
-        ax.annotate(text, (end, i), (-3 if end < 0 else 3, 0), textcoords="offset points",
-                    ha="right" if end < 0 else "left", va="center", color=colours.INK, size=fonts.small())  # fmt: skip
-    low, high = min(ends.min(), 0.0), max(ends.max(), 0.0)
-    room = ROOM * (high - low or 1.0)
-    ax.set_xlim(low - (room if low < 0 else room / 6), high + (room if high > 0 else room / 6))
-    ax.xaxis.set_major_locator(RoomLocator("counts" if integer else "numbers"))
 
 
 def _effects(ds: xr.Dataset, name: str) -> list[tuple[str, float]]:

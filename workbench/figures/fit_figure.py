@@ -12,7 +12,7 @@ from scipy import special
 from studies.grammar.axes import quantity_of
 
 from ..words import labels
-from . import canvas, colours, fonts, legend, unrolled
+from . import bars, canvas, colours, fonts, legend, unrolled
 from .sheet import SCREEN, Sheet
 
 LOWER = 3.4  # inches: the height of the lower panels
@@ -84,20 +84,29 @@ def _height(ds: xr.Dataset, room: tuple[float, float]) -> float:
 
 def region(ds: xr.Dataset, ax: Axes) -> None:
     """The ellipse of the first two fields that holds both with 95 %, and the interval of each."""
-    values, low, high = (_show(ds, ds[name].values[:2]) for name in ("value", "low", "high"))
+    factors = np.array([np.degrees(1.0) if unit == "rad" else 1.0 for unit in ds["unit"].values[:2]])  # of the labels
+    values, low, high = (ds[name].values[:2].astype(float) * factors for name in ("value", "low", "high"))
     names = [labels.symbol_of(str(name)) for name in ds["field"].values[:2]]
     ax.set_xlabel(_label(ds, 0))
     ax.set_ylabel(_label(ds, 1))
     ax.plot(*values, "o", color=colours.PAIR[1], markersize=6, zorder=4)
     others = ds["other_minimum"].values[:, :2]
     for other in others:
-        ax.plot(*_show(ds, other), "X", color=colours.INK, markersize=7, zorder=3)
-    covariance = ds["covariance"].values[:2, :2] * np.outer(_factors(ds), _factors(ds))
+        ax.plot(*(other * factors), "X", color=colours.INK, markersize=7, zorder=3)
+    covariance = ds["covariance"].values[:2, :2] * np.outer(factors, factors)
     also = CROSSES[bool(ds.attrs["exact"])] if len(others) else ""
     if not np.isfinite(covariance).all() or not np.isfinite([low, high]).all():
         ax.set_title(fonts.wrap(f"{' and '.join(names)}: no region is known{also}", ax), loc="left")
         return
-    around = values[:, None] + _ellipse(covariance, _size(ds))
+    if "normal" in str(ds.attrs["rule"]):  # square of the radius in standard deviations
+        square = special.chdtri(2, 1 - LEVEL)
+    else:
+        square = 2 * special.fdtri(2, int(ds.attrs["freedom"]), LEVEL)
+    sizes, axes = np.linalg.eigh(covariance)
+    t = np.linspace(0, 2 * np.pi, 181)
+    around = values[:, None] + axes @ (
+        np.sqrt(np.maximum(sizes, 0) * square)[:, None] * np.array([np.cos(t), np.sin(t)])
+    )
     ax.fill(*around, color=colours.PAIR[1], alpha=0.18, linewidth=0)
     ax.plot(*around, color=colours.PAIR[1], linewidth=1.2)
     for draw, ends in ((ax.axvline, (low[0], high[0])), (ax.axhline, (low[1], high[1]))):
@@ -123,11 +132,8 @@ def shares(ds: xr.Dataset, ax: Axes) -> None:
     else:
         groups = list(dict.fromkeys(map(str, ds["group"].values)))
         sums = np.array([[row[ds["group"].values == g].sum() for g in groups] for row in ds["share"].values])
-        for k, (name, row, colour) in enumerate(zip(names, sums, shades, strict=False)):
-            place = np.arange(len(groups)) + (k - (len(names) - 1) / 2) * 0.8 / len(names)
-            ax.barh(place, 100 * row, 0.8 / len(names), color=colour, label=name if name in known else None)
-        ax.set_yticks(range(len(groups)), groups)
-        ax.invert_yaxis()
+        bars.draw(ax, groups, list(zip(100 * sums, shades, strict=False)),
+                  names=[name if name in known else None for name in names])  # fmt: skip
         ax.set_xlabel("share [%]")
     each = "each point" if "point_share" in ds else "each target"
     title = f"share of {each} in what is known"
@@ -138,29 +144,6 @@ def shares(ds: xr.Dataset, ax: Axes) -> None:
     legend.add(ax, loc="best", ncols=max(len(known), 1))
 
 
-def _factors(ds: xr.Dataset) -> Any:
-    """What turns the first two fields into the units of their labels."""
-    return np.array([np.degrees(1.0) if unit == "rad" else 1.0 for unit in ds["unit"].values[:2]])
-
-
-def _show(ds: xr.Dataset, values: Any) -> Any:
-    return np.asarray(values, dtype=float) * _factors(ds)
-
-
 def _label(ds: xr.Dataset, k: int) -> str:
     name, unit = str(ds["field"].values[k]), str(ds["unit"].values[k])
     return labels.axis_label(name, xr.DataArray(0.0, attrs={"units": unit, "long_name": quantity_of(name).long_name}))
-
-
-def _size(ds: xr.Dataset) -> float:
-    """The square of the radius of the region in standard deviations: of the F distribution where sigma is estimated."""
-    freedom = int(ds.attrs["freedom"])
-    normal = "normal" in str(ds.attrs["rule"])
-    return float(special.chdtri(2, 1 - LEVEL) if normal else 2 * special.fdtri(2, freedom, LEVEL))
-
-
-def _ellipse(covariance: Any, square: float) -> Any:
-    """Places where d C^-1 d is `square`, (2, n)."""
-    sizes, axes = np.linalg.eigh(covariance)
-    t = np.linspace(0, 2 * np.pi, 181)
-    return axes @ (np.sqrt(np.maximum(sizes, 0) * square)[:, None] * np.array([np.cos(t), np.sin(t)]))

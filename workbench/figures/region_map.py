@@ -28,10 +28,16 @@ SHAPE, SMALL_SHAPE = 0.6, 0.4  # inches, the side of a shape, and that on a narr
 NARROW = 4.0  # inches of a map
 MOST, PAD = 4, 0.05  # shapes in a region; inches around a text
 GIVEN = ("the given rod", "the rod of Table 1")  # what the map was made of
+CURVES = {  # as of `_curves`
+    ("fold", True): "fold of a stable and an unstable equilibrium",
+    ("fold", False): "fold of two unstable equilibria",
+    ("pitchfork", True): "pitchfork of a stable equilibrium",
+    ("pitchfork", False): "pitchfork of an unstable equilibrium",
+}
 CUSP: dict[str, Any] = {"marker": "D", "color": "white", "markeredgecolor": colours.INK, "markersize": 4,
-                        "linestyle": "none"}  # fmt: skip
+                        "linestyle": "none", "zorder": 5, "label": "cusp"}  # fmt: skip
 MARK: dict[str, Any] = {"marker": "P", "color": colours.INK, "markeredgecolor": "white", "markersize": 8,
-                        "linestyle": "none"}  # fmt: skip
+                        "linestyle": "none", "zorder": 7}  # fmt: skip
 COUNT, STABLE = "count", "count_stable"  # of the equilibria of a region
 
 
@@ -50,13 +56,14 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
     high = sheet.width * (HIGH if not sheet.narrow else 1.0)
 
     def draw(ax: Axes) -> canvas.Said:
-        said = panel(ds, ax, (sheet.width - 1.1, high - 0.6), None if shown in along else shown)
+        said = _panel(ds, ax, (sheet.width - 1.1, high - 0.6), None if shown in along else shown)
         if shown in along:
             _colour_curves(ds, ax, shown)
             said.append(f"Colours beside the curves: {labels.long_name(ds[f'curve_{shown}'])}.")
         elif shown != COUNT:
             said.append(f"Colours of the regions: {labels.long_name(ds[shown])}.")
-        return [*said, *entries(ds), *(line for line in ax.lines if line.get_label() in GIVEN)]
+        marks = [line for line in ax.lines if not str(line.get_label()).startswith("_")]
+        return [*said, *(Line2D([], [], label=CURVES[curve], **_look(*curve)) for curve in _curves(ds)), *marks]
 
     subject = {COUNT: "", STABLE: "The number of stable equilibria"}.get(shown)
     subject = f"Folds, and their {labels.long_name(ds[f'curve_{shown}'])}," if subject is None else subject
@@ -95,28 +102,29 @@ def _colour_curves(ds: xr.Dataset, ax: Axes, name: str) -> None:
     legend.colour_bar([ax], drawn, labels.label(array), pad=0.015, aspect=30, fraction=0.05)
 
 
-def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str | None) -> list[str | Artist]:
+def _panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str | None) -> list[str | Artist]:
     """Draw the map on axes of about that width and height; shown: the count that colours the regions; None: nothing.
 
     Returns what is said of it: notes, and the colours that no number explains.
     """
-    x, y = json.loads(ds.attrs["fields"])
-    edges = [labels.in_label_unit(ds[name], np.array([ds.attrs[end][k] for end in ("low", "high")]))
-             for k, name in enumerate((x, y))]  # fmt: skip
+    names = json.loads(ds.attrs["fields"])
+    edges = np.array([labels.in_label_unit(ds[name], np.array([ds.attrs[end][k] for end in ("low", "high")]))
+                      for k, name in enumerate(names)])  # fmt: skip
     lines = _lines(ds)
-    for k, line in enumerate(lines):
-        ax.plot(*line.T, zorder=3, solid_capstyle="round", **_look(ds, k))
+    for line, curve in zip(lines, _curves(ds), strict=True):
+        ax.plot(*line.T, zorder=3, solid_capstyle="round", **_look(*curve))
     if "cusp" in ds.dims:
-        cusps = [labels.in_label_unit(ds[name], ds[f"cusp_{name}"].values) for name in (x, y)]
-        ax.plot(*cusps, **CUSP, zorder=5)
-    ax.set(xlim=edges[0], ylim=edges[1], xlabel=labels.axis_label(x, ds[x]), ylabel=labels.axis_label(y, ds[y]))
-    _mark_given_case(ds, ax, (x, y))
+        ax.plot(*(labels.in_label_unit(ds[name], ds[f"cusp_{name}"].values) for name in names), **CUSP)
+    ax.set(xlim=edges[0], ylim=edges[1], **{f"{axis}label": labels.axis_label(name, ds[name])
+                                            for axis, name in zip("xy", names, strict=True)})  # fmt: skip
+    given = zip(names, ds.attrs.get("given", (np.nan, np.nan)), strict=True)  # older files have none
+    point = np.array([float(labels.in_label_unit(ds[name], value)) for name, value in given])
+    if ((edges[:, 0] <= point) & (point <= edges[:, 1])).all():
+        ax.plot(*point, **MARK, label=GIVEN[bool(ds.attrs.get("reading"))])
     notes, left_out = _name_regions(ds, ax, inches)
     if shown is None:
         return [*notes]
-    sides = np.array(edges)
-    scaled = [(line - sides[:, 0]) / np.ptp(sides, axis=1) for line in lines]
-    raster = regions.fine(ds["region_at"].values, scaled)
+    raster = regions.fine(ds["region_at"].values, [(line - edges[:, 0]) / np.ptp(edges, axis=1) for line in lines])
     counts = np.append(ds[shown].values, 0)[raster].astype(float)
     counts[raster < 0] = np.nan
     known = np.unique(counts[np.isfinite(counts)])
@@ -127,45 +135,21 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str | No
     said = {int(count) for k, count in enumerate(ds[shown].values) if k not in left_out}
     unsaid = sorted({int(ds[shown].values[k]) for k in left_out} - said)
     noun = "stable equilibri" if shown == STABLE else "equilibri"
-    shades = {count: ramp(int(np.searchsorted(known, count)))[:3] for count in unsaid}
-    return [
-        *notes,
-        *(Patch(color=(*shades[count], 0.8), label=f"{count} {noun}{'um' if count == 1 else 'a'}") for count in unsaid),
-    ]
+    return [*notes, *(Patch(color=(*ramp(int(np.searchsorted(known, count)))[:3], 0.8),
+                            label=f"{count} {noun}{'um' if count == 1 else 'a'}") for count in unsaid)]  # fmt: skip
 
 
-def _mark_given_case(ds: xr.Dataset, ax: Axes, names: tuple[str, str]) -> None:
-    """Mark the case that the map was made of, where it lies on the map."""
-    stored = ds.attrs.get("given", (np.nan, np.nan))  # older files have none
-    x, y = (float(labels.in_label_unit(ds[name], value)) for name, value in zip(names, stored, strict=True))
-    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-    if left <= x <= right and low <= y <= high:
-        ax.plot(x, y, **MARK, zorder=7, label=GIVEN[bool(ds.attrs.get("reading"))])
+def _curves(ds: xr.Dataset) -> list[tuple[str, bool]]:
+    """The kind of each curve, and whether an equilibrium on it is stable on one side."""
+    count = ds.sizes.get("curve", 0)
+    return [(str(ds["curve_kind"].values[k]), bool(ds["curve_index"].values[k] == 0)) for k in range(count)]
 
 
-def entries(ds: xr.Dataset) -> list[Artist]:
-    """The legend of the curves and the cusps."""
-    words = {
-        ("fold", True): "fold of a stable and an unstable equilibrium",
-        ("fold", False): "fold of two unstable equilibria",
-        ("pitchfork", True): "pitchfork of a stable equilibrium",
-        ("pitchfork", False): "pitchfork of an unstable equilibrium",
-    }
-    looks = {
-        words[str(ds["curve_kind"].values[k]), bool(ds["curve_index"].values[k] == 0)]: _look(ds, k)
-        for k in range(ds.sizes.get("curve", 0))
-    }
-    if "cusp" in ds.dims:
-        looks["cusp"] = CUSP
-    return [Line2D([], [], label=label, **look) for label, look in looks.items()]
-
-
-def _look(ds: xr.Dataset, k: int) -> dict[str, Any]:
-    stable = int(ds["curve_index"].values[k]) == 0
+def _look(kind: str, stable: bool) -> dict[str, Any]:
     return {
         "color": colours.INK,
         "linewidth": 1.8 if stable else 0.8,
-        "linestyle": "-" if str(ds["curve_kind"].values[k]) == "fold" else (0, (4, 2)),
+        "linestyle": "-" if kind == "fold" else (0, (4, 2)),
     }
 
 
@@ -214,9 +198,7 @@ def _draw_shapes(
     ds: xr.Dataset, ax: Axes, k: int, count: int, middle: tuple[float, float], side: tuple[float, float]
 ) -> None:
     """So many stable shapes of a region side by side about a place; places and sizes in shares of the map."""
-    if not count:
-        return
-    rho, alpha, z = (np.asarray(one) for one in (_rho(ds), ds["stable_alpha"].values, ds["stable_z"].values))
+    rho, alpha, z = _rho(ds), ds["stable_alpha"].values, ds["stable_z"].values
     extents = [rho[:, None] * np.ptp(alpha, axis=2), np.ptp(z, axis=2)]
     size = 1.08 * max((float(np.nanmax(extent)) for extent in extents if np.isfinite(extent).any()), default=1.0)
     for i in range(count):

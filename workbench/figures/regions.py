@@ -105,9 +105,8 @@ def fine(regions: Any, lines: Sequence[Any]) -> Numbers:
     numbers = np.unique(coarse)
     middles = (slice(times // 2, None, times),) * 2  # where the region of a cell is known
     winner, share = _most(areas[middles], regions, numbers, count)
-    everywhere, _ = _most(areas, coarse, numbers, count)
-    found = np.where(share[areas] >= CLEAR, winner[areas], coarse)
-    found = np.where(np.isnan(share)[areas], everywhere[areas], found)
+    winner = np.where(np.isnan(share), _most(areas, coarse, numbers, count)[0], winner)
+    found = np.where((share < CLEAR)[areas], coarse, winner[areas])
     rows, columns = ndimage.distance_transform_edt(wall, return_distances=False, return_indices=True)
     return np.asarray(found[rows, columns])
 
