@@ -48,7 +48,7 @@ def two() -> xr.Dataset:
 @pytest.mark.parametrize("page", SHEETS)
 @pytest.mark.parametrize("kind", kinds.OF_STUDIES)
 def test_every_kind_of_picture_can_be_read_at_every_width(two, kind: str, page: str) -> None:
-    fig = kinds.figure(two, kind, SHEETS[page])
+    fig = kinds.figure(in_memory.run(load("capstan")) if kind == "states" else two, kind, SHEETS[page])
     assert fig.get_figwidth() == pytest.approx(SHEETS[page].width)
     assert faults(fig) == []
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver import Case, Cylinder, Rod, Start, solve
+from solver import Case, Cylinder, InputError, Rod, Start, solve
 from studies import loads
 from tests.workbench import small
 from workbench.export import stored_rod
@@ -139,6 +139,14 @@ def test_the_picture_of_a_pipe_has_its_azimuth_and_push_and_the_states_at_zero(d
     assert push.max() == pytest.approx(np.abs(ds["contact"].values).max(), rel=0.02)
     (axis,) = ds["outcome"].dims
     assert along.pipe(ds, at={axis: float(ds[axis][0])}).axes[0].get_ylabel() == "azimuth α [°]"
+
+
+def test_a_rod_without_weight_has_no_states() -> None:
+    bare = in_memory.run(small.grid())
+    with pytest.raises(InputError, match=r"is that of a rod with weight, .* choose --kind ridge or pipe"):
+        along.states(bare)
+    (ax, *_) = along.pipe(bare).axes
+    assert not [line for line in ax.lines if str(line.get_label()).split(", ")[-1] in colours.STATES]
 
 
 def test_the_diagram_of_states_has_the_stretches_of_the_rods(ds: xr.Dataset) -> None:

@@ -22,10 +22,10 @@ def plot(
             "KIND",
             "map: each observable over two axes; lines: unrolled views, and observables along each axis with their "
             "laws, or against the sampled fields; curves: unrolled views in the colours of the push; ridge: β, κ, the "
-            "push or other arrays along s; portrait: (β, β′) beside the potential G; states: where rods are straight, "
-            "sinusoidal or helical; pipe: the azimuth along s in the colours of the push, with these states; bars: "
-            "observables along an axis of at most twelve values. Default: map for a grid of two axes or more, else "
-            "lines.",
+            "push or other arrays along s; portrait: (β, β′) beside the potential G; states: where rods with weight "
+            "are straight, sinusoidal or helical; pipe: the azimuth along s in the colours of the push, with these "
+            "states; bars: observables along an axis of at most twelve values. Default: map for a grid of two axes or "
+            "more, else lines.",
         ),
     ] = None,
     x: Annotated[
@@ -104,7 +104,7 @@ def plot(
     readers: dict[str, Callable[[Any], Any]] = {
         "at": partial(axis_values, ds),
         "show": names,
-        "shapes": thumbnails.read,
+        "shapes": map_panel.read_shapes,
     }
     given = {name: readers.get(name, str)(value) for name, value in given.items()}
     if kind == "map" and panel:

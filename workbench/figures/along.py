@@ -1,8 +1,8 @@
 """Quantities along the rods of an axis: a panel a quantity, in it a curve a rod, one above the other over s.
 
-One rod alone has an axis of numbers in each panel. The states of a rod (straight, sinusoidal, helical) are colours of
-its angle beta; in the picture of a pipe they are those of the line at its azimuth 0, and the azimuth has the colours of
-the push.
+One rod alone has an axis of numbers in each panel. The states of a rod with weight (straight, sinusoidal, helical) are
+colours of its angle beta; in the picture of a pipe they are those of the line at its azimuth 0, and the azimuth has the
+colours of the push.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.transforms import Affine2D
 
-from solver.problem.errors import no_such
+from solver.problem.errors import InputError, no_such
 from studies.laws.line_verdicts import NOISE
 
 from ..store import schema
@@ -35,7 +35,8 @@ from .sheet import SCREEN, Sheet
 PANELS = ("beta", "kappa", "push")
 STATES, PIPE = "states", "pipe"  # panels that are no array
 ARRAYS = {STATES: ("beta", "alpha", "push"), PIPE: ("alpha", "beta", "push")}  # what they need; the first is drawn
-TITLES = {"beta": "angle β to the axis", "kappa": "curvature κ", PIPE: "azimuth α; the line at 0: the state"}
+TITLES = {"beta": "angle β to the axis", "kappa": "curvature κ"}
+NO_STATES = "a state (straight, sinusoidal, helical) is that of a rod with weight"
 # a mark where the cylinder would have to pull
 PULLS: dict[str, Any] = {"color": colours.PULLED, "marker": "o", "markersize": 3.5, "markeredgecolor": "white",
                          "markeredgewidth": 0.5, "linestyle": "none"}  # fmt: skip
@@ -43,6 +44,7 @@ MOST, MOST_PANELS = 60, 6
 CLEAR = 1.25  # the step from one curve to the next over the least at which no curve reaches the next
 # inches: of one curve; of a panel, least and most; of all panels on a narrow sheet
 EACH, TALL, NARROW = 0.55, (1.9, 7.2), (1.0, 3.4)
+BAND = 3.0  # widths of the azimuth, that of the states of a pipe: of a straight one both lie at 0
 TEXT = 1.45  # heights of a letter from one line of text to the next
 
 
@@ -71,7 +73,7 @@ def figure(
     Raises
     ------
     InputError
-        As of `drawn_rods.choose`, and for an unknown panel.
+        As of `drawn_rods.choose`, for an unknown panel, and for states of rods without weight.
     """
     names = list(dict.fromkeys([sheet.panel] if sheet.panel else show or PANELS))
     known = dict.fromkeys([*PANELS, *ARRAYS, *(name for name in schema.CURVES.values() if name not in schema.INNER)])
@@ -79,9 +81,11 @@ def figure(
         if name not in known:
             raise no_such("panel", name, known)
     names = names[:MOST_PANELS]
+    if STATES in names and not schema.loads_vary(ds):
+        raise InputError(f"{NO_STATES}, and the rods of this file have none; choose --kind ridge or pipe")
     rods = drawn_rods.choose(ds, list(dict.fromkeys(a for n in names for a in ARRAYS.get(n, (n,)))), x, at, MOST)
     curves = [_curves(rods, name) for name in names]
-    ends = min(curve.ends()[0] for curve in curves), max(curve.ends()[1] for curve in curves)
+    ends = min(curve.ends[0] for curve in curves), max(curve.ends[1] for curve in curves)
     tall = float(np.clip(EACH * (ends[1] - ends[0]), *TALL))
     if sheet.narrow:
         tall = float(np.clip(tall, NARROW[0], NARROW[1] / len(names)))
@@ -96,27 +100,27 @@ def figure(
     rows: list[canvas.Row] = [(tall + 0.3, [one]) for one in panels] if sheet.narrow else [(tall + 0.75, panels)]
     faint = len(names) > 1 and any(not curve.foot for curve in curves)
     said = ["Faint line: where the quantity of a rod is 0."] * faint + rods.said() + rods.notes
-    return canvas.page(rods.source, sheet, rows, [*entries(rods, names), *said], 0.75)
+    if PIPE in names and not schema.loads_vary(ds):
+        said.append(f"No states: {NO_STATES}.")
+    return canvas.page(rods.source, sheet, rows, [*_entries(rods, names), *said], 0.75)
 
 
 states, pipe = partial(figure, show=(STATES,)), partial(figure, show=(PIPE,))
 
 
-def entries(rods: DrawnRods, names: Sequence[str]) -> list[Artist]:
+def _entries(rods: DrawnRods, names: Sequence[str]) -> list[Artist]:
     """The legend of panels: the states, and what the colours of a push are."""
     stated = bool({*ARRAYS} & {*names})
-    seen = {state.word for rod in rods.solved for state in _states(rod)} if stated else set()
-    found: list[Artist] = [
+    seen = {state.word for rod in rods.solved for state in _states(rods, rod)} if stated else set()
+    entries: list[Artist] = [
         Line2D([], [], color=colour, label=word) for word, colour in colours.STATES.items() if word in seen
     ]
     if "push" in names:
-        found.append(Patch(color=colours.PUSHED, label=push_scale.PUSHES))
-    pulled = (stated or "push" in names) and any(push_scale.pulls(rod["push"]) for rod in rods.solved)
-    if pulled and stated:
-        found.append(Line2D([], [], **PULLS, label="would lift off"))
-    elif pulled:
-        found.append(Patch(color=colours.PULLED, label=push_scale.PULLS))
-    return found
+        entries.append(Patch(color=colours.PUSHED, label=push_scale.PUSHES))
+    if (stated or "push" in names) and any(push_scale.pulls(rod["push"]) for rod in rods.solved):
+        pulled = Patch(color=colours.PULLED, label=push_scale.PULLS)
+        entries.append(Line2D([], [], **PULLS, label="would lift off") if stated else pulled)
+    return entries
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +128,8 @@ class Curves:
     """The curves of one panel.
 
     values: of each rod in the unit of the panel, None where it is not solved. unit: with a blank before it where one
-    stands. foot: the value at the line of a curve. step: from one curve to the next. size: the largest range.
+    stands. foot: the value at the line of a curve. step: from one curve to the next. size: the largest range. ends: the
+    lowest and the highest point of all curves in steps from the line of the first.
     """
 
     name: str
@@ -134,28 +139,26 @@ class Curves:
     foot: float
     step: float
     size: float
-
-    def ends(self) -> tuple[float, float]:
-        """The lowest and the highest point of all curves in steps from the line of the first."""
-        drawn = [(k, values) for k, values in enumerate(self.values) if values is not None]
-        low = min(k + (values.min() - self.foot) / self.step for k, values in drawn)
-        high = max(k + (values.max() - self.foot) / self.step for k, values in drawn)
-        return float(min(low, 0.0)), float(max(high, len(self.values) - 1))
+    ends: tuple[float, float]
 
 
 def _curves(rods: DrawnRods, name: str) -> Curves:
     """The curves of one quantity, so far from each other that none reaches the next."""
     shown = ARRAYS.get(name, (name,))[0]
     _, unit, change = _words(rods.source, shown)
-    title = TITLES.get(name if name == PIPE else shown, labels.symbol_of(shown))
+    title = TITLES.get(shown, labels.symbol_of(shown))
+    if name == PIPE:
+        title = "azimuth α" + "; the line at 0: the state" * schema.loads_vary(rods.source)
     values = [change(rod[shown]) if rod.arrays is not None else None for rod in rods.rods]
-    drawn = [value for value in values if value is not None]
-    low, high = min(one.min() for one in drawn), max(one.max() for one in drawn)
+    drawn = [(k, float(value.min()), float(value.max())) for k, value in enumerate(values) if value is not None]
+    low, high = min(least for _, least, _ in drawn), max(most for _, _, most in drawn)
     far = low > 2 * (high - low) or high < -2 * (high - low)  # 0 lies far from all curves
-    foot = float(low) if far and name != "push" and high - low > NOISE * max(abs(low), abs(high)) else 0.0
-    size = float(np.max([max(one.max(), foot) - min(one.min(), foot) for one in drawn])) or 1.0
-    step = _clear_step(rods, values, foot, name == "push" or (not foot and low >= 0))
-    return Curves(name, title, unit, values, foot, max(step, 0.25 * size), size)
+    foot = low if far and name != "push" and high - low > NOISE * max(abs(low), abs(high)) else 0.0
+    size = max(max(most, foot) - min(least, foot) for _, least, most in drawn) or 1.0
+    step = max(_clear_step(rods, values, foot, name == "push" or (not foot and low >= 0)), 0.25 * size)
+    ends = (min(0.0, *(k + (least - foot) / step for k, least, _ in drawn)),
+            max(len(values) - 1.0, *(k + (most - foot) / step for k, _, most in drawn)))  # fmt: skip
+    return Curves(name, title, unit, values, foot, step, size, ends)
 
 
 def _clear_step(rods: DrawnRods, values: Sequence[Any], foot: float, filled: bool) -> float:
@@ -254,47 +257,36 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
         order = 3 + 0.9 * (count - k) / count  # the lower curve stands before the upper one
         where = Affine2D().translate(0, k * step) + ax.transData
         if values is None:
-            _say_unsolved(ax, k * step + foot)
-        elif curves.name in ARRAYS:
-            if curves.name == PIPE:
-                push_scale.line(ax, rod["s"], values, rod["push"], norm, width, rod.name, where, order)
-                _draw_states(ax, rod, np.full(values.shape, foot), 2.2 * width, where, order - 0.01)
-            else:
-                _draw_states(ax, rod, values, 1.0, where, order)
-            _mark_pulls(ax, rod, values, where, order)
-        elif curves.name == "push":
+            ax.text(0.5, k * step + foot, "unsolved", transform=ax.get_yaxis_transform(), ha="center", va="bottom",
+                    color=colours.SOFT, size=fonts.small())  # fmt: skip
+            continue
+        s, push = rod["s"], rod["push"] if curves.name in ("push", *ARRAYS) else values
+        if curves.name == "push":
             for side, colour in ((np.maximum(values, 0), colours.PUSHED), (np.minimum(values, 0), colours.PULLED)):
-                ax.fill_between(rod["s"], 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order)
-            push_scale.line(ax, rod["s"], values, values, norm, width, rod.name, where, order)
-        else:
-            ax.plot(rod["s"], values, color=shades[k], linewidth=1.1, transform=where, zorder=order, label=rod.name)
+                ax.fill_between(s, 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order)
+        if curves.name in ("push", PIPE):
+            push_scale.line(ax, s, values, push, norm, width, rod.name, where, order)
+        elif curves.name != STATES:
+            ax.plot(s, values, color=shades[k], linewidth=1.1, transform=where, zorder=order, label=rod.name)
+        if curves.name not in ARRAYS:
+            continue
+        heights, wide, below = (
+            (values, 1.0, 0.0) if curves.name == STATES else (np.full(s.shape, foot), BAND * width, 0.01)
+        )
+        for state in _states(rods, rod):
+            part = (s >= state.begin) & (s <= state.end)
+            ax.plot(s[part], heights[part], color=colours.STATES[state.word], linewidth=wide, transform=where,
+                    zorder=order - below, label=f"{rod.name}, {state.word}")  # fmt: skip
+        _, first, after = regions.runs((push < -SLIGHT * np.abs(push).max())[None])
+        middle = (s[first] + s[after - 1]) / 2  # of each stretch where the cylinder would have to pull
+        ax.plot(middle, np.interp(middle, s, values), **PULLS, transform=where, zorder=order + 0.01,
+                label=f"{rod.name}, would lift off")  # fmt: skip
 
 
-def _draw_states(ax: Axes, rod: DrawnRod, values: Any, width: float, where: Any, order: float) -> None:
-    """A curve in the colours of the states of a rod."""
-    for state in _states(rod):
-        part = (rod["s"] >= state.begin) & (rod["s"] <= state.end)
-        ax.plot(rod["s"][part], values[part], color=colours.STATES[state.word], linewidth=width, transform=where,
-                zorder=order, label=f"{rod.name}, {state.word}")  # fmt: skip
-
-
-def _mark_pulls(ax: Axes, rod: DrawnRod, values: Any, where: Any, order: float) -> None:
-    """Marks on a curve where the cylinder would have to pull, in the middle of each stretch."""
-    _, first, after = regions.runs((rod["push"] < -SLIGHT * np.abs(rod["push"]).max())[None])
-    middle = (rod["s"][first] + rod["s"][after - 1]) / 2
-    ax.plot(middle, np.interp(middle, rod["s"], values), **PULLS, transform=where, zorder=order + 0.01,
-            label=f"{rod.name}, would lift off")  # fmt: skip
-
-
-def _states(rod: DrawnRod) -> Sequence[Any]:
+def _states(rods: DrawnRods, rod: DrawnRod) -> Sequence[Any]:
     from solver.shooting.state import states
 
-    return states(rod["s"], rod["beta"], rod["alpha"])
-
-
-def _say_unsolved(ax: Axes, height: float) -> None:
-    ax.text(0.5, height, "unsolved", transform=ax.get_yaxis_transform(), ha="center", va="bottom", color=colours.SOFT,
-            size=fonts.small())  # fmt: skip
+    return states(rod["s"], rod["beta"], rod["alpha"]) if schema.loads_vary(rods.source) else ()
 
 
 def _name_curves(ax: Axes, rods: DrawnRods, curves: Curves, tall: float, labelled: bool) -> None:
