@@ -10,8 +10,7 @@ from matplotlib.patches import PathPatch
 from studies import load
 from studies.laws.line_verdicts import HOLDS, VERDICTS, judge
 from tests.workbench.small import THREE, law, study
-from workbench.figures import canvas, colours, drawn_numbers, kinds, map_figure, regions
-from workbench.figures import map_panel
+from workbench.figures import canvas, colours, drawn_numbers, kinds, map_figure, map_panel, regions
 from workbench.store import in_memory, law_verdicts
 
 

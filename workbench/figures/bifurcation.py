@@ -30,9 +30,10 @@ MOST = 16, 8  # shapes; those on one column of a page
 MOST_INSIDE = 4  # entries of a legend that find a free place in the diagram
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
 HIDDEN = 0.03  # of a panel: marks would cover a shorter stable piece
+BETWEEN = 8  # places on a smooth line between two points
 SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed ones would look solid
-
-
+Values = NDArray[np.float64]
+# an unstable branch of held ends, and stable ones
 _HELD: dict[int, tuple[dict[str, Any], str]] = {
     0: (colours.UNSTABLE | {"zorder": 2}, "unstable"),
     1: (colours.STABLE | {"linewidth": 1.1, "zorder": 4}, "stable as held, unstable under a dead load"),
@@ -174,46 +175,37 @@ def _runs(ds: xr.Dataset, ax: Axes, on: Any, points: Any) -> list[tuple[Any, dic
 def _laws(ds: xr.Dataset) -> list[str]:
     """The sentence that says the laws of the legend; none where no branch has their colour."""
     rows = branches(ds)
-    if "member" not in ds.sizes or not any(_holds(row) for row in rows):
+    if "member" not in ds.sizes or not any(_judge(row)[0] for row in rows):
         return []
-    told = [key.split(" ") for key in rows[0] if " " in key]
-    words = " and ".join(f"{labels.noun_of(one)} {DIRECTIONS[direction].does}" for one, direction in told)
+    laws = [key.split(" ") for key in rows[0] if " " in key]
+    words = " and ".join(f"{labels.noun_of(name)} {DIRECTIONS[direction].does}" for name, direction in laws)
     return [f"Laws of the study: {words} with {labels.symbol(ds[str(ds.attrs['axis'])])}."]
 
 
-def _holds(row: dict[str, Any]) -> bool:
-    """Whether laws were judged on a branch and none fails."""
-    return bool(_verdicts(row)) and all(verdict.startswith((HOLDS, QUALIFIED)) for verdict in _verdicts(row))
-
-
-def _verdicts(row: dict[str, Any]) -> list[str]:
-    """The verdicts of laws on a branch."""
-    return [str(verdict) for key, verdict in row.items() if " " in key]
-
-
-def _judge(row: dict[str, Any]) -> str:
-    """What the legend says of the laws of the study on a branch; nothing where none was judged."""
-    if not _verdicts(row):
-        return ""
-    if _holds(row):
-        return ", no law of the study fails"
-    return ", a law fails" if any(verdict.startswith(FAILS) for verdict in _verdicts(row)) else ", a law is not decided"
+def _judge(row: dict[str, Any]) -> tuple[bool, str]:
+    """Whether laws were judged on a branch and none fails, and what the legend says of that."""
+    verdicts = [str(verdict) for key, verdict in row.items() if " " in key]
+    if not verdicts:
+        return False, ""
+    if all(verdict.startswith((HOLDS, QUALIFIED)) for verdict in verdicts):
+        return True, ", no law of the study fails"
+    return False, ", a law fails" if any(v.startswith(FAILS) for v in verdicts) else ", a law is not decided"
 
 
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     """The look of a branch, and its entry in the legend."""
-    holds = _holds(row)
-    stable = row["index"] == 0
+    (holds, words), stable = _judge(row), row["index"] == 0
     look = (colours.STABLE if stable else colours.UNSTABLE) | {"zorder": 4 if stable else 3 if holds else 2}
     look |= {"color": colours.VERDICTS[HOLDS]} if holds else {}
-    return look, ("stable" if stable else "unstable") + _judge(row)
+    return look, ("stable" if stable else "unstable") + words
 
 
-def _look_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> dict[str, Any]:
+def _look_of_shape(ds: xr.Dataset, k: int) -> dict[str, Any]:
     """Colour and width of the line of its branch, at the place of the shape."""
+    name, number = str(ds.attrs["axis"]), int(_shape_branches(ds)[k])
     if "member" in ds.sizes:
-        return colours.of_line(_look(row)[0])
-    on = np.flatnonzero(ds["curve_branch"].values == row["branch"])
+        return colours.of_line(_look(next(row for row in branches(ds) if row["branch"] == number))[0])
+    on = np.flatnonzero(ds["curve_branch"].values == number)
     at = on[int(np.argmin(np.abs(ds[f"curve_{name}"].values[on] - float(ds[f"shape_{name}"].values[k]))))]
     index, dead = int(ds["curve_index"].values[at]), int(ds["curve_dead_index"].values[at])
     return colours.of_line(_HELD[0 if index > 0 else 1 if dead > 0 else 2][0])
@@ -221,54 +213,42 @@ def _look_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> di
 
 def _shapes(ds: xr.Dataset, count: int) -> list[View]:
     """The unrolled views at the first numbered points, each with its number."""
-    if not count:
-        return []
-    name, rows, of = str(ds.attrs["axis"]), {row["branch"]: row for row in branches(ds)}, shape_branches(ds)
-    found = []
+    views = []
     for k, number in enumerate(_names(ds)[:count]):
         rho, alpha, z = (ds[f"shape_{key}"].values[k] for key in ("rho", "alpha", "z"))
         a, L = (float(ds[key]) if not ds[key].dims else float(ds[f"shape_{key}"][k]) for key in ("a", "L"))
         rings = unrolled.crossings(np.linspace(0, L, z.size), float(rho), alpha, z, a)
-        look = _look_of_shape(ds, name, rows[int(of[k])], k)
-        found.append(View(z, rho * (alpha - alpha[0]), number, look, rings or []))
-    return found
+        views.append(View(z, rho * (alpha - alpha[0]), number, _look_of_shape(ds, k), rings or []))
+    return views
 
 
-def shape_branches(ds: xr.Dataset) -> Any:
+def _shape_branches(ds: xr.Dataset) -> Any:
     """The branch of each shape; in a file that does not say it each branch has one."""
     return ds["shape_branch"].values if "shape_branch" in ds else np.arange(ds.sizes.get("shape", 0))
 
 
 def _names(ds: xr.Dataset) -> list[str]:
     """What the shapes are called: by the number of their branch, from 1, with a letter where a branch has several."""
-    of = [int(branch) for branch in shape_branches(ds)]
-    letters = [ascii_lowercase[of[:k].count(one)] if of.count(one) > 1 else "" for k, one in enumerate(of)]
-    return [f"{one + 1}{letter}" for one, letter in zip(of, letters, strict=True)]
+    of = [int(branch) for branch in _shape_branches(ds)]
+    letters = [ascii_lowercase[of[:k].count(branch)] if of.count(branch) > 1 else "" for k, branch in enumerate(of)]
+    return [f"{branch + 1}{letter}" for branch, letter in zip(of, letters, strict=True)]
 
 
 def _number_points(ds: xr.Dataset, ax: Axes, key: str, inches: tuple[float, float]) -> None:
     """A dot with its number at the point of each shape that is drawn, where the axis reaches it."""
-    name, rows = str(ds.attrs["axis"]), {row["branch"]: row for row in branches(ds)}
     if f"shape_{key}" not in ds:
         return
-    x, y = (_values(ds, f"shape_{one}")[: MOST[0]] for one in (name, key))
+    name, names = str(ds.attrs["axis"]), _names(ds)
+    x, y = (_values(ds, f"shape_{quantity}")[: MOST[0]] for quantity in (name, key))
     (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
-    inside = (x >= left) & (x <= right) & (y >= low) & (y <= high)
-    of, names = shape_branches(ds), _names(ds)
-    for k in map(int, np.flatnonzero(inside)):
-        branch = of[k]
-        colour = _look_of_shape(ds, name, rows[int(branch)], k)["color"]
-        ax.plot(x[k], y[k], "o", color=colour, markersize=4.2, zorder=7,
+    inside = [int(k) for k in np.flatnonzero((x >= left) & (x <= right) & (y >= low) & (y <= high))]
+    for k in inside:
+        ax.plot(x[k], y[k], "o", color=_look_of_shape(ds, k)["color"], markersize=4.2, zorder=7,
                 markeredgecolor="white", markeredgewidth=0.7)  # fmt: skip
-    points = [point_numbers.Point(x[k], y[k], names[k]) for k in map(int, np.flatnonzero(inside))]
-    dots = [one for kind in MARKS for one in np.transpose(_special(ds, name, key, kind))]
+    points = [point_numbers.Point(x[k], y[k], names[k]) for k in inside]
+    dots = [dot for kind in MARKS for dot in np.transpose(_special(ds, name, key, kind))]
     lines = [line.get_xydata() for line in ax.lines if np.size(line.get_xdata()) > 1]
     point_numbers.write(ax, points, lines, dots, inches)
-
-
-BETWEEN = 8  # places between two points
-
-Values = NDArray[np.float64]
 
 
 def smooth_line(x: Any, y: Any, shares: Any) -> tuple[Values, Values]:
@@ -285,7 +265,6 @@ def smooth_line(x: Any, y: Any, shares: Any) -> tuple[Values, Values]:
     -------
     Two arrays, x and y; the points themselves where they are fewer than three.
     """
-    x, y, shares = (np.asarray(values, dtype=float) for values in (x, y, shares))
     kept = np.append(True, np.linalg.norm(np.diff(shares, axis=0), axis=1) > 1e-9)
     x, y, shares = x[kept], y[kept], shares[kept]
     if x.size < 3:

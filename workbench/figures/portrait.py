@@ -242,16 +242,15 @@ def _potential(ax: Axes, one: Orbit) -> None:
 
 def _entries(orbits: Sequence[Orbit], names: Sequence[str]) -> list[Artist]:
     """The legend."""
-    rod = "the rod, at its level h" if "potential" in names else "the rod"
-    looks: list[tuple[bool, str, dict[str, Any]]] = [
-        (True, rod, {"color": colours.DATA, "linewidth": 1.8}),
-        (True, "s = 0", {"marker": "o", "markersize": 4, "linestyle": "none"}),
-        (True, "s = L", {"marker": "s", "markersize": 4, "linestyle": "none"}),
-        (any(one.saddles.size for one in orbits), SADDLE, {"linewidth": 0.9, "linestyle": (0, (4, 2))}),
-        (any(one.centres.size for one in orbits), "centre: a helix",
-         {"color": colours.SOFT, "marker": "+", "markersize": 6, "linestyle": "none"}),
-        ("portrait" in names, "other level sets of β′² + G", {"color": colours.FAINT, "linewidth": 1.2}),
-    ]  # fmt: skip
-    return [
-        Line2D([], [], label=label, **({"color": colours.INK} | look)) for is_drawn, label, look in looks if is_drawn
-    ]
+    looks: dict[str, dict[str, Any]] = {
+        "the rod, at its level h" if "potential" in names else "the rod": {"color": colours.DATA, "linewidth": 1.8},
+        "s = 0": {"marker": "o", "markersize": 4, "linestyle": "none"},
+        "s = L": {"marker": "s", "markersize": 4, "linestyle": "none"},
+    }
+    if any(one.saddles.size for one in orbits):
+        looks[SADDLE] = {"linewidth": 0.9, "linestyle": (0, (4, 2))}
+    if any(one.centres.size for one in orbits):
+        looks["centre: a helix"] = {"color": colours.SOFT, "marker": "+", "markersize": 6, "linestyle": "none"}
+    if "portrait" in names:
+        looks["other level sets of β′² + G"] = {"color": colours.FAINT, "linewidth": 1.2}
+    return [Line2D([], [], label=label, **({"color": colours.INK} | look)) for label, look in looks.items()]

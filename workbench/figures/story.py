@@ -1,25 +1,31 @@
-"""The story in one figure: the rod and its letters, the rods of an axis, a law, the claims under each reading."""
+"""The story in one figure: the rod and its letters, the rods of an axis, a law, the claims under each reading.
+
+Rods on their cylinder are drawn by Matplotlib alone: shaded faces, the farthest first, in a parallel projection.
+"""
 
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from solver.mechanics import frames
 from studies.laws.law_words import PLAIN
 from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
+from ..geometry import tube
 from ..store import law_verdicts
 from ..words import labels
-from . import canvas, colours, drawn_rods, fonts, legend, push_scale, solid
+from . import canvas, colours, drawn_rods, fonts, legend, push_scale
 from .sheet import Sheet, sheet
-from .solid import Eye
 from .trends import trend
 
 ROD, ALONG, CLAIMS = "fig6", "fig7_1_modulus", "readings"  # the datasets by the name of their study
@@ -49,6 +55,34 @@ WIDE_TABLE = 2.2  # inches of a table of claims from which its heads are written
 WORDS = {"mean |f|": "contact force"}
 ARROWS = {"rises": "↑", "falls": "↓", "not-falling": "not ↓", "not-rising": "not ↑"}
 
+ELEVATION = np.radians(22.0)  # of the eye above the horizon
+SIDES, STRIPS = 32, 60  # of a tube, of half a cylinder
+LIGHT = np.array([-0.45, 0.55, 0.7])  # to the right, up, towards the eye
+SHADE = 0.5  # brightness of a face that looks away from the light
+VEIL = 0.86  # how much of a rod behind the cylinder is hidden
+
+Values = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class _Eye:
+    """From where a rod is seen. azimuth: of the eye about the axis; shift: of what is drawn, to the right [length]."""
+
+    azimuth: float
+    shift: float = 0.0
+
+    def to_page(self, points: Any) -> Values:
+        """Places on the page, (..., 2), of points in space (..., 3)."""
+        return np.asarray(self.project(points)[..., :2] + [self.shift, 0.0])
+
+    def project(self, points: Any) -> Values:
+        """Points or directions as seen: to the right, up, towards the eye."""
+        x, y, z = np.moveaxis(np.asarray(points, dtype=float), -1, 0)
+        cos, sin = np.cos(self.azimuth), np.sin(self.azimuth)
+        right, near = y * cos - x * sin, x * cos + y * sin
+        up, out = np.cos(ELEVATION), np.sin(ELEVATION)
+        return np.stack([right, z * up - near * out, z * out + near * up], axis=-1)
+
 
 def figure(datasets: Mapping[str, xr.Dataset], page: Sheet | None = None) -> Figure:
     """Draw the story of the stored datasets of `reproduce`, by the name of their study.
@@ -76,11 +110,11 @@ def letters(ds: xr.Dataset, ax: Axes) -> None:
     """The first part of the rod of a dataset of one case in three-quarter view, with the letters of its geometry."""
     (rod,) = drawn_rods.choose(ds, ("alpha", "beta", "z")).rods
     R, beta = float(ds["R"]), rod["beta"]
-    eye = Eye(float(rod["alpha"].mean()) - TURNED)
+    eye = _Eye(float(rod["alpha"].mean()) - TURNED)
     shown = rod.between(0.0, PART)
     low = float(shown["z"].min() - R)  # where the azimuth is drawn
     ends = low - 0.9 * R, float(shown["z"].max() + 1.2 * R)
-    solid.rod(ax, eye, shown, np.tile(colours.LETTERED, (shown["s"].size, 1)), ends, R)
+    _rod(ax, eye, shown, np.tile(colours.LETTERED, (shown["s"].size, 1)), ends, R)
     k = int(np.argmin(np.abs(rod["s"] - SHOWN * rod["s"][-1])))
     places = frames.position(rod.rho, rod["alpha"], rod["z"])
     start, at, up = places[0], places[k], np.array([0, 0, 1.0])
@@ -88,7 +122,7 @@ def letters(ds: xr.Dataset, ax: Axes) -> None:
     fan = np.linspace(0, 1, 40)[:, None]
     arc = (1 - fan) * up + fan * way
     arc = at + 1.7 * R * arc / np.linalg.norm(arc, axis=1)[:, None]
-    around = solid.ring(R, low, np.linspace(rod["alpha"][0], rod["alpha"][k], 40))
+    around = _ring(R, low, np.linspace(rod["alpha"][0], rod["alpha"][k], 40))
     for foot, head in ((around[0], start), (around[-1], at)):  # the meridians of s = 0 and of the point
         way_up = [foot, [foot[0], foot[1], head[2]], head]
         _line(ax, eye, way_up, colours.INK, linestyle=(0, (1, 1.5)), zorder=4)  # on the wall, seen through the rod
@@ -121,11 +155,11 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
     step = 2.9 * (R + 2 * found.solved[0].a)
     every = 2 if fonts.inches(ax)[0] < 0.45 * len(found.rods) else 1
     for k, rod in enumerate(found.rods):
-        eye = Eye(float(np.mean(rod["alpha"])) - TURNED if rod.arrays is not None else 0.0, k * step)
+        eye = _Eye(float(np.mean(rod["alpha"])) - TURNED if rod.arrays is not None else 0.0, k * step)
         foot = eye.to_page([0, 0, ends[0]]) - [0, 0.5 * R]
         if rod.arrays is not None:
             shown = rod.between(0.0, 1.0, 260)
-            solid.rod(ax, eye, shown, colours.push_ramp()(norm(shown["push"]))[:, :3], ends, R)
+            _rod(ax, eye, shown, colours.push_ramp()(norm(shown["push"]))[:, :3], ends, R)
         if k % every == 0:
             _write(ax, foot, rod.value if rod.arrays is not None else "unsolved", (0, -5))
     _frame(ax)
@@ -191,7 +225,7 @@ def _claim(ds: xr.Dataset, name: str) -> str:
     return f"{name} {does} with {', '.join(dict.fromkeys(labels.axis_symbol(row['axis']) for row in rows))}"
 
 
-def _line(ax: Axes, eye: Eye, points: Any, colour: str, arrow: str | None = None, **look: Any) -> None:
+def _line(ax: Axes, eye: _Eye, points: Any, colour: str, arrow: str | None = None, **look: Any) -> None:
     """A line in space; an arrow with the letter at its end where one is given."""
     places = eye.to_page(points)
     if arrow is None:
@@ -214,3 +248,69 @@ def _frame(ax: Axes) -> None:
     ax.autoscale_view()
     ax.margins(0.02)
     ax.set_axis_off()
+
+
+def _rod(ax: Axes, eye: _Eye, rod: Any, shades: Any, ends: tuple[float, float], R: float) -> None:
+    """Draw a rod on the outside of its cylinder.
+
+    Parameters
+    ----------
+    rod
+        alpha, beta, z along the rod, rho and a, as of `drawn_rods.DrawnRod`.
+    shades
+        The colour of each station, (n, 3) between 0 and 1.
+    ends
+        The height at which the cylinder begins and ends [length].
+    R
+        The radius of the cylinder [length].
+    """
+    alpha = rod["alpha"]
+    place = frames.position(rod.rho, alpha, rod["z"])
+    frame = place, frames.tangent(alpha, rod["beta"]), frames.outward(alpha), frames.binormal(alpha, rod["beta"])
+    points, normals = (part[: len(place) * SIDES].reshape(len(place), SIDES, 3)
+                       for part in tube.surface(frame, rod.a, SIDES, sharp=False))  # fmt: skip
+    ends_of = np.stack([place[:1], place[-1:]])[:, :, None].repeat(SIDES, axis=2)  # each end is closed by a disc
+    rings = np.concatenate([ends_of[0], points, ends_of[1]])
+    normals = np.concatenate([-frame[1][:1, None].repeat(SIDES, 1), normals[:-1], frame[1][-1:, None].repeat(SIDES, 1)])
+    faces = np.stack([rings[:-1], np.roll(rings, -1, 1)[:-1], np.roll(rings, -1, 1)[1:], rings[1:]], axis=2)
+    of = np.r_[0, : len(place) - 1, len(place) - 1]  # the station of each ring of faces
+    behind = np.cos(alpha[of] - eye.azimuth) < 0
+    base = np.asarray(shades)[of, None].repeat(SIDES, axis=1)
+    for part, order in ((behind, 1.0), (~behind, 3.0)):
+        _faces(ax, eye, faces[part], normals[part], base[part], order)
+    _cylinder(ax, eye, R, ends)
+
+
+def _faces(ax: Axes, eye: _Eye, faces: Values, normals: Values, shades: Values, order: float) -> None:
+    """Shaded faces, (..., 4, 3), the farthest first."""
+    corners, seen = eye.project(faces.reshape(-1, 4, 3)), eye.project(normals.reshape(-1, 3))
+    towards = seen[:, 2] > -0.05
+    light = np.clip(seen @ (LIGHT / np.linalg.norm(LIGHT)), 0, 1)[:, None]
+    shaded = np.clip(shades.reshape(-1, 3) * (SHADE + (1.08 - SHADE) * light) + 0.35 * light**24, 0, 1)
+    first = np.argsort(corners[towards, :, 2].mean(axis=1))
+    drawn = shaded[towards][first]
+    ax.add_collection(PolyCollection(
+        list(corners[towards][first][..., :2] + [eye.shift, 0.0]), facecolors=drawn, edgecolors=drawn, linewidths=0.25,
+        zorder=order, rasterized=True))  # fmt: skip
+
+
+def _cylinder(ax: Axes, eye: _Eye, R: float, ends: tuple[float, float]) -> None:
+    """The near half of the surface, over what lies behind it, and the flat end above."""
+    angle = eye.azimuth + np.linspace(-np.pi / 2, np.pi / 2, STRIPS + 1)
+    low, high = (_ring(R, z, angle) for z in ends)
+    light = np.clip(eye.project(frames.outward((angle[1:] + angle[:-1]) / 2)) @ LIGHT, 0, 1)[:, None]
+    base = np.array(colours.rgb(colours.SURFACE)) / 255
+    shades = np.clip(base * (0.8 + 0.22 * light), 0, 1)
+    strips = np.stack([low[:-1], low[1:], high[1:], high[:-1]], axis=1)
+    ax.add_collection(PolyCollection(list(eye.to_page(strips)), facecolors=shades, linewidths=0, antialiaseds=False,
+                                     alpha=VEIL, zorder=2, rasterized=True))  # fmt: skip
+    ax.fill(*eye.to_page(_ring(R, ends[1])).T, facecolor=colours.CUT, edgecolor=colours.SOFT, linewidth=0.5, zorder=2.1)
+    for side in (0, -1):
+        ax.plot(*eye.to_page([low[side], high[side]]).T, color=colours.SOFT, linewidth=0.5, zorder=2.1)
+    ax.plot(*eye.to_page(low).T, color=colours.SOFT, linewidth=0.5, zorder=2.1)
+
+
+def _ring(radius: float, z: float, angles: Any = None) -> Values:
+    """Points of a circle about the axis, (n, 3)."""
+    angles = np.linspace(0, 2 * np.pi, 121) if angles is None else np.asarray(angles)
+    return np.stack([radius * np.cos(angles), radius * np.sin(angles), np.full(angles.shape, z)], axis=-1)

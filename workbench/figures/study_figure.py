@@ -228,25 +228,24 @@ def _for_column(chosen: _Choice) -> _Choice:
 
 def level_notes(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
     """A sentence about each observable that is the same in all cases."""
-    level = [(ds[name], selection.level(ds, name)) for name in names if selection.is_level(ds, name)]
-    asked = re.compile(r"[<>]|==|!=|\b(and|or|not)\b")  # an expression that is true or false
-    said = [("false", "true")[bool(round(sum(ends) / 2))] if asked.search(str(array.attrs.get("expression", "")))
-            else labels.level(array, *ends) for array, ends in level]  # fmt: skip
+    is_true_or_false = re.compile(r"[<>]|==|!=|\b(and|or|not)\b")  # an expression
     texts = []
-    for (array, ends), text in zip(level, said, strict=True):
-        flag = re.fullmatch("1 where (.*), else 0", labels.long_name(array))
-        does = flag[1] if flag else f"{labels.long_name(array)}: {text}"
-        texts.append(f"{does} in {'no case' if flag and not round(sum(ends) / 2) else 'all cases'}.")
-    return [text[0].upper() + text[1:] for text in texts]
+    for array, ends in ((ds[name], selection.level(ds, name)) for name in names if selection.is_level(ds, name)):
+        noun, holds = labels.long_name(array), bool(round(sum(ends) / 2))
+        if flag := re.fullmatch("1 where (.*), else 0", noun):
+            said = f"{flag[1]} in {'all cases' if holds else 'no case'}."
+        elif is_true_or_false.search(str(array.attrs.get("expression", ""))):
+            said = f"{noun}: {'true' if holds else 'false'} in all cases."
+        else:
+            said = f"{noun}: {labels.level(array, *ends)} in all cases."
+        texts.append(said[0].upper() + said[1:])
+    return texts
 
 
 def _name(rows: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
     """The laws that share their claim by names of their own: ``(4) turns``, with the axis where that is not enough."""
     claims = Counter(row["claim"] for row in rows)
-    short = Counter((row["claim"], row["observable"]) for row in rows)
-    found: dict[str, Mapping[str, Any]] = {}
-    for row in rows:
-        if claims[row["claim"]] > 1:
-            words = [row["claim"], row["observable"]]
-            found[" ".join([*words, row["axis"]] if short[tuple(words)] > 1 else words)] = row
-    return found
+    names = [f"{row['claim']} {row['observable']}" for row in rows]
+    short = Counter(names)
+    return {name if short[name] == 1 else f"{name} {row['axis']}": row
+            for name, row in zip(names, rows, strict=True) if claims[row["claim"]] > 1}  # fmt: skip
