@@ -15,7 +15,7 @@ from studies import load
 from tests.slow import slow
 from tests.workbench.command import exit_status
 from workbench.branches.region_dataset import dataset_of
-from workbench.figures import kinds, legend
+from workbench.figures import canvas, kinds
 from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
 from workbench.store import reading, writing
@@ -66,7 +66,7 @@ def test_the_given_case_is_marked_and_named_where_it_lies(given, inside) -> None
 def test_the_colours_of_a_map_are_of_what_is_asked_for(shown, colours) -> None:
     fig = kinds.figure(made(), sheet=sheet("paper", titled=False), show=[shown])
     assert len(fig.axes) == 1 + colours  # numbers along curves have a bar
-    notes = " ".join(legend.notes_of(fig))
+    notes = " ".join(canvas.notes_of(fig))
     assert ("Colours" in notes) == (shown != "count")
     along = [one for one in fig.axes[0].collections if isinstance(one, LineCollection)]
     stored = made()["curve_dbeta0"].values

@@ -11,7 +11,7 @@ from matplotlib.text import Text
 from solver import InputError
 from studies import load
 from tests.workbench.small import grid, study
-from workbench.figures import along, canvas, colours, drawn_rods, kinds, legend, study_figure
+from workbench.figures import along, canvas, colours, drawn_rods, kinds, study_figure
 from workbench.figures.laws import panel
 from workbench.figures.unrolled import stretch
 from workbench.store import in_memory, law_verdicts, selection
@@ -127,7 +127,7 @@ def test_a_rod_that_bends_between_its_stations_is_dotted_and_said_to_be_and_else
 
 
 def test_observables_that_are_left_out_are_said(angles) -> None:
-    (note,) = legend.notes_of(study_figure.figure(angles))
+    (note,) = canvas.notes_of(study_figure.figure(angles))
     judged = {row["observable"] for row in law_verdicts.verdicts(angles)}
     level = {name for name in selection.observables(angles) if selection.is_level(angles, name)}
     left = [name for name in selection.observables(angles) if name not in judged | level]

@@ -78,7 +78,7 @@ def plot(
     """
     from solver.problem.errors import InputError
 
-    from ..figures import canvas, drawn_numbers, kinds, legend, map_panel
+    from ..figures import canvas, drawn_numbers, kinds, map_panel
     from ..figures.sheet import sheet
     from ..store import atomic, reading, schema
     from ..words import outcomes
@@ -119,7 +119,7 @@ def plot(
     if numbers:
         atomic.write(numbers, lambda aside: aside.write_text(table, encoding="utf-8"))
     paths = [path, *([numbers] if numbers else [])]
-    return result_of_files(paths, [*legend.notes_of(drawn), *map(str, paths)])
+    return result_of_files(paths, [*canvas.notes_of(drawn), *map(str, paths)])
 
 
 def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) -> Result:

@@ -185,11 +185,11 @@ def present(
 
         writing.write(dataset, out, force)
     if plot and dataset is not None:
-        from ..figures import canvas, kinds, legend
+        from ..figures import canvas, kinds
 
         drawn = kinds.figure(dataset, result.figure, sheet)
         canvas.save(drawn, plot, dpi)
-        notes = legend.notes_of(drawn)
+        notes = canvas.notes_of(drawn)
     if as_json:
         console.print_json(result.data())
     else:

@@ -17,7 +17,7 @@ from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, QUALIFIED
 
 from ..branches.branch_dataset import branches
 from ..words import labels
-from . import canvas, colours, fonts, legend, point_numbers, unrolled
+from . import canvas, colours, fonts, point_numbers, unrolled
 from .equilibria_figure import one_shown
 from .sheet import SCREEN, Sheet
 from .unrolled import View
@@ -63,9 +63,9 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
     laws = _laws(ds)
 
     def diagram(ax: Axes) -> canvas.Said:
-        key = legend.entries(panel(ds, ax, shown, high))
+        key = canvas.legend_entries(panel(ds, ax, shown, high))
         if few := len({entry.get_label() for entry in key}) <= MOST_INSIDE:
-            legend.add(ax)
+            canvas.add_legend(ax)
         return [*([] if few else key), *laws]
 
     rows: list[canvas.Row] = [(high, [diagram])]

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..words import labels
-from . import legend
+from . import canvas
 
 CASING = "_casing"  # the label of the grey casing of a coloured line
 COLUMNS = ("panel", "x_label", "y_label", "kind", "series", "x", "y", "value")
@@ -39,7 +39,7 @@ def table(fig: Figure) -> str:
         head = f"{number} {_one_line(str(title))}".strip()
         named = head, _one_line(ax.get_xlabel()), _one_line(ax.get_ylabel())
         writer.writerows((*named, *row) for row in rows(ax))
-    writer.writerows(("", "", "", "note", note, "", "", "") for note in legend.notes_of(fig))
+    writer.writerows(("", "", "", "note", note, "", "", "") for note in canvas.notes_of(fig))
     return text.getvalue()
 
 

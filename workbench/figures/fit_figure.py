@@ -12,7 +12,7 @@ from scipy import special
 from studies.grammar.axes import quantity_of
 
 from ..words import labels
-from . import bars, canvas, colours, fonts, legend, unrolled
+from . import bars, canvas, colours, fonts, unrolled
 from .sheet import SCREEN, Sheet
 
 LOWER = 3.4  # inches: the height of the lower panels
@@ -49,7 +49,7 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> None:
             ax.plot((a, c), (b, d), color=colours.INK, linewidth=0.9, zorder=1)
         ax.plot(*points, "o", color="white", markersize=4.5, markeredgecolor=colours.INK, markeredgewidth=0.9,
                 label="measured points")  # fmt: skip
-        legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, borderaxespad=0, borderpad=0.3)
+        canvas.add_legend(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, borderaxespad=0, borderpad=0.3)
     ax.plot(line[0][0], line[1][0], "o", color=colours.INK, markersize=5)
     ax.annotate("s = 0", (line[0][0], line[1][0]), (-6, 0), textcoords="offset points", ha="right", va="center",
                 size=fonts.small())  # fmt: skip
@@ -141,7 +141,7 @@ def shares(ds: xr.Dataset, ax: Axes) -> None:
         ax.set_axis_off()
         title = "no field has shares"
     ax.set_title(fonts.wrap(title, ax), loc="left")
-    legend.add(ax, loc="best", ncols=max(len(known), 1))
+    canvas.add_legend(ax, loc="best", ncols=max(len(known), 1))
 
 
 def _label(ds: xr.Dataset, k: int) -> str:

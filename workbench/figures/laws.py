@@ -15,7 +15,7 @@ from studies.laws.verdicts import Law
 
 from ..store import law_verdicts, selection
 from ..words import labels
-from . import colours, fonts, legend
+from . import canvas, colours, fonts
 from .trends import trend
 
 
@@ -37,7 +37,7 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> str:
     draw_curve(ds, ax, row)
     _draw_alternative(ds, ax, row)
     ax.set_title(fonts.wrap(f"{row['claim']}: {verdict}", ax), loc="left", color=colour)
-    legend.add(ax)
+    canvas.add_legend(ax)
     others = law_words.others(row, lambda name: labels.symbol(ds[name]))
     said = "; ".join(text for text in (verdict, _measure(ds, row)) if text)
     return f"{row['claim']}: {sentence(ds, row)}; {said.rstrip('.')}. {others}".rstrip()

@@ -21,7 +21,7 @@ from solver.problem.errors import InputError
 
 from ..store import selection
 from ..words import labels
-from . import colours, drawn_rods, fonts, legend, regions, unrolled
+from . import canvas, colours, drawn_rods, fonts, regions, unrolled
 from .map_cells import STRAIGHT, Cells, Choice
 from .scales import RoomLocator, Scale
 
@@ -64,7 +64,7 @@ class Colours:
         """The bar of colours beside the panels; none of a constant."""
         if self.constant:
             return
-        bar = legend.colour_bar(axes, mesh, pad=0.015, aspect=30, fraction=0.05)
+        bar = canvas.colour_bar(axes, mesh, pad=0.015, aspect=30, fraction=0.05)
         bar.locator = RoomLocator("counts" if self.count else "numbers")
 
 

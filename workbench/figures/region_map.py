@@ -18,7 +18,7 @@ from matplotlib.patches import Patch
 from solver.problem.errors import no_such
 
 from ..words import labels
-from . import canvas, colours, fonts, legend, regions, unrolled
+from . import canvas, colours, fonts, regions, unrolled
 from .equilibria_figure import one_shown
 from .map_panel import HALO
 from .sheet import SCREEN, Sheet
@@ -99,7 +99,7 @@ def _colour_curves(ds: xr.Dataset, ax: Axes, name: str) -> None:
     drawn = LineCollection(list(segments[known]), cmap=colours.map_colours(), linewidths=6.0, zorder=2,
                            array=middles[known], label=name)  # fmt: skip
     ax.add_collection(drawn, autolim=False)
-    legend.colour_bar([ax], drawn, labels.label(array), pad=0.015, aspect=30, fraction=0.05)
+    canvas.colour_bar([ax], drawn, labels.label(array), pad=0.015, aspect=30, fraction=0.05)
 
 
 def _panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str | None) -> list[str | Artist]:

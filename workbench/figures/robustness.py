@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from ..words import labels
-from . import canvas, colours, fonts, legend
+from . import canvas, colours, fonts
 from .sheet import SCREEN, Sheet
 
 VAGUE = 0.1  # rad
@@ -41,7 +41,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     def draw(ax: Axes) -> None:
         scale = ScalarMappable(Normalize(LEAST, MOST), SOLVED)
         said = "solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error [rad]"
-        legend.colour_bar([panel(ds, ax)], scale, said, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035,
+        canvas.colour_bar([panel(ds, ax)], scale, said, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035,
                           ticks=range(-8, 2))  # fmt: skip
 
     titled = ds.assign_attrs(title=labels.powers_of_ten(str(ds.attrs["title"])))

@@ -24,7 +24,7 @@ from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 from ..geometry import tube
 from ..store import law_verdicts
 from ..words import labels
-from . import canvas, colours, drawn_rods, fonts, legend, push_scale
+from . import canvas, colours, drawn_rods, fonts, push_scale
 from .sheet import Sheet, sheet
 from .trends import trend
 
@@ -164,7 +164,7 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
             _write(ax, foot, rod.value if rod.arrays is not None else "unsolved", (0, -5))
     _frame(ax)
     ax.set_title(found.axis_label(), loc="center", size=fonts.small(), pad=2)
-    legend.colour_bar([ax], ScalarMappable(norm, colours.push_ramp()), cax=below, orientation="horizontal")
+    canvas.colour_bar([ax], ScalarMappable(norm, colours.push_ramp()), cax=below, orientation="horizontal")
     said = f"push of the cylinder [{labels.unit(push_scale.unit(ds))}]\nbelow 0: the rod would lift off"
     _write(below, (0, 0.5), said, (-14, -4), xycoords="axes fraction", ha="right")
 

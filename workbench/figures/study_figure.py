@@ -17,7 +17,7 @@ from studies.grammar.axes import SAMPLE
 
 from ..store import law_verdicts, refined, schema, selection
 from ..words import cautions, labels
-from . import along, canvas, drawn_rods, legend, trends, unrolled
+from . import along, canvas, drawn_rods, trends, unrolled
 from .laws import panel
 from .sheet import SCREEN, Sheet
 
@@ -108,7 +108,7 @@ def figure(
         if not isinstance(one, str):
             return [panel(ds, ax, one)]
         trends.trend(ds, ax, one, axis_of_trends).set_label(labels.long_name(ds[one]))
-        legend.add(ax)
+        canvas.add_legend(ax)
         return []
 
     def strip(one: drawn_rods.DrawnRods, view: Any, ax: Axes) -> canvas.Said:
@@ -134,7 +134,7 @@ def figure(
     ratios = (BESIDE, 1 - BESIDE) if beside else None
     fig = canvas.page(ds, sheet, lines, said, 0.3 * bool(sampled), width=width, ratios=ratios)
     left_out = [f"Not drawn: {', '.join(chosen.left_out)}; choose with --show or --panel."] * bool(chosen.left_out)
-    legend.keep(fig, left_out)
+    canvas.keep(fig, left_out)
     return fig
 
 

@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 from numpy.typing import NDArray
 
-from ..figures import canvas, colours, fonts, legend
+from ..figures import canvas, colours, fonts
 from ..figures.arrangement import Arrangement
 from ..figures.scales import round_below
 from ..store import atomic
@@ -108,7 +108,7 @@ class Page:
         self.ax = fig.add_axes((0.0, 0.0, 1.0, 1.0)) if self.bare else fig.add_subplot()
         self.ax.axis("off")
         if not self.bare:
-            legend.below(fig, [*(_handle(*entry) for entry in self.words.legend), *self.words.notes])
+            canvas.write_below(fig, [*(_handle(*entry) for entry in self.words.legend), *self.words.notes])
 
     def panel(self) -> tuple[float, float, float, float]:
         """Lay out the page; returns left, low, width and height of the panel in inches."""
@@ -274,7 +274,7 @@ def draw_bar(ax: Axes, bar: Bar, corner: tuple[float, float], size: tuple[float,
     """A colour bar with a few round values below and its quantity above; corner and size in inches of the panel."""
     place = ax.inset_axes((*corner, *size), transform=ax.transData)
     scale = ScalarMappable(Normalize(bar.paint.low, bar.paint.high), bar.paint.ramp)
-    legend.colour_bar([ax], scale, cax=place, orientation="horizontal")
+    canvas.colour_bar([ax], scale, cax=place, orientation="horizontal")
     place.set_xlim(bar.low, bar.high)
     place.tick_params(labelcolor=colours.INK, pad=1)
     place.set_title(bar.label, size=fonts.SMALL, loc="left", pad=2)
