@@ -112,9 +112,9 @@ def events_between(
     special: the special points between the two, with their kinds. place_at: the place at a wanted value, between two.
     """
     places = []
-    for (one, _), (other, kind) in pairwise([(before, ""), *special, (after, "")]):
-        for value in bounds.inside(one.p, other.p):
-            place = place_at(one, other, value)
+    for (place_before, _), (other, kind) in pairwise([(before, ""), *special, (after, "")]):
+        for value in bounds.inside(place_before.p, other.p):
+            place = place_at(place_before, other, value)
             if place is None:
                 return None
             places.append(replace(place, p=value))  # located to a rounding that is wider than that of halts

@@ -108,8 +108,8 @@ def _follow(state: BranchState, places: list[Place], bounds: Bounds) -> tuple[li
     """The places before, and those after a state."""
     most = bounds.most - len(places)
     walk = _Walk(bounds, most, state.record())
-    found, reason = arclength.trace(state, walk.stride, _LENGTHS, most)
-    every = [*places, *found]
+    met, reason = arclength.trace(state, walk.stride, _LENGTHS, most)
+    every = [*places, *met]
     return every, Stop(reason or bounds.limit, every[-1].p if every else state.p)
 
 
@@ -142,22 +142,22 @@ class _Walk:
         past = leap_on(state, self.bounds) if is_near_helix(state) else None
         if past is not None:
             return self._arrive(places, state, past, [past.record()], step, True)
-        there, passed = _pass(state, _step(state, step, self.bounds), self.bounds)
-        if isinstance(there, str) and step < NARROW:
+        ahead, passed = _pass(state, _step(state, step, self.bounds), self.bounds)
+        if isinstance(ahead, str) and step < NARROW:
             for other in in_other_charts(state):
                 again, passed = _pass(other, _step(other, step, self.bounds), self.bounds)
                 if not isinstance(again, str):
-                    state, there, self.kept = other, again, _KEPT
+                    state, ahead, self.kept = other, again, _KEPT
                     break
-        if not isinstance(there, str):
-            bend = max(there.node.bend, 1e-6)
+        if not isinstance(ahead, str):
+            bend = max(ahead.node.bend, 1e-6)
             longer = step * float(np.clip(np.sqrt(_EASY_BEND / bend), 0.3, 2.0))
-            return self._arrive(places, state, there, passed, longer, False)
+            return self._arrive(places, state, ahead, passed, longer, False)
         half = step / 2
         beyond = leap_on(state, self.bounds) if step >= NARROW > half or half < _LENGTHS.least else None
         if beyond is not None:
             return self._arrive(places, state, beyond, [beyond.record()], _LENGTHS.first, True)
-        stuck = f"the step became too small: {there}" if half < _LENGTHS.least else ""
+        stuck = f"the step became too small: {ahead}" if half < _LENGTHS.least else ""
         return arclength.Stride(places, state, half, stuck)
 
     def _arrive(
@@ -192,8 +192,8 @@ def _pass(state: BranchState, there: BranchState | str, bounds: Bounds) -> tuple
 def _place_at(state: BranchState, one: BranchState, other: BranchState, value: float) -> Place | None:
     """The equilibrium at a value of p, between two points of the step that leads from a state."""
     ends = {float(state.node.tangent @ (at.node.w - state.node.w)): at for at in (one, other)}
-    found = locate(state.ahead, ends, lambda at: at.p - value)
-    return None if found is None else found.record()
+    state_at = locate(state.ahead, ends, lambda at: at.p - value)
+    return None if state_at is None else state_at.record()
 
 
 def _special(state: BranchState, there: BranchState) -> list[tuple[BranchState, str]] | None:
@@ -212,9 +212,11 @@ def _special(state: BranchState, there: BranchState) -> list[tuple[BranchState, 
 
 def _is_same(first: Place, place: Place) -> bool:
     """Whether the branch is back where it began."""
-    one, other = place.path, first.path
-    same = (one.leaving, one.turns, one.sign) == (other.leaving, other.turns, other.sign)
-    return same and abs(place.p - first.p) < _BACK and abs(one.pin - other.pin) < _BACK and abs(one.y - other.y) < _BACK
+    path, other = place.path, first.path
+    same = (path.leaving, path.turns, path.sign) == (other.leaving, other.turns, other.sign)
+    return (
+        same and abs(place.p - first.p) < _BACK and abs(path.pin - other.pin) < _BACK and abs(path.y - other.y) < _BACK
+    )
 
 
 def creeps(state: BranchState, there: BranchState, bounds: Bounds, leap: bool) -> bool:
@@ -232,10 +234,12 @@ def _shape(state: BranchState) -> Array:
 
 def is_near_helix(state: BranchState) -> bool:
     """Whether the rod would be a helix at a parameter so near that its level leaves the range of floats there."""
-    found, family = state.at, state.curve.family
-    if found is None or abs(np.sin((found[0].start - found[0].end) / 2)) > (_BESIDE_HINGE if family.hinged else 0):
+    equilibrium, family = state.at, state.curve.family
+    if equilibrium is None or abs(np.sin((equilibrium[0].start - equilibrium[0].end) / 2)) > (
+        _BESIDE_HINGE if family.hinged else 0
+    ):
         return False
-    problem = found[0].problem
+    problem = equilibrium[0].problem
     near = _BESIDE_HELIX if family.is_dead else _BESIDE_HELD_HELIX
     pull = np.abs([slope(problem, end)[0] for end in (problem.beta0, problem.betaL)])
     if not 0 < pull.max() < near * height_scale(problem):
@@ -266,8 +270,8 @@ def leap_from(
     if first is None or last is None:
         return LEFT
     if family.is_dead:
-        found = leap(first, last, 0.0, problem, path)
-        return _NONE_BESIDE if found is None else begin_at(family, found[0].path, p + found[1] * (far - p), rises)
+        landing = leap(first, last, 0.0, problem, path)
+        return _NONE_BESIDE if landing is None else begin_at(family, landing[0].path, p + landing[1] * (far - p), rises)
     carried = carry(state_of(problem, path, family.hinged), last)
     if isinstance(carried, Stopped):
         return carried.reason

@@ -65,10 +65,10 @@ class BranchState:
 
 def begin_at(family: Family, path: Path, p: float, rises: bool) -> BranchState | str:
     """The equilibrium at p, corrected there, to be travelled with p rising or falling."""
-    found = curve_through(family, path, p)
-    if found is None:
+    begun = curve_through(family, path, p)
+    if begun is None:
         return LEFT
-    curve, w = found
+    curve, w = begun
     along = np.zeros(w.size)
     along[1] = 1.0 if rises else -1.0
     return correct_state(curve, w, along)
@@ -82,8 +82,8 @@ def correct_state(curve: EquilibriumCurve, w: Array, along: Array) -> BranchStat
     order = (1, 0) if abs(along[1]) > abs(along[0]) else (0, 1)
     reason = LEFT
     for held in order:
-        found = correct_point(curve, w, np.eye(w.size)[held], jacobian)
-        node = found if isinstance(found, str) else node_at(curve, found, along)
+        corrected = correct_point(curve, w, np.eye(w.size)[held], jacobian)
+        node = corrected if isinstance(corrected, str) else node_at(curve, corrected, along)
         if not isinstance(node, str):
             return BranchState(curve, node)
         reason = node
@@ -141,21 +141,25 @@ def _change(state: BranchState, chart: Chart) -> BranchState | None:
         at = state.curve.at(beyond)
         if at is None:
             continue
-        for one in charts(*at, curve.family.hinged):
-            if one.kind == chart.kind and one.logarithmic == chart.logarithmic and one.at.sign == chart.at.sign:
-                w, there = (
+        for candidate in charts(*at, curve.family.hinged):
+            if (
+                candidate.kind == chart.kind
+                and candidate.logarithmic == chart.logarithmic
+                and candidate.at.sign == chart.at.sign
+            ):
+                w, w_nearby = (
                     np.append(coordinate(c), (point * state.curve.scales)[1:]) / curve.scales
-                    for c, point in ((chart, state.node.w), (one, beyond))
+                    for c, point in ((chart, state.node.w), (candidate, beyond))
                 )
-                along = (there - w) / nudge
+                along = (w_nearby - w) / nudge
                 if not along.any():
                     continue
                 along /= np.linalg.norm(along)
-                found = correct_state(curve, w, along)
-                if not isinstance(found, str) and found.node.tangent @ along < _PARALLEL:
+                changed = correct_state(curve, w, along)
+                if not isinstance(changed, str) and changed.node.tangent @ along < _PARALLEL:
                     continue
-                if not isinstance(found, str) and found.rises * state.rises > 0:
-                    return found
+                if not isinstance(changed, str) and changed.rises * state.rises > 0:
+                    return changed
     return None
 
 
@@ -173,13 +177,13 @@ def steps_in_core(
     for name in _PATH:
         begin[name] = getattr(first.path, name)
     halts = np.array(sorted({*bounds.wanted, bounds.low, bounds.high}))
-    found, rates, step, kept, why = curve.family.steps.run(
+    points, rates, step, kept, why = curve.family.steps.run(
         at, step, kept, begin, most, halts, bounds.rounding, curve.loads
     )
-    if not found.size:
+    if not points.size:
         return [], state, step, kept, why
-    index = found["index"].tolist() if curve.family.is_dead else _indices_of(curve.family, found, rates)
-    return _places(found, index), _state_of(at, curve), step, kept, why
+    index = points["index"].tolist() if curve.family.is_dead else _indices_of(curve.family, points, rates)
+    return _places(points, index), _state_of(at, curve), step, kept, why
 
 
 def _places(found: Array, index: list[int | None]) -> list[Place]:
@@ -211,8 +215,8 @@ def _point_of(state: BranchState) -> core.Point:
 def _state_of(at: core.Point, curve: EquilibriumCurve) -> BranchState:
     """The state at a point; curve: that of another state of the branch."""
     chart, path, n = at.chart, at.chart.at, curve.scales.size
-    own = Path(path.pin, path.sign, path.y, path.leaving, path.turns)
-    drawn = Chart(core.KINDS[chart.kind], own, chart.scale, bool(chart.logarithmic))
+    at_path = Path(path.pin, path.sign, path.y, path.leaving, path.turns)
+    drawn = Chart(core.KINDS[chart.kind], at_path, chart.scale, bool(chart.logarithmic))
     w, tangent = np.array(at.w[:n]), np.array(at.tangent[:n])
     jacobian = np.array(at.jacobian[: n * (n - 1)]).reshape(n - 1, n)
     return BranchState(replace(curve, chart=drawn, ahead=at.ahead), Node(w, jacobian, tangent, at.sign, at.bend))

@@ -103,8 +103,8 @@ def _past_a_helix(
 
     On a helix no path has a level: beta_t falls to zero along the whole rod and grows again with the other sign.
     """
-    (share_0, one), (share_1, two) = before, here
-    v_0, v_1 = (state.rates.values[0, 2:4] for state in (one, two))
+    (share_0, earlier), (share_1, two) = before, here
+    v_0, v_1 = (state.rates.values[0, 2:4] for state in (earlier, two))
     if share_1 <= share_0 or two.path.helix or not (np.abs(v_1) < 0.9 * np.abs(v_0)).all() or (v_0 * v_1 < 0).any():
         return None
     zero = share_1 + (share_1 - share_0) * float(v_1[0] / (v_0[0] - v_1[0]))
@@ -112,16 +112,16 @@ def _past_a_helix(
     if not share_1 < share < 1 or share - share_1 > _FAR:
         return None
     along = (share - share_1) / (share_1 - share_0)
-    guess = {name: getattr(two.problem, name) + along * (getattr(two.problem, name) - getattr(one.problem, name))
+    guess = {name: getattr(two.problem, name) + along * (getattr(two.problem, name) - getattr(earlier.problem, name))
              for name in (*FREE, "span")}  # fmt: skip
     problem, speeds = EndsProblem(**guess), np.abs(v_1 + along * (v_1 - v_0))
     place, ahead = LinePoint(problem), first.towards(wanted, share)
     for speed, angle in sorted(zip(speeds, (place.start, place.end), strict=True)):
         path = Path(angle, 1.0, 2 * float(np.log(speed)), -two.path.leaving, two.path.turns)
         for chart in charts(place, path, wanted.hinged):
-            found = correct_equilibrium(problem, ahead, chart, coordinate(chart), _ROUGH)
-            if not isinstance(found, str):
-                return found, share - share_1
+            corrected = correct_equilibrium(problem, ahead, chart, coordinate(chart), _ROUGH)
+            if not isinstance(corrected, str):
+                return corrected, share - share_1
     return None
 
 
@@ -131,8 +131,8 @@ def _advance(
     """The state after at most one step, and the step taken; else why the step failed in the best coordinate."""
     reason = ""
     for chart in charts(LinePoint(state.problem), state.path, wanted.hinged):
-        here, ahead = first.towards(wanted, share), first.towards(wanted, share + step)
-        change, dx, size = predict(state, chart, here, ahead)
+        given, ahead = first.towards(wanted, share), first.towards(wanted, share + step)
+        change, dx, size = predict(state, chart, given, ahead)
         factor = 1.0
         if not np.isfinite(size):
             reason = reason or DIVERGED
@@ -142,10 +142,10 @@ def _advance(
                 ahead = first.towards(wanted, share + factor * step)
             guess = problem_after(state.problem, ahead, change, factor)
             goal = 0.0 if ahead is wanted else _ROUGH
-            found = correct_equilibrium(guess, ahead, chart, coordinate(chart) + factor * dx, goal)
-            if not isinstance(found, str) and not _is_crossed(state, found, wanted, factor * size):
-                return found, factor * step
-            reason = reason or (found if isinstance(found, str) else DIVERGED)
+            corrected = correct_equilibrium(guess, ahead, chart, coordinate(chart) + factor * dx, goal)
+            if not isinstance(corrected, str) and not _is_crossed(state, corrected, wanted, factor * size):
+                return corrected, factor * step
+            reason = reason or (corrected if isinstance(corrected, str) else DIVERGED)
         if step > _EASY:
             break
     return reason
@@ -169,11 +169,11 @@ def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
         `Stopped` where the branch ends between the two; no other equilibrium is returned in its place.
     """
     if not path.helix:
-        begin, end = (np.concatenate(list(vars(one).values())) for one in (first, last))
+        begin, end = (np.concatenate(list(vars(problem).values())) for problem in (first, last))
         level, way = (path.pin, path.sign, path.y), (path.leaving, path.turns)
-        found = core.resume(begin, end, level, way, NODES, CUTTING)
-        if found is not None:
-            return Path(*found)
+        numbers = core.resume(begin, end, level, way, NODES, CUTTING)
+        if numbers is not None:
+            return Path(*numbers)
     return _resume_by_leaps(first, path, last)
 
 
@@ -197,13 +197,13 @@ def _resume_by_leaps(first: EndsProblem, path: Path, last: EndsProblem) -> Path 
 
 def _follow(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
     """The path followed along the line; not both ends of the line are helices."""
-    wanted = Given.dead(last)
+    goal = Given.dead(last)
     if path.helix:
-        begun = leap(Given.dead(first), wanted, 0.0, first, path)
+        begun = leap(Given.dead(first), goal, 0.0, first, path)
         if begun is None:
             return Stopped(0.0, "no equilibrium next to the helix", state_of(first, path))
         state, share = begun
-        found = _follow(state.problem, state.path, last)
-        return replace(found, share=share + (1 - share) * found.share) if isinstance(found, Stopped) else found
-    carried = carry(state_of(first, path), wanted)
+        result = _follow(state.problem, state.path, last)
+        return replace(result, share=share + (1 - share) * result.share) if isinstance(result, Stopped) else result
+    carried = carry(state_of(first, path), goal)
     return carried if isinstance(carried, Stopped) else carried.path

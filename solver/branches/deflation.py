@@ -41,7 +41,7 @@ def numbers_of(state: OrbitState) -> Array:
 
 def is_known(state: OrbitState, known: list[Array]) -> bool:
     """Whether a state is one of the known equilibria, given by their `numbers_of`."""
-    return any(are_same(numbers_of(state), one) for one in known)
+    return any(are_same(numbers_of(state), numbers) for numbers in known)
 
 
 def are_same(one: Array, other: Array) -> bool:
@@ -62,8 +62,8 @@ def deflate(start: OrbitState, wanted: Given, known: list[Array]) -> OrbitState 
         return (numbers_of(state), change[:-1], change) if np.isfinite(change[:-1]).all() else None
 
     state = lead_away(start, newton_step, partial(_next_state, wanted), known, _ROUNDS, _NEAR)
-    found = "" if state is None else settle(state.problem, state.path, wanted)
-    return None if isinstance(found, str) or is_known(found, known) else found
+    settled = "" if state is None else settle(state.problem, state.path, wanted)
+    return None if isinstance(settled, str) or is_known(settled, known) else settled
 
 
 def _next_state(wanted: Given, state: OrbitState, change: Array, factor: float) -> tuple[OrbitState, float] | None:
@@ -76,22 +76,22 @@ def _next_state(wanted: Given, state: OrbitState, change: Array, factor: float) 
             continue
         share = float(np.clip(factor, -_REACH / size, _REACH / size))
         for _ in range(_HALVED):
-            there = _state_at(problem_after(state.problem, wanted, change, share), wanted, chart, x + share * dx)
-            if there is not None:
-                return there, size
+            ahead = _state_at(problem_after(state.problem, wanted, change, share), wanted, chart, x + share * dx)
+            if ahead is not None:
+                return ahead, size
             share /= 2
     return None
 
 
 def _state_at(problem: EndsProblem, wanted: Given, chart: Chart, x: float) -> OrbitState | None:
     """The state at a coordinate; None where there is no orbit."""
-    here = problem_at(problem, wanted, chart, x)
-    if here is None:
+    equilibrium = problem_at(problem, wanted, chart, x)
+    if equilibrium is None:
         return None
-    rates = rates_in(*here, chart, x)
+    rates = rates_in(*equilibrium, chart, x)
     if not (np.isfinite(rates.values[0, :-1]).all() and np.isfinite(rates.rows[0, :-1]).all()):
         return None
-    return corner_state(rates, x) if chart.kind == CORNER else OrbitState(*here, rates)
+    return corner_state(rates, x) if chart.kind == CORNER else OrbitState(*equilibrium, rates)
 
 
 def fold_beside(state: OrbitState, wanted: Given) -> tuple[Array, float] | None:

@@ -117,20 +117,20 @@ class EquilibriumCurve:
             return None
         rates = rates_in(at[0].problem, at[1], self.chart, x)
         numbers, length = rates.values[0], float(rates.length[0])
-        here, there = (self._less(numbers, length, one, w) for one in (given, beyond))
-        if here is None or there is None:
+        off, off_beyond = (self._less(numbers, length, numbers_at, w) for numbers_at in (given, beyond))
+        if off is None or off_beyond is None:
             return None
         answers, by_span = self._answers(rates, given, x)
-        drift = (there - here + by_span * (beyond.span - given.span)) / ahead
+        drift = (off_beyond - off + by_span * (beyond.span - given.span)) / ahead
         for k, name in enumerate(given.names):  # an unknown that is given follows p, whatever its place in w
             if name in FREE and not (name == "betaL" and self.chart.kind == CORNER):
-                own, others = 1 + FREE.index(name), np.arange(6) != k
-                drift[others] -= answers[others, own] * drift[k]
-                answers[others, own] = 0
-        found = np.column_stack([answers[:, 0], drift, answers[:, 1:]]) * self.scales
+                column, others = 1 + FREE.index(name), np.arange(6) != k
+                drift[others] -= answers[others, column] * drift[k]
+                answers[others, column] = 0
+        matrix = np.column_stack([answers[:, 0], drift, answers[:, 1:]]) * self.scales
         self._rates.clear()
         self._rates[w.tobytes()] = rates
-        return found if np.isfinite(found).all() else None
+        return matrix if np.isfinite(matrix).all() else None
 
     def _differences(self, x: float, p: float, ahead: float) -> Array | None:
         """The derivatives under dead loads: a rod may rest at both ends, where `orbit_rates` has none of its length."""

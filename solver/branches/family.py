@@ -93,10 +93,10 @@ def scale_of(numbers: core.Numbers, names: tuple[str, ...], p: float, reach: flo
     beside = numbers(p + nudge) or numbers(p - nudge)
     if beside is None:
         return reach
-    here = np.array(numbers(p))[:6]
-    size = 1 + np.abs(here)
+    values = np.array(numbers(p))[:6]
+    size = 1 + np.abs(values)
     size[:5][np.isin(names, ("z", "alpha", "turn"))] = 1.0
-    rate = float((np.abs(np.array(beside)[:6] - here) / nudge / size).max())
+    rate = float((np.abs(np.array(beside)[:6] - values) / nudge / size).max())
     return reach if rate * reach < 1 else 1 / rate
 
 
@@ -105,7 +105,7 @@ def family_of(case: Case, name: str, begun: EndsProblem, bounds: Bounds) -> Fami
 
     begun: one equilibrium, as a problem under dead loads.
     """
-    own, reach, (names, inside) = value_of(case, name), bounds.high - bounds.low, given_over(case, name)
+    at_case, reach, (names, inside) = value_of(case, name), bounds.high - bounds.low, given_over(case, name)
 
     def numbers(value: float) -> Sequence[float] | None:
         if bounds.low <= value <= bounds.high:  # where the fields are known to be valid
@@ -113,14 +113,14 @@ def family_of(case: Case, name: str, begun: EndsProblem, bounds: Bounds) -> Fami
                 return inside(value)
             except (ZeroDivisionError, OverflowError):  # a stiffness out of the range of floats
                 return None
-        if abs(value - own) > 2 * reach:
+        if abs(value - at_case) > 2 * reach:
             return None
         try:
             return given_over(with_field(case, name, value))[1]()
         except InputError:
             return None
 
-    return Family(numbers, begun, scale_of(numbers, names, own, reach), names)
+    return Family(numbers, begun, scale_of(numbers, names, at_case, reach), names)
 
 
 def given_over(case: Case, *fields: str) -> tuple[tuple[str, ...], Callable[..., Sequence[float]]]:

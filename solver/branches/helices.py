@@ -46,10 +46,10 @@ class Helix:
 def helices_of(given: Given) -> tuple[list[OrbitState], bool]:
     """The equilibria that are helices, and whether there is one that is an equilibrium under any load (not listed)."""
     known = dict(zip(given.names, given.values.tolist(), strict=True))
-    some = [helix for beta in _angles(known, given) if (helix := _helix(beta, known, given)) is not None]
-    fixed = [helix for helix in some if helix.lam is not None and helix.phi is not None]
+    candidates = [helix for beta in _angles(known, given) if (helix := _helix(beta, known, given)) is not None]
+    fixed = [helix for helix in candidates if helix.lam is not None and helix.phi is not None]
     states = [state for helix in fixed if (state := _state(helix, given)) is not None]
-    return states, len(fixed) < len(some)
+    return states, len(fixed) < len(candidates)
 
 
 def helix_at(helix: OrbitState, beta: float) -> OrbitState:
@@ -149,9 +149,9 @@ def off_helix(state: OrbitState, wanted: Given) -> tuple[OrbitState, float] | No
         if on_saddle:
             paths = [_from_saddle(place, paths[0], share * float(speeds[0]), share * float(speeds[-1])), *paths]
         for chart in (chart for path in paths for chart in charts(place, path, wanted.hinged)):
-            found = correct_equilibrium(problem, ahead, chart, coordinate(chart), 0.0 if ahead is wanted else _GOAL)
-            if not isinstance(found, str):
-                return found, share
+            corrected = correct_equilibrium(problem, ahead, chart, coordinate(chart), 0.0 if ahead is wanted else _GOAL)
+            if not isinstance(corrected, str):
+                return corrected, share
     return None
 
 
@@ -167,8 +167,8 @@ def helix_ahead(state: OrbitState, wanted: Given) -> OrbitState | None:
     for share in np.linspace(0, 1, _HELICES + 1)[1:]:
         beta = float(state.problem.beta0[0])
         ahead = [helix_at(helix, beta) for helix in helices_of(first.towards(wanted, float(share)))[0]]
-        apart = [max(abs(float((getattr(one.problem, name) - getattr(state.problem, name))[0])) for name in FREE)
-                 for one in ahead]  # fmt: skip
+        apart = [max(abs(float((getattr(helix.problem, name) - getattr(state.problem, name))[0])) for name in FREE)
+                 for helix in ahead]  # fmt: skip
         if not apart or min(apart) > _NEAR:
             return None
         state = ahead[int(np.argmin(apart))]
@@ -212,17 +212,17 @@ def helix_places(family: Family, p: float, rises: bool, bounds: Bounds) -> tuple
     where r L = n pi. For even n, and where G is symmetric about the helix, they do so to both sides of p alike.
     """
     places, step = list[Place](), _STEP * family.scale
-    here = p
+    position = p
     while len(places) < bounds.most:
-        halt = bounds.next(here, rises)
-        there = bounds.snap(min(here + step, halt) if rises else max(here - step, halt))
-        place = family.place(there)
+        halt = bounds.next(position, rises)
+        target = bounds.snap(min(position + step, halt) if rises else max(position - step, halt))
+        place = family.place(target)
         if place is None or place.helix is None:
-            return places, here
-        places += [*_branch_points(family, here, there), helix_place(family, there)]
+            return places, position
+        places += [*_branch_points(family, position, target), helix_place(family, target)]
         if bounds.is_end(places[-1].p, 1.0 if rises else -1.0):
             break
-        here = there
+        position = target
     return places, None
 
 
@@ -242,15 +242,15 @@ def _branch_points(family: Family, p: float, q: float) -> list[Place]:
         return float(helix_half_waves(place.problem)[0])
 
     low, high = sorted((waves(p), waves(q)))
-    found = list[Place]()
+    met = list[Place]()
     for n in range(int(np.floor(low)) + 1, int(np.ceil(high))):
         at = float(scipy.optimize.brentq(lambda one, n=n: waves(one) - n, p, q, xtol=1e-15 * abs(p - q), rtol=1e-15))
-        if found:
-            found.append(helix_place(family, (found[-1].p + at) / 2))
+        if met:
+            met.append(helix_place(family, (met[-1].p + at) / 2))
         place = helix_place(family, at)
         even = n % 2 == 0 or abs(slope_higher_rates(place.problem, place.problem.beta0)[0][0]) < _SYMMETRIC
-        found.append(replace(place, kind=PITCHFORK if even else BRANCH_POINT))
-    return found if waves(p) < waves(q) else found[::-1]
+        met.append(replace(place, kind=PITCHFORK if even else BRANCH_POINT))
+    return met if waves(p) < waves(q) else met[::-1]
 
 
 def end_of_helix(family: Family, p: float, beta: Array) -> tuple[float, float] | None:

@@ -45,9 +45,9 @@ def leap(first: Given, last: Given, share: float, problem: EndsProblem, path: Pa
             continue
         if order.size > 1 and apart[order[1]] < _CLEAR * apart[order[0]]:
             continue
-        found = settle(there, every[int(same[order[0]])])
-        if not isinstance(found, str):
-            return found, length
+        settled = settle(there, every[int(same[order[0]])])
+        if not isinstance(settled, str):
+            return settled, length
     return None
 
 
@@ -61,15 +61,15 @@ def _neighbours(place: LinePoint, turns: int) -> tuple[list[Path], Orbit | None]
     plain = (leaving == (UP if boundary.rising else DOWN)) & (problem.beta0[0] != problem.betaL[0])
     kept = (near > 0) | plain
     leaving, near = leaving[kept], near[kept]
-    some = Paths(leaving, near)
+    ways = Paths(leaving, near)
     if not grid.place.size:
         return [], None
-    roots = roots_on(boundary, grid, some)
+    roots = roots_on(boundary, grid, ways)
     if not roots.lengthens.size:
         return [], None
-    found, lengthens = level_paths_of(boundary, roots, None)
-    orbit, _ = solve_orbits(problem, boundary, found, lengthens)
-    return [path_of(found, i) for i in range(found.y.size)], orbit
+    paths, lengthens = level_paths_of(boundary, roots, None)
+    orbit, _ = solve_orbits(problem, boundary, paths, lengthens)
+    return [path_of(paths, i) for i in range(paths.y.size)], orbit
 
 
 def shape_of(orbit: Orbit) -> Array:

@@ -48,17 +48,17 @@ def charts(place: LinePoint, path: Path, hinged: bool = False) -> list[Chart]:
     nearest = float(np.abs(gaps).min())
     signed, logarithmic = [], []
     for kind, angle in (("start", place.start), ("end", place.end)):
-        own = max(gap + place.fall(path.pin, angle), 0.0)
+        depth = max(gap + place.fall(path.pin, angle), 0.0)
         known = path.pin == angle and path.sign > 0
-        at = Path(angle, 1.0, path.y if known else float(np.log(max(own, 1e-300))), path.leaving, path.turns)
-        signed.append((own, Chart(kind, at, float(np.sqrt(nearest)), False)))
-        logarithmic.append((own, Chart(kind, at, _scale(at.y), True)))
+        at = Path(angle, 1.0, path.y if known else float(np.log(max(depth, 1e-300))), path.leaving, path.turns)
+        signed.append((depth, Chart(kind, at, float(np.sqrt(nearest)), False)))
+        logarithmic.append((depth, Chart(kind, at, _scale(at.y), True)))
     for angle, level in zip(angles[reached], gaps[reached], strict=True):
         known = path.sign == np.sign(level) and abs(path.pin - angle) < 1e-9
         y = path.y if known else float(np.log(max(abs(level), 1e-300)))
         at = Path(float(angle), float(np.sign(level)), y, path.leaving, path.turns)
         logarithmic.append((abs(level), Chart("saddle", at, _scale(y), True)))
-    first, second = (sorted(some, key=lambda one: one[0]) for some in (signed, logarithmic))
+    first, second = (sorted(rows, key=lambda one: one[0]) for rows in (signed, logarithmic))
     at_rest = first[0][0] < 0.5 * nearest
     every = [chart for _, chart in ([*first, *second] if at_rest else [*second, *first])]
     if hinged and nearest > _LEAST:
@@ -162,6 +162,6 @@ def same_equilibrium(place: LinePoint, one: Path, other: Path) -> bool:
 
 def excess(place: LinePoint, chart: Chart, x: Array) -> Array:
     """Length of the orbit less that of the rod at each x, (M,); NaN where there is no such orbit."""
-    every = [path_at(place, chart, float(one)) for one in x]
-    some = [path for path in every if path is not None and path.turns >= 0]
-    return place.lengths(some) - place.problem.span[0] if len(some) == x.size else np.full(x.size, np.nan)
+    every = [path_at(place, chart, float(value)) for value in x]
+    known = [path for path in every if path is not None and path.turns >= 0]
+    return place.lengths(known) - place.problem.span[0] if len(known) == x.size else np.full(x.size, np.nan)

@@ -54,8 +54,8 @@ def dead_index(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str,
         half = 0.5 if ends[0] == "dbeta0" else 0.0
         whole = np.round(begun / np.pi - half)
         passed = ended / np.pi - whole - (0.5 if ends[1] == "dbetaL" else 1.0)
-        found = np.maximum(np.ceil(passed), 0.0)
-        return np.where(np.abs(passed - np.round(passed)) > _FLAT, found, np.nan)
+        index = np.maximum(np.ceil(passed), 0.0)
+        return np.where(np.abs(passed - np.round(passed)) > _FLAT, index, np.nan)
 
 
 def _phases(

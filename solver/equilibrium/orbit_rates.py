@@ -113,11 +113,11 @@ def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
     B, numbers = problem.size, numbers_of(problem)
     values, rows, by_span, span = np.empty((B, 11)), np.empty((B, 11, 5)), np.empty((B, 11)), np.empty(B)
     for i, path in enumerate(paths):
-        found = core.orbit_rates(numbers[i], path, POINTS, HOW)
-        if found is None:
-            one = _rates_beyond_core(problem.take(slice(i, i + 1)), path)
-            found = one.values[0], one.rows[0], one.by_span[0], one.length[0]
-        values[i], rows[i], by_span[i], span[i] = found
+        row = core.orbit_rates(numbers[i], path, POINTS, HOW)
+        if row is None:
+            slow = _rates_beyond_core(problem.take(slice(i, i + 1)), path)
+            row = slow.values[0], slow.rows[0], slow.by_span[0], slow.length[0]
+        values[i], rows[i], by_span[i], span[i] = row
     return OrbitRates(replace(problem, span=span), values, rows, by_span)
 
 
@@ -129,9 +129,9 @@ def start_rates(problem: StartProblem) -> OrbitRates:
     """
     numbers = numbers_of(problem)[0]
     numbers[5] = numbers[5] if abs(numbers[5]) > _REST else 0.0
-    found = core.start_rates(numbers, POINTS, HOW[1])
+    answer = core.start_rates(numbers, POINTS, HOW[1])
     values, rows, by_span = (
-        (np.full(11, np.nan), np.full((11, 5), np.nan), np.full(11, np.nan)) if found is None else found[:3]
+        (np.full(11, np.nan), np.full((11, 5), np.nan), np.full(11, np.nan)) if answer is None else answer[:3]
     )
     values[NUMBERS.index("dbeta0")] = problem.dbeta0[0]  # not as it is read from the orbit
     rows[_Y] = by_span[_Y] = np.nan
@@ -148,9 +148,9 @@ def _rates_beyond_core(problem: EndsProblem, path: Path) -> OrbitRates:
         if not np.isfinite(problem.span[0]):
             return OrbitRates(problem, *(np.full((1, len(NUMBERS), *more), np.nan) for more in ((), (5,), ())))
         varied = variations_of(problem, path, place)
-        found = rates_of_variations(problem, varied)
-        _add_level(found, varied.nearest, path, place)
-    return found
+        rates = rates_of_variations(problem, varied)
+        _add_level(rates, varied.nearest, path, place)
+    return rates
 
 
 def rates_of_variations(problem: EndsProblem, varied: Variations) -> OrbitRates:
@@ -169,11 +169,11 @@ def ends_of(problem: Reduced) -> Array:
 def rates_of_helices(problem: EndsProblem) -> OrbitRates:
     """The numbers of helices at t = span, and their rows but that of y."""
     s, c, none = np.sin(problem.beta0), np.cos(problem.beta0), np.zeros((2, problem.size))
-    found = _assemble(
+    rates = _assemble(
         problem, helix_change(problem, ends_of(problem)), none, none, np.stack([s, s * c, c]) * problem.span
     )
-    found.values[:, _Y], found.rows[:, _Y] = -np.inf, np.nan
-    return found
+    rates.values[:, _Y], rates.rows[:, _Y] = -np.inf, np.nan
+    return rates
 
 
 def helix_change(problem: EndsProblem, t: Array) -> Change:
@@ -239,5 +239,5 @@ def _steepness_rates(problem: EndsProblem, saddle: float) -> Array:
 
 def orbit_numbers(problem: EndsProblem, path: Path) -> tuple[Array, float]:
     """The `NUMBERS` of one equilibrium, (11,), and the length of its path."""
-    found = orbit_rates(problem, [path])
-    return found.values[0], float(found.length[0])
+    rates = orbit_rates(problem, [path])
+    return rates.values[0], float(rates.length[0])

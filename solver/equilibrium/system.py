@@ -47,10 +47,10 @@ def correct_equilibrium(
     def step(guess: tuple[EndsProblem, float]) -> tuple[tuple[EndsProblem, float], float] | str:
         nonlocal last, at, length
         at = given.number("dbeta0", guess[1]) if chart.kind == CORNER else guess[1]
-        here = problem_at(guess[0], given, chart, at)
-        if here is None:
+        equilibrium = problem_at(guess[0], given, chart, at)
+        if equilibrium is None:
             return LEFT
-        problem, path = here
+        problem, path = equilibrium
         if last is None or goal == 0 or chart.kind == CORNER:
             rates = rates_in(problem, path, chart, at)
             numbers, length = rates.values[0], float(rates.length[0])
@@ -68,9 +68,9 @@ def correct_equilibrium(
             return DIVERGED
         return (problem_after(problem, given, change), at + dx), size
 
-    found = newton((problem, x), step, replace(_ENDING, goal=max(goal, _ENDING.goal)))
-    if isinstance(found, str):
-        return found
+    corrected = newton((problem, x), step, replace(_ENDING, goal=max(goal, _ENDING.goal)))
+    if isinstance(corrected, str):
+        return corrected
     assert last is not None
     if not abs(given.span - length) < _MET * given.span:  # swings that fell to rounding have no length
         return DIVERGED
@@ -106,10 +106,10 @@ def settle(problem: EndsProblem, path: Path, given: Given | None = None) -> Orbi
     """
     given, reason = given or Given.dead(problem), ""
     for chart in charts(LinePoint(problem), path, given.hinged):
-        found = correct_equilibrium(problem, given, chart, coordinate(chart))
-        if not isinstance(found, str):
-            return found
-        reason = reason or found
+        settled = correct_equilibrium(problem, given, chart, coordinate(chart))
+        if not isinstance(settled, str):
+            return settled
+        reason = reason or settled
     return reason
 
 

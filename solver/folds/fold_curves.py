@@ -141,7 +141,7 @@ def _remark(searched: Searched) -> str:
     said = said_of_stopped(searched)
     if searched.open_lines:
         said.append(f"on {len(searched.open_lines)} lines of the lattice the numbers change where no curve was found")
-    incomplete = sum(not one.complete for one in searched.counted.values())
+    incomplete = sum(not count.complete for count in searched.counted.values())
     if incomplete:
         said.append(f"at {incomplete} of {len(searched.counted)} points the equilibria may be incomplete")
     return "; ".join(said)

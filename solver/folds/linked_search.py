@@ -111,7 +111,7 @@ def branches_on(system: PlaneSystem[Equilibrium], ticks: Array, begin: Known[Equ
     waiting: list[tuple[Node, int, float, Equilibrium]] = []
     on_lines: dict[tuple[int, int], list[Array]] = {}
     meetings: list[Meeting] = []
-    wanted, count, stopped = np.concatenate([[0.0], ticks, [1.0]]), 0, 0
+    halts, count, stopped = np.concatenate([[0.0], ticks, [1.0]]), 0, 0
 
     def take(node: Node, equilibrium: Equilibrium, index: int) -> None:
         mark = system.signature(equilibrium)
@@ -128,7 +128,7 @@ def branches_on(system: PlaneSystem[Equilibrium], ticks: Array, begin: Known[Equ
         if any(lies_on(points, np.append(x, system.signature(equilibrium))) for points in passed):
             continue
         z, count = place_on(ticks[list(node)], axis, x), count + 1
-        followed = system.branch(z, axis, equilibrium, wanted)
+        followed = system.branch(z, axis, equilibrium, halts)
         if isinstance(followed, str):
             stopped += 1
             continue
@@ -149,9 +149,9 @@ def branches_on(system: PlaneSystem[Equilibrium], ticks: Array, begin: Known[Equ
 
 def place_on(z: Array, axis: int, x: float) -> Array:
     """A point with another value of one number."""
-    there = z.copy()
-    there[axis] = x
-    return there
+    place = z.copy()
+    place[axis] = x
+    return place
 
 
 def _is_known(system: PlaneSystem[Any], curves: tuple[WholeCurve, ...], kind: str, z: Array, equilibrium: Any) -> bool:
@@ -169,7 +169,7 @@ def remark_of(searched: Searched, branches: Branches[Any], failed: int, ticks: A
     if failed:
         said.append(f"of {failed} points where branches meet no curve was found")
     ends = [(np.array([a, w]), np.array([b, w])) for a, b in pairwise(ticks) for w in ticks]
-    ends += [(one[::-1], other[::-1]) for one, other in ends]
+    ends += [(end[::-1], other[::-1]) for end, other in ends]
     unlike = sum(bool(searched.change_beyond(*two)) for two in ends)
     if unlike:
         said.append(f"on {unlike} of {len(ends)} pieces of these lines the equilibria do not fit the curves")

@@ -122,8 +122,8 @@ class OrbitFold(OrbitPoint):
 
     def value(self, w: Array) -> Array | None:
         """All equations."""
-        found = self.equations(w)
-        return found if np.isfinite(found).all() else None
+        values = self.equations(w)
+        return values if np.isfinite(values).all() else None
 
     @property
     def is_true(self) -> bool:
@@ -204,13 +204,13 @@ class OrbitPitchfork(OrbitPoint):
 
     def value(self, w: Array) -> Array | None:
         """The Jacobi field at the far end, (1,)."""
-        found = self.equations(w)[1:]
-        return found if np.isfinite(found).all() else None
+        values = self.equations(w)[1:]
+        return values if np.isfinite(values).all() else None
 
     def side_of(self, node: Node) -> Array:
         """As of `SpecialPoint`. The miss of beta(L) is E v + B v^3/6: the two others exist where E B < 0."""
         v = _BEND * np.sqrt(1 + float(load_size(self.own[1].problem)[0]))
-        low, middle, high = (self.equations(np.append(one, node.w))[1] for one in (-v, 0.0, v))
+        low, middle, high = (self.equations(np.append(offset, node.w))[1] for offset in (-v, 0.0, v))
         return np.asarray(-np.sign(low + high - 2 * middle) * node.jacobian[0])
 
     @property

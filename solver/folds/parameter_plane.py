@@ -73,9 +73,9 @@ def reflect(at: Callable[[Array], Numbers], z: Array, names: tuple[str, ...]) ->
     border = np.clip(z, 0.0, 1.0)
     if (z == border).all():
         return at(z)
-    here, inside = at(border), at(2 * border - z)
-    beyond: Any = {name: 2 * getattr(here, name) - getattr(inside, name) for name in names}
-    return replace(here, **beyond)  # type: ignore[type-var]
+    on_border, inside = at(border), at(2 * border - z)
+    beyond: Any = {name: 2 * getattr(on_border, name) - getattr(inside, name) for name in names}
+    return replace(on_border, **beyond)  # type: ignore[type-var]
 
 
 def with_two(case: Case, values: dict[str, Any]) -> Case:

@@ -63,8 +63,8 @@ class SeparatrixPoint(SpecialPoint):
 
     def value(self, w: Array) -> Array | None:
         """D - g + x^2 and T - L/rho, (2,)."""
-        found = self._three(float(w[0]) * UNIT, w[1:])[:2]
-        return found if np.isfinite(found).all() else None
+        values = self._three(float(w[0]) * UNIT, w[1:])[:2]
+        return values if np.isfinite(values).all() else None
 
     def side_of(self, node: Node) -> Array:
         """As of `SpecialPoint`."""
@@ -91,15 +91,15 @@ class SeparatrixPoint(SpecialPoint):
         base = place.boundary(saddle)
         out = np.empty(y.size)
         low = angle == place.blank.low
-        both = place.blank.low == place.blank.high
+        is_helix_angle = place.blank.low == place.blank.high
         other = float(base.falls[0, 1 if low else 0])
-        for k, one in enumerate(y):
-            g = self.sign * np.exp(max(float(one), -600.0))
+        for k, log_gap in enumerate(y):
+            g = self.sign * np.exp(max(float(log_gap), -600.0))
             tiny = abs(g) * 1e-12
-            own = -g + tiny
-            falls = np.array([[own, own if both else other] if low else [other, own]])
+            fall = -g + tiny
+            falls = np.array([[fall, fall if is_helix_angle else other] if low else [other, fall]])
             boundary = replace(base, falls=falls, deepest=min(base.deepest, -600.0))
-            levels = Levels(np.zeros(1, dtype=np.int64), np.array([self.sign]), np.array([max(float(one), -600.0)]))
+            levels = Levels(np.zeros(1, dtype=np.int64), np.array([self.sign]), np.array([max(float(log_gap), -600.0)]))
             seen = transit_times(boundary, levels)
             time = seen.time.copy()
             time[2 if _rises(place, angle) else 1] = 0.0

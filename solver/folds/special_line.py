@@ -169,8 +169,12 @@ def line_from(first: Point, direction: Array, how: Tracing[Point]) -> tuple[list
 def step_from(point: Point, node: Node, step: float) -> Ahead[Point] | str:
     """The special point after a step and its node, or why there is none."""
     ahead = advance(point, node, step)
-    there = ahead if isinstance(ahead, str) else point.after(ahead)
-    return LEFT if there is None or (not isinstance(there, str) and np.isnan(there[0].more).any()) else there
+    following = ahead if isinstance(ahead, str) else point.after(ahead)
+    return (
+        LEFT
+        if following is None or (not isinstance(following, str) and np.isnan(following[0].more).any())
+        else following
+    )
 
 
 def point_on_line(guess: Point, axis: int) -> Point | None:
@@ -191,8 +195,8 @@ def point_on_line(guess: Point, axis: int) -> Point | None:
 def point_at(near: Point, w: Array, along: Array) -> Point | None:
     """The point at w, in the coordinates of another one nearby, travelled in a direction like `along`."""
     node = node_at(near, w, along)
-    there = None if isinstance(node, str) else near.after(node)
-    return None if there is None else there[0]
+    following = None if isinstance(node, str) else near.after(node)
+    return None if following is None else following[0]
 
 
 def cusps_between(point: Point, node: Node, step: float, taken: Ahead[Point]) -> list[Point] | None:
@@ -231,7 +235,7 @@ def _passes(first: SpecialPoint, second: SpecialPoint, here: SpecialPoint, there
     """Whether the step from here to there passes the first point in the sense in which the line left it."""
     if not first.mark.size == second.mark.size == here.mark.size == there.mark.size:
         return False
-    begin, beyond, a, b = (np.append(one.z, one.mark) for one in (first, second, here, there))
+    begin, beyond, a, b = (np.append(point.z, point.mark) for point in (first, second, here, there))
     chord, way = b - a, beyond - begin
     share = float((begin - a) @ chord / (chord @ chord))
     if not 0 <= share <= 1 or chord @ way < SENSE * np.linalg.norm(chord) * np.linalg.norm(way):

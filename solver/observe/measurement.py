@@ -69,27 +69,27 @@ class Reading:
     def _measure(self, wanted: set[str], until: float = 1.0) -> dict[str, Pair]:
         """The numbers of the groups that contain these names, over the first share `until` of the length."""
         sol, sign, error, goal = self.sol, self.sign, self.doubt, self.goal
-        found: list[dict[str, Pair]] = []
-        for some in blocks(sol):
-            pieces, given = pieces_of(sol, some, until), {"sign": sign[some], "error": error[some]}
+        measures: list[dict[str, Pair]] = []
+        for block in blocks(sol):
+            pieces, given = pieces_of(sol, block, until), {"sign": sign[block], "error": error[block]}
             measured = measure(pieces, given, wanted, goal)
             if sol.trajectory.orbit is None and sol.trajectory.shapes is None:
                 if "peak" in wanted:  # at each bend the maximum is off by another amount
-                    wide = given | {"error": error[some] + off_between(sol, some)}
+                    wide = given | {"error": error[block] + off_between(sol, block)}
                     measured |= measure(pieces, wide, ["peak"], goal)
-                coarse = measure(pieces_of(sol, some, until, 2), given, wanted, goal)
-                dense, shapeless = is_resolved(sol)[some], np.zeros(error[some].size, dtype=bool)
+                coarse = measure(pieces_of(sol, block, until, 2), given, wanted, goal)
+                dense, shapeless = is_resolved(sol)[block], np.zeros(error[block].size, dtype=bool)
                 shapeless[pieces.case[np.isnan(pieces.series[pieces.row]).any(axis=(1, 2))]] = True
                 for name, (value, doubt) in measured.items():
                     with np.errstate(invalid="ignore"):  # of a case without a shape
                         doubt = np.where(dense, doubt + np.abs(value - coarse[name][0]), np.nan)
                         measured[name] = np.where(shapeless, np.nan, value), doubt
-            found.append(measured)
-        if len(found) == 1:
-            return found[0]
+            measures.append(measured)
+        if len(measures) == 1:
+            return measures[0]
         joined: dict[str, Pair] = {}
-        for name in found[0]:
-            values, errors = zip(*(part[name] for part in found), strict=True)
+        for name in measures[0]:
+            values, errors = zip(*(part[name] for part in measures), strict=True)
             joined[name] = np.concatenate(values), np.concatenate(errors)
         return joined
 
@@ -122,13 +122,13 @@ class Reading:
 
     def value(self, name: str) -> Array:
         """A number measured along the rod, (B,)."""
-        found: Array = self.get(name)[0]
-        return found
+        value: Array = self.get(name)[0]
+        return value
 
     def error_of(self, name: str) -> Array:
         """Its error, (B,)."""
-        found: Array = self.get(name)[1]
-        return found
+        error: Array = self.get(name)[1]
+        return error
 
     def scale(self, name: str, factor: Array) -> Pair:
         """A number and its error in other units, (B,) each."""
@@ -226,14 +226,14 @@ class Reading:
         if sol.trajectory.shapes is not None:
             first, last = sol.trajectory.shapes.ends()
             return first[:, SPEED], last[:, SPEED]
-        found = []
+        rates = []
         for k, t, name in ((0, np.zeros_like(sol.problem.span), "dbeta0"), (-1, sol.problem.span, "dbetaL")):
             if (sol.t[:, k] == t).all():
                 rate = sol.trajectory.dbeta[:, k]
             else:
                 rate = np.full(t.size, np.nan) if orbit is None else orbit.at(t[:, None])[1][:, 0]
-            found.append(self.carry(rate, name))
-        return found[0], found[1]
+            rates.append(self.carry(rate, name))
+        return rates[0], rates[1]
 
     @cached_property
     def end_angles(self) -> tuple[Any, Any]:

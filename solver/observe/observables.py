@@ -94,15 +94,15 @@ def index(read: Reading) -> Any:
     """
     sol, problem, shape = read.sol, read.sol.problem, read.sol.trajectory
     if shape.shapes is not None:
-        found = shape.shapes.index
+        count = shape.shapes.index
     elif shape.held_index is not None:
-        found = shape.held_index
+        count = shape.held_index
     elif shape.orbit is not None:
-        found = jacobi_zeros(shape.orbit.exact)
+        count = jacobi_zeros(shape.orbit.exact)
     else:
-        found = index_at_stations(problem, sol.t, shape.beta, shape.dbeta)
-        found = np.where((shape.error <= 1e-3) & (shape.condition <= 1e8), found, np.nan)
-    return np.where(np.reshape(sol.solved, -1), found, np.nan)
+        count = index_at_stations(problem, sol.t, shape.beta, shape.dbeta)
+        count = np.where((shape.error <= 1e-3) & (shape.condition <= 1e8), count, np.nan)
+    return np.where(np.reshape(sol.solved, -1), count, np.nan)
 
 
 def bend_number(read: Reading) -> Pair:
@@ -137,11 +137,11 @@ def _by_rounding(orbit: Any, count: Array, moves: Array) -> Array:
     near = np.flatnonzero(moves & ((orbit.ahead + orbit.back) * rate > _LONG))
     if not near.size:
         return change
-    own = problem.take(near)
+    nearest = problem.take(near)
     for name, size in (("dbeta0", rate), ("lam", rate**2), ("phi", rate**2)):
         for nudge in (-_NUDGE * size[near], _NUDGE * size[near]):
-            other = solve_orbit(replace(own, **{name: getattr(own, name) + nudge}), TIGHT)
-            counted = np.where(other.kind == LIBRATION, own.span / (other.ahead + other.back), 0.0)
+            other = solve_orbit(replace(nearest, **{name: getattr(nearest, name) + nudge}), TIGHT)
+            counted = np.where(other.kind == LIBRATION, nearest.span / (other.ahead + other.back), 0.0)
             change[near] = np.fmax(change[near], np.abs(counted - count[near]))
     return change
 
@@ -345,17 +345,17 @@ def error_name(name: str) -> str | None:
 def why_unknown(name: str, values: Any) -> list[tuple[str, Any]]:
     """Sentences on the missing values of an observable, each with where it holds among solved cases, (*cases)."""
     numbers, words = np.asarray(values, dtype=float), OBSERVABLES[name].undefined
-    told = [(f"{name} is not defined: {words}", np.isnan(numbers))] if words else []
-    return [*told, (f"{name} is beyond floats in these units", np.isinf(numbers))]
+    sentences = [(f"{name} is not defined: {words}", np.isnan(numbers))] if words else []
+    return [*sentences, (f"{name} is beyond floats in these units", np.isinf(numbers))]
 
 
 def check_names(names: Any) -> tuple[str, ...]:
     """One name or several as a tuple. Raises `InputError` for an unknown one."""
-    wanted = (names,) if not isinstance(names, Iterable) or isinstance(names, str) else tuple(names)
-    for name in wanted:
+    chosen = (names,) if not isinstance(names, Iterable) or isinstance(names, str) else tuple(names)
+    for name in chosen:
         if not known_name(name, OBSERVABLES):
             raise no_such("observable", name, OBSERVABLES)
-    return wanted
+    return chosen
 
 
 @np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
@@ -397,17 +397,17 @@ def observe(sol: Shape, names: Iterable[str], errors: bool = False) -> dict[str,
     read = Reading(sol)
     read.measure(key for name in names for key in OBSERVABLES[name].measured)
     shapeless = ~np.isfinite(sol.trajectory.beta).all(axis=1)
-    found: dict[str, Any] = {}
+    observed: dict[str, Any] = {}
     for name in names:
         computed = OBSERVABLES[name].compute(read)
         if is_count(name):
-            found[name] = read.each(_whole(np.where(shapeless, np.nan, computed)))
+            observed[name] = read.each(_whole(np.where(shapeless, np.nan, computed)))
             continue
         values, error = computed
-        found[name] = read.each(np.where(shapeless, np.nan, values))
+        observed[name] = read.each(np.where(shapeless, np.nan, values))
         if errors and quantity(name).estimated:
-            found[f"{name}_error"] = read.each(np.where(shapeless, np.nan, error))
-    return found
+            observed[f"{name}_error"] = read.each(np.where(shapeless, np.nan, error))
+    return observed
 
 
 def _whole(values: Array) -> Array:

@@ -54,7 +54,7 @@ def overlaps(sol: Shape, kappa_max: Any, low: Any, high: Any, **limits: int) -> 
     rho = flat(case.rho, case.shape)
     a = flat(case.rod.a, case.shape) / rho
     tightest = flat(kappa_max, case.shape) * rho
-    found = np.full(case.size, np.nan)
+    verdict = np.full(case.size, np.nan)
     known = np.reshape(sol.solved, -1) & np.isfinite(tightest)
     thick = a * tightest >= 1
     apart = _apart(a, tightest)
@@ -62,14 +62,14 @@ def overlaps(sol: Shape, kappa_max: Any, low: Any, high: Any, **limits: int) -> 
         range_ = flat(low, case.shape), flat(high, case.shape)
         free = (sol.problem.span <= apart) | _climbs(*range_, a, apart)
         free |= _goes_round_once(*range_, a, apart, sol.problem.span)
-    found[known & thick], found[known & ~thick & free] = 1, 0
+    verdict[known & thick], verdict[known & ~thick & free] = 1, 0
     left = np.flatnonzero(known & ~thick & ~free)
     for rows in (left[k : k + _BLOCK] for k in range(0, left.size, _BLOCK)):
         if orbit is None:
-            found[rows] = [_at_stations(sol, int(i), a[i]) for i in rows]
+            verdict[rows] = [_at_stations(sol, int(i), a[i]) for i in rows]
         else:
-            found[rows] = compare_strands(orbit.pick(rows), sol.problem.span[rows], a[rows], tightest[rows], **limits)
-    whole = found if np.isnan(found).any() else found.astype(np.int64)
+            verdict[rows] = compare_strands(orbit.pick(rows), sol.problem.span[rows], a[rows], tightest[rows], **limits)
+    whole = verdict if np.isnan(verdict).any() else verdict.astype(np.int64)
     return whole.reshape(case.shape)[()]
 
 
@@ -89,10 +89,10 @@ def compare_strands(
     length, a, tightest: (B,), of the rod, its radius and its largest curvature, in units of rho.
     """
     if isinstance(orbit, MarchedOrbit) and orbit.lost.any():
-        found = np.empty(length.size)
+        verdict = np.empty(length.size)
         for part, of in ((~orbit.lost, orbit.pick(np.flatnonzero(~orbit.lost))), (orbit.lost, orbit.rest)):
-            found[part] = compare_strands(of, length[part], a[part], tightest[part], most_pairs, together)
-        return found
+            verdict[part] = compare_strands(of, length[part], a[part], tightest[part], most_pairs, together)
+        return verdict
     with np.errstate(divide="ignore"):  # a helix repeats after any length
         period = np.where(np.isfinite(orbit.period), orbit.period, 1 / tightest)
     numbers = {"period": period, "length": length, "a": a, "apart": _apart(a, tightest)}

@@ -98,11 +98,11 @@ def of_nodes(sol: Shape, some: slice, until: float = 1.0) -> Pieces:
         values = shape.local_values(shape.between(x.nodes))
         share = np.clip((until * shape.t[-1] - shape.t[:-1]) / np.diff(shape.t), 0, 1)
         row = np.flatnonzero(share > 0)
-        one, share = np.ones(row.size), share[row]
+        ones, share = np.ones(row.size), share[row]
         series = through(values.reshape(-1, NODES), x.analyse).reshape(values.shape)
         parts.append(
             Pieces(
-                problem, series, np.full(row.size, k), row, -one, 2 * share - 1, share * np.diff(shape.t)[row], one,
+                problem, series, np.full(row.size, k), row, -ones, 2 * share - 1, share * np.diff(shape.t)[row], ones,
                 shape.t[row],
             )
         )  # fmt: skip
@@ -114,30 +114,30 @@ def of_orbit(orbit: Any, some: slice, until: float = 1.0) -> Pieces:
     if not isinstance(orbit, MarchedOrbit):
         return _of_panels(orbit, np.arange(some.start, some.stop), np.arange(some.stop - some.start), some, until)
     lost = orbit.lost[some]
-    found = [_of_steps(orbit, some, np.flatnonzero(~lost), until)] if not lost.all() else []
+    pieces = [_of_steps(orbit, some, np.flatnonzero(~lost), until)] if not lost.all() else []
     if lost.any() and orbit.rest is not None:
         first = int(np.count_nonzero(orbit.lost[: some.start]))
-        own = first + np.arange(int(lost.sum()))
-        found.append(_of_panels(orbit.rest, own, np.flatnonzero(lost), some, until, orbit))
-    return join_pieces(found, orbit.problem.take(some))
+        rows = first + np.arange(int(lost.sum()))
+        pieces.append(_of_panels(orbit.rest, rows, np.flatnonzero(lost), some, until, orbit))
+    return join_pieces(pieces, orbit.problem.take(some))
 
 
 def _of_panels(orbit: Any, own: Array, case: Array, some: slice, until: float, whole: Any = None) -> Pieces:
     """The pieces of the problems `own` of an `Orbit`, which are the problems `case` of the block."""
     panels, problem = orbit.panels, orbit.problem.take(own)
-    both = slice(2 * int(own[0]), 2 * int(own[-1]) + 2)
-    arcs = orbit.first[both], orbit.count[both], orbit.duration[both]
+    arcs_of_case = slice(2 * int(own[0]), 2 * int(own[-1]) + 2)
+    arcs = orbit.first[arcs_of_case], orbit.count[arcs_of_case], orbit.duration[arcs_of_case]
     covered = cover(problem.span * until, orbit.kind[own], *arcs, orbit.since, panels.duration)
-    found = _cover(problem, panels.series[:, :2], covered, until)
+    pieces = _cover(problem, panels.series[:, :2], covered, until)
     block = (orbit if whole is None else whole).problem.take(some)
-    return replace(found, problem=block, case=np.asarray(case)[found.case])
+    return replace(pieces, problem=block, case=np.asarray(case)[pieces.case])
 
 
 def _of_steps(orbit: MarchedOrbit, some: slice, case: Array, until: float) -> Pieces:
     """The pieces of the problems `case` of a block of a marched orbit: its steps, marched again."""
-    own = some.start + case
-    problem = orbit.problem.take(own)
-    steps, count = orbit.pick(own).steps, orbit.found["count"][own].reshape(-1)
+    rows = some.start + case
+    problem = orbit.problem.take(rows)
+    steps, count = orbit.pick(rows).steps, orbit.found["count"][rows].reshape(-1)
     width, taylor = steps.width, steps.series
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
         order = np.arange(taylor.shape[2])
@@ -147,27 +147,27 @@ def _of_steps(orbit: MarchedOrbit, some: slice, case: Array, until: float) -> Pi
     series = np.zeros((width.size, 2, order.size))
     series[:, 0] = through(angle, _from_powers(order.size))
     series[:, 1, :-1] = through(rate, _from_powers(order.size - 1))
-    arcs = np.cumsum(count) - count, count, np.stack([orbit.ahead[own], orbit.back[own]], axis=1)
-    covered = cover(problem.span * until, orbit.kind[own], *arcs, steps.since, width)
-    found = _cover(problem, series, covered, until)
-    return replace(found, problem=orbit.problem.take(some), case=case[found.case])
+    arcs = np.cumsum(count) - count, count, np.stack([orbit.ahead[rows], orbit.back[rows]], axis=1)
+    covered = cover(problem.span * until, orbit.kind[rows], *arcs, steps.since, width)
+    pieces = _cover(problem, series, covered, until)
+    return replace(pieces, problem=orbit.problem.take(some), case=case[pieces.case])
 
 
 def _cover(problem: Reduced, series: Array, covered: tuple[Array, ...], until: float) -> Pieces:
     """The pieces that the rods cover, on panels with these series, up to a share of their length."""
-    found = Pieces(problem, series, **dict(zip(COLUMNS, covered, strict=True)), monotone=True)
-    still = np.flatnonzero(np.bincount(found.case, minlength=problem.size) == 0)  # nothing moves
+    pieces = Pieces(problem, series, **dict(zip(COLUMNS, covered, strict=True)), monotone=True)
+    still = np.flatnonzero(np.bincount(pieces.case, minlength=problem.size) == 0)  # nothing moves
     if still.size:
-        found = join_pieces([found, _still(problem, still, until * problem.span[still])], problem)
-    return found
+        pieces = join_pieces([pieces, _still(problem, still, until * problem.span[still])], problem)
+    return pieces
 
 
 def _still(problem: Reduced, case: Array, time: Array, speed: Array | float = 0.0) -> Pieces:
     """Rods of constant angle, each one piece that lasts `time`."""
     series = np.zeros((case.size, 2, 1))
     series[:, 0, 0], series[:, 1, 0] = problem.beta0[case], speed
-    one = np.ones(case.size)
-    return Pieces(problem, series, case, np.arange(case.size), -one, one, time, one, 0 * one, monotone=True)
+    ones = np.ones(case.size)
+    return Pieces(problem, series, case, np.arange(case.size), -ones, ones, time, ones, 0 * ones, monotone=True)
 
 
 def of_stations(sol: Shape, some: slice, step: int = 1, until: float = 1.0) -> Pieces:
@@ -182,17 +182,17 @@ def of_stations(sol: Shape, some: slice, step: int = 1, until: float = 1.0) -> P
     with np.errstate(over="ignore", invalid="ignore"):
         wild = np.abs(series[:, 0, 1:]).sum(axis=1) > _WILDEST
     series[np.isin(case, case[wild])] = np.nan
-    row, one = np.arange(time.size), np.ones(time.size)
+    row, ones = np.arange(time.size), np.ones(time.size)
     begin = t[:, :-1].reshape(-1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.clip((until * problem.span[case] - begin) / time, 0, 1) if until < 1 else one
-    found = Pieces(problem, series, case, row, -one, 2 * share - 1, share * time, one, begin)
-    found = found.take((time > 0) & (share > 0))
-    short = np.flatnonzero(np.bincount(found.case, minlength=B) == 0)
+        share = np.clip((until * problem.span[case] - begin) / time, 0, 1) if until < 1 else ones
+    pieces = Pieces(problem, series, case, row, -ones, 2 * share - 1, share * time, ones, begin)
+    pieces = pieces.take((time > 0) & (share > 0))
+    short = np.flatnonzero(np.bincount(pieces.case, minlength=B) == 0)
     if not short.size:
-        return found
+        return pieces
     points = _still(replace(problem, beta0=beta[:, 0]), short, until * problem.span[short], rate[short, 0])
-    return join_pieces([found, points], problem)
+    return join_pieces([pieces, points], problem)
 
 
 def off_between(sol: Shape, some: slice) -> Array:
@@ -206,8 +206,8 @@ def off_between(sol: Shape, some: slice) -> Array:
     fewer = fewer.take((fewer.row < t.shape[0] * many) & (2 * (fewer.row % many) + 1 < n - 1))
     left_out = fewer.case, 2 * (fewer.row % many) + 1
     x = 2 * (t[left_out] - fewer.begin) / fewer.time - 1
-    found = C.chebval(np.clip(x, -1, 1), fewer.series[fewer.row, 0].T, tensor=False)
-    np.fmax.at(off, fewer.case, np.abs(found - beta[left_out]))
+    between = C.chebval(np.clip(x, -1, 1), fewer.series[fewer.row, 0].T, tensor=False)
+    np.fmax.at(off, fewer.case, np.abs(between - beta[left_out]))
     return off
 
 

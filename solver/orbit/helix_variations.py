@@ -33,7 +33,7 @@ def held(problem: Reduced, t: Array) -> Change:
         near = _between_saddles(np.sqrt(np.abs(rate)), span - t, span)
         whole = _between_saddles(np.sqrt(np.abs(rate)), span, span)[2]
     mirrored = near[0], -near[1], whole - near[2]
-    shifts = ((one - a - b) / rate for one, a, b in zip((1.0, 0.0, t), far, mirrored, strict=True))
+    shifts = ((size - a - b) / rate for size, a, b in zip((1.0, 0.0, t), far, mirrored, strict=True))
     chosen = (
         tuple(np.where(steep, a, b) for a, b in zip(*pair, strict=True))
         for pair in ((mirrored, first), (far, second), (tuple(shifts), forced))
@@ -45,8 +45,8 @@ def _change(beta0: Array, first: tuple[Array, ...], second: tuple[Array, ...], f
     """The change from value, rate and integral of eta by the two ends, and by -H_q = 1."""
     H_q = slopes_by_loads(beta0[:, None])[..., 0]
     values, rates, sums = (
-        np.concatenate([one[..., None], two[..., None], -three[..., None] * H_q[:, None, :]], axis=-1)
-        for one, two, three in zip(first, second, forced, strict=True)
+        np.concatenate([by_start[..., None], two[..., None], -three[..., None] * H_q[:, None, :]], axis=-1)
+        for by_start, two, three in zip(first, second, forced, strict=True)
     )
     return Change(values, rates, sums[..., None] * H_q[:, None, None, :])
 
@@ -59,14 +59,14 @@ def _waves(rate: Array, t: Array) -> tuple[Array, Array, Array, Array]:
         root = np.sqrt(np.abs(z))
         even = np.where(z > 0, np.cos(root), np.cosh(root))
         odd = np.where(z > 0, np.sin(root), np.sinh(root)) / root
-        found = [even, odd, (1 - even) / z, (1 - odd) / z]
+        waves = [even, odd, (1 - even) / z, (1 - odd) / z]
     for k in range(4):
         term = total = np.ones_like(z) / (1, 1, 2, 6)[k]
         for n in range(1, 12):
             term = -term * np.where(small, z, 0.0) / ((2 * n + k - 1) * (2 * n + k))
             total = total + term
-        found[k] = np.where(small, total, found[k])
-    C, S, S2, S3 = (value * t**k for k, value in enumerate(found))
+        waves[k] = np.where(small, total, waves[k])
+    C, S, S2, S3 = (value * t**k for k, value in enumerate(waves))
     return C, S, S2, S3
 
 

@@ -113,19 +113,19 @@ class MarchedOrbit:
         """The series of all steps, marched again: an answer that is only read at its stations does not store them."""
         steps, mine = core.room_for(self.found), np.flatnonzero(~self.lost)
         # a lost orbit has no room: the march of one that was too inaccurate would write beyond the arrays
-        own = replace(steps, first=steps.first[mine])
-        core.march(numbers_of(self.problem.take(mine)), self.tol, np.empty((mine.size, 0)), steps=own)
+        selected = replace(steps, first=steps.first[mine])
+        core.march(numbers_of(self.problem.take(mine)), self.tol, np.empty((mine.size, 0)), steps=selected)
         return steps
 
     def complete(self, lost: Booleans, answer: "Trajectory") -> "MarchedOrbit":
         """The same orbits, those that are `lost` (B,) taken from an answer to them by quadrature."""
         rest: Orbit = answer.orbit
-        found = np.array(self.found)
+        rows = np.array(self.found)
         for name in ("error", "condition", "evaluations"):
-            found[name][lost] = getattr(answer, name)
-        found["legs"]["time"][lost] = np.stack([rest.ahead, rest.back], axis=1)
-        found["status"][lost], found["count"][lost] = core.LOST, 0
-        return replace(self, found=found, lost=lost, rest=rest)
+            rows[name][lost] = getattr(answer, name)
+        rows["legs"]["time"][lost] = np.stack([rest.ahead, rest.back], axis=1)
+        rows["status"][lost], rows["count"][lost] = core.LOST, 0
+        return replace(self, found=rows, lost=lost, rest=rest)
 
 
 def march_orbit(problem: StartProblem, tol: float, t: Array, out: Array) -> MarchedOrbit:
@@ -147,5 +147,5 @@ def march_orbit(problem: StartProblem, tol: float, t: Array, out: Array) -> Marc
     MarchedOrbit
         `lost` where the march fails.
     """
-    found = core.march(numbers_of(problem), tol, np.ascontiguousarray(t), out)
-    return MarchedOrbit(problem, tol, found, found["status"][:, 0] == core.LOST)
+    rows = core.march(numbers_of(problem), tol, np.ascontiguousarray(t), out)
+    return MarchedOrbit(problem, tol, rows, rows["status"][:, 0] == core.LOST)

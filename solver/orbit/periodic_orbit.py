@@ -91,17 +91,17 @@ class Orbit:
 
     def take(self, i: int) -> "Orbit":
         """The orbit of problem i alone; its arrays are views."""
-        both = slice(2 * i, 2 * i + 2)
+        arcs = slice(2 * i, 2 * i + 2)
         begin = int(self.first[2 * i])
-        mine = slice(begin, begin + int(self.count[both].sum()))
-        return self._part(slice(i, i + 1), both, mine, self.panels.arc[mine] - 2 * i)
+        mine = slice(begin, begin + int(self.count[arcs].sum()))
+        return self._part(slice(i, i + 1), arcs, mine, self.panels.arc[mine] - 2 * i)
 
     def pick(self, rows: Integers) -> "Orbit":
         """The orbits of the problems `rows`, (b,) rising."""
-        both = (2 * rows[:, None] + [0, 1]).reshape(-1)
-        count = self.count[both]
-        mine = np.repeat(self.first[both] - (np.cumsum(count) - count), count) + np.arange(count.sum())
-        return self._part(rows, both, mine, np.repeat(np.arange(both.size), count))
+        arcs = (2 * rows[:, None] + [0, 1]).reshape(-1)
+        count = self.count[arcs]
+        mine = np.repeat(self.first[arcs] - (np.cumsum(count) - count), count) + np.arange(count.sum())
+        return self._part(rows, arcs, mine, np.repeat(np.arange(arcs.size), count))
 
     def _part(self, rows: Any, both: Any, mine: Any, arc: Integers) -> "Orbit":
         """The orbits of the problems `rows`: `both`, their arcs; `mine`, their panels; `arc`, the arc of each panel."""
@@ -110,8 +110,8 @@ class Orbit:
         panels, since = replace(self.panels.take(mine), arc=arc), self.since[mine]
         known = [None if v is None else v[rows] for v in (self.lengthens, self.response, self.passed)]
         known.append(None if self.path is None else self.path.take(rows))
-        some, first = self.problem.take(rows), np.cumsum(count) - count
-        return Orbit(some, arcs, panels, since, first, count, self.duration[both], self.gain[both], *known)
+        problem, first = self.problem.take(rows), np.cumsum(count) - count
+        return Orbit(problem, arcs, panels, since, first, count, self.duration[both], self.gain[both], *known)
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
@@ -160,20 +160,20 @@ def _orbits(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, A
     numbers, pinned = numbers_of(problem), None if pin is None else np.stack(pin, axis=1)
 
     def solve(rows: Any) -> core.FoundOrbits | None:
-        own = None if pinned is None else (pinned[rows, 0], pinned[rows, 1])
-        return core.orbits(np.ascontiguousarray(numbers[rows]), own, n, cutting)
+        pins = None if pinned is None else (pinned[rows, 0], pinned[rows, 1])
+        return core.orbits(np.ascontiguousarray(numbers[rows]), pins, n, cutting)
 
-    found = solve(slice(None))
-    if found is not None:
-        return orbit_of(problem, found)
+    answer = solve(slice(None))
+    if answer is not None:
+        return orbit_of(problem, answer)
     fit = np.array([solve(slice(b, b + 1)) is not None for b in range(problem.size)])
     numbers[~fit] = [PLAIN[name] for name in vars(problem)]
     if pinned is not None:
         pinned[~fit] = PLAIN["beta0"], 0.0
-    found = solve(slice(None))
-    assert found is not None
-    found.series[~fit[found.arc // 2]] = np.nan
-    return orbit_of(problem, found)
+    answer = solve(slice(None))
+    assert answer is not None
+    answer.series[~fit[answer.arc // 2]] = np.nan
+    return orbit_of(problem, answer)
 
 
 def orbit_of(problem: StartProblem, found: core.FoundOrbits) -> Orbit:

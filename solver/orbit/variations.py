@@ -91,14 +91,14 @@ class Variations:
 
     def at(self, t: Array) -> Place:
         """The places at t (B, n), (B, n) each."""
-        found = core.places(self, t)
-        v, H, c, shift, gamma, M, integrals = np.split(found, [1, 2, 3, 7, 11, 11 + core.PAIRS], axis=-1)
+        columns = core.places(self, t)
+        v, H, c, shift, gamma, M, integrals = np.split(columns, [1, 2, 3, 7, 11, 11 + core.PAIRS], axis=-1)
         return Place(v[..., 0], H[..., 0], c[..., 0], shift, gamma, M[..., _MATRIX], integrals)
 
     def change(self, t: Array, parts: Array) -> Change:
         """The changes at t (B, n) in F directions with the parts (B, 5, F): a0, then e."""
-        found = core.changes(self, t, parts).swapaxes(2, 3)
-        return Change(found[0], found[1], np.moveaxis(found[2:], 0, -1))
+        columns = core.changes(self, t, parts).swapaxes(2, 3)
+        return Change(columns[0], columns[1], np.moveaxis(columns[2:], 0, -1))
 
     @cached_property
     def reading(self) -> Any:

@@ -43,13 +43,13 @@ class Motion:
 def of_equilibria(sol: Shape, outcome: Array) -> Iterator[Motion]:
     """The motions of the solved cases of an ends problem. outcome: (B,), set where one of them has none."""
     for i in np.flatnonzero(sol.trajectory.solved):
-        one = sol.problem.take(slice(i, i + 1))
-        assert isinstance(one, EndsProblem)
-        path = _path(sol, one, int(i))
+        problem = sol.problem.take(slice(i, i + 1))
+        assert isinstance(problem, EndsProblem)
+        path = _path(sol, problem, int(i))
         if path is None:
             outcome[i] = NO_PATH
         else:
-            yield _of_equilibrium(sol, one, path, int(i))
+            yield _of_equilibrium(sol, problem, path, int(i))
 
 
 def of_helices(sol: Shape, rows: Integers) -> Iterator[Motion]:
@@ -92,5 +92,5 @@ def _path(sol: Shape, one: EndsProblem, i: int) -> Path | None:
     path = path_from_start(one, float(sol.trajectory.dbeta[i, 0]))
     if path is None or path.helix:
         return path
-    own = settle(one, path)  # the slope is as exact as the method
-    return path if isinstance(own, str) else own.path
+    settled = settle(one, path)  # the slope is as exact as the method
+    return path if isinstance(settled, str) else settled.path

@@ -83,15 +83,15 @@ class Moving(Reading):
         if self.sol.trajectory.orbit is None:
             return
         moves = (found.kind != LOST) & (found.kind != HELIX)
-        own = np.arange(self.sol.problem.size)[rows][moves]
-        if own.size == self.sol.problem.size:
+        cases = np.arange(self.sol.problem.size)[rows][moves]
+        if cases.size == self.sol.problem.size:
             self.plain.know(found.values, found.middle)
             return
         self.plain.measure(found.values)
         others = ({name: self.plain.get(name) for name in found.values}, found.values), (
             {name: self.plain.middle(name) for name in found.middle}, found.middle
         )  # fmt: skip
-        self.plain.know(*({name: _merge(old[name], own, new[name], moves) for name in new} for old, new in others))
+        self.plain.know(*({name: _merge(old[name], cases, new[name], moves) for name in new} for old, new in others))
 
     def add_helices(self, motion: Motion, unit: Array, rates: FieldRates) -> None:
         """Differentiate what is measured on helices.
@@ -162,8 +162,8 @@ def derivatives_of(names: Sequence[str], read: Moving) -> Array:
     numbers = np.zeros((len(names), len(read._rates.fields), read.sol.problem.size), dtype=complex)
     for k, name in enumerate(names):
         if not is_count(name):
-            found = OBSERVABLES[name].compute(read)[0]
-            numbers[k] = found if np.iscomplexobj(found) else unknown
+            value = OBSERVABLES[name].compute(read)[0]
+            numbers[k] = value if np.iscomplexobj(value) else unknown
     return slopes_of(numbers)
 
 
@@ -191,17 +191,17 @@ def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: s
     (b, n), the stations.
     """
     rods = _Helices(motion, unit, later, sign, t)
-    found: dict[str, Array] = {"half_period": np.full_like(later, np.nan)}
+    measures: dict[str, Array] = {"half_period": np.full_like(later, np.nan)}
     for name in wanted:
         if name in EXTREMES:
-            found[name] = rods.extreme(*EXTREMES[name])
+            measures[name] = rods.extreme(*EXTREMES[name])
         elif name in DENSITIES:  # its integral has the same name
-            found[name] = rods.integral(name)[:, 3]
+            measures[name] = rods.integral(name)[:, 3]
     if "peak" in wanted:  # it stays at the start of a rod that remains a helix
-        found["peak"] = 0 * rods.extreme("outward")
+        measures["peak"] = 0 * rods.extreme("outward")
     if wanted & PUSHES:
-        found |= {name: value for name, value in rods.pushes().items() if name in wanted}
-    return found
+        measures |= {name: value for name, value in rods.pushes().items() if name in wanted}
+    return measures
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,8 +244,8 @@ class _Helices:
         problem, beta = self.problem, self.problem.beta0[:, None]
         loads = np.stack([problem.lam, problem.mu, problem.phi, self.sign], axis=1)
         values, size, by_beta, _, *by_load = densities(density, loads, beta, 0 * beta)
-        own = np.einsum("kb,bkg->bg", np.stack(by_load)[..., 0], self.unit[:, 2:])
-        return _Rates(values[:, 0], size[:, 0], by_beta, own)
+        by_loads = np.einsum("kb,bkg->bg", np.stack(by_load)[..., 0], self.unit[:, 2:])
+        return _Rates(values[:, 0], size[:, 0], by_beta, by_loads)
 
     def changes(self, rates: _Rates) -> tuple[Array, Array]:
         """The changes of a density along the rods, (b, F, n), and the sizes of their terms, (b, F)."""
@@ -273,8 +273,8 @@ class _Helices:
         """Up to the marks, (b, 4, F)."""
         rates = self.rates(density)
         shares = MARKS[:, None]
-        own = rates.own * self.problem.span[:, None] + rates.values[:, None] * self.later
-        return np.asarray(rates.by_beta[:, None] * self.turned + shares * own[:, None])
+        rate = rates.own * self.problem.span[:, None] + rates.values[:, None] * self.later
+        return np.asarray(rates.by_beta[:, None] * self.turned + shares * rate[:, None])
 
     def pushes(self) -> dict[str, Array]:
         """Of what is measured of the push; none where it is zero, and a change would make it push or pull."""

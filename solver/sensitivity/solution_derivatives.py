@@ -44,8 +44,8 @@ def _shape_of(sol: Shape, rates: FieldRates, rows: Any) -> dict[str, Array]:
     case, known = sol.case, sol.trajectory
     scales = {"ratio": flat(case.rod.stiffness_ratio, case.shape), "rho": flat(case.rho, case.shape)}
     shapes = {"t": sol.t, "beta": known.beta, "rate": known.dbeta, "z": known.z}
-    own = {name: array[rows] for name, array in {**shapes, **scales}.items()}
-    return own | {"by": rates.table, "later": rates.of("span")}
+    arrays = {name: array[rows] for name, array in {**shapes, **scales}.items()}
+    return arrays | {"by": rates.table, "later": rates.of("span")}
 
 
 def _of_helices(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> Array:
@@ -70,13 +70,13 @@ def _of_starts(sol: Shape, rates: FieldRates, read: Moving | None) -> tuple[Arra
     rows = slice(None) if every else solved
     problem, own = (sol.problem, rates) if every else (sol.problem.take(solved), rates.take(solved))
     shape = _shape_of(sol, own, rows)
-    found = start_sensitivities(problem, shape, POINTS, HOW, None if read is None else read.measurement(rows))
+    answer = start_sensitivities(problem, shape, POINTS, HOW, None if read is None else read.measurement(rows))
     if read is not None:
-        read.take(rows, found)
-    out = found.along if every else _unknown(sol, rates)
+        read.take(rows, answer)
+    out = answer.along if every else _unknown(sol, rates)
     if not every:
-        out[:, solved] = found.along
-    return out, solved[found.kind == HELIX]
+        out[:, solved] = answer.along
+    return out, solved[answer.kind == HELIX]
 
 
 _ROUNDING = 32 * EPS  # of a derivative, times the condition number
@@ -130,19 +130,19 @@ class Sensitivity:
 
 def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
     """The derivatives of a solution; see `Solution.sensitivity`."""
-    names, wanted = check_fields(sol.case, fields), check_observables(observables)
+    names, observed = check_fields(sol.case, fields), check_observables(observables)
     ends, growth = isinstance(sol.problem, EndsProblem), np.asarray(sol.trajectory.condition)
     with np.errstate(all="ignore"):
         error = _ROUNDING * (growth**2 if ends else growth)
     if sol.case.varies:
         known = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
         with np.errstate(all="ignore"):
-            curves, numbers = varying_rates(sol, names, _ALONG, wanted)
-            table = np.array([*numbers.values()]).reshape(len(wanted), known.size, len(names))
-            return _judge(sol, names, np.stack([*curves.values()]), wanted, table, known, error / STEP)
+            curves, numbers = varying_rates(sol, names, _ALONG, observed)
+            table = np.array([*numbers.values()]).reshape(len(observed), known.size, len(names))
+            return _judge(sol, names, np.stack([*curves.values()]), observed, table, known, error / STEP)
     rates = ends_field_rates(sol, names) if ends else field_rates(sol.case, names)
     outcome = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
-    read = Moving(sol, rates, (key for name in wanted for key in measure_of(name))) if wanted else None
+    read = Moving(sol, rates, (key for name in observed for key in measure_of(name))) if observed else None
     with np.errstate(all="ignore"):  # what leaves the finite numbers is told by the outcome
         if ends:
             out, moving = _unknown(sol, rates), of_equilibria(sol, outcome)
@@ -153,20 +153,20 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
             unit = amounts(motion, rates.take(motion.rows))
             for name, moved in zip(("lam", "mu", "phi"), unit[:, 2:].swapaxes(0, 1), strict=True):
                 rates.of(name)[motion.rows] = moved  # held ends find them
-            own = rates.take(motion.rows)
+            of_rows = rates.take(motion.rows)
             if motion.varied is None:
-                out[:, motion.rows] = _of_helices(sol, motion, unit, own)
+                out[:, motion.rows] = _of_helices(sol, motion, unit, of_rows)
                 if read is not None:
-                    read.add_helices(motion, unit, own)
+                    read.add_helices(motion, unit, of_rows)
                 continue
-            shape, orbit = _shape_of(sol, own, motion.rows), (motion.varied, unit)
+            shape, orbit = _shape_of(sol, of_rows, motion.rows), (motion.varied, unit)
             measured = None if read is None else read.measurement(motion.rows, given=True)
             answer = start_sensitivities(motion.problem, shape, POINTS, HOW, measured, orbit)
             out[:, motion.rows] = answer.along
             if read is not None:
                 read.take(motion.rows, answer)
-        found = np.empty((0, sol.problem.size, len(names))) if read is None else derivatives_of(wanted, read)
-    return _judge(sol, names, out, wanted, found, outcome, error)
+        derivatives = np.empty((0, sol.problem.size, len(names))) if read is None else derivatives_of(observed, read)
+    return _judge(sol, names, out, observed, derivatives, outcome, error)
 
 
 def _judge(
@@ -192,6 +192,6 @@ def _judge(
     remarks = np.full(missing.shape, "", dtype=object)
     for k in np.flatnonzero(missing.any(axis=1)):
         remarks[k, missing[k]] = why_missing(wanted[k], sol)
-    told = {name: sol._each(value) for name, value in (("solved", solved), ("outcome", outcome), ("error", stated))}
+    by_case = {name: sol._each(value) for name, value in (("solved", solved), ("outcome", outcome), ("error", stated))}
     sentences = {name: sol._each(row) for name, row in zip(wanted, remarks, strict=True)}
-    return Sensitivity(sol, names, **along, **told, observables=values, remarks=sentences)
+    return Sensitivity(sol, names, **along, **by_case, observables=values, remarks=sentences)

@@ -62,9 +62,9 @@ def varying_rates(
             for name in along:
                 change = getattr(above, name) - getattr(below, name)
                 curves[name][:, k] += weight * change.reshape(B, n) / amount[:, None]
-            seen = [observe(one, observables) for one in (above, below)]
+            seen = [observe(values, observables) for values in (above, below)]
             for name in observables:
-                high, low = (np.reshape(one[name], -1) for one in seen)
+                high, low = (np.reshape(values[name], -1) for values in seen)
                 numbers[name][:, k] += weight * (high - low) / amount
                 bends[name].append(np.abs(high + low - 2 * plain[name]))
                 sizes[name] = np.maximum(sizes[name], np.abs(high - low))
@@ -103,12 +103,12 @@ def _line(sol: Shape, name: str) -> Line:
 
 def _size(case: Case, name: str) -> Array:
     """The size of a field, (B,): its own; of one that may be 0 at least that of its dimension, made of L and A."""
-    own = np.abs(flat(values_of(case, name), case.shape))
+    size = np.abs(flat(values_of(case, name), case.shape))
     L, A = (flat(value, case.shape) for value in (case.rod.L, case.rod.bending_stiffness))
     dimension = quantity({"beta": "beta0", "dbeta": "dbeta0"}.get(name, name)).dimension
     length, force = dimension if not isinstance(dimension, str) else (-1 if "length" in dimension else 0, 0)
     natural = L ** float(length) * (A / L**2) ** float(force)
-    return own if name in POSITIVE else np.maximum(own, natural)
+    return size if name in POSITIVE else np.maximum(size, natural)
 
 
 def _case_at(case: Case, name: str, change: Array) -> Case:

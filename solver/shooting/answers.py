@@ -49,33 +49,39 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
 
     def march_with_errors(rows: Any, truncation: Array | float) -> tuple[March, Array, Array]:
         first, stations = n * np.arange(span[rows].size + 1), t[rows].reshape(-1)
-        found = march(
+        marched = march(
             numbers[rows], scale[rows], begin[rows], span[rows], BY_ANGLE, first, stations, judge=True,
             truncation=truncation,
         )  # fmt: skip
         with np.errstate(invalid="ignore"):
-            condition = np.maximum(1, np.maximum(found.growth[:, BETA], weight[rows] * found.growth[:, SPEED]))
-            off = np.maximum(found.errors[:, 0], found.errors[:, 1] / np.maximum(1, span[rows]))
+            condition = np.maximum(1, np.maximum(marched.growth[:, BETA], weight[rows] * marched.growth[:, SPEED]))
+            off = np.maximum(marched.errors[:, 0], marched.errors[:, 1] / np.maximum(1, span[rows]))
         error = SAFETY * off + ROUNDING * (condition + span[rows] * scale[rows, SPEED])
-        return found, np.where(np.isfinite(error), error, np.inf), condition
+        return marched, np.where(np.isfinite(error), error, np.inf), condition
 
     left_out = np.clip(SHARE * tol / np.maximum(1, span * scale[:, MU]), TRUNCATION, COARSEST)
-    found, error, condition = march_with_errors(slice(None), left_out[:, None])
-    y, end = found.out.reshape(SIZE, B, n), found.end
+    marched, error, condition = march_with_errors(slice(None), left_out[:, None])
+    y, end = marched.out.reshape(SIZE, B, n), marched.end
     rows = np.flatnonzero((error > tol) & (left_out > TRUNCATION))
     if rows.size:
         enough = np.maximum(TRUNCATION, 0.2 * left_out[rows] * tol / error[rows])
         finer, error[rows], condition[rows] = march_with_errors(rows, enough[:, None])
-        y[:, rows], end[rows], found.steps[rows] = finer.out.reshape(SIZE, -1, n), finer.end, finer.steps
+        y[:, rows], end[rows], marched.steps[rows] = finer.out.reshape(SIZE, -1, n), finer.end, finer.steps
     read = read_starts(y, t, alpha0, numbers[:, 0] * end[:, MU])
     solved, outcome = verdicts(read["beta"], error, condition, tol)
     for i in np.flatnonzero(~(condition < LOST)):
-        endless = found.steps[i] > MOST_STEPS
+        endless = marched.steps[i] > MOST_STEPS
         outcome[i] = f"{TOO_LONG if endless else outcome[i]}{USE_ENDS}"
-    shapes = VaryingShapes(Marched(numbers, scale, begin, span, found.steps), *np.full((2, B), np.nan))
+    shapes = VaryingShapes(Marched(numbers, scale, begin, span, marched.steps), *np.full((2, B), np.nan))
     far = StartProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], span, problem.beta0, problem.dbeta0)
     return far, Trajectory(
-        **read, solved=solved, outcome=outcome, error=error, condition=condition, evaluations=found.steps, shapes=shapes
+        **read,
+        solved=solved,
+        outcome=outcome,
+        error=error,
+        condition=condition,
+        evaluations=marched.steps,
+        shapes=shapes,
     )
 
 
@@ -105,8 +111,10 @@ def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[End
         size = flat(case.rod.bending_stiffness / np.asarray(case.rho) ** 2, case.shape)
     rubbed = case.cylinder.friction
     friction = flat(0.0 if rubbed is None else rubbed, case.shape)
-    told = zip(paths, size, friction, strict=True)
-    why = np.array(["" if path.shape is not None else failure(path, *one) for path, *one in told], dtype=object)
+    reasons = zip(paths, size, friction, strict=True)
+    why = np.array(
+        ["" if path.shape is not None else failure(path, *numbers) for path, *numbers in reasons], dtype=object
+    )
     solved, outcome = verdicts(read["beta"], error, condition, tol).failed(why)
     spans = np.array([rod.span for rod in rods])
     problem = EndsProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], spans, begin[:, BETA], end[:, BETA])
@@ -125,7 +133,7 @@ def path_at(case: Case, known: Nodes, case_at: Callable[[float], Case], low: flo
         return rods_of(case_at(x))[0]
 
     rod = rods_of(case)[0]
-    u = max((one.nodes() / one.span for one in (rod_at(low), rod, rod_at(high))), key=len)
+    u = max((other.nodes() / other.span for other in (rod_at(low), rod, rod_at(high))), key=len)
     return Curve(rod_at, high - low, rod.scale), Shape(rod, u * rod.span, known.at(u * known.t[-1]))
 
 
@@ -217,10 +225,10 @@ def estimate(shape: Shape) -> tuple[float, float]:
     right = np.zeros((size, 3))
     right[:, 0] = linear.open
     right[0, 1] = right[size - HALF, 2] = 1
-    found = linear.solve(right)
-    if found is None:
+    change = linear.solve(right)
+    if change is None:
         return np.inf, np.inf
-    moved = np.abs(found.reshape(-1, SIZE, 3)) * scale[:, None]
+    moved = np.abs(change.reshape(-1, SIZE, 3)) * scale[:, None]
     off = moved[:, :, 0].max(axis=0)
     condition = max(1.0, float(moved[:, BETA, 1:].max() / scale[BETA]))
     error = SAFETY * max(off[BETA], off[ALPHA] / span, off[SHORT] / span) + ROUNDING * condition

@@ -85,8 +85,8 @@ def branch_from_straight(rod: LoadedRod) -> Path:
     # in the root of the distance from the buckling load the branch is smooth
     first, share = buckled
     begin, end = np.sqrt(share - critical), np.sqrt(1 - critical)
-    found = grow(lambda x: rod.share(1.0 if x == end else critical + x * x), first, begin, end)
-    return replace(found, buckled=critical, jumped=tuple(critical + x * x for x in found.jumped))
+    path = grow(lambda x: rod.share(1.0 if x == end else critical + x * x), first, begin, end)
+    return replace(path, buckled=critical, jumped=tuple(critical + x * x for x in path.jumped))
 
 
 def branch_with_friction(rod: LoadedRod) -> Path:
@@ -109,29 +109,29 @@ def branch_with_friction(rod: LoadedRod) -> Path:
     if (bent := sinusoid(rod)) is not None:
         return Path(bent, rubbed=alone)
     if rod.turning and (bent := sinusoid(rod.with_torque(0.0))) is not None:
-        found = grow(rod.with_torque, bent, 0.0, 1.0)
-        if found.shape is not None:
-            return found
-    found = Path(None) if alone else grow_friction(rod, branch_from_straight(plain))
-    if found.shape is not None and not (rod.straight and is_same(found.shape, straight_shape(rod, found.shape.t))):
-        return found
+        path = grow(rod.with_torque, bent, 0.0, 1.0)
+        if path.shape is not None:
+            return path
+    path = Path(None) if alone else grow_friction(rod, branch_from_straight(plain))
+    if path.shape is not None and not (rod.straight and is_same(path.shape, straight_shape(rod, path.shape.t))):
+        return path
     if not (rod.straight or leans_and_buckles(rod)):
-        return found
+        return path
     hints = [HINGES] * bool({"beta0", "betaL"} & rod.held and not rod.turning) + [AS_A_WHOLE] * bool(
         rod.numbers[4] == ALONG_ITSELF
     )
     why = RESTLESS.format("leaning" if rod.turning else "straight")
     why = f"{why}; {' or '.join(hints)} may have an answer" if hints else why
     is_at_fault = partial(leans_and_buckles, beyond=QUIET) if rod.turning else straight_index
-    return Path(None, why=why, limit=least_tension(rod, is_at_fault), share=found.share or 0.0)
+    return Path(None, why=why, limit=least_tension(rod, is_at_fault), share=path.share or 0.0)
 
 
 def grow_friction(rod: LoadedRod, plain: Path) -> Path:
     """What the shape without friction becomes while friction grows."""
     if plain.shape is None:
         return plain
-    found = grow(rod.with_friction, plain.shape, 0.0, 1.0, FRICTION)
-    return replace(found, buckled=plain.buckled, jumped=plain.jumped, wound=plain.wound)
+    path = grow(rod.with_friction, plain.shape, 0.0, 1.0, FRICTION)
+    return replace(path, buckled=plain.buckled, jumped=plain.jumped, wound=plain.wound)
 
 
 def least_tension(rod: LoadedRod, is_at_fault: Callable[[LoadedRod], object]) -> float:
@@ -163,8 +163,8 @@ def branch_to_height(rod: LoadedRod) -> Path:
             held[2] += (1 - share) * (height - held[2])
             return replace(rod, far=held)
 
-        found = grow(at, Shape(at(0.0), path.shape.t, path.shape.y), 0.0, 1.0)
-        return replace(found, buckled=path.buckled, jumped=path.jumped + found.jumped)
+        grown = grow(at, Shape(at(0.0), path.shape.t, path.shape.y), 0.0, 1.0)
+        return replace(grown, buckled=path.buckled, jumped=path.jumped + grown.jumped)
     return Path(None, why=why)
 
 
@@ -181,11 +181,11 @@ def grow(
     while x < last:
         ahead = min(last, x + step)
         guess = shape.y if before is None else shape.y + (shape.y - before[1]) * ((ahead - x) / (x - before[0]))
-        found = correct(Shape(rod_at(ahead), shape.t, guess), reach=2.0, most=10, enough=LOOSE)
-        if found is not None and is_near(shape, found) and index_of_any(found) <= index:
+        corrected = correct(Shape(rod_at(ahead), shape.t, guess), reach=2.0, most=10, enough=LOOSE)
+        if corrected is not None and is_near(shape, corrected) and index_of_any(corrected) <= index:
             before = x, shape.y
-            x, shape = ahead, found
-            step = min(2 * step, LONGEST_STEP * last) if found.steps <= 5 and eased else step
+            x, shape = ahead, corrected
+            step = min(2 * step, LONGEST_STEP * last) if corrected.steps <= 5 and eased else step
             eased = True
             continue
         step, eased = step / 3, False

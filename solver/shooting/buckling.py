@@ -96,13 +96,13 @@ def buckle(rod: LoadedRod, t: Array, critical: float) -> tuple[Shape, float] | N
     modes = weakest_modes(begin, 2)
     curve = Curve(rod.share, 1.0, begin.rod.scale)
     for amplitude, mode in product(AMPLITUDES, modes):
-        found = next(curve.split_off(begin, mode, (amplitude,), critical), None)
-        if found is None or found.x > 1:
+        point = next(curve.split_off(begin, mode, (amplitude,), critical), None)
+        if point is None or point.x > 1:
             continue
-        if found.x < critical:
+        if point.x < critical:
             break
-        if index_at(found.shape) == 0:
-            return found.shape, found.x
+        if index_at(point.shape) == 0:
+            return point.shape, point.x
     share = min(1.0, critical * (1 + AHEAD))
     below = descend(straight_shape(rod.share(share), t), modes[0])
     return None if below is None else (below, share)

@@ -58,8 +58,8 @@ class Curve:
 
     def direction(self, change: Array, x: float) -> Array:
         """The direction of a change (N, 8) of the states and of x, of length 1."""
-        found = np.append((change / self.scale).reshape(-1), x / self.size)
-        return np.asarray(found / np.sqrt(inner(found, found)))
+        direction = np.append((change / self.scale).reshape(-1), x / self.size)
+        return np.asarray(direction / np.sqrt(inner(direction, direction)))
 
     def direction_between(self, a: Point, b: Point) -> Array:
         """From one point to another, (8 N + 1,)."""
@@ -84,12 +84,12 @@ class Curve:
             shape = now.shape
             linear = linear_at(shape)
             right = np.stack([linear.open, self.rate(shape, now.x)], axis=1)
-            found = linear.solve(right)
-            if found is None:  # at a fold, where a pivot may vanish
-                found = replace(linear, stiffness=np.full((shape.t.size, 2), SOFT)).solve(right)
-            if found is None:
+            columns = linear.solve(right)
+            if columns is None:  # at a fold, where a pivot may vanish
+                columns = replace(linear, stiffness=np.full((shape.t.size, 2), SOFT)).solve(right)
+            if columns is None:
                 return DIVERGED
-            whole, by_x = np.append(found[:, 0], 0.0), np.append(-found[:, 1], 1.0)
+            whole, by_x = np.append(columns[:, 0], 0.0), np.append(-columns[:, 1], 1.0)
             passed = np.append(((shape.y - guess.y) / self.scale).reshape(-1), (now.x - x) / self.size)
             along = inner(across, by_x)
             if not along:
@@ -98,12 +98,12 @@ class Curve:
             change = whole[:-1].reshape(shape.y.shape)
             share = share_within(REACH, change)
             at = now.x - share * whole[-1] * self.size
-            there = self.shape(guess, shape.y - share * change * self.scale, at)
-            return Point(replace(there, steps=shape.steps + 1), float(at), by_x), max(size_of(change), abs(whole[-1]))
+            ahead = self.shape(guess, shape.y - share * change * self.scale, at)
+            return Point(replace(ahead, steps=shape.steps + 1), float(at), by_x), max(size_of(change), abs(whole[-1]))
 
-        found = newton(Point(self.shape(guess, guess.y, x), x, across), step, replace(ENDING, rounds=most))
-        if isinstance(found, str):
+        corrected = newton(Point(self.shape(guess, guess.y, x), x, across), step, replace(ENDING, rounds=most))
+        if isinstance(corrected, str):
             return None
-        solved, tangent = found.shape, found.tangent / np.sqrt(inner(found.tangent, found.tangent))
+        solved, tangent = corrected.shape, corrected.tangent / np.sqrt(inner(corrected.tangent, corrected.tangent))
         solved = replace(solved, y=with_known_loads(solved.rod, solved.t, solved.y))
-        return Point(solved, found.x, tangent if inner(tangent, across) >= 0 else -tangent)
+        return Point(solved, corrected.x, tangent if inner(tangent, across) >= 0 else -tangent)

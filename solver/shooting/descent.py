@@ -104,27 +104,27 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
     y = shape.y + (KICK * weakest_modes(shape)[0] if change is None else change)
     for _ in range(ROUNDS):
         now = replace(shape, y=y)
-        there = correct(now, y, springs_of(now, strength), reach=FAR, most=6, enough=FLUID)
-        moved = np.inf if there is None else largest_turn(now, there)
-        index, held = (1, 1) if there is None or moved > FAR else held_indices(there, (strength,))
-        if there is None or held > 0:
+        ahead = correct(now, y, springs_of(now, strength), reach=FAR, most=6, enough=FLUID)
+        moved = np.inf if ahead is None else largest_turn(now, ahead)
+        index, held = (1, 1) if ahead is None or moved > FAR else held_indices(ahead, (strength,))
+        if ahead is None or held > 0:
             strength, eased = strength * FACTOR, False
             if strength > FIRMEST:
                 return None
             continue
-        y = there.y
+        y = ahead.y
         if index == 0 and strength <= tried / EASY:
             tried = strength
-            free = correct(there, reach=1.0, most=12)
-            if free is not None and is_near(there, free) and index_at(free) == 0:
+            free = correct(ahead, reach=1.0, most=12)
+            if free is not None and is_near(ahead, free) and index_at(free) == 0:
                 return free
         if index > 0:
             tried = FIRST
-        if eased and there.steps <= QUICK:
+        if eased and ahead.steps <= QUICK:
             strength = max(WEAKEST, strength / FACTOR)
         eased = True
         if moved < REST and index > 0:
-            y = y + KICK * weakest_modes(there)[0]
+            y = y + KICK * weakest_modes(ahead)[0]
     return None
 
 
@@ -159,8 +159,8 @@ def weakest_modes(shape: Shape, count: int = 1, rounds: int = 4) -> Array:
         sizes = np.einsum("nik,nil->kl", moved, moved)
         if np.linalg.matrix_rank(sizes, hermitian=True) < count:  # exactly at a buckling load all tend to one mode
             return weakest_modes(shape, count - 1, rounds)
-        found, mix = np.linalg.eig(np.linalg.solve(sizes, stiffness + stiffness.T))
-        mode = mode @ mix[:, np.argsort(-found)].real  # the force that makes an unstable change is along it here
+        rates, mix = np.linalg.eig(np.linalg.solve(sizes, stiffness + stiffness.T))
+        mode = mode @ mix[:, np.argsort(-rates)].real  # the force that makes an unstable change is along it here
         mode /= np.abs(mode[:, angles]).max(axis=(0, 1))
         push = mode[:, angles]
     first = np.argmax(np.abs(mode[:, BETA]) > 0.3 * np.abs(mode[:, BETA]).max(axis=0), axis=0)

@@ -80,19 +80,19 @@ def row(over: float, sizes: Array, k: float) -> tuple[Row, Array]:
     stiffness = float(1 / np.linalg.inv(bends(x))[3, 3])
     square, P = (k * a) ** 2, np.cos(alpha) + k**4 * (4 * a * (sizes @ (-(n**2) * waves[1])) + 3 * b**2 - a**4)
     P += F * square
-    one, both = np.mean(P * square) / (2 * k), np.mean(P) * np.mean(square) / (2 * k)
+    by_square, by_means = np.mean(P * square) / (2 * k), np.mean(P) * np.mean(square) / (2 * k)
     scaled = sizes[0] / np.sqrt(over), sizes[1] / sizes[0] ** 3, stiffness / over
-    return Row(k, *scaled, P.mean(), (one + both) / over, (both - one) / over**2), sizes
+    return Row(k, *scaled, P.mean(), (by_square + by_means) / over, (by_means - by_square) / over**2), sizes
 
 
 def rows() -> list[Row]:
     """Those of the table."""
-    k, sizes, found, last = 1.0, np.sqrt([8 / 11, 0.0, 0.0]), [], 1.0
+    k, sizes, table, last = 1.0, np.sqrt([8 / 11, 0.0, 0.0]), [], 1.0
     for over in OVER:
-        one, sizes = row(over, sizes * np.sqrt(over / last), k)
-        k, last = one.k, over
-        found.append(one)
-    return found
+        entry, sizes = row(over, sizes * np.sqrt(over / last), k)
+        k, last = entry.k, over
+        table.append(entry)
+    return table
 
 
 @cache
@@ -293,9 +293,9 @@ def helix(rod: LoadedRod, waves: Waves, x: Array, phase: Array, over: Array) -> 
         part = way_along[a : b + 1] - way_along[a]
         turned[a : b + 1] = low + part * ((high - low) / part[-1])
     turned -= 0.8 / (2 + over[stretch]) ** 2 * np.sin(turned)
-    found = np.zeros(waves.k.size)
-    found[stretch], found[last + 1 :] = way * turned, way * turned[-1]
-    return found, way * (-1.0 if len(pins) > 2 and first == 0 else 1.0), first if first else last
+    angle = np.zeros(waves.k.size)
+    angle[stretch], angle[last + 1 :] = way * turned, way * turned[-1]
+    return angle, way * (-1.0 if len(pins) > 2 and first == 0 else 1.0), first if first else last
 
 
 def shape_of(rod: LoadedRod, nodes: Array, t: Array, alpha: Array, over: Array) -> Shape:
@@ -332,8 +332,8 @@ def sinusoid(rod: LoadedRod) -> Shape | None:
     t, over = wave_nodes(rod)
     if not 0 < lean(rod, over).over.max() < LAST:
         return None
-    found = (correct(wave_shape(rod, t, over, more=more), most=STEPS + t.size // NODES) for more in (0, 1, -1))
-    return next((shape for shape in found if shape is not None), None)
+    shapes = (correct(wave_shape(rod, t, over, more=more), most=STEPS + t.size // NODES) for more in (0, 1, -1))
+    return next((shape for shape in shapes if shape is not None), None)
 
 
 def wound_shape(rod: LoadedRod) -> Shape | None:
@@ -351,8 +351,8 @@ def wound_shape(rod: LoadedRod) -> Shape | None:
         waves = waves_at(rod, over, front)
         if integral(waves.k * waves.wound, places(rod, t))[-1] * rod.across**0.25 < 2 * np.pi * TURNS:
             return None
-        found = correct(wave_shape(rod, t, over, front), most=STEPS + t.size // NODES)
-        if found is not None and index_of_any(found) == 0:
-            return found
-        unstable = unstable or found
+        shape = correct(wave_shape(rod, t, over, front), most=STEPS + t.size // NODES)
+        if shape is not None and index_of_any(shape) == 0:
+            return shape
+        unstable = unstable or shape
     return None if unstable is None else descend(unstable)

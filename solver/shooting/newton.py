@@ -44,24 +44,24 @@ class Linear:
         if not np.isfinite(right).all():
             return None
         start, _, end, _ = self.rod.conditions()
-        found = solve_chain(self.transfer, self.rod.scale, start, end, self.stiffness, right)
-        return None if found is None or not np.isfinite(found).all() else found
+        columns = solve_chain(self.transfer, self.rod.scale, start, end, self.stiffness, right)
+        return None if columns is None or not np.isfinite(columns).all() else columns
 
     def newton_change(self) -> Array | None:
         """The change (N, 8), in the scales, that leaves nothing open; None where there is none."""
-        found = self.solve(self.open)
-        return None if found is None else -found.reshape(-1, SIZE)
+        column = self.solve(self.open)
+        return None if column is None else -column.reshape(-1, SIZE)
 
 
 def march_of(shape: Shape, shorter: float = 1.0, deep: int = ORDER) -> tuple[Array, Array]:
     """The ends (N, 8) of the stretches and their transfer matrices (N, 8, 8): heights and rotations only add."""
     rod = shape.rod
-    found = march(rod.numbers, rod.scale, shape.y[:-1], np.diff(shape.t), BY_STATE, shorter=shorter, deep=deep)
-    columns = found.columns
+    marched = march(rod.numbers, rod.scale, shape.y[:-1], np.diff(shape.t), BY_STATE, shorter=shorter, deep=deep)
+    columns = marched.columns
     whole = np.zeros((columns.shape[0], SIZE, SIZE))
     whole[:, :, :BY_STATE] = columns
     whole[:, SHORT, SHORT] = whole[:, ROUND, ROUND] = 1
-    return found.end, whole
+    return marched.end, whole
 
 
 def linear_at(
@@ -134,8 +134,12 @@ def correct(
         y = now.y + change * scale * share_within(reach, change)
         return replace(now, y=y, steps=now.steps + 1), size_of(change)
 
-    found = newton(replace(shape, steps=0), step, replace(ENDING, rounds=most, goal=enough))
-    return None if isinstance(found, str) else replace(found, y=with_known_loads(found.rod, found.t, found.y))
+    corrected = newton(replace(shape, steps=0), step, replace(ENDING, rounds=most, goal=enough))
+    return (
+        None
+        if isinstance(corrected, str)
+        else replace(corrected, y=with_known_loads(corrected.rod, corrected.t, corrected.y))
+    )
 
 
 def share_within(reach: float, change: Array) -> float:

@@ -45,7 +45,7 @@ class Found:
 
     def add(self, shape: Shape | None, how: str) -> None:
         """Take a shape that is not there yet."""
-        if shape is None or any(is_same(shape, one) for one in self.shapes):
+        if shape is None or any(is_same(shape, known) for known in self.shapes):
             return
         self.shapes.append(shape)
         self.index.append(index_at(shape))
@@ -59,22 +59,22 @@ def search_shapes(rod: LoadedRod, light: Sequence[Any] = ()) -> Found:
     """
     t = rod.nodes()
     scanned = ranges(rod) if rod.span <= LONGEST else None
-    found = Found([], [], [], scanned)
+    result = Found([], [], [], scanned)
     if rod.straight:
-        found.add(straight_shape(rod, t), STRAIGHT)
+        result.add(straight_shape(rod, t), STRAIGHT)
     begun = branch_from_straight(rod)
     if begun.shape is not None:
-        found.add(on_nodes(begun.shape, t), STRAIGHT)
+        result.add(on_nodes(begun.shape, t), STRAIGHT)
     for shape in buckling_shapes(rod, t):
-        found.add(shape, BUCKLED)
+        result.add(shape, BUCKLED)
     for shape in shapes_from_no_weight(rod, t, light):
-        found.add(shape, WEIGHT)
+        result.add(shape, WEIGHT)
     if scanned is not None:
         for y in starts(rod, t, *scanned):
-            found.add(correct(Shape(rod, t, y), reach=1.0, most=15), SCAN)
-    for shape in further_shapes(rod, t, found.shapes, TRIES if t.size <= MOST_NODES else FEW_TRIES):
-        found.add(shape, DEFLATION)
-    return found
+            result.add(correct(Shape(rod, t, y), reach=1.0, most=15), SCAN)
+    for shape in further_shapes(rod, t, result.shapes, TRIES if t.size <= MOST_NODES else FEW_TRIES):
+        result.add(shape, DEFLATION)
+    return result
 
 
 def shapes_from_no_weight(rod: LoadedRod, t: Array, light: Sequence[Any]) -> Iterator[Shape]:
@@ -83,7 +83,7 @@ def shapes_from_no_weight(rod: LoadedRod, t: Array, light: Sequence[Any]) -> Ite
     seen: list[Shape] = []  # other ends of branches that come back to no weight
     for solution in light:
         first = begin(curve, light_shape(rod, t, solution), 0.0)
-        if first is None or any(is_same(first.point.shape, one) for one in seen):
+        if first is None or any(is_same(first.point.shape, known) for known in seen):
             continue
         places, _ = trace_shapes(curve, first, True, Bounds(0.0, HEAVIEST, (1.0,), MOST_POINTS))
         seen += [place.path for place in places if place.p == 0]
@@ -180,9 +180,9 @@ def deflate(start: Shape, known: list[Shape]) -> Shape | None:
         share = np.clip(factor, -REACH / turn, REACH / turn) if turn else 0.0
         return replace(shape, y=shape.y + share * change * shape.rod.scale), size_of(change)
 
-    near = lead_away(start, newton_step, move, [angles_of(one) for one in known], ROUNDS, NEAR)
-    found = None if near is None else correct(near, reach=REACH, most=15)
-    return None if found is None or any(is_same(found, one) for one in known) else found
+    near = lead_away(start, newton_step, move, [angles_of(other) for other in known], ROUNDS, NEAR)
+    shape = None if near is None else correct(near, reach=REACH, most=15)
+    return None if shape is None or any(is_same(shape, other) for other in known) else shape
 
 
 def further_shapes(rod: LoadedRod, t: Array, known: list[Shape], tries: int) -> Iterator[Shape]:
@@ -199,7 +199,7 @@ def further_shapes(rod: LoadedRod, t: Array, known: list[Shape], tries: int) -> 
         turned, moved = rng.normal(size=(2, WAVES)) / np.arange(1, WAVES + 1)
         y[:, BETA] += size * rod.scale[BETA] * (np.sin(wave + rng.uniform(0, np.pi, WAVES)) @ turned)
         y[:, ALPHA] += AROUND * size * (np.sin(wave) @ moved)
-        found = deflate(Shape(rod, t, y), known)
-        fruitless = fruitless + 1 if found is None else 0
-        if found is not None:
-            yield found
+        shape = deflate(Shape(rod, t, y), known)
+        fruitless = fruitless + 1 if shape is None else 0
+        if shape is not None:
+            yield shape

@@ -99,8 +99,8 @@ class FoldPoint(ShapePoint):
         across = -node.jacobian[0, 1:] / np.linalg.norm(node.jacobian[0, 1:])  # n falls as z moves along it
         tangent = np.append(point.tangent[:-1], 0.0)
         fold = replace(self, w=np.append(0.0, node.w[1:]), across=across, shape=point.shape, tangent=tangent)
-        there = node_at(fold, fold.w, node.tangent)
-        return None if isinstance(there, str) else SpecialPoint.after(fold, there)
+        following = node_at(fold, fold.w, node.tangent)
+        return None if isinstance(following, str) else SpecialPoint.after(fold, following)
 
     @property
     def lower(self) -> int:
@@ -149,10 +149,10 @@ class PitchforkPoint(ShapePoint):
         push = (self.mode / shape.rod.scale)[:, [BETA, ALPHA]]
         right = np.zeros(self.mode.shape)
         right[:-1, [SPEED, Q]] = push[1:]
-        found = linear_at(shape).solve(np.concatenate([np.zeros(4), right[:-1].reshape(-1), np.zeros(4)])[:, None])
-        if found is None:
+        answer = linear_at(shape).solve(np.concatenate([np.zeros(4), right[:-1].reshape(-1), np.zeros(4)])[:, None])
+        if answer is None:
             return np.zeros(1)
-        return 1 / np.array([(push * found.reshape(self.mode.shape)[:, [BETA, ALPHA]]).sum()])
+        return 1 / np.array([(push * answer.reshape(self.mode.shape)[:, [BETA, ALPHA]]).sum()])
 
     def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
         """As of `SpecialPoint`, with its index and its mode."""
@@ -164,12 +164,12 @@ class PitchforkPoint(ShapePoint):
         shape = Shape(rod, high.t * (rod.span / high.t[-1]), (low.y + high.y) / 2, high.steps)
         mode = max(weakest_modes(high, NEAR), key=lambda one: abs(likeness(one, self.mode)))
         curve = Curve(lambda n: self.rod_at(node.w + n * across), 1.0, shape.rod.scale)
-        turns = {float(np.sign(one.x)) for one in curve.split_off(shape, mode, (SMALL, -SMALL), 0.0)}
+        turns = {float(np.sign(point.x)) for point in curve.split_off(shape, mode, (SMALL, -SMALL), 0.0)}
         more = across * turns.pop() if len(turns) == 1 else np.full(2, np.nan)
         index = min(index_at(low), index_at(high))
-        there = replace(self, w=node.w, way=node.tangent, more=more, shape=shape, mode=mode, index=index)
-        own = node_at(there, there.w, node.tangent)
-        return None if isinstance(own, str) else (there, own)
+        following = replace(self, w=node.w, way=node.tangent, more=more, shape=shape, mode=mode, index=index)
+        node_there = node_at(following, following.w, node.tangent)
+        return None if isinstance(node_there, str) else (following, node_there)
 
 
 def likeness(one: Array, other: Array) -> float:
@@ -195,12 +195,12 @@ def pitchforks_through(
     how = Tracing(PITCHFORK_STEPS, crossing_between, is_known=lambda there: known(there.z, there.shape))
     line = special_line(first, how)
     points, last = line.points, len(line.points) - 1
-    cuts = [0, *(i + 1 for i, (one, other) in enumerate(pairwise(points)) if one.lower != other.lower), last]
-    found = []
+    cuts = [0, *(i + 1 for i, (point, other) in enumerate(pairwise(points)) if point.lower != other.lower), last]
+    curves = []
     for a, b in pairwise(dict.fromkeys(cuts)):
         ends = line.ends[0] if a == 0 else CROSSING, line.ends[1] if b == last else CROSSING
-        found.append(whole_curve(PITCHFORK, SpecialLine(points[a : b + 1], ends), points[a].lower))
-    return found
+        curves.append(whole_curve(PITCHFORK, SpecialLine(points[a : b + 1], ends), points[a].lower))
+    return curves
 
 
 def crossing_between(
@@ -213,4 +213,4 @@ def crossing_between(
         partial(step_from, point, node), {0.0: (point, node), step: taken},
         lambda there: there[0].lower != point.lower, CROSSED,
     )  # fmt: skip
-    return [there for _, (there, _) in sides if there is not point and there is not taken[0]]
+    return [point_there for _, (point_there, _) in sides if point_there is not point and point_there is not taken[0]]

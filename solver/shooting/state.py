@@ -33,20 +33,20 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
     the one before: there the rod turns from the azimuth of its end to where it lies.
     """
     cuts = [0, *(np.flatnonzero(np.sign(beta[1:]) * np.sign(beta[:-1]) < 0) + 1), s.size - 1]
-    found: list[State] = []
+    parts: list[State] = []
     turns = np.abs(np.diff(alpha[cuts]))
     bent = [False, *(turns >= BENT), False]
     for (first, last), turned, *around in zip(pairwise(cuts), turns, bent, bent[2:], strict=False):
         if turned < TURN:
-            found.append(State(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
+            parts.append(State(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
             continue
         way, size = np.abs(alpha[first : last + 1] - alpha[first]), np.abs(beta[first : last + 1])
         wound = size[[0, -1]] > size.max() / 2
         leaves = s[first if around[0] or wound[0] else first + int(np.searchsorted(way, BENT))]
         arrives = s[last if around[1] or wound[1] else first + int(np.searchsorted(way, turned - BENT))]
-        found += [State(STRAIGHT, s[first], leaves), State(HELICAL, leaves, arrives), State(STRAIGHT, arrives, s[last])]
-    found = [one for one in found if one.end > one.begin]
-    return tuple(_join(_without_end_turns(_without_end_turns(found)[::-1])[::-1]))
+        parts += [State(STRAIGHT, s[first], leaves), State(HELICAL, leaves, arrives), State(STRAIGHT, arrives, s[last])]
+    parts = [part for part in parts if part.end > part.begin]
+    return tuple(_join(_without_end_turns(_without_end_turns(parts)[::-1])[::-1]))
 
 
 def _without_end_turns(found: list[State]) -> list[State]:
@@ -54,39 +54,39 @@ def _without_end_turns(found: list[State]) -> list[State]:
 
     A straight stretch at the end itself that is shorter than the bend after it is a part of the turn.
     """
-    words = [one.word for one in found]
-    lengths = [one.end - one.begin for one in found]
+    words = [part.word for part in found]
+    lengths = [part.end - part.begin for part in found]
     first = int(words[:2] == [STRAIGHT, SINUSOIDAL] and lengths[0] < lengths[1])
     bends = words.index(STRAIGHT, first) if STRAIGHT in words[first:] else 0
-    die = all(later.turned <= DYING * one.turned for one, later in pairwise(found[first:bends]))
+    die = all(later.turned <= DYING * part.turned for part, later in pairwise(found[first:bends]))
     if set(words[first:bends]) != {SINUSOIDAL} or not die:
         return found
-    return [one._replace(word=STRAIGHT) for one in found[:bends]] + found[bends:]
+    return [part._replace(word=STRAIGHT) for part in found[:bends]] + found[bends:]
 
 
 def _join(found: list[State]) -> list[State]:
     """Neighbours of the same state as one, but for helices; a short straight piece next to bends joins them."""
     kept: list[State] = []
-    longest = max((one.end - one.begin for one in found if one.word == SINUSOIDAL), default=0.0)
-    for i, one in enumerate(found):
-        word, around = one.word, [other.word for other in found[max(0, i - 1) : i + 2] if other is not one]
+    longest = max((part.end - part.begin for part in found if part.word == SINUSOIDAL), default=0.0)
+    for i, part in enumerate(found):
+        word, around = part.word, [other.word for other in found[max(0, i - 1) : i + 2] if other is not part]
         if word == STRAIGHT and STRAIGHT not in around:
             room = longest if len(around) == 2 else longest / 4 * (around == [SINUSOIDAL])
-            word = around[0] if one.end - one.begin < room else word
+            word = around[0] if part.end - part.begin < room else word
         if kept and kept[-1].word == word != HELICAL:
-            kept[-1] = State(word, kept[-1].begin, float(one.end))
+            kept[-1] = State(word, kept[-1].begin, float(part.end))
         else:
-            kept.append(State(word, float(one.begin), float(one.end)))
+            kept.append(State(word, float(part.begin), float(part.end)))
     return kept
 
 
 def in_words(found: tuple[State, ...], unit: str = "") -> str:
     """``straight from 0 to 12 m, sinusoidal to 288 m, straight to 300 m``."""
     unit = unit and f" {unit}"
-    found = tuple(one for one in found if f"{one.begin:.4g}" != f"{one.end:.4g}")
+    found = tuple(part for part in found if f"{part.begin:.4g}" != f"{part.end:.4g}")
     if len(found) == 1:
         return f"{found[0].word} all along"
-    words = [one.word for one in found]
+    words = [part.word for part in found]
     words = [f"{b} the other way" if a == b == HELICAL else b for a, b in pairwise(["", *words])]
-    ends = [f"{'from 0 ' if i == 0 else ''}to {one.end:.4g}{unit}" for i, one in enumerate(found)]
+    ends = [f"{'from 0 ' if i == 0 else ''}to {part.end:.4g}{unit}" for i, part in enumerate(found)]
     return ", ".join(f"{word} {end}" for word, end in zip(words, ends, strict=True))

@@ -44,8 +44,8 @@ class Nodes:
         width, m = np.diff(self.t), places.size
         stations = (width[:, None] * (1 + places) / 2).reshape(-1)
         first = m * np.arange(self.t.size)
-        found = march(self.numbers, self.scale, self.y[:-1], width, first=first, stations=stations).out
-        return found.reshape(width.size, m, SIZE)
+        values = march(self.numbers, self.scale, self.y[:-1], width, first=first, stations=stations).out
+        return values.reshape(width.size, m, SIZE)
 
     def local_values(self, y: Array) -> Array:
         """What `observe` integrates, from states (Q, m, 8), as (Q, 7, m).
@@ -89,8 +89,8 @@ class Nodes:
         t, y = self.dense
         pulls = self._pushes(y) < 0
         change = np.flatnonzero(pulls[1:] != pulls[:-1])
-        found = bisect(self.push_at, t[change], t[change + 1], BISECTIONS)
-        ends = [*(t[:1] if pulls[0] else ()), *found, *(t[-1:] if pulls[-1] else ())]
+        zeros = bisect(self.push_at, t[change], t[change + 1], BISECTIONS)
+        ends = [*(t[:1] if pulls[0] else ()), *zeros, *(t[-1:] if pulls[-1] else ())]
         return tuple((float(a * rho), float(b * rho)) for a, b in zip(ends[::2], ends[1::2], strict=True))
 
     def lift_off_reach(self) -> float | None:
@@ -100,7 +100,7 @@ class Nodes:
         """
         first, last = WAVE * np.diff(self.t)[[0, -1]]
         reaches = [(b, self.t[-1] - a) for a, b in self.lift_offs(1.0)]
-        near = all(here <= first or there <= last for here, there in reaches)
+        near = all(lower <= first or upper <= last for lower, upper in reaches)
         return max((min(pair) for pair in reaches), default=0.0) if near else None
 
     def neutral(self) -> float:
