@@ -43,9 +43,9 @@ def docs(
         return 0
     import webbrowser
 
-    found = site(PLACES).as_uri()
-    if address or not webbrowser.open(found):
-        console.say(found)
+    address_of_site = site(PLACES).as_uri()
+    if address or not webbrowser.open(address_of_site):
+        console.say(address_of_site)
     return 0
 
 

@@ -34,8 +34,8 @@ def doctor() -> Result:
     from ..store import dataset, schema
 
     packages = {**dataset.versions(), **{name: schema.version_of(name) for name in DRAWING}}
-    found = {"system": platform.platform(), "checks": examine(), "versions": packages}
-    return Result(lambda: found, lambda: _print(found))
+    report = {"system": platform.platform(), "checks": examine(), "versions": packages}
+    return Result(lambda: report, lambda: _print(report))
 
 
 def _print(found: dict[str, Any]) -> None:
@@ -162,7 +162,7 @@ def _chromium() -> dict[str, Any]:
     if missing:
         return _finding(what, False, "tests of the pages: apt-get install chromium chromium-driver", False)
     try:
-        asked = subprocess.run(["chromium", "--version"], capture_output=True, text=True, timeout=60, check=True)
+        answer = subprocess.run(["chromium", "--version"], capture_output=True, text=True, timeout=60, check=True)
     except (OSError, subprocess.SubprocessError) as error:
         return _finding(what, False, f"chromium --version: {error}")
-    return _finding(what, True, f"tests of the pages: {asked.stdout.strip()}")
+    return _finding(what, True, f"tests of the pages: {answer.stdout.strip()}")

@@ -113,18 +113,18 @@ def equilibria(
         writing.check_folder(export)
     if axis is not None:
         return _over_axis(study, case, *parse_axis(axis), show)
-    found = all_equilibria(case, **search)
+    listed = all_equilibria(case, **search)
     if export is not None:
-        write_cases(study, case, found, export)
-    return _list(study, case, found, choose, _source(study, file, given), export)
+        write_cases(study, case, listed, export)
+    return _list(study, case, listed, choose, _source(study, file, given), export)
 
 
 def _source(study: "Study", file: Path | None, given: Given) -> str:
     if given.units:
         return "the options"
-    own = "" if {"betaL", "M1L"} & {*given.values} else " (betaL: the angle at which its own rod ends)"
+    end_angle = "" if {"betaL", "M1L"} & {*given.values} else " (betaL: the angle at which its own rod ends)"
     changed = f", with {', '.join(given.values)} as given" if given.values else ""
-    return f"{study.title if file else f'Table 1{own}'}{changed}"
+    return f"{study.title if file else f'Table 1{end_angle}'}{changed}"
 
 
 def _list(
@@ -149,8 +149,8 @@ def _list(
     assert rule is not None
     searched = found.search if isinstance(found, HeldEquilibria) else None
     taken = None if searched and choose is None else meant(found, rule)  # solve selects from no list of held ends
-    rows = [{**row(one), "taken": one is taken} for one in found]
-    how = selection(rule, np.array([one.index for one in found], dtype=int), len(found), found.complete)
+    rows = [{**row(equilibrium), "taken": equilibrium is taken} for equilibrium in found]
+    how = selection(rule, np.array([equilibrium.index for equilibrium in found], dtype=int), len(found), found.complete)
     remark = with_unit(found.remark, case, study.unit_system)
     search = {} if searched is None else {"search": asdict(searched)}
     held = held_of(case)
@@ -243,8 +243,8 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
             {key: law_words.in_plain(v) if isinstance(v, str) else v for key, v in row.items()} for row in rows
         ]
         tables.print_rows([{**row, "branch": row["branch"] + 1} for row in plain], heads)
-        some = f"{len(rows)} branch{'es' * (len(rows) != 1)}, {len(folds)} fold{'s' * (len(folds) != 1)}"
-        console.say(f"{some} over {values.size} values of {name}")
+        counts = f"{len(rows)} branch{'es' * (len(rows) != 1)}, {len(folds)} fold{'s' * (len(folds) != 1)}"
+        console.say(f"{counts} over {values.size} values of {name}")
         console.say_units(study.unit_system)
         for remark in remarks:
             console.say(f"a branch stops at {remark}")

@@ -51,8 +51,8 @@ def explore(
     names = name or []
     if save is None and host in EVERYWHERE and not names:
         raise InputError(f"--host {host!r} listens on every address: give the name of this machine with --name")
-    own = own_preset(file, given.values, given.units)
-    presets, source = (PRESETS, None) if own is None else ((own, *PRESETS), own.source)
+    preset = own_preset(file, given.values, given.units)
+    presets, source = (PRESETS, None) if preset is None else ((preset, *PRESETS), preset.source)
     if save is not None:
         text = live_document.text(presets, served=False)
         atomic.write(save, lambda aside: aside.write_text(text, encoding="utf-8"))
@@ -103,8 +103,8 @@ def host_names(host: str, port: int, names: list[str]) -> set[str]:
     The address, the further names (such as `lab.example` or `lab.example:8080`), and the names of this machine if it
     listens on its own address.
     """
-    own = ["127.0.0.1", "localhost", "[::1]"] if host in (*THIS_MACHINE, *EVERYWHERE) else []
-    found = {f"{name}:{port}" for name in [_bracket(host), *own] if name}
+    local = ["127.0.0.1", "localhost", "[::1]"] if host in (*THIS_MACHINE, *EVERYWHERE) else []
+    found = {f"{name}:{port}" for name in [_bracket(host), *local] if name}
     for name in names:
         found |= {name} if name.rpartition(":")[2].isdigit() else {f"{name}:{port}"}
     return found | {name.removesuffix(":80") for name in found if name.endswith(":80")}

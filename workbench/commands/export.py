@@ -52,8 +52,8 @@ def export(
 
     stored_rod.format_of(out)  # before a large file is read
     ds = reading.read(file)
-    asked = Options(axis_values(ds, at), tolerance, centreline, overlap)
-    done = stored_rod.export(ds, out, asked, force)
+    options = Options(axis_values(ds, at), tolerance, centreline, overlap)
+    done = stored_rod.export(ds, out, options, force)
     status = 1 if done.warnings else 0
 
     def show() -> None:

@@ -96,9 +96,9 @@ def fit(
 
     targets = numbers("--target", target)
     read, sigmas = fitting.read_points(points) if points is not None else (None, {})
-    asked = _case(file, at, given, table1, reading)
-    found = fitted(
-        asked.case,
+    base = _case(file, at, given, table1, reading)
+    result = fitted(
+        base.case,
         _vary(vary, ranges("--bounds", bounds)),
         targets,
         read,
@@ -106,17 +106,17 @@ def fit(
         wrapped=wrapped,
         starts=starts,
         seed=seed,
-        choose=_rule(asked, choose),
+        choose=_rule(base, choose),
     )
-    if not found.reached:
-        raise InputError(found.outcome.removeprefix("failed: "))
-    drawn = found.solution is not None
+    if not result.reached:
+        raise InputError(result.outcome.removeprefix("failed: "))
+    drawn = result.solution is not None
     return Result(
-        lambda: _as_data(found, asked),
-        lambda: _show(found, asked),
-        0 if found.solved else 1,
-        (lambda: fitting.dataset_of(found, asked.units, read, wrapped)) if drawn else None,
-        (lambda path: fitting.write(found, asked, path)) if drawn else None,
+        lambda: _as_data(result, base),
+        lambda: _show(result, base),
+        0 if result.solved else 1,
+        (lambda: fitting.dataset_of(result, base.units, read, wrapped)) if drawn else None,
+        (lambda path: fitting.write(result, base, path)) if drawn else None,
         "fit",
     )
 
@@ -213,8 +213,8 @@ def _as_data(found: "Fit", asked: "CaseInput") -> dict[str, Any]:
         "covariance": found.covariance.tolist(), "correlation": found.correlation.tolist(),
         "shares": {group: found.share_of(group) for group in dict.fromkeys(found.groups)},
         "data": data,
-        "minima": [{"values": one.values, "cost": one.cost, "as_good": one.as_good, "at_bound": list(one.at_bound)}
-                   for one in found.minima],
+        "minima": [{"values": m.values, "cost": m.cost, "as_good": m.as_good, "at_bound": list(m.at_bound)}
+                   for m in found.minima],
         "remarks": list(found.remarks), "caution": " ".join(_cautions(found, asked)),
         "case": field_values(found.case),
     }  # fmt: skip
@@ -280,11 +280,11 @@ def _groups(found: "Fit", asked: "CaseInput", targets: set[str]) -> "list[tuple[
         s, L = found.feet[0], float(found.case.rod.L)
         third = np.minimum(3 * s // L, 2)
         for k in range(3):
-            some = mine.copy()
-            some[mine] = third == k
-            if some.any():
+            part = mine.copy()
+            part[mine] = third == k
+            if part.any():
                 until = f"{(k + 1) * L / 3:.3g} {asked.units['length']}"
-                rows.append((f"{group}, {some.sum()} points to s = {until}", group, some))
+                rows.append((f"{group}, {part.sum()} points to s = {until}", group, part))
     return rows
 
 
@@ -304,11 +304,14 @@ def _show_minima(found: "Fit", asked: "CaseInput") -> None:
         return
     rows = [
         [
-            _sum(found, one.cost),
-            *(f"{number_shown(n, one.values[n]):.6g}{' (bound)' if n in one.at_bound else ''}" for n in found.values),
-            "yes" if one.as_good == found.exact else "no",
+            _sum(found, minimum.cost),
+            *(
+                f"{number_shown(n, minimum.values[n]):.6g}{' (bound)' if n in minimum.at_bound else ''}"
+                for n in found.values
+            ),
+            "yes" if minimum.as_good == found.exact else "no",
         ]
-        for one in found.minima
+        for minimum in found.minima
     ]
     heads = [tables.heading(name, unit_shown(name, asked.units)) for name in found.values]
     goal = "data" if found.feet is not None else "target" if len(found.groups) == 1 else "targets"

@@ -66,26 +66,26 @@ def folds(
         raise InputError(f"folds takes --axis NAME=FROM:TO twice, with two different fields, got {said}")
     if points > MOST_POINTS:
         raise InputError(f"--check takes at most {MOST_POINTS} points, got {points}")
-    found = region_map(case, lattice=lattice, **ranges)
-    wrong = found.check(points) if points else []
+    regions = region_map(case, lattice=lattice, **ranges)
+    wrong = regions.check(points) if points else []
 
     def dataset() -> "xr.Dataset":
-        ds = dataset_of(study, found, (points, len(wrong)) if points else None)
+        ds = dataset_of(study, regions, (points, len(wrong)) if points else None)
         return ds.assign_attrs(reading="") if given.values else ds  # it would not be that of Table 1
 
     def show() -> None:
-        _print(found, points, wrong)
+        _print(regions, points, wrong)
         console.say_units(study.unit_system)
 
-    status = 1 if found.remark or wrong else 0
-    return Result(lambda: _as_data(found, points, wrong), show, status, dataset)
+    status = 1 if regions.remark or wrong else 0
+    return Result(lambda: _as_data(regions, points, wrong), show, status, dataset)
 
 
 def _curves(found: "RegionMap") -> list[dict[str, Any]]:
     return [
-        {"curve": i, "kind": one.kind, "index": f"{one.lower}, {one.lower + 1}", "cusps": one.cusps.shape[0],
-         "ends": ", ".join(dict.fromkeys(one.ends))}
-        for i, one in enumerate(found.folds.curves)
+        {"curve": i, "kind": curve.kind, "index": f"{curve.lower}, {curve.lower + 1}", "cusps": curve.cusps.shape[0],
+         "ends": ", ".join(dict.fromkeys(curve.ends))}
+        for i, curve in enumerate(found.folds.curves)
     ]  # fmt: skip
 
 

@@ -100,8 +100,8 @@ def _four_views(ds: Any, path: Path) -> None:
         views.append(page.pixels_of(picture.page.fig))
     high = max(len(view) for view in views)
     views = [np.pad(view, ((0, high - len(view)), (0, 0), (0, 0)), constant_values=255) for view in views]
-    both = Image.fromarray(np.block([[[views[0]], [views[1]]], [[views[2]], [views[3]]]]))
-    atomic.write(path, lambda aside: both.save(aside, compress_level=9))
+    image = Image.fromarray(np.block([[[views[0]], [views[1]]], [[views[2]], [views[3]]]]))
+    atomic.write(path, lambda aside: image.save(aside, compress_level=9))
 
 
 def _datasets() -> dict[str, Callable[[], Any]]:

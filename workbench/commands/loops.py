@@ -57,23 +57,23 @@ def loops(
 
     rod, cylinder, units = _rod(file, given)
     counts = parse_folds(folds)
-    found, remarks = [], []
+    listed, remarks = [], []
     for count in counts:
-        some = closed_rods(rod, cylinder, wraps, count)
-        found += [one for one in some if all_of_them or one.about > 0]
-        told = [remark for remark in some.remarks if all_of_them or "-pi/2" not in remark]
-        remarks += [f"{count} folds: {one}" for one in told]
-    complete = {one.folds for one in found if one.about > 0} == set(counts)
+        rods = closed_rods(rod, cylinder, wraps, count)
+        listed += [loop for loop in rods if all_of_them or loop.about > 0]
+        sentences = [remark for remark in rods.remarks if all_of_them or "-pi/2" not in remark]
+        remarks += [f"{count} folds: {sentence}" for sentence in sentences]
+    complete = {loop.folds for loop in listed if loop.about > 0} == set(counts)
     if export:
-        texts = [equilibria_dataset.study_of_loop(loop, units).text for loop in found]
+        texts = [equilibria_dataset.study_of_loop(loop, units).text for loop in listed]
         ends_study.write_texts(texts, export, "loop")
 
     def data() -> dict[str, Any]:
-        rows = [row(one) for one in found]
+        rows = [row(loop) for loop in listed]
         return {"units": units, "loops": rows, "complete": complete, "remarks": remarks}
 
-    dataset = (lambda: equilibria_dataset.dataset_of_loops(found, units)) if found else None
-    return Result(data, lambda: _print(found, remarks, units), 0 if complete else 1, dataset)
+    dataset = (lambda: equilibria_dataset.dataset_of_loops(listed, units)) if listed else None
+    return Result(data, lambda: _print(listed, remarks, units), 0 if complete else 1, dataset)
 
 
 def parse_folds(text: str) -> list[int]:
@@ -101,12 +101,12 @@ def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str
             for kind in (Rod, Cylinder)
         )
         return Rod(**rod), Cylinder(**cylinder), {**TABLE_UNITS, **given.units}  # type: ignore[arg-type]
-    asked = read_case(file, given.values, given.units, table1=file is None)
-    return asked.case.rod, asked.case.cylinder, asked.units
+    base = read_case(file, given.values, given.units, table1=file is None)
+    return base.case.rod, base.case.cylinder, base.units
 
 
 def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str]) -> None:
-    rows = [row(one) for one in found]
+    rows = [row(loop) for loop in found]
     units_shown = {name: OWN[name] if name in OWN else unit_shown(name, units) for name in COLUMNS}
     heads = {name: tables.heading(name, unit) for name, unit in units_shown.items()}
     numbered = [{"": i, **r} for i, r in enumerate(rows, 1)]

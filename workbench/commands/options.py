@@ -150,15 +150,15 @@ def pairs(option: str, texts: Sequence[str] | None) -> dict[str, str]:
     """``["height=10", "wraps=2"]`` by name. Raises `InputError` for another form or a name that is given twice."""
     from solver.problem.errors import InputError
 
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for text in texts or ():
         name, equals, value = (part.strip() for part in text.partition("="))
         if not (name and equals and value):
             raise InputError(f"{option} takes NAME=VALUE, got {text!r}")
-        if name in found:
+        if name in values:
             raise InputError(f"{option} {text}: {name} is given twice")
-        found[name] = value
-    return found
+        values[name] = value
+    return values
 
 
 def numbers(option: str, texts: Sequence[str] | None) -> dict[str, float]:
@@ -180,17 +180,17 @@ def axis_values(ds: "xr.Dataset", at: Sequence[str] | None) -> dict[str, float]:
 
     from ..store import selection
 
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for name, value in pairs("--at", at).items():
         try:
             axis = selection.axis_of(ds, name)
             stored = float(ds[axis].values[selection.index(ds, axis, value)])
         except InputError as error:
             raise InputError(f"--at {name}={value}: {error}") from None
-        if axis in found:
+        if axis in values:
             raise InputError(f"--at {name}={value}: {axis} is given twice")
-        found[axis] = stored
-    return found
+        values[axis] = stored
+    return values
 
 
 def ranges(option: str, texts: Sequence[str] | None, example: str = "") -> dict[str, tuple[float, float]]:

@@ -76,8 +76,8 @@ def run(
     options = Options(workers, scheduler, chunk, restart)
     say = (lambda text: None) if json else _say
     ran = run_to_file(chosen, path, options, say, partial(console.progress_bar, as_json=json))
-    found = {"title": chosen.title, "study": chosen.name, "reading": chosen.reading or "", "file": str(path)}
-    return result_of({**found, **ran.statistics}, ran)
+    named = {"title": chosen.title, "study": chosen.name, "reading": chosen.reading or "", "file": str(path)}
+    return result_of({**named, **ran.statistics}, ran)
 
 
 def _say(text: str) -> None:
@@ -94,8 +94,8 @@ def _check_free(path: Path, name: str, force: bool) -> None:
     """Raise `InputError` if `path` holds something that may not be replaced; imports xarray only if it must look."""
     from ..store.plan import look
 
-    there = look(path)
-    if force or (there is not None and there.name == name):
+    existing = look(path)
+    if force or (existing is not None and existing.name == name):
         return
     from ..store import writing
 
@@ -116,11 +116,11 @@ def check(file: File) -> Result:
 
     with reading.open_study(file, whole=True) as ds, file_checks.refusing(file):
         named = {"title": ds.attrs["title"], "study": ds.attrs["study_name"], "reading": ds.attrs["reading"]}
-        found = {**named, "file": str(file), **statistics(ds)}
+        data = {**named, "file": str(file), **statistics(ds)}
         text = str(ds.attrs.get("study", ""))
     for sentence in notices(text, f"{file.name}, its study"):
         angles.warn(sentence)
-    return result_of(found)
+    return result_of(data)
 
 
 @presents()
@@ -227,11 +227,11 @@ def _fewer_digits(count: int, file: Path) -> str:
     digits = max(floor(-log10(worst["error"])), 0)
     at = f"at {worst['at']}" if worst["at"] else ""
     which = f"the least accurate, {at}, has" if count > 1 else f"{at} it has".strip()
-    are, told = "are" if count > 1 else "is", law_words.count_of(digits, "digit")
+    are, lost = "are" if count > 1 else "is", law_words.count_of(digits, "digit")
     grows = labels.number(worst["condition"], 2)
     return (
         f"{law_words.count_of(count, 'case')} {are} solved to fewer digits than the tolerance asks for: {which} "
-        f"about {told} (estimated error {worst['error']:.1e}), because a small change of its data grows {grows} times "
+        f"about {lost} (estimated error {worst['error']:.1e}), because a small change of its data grows {grows} times "
         "along the rod"
     )
 

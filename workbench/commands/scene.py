@@ -113,38 +113,38 @@ def scene(
             f"an {PAGE} file shows the kind {PAGE_KIND} of all cases that --at leaves; --kind, --axis, --along, --from "
             "and --to are for pictures, .png and .jpg"
         )
-    asked = Settings(
+    settings = Settings(
         pixel_error, dpi or DPI, camera=camera, color_range=color_range_of(color_range), bare=bare,
         transparent=transparent, size=size_of(size),
     )  # fmt: skip
-    check(asked)
+    check(settings)
     study, ds = study_scene.open_rods(file)
     where = axis_values(ds, at)
     if out is not None and suffix == PAGE:
         return _page(study, ds, where, check_file(out, (PAGE,), force))
     file = file if study is None else Path(f"{study.name}.h5")
-    found = scene_kinds.kind_of(kind or scene_kinds.default_kind(ds))
+    chosen = scene_kinds.kind_of(kind or scene_kinds.default_kind(ds))
     case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
-    named = [] if found.name in ("contact", "equilibria") else [found.name, *axes]
+    named = [] if chosen.name in ("contact", "equilibria") else [chosen.name, *axes]
     default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
     path = check_file(out or default, SUFFIXES, force)
-    check_name(path, asked)
+    check_name(path, settings)
     able, advice = opengl.probe()
     if not able:
         return result_of_files([], warnings=[advice], status=1)
     from ..scene import layout
 
     if others[0] or others[1]:
-        asked = replace(asked, span=(low or 0.0, float(ds["s"].max()) if high is None else high))
+        settings = replace(settings, span=(low or 0.0, float(ds["s"].max()) if high is None else high))
 
     def draw(ds: "xr.Dataset", strict: bool) -> "Picture":
-        return layout.render(ds, path, where or None, found.name, axes, along, replace(asked, strict=strict))
+        return layout.render(ds, path, where or None, chosen.name, axes, along, replace(settings, strict=strict))
 
-    if found.cells == "one":  # the case is named also where --at was not given
+    if chosen.cells == "one":  # the case is named also where --at was not given
         indices = selection.case(ds, where).items()
         case = [f"{name}={selection.write(name, float(ds[name].values[i]))}" for name, i in indices]
-    shown = [*(axes or ([] if found.cells == "one" else schema.axes_of(ds)[:1])), *([along] if along else [])]
-    solve = study_scene.solver_of(study, ds, found, where, shown)
+    shown = [*(axes or ([] if chosen.cells == "one" else schema.axes_of(ds)[:1])), *([along] if along else [])]
+    solve = study_scene.solver_of(study, ds, chosen, where, shown)
     if study is not None and solve is not None:
         ds = solve(study_scene.FIRST)
     picture, stations = study_scene.at_needed_stations(ds, solve, draw)

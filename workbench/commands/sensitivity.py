@@ -90,8 +90,8 @@ def _local(
     else:
         ds = reading.read(file)
         study = stored_case.study_of(ds)
-    found = stored_case.solve_case(ds, axis_values(ds, at), study)
-    table = derivatives.local(found, fields, real, study.unit_system)
+    solution = stored_case.solve_case(ds, axis_values(ds, at), study)
+    table = derivatives.local(solution, fields, real, study.unit_system)
     varied = " ".join(schema.dimension(name) for name in study.varied)
     table = table.assign_attrs(title=study.title, reading=study.reading or "", varied=varied)
     return table, [*derivatives.sentences(table), *([left_out] if left_out else [])]
@@ -139,10 +139,16 @@ def _print_local(table: "xr.Dataset") -> None:
 def _effects(table: "xr.Dataset", i: int, fields: list[str]) -> list[str]:
     """The cells of an observable; a dash where there is no derivative."""
     row = table.isel(observable=i)
-    unit, own = (str(row[name].values) for name in ("unit", "effect_unit"))
+    unit, effect_unit = (str(row[name].values) for name in ("unit", "effect_unit"))
     values = (float(row["effect"].sel(field=name)) for name in fields)
     cells = ["-" if value != value else f"{value:+.3g}" if value else "0" for value in values]
-    return [str(row["observable"].values), f"{float(row['value']):.5g}", "" if unit == "1" else unit, own, *cells]
+    return [
+        str(row["observable"].values),
+        f"{float(row['value']):.5g}",
+        "" if unit == "1" else unit,
+        effect_unit,
+        *cells,
+    ]
 
 
 def _print_indices(table: "xr.Dataset") -> None:
@@ -151,9 +157,9 @@ def _print_indices(table: "xr.Dataset") -> None:
         first, total = (_index(row, key) for key in ("first", "total"))
         rows.append([row["observable"], row["field"], first, total])
     tables.print_table(["observable", "field", "first", "total"], rows)
-    if found := table_pairs(table):
+    if pairs := table_pairs(table):
         console.say("")
-        cells = [[row["observable"], f"{row['field']} and {row['other']}", _index(row, "second")] for row in found]
+        cells = [[row["observable"], f"{row['field']} and {row['other']}", _index(row, "second")] for row in pairs]
         tables.print_table(["observable", "pair", "second"], cells)
 
 

@@ -70,36 +70,36 @@ def solve(
     from .fidelity import fidelity
 
     chosen = fidelity(level or "standard")
-    asked = read_case(file, given.values, given.units, table1, reading)
-    stations, which = 201, asked.which
-    if asked.study is not None:
-        stations = asked.study.stations
-        tol = asked.study.tol if tol is None and level is None else tol
-        method = asked.study.method if method is None else method
+    base = read_case(file, given.values, given.units, table1, reading)
+    stations, which = 201, base.which
+    if base.study is not None:
+        stations = base.study.stations
+        tol = base.study.tol if tol is None and level is None else tol
+        method = base.study.method if method is None else method
     tol, stations = chosen.tol if tol is None else tol, chosen.stations or stations
     if choose is not None:
-        which = parse_choose(choose, asked.case.given)
+        which = parse_choose(choose, base.case.given)
     named = which is not None and which.rule is None
-    listed = equilibria(asked.case, tol, stations) if named else None
-    sol = solve_one(asked.case, which, tol, "auto" if method is None else method, stations, listed)
-    whole = every or json or not asked.case.varies
-    rows = pipe_state.profile(sol, asked.units)
-    found = _find(sol, asked.units, chosen, whole) | {
-        "source": asked.source,
-        "assumed": asked.assumed,
-        "which": _which(sol, listed, asked.study),
+    listed = equilibria(base.case, tol, stations) if named else None
+    sol = solve_one(base.case, which, tol, "auto" if method is None else method, stations, listed)
+    whole = every or json or not base.case.varies
+    rows = pipe_state.profile(sol, base.units)
+    data = _find(sol, base.units, chosen, whole) | {
+        "source": base.source,
+        "assumed": base.assumed,
+        "which": _which(sol, listed, base.study),
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
-        "caution": cautions.said(cautions.of_cases(sol, unit=asked.units["length"])),
-        "left_out": cautions.left_out_of(asked.case),
-        "pipe": pipe_state.sentences(sol, asked.units),
+        "caution": cautions.said(cautions.of_cases(sol, unit=base.units["length"])),
+        "left_out": cautions.left_out_of(base.case),
+        "pipe": pipe_state.sentences(sol, base.units),
         "profile": [row._asdict() for row in rows],
-        "warnings": pipe_state.warnings(sol, asked.units, rows),
+        "warnings": pipe_state.warnings(sol, base.units, rows),
         "lift_offs": sol.lift_offs,
     }
 
     def study(name: str = "rod") -> "Study":
-        taken = which is not None or not asked.case.varies  # with weight the default takes no list of equilibria
-        plain = loads(text_of_solution(f"One rod, from {asked.source}", asked.units, sol, taken))
+        taken = which is not None or not base.case.varies  # with weight the default takes no list of equilibria
+        plain = loads(text_of_solution(f"One rod, from {base.source}", base.units, sol, taken))
         settings = {"tol": tol, "stations": sol.t.shape[-1], "observables": [*chosen.observables(sol.case.rod)]}
         settings |= {"name": name} | ({} if method is None else {"method": method})
         return loads(dumps(chosen.of(plain).model_copy(update=settings)))
@@ -112,8 +112,8 @@ def solve(
             writing.write(in_memory.run(named), path, force=True)
 
     return Result(
-        lambda: found,
-        lambda: _show(found, every, whole),
+        lambda: data,
+        lambda: _show(data, every, whole),
         0 if sol.solved else 1,
         (lambda: in_memory.run(study())) if sol.solved else None,  # another rule might solve it
         write if sol.solved else None,
@@ -146,7 +146,9 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
     from studies.language.case_input import field_values, with_unit
 
     seen = observe(sol, level.observables(sol.case.rod))
-    remarks = [words for name in seen for words, here in why_unknown(name, seen[name]) if here and sol.solved and whole]
+    remarks = [
+        words for name in seen for words, affected in why_unknown(name, seen[name]) if affected and sol.solved and whole
+    ]
     listed = "energy" in seen and sol.held and sol.solved and not sol.case.varies  # among equilibria of held ends
     as_held = {"held_energy": energy_as_held(sol)} if listed else {}
     return {

@@ -30,8 +30,8 @@ def summary(file: File) -> Result:
     if reading.kind_of_file(file) is schema.STUDY:
         study = summarise(file)
         return Result(lambda: study | {"laws": [brief_law(row) for row in study["laws"]]}, lambda: _print(study))
-    found = contents(file)
-    return Result(lambda: found, lambda: _print_contents(found))
+    described = contents(file)
+    return Result(lambda: described, lambda: _print_contents(described))
 
 
 def _print_contents(found: dict[str, Any]) -> None:
@@ -75,10 +75,10 @@ def _print(found: dict[str, Any]) -> None:
     console.say("")
     rows = []
     for axis in found["axes"]:
-        for one in [axis, *(found["sampled"] if axis["name"] == SAMPLE else [])]:
-            row = in_degrees(one)
-            name = f"{'' if one is axis else '  '}{one['name']}"
-            rows.append([name, one["count"] if one is axis else "", *(row[key] for key in ("from", "to", "units"))])
+        for entry in [axis, *(found["sampled"] if axis["name"] == SAMPLE else [])]:
+            row = in_degrees(entry)
+            name = f"{'' if entry is axis else '  '}{entry['name']}"
+            rows.append([name, entry["count"] if entry is axis else "", *(row[key] for key in ("from", "to", "units"))])
     tables.print_table(["axis", "values", "from", "to", "units"], rows or [["(none)", "", "", "", ""]])
     print_sampling(found)
     _print_boundaries(found["boundaries"])

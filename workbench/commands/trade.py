@@ -41,9 +41,9 @@ def trade(
     pictures = {f"_{cost}": {"kind": "trade", "cost": cost} for cost in COSTS}
     measure = partial(comparison.rows_of, named, ladders)
     ds, files = _measure(measure, len(named), "cases", dataset, out / "trade.h5", pictures)
-    found = comparison.summary_of(ds)
+    summary = comparison.summary_of(ds)
     stored = {"file": str(files[0]), "pictures": [str(picture) for picture in files[1:]]}
-    return Result(lambda: found | stored, lambda: _print(found, files))
+    return Result(lambda: summary | stored, lambda: _print(summary, files))
 
 
 def _print(found: Mapping[str, Any], files: Sequence[Path]) -> None:
@@ -68,10 +68,10 @@ def _print(found: Mapping[str, Any], files: Sequence[Path]) -> None:
 
 def _advice(row: Mapping[str, Any]) -> str:
     """``For an error of 1e-06 in start problems: swing (17 of 17 cases, median 0.19 ms).``"""
-    wanted = f"For an error of {row['level']:.0e} in {row['kind']} problems:"
+    goal = f"For an error of {row['level']:.0e} in {row['kind']} problems:"
     if row["method"] is None:
-        return f"{wanted} no method reaches it."
-    return f"{wanted} {row['method']} ({row['reached']} of {row['cases']} cases, median {1e3 * row['seconds']:.2g} ms)."
+        return f"{goal} no method reaches it."
+    return f"{goal} {row['method']} ({row['reached']} of {row['cases']} cases, median {1e3 * row['seconds']:.2g} ms)."
 
 
 @presents()

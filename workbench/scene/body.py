@@ -149,9 +149,9 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
     also = {name for name in ("solved", "outcome", "caution", "dbeta", *SECTION) if name in ds}
     if any(name in ds for name in schema.VARYING):
         also |= {name for name in ("contact", *schema.VARYING) if name in ds}
-    one = ds[sorted(stored | also)]
-    line = stored_line.read(one, where)
-    this = one.isel(dict(where))
+    variables = ds[sorted(stored | also)]
+    line = stored_line.read(variables, where)
+    this = variables.isel(dict(where))
     gamma = np.asarray(this["gamma"], dtype=float) if "gamma" in kind.reads else None
     caution = str(this["caution"].values) if "caution" in this else ""
     return Body(line, span or (float(line.s[0]), float(line.s[-1])), kind.value, gamma, caution)

@@ -173,11 +173,11 @@ def words_of(scene: Scene, bar: Bar | None) -> Words:
         legend.append((page.RING, ITSELF + UNSEEN * any(hidden for _, hidden in crossings)))
     if any(view.hides(body, scene.camera) for view in views for body in view.bodies):
         legend.append((page.OUTLINE, BEHIND))
-    told = _impossible_beside(scene.bodies, ringed) if scene.kind.cells != "together" else []
+    warnings = _impossible_beside(scene.bodies, ringed) if scene.kind.cells != "together" else []
     if len(scene.context) > len(scene.bodies):  # the views of the pictures along an axis stand at one place
         most = max(len(_impossible_beside([body], ringed)) for body in scene.context)
-        told += ["\N{ZERO WIDTH SPACE}" * (k + 1) for k in range(most - len(told))]
-    notes = [*scene.notes, *told] + [cautions.left_out_of_dataset(ds)] * inside
+        warnings += ["\N{ZERO WIDTH SPACE}" * (k + 1) for k in range(most - len(warnings))]
+    notes = [*scene.notes, *warnings] + [cautions.left_out_of_dataset(ds)] * inside
     toward = scene.camera.seen_from if scene.glyph else None
     return Words(ds, " · ".join(fact for fact in facts if fact), legend, notes, bar, scene.columns, scene.heads, toward,
                  scene.camera.along_axis * scene.squeeze, weight_on_page(scene))  # fmt: skip
@@ -199,15 +199,15 @@ def weight_on_page(scene: Scene) -> Array | None:
 def impossible(bodies: Sequence[Body]) -> list[str]:
     """What a real rod could not do, beyond what colours show; of several rods how many."""
     each = {id(body.line): body.caution for body in bodies}.values()
-    found = []
-    for key, one, more in (
+    sentences = []
+    for key, single, more in (
         ("overlaps", ITSELF, "pass through themselves"),
         ("too tight", "bent tighter than its own radius (κa > 1)", "bent tighter than their own radius (κa > 1)"),
     ):
         count = sum(key in caution for caution in each)
         if count:
-            found.append(one if len(each) == 1 else f"{count} of {len(each)} {more}")
-    return found
+            sentences.append(single if len(each) == 1 else f"{count} of {len(each)} {more}")
+    return sentences
 
 
 def page_size(scene: Scene) -> tuple[float, float]:
@@ -224,9 +224,9 @@ def draft_of(scene: Scene, words: Words | None = None) -> tuple[Page, tuple[floa
     draft = Page(words, size, settings.dpi, settings.bare, settings.transparent)
     inside = draft.room()
     if min(inside) < page.LEAST:
-        asked = "x".join(f"{side * settings.dpi:.0f}" for side in size)
+        pixels = "x".join(f"{side * settings.dpi:.0f}" for side in size)
         raise InputError(
-            f"--size {asked} leaves no room for the views beside the words at {settings.dpi} dots per inch: give "
+            f"--size {pixels} leaves no room for the views beside the words at {settings.dpi} dots per inch: give "
             "a larger size, fewer --dpi, or --bare"
         )
     return draft, inside
@@ -281,20 +281,20 @@ def _middles(scene: Scene, arranged: Arrangement) -> Iterator[tuple[View, Array]
 
 def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, float]]:
     """Where rods pass through themselves in sight: x, y and radius of each ring."""
-    found = []
+    circles = []
     for view, middle in _middles(scene, arranged) if scene.ringed else ():
         radius = float(np.clip(IN_RODS * min(body.a for body in view.bodies) * arranged.scale, *RING))
         for place in view.crossings(scene.camera)[0]:
             away = scene.camera.page @ place - sum(view.box(scene.camera)) / 2
             x, y = middle + away * arranged.scale * [1, -1]
-            found.append((float(x), float(y), radius))
-    return found
+            circles.append((float(x), float(y), radius))
+    return circles
 
 
 def _stations(bodies: Sequence[Body], tolerance: float) -> tuple[int, int]:
     """How many stations the rods have, and about how many are needed to draw them all to a tolerance [length]."""
-    found = {id(body.line): body.line for body in bodies}.values()
-    each = [(line.s.size, stations_for(line, tolerance)) for line in found] or [(0, 0)]
+    lines = {id(body.line): body.line for body in bodies}.values()
+    each = [(line.s.size, stations_for(line, tolerance)) for line in lines] or [(0, 0)]
     return max(n for n, _ in each), max(needed for _, needed in each)
 
 

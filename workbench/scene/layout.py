@@ -135,8 +135,8 @@ def compose(
 
 def _one(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str | None, settings: Settings) -> Picture:
     """One case large; a long one in lines."""
-    asked = selection.case(ds, at)
-    where = asked if at else _nearest_solved(ds, asked)
+    chosen = selection.case(ds, at)
+    where = chosen if at else _nearest_solved(ds, chosen)
     case = scene_kinds.case_values(ds, where, settings.digits)
     body, why = rods.of_case(ds, where, kind, settings.span)
     if body is None:
@@ -147,9 +147,9 @@ def _one(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str 
         line = [rods.of_case(ds, each, kind, settings.span)[0] for each in selection.line(ds, along, held)]
         context = [each for each in line if each]
     notes = []
-    if where != asked:
+    if where != chosen:
         notes += [
-            f"{scene_kinds.case_values(ds, asked, settings.digits)} is not solved; this is the nearest solved case"
+            f"{scene_kinds.case_values(ds, chosen, settings.digits)} is not solved; this is the nearest solved case"
         ]
     down = gravity(ds, where)
     body, *context = long_rod.compress([body, *context])
@@ -249,19 +249,19 @@ def _thin(body: Body, k: int) -> Body:
 def _row(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Picture:
     """The cases of an axis in rows, as large as they fit; each rod faces the viewer."""
     line = selection.line(ds, names[0], at)
-    asked, chosen = selection.spread(line, kind.most), list[Where]()
-    for where in asked:
-        chosen.append(_nearest_solved(ds, where, [other for other in line if other not in [*asked, *chosen]]))
+    spread, chosen = selection.spread(line, kind.most), list[Where]()
+    for where in spread:
+        chosen.append(_nearest_solved(ds, where, [other for other in line if other not in [*spread, *chosen]]))
     chosen.sort(key=lambda where: where[names[0]])
-    moved = sum(where not in chosen for where in asked)
-    rows, both = _cells(ds, kind, names, [chosen], settings)
+    moved = sum(where not in chosen for where in spread)
+    rows, cameras = _cells(ds, kind, names, [chosen], settings)
     size = GRID if len(chosen) > IN_ROW else ROW
     shown = [labels.axis_label(name, ds[name]) for name in names if name != "equilibrium"]
     notes = [f"{len(chosen)} of {len(line)} values"] if len(chosen) < len(line) else []
     notes += [f"in place of {moved} unsolved case{'s' * (moved > 1)} the nearest solved"] if moved else []
-    scene = _several(ds, kind, names, rows, both[0], settings, chosen[0], shown, notes, size)
+    scene = _several(ds, kind, names, rows, cameras[0], settings, chosen[0], shown, notes, size)
     room = draft_of(scene)[1]
-    scenes = [replace(scene, rows=in_rows(rows[0], camera, room), camera=camera) for camera in both]
+    scenes = [replace(scene, rows=in_rows(rows[0], camera, room), camera=camera) for camera in cameras]
     return _compose_larger(scenes, room)
 
 
@@ -270,14 +270,14 @@ def _table(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float]
     line, down = (selection.line(ds, name, at) for name in names)
     across = selection.spread(line, kind.most)
     cases = [[{**case, names[1]: row[names[1]]} for case in across] for row in selection.spread(down, MOST_ROWS)]
-    rows, both = _cells(ds, kind, [], cases, settings)
+    rows, cameras = _cells(ds, kind, [], cases, settings)
     notes = [f"{count} of {of} values of {labels.axis_symbol(name)}"
              for name, count, of in zip(names, (len(across), len(cases)), (len(line), len(down)), strict=True)
              if count < of]  # fmt: skip
-    scene = _several(ds, kind, names, rows, both[0], settings, cases[0][0], [], notes, GRID)
+    scene = _several(ds, kind, names, rows, cameras[0], settings, cases[0][0], [], notes, GRID)
     heads = scene_kinds.headings(ds, names[0], cases[0]), scene_kinds.headings(ds, names[1], [row[0] for row in cases])
     scene = replace(scene, columns=heads[0], heads=heads[1])
-    return _compose_larger([replace(scene, camera=camera) for camera in both], draft_of(scene)[1])
+    return _compose_larger([replace(scene, camera=camera) for camera in cameras], draft_of(scene)[1])
 
 
 def _compose_larger(scenes: Sequence[Scene], room: tuple[float, float]) -> Picture:
@@ -304,18 +304,18 @@ def _cells(
     each = [[rods.of_case(ds, where, kind, settings.span) for where in row] for row in cases]
     drawn = _in_view([body for row in each for body, _ in row if body], down, settings)
     flat = [front_camera([], elevation, lying) for lying in (False, True)]
-    both = [camera_of(drawn, front_camera([], 0.0, True, down))] if down is not None else flat
+    cameras = [camera_of(drawn, front_camera([], 0.0, True, down))] if down is not None else flat
     fitted, rows = iter(drawn), []
-    for row, found in zip(cases, each, strict=True):
+    for row, bodies_of_row in zip(cases, each, strict=True):
         views = []
-        for where, (body, why) in zip(row, found, strict=True):
+        for where, (body, why) in zip(row, bodies_of_row, strict=True):
             body = next(fitted) if body else None
             cell = replace(kind.cell(ds, names, where) if names else Cell(), why_empty=why)
-            own = azimuth_of([body]) if body and down is None else 0.0
-            turned = -np.radians(azimuth) - own
+            own_azimuth = azimuth_of([body]) if body and down is None else 0.0
+            turned = -np.radians(azimuth) - own_azimuth
             views.append(View([body] if body else [], cell, turned))
         rows.append(views)
-    return rows, both
+    return rows, cameras
 
 
 def _several(

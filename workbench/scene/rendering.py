@@ -85,7 +85,7 @@ def render(
         The pixels, (height, width, 3 or 4); whether hidden stretches are drawn in outline, as they are where they are
         thick enough.
     """
-    drawn = [one for one in placed if one.view.bodies]
+    drawn = [cell for cell in placed if cell.view.bodies]
     if not drawn:
         blank = np.full((size[1], size[0], 4), (255, 255, 255, 0), dtype=np.uint8)
         return blank[..., : 4 if transparent else 3], False
@@ -100,14 +100,14 @@ def render(
             light.position = np.sin(around) * np.cos(above), np.sin(above), np.cos(around) * np.cos(above)
             plotter.add_light(light)
         walls: list[Any] = []
-        most = min(MOST_TRIANGLES, ALL_TRIANGLES // sum(len(one.view.bodies) for one in drawn))
-        made: dict[Any, tuple[list[surfaces.Part], surfaces.Part]] = {}  # the same rods may be seen from two sides
-        for one in drawn:
-            view = one.view
+        most = min(MOST_TRIANGLES, ALL_TRIANGLES // sum(len(cell.view.bodies) for cell in drawn))
+        meshes: dict[Any, tuple[list[surfaces.Part], surfaces.Part]] = {}  # the same rods may be seen from two sides
+        for cell in drawn:
+            view = cell.view
             same = (*view.bodies, view.cylinder)
-            if same not in made:
-                made[same] = _make(view, camera.per_unit, pixel_error, most)
-            walls += _place(plotter, one, *made[same], camera, size, line * block)
+            if same not in meshes:
+                meshes[same] = _make(view, camera.per_unit, pixel_error, most)
+            walls += _place(plotter, cell, *meshes[same], camera, size, line * block)
         depth = _set_camera(plotter, drawn, camera, size)
         outline = _draw(drawn, camera, depth, block, line)
         return _mean(plotter, block, samples, walls, outline, transparent)
@@ -117,7 +117,7 @@ def render(
 
 def _draw(placed: Sequence[Placed], camera: Camera, depth: float, block: int, line: float) -> Drawn | None:
     """How the hidden stretches are drawn; None where nothing is hidden, or too thin for an outline."""
-    bodies = [(one.view, body) for one in placed for body in one.view.bodies]
+    bodies = [(cell.view, body) for cell in placed for body in cell.view.bodies]
     thick = max(2 * body.a for _, body in bodies) * camera.per_unit
     if thick < THIN or not any(view.hides(body, camera) for view, body in bodies):
         return None
@@ -128,7 +128,7 @@ def _draw(placed: Sequence[Placed], camera: Camera, depth: float, block: int, li
 def _set_camera(plotter: Any, placed: Sequence[Placed], camera: Camera, size: tuple[int, int]) -> float:
     """Set up the camera before the placed views; returns the depth that it sees [length]."""
     tilt = abs(camera.toward[2])
-    deep = 1.1 * max(one.view.reach + np.ptp(one.view.cylinder) / 2 * tilt for one in placed)
+    deep = 1.1 * max(cell.view.reach + np.ptp(cell.view.cylinder) / 2 * tilt for cell in placed)
     plotter.camera_position = [2 * deep * camera.toward, (0, 0, 0), camera.up]
     plotter.enable_parallel_projection()
     plotter.camera.parallel_scale = size[1] / camera.per_unit / 2
@@ -185,9 +185,9 @@ def _texture(picture: NDArray[np.uint8]) -> Any:
     """A texture whose first row is at the coordinate 0."""
     image = pv.ImageData(dimensions=(picture.shape[1], picture.shape[0], 1))
     image.point_data["colour"] = picture.reshape(-1, 3)
-    found = pv.Texture(image)
-    found.interpolate, found.repeat, found.mipmap = True, False, False
-    return found
+    texture = pv.Texture(image)
+    texture.interpolate, texture.repeat, texture.mipmap = True, False, False
+    return texture
 
 
 def hidden_lines(
@@ -242,8 +242,8 @@ def _mean(
         plotter.camera.SetWindowCenter(2 * right / wide, 2 * up / high)
         if k == 0 and drawn:
             rods = _render_walls_last(plotter, walls)
-            for found, into in zip(hidden_lines(rods, _depths(window), drawn), (line, behind), strict=True):
-                add(found, into)
+            for hidden, into in zip(hidden_lines(rods, _depths(window), drawn), (line, behind), strict=True):
+                add(hidden, into)
         else:
             window.Render()
         shades = pv.convert_array(np.zeros(1, dtype=np.uint8))
@@ -254,7 +254,7 @@ def _mean(
     count = len(moves) * block**2
     pixels = sums * np.float32(1 / count)
     if drawn:
-        _draw_hidden(pixels, *((found / block**2).astype(np.float32) for found in (line, behind)))
+        _draw_hidden(pixels, *((total / block**2).astype(np.float32) for total in (line, behind)))
     if transparent:  # what is seen beside white in a pixel
         share = np.maximum(covered, 1) / count
         pixels = np.where(covered > 0, (pixels - 255 * (1 - share)) / share, 255)
@@ -265,9 +265,9 @@ def _mean(
 def _depths(window: Any) -> NDArray[np.float32]:
     """The depths of what was rendered, from 0 at the camera to 1 where nothing is, (height, width) in samples."""
     wide, high = window.GetSize()
-    found = pv.convert_array(np.zeros(1, dtype=np.float32))
-    window.GetZbufferData(0, 0, wide - 1, high - 1, found)
-    return np.asarray(pv.convert_array(found)).reshape(high, wide)
+    buffer = pv.convert_array(np.zeros(1, dtype=np.float32))
+    window.GetZbufferData(0, 0, wide - 1, high - 1, buffer)
+    return np.asarray(pv.convert_array(buffer)).reshape(high, wide)
 
 
 def _render_walls_last(plotter: Any, walls: Sequence[Any]) -> NDArray[np.float32]:

@@ -128,11 +128,11 @@ def value_cell(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> Cell:
 
 def equilibrium(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> Cell:
     """A cell with the number of an equilibrium, whether it is stable, and its energy."""
-    one = ds.isel(where)
-    index = int(one["index"])
+    case = ds.isel(where)
+    index = int(case["index"])
     words = "stable\n" if index == 0 else f"unstable\nin {index} way{'s' * (index > 1)}"
-    energy = labels.value(float(one["energy"]), one["energy"])
-    return Cell(f"{words}\n{energy}", number=int(one["equilibrium"]), stable=index == 0)
+    energy = labels.value(float(case["energy"]), case["energy"])
+    return Cell(f"{words}\n{energy}", number=int(case["equilibrium"]), stable=index == 0)
 
 
 def headings(ds: xr.Dataset, name: str, cases: list[dict[str, int]]) -> list[str]:

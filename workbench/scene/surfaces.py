@@ -79,8 +79,8 @@ def wall(bodies: Sequence[Body], ends: tuple[float, float], per_unit: float) -> 
     light = np.ones((along, around))
     for body in bodies:
         s = np.linspace(*body.span, int(np.clip(4 * (body.span[1] - body.span[0]) / body.a, 2, 400_000)))
-        found = light_on_wall(grid.reshape(-1, 3), body.places(s), body.a)
-        light = np.minimum(light, found.reshape(light.shape))
+        shaded = light_on_wall(grid.reshape(-1, 3), body.places(s), body.a)
+        light = np.minimum(light, shaded.reshape(light.shape))
     texture = np.round(255 * np.array(to_rgb(SURFACE)) * light[..., None]).astype(np.uint8)
     turn = np.linspace(0, 2 * np.pi, FACETS + 1)
     out = np.stack([np.cos(turn), np.sin(turn), np.zeros(turn.size)], axis=-1)

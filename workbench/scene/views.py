@@ -267,8 +267,8 @@ def in_rows(views: Sequence[View], camera: Camera, room: tuple[float, float]) ->
         filled = [*views, *[View([], Cell())] * (-len(views) % columns)]
         return [filled[i : i + columns] for i in range(0, len(filled), columns)]
 
-    found = arrangement.in_rows(len(views), lambda _, columns: arrange(cut(columns), camera, room), ROWS, room[0])
-    return cut(found[0])
+    arranged = arrangement.in_rows(len(views), lambda _, columns: arrange(cut(columns), camera, room), ROWS, room[0])
+    return cut(arranged[0])
 
 
 def _caption_size(cell: Cell) -> tuple[float, float]:
