@@ -199,9 +199,9 @@ def _indices_of(family: Family, found: Array, rates: Array) -> list[int | None]:
     problem = replace(EndsProblem(*found["numbers"].T), span=length)
     every = OrbitRates(problem, values, rows, by_span)
     given = [family.numbers(p) for p in found["p"].tolist()]
-    ratio = np.array([np.nan if one is None else one[-1] for one in given])
+    ratio = np.array([np.nan if rates is None else rates[-1] for rates in given])
     index = held_index(every, ratio, family.names, found["leaving"], found["turns"])
-    return [int(one) if np.isfinite(one) else None for one in index]
+    return [int(number) if np.isfinite(number) else None for number in index]
 
 
 def _point_of(state: BranchState) -> core.Point:

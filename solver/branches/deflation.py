@@ -127,8 +127,8 @@ def across_fold(state: OrbitState, wanted: Given) -> list[OrbitState]:
     if beside is None:
         return []
     change, t = beside[0], float(np.clip(beside[1], -1, 1))
-    found = [_beside(state, wanted, change, share) for share in (t, -t)]
-    return [one for one in found if one is not None]
+    states = [_beside(state, wanted, change, share) for share in (t, -t)]
+    return [state for state in states if state is not None]
 
 
 def _beside(state: OrbitState, wanted: Given, change: Array, share: float) -> OrbitState | None:

@@ -85,9 +85,9 @@ class EquilibriumCurve:
     def _excess(self, p: float, x: Array) -> Array | None:
         """The length of the path less that of the rod under dead loads, at each x."""
         if self.family.steps is not None:
-            found = self.family.steps.excess(core.chart_of(self.chart), p, x)
-            if found is not None:
-                return found
+            in_core = self.family.steps.excess(core.chart_of(self.chart), p, x)
+            if in_core is not None:
+                return in_core
         place = self.family.place(p)
         off = np.array([np.nan]) if place is None else excess(place, self.chart, x)
         return off if np.isfinite(off).all() else None

@@ -34,8 +34,8 @@ def leap(first: Given, last: Given, share: float, problem: EndsProblem, path: Pa
     for length in LEAPS:
         if share + length > 1:
             continue
-        there = problem_of(first.towards(last, share + length), {})
-        every, orbit = _neighbours(LinePoint(there), turns)
+        problem_there = problem_of(first.towards(last, share + length), {})
+        every, orbit = _neighbours(LinePoint(problem_there), turns)
         if orbit is None:
             continue
         same = np.flatnonzero(jacobi_zeros(orbit) == index)
@@ -45,7 +45,7 @@ def leap(first: Given, last: Given, share: float, problem: EndsProblem, path: Pa
             continue
         if order.size > 1 and apart[order[1]] < _CLEAR * apart[order[0]]:
             continue
-        settled = settle(there, every[int(same[order[0]])])
+        settled = settle(problem_there, every[int(same[order[0]])])
         if not isinstance(settled, str):
             return settled, length
     return None

@@ -72,11 +72,11 @@ def _phases(
         across, along = eta * H - slope * v, eta * v + slope * H
         phases.append((np.arctan2(v, H) + np.pi * passed, across, along))
     side = np.where(phases[0][1] != 0, np.sign(phases[0][1]), np.sign(phases[0][2]))
-    found = []
+    end_phases = []
     for phase, across, along in phases:
         apart = np.arctan2(side * across, side * along)
-        found.append(phase + np.clip(np.where(apart < -np.pi / 2, apart + 2 * np.pi, apart), 0, np.pi))
-    return found[0], found[1]
+        end_phases.append(phase + np.clip(np.where(apart < -np.pi / 2, apart + 2 * np.pi, apart), 0, np.pi))
+    return end_phases[0], end_phases[1]
 
 
 def negative(matrix: Array) -> Array:

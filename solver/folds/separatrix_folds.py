@@ -164,9 +164,9 @@ def separatrix_guess(
     """
     place = LinePoint(problem_of(given_at(z), {}))
     speed2 = slope_ * slope_
-    own = {"start": speed2, "end": speed2 + place.fall(place.start, place.end)}
-    end = min(own, key=lambda name: abs(own[name]))
-    if not place.saddles.size or abs(own[end]) > _NEAR**2:
+    speeds = {"start": speed2, "end": speed2 + place.fall(place.start, place.end)}
+    end = min(speeds, key=lambda name: abs(speeds[name]))
+    if not place.saddles.size or abs(speeds[end]) > _NEAR**2:
         return None
     gaps = np.array([speed2 - place.fall(float(s), place.start) for s in place.saddles])
     k = int(np.argmin(np.abs(gaps)))

@@ -206,19 +206,19 @@ def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_tur
     return _roots_in(boundary, brackets.take(kept), every, turns.size, signed, calls), reason
 
 
-def _roots_in(boundary: Boundary, some: Brackets, paths: Paths, total: int, signed: int, calls: int) -> Roots:
+def _roots_in(boundary: Boundary, brackets: Brackets, paths: Paths, total: int, signed: int, calls: int) -> Roots:
     """The roots in some brackets of paths, and the numbers that are known of all."""
-    y, apart = some.second.copy(), some.first != some.second
+    y, apart = brackets.second.copy(), brackets.first != brackets.second
     if apart.any():
-        cells, counts = some.take(apart), paths.counts(boundary.rising)[some.path[apart]]
+        cells, counts = brackets.take(apart), paths.counts(boundary.rising)[brackets.path[apart]]
         ends = np.minimum(cells.first, cells.second), np.maximum(cells.first, cells.second)
         roots = core.level_roots(boundary, cells.pin, cells.sign, counts, *ends, NODES, CUTTING)
         y[apart], more = (np.nan, 0) if roots is None else roots  # none where the loads are not finite
         calls += more
     known = ~np.isnan(y)
-    some, lost = some.take(known), int(np.count_nonzero(~known))
-    levels = Levels(some.pin, some.sign, y[known])
-    return Roots(levels, paths.take(some.path), some.rises, total, signed, lost, calls)
+    brackets, lost = brackets.take(known), int(np.count_nonzero(~known))
+    levels = Levels(brackets.pin, brackets.sign, y[known])
+    return Roots(levels, paths.take(brackets.path), brackets.rises, total, signed, lost, calls)
 
 
 def _most_needed(boundary: Boundary, grid: LevelGrid, seen: TransitTimes) -> int:

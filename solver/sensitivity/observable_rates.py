@@ -40,12 +40,12 @@ NO_ORBIT = "the method knows no orbit, so it has no period"
 
 def check_observables(names: Any) -> tuple[str, ...]:
     """The names as a tuple. Raises `InputError` for an unknown name, and for an observable without a derivative."""
-    wanted = check_names(names)
+    checked = check_names(names)
     able = [name for name, row in OBSERVABLES.items() if set(row.measured) <= _DIFFERENTIABLE or is_count(name)]
-    for name in wanted:
+    for name in checked:
         if name not in able:
             raise InputError(f"the derivative of {name!r} is not known; choose from {choices(able)}")
-    return wanted
+    return checked
 
 
 _OWN_SLOPES = ("alpha", "z", "middle turned", "middle risen", "beta0", "betaL", "dbeta0", "dbetaL")
@@ -99,8 +99,8 @@ class Moving(Reading):
         unit: of `solution_derivatives.amounts`. rates: of these cases.
         """
         sign, later = self.plain.sign[motion.rows], rates.of("span")
-        found = of_helices(motion, unit, later, sign, self._wanted, self.sol.t[motion.rows])
-        for name, value in (found | _at_marks(_marks_of(motion, unit, later))).items():
+        measured = of_helices(motion, unit, later, sign, self._wanted, self.sol.t[motion.rows])
+        for name, value in (measured | _at_marks(_marks_of(motion, unit, later))).items():
             self._slopes[name][motion.rows] = value
 
     @property
@@ -284,11 +284,11 @@ class _Helices:
         change, size = self.changes(rates)
         unsure = none[:, None] & (np.abs(change).max(axis=2) > self.least(rates, size))
         whole = self.integral("outward")
-        found = {
+        by_name = {
             "pushed": np.where(pushes, whole[:, 3], 0.0),
             "pulled": np.where(pulls, -whole[:, 3], 0.0),
             "share": np.where(pushes, self.later, 0.0),
             "middle push": np.where(pushes, whole[:, 2] - whole[:, 1], 0.0),
             "lifts": np.where(pulls, 0.0, self.later),
         }
-        return {name: np.where(unsure, np.nan, value) for name, value in found.items()}
+        return {name: np.where(unsure, np.nan, value) for name, value in by_name.items()}

@@ -68,8 +68,8 @@ def _of_starts(sol: Shape, rates: FieldRates, read: Moving | None) -> tuple[Arra
     solved = np.flatnonzero(sol.trajectory.solved)
     every = solved.size == sol.problem.size
     rows = slice(None) if every else solved
-    problem, own = (sol.problem, rates) if every else (sol.problem.take(solved), rates.take(solved))
-    shape = _shape_of(sol, own, rows)
+    problem, of_solved = (sol.problem, rates) if every else (sol.problem.take(solved), rates.take(solved))
+    shape = _shape_of(sol, of_solved, rows)
     answer = start_sensitivities(problem, shape, POINTS, HOW, None if read is None else read.measurement(rows))
     if read is not None:
         read.take(rows, answer)

@@ -99,8 +99,8 @@ def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[End
         paths.append(path)
         nodes.append(None if shape is None else Nodes(rod.numbers, rod.scale, shape.t, shape.y))
         estimates.append((np.inf, np.inf) if shape is None else estimate(shape))
-        if (one := nodes[-1]) is not None:
-            y[i] = one.at(t[i])
+        if (last := nodes[-1]) is not None:
+            y[i] = last.at(t[i])
     index = np.array([np.nan if path.shape is None or path.shape.rod.rubbed else path.index for path in paths])
     critical = np.array([np.nan if path.buckled is None else path.buckled for path in paths])
     shapes = VaryingShapes(nodes, index, critical)
@@ -172,10 +172,10 @@ def path_to(rod: LoadedRod, seed: Any, i: int) -> Path:
         return Path(None, why="the seed has no shape")
     t = rod.nodes()
     start = known.at(t * (known.t[-1] / rod.span))
-    found = correct(Shape(rod, t, start))
-    if found is None:
+    corrected = correct(Shape(rod, t, start))
+    if corrected is None:
         return Path(None, why="Newton's method did not converge from the seed")
-    return Path(found, index_of_any(found), why="seed")
+    return Path(corrected, index_of_any(corrected), why="seed")
 
 
 def failure(path: Path, size: float, friction: float) -> str:

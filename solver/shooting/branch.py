@@ -213,9 +213,9 @@ def stable_shape_ahead(
     """
     for share in () if rod_at(last).rubbed else SHARES_AHEAD:  # that of a rod with friction was tried before
         ahead = last if share == 1 else x + share * (last - x)
-        found = sinusoid(rod_at(ahead))
-        if found is not None and index_of_any(found) == 0:
-            return ahead, found
+        wave = sinusoid(rod_at(ahead))
+        if wave is not None and index_of_any(wave) == 0:
+            return ahead, wave
     ahead = min(last, x + AHEAD * last)
     fallen = descend(Shape(rod_at(ahead), shape.t, shape.y))
     return None if fallen is None else (ahead, fallen)

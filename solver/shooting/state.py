@@ -80,13 +80,13 @@ def _join(found: list[State]) -> list[State]:
     return kept
 
 
-def in_words(found: tuple[State, ...], unit: str = "") -> str:
+def in_words(parts: tuple[State, ...], unit: str = "") -> str:
     """``straight from 0 to 12 m, sinusoidal to 288 m, straight to 300 m``."""
     unit = unit and f" {unit}"
-    found = tuple(part for part in found if f"{part.begin:.4g}" != f"{part.end:.4g}")
-    if len(found) == 1:
-        return f"{found[0].word} all along"
-    words = [part.word for part in found]
+    parts = tuple(part for part in parts if f"{part.begin:.4g}" != f"{part.end:.4g}")
+    if len(parts) == 1:
+        return f"{parts[0].word} all along"
+    words = [part.word for part in parts]
     words = [f"{b} the other way" if a == b == HELICAL else b for a, b in pairwise(["", *words])]
-    ends = [f"{'from 0 ' if i == 0 else ''}to {part.end:.4g}{unit}" for i, part in enumerate(found)]
+    ends = [f"{'from 0 ' if i == 0 else ''}to {part.end:.4g}{unit}" for i, part in enumerate(parts)]
     return ", ".join(f"{word} {end}" for word, end in zip(words, ends, strict=True))

@@ -147,6 +147,13 @@ def test_the_same_case_with_other_numbers_is_refused_and_nothing_is_left_behind(
     assert sorted(os.listdir(tmp_path)) == ["0.h5", "1.h5"]
 
 
+def test_stations_at_other_places_are_refused(tmp_path) -> None:
+    a, b = one_by_one(E1), one_by_one(E2)
+    files = stored(tmp_path, a, b.assign_coords(u=b["u"] ** 2))
+    with pytest.raises(InputError, match="differ in the places of the stations"):
+        file_merge.merge(files, tmp_path / "all.h5")
+
+
 def test_a_file_may_be_joined_into_itself(tmp_path) -> None:
     files = stored(tmp_path, one_by_one(E1), one_by_one(E2))
     file_merge.merge(files, files[0])

@@ -104,10 +104,10 @@ def host_names(host: str, port: int, names: list[str]) -> set[str]:
     listens on its own address.
     """
     local = ["127.0.0.1", "localhost", "[::1]"] if host in (*THIS_MACHINE, *EVERYWHERE) else []
-    found = {f"{name}:{port}" for name in [_bracket(host), *local] if name}
+    hosts = {f"{name}:{port}" for name in [_bracket(host), *local] if name}
     for name in names:
-        found |= {name} if name.rpartition(":")[2].isdigit() else {f"{name}:{port}"}
-    return found | {name.removesuffix(":80") for name in found if name.endswith(":80")}
+        hosts |= {name} if name.rpartition(":")[2].isdigit() else {f"{name}:{port}"}
+    return hosts | {name.removesuffix(":80") for name in hosts if name.endswith(":80")}
 
 
 def _bracket(host: str) -> str:

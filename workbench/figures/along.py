@@ -97,7 +97,7 @@ def figure(
             ax.tick_params(labelbottom=False)
 
     panels = [partial(panel, i) for i in range(len(names))]
-    rows: list[canvas.Row] = [(tall + 0.3, [one]) for one in panels] if sheet.narrow else [(tall + 0.75, panels)]
+    rows: list[canvas.Row] = [(tall + 0.3, [single]) for single in panels] if sheet.narrow else [(tall + 0.75, panels)]
     faint = len(names) > 1 and any(not curve.foot for curve in curves)
     said = ["Faint line: where the quantity of a rod is 0."] * faint + rods.said() + rods.notes
     if PIPE in names and not schema.loads_vary(ds):
@@ -163,7 +163,7 @@ def _curves(rods: DrawnRods, name: str) -> Curves:
 
 def _clear_step(rods: DrawnRods, values: Sequence[Any], foot: float, filled: bool) -> float:
     """From the line of one curve to the next, so that no curve reaches the next one; filled: nor its line."""
-    rows = [(rod["s"], one - foot) for rod, one in zip(rods.rods, values, strict=True) if one is not None]
+    rows = [(rod["s"], heights - foot) for rod, heights in zip(rods.rods, values, strict=True) if heights is not None]
     most = 0.0
     for (s, low), (s_next, high) in pairwise(rows):
         above = np.interp(s, s_next, high, right=np.inf)
@@ -176,8 +176,8 @@ def _words(ds: xr.Dataset, name: str) -> tuple[str, str, Callable[[Any], Any]]:
     if name == "push":
         return "push", f" {labels.unit(push_scale.unit(ds))}", np.asarray
     units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
-    told = dict(ds[schema.curve_name(name)].attrs) if schema.curve_name(name) in ds else {}
-    array = xr.DataArray(0.0, attrs=told or schema.labels(name, units), name=name)
+    attrs = dict(ds[schema.curve_name(name)].attrs) if schema.curve_name(name) in ds else {}
+    array = xr.DataArray(0.0, attrs=attrs or schema.labels(name, units), name=name)
     unit = labels.unit(str(array.attrs.get("units", "1")))
     if labels.is_angle(array):
         return labels.symbol_of(name), "°", np.degrees

@@ -96,10 +96,10 @@ def in_rows(
         columns = -(-count // rows)
         if -(-count // columns) != rows:
             continue
-        found = arranged(rows, columns)
-        fits = found.size[0] <= width + 1e-6
-        seen = found.scale * min(found.factor, 1.0)
+        layout = arranged(rows, columns)
+        fits = layout.size[0] <= width + 1e-6
+        seen = layout.scale * min(layout.factor, 1.0)
         if best is None or best[1].size[0] > width + 1e-6 or (fits and seen > worth * largest):
-            best, largest = (columns, found), seen
+            best, largest = (columns, layout), seen
     assert best is not None
     return best

@@ -224,8 +224,8 @@ def _panels(
 def _effects(ds: xr.Dataset, name: str) -> list[tuple[str, float]]:
     """The fields that have an effect on an observable, and the effects, the largest first."""
     row = ds["effect"].sel(observable=name).values
-    found = [(str(f), float(v)) for f, v in zip(ds["field"].values, row, strict=True) if np.isfinite(v) and v != 0]
-    return sorted(found, key=lambda pair: -abs(pair[1]))
+    effects = [(str(f), float(v)) for f, v in zip(ds["field"].values, row, strict=True) if np.isfinite(v) and v != 0]
+    return sorted(effects, key=lambda pair: -abs(pair[1]))
 
 
 def _tick(ds: xr.Dataset, field: str) -> str:

@@ -71,8 +71,8 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
     rows: list[canvas.Row] = [(high, [diagram])]
     if shapes:
         views = unrolled.Panel(shapes, room, sheet.small, labels.unit(str(ds["shape_z"].attrs.get("units", "1"))))
-        some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
-        said = f", of the points with their numbers{some}"
+        how_many = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
+        said = f", of the points with their numbers{how_many}"
         rows.append((views.height, [lambda ax: [*views.draw(ax, said), *_alike(ds, shown)]]))
     return canvas.page(ds, sheet, rows, more=0.45 + 0.2 * len(laws) * sheet.titled)
 
@@ -115,8 +115,8 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:
 
 def _alike(ds: xr.Dataset, key: str) -> list[str]:
     """The sentence that names branches of which one line shows two; none where each has its own."""
-    both = np.stack([ds[f"curve_{name}"].values for name in (str(ds.attrs["axis"]), key)], axis=1)
-    shares = both / np.array([np.ptp(values) or 1.0 for values in both.T])
+    points = np.stack([ds[f"curve_{name}"].values for name in (str(ds.attrs["axis"]), key)], axis=1)
+    shares = points / np.array([np.ptp(values) or 1.0 for values in points.T])
     lines = [shares[ds["curve_branch"].values == row["branch"]] for row in branches(ds)]
     pairs = [f"{i + 1} and {k + 1}" for k, line in enumerate(lines) for i, other in enumerate(lines[:k])
              if _lies_on(line, other) and _lies_on(other, line)]  # fmt: skip
@@ -143,8 +143,8 @@ def _special(ds: xr.Dataset, name: str, key: str, kind: str) -> tuple[Any, Any]:
     dim = "fold" if kind == "fold" else "special"
     if dim not in ds.sizes:
         return np.empty(0), np.empty(0)
-    some = np.ones(ds.sizes[dim], dtype=bool) if dim == "fold" else ds["special_kind"].values == kind
-    return labels.in_label_unit(ds[name], ds[dim].values)[some], _values(ds, f"{dim}_{key}")[some]
+    chosen = np.ones(ds.sizes[dim], dtype=bool) if dim == "fold" else ds["special_kind"].values == kind
+    return labels.in_label_unit(ds[name], ds[dim].values)[chosen], _values(ds, f"{dim}_{key}")[chosen]
 
 
 def _runs(ds: xr.Dataset, ax: Axes, on: Any, points: Any) -> list[tuple[Any, dict[str, Any], str]]:
@@ -270,9 +270,9 @@ def smooth_line(x: Any, y: Any, shares: Any) -> tuple[Values, Values]:
     if x.size < 3:
         return x, y
     along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(shares, axis=0), axis=1)))
-    both = np.stack([x, y], axis=1)
-    curve = Akima1DInterpolator(along, both, method="makima") if x.size > 4 else CubicSpline(along, both)
+    points = np.stack([x, y], axis=1)
+    curve = Akima1DInterpolator(along, points, method="makima") if x.size > 4 else CubicSpline(along, points)
     parts = np.linspace(0.0, 1.0, BETWEEN + 1)[:-1]
     places = np.append((along[:-1, None] + parts * np.diff(along)[:, None]).ravel(), along[-1])
-    found = curve(places)
-    return found[:, 0], found[:, 1]
+    line = curve(places)
+    return line[:, 0], line[:, 1]

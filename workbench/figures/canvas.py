@@ -290,11 +290,11 @@ def write_below(fig: Figure, said: Iterable[str | Artist], sheet: Sheet = SCREEN
     widest = max((HANDLE + fonts.width_of(line, fonts.small()) for line in lines), default=1.0)
     columns = max(1, min(len(once), int((width + 0.1) / widest)))
     how: dict[str, Any] = {} if once else ALONE
-    found = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], ncols=columns,
+    legend = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], ncols=columns,
                        loc="outside lower left", title="\n".join(notes), alignment="left", handlelength=1.8,
                        handleheight=1.2, title_fontsize=fonts.small(), **how)  # fmt: skip
-    found.get_title().set_color(SOFT)
-    return found
+    legend.get_title().set_color(SOFT)
+    return legend
 
 
 def colour_bar(beside: Sequence[Axes], colours: ScalarMappable, label: str = "", **where: Any) -> Colorbar:

@@ -127,12 +127,12 @@ def choose(
         axis = next((name for name in schema.axes_of(ds) if ds.sizes[name] > 1 and name not in at), None)
     cases = selection.spread(selection.line(ds, axis, at), most) if axis else [selection.case(ds, at)]
     held = {name: i for name, i in cases[0].items() if name != axis}
-    some = ds.isel(held | ({axis: [case[axis] for case in cases]} if axis else {}))
-    found, notes = _arrays(some, names, len(cases))
+    chosen = ds.isel(held | ({axis: [case[axis] for case in cases]} if axis else {}))
+    arrays_of, notes = _arrays(chosen, names, len(cases))
     if axis and len(cases) < ds.sizes[axis]:
         values = "samples" if axis == SAMPLE else f"values of {labels.axis_symbol(axis)}"
         notes = [f"{len(cases)} of the {ds.sizes[axis]} {values} are shown, evenly chosen.", *notes]
-    rods = [_rod(some.isel({axis: i}) if axis else some, axis, arrays) for i, arrays in enumerate(found)]
+    rods = [_rod(chosen.isel({axis: i}) if axis else chosen, axis, arrays) for i, arrays in enumerate(arrays_of)]
     if not any(rod.arrays is not None for rod in rods):
         raise InputError("nothing to draw: none of the chosen cases is solved")
     return DrawnRods(ds, axis, held, rods, notes)
@@ -152,11 +152,11 @@ def grid(ds: xr.Dataset) -> xr.Dataset:
 def _rod(one: xr.Dataset, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:
     stored = StoredArrays(one)
     names = {name: float(getattr(stored, name)) for name in ("rho", "lam", "mu", "phi")}
-    told = str(one["caution"].values) if "caution" in one else ""
+    caution = str(one["caution"].values) if "caution" in one else ""
     text = labels.value(float(one[axis]), one[axis]) if axis else ""
     name = f"{labels.axis_symbol(axis)} = {text}" if axis else "rod"
     short = text if text.endswith("°") else text.partition(" ")[0]
-    return DrawnRod(name, short, arrays, a=float(stored.constant("a")), caution=told, **names)
+    return DrawnRod(name, short, arrays, a=float(stored.constant("a")), caution=caution, **names)
 
 
 def _arrays(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None], list[str]]:
@@ -181,15 +181,15 @@ def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list
     """The arrays as stored or computed from stored ones; or None, and the name of the first that is not."""
     if "u" not in some.dims:
         return None, "arrays along the rod"
-    found: dict[str, Any] = {"s": some["s"]}
+    columns: dict[str, Any] = {"s": some["s"]}
     for name in names:
         array = StoredArrays(some).derive(name)
         if array is None:
             return None, name
-        found[name] = array
+        columns[name] = array
     shape = (count, some.sizes["u"])
     tables = {}
-    for name, array in found.items():
+    for name, array in columns.items():
         order = [dim for dim in array.dims if dim != "u"]
         tables[name] = np.broadcast_to(array.transpose(*order, "u").values, shape)
     rows = [{name: table[i] for name, table in tables.items()} for i in range(count)]

@@ -39,10 +39,10 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
         texts = [f"{text}: {labels.value(float(ds[reaction][k]), ds[reaction])}" for k, text in enumerate(texts)]
     shapes = [_shape(ds, k, texts[k], look(int(ds["index"][k]))) for k in range(count)]
     panel = unrolled.Panel(shapes, _room(sheet), sheet.small, labels.unit(str(ds["z"].attrs.get("units", "1"))))
-    some = f"; {count} of {ds.sizes['equilibrium']} are shown" if count < ds.sizes["equilibrium"] else ""
+    shown = f"; {count} of {ds.sizes['equilibrium']} are shown" if count < ds.sizes["equilibrium"] else ""
     beside = "" if reaction is None else f", {labels.symbol(ds[reaction])} beside the number"
     rows: list[canvas.Row] = [
-        (panel.height, [lambda ax: [*_entries(ds["index"].values), *panel.draw(ax, f"{beside}{some}")]]),
+        (panel.height, [lambda ax: [*_entries(ds["index"].values), *panel.draw(ax, f"{beside}{shown}")]]),
         (high, [lambda ax: against_index(ds, ax, name, sheet.width, high)]),
     ]
     return canvas.page(ds, sheet, rows, more=0.45)
@@ -65,7 +65,7 @@ def against_index(
     """
     values = labels.in_label_unit(ds[name], ds[name].values)
     index = ds["index"].values
-    ax.scatter(ds["index"], values, c=["white" if one else colours.INK for one in index], s=20,
+    ax.scatter(ds["index"], values, c=["white" if value else colours.INK for value in index], s=20,
                edgecolors=colours.INK, linewidths=0.9, zorder=3)  # fmt: skip
     ax.set_xlabel(fonts.break_lines("Morse index: unstable directions", width - 0.9))
     ax.set_ylabel(fonts.shorter([labels.label(ds[name], long) for long in (True, False)], high - 0.3))
@@ -91,11 +91,11 @@ def loops(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     pushes = [push_from(ds["contact"].values[k], str(ds.attrs["side"])) for k in range(count)]
     norm, shapes = push_scale.scale(pushes), []
     for k in range(count):
-        one = ds.isel(equilibrium=k)
-        index, waves = int(one["index"]), int(one["folds"])
+        loop = ds.isel(equilibrium=k)
+        index, waves = int(loop["index"]), int(loop["folds"])
         stable = f"unstable ({index})" if index else "stable"
         text = (
-            f"{k + 1}: {waves} wave{'s' * (waves > 1)}, {stable}\n{labels.value(float(one['energy']), one['energy'])}"
+            f"{k + 1}: {waves} wave{'s' * (waves > 1)}, {stable}\n{labels.value(float(loop['energy']), loop['energy'])}"
         )
         shapes.append(_shape(ds, k, text, {"push": pushes[k], "norm": norm}))
     panel = unrolled.Panel(shapes, _room(sheet), sheet.small, labels.unit(str(ds.attrs["length_unit"])))
@@ -114,10 +114,10 @@ def _room(sheet: Sheet) -> tuple[float, float]:
 
 def _shape(ds: xr.Dataset, k: int, text: str, how: dict[str, Any]) -> View:
     """The unrolled view of an equilibrium, with rings where its caution says that it passes through itself."""
-    one = ds.isel(equilibrium=k)
-    rho, alpha, z = float(one["rho"]), one["alpha"].values, one["z"].values
-    crossed = "overlaps" in cautions.keys(str(one["caution"].values)) if "caution" in one else False
-    rings = unrolled.crossings(one["s"].values, rho, alpha, z, float(one["a"])) if crossed else []
+    case = ds.isel(equilibrium=k)
+    rho, alpha, z = float(case["rho"]), case["alpha"].values, case["z"].values
+    crossed = "overlaps" in cautions.keys(str(case["caution"].values)) if "caution" in case else False
+    rings = unrolled.crossings(case["s"].values, rho, alpha, z, float(case["a"])) if crossed else []
     return View(z, rho * (alpha - alpha[0]), text, how, rings or [])
 
 

@@ -87,7 +87,9 @@ def kind_of(ds: xr.Dataset, kind: str | None = None, given: Sequence[str] = ()) 
     """
     if kind is None:
         default = _default_kind(ds)
-        kind = next((one for one in (default, *OF_STUDIES) if set(given) <= set(KINDS[one].options)), default)
+        kind = next(
+            (candidate for candidate in (default, *OF_STUDIES) if set(given) <= set(KINDS[candidate].options)), default
+        )
     elif kind not in OF_STUDIES:
         raise no_such("kind of picture", kind, OF_STUDIES)
     for name in given:

@@ -118,11 +118,11 @@ def _bound(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: An
 
 
 def _scales(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
-    found = row["numbers"]
-    if not found:
+    measured = row["numbers"]
+    if not measured:
         return
     stored = np.abs(np.radians(along) if labels.is_angle(ds[law.axis]) else along)
-    fitted = labels.in_label_unit(ds[law.observable], found["factor"] * stored ** found["exponent"])
+    fitted = labels.in_label_unit(ds[law.observable], measured["factor"] * stored ** measured["exponent"])
     _line(ax, along, fitted, labels.typeset(f"fit: {row['found']}"))
     wide = np.exp(law.within * np.abs(np.log(stored / np.exp(np.mean(np.log(stored))))))
     low, high = np.sort([fitted / wide, fitted * wide], axis=0)
@@ -132,13 +132,13 @@ def _scales(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: A
 def _boundary(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
     axis = ds[law.axis]
     places = np.unique(labels.in_label_unit(axis, numbers["x"]))
-    half, there = float(labels.in_label_unit(axis, law.within)), float(numbers["x"][0])
+    half, expected = float(labels.in_label_unit(axis, law.within)), float(numbers["x"][0])
     passed = formula(ds, law.passes, ds[law.observable])
     _line(ax, along, numbers["passes"], f"{labels.symbol(ds[law.observable])} = {passed}")
     if places.size == 1 and np.isfinite(places[0]):
         ax.axvspan(places[0] - half, places[0] + half, color=colours.INK, alpha=0.12, linewidth=0, zorder=0)
         ax.axvline(places[0], color=colours.SOFT, linewidth=1, zorder=1,
-                   label=f"expected: {_number(there, axis)} ± {_number(law.within or 0.0, axis)}")  # fmt: skip
+                   label=f"expected: {_number(expected, axis)} ± {_number(law.within or 0.0, axis)}")  # fmt: skip
         if row["numbers"]:
             at = row["numbers"]["at"]
             ax.plot(labels.in_label_unit(axis, at), numbers["passes"][0], "D", color="white", markersize=6, zorder=5,

@@ -156,19 +156,19 @@ def choose(
 
 def cells(ds: xr.Dataset, choice: Choice, where: Mapping[str, int], source: xr.Dataset | None = None) -> Cells:
     """The cells of one column of maps; where: as of `Choice.places`. source: the refined study of a raster."""
-    here = ds.isel(where).sortby([choice.x, choice.y]).transpose(choice.y, choice.x, ...)
-    solved = here["solved"].values.astype(bool)
+    plane = ds.isel(where).sortby([choice.x, choice.y]).transpose(choice.y, choice.x, ...)
+    solved = plane["solved"].values.astype(bool)
     unchecked = np.zeros(solved.shape, dtype=bool)
-    for key in cautions.UNCHECKED if "caution" in here else ():
-        unchecked |= cautions.holding(here["caution"].values, key)
-    scales = scale_of(here[choice.x]), scale_of(here[choice.y])
-    whole = here if source is None else source
+    for key in cautions.UNCHECKED if "caution" in plane else ():
+        unchecked |= cautions.holding(plane["caution"].values, key)
+    scales = scale_of(plane[choice.x]), scale_of(plane[choice.y])
+    whole = plane if source is None else source
     straight = np.zeros(solved.shape, dtype=bool)
     if "beta" in whole:
         beta = whole["beta"].transpose(..., "u").values
         swings = beta.max(axis=-1) - beta.min(axis=-1)
-        straight = (swings if source is None else swings[here["case"].values]) < STRAIGHT
-    return Cells(here, *scales, solved, straight & solved, int(unchecked.sum()), whole)
+        straight = (swings if source is None else swings[plane["case"].values]) < STRAIGHT
+    return Cells(plane, *scales, solved, straight & solved, int(unchecked.sum()), whole)
 
 
 def _two_axes(ds: xr.Dataset, x: str | None, y: str | None, at: dict[str, float]) -> tuple[str, str]:
@@ -191,9 +191,9 @@ def _two_axes(ds: xr.Dataset, x: str | None, y: str | None, at: dict[str, float]
         raise InputError(
             f"a map needs two axes, and {choices(at)} has a fixed value; leave one of {choices(axes)} free"
         )
-    wanted = iter(rest)
-    first = next(wanted) if x is None else given[0]
-    return first, (next(wanted) if y is None else given[-1])
+    names_left = iter(rest)
+    first = next(names_left) if x is None else given[0]
+    return first, (next(names_left) if y is None else given[-1])
 
 
 def _observables(ds: xr.Dataset, show: Sequence[str], most: int) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -166,8 +166,8 @@ class _Maps:
 
     def draw_law(self, law: "_JudgedLaw", ax: Axes) -> canvas.Said:
         """Draw the verdict on the line through each cell, for a law along an axis that the map does not have."""
-        here, column = law.at(self.places[0]), self.columns[0]
-        verdicts = here.sortby([*here.dims]).transpose(*column.ds["outcome"].dims).values
+        on_map, column = law.at(self.places[0]), self.columns[0]
+        verdicts = on_map.sortby([*on_map.dims]).transpose(*column.ds["outcome"].dims).values
         column.colour(ax, _numbers(verdicts), **OF_VERDICTS)
         column.draw_borders(ax, _numbers(verdicts), colors="white", linewidths=1.0)
         self._label(ax, leaving=law.row["axis"])

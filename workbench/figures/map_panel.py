@@ -93,7 +93,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
     barred = np.concatenate([panel.samples()[2] for panel in panels])
     most = max(panel.samples()[2].size for panel in panels)
     few = f" (one of {-(-most // MOST_SAMPLES)} is shown)" if most > MOST_SAMPLES else ""
-    found: list[Artist] = [
+    legend: list[Artist] = [
         Line2D([], [], label=label, marker=mark, **SAMPLES)
         for mark, label in ((".", f"a case{few}"), ("x", f"a case: {BARRED}"))
         if barred.any() and not barred.all()
@@ -108,12 +108,12 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
         (any((unknown & ~unbent).any() for unknown, unbent in numbers), "solved, number unknown",
          {"facecolor": colours.UNKNOWN, **framed}),
     ):  # fmt: skip
-        found += [Patch(label=label, **look)] * bool(occurs)
+        legend += [Patch(label=label, **look)] * bool(occurs)
     notes = [f"Every rod {BARRED}."] if barred.size and barred.all() else []
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
     if unchecked:
         notes.append(f"{unchecked} of {cases} rods were not checked for all cautions.")
-    return [*found, *notes]
+    return [*legend, *notes]
 
 
 def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inches: tuple[float, float]) -> None:
@@ -140,9 +140,9 @@ def _show_samples(ax: Axes, cells: Cells) -> None:
     x, y, barred = cells.samples()
     shown = np.arange(0, x.size, -(-x.size // MOST_SAMPLES))
     size = float(np.clip(40 / shown.size**0.5, 0.7, 2.0))
-    for marker, some in ((".", shown[~barred[shown]]), ("x", shown[barred[shown]])):
-        if some.size:
-            ax.plot(x[some], y[some], marker=marker, markersize=1.6 * size, clip_on=False, zorder=4, label="_samples",
+    for marker, rows in ((".", shown[~barred[shown]]), ("x", shown[barred[shown]])):
+        if rows.size:
+            ax.plot(x[rows], y[rows], marker=marker, markersize=1.6 * size, clip_on=False, zorder=4, label="_samples",
                     **SAMPLES)  # fmt: skip
 
 
@@ -156,8 +156,8 @@ class Shapes:
 
 def read_shapes(text: str) -> Shapes:
     """``5x4`` as the numbers of shapes. Raises `InputError`."""
-    found = re.fullmatch(r"(\d{1,4})x(\d{1,4})", text.strip())
-    numbers = [int(number) for number in found.groups()] if found else [0]
+    match = re.fullmatch(r"(\d{1,4})x(\d{1,4})", text.strip())
+    numbers = [int(number) for number in match.groups()] if match else [0]
     if not all(1 <= number <= MOST_SHAPES for number in numbers):
         raise InputError(f"the shapes are two numbers from 1 to {MOST_SHAPES} such as 5x5, got {text!r}")
     return Shapes(*numbers)

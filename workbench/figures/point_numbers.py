@@ -143,8 +143,8 @@ def _is_led(place: Values, box: Values, dots: Values) -> bool:
 
 def _share(place: Values, box: Values, dots: Values) -> float:
     """The distance of a box from its own place over that from the nearest other point, 2 at most."""
-    own, apart = float(_gaps(box, place[None])[0]), dots[np.linalg.norm(dots - place, axis=1) >= SAME]
-    return min(own / max(float(_gaps(box, apart).min(initial=np.inf)), 1e-9), 2.0)
+    gap, apart = float(_gaps(box, place[None])[0]), dots[np.linalg.norm(dots - place, axis=1) >= SAME]
+    return min(gap / max(float(_gaps(box, apart).min(initial=np.inf)), 1e-9), 2.0)
 
 
 def _cost_of_leader(place: Values, box: Values, others: _Others) -> float:

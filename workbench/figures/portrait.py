@@ -64,27 +64,27 @@ def figure(
     most = max(int((sheet.width - 0.6) / COLUMN), 1)
     if schema.loads_vary(ds):
         raise InputError("a portrait needs loads that are constant along the rod; choose --kind ridge or states")
-    found = drawn_rods.choose(ds, ("beta", "dbeta"), x, at, most * (1 if sheet.narrow else BANDS))
-    windows = np.array([window_of(rod) for rod in found.solved])
+    chosen = drawn_rods.choose(ds, ("beta", "dbeta"), x, at, most * (1 if sheet.narrow else BANDS))
+    windows = np.array([window_of(rod) for rod in chosen.solved])
     window = float(windows[:, 0].min()), float(windows[:, 1].max())
-    orbits = [orbit(rod, window) for rod in found.solved]
+    orbits = [orbit(rod, window) for rod in chosen.solved]
     alone = len(orbits) == 1
     columns = ceil(len(orbits) / ceil(len(orbits) / most))
     across = columns if not alone else 1 if sheet.narrow else len(names)
     tall = min(0.75 * sheet.width / across, 3.6) if alone else 1.9
     tall = min(tall, 1.25) if sheet.narrow else tall
-    unit = labels.unit(str(found.source.attrs["length_unit"]))
-    source = found.source
-    heights = {name: np.array([one.ends(name) for one in orbits]) for name in names}
-    if found.axis is None and found.at():
-        source = source.assign_attrs(title=f"{source.attrs['title']}, {found.at()}")
+    unit = labels.unit(str(chosen.source.attrs["length_unit"]))
+    source = chosen.source
+    heights = {name: np.array([orbit_of_rod.ends(name) for orbit_of_rod in orbits]) for name in names}
+    if chosen.axis is None and chosen.at():
+        source = source.assign_attrs(title=f"{source.attrs['title']}, {chosen.at()}")
 
     def panel(i: int, name: str, ax: Axes) -> None:
         """Draw a panel of a rod; among others it has numbers at the left and below only."""
-        one, wide = orbits[i], sheet.width / across
-        (_portrait if name == "portrait" else _potential)(ax, one)
-        ax.set(xlim=np.degrees(one.window), ylim=(heights[name][:, 0].min(), heights[name][:, 1].max()))
-        ax.set_label(f"{one.rod.name}, {PANELS[name]}")
+        drawn, wide = orbits[i], sheet.width / across
+        (_portrait if name == "portrait" else _potential)(ax, drawn)
+        ax.set(xlim=np.degrees(drawn.window), ylim=(heights[name][:, 0].min(), heights[name][:, 1].max()))
+        ax.set_label(f"{drawn.rod.name}, {PANELS[name]}")
         ax.xaxis.set_major_locator(RoomLocator("angles"))
         left, lowest = alone or i % across == 0, alone or name == names[-1]
         ax.tick_params(labelleft=left, labelbottom=lowest)
@@ -95,8 +95,8 @@ def figure(
         if alone:
             ax.set_title(PANELS[name] if name == "portrait" else "potential G and level h", loc="left")
         elif name == names[0]:
-            fits = fonts.width_of(one.rod.name, fonts.small()) < wide - 0.3
-            ax.set_title(one.rod.name if fits else one.rod.value, loc="left", size=fonts.small())
+            fits = fonts.width_of(drawn.rod.name, fonts.small()) < wide - 0.3
+            ax.set_title(drawn.rod.name if fits else drawn.rod.value, loc="left", size=fonts.small())
 
     high = tall + 0.65
     rows = canvas.in_rows([partial(panel, 0, name) for name in names], across, high)
@@ -104,8 +104,8 @@ def figure(
         groups = [range(first, min(first + across, len(orbits))) for first in range(0, len(orbits), across)]
         rows = [row for band in groups for name in names
                 for row in canvas.in_rows([partial(panel, i, name) for i in band], across, high)]  # fmt: skip
-    said = found.said() if source is found.source or not sheet.titled else []  # the title says it
-    below: list[str | Artist] = [*_entries(orbits, names), *said, *found.notes]
+    said = chosen.said() if source is chosen.source or not sheet.titled else []  # the title says it
+    below: list[str | Artist] = [*_entries(orbits, names), *said, *chosen.notes]
     return canvas.page(source, sheet, rows, below, 0.9)
 
 
@@ -207,11 +207,11 @@ def _mark(ax: Axes, one: Orbit, height: Callable[[Any], Any], ends: Any) -> None
 
 def _levels(one: Orbit) -> list[float]:
     """The levels of the saddles, rising, each once."""
-    found: list[float] = []
+    levels: list[float] = []
     for level in sorted(one.G(one.saddles).tolist()):
-        if not found or level - found[-1] > ROUNDING * (1 + abs(level)) * 100:
-            found.append(level)
-    return found
+        if not levels or level - levels[-1] > ROUNDING * (1 + abs(level)) * 100:
+            levels.append(level)
+    return levels
 
 
 def _level_set(ax: Axes, one: Orbit, level: float, **look: Any) -> None:
@@ -247,9 +247,9 @@ def _entries(orbits: Sequence[Orbit], names: Sequence[str]) -> list[Artist]:
         "s = 0": {"marker": "o", "markersize": 4, "linestyle": "none"},
         "s = L": {"marker": "s", "markersize": 4, "linestyle": "none"},
     }
-    if any(one.saddles.size for one in orbits):
+    if any(curve.saddles.size for curve in orbits):
         looks[SADDLE] = {"linewidth": 0.9, "linestyle": (0, (4, 2))}
-    if any(one.centres.size for one in orbits):
+    if any(curve.centres.size for curve in orbits):
         looks["centre: a helix"] = {"color": colours.SOFT, "marker": "+", "markersize": 6, "linestyle": "none"}
     if "portrait" in names:
         looks["other level sets of β′² + G"] = {"color": colours.FAINT, "linewidth": 1.2}

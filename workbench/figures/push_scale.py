@@ -51,9 +51,9 @@ def bar(ax: Axes, drawn: ScalarMappable, unit: str, inches: float) -> None:
     """The bar of the colours below axes that are so many inches wide."""
     lines = [collection for collection in ax.collections if isinstance(collection, LineCollection)]
     said = f"push [{labels.unit(unit)}]" + "; below 0: lifts off" * any(pulls(line.get_array()) for line in lines)
-    found = canvas.colour_bar([ax], drawn, location="bottom", anchor=(0.0, 1.0), fraction=0.05, pad=0.02, aspect=20,
+    bar_axes = canvas.colour_bar([ax], drawn, location="bottom", anchor=(0.0, 1.0), fraction=0.05, pad=0.02, aspect=20,
                               shrink=min(inches, 2.2) / inches)  # fmt: skip
-    found.set_label(said, size=fonts.small(), loc="left")
+    bar_axes.set_label(said, size=fonts.small(), loc="left")
 
 
 def pulls(push: Any) -> bool:

@@ -189,8 +189,8 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
                 break
         else:
             left_out.append(k)
-    some = "; where there is not room for all, those of lowest energy" if fewer else ""
-    note = f"Shapes: unrolled views of the stable equilibria, {fonts.WAYS}, all at one scale{some}."
+    which = "; where there is not room for all, those of lowest energy" if fewer else ""
+    note = f"Shapes: unrolled views of the stable equilibria, {fonts.WAYS}, all at one scale{which}."
     return [note] * drawn, left_out
 
 

@@ -106,9 +106,9 @@ def fine(regions: Any, lines: Sequence[Any]) -> Numbers:
     middles = (slice(times // 2, None, times),) * 2  # where the region of a cell is known
     winner, share = _most(areas[middles], regions, numbers, count)
     winner = np.where(np.isnan(share), _most(areas, coarse, numbers, count)[0], winner)
-    found = np.where((share < CLEAR)[areas], coarse, winner[areas])
+    areas_of_pixels = np.where((share < CLEAR)[areas], coarse, winner[areas])
     rows, columns = ndimage.distance_transform_edt(wall, return_distances=False, return_indices=True)
-    return np.asarray(found[rows, columns])
+    return np.asarray(areas_of_pixels[rows, columns])
 
 
 def _most(areas: Any, regions: Any, numbers: Any, count: int) -> tuple[Any, Any]:

@@ -117,14 +117,14 @@ class Scale:
 
     def share(self, value: float) -> float:
         """Where a value lies on the axis: 0 at its low end, 1 at its high end."""
-        low, here, high = (np.log(v) if self.logarithmic else v for v in (self.edges[0], value, self.edges[-1]))
-        return float((here - low) / (high - low))
+        low, at, high = (np.log(v) if self.logarithmic else v for v in (self.edges[0], value, self.edges[-1]))
+        return float((at - low) / (high - low))
 
     def between(self, place: float) -> float:
         """The value at a place, where the cell of value i lasts from i to i + 1."""
         edges = np.log(self.edges) if self.logarithmic else self.edges
-        found = float(np.interp(place, np.arange(edges.size), edges))
-        return float(np.exp(found)) if self.logarithmic else found
+        value = float(np.interp(place, np.arange(edges.size), edges))
+        return float(np.exp(value)) if self.logarithmic else value
 
     def cell(self, share: float) -> int:
         """The index of the value whose cell lies there."""

@@ -148,13 +148,13 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
 
     below: the axes of the bar of the colours.
     """
-    found = drawn_rods.choose(ds, ("alpha", "beta", "z", "push"), most=9)
-    R, norm = float(ds["R"]), push_scale.scale([rod["push"] for rod in found.solved])
-    heights = np.concatenate([rod["z"] for rod in found.solved])
+    chosen = drawn_rods.choose(ds, ("alpha", "beta", "z", "push"), most=9)
+    R, norm = float(ds["R"]), push_scale.scale([rod["push"] for rod in chosen.solved])
+    heights = np.concatenate([rod["z"] for rod in chosen.solved])
     ends = float(heights.min()) - R, float(heights.max()) + R
-    step = 2.9 * (R + 2 * found.solved[0].a)
-    every = 2 if fonts.inches(ax)[0] < 0.45 * len(found.rods) else 1
-    for k, rod in enumerate(found.rods):
+    step = 2.9 * (R + 2 * chosen.solved[0].a)
+    every = 2 if fonts.inches(ax)[0] < 0.45 * len(chosen.rods) else 1
+    for k, rod in enumerate(chosen.rods):
         eye = _Eye(float(np.mean(rod["alpha"])) - TURNED if rod.arrays is not None else 0.0, k * step)
         foot = eye.to_page([0, 0, ends[0]]) - [0, 0.5 * R]
         if rod.arrays is not None:
@@ -163,7 +163,7 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
         if k % every == 0:
             _write(ax, foot, rod.value if rod.arrays is not None else "unsolved", (0, -5))
     _frame(ax)
-    ax.set_title(found.axis_label(), loc="center", size=fonts.small(), pad=2)
+    ax.set_title(chosen.axis_label(), loc="center", size=fonts.small(), pad=2)
     canvas.colour_bar([ax], ScalarMappable(norm, colours.push_ramp()), cax=below, orientation="horizontal")
     said = f"push of the cylinder [{labels.unit(push_scale.unit(ds))}]\nbelow 0: the rod would lift off"
     _write(below, (0, 0.5), said, (-14, -4), xycoords="axes fraction", ha="right")
@@ -193,7 +193,7 @@ def claims(ds: xr.Dataset, ax: Axes) -> None:
     ax.xaxis.tick_top()
     ax.set(xlim=(-0.6, len(readings) - 0.4), ylim=(len(names) - 0.4, -0.6))
     for first in dict.fromkeys(reading[0] for reading in readings):
-        on = [j for j, one in enumerate(readings) if one[0] == first]
+        on = [j for j, reading in enumerate(readings) if reading[0] == first]
         _write(ax, (np.mean(on), 1), first, (0, HEADS[wide]), xycoords=("data", "axes fraction"), va="bottom")
         if on[0]:
             ax.axvline(on[0] - 0.5, color=colours.FAINT, linewidth=0.8)

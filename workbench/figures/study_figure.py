@@ -116,11 +116,11 @@ def figure(
         return [*view.draw(ax), *one.said(), *one.notes]
 
     strips_of = [partial(strip, *pair) for pair in zip(rods, views, strict=True)]
-    laws_of = [partial(law_of, one) for one in panels]
-    lines: list[canvas.Row] = [(view.height + LABELS, [one]) for one, view in zip(strips_of, views, strict=True)]
+    laws_of = [partial(law_of, drawn) for drawn in panels]
+    lines: list[canvas.Row] = [(view.height + LABELS, [drawn]) for drawn, view in zip(strips_of, views, strict=True)]
     if beside:
-        lines[:count] = [(max(law_height, view.height + AROUND), [one, law])
-                        for one, view, law in zip(strips_of, views, laws_of, strict=False)]  # fmt: skip
+        lines[:count] = [(max(law_height, view.height + AROUND), [drawn, law])
+                        for drawn, view, law in zip(strips_of, views, laws_of, strict=False)]  # fmt: skip
     else:
         lines += canvas.in_rows(laws_of, min(across, count), below / max(-(-count // across), 1))
     said = []
@@ -197,7 +197,7 @@ def _choice(
         return _Choice([], sampled=show)
     if show:
         laws_on: dict[str, list[Any]] = {name: [row for row in rows if row["observable"] == name] for name in show}
-        return _Choice([one for name in show for one in laws_on[name] or [name]])
+        return _Choice([entry for name in show for entry in laws_on[name] or [name]])
     if panel is None:
         varied = [name for name in stored if not selection.is_level(ds, name)]
         plain = [] if rows or is_sampled else (varied or stored)[:MOST_PLAIN]
@@ -218,10 +218,10 @@ def _choice(
 def _for_column(chosen: _Choice) -> _Choice:
     """What one column of a page has room for: the curves along one axis, and laws."""
     most = MOST_NARROW - bool(chosen.strips)
-    if isinstance(one := (chosen.panels or [""])[0], str):
+    if isinstance(first := (chosen.panels or [""])[0], str):
         left = [str(name) for name in chosen.panels[most:]]
     else:
-        left = [f"law {row['claim']} along {labels.axis_symbol(row['axis'])}" for row in chosen.panels[most:] if one]
+        left = [f"law {row['claim']} along {labels.axis_symbol(row['axis'])}" for row in chosen.panels[most:] if first]
     left += [f"views along {labels.axis_symbol(axis)}" for axis in chosen.strips[1:]]
     return replace(chosen, panels=chosen.panels[:most], strips=chosen.strips[:1], left_out=[*left, *chosen.left_out])
 

@@ -106,8 +106,8 @@ def plan(
         grid[: len(words), 1] = words
         sides = grid.reshape(rows, columns, 2, 2)
         whole = max(wide, tall * factor) or 1.0
-        found = arrangement.arrange(sides[:, :, 0], sides[:, :, 1], room, least=SMALLEST / whole, most=LARGEST / whole)
-        return replace(found, factor=factor)
+        layout = arrangement.arrange(sides[:, :, 0], sides[:, :, 1], room, least=SMALLEST / whole, most=LARGEST / whole)
+        return replace(layout, factor=factor)
 
     worth = arrangement.WORTH if even else WORTH
     return arrangement.in_rows(len(words), arrange, len(words), room[0], worth)[1]
@@ -326,8 +326,10 @@ class Lines:
             for places, turn in self._pieces(s, across, float(start)):
                 x, y = np.interp(places, s, z), np.interp(places, s, across) - turn
                 ends += [float(x.min()) - left, float(x.max()) - left]
-                here = look | ({"push": np.interp(places, s, look["push"])} if "push" in look else {})
-                drawn = _draw_line(ax, x, y, here, self.rod.name, Affine2D().translate(-left, top) + ax.transData)
+                look_of_line = look | ({"push": np.interp(places, s, look["push"])} if "push" in look else {})
+                drawn = _draw_line(
+                    ax, x, y, look_of_line, self.rod.name, Affine2D().translate(-left, top) + ax.transData
+                )
         ax.plot(0, -self.low + across[0], "o", color=colours.INK, markersize=4, label="s = 0", zorder=4)
         size = max(ends) - min(ends)
         ax.set_xlim(min(ends) - 0.01 * size, max(ends) + 0.01 * size)
@@ -433,12 +435,12 @@ def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float) -> list[tuple[An
     pairs = self_contact.places(s, frames.position(rho, alpha, z), a)
     if pairs is None:
         return None
-    found: list[tuple[Any, Any]] = []
+    rings: list[tuple[Any, Any]] = []
     for pair in pairs:
-        both = np.array([np.interp(pair, s, values) for values in (z, rho * (alpha - alpha[0]))]).T
-        near = np.linalg.norm(both[1] - both[0]) < NEAR * a
-        found += [(both.mean(axis=0), both[1] - both[0])] if near else [(one, np.zeros(2)) for one in both]
-    return found
+        places = np.array([np.interp(pair, s, values) for values in (z, rho * (alpha - alpha[0]))]).T
+        near = np.linalg.norm(places[1] - places[0]) < NEAR * a
+        rings += [(places.mean(axis=0), places[1] - places[0])] if near else [(place, np.zeros(2)) for place in places]
+    return rings
 
 
 def inset(

@@ -52,8 +52,8 @@ def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figu
     cases = cases_to_show(ds)
     columns = min(1 if sheet.narrow else 3, len(cases))
     lines = -(-len(cases) // columns)
-    some = f", {len(cases)} of {ds.sizes['case']} cases" if len(cases) < ds.sizes["case"] else ""
-    titled = ds.assign_attrs(title=f"{ds.attrs['title']}: {COSTS[cost]}{some}" if ds.attrs["title"] else "")
+    which = f", {len(cases)} of {ds.sizes['case']} cases" if len(cases) < ds.sizes["case"] else ""
+    titled = ds.assign_attrs(title=f"{ds.attrs['title']}: {COSTS[cost]}{which}" if ds.attrs["title"] else "")
 
     spent = ds[cost].sel(case=cases).values
     ends = np.nanmin(spent) / 2, 2 * np.nanmax(spent)
@@ -78,16 +78,16 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
     """
     if case not in ds["case"].values:
         raise no_such("case", case, [str(name) for name in ds["case"].values])
-    here = ds.sel(case=case)
+    rows = ds.sel(case=case)
     for method in ds["ladder"].values:
-        one = here.sel(ladder=method)
-        outcome = one["outcome"].values.astype(str)
-        error, spent = one["error"].values, one[cost].values
+        climb = rows.sel(ladder=method)
+        outcome = climb["outcome"].values.astype(str)
+        error, spent = climb["error"].values, climb[cost].values
         tried = np.isfinite(spent)
         good = tried & np.char.startswith(outcome, "solved") & (error < LOST)
         look = look_of(str(method))
         colour = look.colour
-        for stretch, handed in _stretches(one, good, look.method):
+        for stretch, handed in _stretches(climb, good, look.method):
             fill: dict[str, Any] = {"markerfacecolor": "white", "markeredgewidth": 0.8} if handed else {}
             ax.plot(spent[stretch], np.maximum(error[stretch], FLOOR), color=colour, marker=look.marker,
                     markersize=_size(look), linestyle=look.line, linewidth=1.8 if look.bold else 1.1,
@@ -104,7 +104,7 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(labels.power_of_ten)
         axis.set_minor_formatter(NullFormatter())
-    words = SHOWN.get(case) or (f"{case}: {here['about'].item()}" if "about" in here else case)  # none in older files
+    words = SHOWN.get(case) or (f"{case}: {rows['about'].item()}" if "about" in rows else case)  # none in older files
     ax.set_title(fonts.wrap(labels.powers_of_ten(words), ax, fonts.small()), loc="left", size=fonts.small(), pad=3)
     return ax
 

@@ -147,14 +147,14 @@ def compose(scene: Scene) -> Picture:
         wide, high = size[0] / dpi, size[1] / dpi
     elif not settings.size:
         wide = min(wide, max(NARROWEST, arranged.size[0] + words.heads[0] + 2 * canvas.MARGIN))
-    made = draft
+    final = draft
     if len(legend) < len(words.legend) or beyond or rough or wide < page_size(scene)[0] or settings.bare:
         words = replace(words, legend=legend, notes=[*words.notes, *beyond, *rough])
-        made = Page(words, (wide, high), dpi, settings.bare, settings.transparent)
+        final = Page(words, (wide, high), dpi, settings.bare, settings.transparent)
     if not (settings.size or settings.bare):
-        made.fit(size[1] / dpi)
-    made.put(pixels, arranged, [[view.cell for view in row] for row in scene.rows], _rings(scene, arranged))
-    return Picture(made, error, stations)
+        final.fit(size[1] / dpi)
+    final.put(pixels, arranged, [[view.cell for view in row] for row in scene.rows], _rings(scene, arranged))
+    return Picture(final, error, stations)
 
 
 def words_of(scene: Scene, bar: Bar | None) -> Words:

@@ -86,7 +86,7 @@ def observable_of(ds: xr.Dataset, axis: str, name: str | None = None) -> str:
             raise no_such("observable", name, stored)
         return name
     judged = [law.observable for law in schema.laws_of(ds) if law.axis == axis]
-    return next(one for one in (*judged, *stored) if one in stored)
+    return next(candidate for candidate in (*judged, *stored) if candidate in stored)
 
 
 def cases_of(ds: xr.Dataset, film: Film) -> list[dict[str, int]]:

@@ -117,7 +117,7 @@ def compose(
     if chosen.cells == "one":
         if axes:
             raise InputError(f"a scene of kind {kind} shows one case, so it takes no axis; choose ghosts or grid")
-        return _one(ds, chosen, at, along, settings)
+        return _single(ds, chosen, at, along, settings)
     if along:
         raise InputError(f"a scene of kind {kind} shows a whole axis already: it takes no --along")
     if chosen.of_equilibria and default_kind(ds) != kind:
@@ -133,7 +133,9 @@ def compose(
     return (_row if len(names) == 1 else _table)(ds, chosen, names, at, settings)
 
 
-def _one(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str | None, settings: Settings) -> Picture:
+def _single(
+    ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str | None, settings: Settings
+) -> Picture:
     """One case large; a long one in lines."""
     chosen = selection.case(ds, at)
     where = chosen if at else _nearest_solved(ds, chosen)

@@ -105,13 +105,13 @@ def lines_for(bodies: Sequence[Body], room: tuple[int, int]) -> Lines:
     tall = max(float(np.ptp(body.z)) for body in bodies)
     count, per_unit = lines.largest(tall, wide, beyond, room)
     if per_unit * wide >= THINNEST:
-        found = Lines(count, 0.0, 0.0, (0.0, 0.0))
+        fitting = Lines(count, 0.0, 0.0, (0.0, 0.0))
     else:
         many = max(int(room[1] / (PITCH * THINNEST)), 1)
         fits = ROOM * (room[0] * wide / THINNEST - 2 * beyond)
         rise = max(np.ptp(body.z) / (body.span[1] - body.span[0]) for body in bodies)
-        found = Lines(many, float(fits / rise), 0.0, (0.0, 0.0))
-    pieces = [piece for body in bodies for piece in found.cut(body)]
+        fitting = Lines(many, float(fits / rise), 0.0, (0.0, 0.0))
+    pieces = [piece for body in bodies for piece in fitting.cut(body)]
     ends = min(p.z.min() for p in pieces) - beyond, max(p.z.max() for p in pieces) + beyond
-    scale = min(room[0] / (ends[1] - ends[0]), room[1] / (found.count * PITCH * wide))
-    return replace(found, per_unit=float(scale), ends=(float(ends[0]), float(ends[1])))
+    scale = min(room[0] / (ends[1] - ends[0]), room[1] / (fitting.count * PITCH * wide))
+    return replace(fitting, per_unit=float(scale), ends=(float(ends[0]), float(ends[1])))

@@ -58,13 +58,16 @@ def tube_parts(body: Body, drawn: Rings) -> list[Part]:
     ends = [np.append(light[k], light[k].mean()) for k in (0, -1)]
     up = 0.25 + 0.5 * np.concatenate([light.ravel(), *ends])  # between the middles of the two rows of a texture
     values = np.full(up.size, 0.5) if paint.ramp is None else place_on(paint, tube.at_points(body.value(s), sides))
-    colours = [one(paint.colour) if paint.ramp is None else texture_of(paint)]
+    colours = [plain_texture(paint.colour) if paint.ramp is None else texture_of(paint)]
     triangles = [mesh.triangles]
     if paint.stripe:
         side = np.arange(sides)
         painted = np.tile(np.repeat((side + sides // (2 * STRIPE)) % sides < sides // STRIPE, 2), s.size - 1)
         striped = np.concatenate([painted, np.zeros(2 * sides, dtype=bool)])
-        triangles, colours = [mesh.triangles[~striped], mesh.triangles[striped]], [*colours, one(paint.stripe)]
+        triangles, colours = (
+            [mesh.triangles[~striped], mesh.triangles[striped]],
+            [*colours, plain_texture(paint.stripe)],
+        )
     at = np.stack([values, up], axis=-1)
     return [Part(mesh.points, mesh.normals, *part, at) for part in zip(triangles, colours, strict=True)]
 
@@ -100,7 +103,7 @@ def disc(R: float, z: float, top: bool) -> Part:
     k, ahead = np.arange(FACETS), np.roll(np.arange(FACETS), -1)
     triangles = np.stack([k, ahead, np.full(FACETS, FACETS)] if top else [ahead, k, np.full(FACETS, FACETS)], axis=-1)
     normals = np.broadcast_to([0.0, 0.0, 1.0 if top else -1.0], points.shape)
-    return Part(points, normals, triangles, one(SURFACE), np.full((points.shape[0], 2), 0.75))
+    return Part(points, normals, triangles, plain_texture(SURFACE), np.full((points.shape[0], 2), 0.75))
 
 
 def rim(R: float, z: float) -> Array:
@@ -121,7 +124,7 @@ def place_on(paint: Paint, values: Array) -> Array:
     return np.clip((values - paint.low) / ((paint.high - paint.low) or 1.0), 0.0, 1.0)
 
 
-def one(colour: str) -> NDArray[np.uint8]:
+def plain_texture(colour: str) -> NDArray[np.uint8]:
     """The texture of one colour."""
     row = np.round(255 * np.array([to_rgb(colour)] * 2))
     return np.stack([0 * row, row]).astype(np.uint8)

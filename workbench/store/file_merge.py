@@ -173,12 +173,17 @@ def _values(ds: xr.Dataset, axis: str) -> list[bytes]:
     return [ds[name].values.tobytes() for name in names]
 
 
+def _stations(ds: xr.Dataset) -> list[float]:
+    return list(ds["u"].values.tolist()) if "u" in ds.variables else []
+
+
 def _differences(a: xr.Dataset, of_a: Study, b: xr.Dataset, of_b: Study) -> dict[str, tuple[Any, Any]]:
     """What must be equal in two files: its name in messages -> the two values."""
     pairs: dict[str, tuple[Any, Any]] = {"the axes": (schema.axes_of(a), schema.axes_of(b))}
     pairs |= {what: (a.attrs.get(key), b.attrs.get(key)) for key, what in ALIKE.items()}
     pairs["the sampled fields"] = (list(of_a.sampled), list(of_b.sampled))
     pairs["the stations"] = (a.sizes.get("u", 0), b.sizes.get("u", 0))
+    pairs["the places of the stations"] = (_stations(a), _stations(b))
     base = [{**(TABLE_1 if study.reading else {}), **study.base.given} for study in (of_a, of_b)]
     for name in dict.fromkeys([*base[0], *base[1]]):
         if name not in of_a.varied:
