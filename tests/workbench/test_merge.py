@@ -149,7 +149,7 @@ def test_the_same_case_with_other_numbers_is_refused_and_nothing_is_left_behind(
 
 def test_stations_at_other_places_are_refused(tmp_path) -> None:
     a, b = one_by_one(E1), one_by_one(E2)
-    files = stored(tmp_path, a, b.assign_coords(u=b["u"] ** 2))
+    files = stored(tmp_path, a, b.assign_coords(u=b["u"] ** 2, s=("u", b["s"].values * b["u"].values, b["s"].attrs)))
     with pytest.raises(InputError, match="differ in the places of the stations"):
         file_merge.merge(files, tmp_path / "all.h5")
 
