@@ -4,7 +4,7 @@ Every numeric field may be a number or an array; the fields of a case broadcast 
 also be text: `Start(beta="30deg", ...)`, `Ends("pi/6", ["10deg", "20deg"])`.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, Literal
@@ -467,7 +467,7 @@ class Case:
         try:
             self.shape  # noqa: B018  (computed here so that a mismatch is refused when the case is made)
         except ValueError:
-            shapes = {f"{type(o).__name__}.{f}": np.shape(v) for o, f, v in self._numeric() if np.ndim(v)}
+            shapes = {f"{type(o).__name__}.{f}": np.shape(v) for o, f, v in self._numeric if np.ndim(v)}
             raise InputError(f"the fields of a Case must broadcast, got shapes {shapes}") from None
         if self.cylinder.side == "inside":
             tight = np.less_equal(self.cylinder.R, self.rod.a)
@@ -492,13 +492,12 @@ class Case:
                 reach = np.min(np.atleast_1d(most)[np.atleast_1d(far)], initial=np.inf)
                 refuse("Ends", name, value, far, f"from -{words} to {words}, and {words} is {reach:.10g}")
 
-    def _numeric(self) -> Iterator[tuple[Any, str, Any]]:
+    @cached_property
+    def _numeric(self) -> tuple[tuple[Any, str, Any], ...]:
         """Part, name and value of each numeric field that is given."""
-        for part in (self.rod, self.cylinder, self.given):
-            for field in fields(part):
-                value = getattr(part, field.name)
-                if value is not None and not isinstance(value, str):
-                    yield part, field.name, value
+        parts = (self.rod, self.cylinder, self.given)
+        values = ((part, field.name, getattr(part, field.name)) for part in parts for field in fields(part))
+        return tuple(row for row in values if row[2] is not None and not isinstance(row[2], str))
 
     @property
     def kind(self) -> str:
@@ -508,7 +507,7 @@ class Case:
     @cached_property
     def shape(self) -> tuple[int, ...]:
         """The shape to which all numeric fields broadcast; () for a single case."""
-        return np.broadcast_shapes(*(np.shape(value) for _, _, value in self._numeric()))
+        return np.broadcast_shapes(*(np.shape(value) for _, _, value in self._numeric))
 
     @property
     def size(self) -> int:

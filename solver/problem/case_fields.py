@@ -13,8 +13,8 @@ FIELD = {name: field for field, name in AT_START.items()}  # of `Start` and `End
 
 def fields_of(case: Case) -> tuple[str, ...]:
     """The names of the fields of a case with respect to which there are derivatives."""
-    given = (AT_START.get(name, name) for part, name, _ in case._numeric() if part is case.given)
-    return (*(name for part, name, _ in case._numeric() if part is not case.given), *given)
+    given = (AT_START.get(name, name) for part, name, _ in case._numeric if part is case.given)
+    return (*(name for part, name, _ in case._numeric if part is not case.given), *given)
 
 
 def check_fields(case: Case, names: Any) -> tuple[str, ...]:

@@ -44,7 +44,7 @@ def not_too_long(problem: Reduced) -> NDArray[np.bool_]:
 
 def farthest(case: Case) -> tuple[NDArray[np.str_], NDArray[np.float64]]:
     """The field of each case whose value is farthest from 1 by its decades, by name, and this value, (B,) each."""
-    named = [(name, flat(value, case.shape)) for _, name, value in case._numeric()]
+    named = [(name, flat(value, case.shape)) for _, name, value in case._numeric]
     values = np.stack([value for _, value in named])
     with np.errstate(divide="ignore"):
         decades = np.where(values == 0, 0, np.abs(np.log10(np.abs(values))))
