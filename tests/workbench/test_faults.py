@@ -335,3 +335,28 @@ def test_a_worker_ends_with_the_run_that_was_killed(tmp_path) -> None:
     while alive(worker):
         assert time.monotonic() < until
         time.sleep(0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root mounts a file system")
+@pytest.mark.parametrize("size", ["60k", "1m"])
+def test_a_file_system_that_is_full_is_told_and_what_is_finished_is_kept(size, whole, tmp_path) -> None:
+    small = tmp_path / "small"
+    small.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(small)]
+    if subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("this machine does not let itself mount a tmpfs")
+    try:
+        runs.study(small, GRID)
+        believing = SMALL + "from workbench.store import shards; shards.free = lambda folder: 10**12\n"
+        done = runs.run(small, "many.toml", "--workers", 1, "--chunk", 16, before=believing)
+        assert done.returncode == 2, done.stderr
+        assert re.fullmatch(r"workbench: cannot write many\.h5: .*; finished cases are kept; .*\n", done.stderr)
+        assert not (small / "many.h5").exists()
+        kept = len(list(small.glob("many.h5.parts/*.shard")))
+        assert kept > 0
+        remount = ["mount", "-o", "remount,size=10m", str(small)]
+        subprocess.run(remount, check=True)
+        assert f", {min(16 * kept, 150)} kept from an earlier run" in finished(small, whole)
+    finally:
+        subprocess.run(["umount", str(small)], check=True)

@@ -1,5 +1,6 @@
 """Refined studies: cases are added where a watched number changes, stored, resumed, drawn, and compared with a grid."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,10 @@ from solver import observe, solve
 from studies import Study
 from studies.language.loader import loads
 from tests.workbench import runs, small
+from tests.workbench.command import run
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench.figures import canvas, kinds, map_figure, study_figure
-from workbench.store import block, in_memory, law_verdicts, reading, refined, schema
+from workbench.store import block, in_memory, law_verdicts, reading, recipe, refined, schema, writing
 from workbench.store.file_summary import summary
 from workbench.store.law_verdicts import boundary_of_law
 from workbench.store.refined import boundary
@@ -282,3 +284,49 @@ def test_another_watched_number_is_another_run(stored: Path, tmp_path) -> None:
     done = run_to_file(study(PLANE + LAW, '[refine]\nwatch = ["loops"]\npoints = 30\n'), path, Options(workers=1))
     with xr.open_dataset(path) as ds:
         assert done.solved == ds.sizes["sample"]
+
+
+def test_a_complete_file_of_other_code_is_replaced_as_that_of_a_grid(stored: Path, tmp_path, monkeypatch) -> None:
+    path, said = tmp_path / "small.h5", list[str]()
+    path.write_bytes(stored.read_bytes())
+    monkeypatch.setattr(recipe, "code_version", lambda: "0.2.0+new")
+    done = run_to_file(study(PLANE + LAW), path, Options(workers=1), said.append)
+    assert done.solved == reading.open_study(stored).sizes["sample"]
+    assert re.match(r"replaces the results in .*small\.h5, which differ: code was [^;]*, now 0\.2\.0\+new$", said[0])
+
+
+@pytest.mark.slow
+def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_path, capsys) -> None:
+    plane = PLANE.replace("count = 4", "count = 13")
+    work = study(plane + LAW, '[refine]\nlaws = ["(1)"]\ntolerance = 0.01\n')
+    path = tmp_path / "small.h5"
+    run_to_file(work, path, Options(workers=1))
+    with xr.open_dataset(path) as ds:
+        found = ds.rod.boundary("(1)")
+        lattice = refined.describe(ds).lattice
+        lines = ", ".join(repr(float(R)) for R in lattice.along("R", np.arange(lattice.sizes[1])))
+        fine = study(plane.partition("[axes.R]")[0] + f"[axes.R]\nvalues = [{lines}]\n" + LAW, "")
+        grid = in_memory.run(fine)
+        (law,) = schema.laws_of(grid)
+        verdicts = law_verdicts.verdicts_of_lines(grid, law).values
+        change = np.flatnonzero(verdicts[1:] != verdicts[:-1])
+        assert change.size == found.sizes["pair"] == 3
+        np.testing.assert_allclose(found["R"], (grid["R"].values[change] + grid["R"].values[change + 1]) / 2)
+        np.testing.assert_array_equal(found["before"], verdicts[change])
+        np.testing.assert_array_equal(found["after"], verdicts[change + 1])
+        assert ds.sizes["sample"] == 5 * 13 + 3 * 5 * lattice.depth
+    run(f"summary {path}")
+    assert "law (1)" in capsys.readouterr().out
+
+
+def test_the_summary_lists_each_place_along_one_axis(line: xr.Dataset, tmp_path, capsys) -> None:
+    writing.write(line, tmp_path / "line.h5")
+    run(f"summary {tmp_path / 'line.h5'}")
+    said = capsys.readouterr().out
+    found = boundary(line, "turns")
+    for pair in (found.isel(pair=k) for k in range(found.sizes["pair"])):
+        (place,) = re.findall(
+            rf"turns: {int(pair['before'])} to {int(pair['after'])} at E = ([\d.]+) \+- ([\d.]+) ", said
+        )
+        assert float(place[0]) == pytest.approx(float(pair["E"]), abs=float(pair["E_half_width"]))
+        assert float(place[1]) == pytest.approx(float(pair["E_half_width"]), rel=0.05)

@@ -91,3 +91,20 @@ def test_without_the_extra_scene_all_else_is_done_and_the_extra_is_named(tmp_pat
         "mine.html",
         "rod.stl",
     }
+
+
+@pytest.mark.slow
+def test_all_but_the_scenes_is_done(bare, capsys) -> None:
+    kinds = ("stl", "glb", "vtp", "csv")
+    exports = (f"export mine.h5 --at E=4e4 -o rod.{kind}" for kind in kinds)
+    for words in (
+        "run mine.toml --out again.h5",
+        "check mine.h5",
+        "summary mine.h5",
+        "plot mine.h5",
+        "plot mine.h5 --out mine.svg",
+        *exports,
+    ):
+        assert exit_status(*words.split()) == 0, words
+        assert SAID not in capsys.readouterr().err  # nothing was missing
+    assert all((bare / name).stat().st_size > 500 for name in ("mine.png", "mine.svg", *(f"rod.{k}" for k in kinds)))
