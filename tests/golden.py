@@ -146,8 +146,10 @@ def differences(row: Row, now: Row | None = None) -> list[str]:
 
 
 def _differences(then: Any, now: Any, relative: float, where: str) -> Any:
-    if isinstance(then, dict) and isinstance(now, dict) and then.keys() == now.keys():
-        for name in then:
+    if isinstance(then, dict) and isinstance(now, dict):
+        if then.keys() != now.keys():
+            yield f"{where}: without {sorted(then.keys() - now.keys())}, with {sorted(now.keys() - then.keys())}"
+        for name in (name for name in then if name in now):
             if not _within(then.get(f"{name}_error"), then[name], now[name]):
                 yield from _differences(then[name], now[name], relative, f"{where}.{name}")
     elif isinstance(then, list) and isinstance(now, list) and len(then) == len(now):

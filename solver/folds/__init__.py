@@ -1,1 +1,1 @@
-"""Fold and pitchfork curves over two parameters, and the regions between them."""
+"""Fold and pitchfork curves over two parameters."""
