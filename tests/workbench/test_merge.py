@@ -29,7 +29,7 @@ SPLITS = {
 # An axis for every way in which a field of the case is stored.
 AXES = {
     "E": ([[1e4, 2e4], [3e4]], [1e4, 2e4, 3e4]),
-    "R": ([[0.5], [0.75]], [0.5, 0.75]),
+    "R": ([[0.5, 0.6], [0.75]], [0.5, 0.6, 0.75]),  # rho follows R in the first file, and is a number in the other
     "L": ([[10.0], [15.0, 20.0]], [10.0, 15.0, 20.0]),
     "beta": ([[0.4, 0.5], [0.3]], [0.3, 0.4, 0.5]),
     "a": ([[0.2], [0.25]], [0.2, 0.25]),
@@ -93,11 +93,36 @@ def test_an_axis_of_any_field_can_be_joined_first_or_last(name: str, tmp_path) -
     other = axis("F3", [5.0, 10.0])
     before, after = ("", other) if name in "ER" else (other, "")
     solved = [in_memory.run(small.study(before + axis(name, row) + after, HEAD)) for row in (*parts, union)]
-    file_merge.merge(stored(tmp_path, *solved[:-1]), tmp_path / "all.h5", force=True)
-    with xr.open_dataset(tmp_path / "all.h5") as merged:
-        # the tolerance of 1e-8 times condition: a case is not solved with the same neighbours in all of them
-        xr.testing.assert_allclose(merged.drop_vars("error"), solved[-1].drop_vars("error"), rtol=1e-6, atol=1e-6)
-        assert_same_kinds(merged, solved[-1])
+    files = stored(tmp_path, *solved[:-1])
+    for order in (files, files[::-1]):
+        file_merge.merge(order, tmp_path / "all.h5", force=True)
+        with xr.open_dataset(tmp_path / "all.h5") as merged:
+            # the tolerance of 1e-8 times condition: a case is not solved with the same neighbours in all of them
+            xr.testing.assert_allclose(merged.drop_vars("error"), solved[-1].drop_vars("error"), rtol=1e-6, atol=1e-6)
+            assert_same_kinds(merged, solved[-1])
+
+
+def test_a_sample_that_two_files_hold_at_different_numbers_is_kept_once(tmp_path) -> None:
+    rows = (
+        ([0.7, 0.8], [1e4, 2e4]),
+        ([0.8, 0.9], [2e4, 3e4]),
+        ([0.95], [4e4]),
+        ([0.7, 0.8, 0.9, 0.95], [1e4, 2e4, 3e4, 4e4]),
+    )
+    *parts, whole = (one_by_one(f"[zip]\nR = {R}\nE = {E}\n") for R, E in rows)
+    file_merge.merge(stored(tmp_path, *parts), tmp_path / "all.h5")
+    merged = reading.read(tmp_path / "all.h5")
+    for name in ("R", "E", "rho", "turns", "beta", "position"):
+        np.testing.assert_array_equal(merged[name], whole[name])
+
+
+def test_two_axes_are_joined_along_one_also_where_a_file_has_one_value_of_it(tmp_path) -> None:
+    parts = [one_by_one(axis("a", [0.2, 0.25]) + axis("R", R)) for R in ([0.7, 0.8], [0.75], [0.7, 0.75, 0.8])]
+    for order in (parts[:2], parts[1::-1]):
+        file_merge.merge(stored(tmp_path, *order), tmp_path / "all.h5", force=True)
+        merged = reading.read(tmp_path / "all.h5")
+        for name in ("a", "R", "rho", "turns", "beta"):
+            np.testing.assert_array_equal(merged[name], parts[2][name])
 
 
 def test_the_text_of_the_study_has_all_values_and_makes_the_same_case(tmp_path) -> None:

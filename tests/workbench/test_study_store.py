@@ -16,7 +16,7 @@ from studies import load
 from studies.language.loader import loads
 from studies.language.study_data import OUTPUTS
 from tests.slow import slow, slow_but
-from tests.workbench import runs
+from tests.workbench import runs, small
 from workbench.store import (
     assembly,
     block,
@@ -150,6 +150,15 @@ def test_other_results_of_the_same_study_are_replaced_with_a_line_that_says_what
     told.clear()
     run_to_file(loads(text, default_name="one"), tmp_path / "one.h5", Options(workers=1, restart=True), told.append)
     assert not [line for line in told if "replaces" in line]
+
+
+def test_a_law_that_changed_is_told_as_words(tmp_path) -> None:
+    axis, told = small.axis("E", [1e4, 2e4]), list[str]()
+    for direction in ("falls", "not-rising"):
+        work = small.study(axis + small.law("turns", "E", direction), 'observables = ["turns"]')
+        run_to_file(work, tmp_path / "small.h5", Options(workers=1), told.append)
+    (line,) = [line for line in told if "replaces" in line]
+    assert "laws.1 was claim (1), observable turns, axis E, direction falls, source s, now claim (1), " in line
 
 
 def test_a_finished_study_is_answered_without_xarray(whole) -> None:

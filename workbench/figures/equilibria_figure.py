@@ -29,9 +29,12 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
     """The unrolled views of all equilibria of one case in the order of energy, and below them an observable against
     the index.
 
-    show: the observable; default: the energy. Raises `InputError` for one that is not stored, and for several.
+    show: the observable; default: the energy. Raises `InputError` for one that is not stored, for several, and for an
+    empty list.
     """
     (name,) = one_shown(selection.names_of(ds, show)) or ("energy",)
+    if not ds.sizes["equilibrium"]:
+        raise InputError("there is no equilibrium to draw")
     count, high = min(ds.sizes["equilibrium"], MOST[not sheet.narrow]), HIGH[not sheet.narrow]
     reaction = next((name for name in REACTIONS if name in ds and ds[name].dims == ("equilibrium",)), None)
     texts = [f"{k + 1}" for k in range(count)]

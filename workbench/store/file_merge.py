@@ -52,7 +52,8 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         if not force:
             writing.check_free(out, attrs["study_name"])
         first = opened[0]
-        cases = [name for name in map(str, first.data_vars) if first[name].dims[: len(axes)] == tuple(axes)]
+        lead = tuple(axes)  # a field that follows an axis has no such axis in a file with one value of it
+        cases = [name for name in map(str, first.data_vars) if all(ds[name].dims[: len(lead)] == lead for ds in opened)]
         frame = _frame(opened, names, cases, axis, union, places).transpose(*axes, ..., missing_dims="ignore")
         shape = tuple(frame.sizes[dim] for dim in axes)
         sources = []
@@ -128,7 +129,9 @@ def _frame(
     for name, row in zip(names, rows, strict=True):
         mine = np.flatnonzero(row >= 0)
         again, before = every.isel({axis: row[mine]}), frame.isel({axis: mine})
-        for key in (key for key in frame.variables if key != axis and not again[key].equals(before[key])):
+        for key in (
+            key for key in frame.variables if key != axis and not again[key].variable.equals(before[key].variable)
+        ):
             raise InputError(f"{names[0]} and {name} hold the same values of {axis}, but with other values of {key}")
     return frame.assign_coords({axis: (axis, union.coordinate, files[0][axis].attrs)})
 

@@ -14,7 +14,7 @@ import solver
 import studies
 from solver.methods import METHODS, VARYING, available
 from solver.problem.errors import InputError
-from studies import Study
+from studies import Law, Study
 from studies.grammar.axes import Dimensions
 from studies.language.refine import lattice
 
@@ -27,7 +27,7 @@ def recipe_of(study: Study, dimensions: Dimensions, block: int) -> dict[str, Any
     Two runs of one recipe give the same bits on the same kind of machine.
     """
     required = [METHODS[study.method].requires] if study.method in METHODS and METHODS[study.method].requires else []
-    laws = {str(i): law.model_dump(exclude_defaults=True, mode="json") for i, law in enumerate(study.laws, 1)}
+    laws = {str(i): _law_line(law) for i, law in enumerate(study.laws, 1)}
     data = {
         "units": study.unit_system,
         "reading": study.reading or "",
@@ -116,6 +116,11 @@ def _refine_lines(study: Study) -> dict[str, Any]:
         "halvings": grid.depth,
         "budget": study.refine.budget,
     }
+
+
+def _law_line(law: Law) -> str:
+    """A law in one line."""
+    return ", ".join(f"{name} {value}" for name, value in law.model_dump(exclude_defaults=True).items())
 
 
 def _tell(value: object) -> str:
