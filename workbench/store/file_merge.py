@@ -129,10 +129,10 @@ def _frame(
     for name, row in zip(names, rows, strict=True):
         mine = np.flatnonzero(row >= 0)
         again, before = every.isel({axis: row[mine]}), frame.isel({axis: mine})
-        for key in (
-            key for key in frame.variables if key != axis and not again[key].variable.equals(before[key].variable)
-        ):
-            raise InputError(f"{names[0]} and {name} hold the same values of {axis}, but with other values of {key}")
+        for key in [key for key in frame.variables if key != axis]:
+            if not again[key].variable.equals(before[key].variable):  # not the numbers of samples
+                words = f"hold the same values of {axis}, but with other values of {key}"
+                raise InputError(f"{names[0]} and {name} {words}")
     return frame.assign_coords({axis: (axis, union.coordinate, files[0][axis].attrs)})
 
 
