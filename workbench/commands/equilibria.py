@@ -182,7 +182,7 @@ def _list(
         }  # fmt: skip
 
     status = 0 if found and (found.complete or held) else 1
-    return Result(data, show, status, lambda: dataset_of(study, case, found))
+    return Result(data, show, status, (lambda: dataset_of(study, case, found)) if found else None)
 
 
 def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequence[str]) -> None:

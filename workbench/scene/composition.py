@@ -299,9 +299,13 @@ def _stations(bodies: Sequence[Body], tolerance: float) -> tuple[int, int]:
 
 
 def _too_few(n: int, needed: int, error: float, settings: Settings) -> str:
-    most = f" (a study stores at most {MAX_STATIONS})" if needed > MAX_STATIONS else ""
-    return (
+    few = (
         f"{n} stations are too few to draw this rod to within {settings.pixel_error:g} pixels (it could be off by "
-        f"{error:.0f}): store about {needed}{most}, with workbench run --stations or with the study's key stations; or "
-        "draw the study itself, with workbench scene STUDY"
+        f"{error:.0f})"
+    )
+    if needed > MAX_STATIONS:
+        return f"{few}: about {needed} are needed, and a study stores at most {MAX_STATIONS}; study a shorter rod"
+    return (
+        f"{few}: store about {needed}, with workbench run --stations or with the study's key stations; or draw the "
+        "study itself, with workbench scene STUDY"
     )
