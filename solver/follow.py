@@ -110,7 +110,7 @@ def _range(case: Case, name: str, goals: Array) -> tuple[float, float, tuple[flo
 def _follow_shape(solution: Solution, name: str, bounds: "Bounds") -> "tuple[list[Place], int, Stop, Stop] | str":
     """The branch of a rod with weight or friction, or why it cannot be followed."""
     from .shooting.answers import path_at
-    from .shooting.following import shapes_through
+    from .shooting.curve import shapes_through
 
     case = solution.case
     known = solution.trajectory.shapes.of(0)

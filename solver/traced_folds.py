@@ -28,9 +28,8 @@ from .numerics.arrays import Array
 from .problem.case_fields import value_of
 from .problem.errors import InputError, choices
 from .problem.reduced import EndsProblem, given_numbers
-from .shooting.curve import Curve, angles_of
+from .shooting.curve import MOST_POINTS, Curve, angles_of, shapes_through
 from .shooting.descent import index_at, on_nodes, weakest_modes
-from .shooting.following import MOST_POINTS, shapes_through
 from .shooting.loaded_rod import LoadedRod
 from .shooting.newton import Shape
 from .shooting.numbers import rods_of
@@ -162,7 +161,7 @@ class ShapesOnPlane:
     def splits(self, z: Array, axis: int, place: Place) -> list[tuple[float, Shape]]:
         shape: Shape = place.path
         points = self.line(z, axis).split_off(shape, weakest_modes(shape)[0], (SPLIT, -SPLIT), place.p)
-        return [(point.x, point.shape) for point in points if 0 < point.x < 1]
+        return [(point.p, point.shape) for point in points if 0 < point.p < 1]
 
     def curves(self, meeting: Meeting, is_known: Callable[[Array, Shape], bool]) -> list[WholeCurve] | None:
         shapes = [place.path for place in meeting.places]

@@ -97,12 +97,12 @@ def buckle(rod: LoadedRod, t: Array, critical: float) -> tuple[Shape, float] | N
     curve = Curve(rod.share, 1.0, begin.rod.scale)
     for amplitude, mode in product(AMPLITUDES, modes):
         point = next(curve.split_off(begin, mode, (amplitude,), critical), None)
-        if point is None or point.x > 1:
+        if point is None or point.p > 1:
             continue
-        if point.x < critical:
+        if point.p < critical:
             break
-        if index_at(point.shape) == 0:
-            return point.shape, point.x
+        if point.index == 0:
+            return point.shape, point.p
     share = min(1.0, critical * (1 + AHEAD))
     below = descend(straight_shape(rod.share(share), t), modes[0])
     return None if below is None else (below, share)

@@ -1,21 +1,46 @@
-"""Curves of equilibria of a rod that depends on one number x: Newton's method with x unknown and one more condition.
+"""Curves of equilibria of a rod that depends on one number x, and the way along them through folds.
 
-The unknowns are the states at the nodes, in fixed scales, and x over its size. The nodes keep their shares of the span.
+A point is found by Newton's method with x unknown and one more condition. The unknowns are the states at the nodes, in
+fixed scales, and x over its size. The nodes keep their shares of the span.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 
+from ..branches.branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
+from ..numerics.arclength import BRANCH_POINT, FOLD, PITCHFORK, Lengths, Stride, trace
 from ..numerics.arrays import Array
-from ..numerics.roots import DIVERGED, newton
+from ..numerics.roots import DIVERGED, enclose, locate, newton
+from ..problem.errors import InputError
+from .descent import index_of_any
 from .loaded_rod import ALPHA, BETA, LoadedRod
-from .newton import ENDING, Shape, linear_at, open_at, share_within, size_of, with_known_loads
+from .newton import (
+    ENDING,
+    SAME,
+    Shape,
+    correct,
+    is_same,
+    linear_at,
+    open_at,
+    share_within,
+    size_of,
+    with_known_loads,
+)
 
 DIFFERENCE = 1e-5  # of x over its size: for derivatives by x
 SOFT = 1e-14  # springs that hardly change the equations, in the scales
 REACH = 1.0  # the longest step of the angles, in their scales
+UNSOLVED = "Newton's method did not converge from it"
+LOST = "Newton's method did not converge on the way"
+LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of x
+MOST_POINTS = 150  # in each sense, of a branch that a search follows
+SHORT = 1e-3  # step, within which several branch points are one
+COSINE = 0.9  # least, of the turn of the tangent in a step
+FLAT = 1e-6  # of dx along the curve at a fold: its square is lost of x
+NARROW = 1e-4  # of a step: how closely a branch point is enclosed, at which the equations are singular
 
 
 def angles_of(shape: Shape) -> Array:
@@ -30,11 +55,25 @@ def angles_in(change: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A point of a curve. tangent: (8 N + 1,), of length 1 by `inner`."""
+    """A point of a curve, a `branches.branch_events.Point`. tangent: (8 N + 1,), of length 1 by `inner`."""
 
     shape: Shape
-    x: float
+    p: float
     tangent: Array
+
+    @property
+    def rises(self) -> float:
+        """dx along the curve."""
+        return float(self.tangent[-1])
+
+    @cached_property
+    def index(self) -> int:
+        """As of `index_of_any`."""
+        return index_of_any(self.shape)
+
+    def record(self, kind: str = "") -> Place:
+        """Its equilibrium, without an index where it has friction."""
+        return Place(self.p, self.shape, None, None if self.shape.rod.rubbed else self.index, kind)
 
 
 def inner(u: Array, v: Array) -> float:
@@ -63,7 +102,7 @@ class Curve:
 
     def direction_between(self, a: Point, b: Point) -> Array:
         """From one point to another, (8 N + 1,)."""
-        return np.append(((b.shape.y - a.shape.y) / self.scale).reshape(-1), (b.x - a.x) / self.size)
+        return np.append(((b.shape.y - a.shape.y) / self.scale).reshape(-1), (b.p - a.p) / self.size)
 
     def split_off(self, shape: Shape, mode: Array, sizes: Sequence[float], x: float) -> Iterator[Point]:
         """The equilibria near x that differ from a shape by so much of a mode (N, 8): x is what follows."""
@@ -83,21 +122,21 @@ class Curve:
         def step(now: Point) -> tuple[Point, float] | str:
             shape = now.shape
             linear = linear_at(shape)
-            right = np.stack([linear.open, self.rate(shape, now.x)], axis=1)
+            right = np.stack([linear.open, self.rate(shape, now.p)], axis=1)
             columns = linear.solve(right)
             if columns is None:  # at a fold, where a pivot may vanish
                 columns = replace(linear, stiffness=np.full((shape.t.size, 2), SOFT)).solve(right)
             if columns is None:
                 return DIVERGED
             whole, by_x = np.append(columns[:, 0], 0.0), np.append(-columns[:, 1], 1.0)
-            passed = np.append(((shape.y - guess.y) / self.scale).reshape(-1), (now.x - x) / self.size)
+            passed = np.append(((shape.y - guess.y) / self.scale).reshape(-1), (now.p - x) / self.size)
             along = inner(across, by_x)
             if not along:
                 return DIVERGED
             whole = whole - by_x * (inner(across, whole - passed) / along)
             change = whole[:-1].reshape(shape.y.shape)
             share = share_within(REACH, change)
-            at = now.x - share * whole[-1] * self.size
+            at = now.p - share * whole[-1] * self.size
             ahead = self.shape(guess, shape.y - share * change * self.scale, at)
             return Point(replace(ahead, steps=shape.steps + 1), float(at), by_x), max(size_of(change), abs(whole[-1]))
 
@@ -106,4 +145,89 @@ class Curve:
             return None
         solved, tangent = corrected.shape, corrected.tangent / np.sqrt(inner(corrected.tangent, corrected.tangent))
         solved = replace(solved, y=with_known_loads(solved.rod, solved.t, solved.y))
-        return Point(solved, corrected.x, tangent if inner(tangent, across) >= 0 else -tangent)
+        return Point(solved, corrected.p, tangent if inner(tangent, across) >= 0 else -tangent)
+
+    def begin(self, shape: Shape, x: float) -> Point | None:
+        """The equilibrium at x near a shape; None where Newton's method reaches none."""
+        level = np.zeros(shape.y.size + 1)
+        level[-1] = 1
+        return self.correct(shape, x, level)
+
+    def ahead(self, before: Point, step: float) -> Point | None:
+        """The point after a step; None where the step is too long."""
+        shape, change = before.shape, step * before.tangent
+        guess = replace(shape, y=shape.y + change[:-1].reshape(shape.y.shape) * self.scale)
+        try:
+            point = self.correct(guess, before.p + change[-1] * self.size, before.tangent, most=8)
+        except InputError:  # no case has such a value
+            return None
+        return None if point is None or inner(point.tangent, before.tangent) < COSINE else point
+
+    def between(self, one: Point, other: Point, x: float) -> Place | None:
+        """The equilibrium at x between two neighbours."""
+        share = (x - one.p) / (other.p - one.p)
+        guess = self.shape(one.shape, one.shape.y + share * (other.shape.y - one.shape.y), x)
+        shape = correct(guess, reach=REACH, most=12)
+        return None if shape is None else Point(shape, x, one.tangent).record()
+
+
+def special_between(
+    curve: Curve, before: Point, after: Point, step: float, narrow: float
+) -> list[tuple[Point, str]] | None:
+    """The special point within a step after which the index or the sense of x differs, and its kind; None where it is
+    not enclosed. narrow: of the step, how closely a branch point is enclosed.
+
+    A change of branch has no place at which the points on both sides meet, so it is not enclosed.
+    """
+    way, ends = partial(curve.ahead, before), {0.0: before, step: after}
+    if before.rises * after.rises < 0:
+        turn = locate(way, ends, lambda point: point.rises, FLAT)
+        is_fold = before.index != after.index or after.shape.rod.rubbed
+        return None if turn is None else [(turn, FOLD if is_fold else PITCHFORK)]
+    if before.index == after.index:
+        return []
+    (near, low), (far, high) = enclose(way, ends, lambda point: point.index != before.index, narrow * step)
+    change = curve.direction_between(low, high)
+    return None if inner(change, change) > (2 * (far - near) + SAME) ** 2 else [(high, BRANCH_POINT)]
+
+
+def trace_shapes(
+    curve: Curve, first: Point, rises: bool, bounds: Bounds, narrow: float = NARROW
+) -> tuple[list[Place], Stop]:
+    """The equilibria after the first one where x rises, or falls, from it, and why there are no more.
+
+    narrow: how closely a branch point is enclosed, of a step.
+    """
+    sense = (1.0 if rises else -1.0) * np.sign(first.rises or 1.0)
+
+    def closes(place: Place) -> bool:
+        return place.p == bounds.snap(first.p) and is_same(place.path, first.shape)
+
+    def stride(before: Point, step: float, _: list[Place]) -> Stride[Place, Point] | str:
+        after = curve.ahead(before, step)
+        if after is None or (abs(after.index - before.index) > 1 and step > SHORT):  # several branch points
+            return LOST
+        special = special_between(curve, before, after, step, narrow)
+        if special is None:
+            return LOST
+        places = events_between(before, after, special, bounds, curve.between)
+        if places is None:
+            return LOST
+        longer = step * (1.6 if after.shape.steps <= 4 else 1.0)
+        return arrive([], places, before, after, longer, bounds, closes)
+
+    begun = replace(first, tangent=sense * first.tangent)
+    places, why = trace(begun, stride, LENGTHS, bounds.most)
+    return places, Stop(why or bounds.limit, places[-1].p if places else first.p)
+
+
+def shapes_through(
+    curve: Curve, shape: Shape, x: float, bounds: Bounds, narrow: float = NARROW
+) -> tuple[list[Place], int, Stop, Stop] | str:
+    """The equilibria of the branch of a shape at x, the place of its own, and why there are no more at either end; or
+    why it cannot be followed."""
+    first = curve.begin(shape, x)
+    if first is None:
+        return UNSOLVED
+    middle = replace(first.record(), p=x)
+    return both_ways(middle, bounds, lambda rises: trace_shapes(curve, first, rises, bounds, narrow))

@@ -13,9 +13,8 @@ from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import lead_away
 from .branch import branch_from_straight
 from .buckling import buckling_shares, straight_shape
-from .curve import REACH, Curve, angles_in, angles_of
+from .curve import MOST_POINTS, REACH, Curve, angles_in, angles_of, trace_shapes
 from .descent import index_at, on_nodes, weakest_modes
-from .following import MOST_POINTS, begin, on_branch, trace_shapes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import DEEP, Shape, correct, is_same, linear_at, size_of
 
@@ -82,8 +81,8 @@ def shapes_from_no_weight(rod: LoadedRod, t: Array, light: Sequence[Any]) -> Ite
     curve = Curve(rod.with_weight, 1.0, rod.scale)
     seen: list[Shape] = []  # other ends of branches that come back to no weight
     for solution in light:
-        first = begin(curve, light_shape(rod, t, solution), 0.0)
-        if first is None or any(is_same(first.point.shape, known) for known in seen):
+        first = curve.begin(light_shape(rod, t, solution), 0.0)
+        if first is None or any(is_same(first.shape, known) for known in seen):
             continue
         places, _ = trace_shapes(curve, first, True, Bounds(0.0, HEAVIEST, (1.0,), MOST_POINTS))
         seen += [place.path for place in places if place.p == 0]
@@ -111,8 +110,8 @@ def buckling_shapes(rod: LoadedRod, t: Array) -> Iterator[Shape]:
         at_load = straight_shape(rod.share(share), t)
         for mode in weakest_modes(at_load, count):
             for point in curve.split_off(at_load, mode, (SMALL,), share):
-                rises = bool(point.tangent[-1] >= 0)
-                places, _ = trace_shapes(curve, on_branch(point), rises, Bounds(0.0, 1.0, (), MOST_POINTS))
+                rises = point.rises >= 0
+                places, _ = trace_shapes(curve, point, rises, Bounds(0.0, 1.0, (), MOST_POINTS))
                 for shape in (replace(place.path, rod=rod) for place in places if place.p == 1):
                     yield shape
                     mirror = correct(replace(shape, y=2 * straight.y - shape.y), most=15)

@@ -33,7 +33,7 @@ from ..numerics.arrays import Array
 from ..numerics.roots import enclose
 from ..problem.errors import InputError
 from .curve import Curve, Point, angles_of
-from .descent import index_at, index_of_any, weakest_modes
+from .descent import index_at, weakest_modes
 from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod, Q
 from .newton import Shape, correct, linear_at
 
@@ -89,7 +89,7 @@ class FoldPoint(ShapePoint):
     def value(self, w: Array) -> Array | None:
         """n and dn/da, (2,)."""
         point = self.at(w)
-        return None if point is None else np.array([point.x, point.tangent[-1]])
+        return None if point is None else np.array([point.p, point.rises])
 
     def after(self, node: Node) -> "Ahead[FoldPoint] | None":
         """As of `SpecialPoint`; a is counted from there on."""
@@ -106,7 +106,7 @@ class FoldPoint(ShapePoint):
     def lower(self) -> int:
         """The lower index of the two equilibria that meet; 0 with friction."""
         sides = (self.at(self.w + np.array([a, 0.0, 0.0])) for a in (BESIDE, -BESIDE))
-        return min((index_of_any(side.shape) for side in sides if side is not None), default=0)
+        return min((side.index for side in sides if side is not None), default=0)
 
 
 def fold_through(rod_at: RodAt, z: Array, axis: int, shapes: list[Shape]) -> WholeCurve:
@@ -164,7 +164,7 @@ class PitchforkPoint(ShapePoint):
         shape = Shape(rod, high.t * (rod.span / high.t[-1]), (low.y + high.y) / 2, high.steps)
         mode = max(weakest_modes(high, NEAR), key=lambda one: abs(likeness(one, self.mode)))
         curve = Curve(lambda n: self.rod_at(node.w + n * across), 1.0, shape.rod.scale)
-        turns = {float(np.sign(point.x)) for point in curve.split_off(shape, mode, (SMALL, -SMALL), 0.0)}
+        turns = {float(np.sign(point.p)) for point in curve.split_off(shape, mode, (SMALL, -SMALL), 0.0)}
         more = across * turns.pop() if len(turns) == 1 else np.full(2, np.nan)
         index = min(index_at(low), index_at(high))
         following = replace(self, w=node.w, way=node.tangent, more=more, shape=shape, mode=mode, index=index)

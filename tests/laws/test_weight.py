@@ -499,7 +499,7 @@ def test_no_branch_is_changed_in_silence(seed: int, monkeypatch: pytest.MonkeyPa
     if not sol.solved:
         pytest.skip(str(sol.outcome))
     for first, longest in ((0.02, 0.1), (0.006, 0.025)):
-        monkeypatch.setattr("solver.shooting.following.LENGTHS", Lengths(first, longest, 1e-5))
+        monkeypatch.setattr("solver.shooting.curve.LENGTHS", Lengths(first, longest, 1e-5))
         ways.append(follow(sol, FZ=float(ends.FZ) - 2))
     long, short = ways
     assert [one.kind for one in long.special] == [one.kind for one in short.special]
