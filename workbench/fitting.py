@@ -150,4 +150,4 @@ def table_of(found: Fit, asked: CaseInput) -> str:
 def write(found: Fit, asked: CaseInput, path: Path) -> None:
     """Write the study (.toml) or the table (.csv). Raises `InputError` where the disk refuses."""
     text = study_of(found, asked) if path.suffix.lower() == ".toml" else table_of(found, asked)
-    atomic.write(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+    atomic.write_text(path, text)

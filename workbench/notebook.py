@@ -101,7 +101,7 @@ class Scene:
         path = Path(path)
         if path.suffix.lower() != ".html":
             raise InputError(f"a scene is saved as .html, got {path.name!r}")
-        return atomic.write(path, lambda aside: aside.write_text(self.html, encoding="utf-8"))
+        return atomic.write_text(path, self.html)
 
     def _repr_html_(self) -> str:
         style = f"width: 100%; height: {HEIGHT}px; border: 0"

@@ -11,9 +11,9 @@
    swirl (an array) and halfPeriod (of beta; of an orbit that goes round the time of one round); "marched" along the
    whole rod, next to a saddle, where half periods cannot be told; or "lost", without values.
 
-   `between` gives the rod between two end angles that Newton's method reaches from another shape, given at times t; or
-   null; a third argument: how many nodes it has, beside the usual number. It has error (of beta), nodes t with their beta,
-   rate, alpha and z, and at(times): these at other times. `through(problem, nodes)` is such a function for nodes that are
+   `between` gives the rod between two end angles that Newton's method reaches from a guess at nodes, evenly spaced times t
+   from 0 to span, or null; `stretches(problem, beta)` says between how many nodes Newton's method needs such a shape. It
+   has error (of beta), nodes t with their beta, rate, alpha and z, and at(times): these at other times. `through(problem, nodes)` is such a function for nodes that are
    known, `forces(problem, sign, beta, rate)` gives push, curvature and tension, `measure(problem, sign, error, rod)` the
    integrals and extremes along a rod, and `landmarks(problem, sign, rod, most)` where it has them, all in units of A and
    rho. `crossings(s, points, near, apart, most)` tells where any curve comes near itself. */
@@ -120,11 +120,9 @@ const RodCore = (() => {
       return {end: "marched", sound: error <= tol, error, condition, beta, rate, alpha, z: short.map((u, i) => times[i] - u)};
     }
 
-    function between(problem, near, dense = 1) {
-      const {span, beta0, betaL} = problem, n = Math.max(8, Math.ceil(dense * span * swiftness(problem, near.beta)));
+    function between(problem, {t, beta, rate}) {
+      const {span, beta0, betaL} = problem, n = t.length - 1, lengths = new Float64Array(n).fill(span / n);
       if (!(n < TOO_LONG)) return null;
-      const t = Float64Array.from({length: n + 1}, (_, i) => span * i / n), lengths = new Float64Array(n).fill(span / n);
-      const [beta, rate] = [near.beta, near.rate].map(row => t.map(time => straight(near.t, row, time)));
       beta[0] = beta0, beta[n] = betaL;
       for (let round = 0, size = Infinity; !(size <= CLOSE); round++) {
         const change = correction({beta, rate}, march(problem, {beta, rate}, lengths, {...NEWTON, leftOut: ROUGH}));
@@ -227,7 +225,7 @@ const RodCore = (() => {
       return found.filter((_, k) => k % 2).map((j, k) => [j, found[2 * k]]);
     }
 
-    return {solve, between, through, forces, measure, landmarks, crossings};
+    return {solve, between, stretches, through, forces, measure, landmarks, crossings};
   }
 
   /* The sizes of the states, by which the errors of steps are judged; the sixth is 1 over the length on which the shape
@@ -240,6 +238,9 @@ const RodCore = (() => {
 
   /* 1 over the length on which a shape with these angles changes. */
   const swiftness = (problem, beta) => Math.hypot(scaleOf(problem)[5], Math.SQRT2 * largest(beta.map(Math.sin)));
+
+  /* Into how many stretches Newton's method cuts the rod of a problem, of a shape with these angles. */
+  const stretches = (problem, beta) => Math.min(Math.max(8, Math.ceil(problem.span * swiftness(problem, beta))), TOO_LONG);
 
   /* Newton's correction of nodes whose first and last beta are given. The stretches turn a change (x, v) of a node into
      (a x + b v, c x + d v) with a d - b c = 1, so that v follows from x at both ends, and x solves a tridiagonal system. */
@@ -261,17 +262,6 @@ const RodCore = (() => {
   }
 
   const largest = values => values.reduce((most, v) => v !== v ? NaN : Math.max(most, Math.abs(v)), 0);
-
-  /* The value at t of a row over times, by a straight line. */
-  function straight(times, row, t) {
-    let low = 0, high = times.length - 1;
-    while (high - low > 1) {
-      const middle = low + high >> 1;
-      if (times[middle] <= t) low = middle;
-      else high = middle;
-    }
-    return row[low] + (row[high] - row[low]) * (t - times[low]) / (times[high] - times[low]);
-  }
 
   return {load};
 })();

@@ -55,7 +55,7 @@ def explore(
     presets, source = (PRESETS, None) if preset is None else ((preset, *PRESETS), preset.source)
     if save is not None:
         text = live_document.text(presets, served=False)
-        atomic.write(save, lambda aside: aside.write_text(text, encoding="utf-8"))
+        atomic.write_text(save, text)
         said = f"wrote {save}: {len(text.encode()) / 1e3:.0f} kB, opens in a browser without a server"
         return result_of_files([save], [said, *([source] if source else [])])
     try:

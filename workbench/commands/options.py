@@ -126,18 +126,14 @@ Json = Annotated[bool, flag("Print JSON.", "--json")]
 
 
 def check_file(path: Path, suffixes: tuple[str, ...], force: bool) -> Path:
-    """The path; raises `InputError` for another suffix, a folder, or without `force` an existing file."""
+    """The path; raises `InputError` for another suffix, and as of `writing.check_new`."""
     from solver.problem.errors import InputError, choices
 
     from ..store import writing
 
     if path.suffix.lower() not in suffixes:
         raise InputError(f"cannot write {path.name!r}: choose a name that ends in {choices(suffixes)}")
-    if path.is_dir():
-        raise InputError(f"{path} is a folder; give the name of a file")
-    writing.check_parent(path)
-    if path.exists() and not force:
-        raise InputError(f"{path} exists; give --force to replace it")
+    writing.check_new(path, force)
     return path
 
 

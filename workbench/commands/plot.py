@@ -117,7 +117,7 @@ def plot(
         raise InputError(f"--data writes lines, dots, bars and cells of maps, and the picture of {file} has none")
     canvas.save(drawn, path, dpi)
     if numbers:
-        atomic.write(numbers, lambda aside: aside.write_text(table, encoding="utf-8"))
+        atomic.write_text(numbers, table)
     paths = [path, *([numbers] if numbers else [])]
     return result_of_files(paths, [*canvas.notes_of(drawn), *map(str, paths)])
 

@@ -173,7 +173,7 @@ def _page(study: "Study | None", ds: "xr.Dataset", where: "dict[str, float]", pa
             break
         ds = solve(more)
     text = turntable_page.html(ds, where)
-    atomic.write(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+    atomic.write_text(path, text)
     said = [f"{path}: {len(text) / 1e6:.2g} MB, opens in a browser without a network"]
     if (needed := _needed_stations(ds)) <= ds.sizes["u"]:
         return result_of_files([path], said)

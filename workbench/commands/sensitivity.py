@@ -199,4 +199,4 @@ def _write(ds: "xr.Dataset", path: Path) -> None:
     writer = csv.DictWriter(text, dict.fromkeys(name for row in lines for name in row), restval="")
     writer.writeheader()
     writer.writerows(lines)
-    atomic.write(path, lambda aside: aside.write_text(text.getvalue(), encoding="utf-8", newline=""))
+    atomic.write_text(path, text.getvalue(), newline="")

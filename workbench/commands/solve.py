@@ -107,7 +107,7 @@ def solve(
     def write(path: Path) -> None:
         named = study(re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem)[:200].strip("-") or "rod")
         if path.suffix.lower() == ".toml":
-            atomic.write(path, lambda aside: aside.write_text(dumps(named), encoding="utf-8"))
+            atomic.write_text(path, dumps(named))
         else:
             writing.write(in_memory.run(named), path, force=True)
 

@@ -131,7 +131,7 @@ def _frames(ds: xr.Dataset, path: Path, options: Options, force: bool, format: F
     places = [rod.where[series.axis] for rod in series.rods]
     files = [path.with_name(_number(path.name, i)) for i in places]
     for file in files:
-        check_free(file, force)
+        writing.check_new(file, force)
     facts: dict[str, Any] = {}
     warnings, values = [], []
     for file, rod, value in zip(files, series.rods, series.values, strict=True):
@@ -163,16 +163,7 @@ def _write_file(path: Path, content: Any, format: Format, force: bool) -> dict[s
     Returns numbers about the file by name. Raises `InputError` for an existing file without `force`, or where the
     folder cannot be written.
     """
-    check_free(path, force)
+    writing.check_new(path, force)
     facts: dict[str, Any] = {}
     atomic.write(path, lambda aside: facts.update(format.write(aside, content)))
     return facts
-
-
-def check_free(path: Path, force: bool) -> None:
-    """Raise `InputError` for an existing file without `force`, for a folder, and where the folder cannot be written."""
-    if path.is_dir():
-        raise InputError(f"{path} is a folder; give the name of a file")
-    if path.exists() and not force:
-        raise InputError(f"{path} exists; give --force to replace it")
-    writing.check_parent(path)

@@ -78,3 +78,8 @@ def write(path: Path, work: Callable[[Path], object]) -> Path:
     with refusing(path), replacement(path) as aside:
         work(aside)
     return path
+
+
+def write_text(path: Path, text: str, newline: str | None = None) -> Path:
+    """Write a file of this text and return its path, as `write`; newline: as of `Path.write_text`."""
+    return write(path, lambda aside: aside.write_text(text, encoding="utf-8", newline=newline))

@@ -133,11 +133,23 @@ def _create(
     return variable
 
 
+def check_new(path: Path, force: bool) -> None:
+    """Raise `InputError` for a folder, where `check_parent` does, and without `force` for an existing file."""
+    _refuse_folder(path)
+    check_parent(path)
+    if path.exists() and not force:
+        raise InputError(f"{path} exists; give --force to replace it")
+
+
+def _refuse_folder(path: Path) -> None:
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; give the name of a file")
+
+
 def check_free(path: str | Path, study_name: str) -> None:
     """Raise `InputError` unless nothing is at `path`, or a dataset of the study of that name."""
     path = Path(path)
-    if path.is_dir():
-        raise InputError(f"{path} is a folder; give the name of a file")
+    _refuse_folder(path)
     if not path.exists():
         return
     try:

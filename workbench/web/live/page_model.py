@@ -9,7 +9,6 @@ import re
 import tempfile
 import time
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -138,11 +137,14 @@ def shape(study: Study, near: Solution | None = None) -> Shape:
 
     Raises `InputError` for an unsolved rod.
     """
-    return without_search(study, near) or _search(study, near is not None and near.problem.kind == "ends")
+    return without_search(study, near) or search(study, near is not None and near.problem.kind == "ends")
 
 
-def _search(study: Study, lost: bool) -> Shape:
-    """The rod between two ends; lost: the study names the equilibrium of an earlier state, which was not followed."""
+def search(study: Study, lost: bool) -> Shape:
+    """The rod between two ends where `without_search` has none. Raises `InputError`.
+
+    lost: the study names the equilibrium of an earlier state, which was not followed.
+    """
     case = study.case()
     sol = _with_weight(case) if case.varies else _between(study, case, lost)
     _check(sol)
@@ -163,19 +165,6 @@ def _with_weight(case: Case) -> Solution:
 def bare(one: Shape) -> Shape:
     """The same rod without what was computed of it since."""
     return Shape(one.study, replace(one.sol))
-
-
-def portable(one: Shape) -> Shape:
-    """The same rod with its arrays alone: it can be sent to another process, and holds no other rod in memory."""
-    trajectory = one.sol.trajectory
-    arrays: dict[str, Any] = {name: np.array(getattr(trajectory, name)) for name in ("beta", "dbeta", "alpha", "z")}
-    kept = replace(trajectory, **arrays, swirl=partial(np.array, trajectory.swirl()))
-    return Shape(one.study, replace(one.sol, trajectory=kept))
-
-
-def search(study: Study, lost: bool) -> Shape:
-    """The rod where `without_search` has none, to be sent to another process. Raises `InputError`."""
-    return portable(_search(study, lost))
 
 
 def _resolve(study: Study, case: Case, sol: Solution) -> Shape:

@@ -354,5 +354,5 @@ async def _download(asked: dict[str, Any], at: Context) -> web.Response:
     kind = asked.get("kind")
     if not isinstance(kind, str) or kind not in DOWNLOADS:
         raise InputError(f"no download {str(kind)[:40]!r}; choose from {', '.join(DOWNLOADS)}")
-    rod = page_model.portable(await at.again(asked))
+    rod = await at.again(asked)
     return web.Response(body=await at.search(page_model.file, rod, kind), content_type=DOWNLOADS[kind])

@@ -66,7 +66,7 @@ def write(
     `InputError` where it cannot be written.
     """
     text = html(results, readings, refusals, measured_runs.comparisons(Path(out)), equilibria, story)
-    return atomic.write(Path(out) / NAME, lambda aside: aside.write_text(text, encoding="utf-8"))
+    return atomic.write_text(Path(out) / NAME, text)
 
 
 def html(

@@ -1,6 +1,7 @@
 // The fields of a rod: a slider and a number each, and what is wrong beside its field.
 
 import { DEGREE, fieldNames, isDegrees, isUnused, kindOf, meaning, quantityOf } from "./rod_case.mjs";
+import { make } from "./details.mjs";
 import { minus, number, unitText, withUnit } from "./text.mjs";
 
 const RATIO = [-0.95, 0.5]; // of nu
@@ -40,6 +41,9 @@ export function typed(text) {
   return /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
 }
 
+/* The slider of a number, from 0 on; properties: of the element. */
+export const makeSlider = (properties) => make("input", { type: "range", min: 0, step: "any", ...properties });
+
 /* The fields in `box`. data: quantities and units. changed(name, value): called with each new value. */
 export function makeControls(box, quantities, changed) {
   let rows = {},
@@ -50,43 +54,14 @@ export function makeControls(box, quantities, changed) {
     rows = {};
     for (const name of fieldNames(state)) {
       const [symbol, words, dimension] = quantities[quantityOf(name)],
-        unit = unitText(dimension, state.units);
-      const row = document.createElement("div"),
-        label = document.createElement("label"),
-        letter = document.createElement("b"),
-        told = document.createElement("span");
-      row.className = "field";
-      ((letter.textContent = symbol), (told.textContent = ` ${words}`));
-      label.htmlFor = `n-${name}`;
-      label.append(letter, told);
-      const slider = Object.assign(document.createElement("input"), {
-        type: "range",
-        min: 0,
-        max: STEPS,
-        step: "any",
-        id: `s-${name}`,
-        tabIndex: -1,
-      });
-      const field = Object.assign(document.createElement("input"), {
-        type: "text",
-        id: `n-${name}`,
-        autocomplete: "off",
-        spellcheck: false,
-      });
-      slider.setAttribute("aria-label", `${words}, slider`);
-      field.setAttribute("role", "spinbutton");
-      const shown = document.createElement("span"),
-        note = document.createElement("p");
-      ((shown.className = "unit"), (shown.textContent = unit), (note.id = `why-${name}`));
-      const range = document.createElement("div"),
-        ends = context.span(name).map((end) => {
-          const text = document.createElement("span");
-          text.textContent = number(isDegrees(name) ? end / DEGREE : end, 3);
-          return text;
-        });
-      range.className = "range";
-      range.append(ends[0], slider, ends[1]);
-      row.append(label, field, shown, range, note);
+        unit = unitText(dimension, state.units),
+        label = make("label", { htmlFor: `n-${name}` }, make("b", {}, symbol), make("span", {}, ` ${words}`)),
+        slider = makeSlider({ max: STEPS, id: `s-${name}`, tabIndex: -1, "aria-label": `${words}, slider` }),
+        field = make("input", { type: "text", id: `n-${name}`, autocomplete: "off", spellcheck: false, role: "spinbutton" }),
+        note = make("p", { id: `why-${name}` }),
+        ends = context.span(name).map((end) => make("span", {}, number(isDegrees(name) ? end / DEGREE : end, 3))),
+        range = make("div", { className: "range" }, ends[0], slider, ends[1]),
+        row = make("div", { className: "field" }, label, field, make("span", { className: "unit" }, unit), range, note);
       box.append(row);
       rows[name] = { row, slider, field, note, unit };
       slider.addEventListener("input", () => changed(name, valueAt(name, Number(slider.value), context.span(name))));

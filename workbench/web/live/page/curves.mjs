@@ -2,7 +2,7 @@
 // and where the cursor stands in them for the values at a place of the rod.
 
 import { potential } from "./formulas.mjs";
-import { intervalOf } from "./rod_shape.mjs";
+import { onLines } from "./rod_shape.mjs";
 import { range } from "./range.mjs";
 
 const DEGREE = 180 / Math.PI;
@@ -82,11 +82,6 @@ function areSimilar(x, y) {
 
 /* The values of a shape at s, by straight lines between its stations. */
 export function valuesAt(shape, s) {
-  const i = intervalOf(shape.s, s),
-    j = i + 1,
-    u = Math.min(Math.max((s - shape.s[i]) / (shape.s[j] - shape.s[i] || 1), 0), 1),
-    found = { s };
-  for (const name of ["beta", "push", "kappa", "tension", "alpha", "z", ...(shape.axial ? ["axial"] : [])])
-    found[name] = (1 - u) * shape[name][i] + u * shape[name][j];
-  return found;
+  const names = ["beta", "push", "kappa", "tension", "alpha", "z", ...(shape.axial ? ["axial"] : [])];
+  return { s, ...Object.fromEntries(names.map((name) => [name, onLines(shape.s, shape[name], [s])[0]])) };
 }

@@ -9,25 +9,36 @@ export function set(box, text) {
   if (box.textContent !== text) box.textContent = text;
 }
 
+/* A new element with these properties, or attributes where it has no such property, and its content. */
+export function make(tag, properties = {}, ...content) {
+  const box = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties))
+    if (name in box) box[name] = value;
+    else box.setAttribute(name, value);
+  box.append(...content);
+  return box;
+}
+
 const HEADLINE = ["turns", "wraps", "height", "push_max", "kappa_max"];
 const BARRED = /pass(es)? through itself|lift off|tighter than/; // sentences on what no real rod could do
+
+/* Draw pixels, red, green, blue and opacity each, over a whole canvas. */
+export const putPixels = (canvas, pixels) =>
+  canvas.getContext("2d").putImageData(new ImageData(pixels, canvas.width, canvas.height), 0, 0);
 
 /* Observables, name and value each, and sentences. quantities: symbol, words and dimension of each name. */
 export function showRows(rows, sentences, quantities, units) {
   const row = ([name, value], id) => {
     const [symbol, long, dimension] = quantities[quantityOf(name)],
       isAnswer = name === "overlaps",
-      words = isAnswer ? "whether the rod passes through itself" : long;
-    const [line, term, letter, amount] = ["div", "dt", "b", "dd"].map((tag) => document.createElement(tag));
-    letter.textContent = symbol;
-    const isSaid = `${words} `.startsWith(`${symbol} `); // the words begin with the symbol
-    letter.classList.toggle("said", isSaid);
-    term.append(letter, isSaid ? words.slice(symbol.length) : ` ${words}`);
-    if (isAnswer) amount.textContent = value ? "yes" : "no";
-    else amount.textContent = withUnit(number(dimension === "rad" ? value / DEGREE : value), unitText(dimension, units));
-    amount.id = `${id}-${name}`;
-    line.append(term, amount);
-    return line;
+      words = isAnswer ? "whether the rod passes through itself" : long,
+      isSaid = `${words} `.startsWith(`${symbol} `), // the words begin with the symbol
+      letter = make("b", { className: isSaid ? "said" : "" }, symbol),
+      amount = isAnswer
+        ? value ? "yes" : "no"
+        : withUnit(number(dimension === "rad" ? value / DEGREE : value), unitText(dimension, units));
+    return make("div", {}, make("dt", {}, letter, isSaid ? words.slice(symbol.length) : ` ${words}`),
+                make("dd", { id: `${id}-${name}` }, amount));
   };
   const headline = HEADLINE.map((name) => rows.find(([other]) => other === name)).filter(Boolean);
   element("headline").replaceChildren(...headline.map((one) => row(one, "h")));
@@ -38,8 +49,7 @@ export function showRows(rows, sentences, quantities, units) {
   element("chip").hidden = !barred.length;
   set(element("chip"), barred.length ? `Not physically possible. ${barred.join(" ")}${from}` : "");
   const others = sentences.filter((text) => !BARRED.test(text));
-  const items = others.map((text) => Object.assign(document.createElement("li"), { textContent: text }));
-  element("warnings").replaceChildren(...items);
+  element("warnings").replaceChildren(...others.map((text) => make("li", {}, text)));
 }
 
 /* How the shape was solved, in one line. */

@@ -1,5 +1,6 @@
 // The list of equilibria as a table with a small rod and a radio button a row: one tab stop, arrow keys choose.
 
+import { make } from "./details.mjs";
 import { range } from "./range.mjs";
 import { number } from "./text.mjs";
 
@@ -26,7 +27,7 @@ function smallRod({ line: { z, around }, index }) {
   const [[left, right], [top, bottom]] = [range(z), range(around)],
     scale = Math.min(WIDE / (right - left || 1e-300), TALLEST / (bottom - top || 1e-300)),
     height = scale * (bottom - top),
-    cell = document.createElement("div"),
+    cell = make("div"),
     points = z.map((v, k) => [scale * (v - left), scale * (around[k] - top)].map((size) => size.toFixed(1)).join(","));
   cell.innerHTML = "<svg aria-hidden='true'><polyline /></svg>";
   const svg = cell.firstChild,
@@ -44,10 +45,9 @@ export function showList(box, list, here, units, choose) {
   const focused = box.contains(document.activeElement);
   box.replaceChildren();
   if (!list.length) return;
-  const table = document.createElement("table"),
+  const table = make("table", { "aria-label": "Equilibria, lowest energy first" }),
     head = table.createTHead().insertRow(),
     body = table.createTBody();
-  table.setAttribute("aria-label", "Equilibria, lowest energy first");
   for (const text of [
     "number",
     "unrolled, not to one scale",
@@ -56,21 +56,12 @@ export function showList(box, list, here, units, choose) {
     `energy [${units.force} ${units.length}]`,
     `β₀′ [rad/${units.length}]`,
     "attached",
-  ]) {
-    const cell = document.createElement("th");
-    cell.scope = "col";
-    cell.textContent = text;
-    head.append(cell);
-  }
+  ])
+    head.append(make("th", { scope: "col" }, text));
   list.forEach((one, i) => {
     const row = body.insertRow(),
-      pick = Object.assign(document.createElement("input"), {
-        type: "radio",
-        name: "equilibrium",
-        id: `e-${i}`,
-        checked: i === here,
-      });
-    const label = Object.assign(document.createElement("label"), { htmlFor: `e-${i}`, textContent: ` ${i + 1}` });
+      pick = make("input", { type: "radio", name: "equilibrium", id: `e-${i}`, checked: i === here }),
+      label = make("label", { htmlFor: `e-${i}` }, ` ${i + 1}`);
     row.className = i === here ? "list-row here" : "list-row";
     row.insertCell().append(pick, label);
     row.insertCell().append(smallRod(one));
@@ -81,7 +72,7 @@ export function showList(box, list, here, units, choose) {
       number(one.dbeta0, 5),
       `${Math.round(100 * one.attached)} %`,
     ])
-      row.insertCell().textContent = text;
+      row.insertCell().append(text);
     pick.addEventListener("change", () => choose(i));
     row.addEventListener("click", (event) => {
       if (event.target !== pick && event.target !== label) choose(i);

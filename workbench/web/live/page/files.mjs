@@ -1,6 +1,6 @@
 // Files, pictures and texts that leave the page.
 
-import { element, set } from "./details.mjs";
+import { element, make, set } from "./details.mjs";
 import { drawPicture } from "./picture.mjs";
 import { Refused, fieldNames, isUnused } from "./rod_case.mjs";
 import { post } from "./server.mjs";
@@ -10,7 +10,7 @@ const say = (text) => set(element("message"), text);
 
 function save(content, name) {
   const url = URL.createObjectURL(content);
-  Object.assign(document.createElement("a"), { href: url, download: name }).click();
+  make("a", { href: url, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(url), 1000);
 }
 

@@ -1,6 +1,7 @@
 // How much of the light from all around reaches the wall beside the rod that touches it, over the unrolled wall, and the
 // rod beside other stretches of it. The laws are those of workbench/scene/surfaces.py.
 
+import { onLines, pointOf } from "./rod_shape.mjs";
 import { frameAt } from "./tube.mjs";
 
 const BUDGET = 2e6,
@@ -111,14 +112,8 @@ function coveredAt({ ox, oy, bx, by, bz }, c, d, near, a) {
 function spheresOf({ one, s, alpha, z }, squeeze) {
   const length = s[s.length - 1],
     count = Math.min(Math.max(Math.floor(length / one.a), 2), SPHERES),
-    step = length / count;
-  let i = 0;
-  return Array.from({ length: count + 1 }, (_, k) => {
-    const at = Math.min(k * step, length);
-    while (i < s.length - 2 && s[i + 1] < at) i++;
-    const share = (at - s[i]) / (s[i + 1] - s[i] || 1),
-      azimuth = alpha[i] + share * (alpha[i + 1] - alpha[i]),
-      height = z[i] + share * (z[i + 1] - z[i]);
-    return { s: at, place: [one.rho * Math.cos(azimuth), one.rho * Math.sin(azimuth), squeeze * height], weight: step / (2 * one.a) };
-  });
+    places = Array.from({ length: count + 1 }, (_, k) => Math.min((k * length) / count, length)),
+    [azimuths, heights] = [alpha, z].map((row) => onLines(s, row, places)),
+    weight = length / count / (2 * one.a);
+  return places.map((at, k) => ({ s: at, place: pointOf(one, azimuths[k], heights[k], squeeze), weight }));
 }

@@ -1,13 +1,12 @@
 // What lies over the picture of the rod: the mark of the cursor, rings, and which s of the rod is under a pointer.
 
 import { aside, axesOf, dot } from "./camera.mjs";
+import { make } from "./details.mjs";
+import { pointOf } from "./rod_shape.mjs";
 
 const RING = 1.1,
   RINGS = [10, 26], // diameter of a ring in radii of the rod; its ends in pixels
   MOST_RINGS = 40;
-
-/* The place of a point of the centreline in the scene. */
-export const placeOf = (one, { alpha, z }, squeeze) => [one.rho * Math.cos(alpha), one.rho * Math.sin(alpha), squeeze * z];
 
 /* me: the view's shape, what of it is drawn, and the camera. mark: the element of the cursor's mark. */
 export function makeOverlay(canvas, mark, me, scene) {
@@ -23,7 +22,7 @@ export function makeOverlay(canvas, mark, me, scene) {
   function setRings(places) {
     for (const { box } of rung) box.remove();
     rung = places.slice(0, MOST_RINGS).map((spot) => {
-      const box = Object.assign(document.createElement("i"), { className: "ring" });
+      const box = make("i", { className: "ring" });
       mark.before(box);
       return { spot, box };
     });
@@ -48,7 +47,7 @@ export function makeOverlay(canvas, mark, me, scene) {
     }
     mark.hidden = !me.at || !me.shape || !scene;
     if (mark.hidden) return;
-    const { x, y, behind } = onScreen(placeOf(me.shape.one, me.at, me.drawn.squeeze));
+    const { x, y, behind } = onScreen(pointOf(me.shape.one, me.at.alpha, me.at.z, me.drawn.squeeze));
     mark.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
     mark.classList.toggle("behind", behind);
   }
@@ -75,7 +74,7 @@ export function makeOverlay(canvas, mark, me, scene) {
     let best = null,
       nearest = -Infinity;
     for (let i = 0; i < s.length; i++) {
-      const spot = onScreen(placeOf(one, { alpha: alpha[i], z: z[i] }, me.drawn.squeeze)),
+      const spot = onScreen(pointOf(one, alpha[i], z[i], me.drawn.squeeze)),
         off = Math.hypot(spot.x - px, spot.y - py);
       if (off > near || spot.behind) continue;
       const score = spot.depth - (off / near) * one.a * 3;

@@ -1,6 +1,7 @@
 // A picture of the page for a paper or a slide: the rod, the colour code, and every value that made it.
 
 import { css, pushColour, wordsOf } from "./colours.mjs";
+import { make, putPixels } from "./details.mjs";
 import { quantityOf } from "./rod_case.mjs";
 import { minus, number, unitText, withUnit } from "./text.mjs";
 
@@ -17,14 +18,14 @@ const INK = "#1c2430",
 
 /* The picture as a PNG file. rows: name and text of each value. */
 export async function drawPicture({ view, shape, code, rows, quantities, state, title }) {
-  const canvas = Object.assign(document.createElement("canvas"), { width: WIDE, height: HIGH }),
+  const canvas = make("canvas", { width: WIDE, height: HIGH }),
     ctx = canvas.getContext("2d");
   ctx.fillStyle = PAPER;
   ctx.fillRect(0, 0, WIDE, HIGH);
   const [w, h] = [WIDE - SIDE - 2 * EDGE, HIGH - 2 * EDGE];
   if (view.scene) {
-    const part = Object.assign(document.createElement("canvas"), { width: w, height: h });
-    part.getContext("2d").putImageData(new ImageData(view.pixels(w, h), w, h), 0, 0);
+    const part = make("canvas", { width: w, height: h });
+    putPixels(part, view.pixels(w, h));
     ctx.drawImage(part, EDGE, EDGE);
     view.rest();
   }

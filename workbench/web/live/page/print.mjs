@@ -1,5 +1,7 @@
 // The page on paper: a copy of the rod, as a browser prints no WebGL, and diagrams fine enough for a printer.
 
+import { make, putPixels } from "./details.mjs";
+
 const FINE = 3, // pixels for one of the page
   WIDE = 1600; // pixels of the copy
 
@@ -13,8 +15,8 @@ export function makePrint(canvas, view, diagrams, theme) {
     diagrams.setFine(FINE);
     if (!view.scene || view.scene.isLost()) return;
     const [w, h] = [WIDE, Math.round((WIDE * Math.max(canvas.clientHeight, 1)) / Math.max(canvas.clientWidth, 1))];
-    copy = Object.assign(document.createElement("canvas"), { className: "printed", width: w, height: h });
-    copy.getContext("2d").putImageData(new ImageData(view.pixels(w, h), w, h), 0, 0);
+    copy = make("canvas", { className: "printed", width: w, height: h });
+    putPixels(copy, view.pixels(w, h));
     canvas.before(copy);
     view.rest();
   }

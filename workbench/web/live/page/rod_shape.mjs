@@ -77,10 +77,11 @@ export function moved(core, one, near) {
   return rod && !isFar(rod, begun) ? joined(core, one, rod) : null;
 }
 
-/* The rod of a problem next to another one, or null; nodes: as of `core.between`. */
+/* The rod of a problem next to another one, or null; nodes: how many it has, beside the usual number. */
 const nextTo = (core, problem, { t, beta, rate }, nodes = 1) => {
-  const share = problem.span / t[t.length - 1];
-  return core.between(problem, { t: t.map((v) => v * share), beta, rate }, nodes);
+  const times = evenly(problem.span, nodes * core.stretches(problem, beta) + 1),
+    before = times.map((v) => (v * t[t.length - 1]) / problem.span);
+  return core.between(problem, { t: times, beta: onLines(t, beta, before), rate: onLines(t, rate, before) });
 };
 
 /* The problem a share of the way from one to another. */
@@ -113,7 +114,8 @@ function isFar({ t, beta }, near) {
   return beta.some((v, i) => Math.abs(v - before[i]) > SAME);
 }
 
-function evenly(end, n) {
+/* So many numbers from 0 to an end. */
+export function evenly(end, n) {
   const found = new Float64Array(n);
   for (let i = 0; i < n; i++) found[i] = (end * i) / (n - 1);
   return found;
@@ -161,6 +163,9 @@ function landmarksOf(core, one, even, problem) {
   return core.landmarks(problem, one.sign, few, 2 * even.s.length).map((t) => t * one.rho).sort();
 }
 
+/* The point of a centreline with this azimuth and height; squeeze: the factor by which a scene is compressed. */
+export const pointOf = ({ rho }, alpha, z, squeeze = 1) => [rho * Math.cos(alpha), rho * Math.sin(alpha), squeeze * z];
+
 /* Every so many of the stations and the last, dimensionless. */
 export function every(even, step, { rho }) {
   const thin = (row, scale) => row.filter((_, i) => i % step === 0 || i === row.length - 1).map((v) => v * scale);
@@ -187,16 +192,17 @@ function merged(first, second) {
   return all;
 }
 
-/* A row of values over x at other places, by straight lines. */
-function onLines(x, row, places) {
+/* A row of values over x, which rises, at other places between its ends, by straight lines. */
+export function onLines(x, row, places) {
   return Float64Array.from(places, (v) => {
-    const i = Math.min(intervalOf(x, v), x.length - 2);
-    return row[i] + ((row[i + 1] - row[i]) * (v - x[i])) / (x[i + 1] - x[i]);
+    const i = Math.min(intervalOf(x, v), x.length - 2),
+      share = Math.min(Math.max((v - x[i]) / (x[i + 1] - x[i] || 1), 0), 1);
+    return row[i] + (row[i + 1] - row[i]) * share;
   });
 }
 
 /* The number of the last station at or before s. */
-export function intervalOf(stations, s) {
+function intervalOf(stations, s) {
   let low = 0,
     high = stations.length - 1;
   while (high - low > 1) {

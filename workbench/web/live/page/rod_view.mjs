@@ -2,11 +2,13 @@
 
 import { between, facing, fitted, needsFit, seen, turned } from "./camera.mjs";
 import { scaleOf } from "./colours.mjs";
+import { make } from "./details.mjs";
 import { hands } from "./hands.mjs";
 import { coveredTube, wallLight } from "./light.mjs";
-import { makeOverlay, placeOf } from "./overlay.mjs";
+import { makeOverlay } from "./overlay.mjs";
 import { pushMarks, tallest } from "./push_marks.mjs";
 import { range } from "./range.mjs";
+import { pointOf } from "./rod_shape.mjs";
 import { makeScene } from "./scene.mjs";
 import { cylinder, rings, sidesFor, squeezeOf, tube } from "./tube.mjs";
 
@@ -213,8 +215,7 @@ export function makeView(canvas, mark, code, calm, lies = false) {
 
 /* A sentence in place of the picture, "" for none. */
 function noteBeside(canvas) {
-  const note = Object.assign(document.createElement("p"), { className: "lost" });
-  note.setAttribute("role", "status");
+  const note = make("p", { className: "lost", role: "status" });
   canvas.after(note);
   return (text) => {
     note.textContent = text;
@@ -241,7 +242,7 @@ function picture(me, scene, width, height) {
 function pointsOf({ one, alpha, z }, squeeze, { low, high }) {
   const n = alpha.length,
     found = new Float32Array(3 * (n + 2 * AROUND.length));
-  for (let i = 0; i < n; i++) found.set(placeOf(one, { alpha: alpha[i], z: z[i] }, squeeze), 3 * i);
+  for (let i = 0; i < n; i++) found.set(pointOf(one, alpha[i], z[i], squeeze), 3 * i);
   const inner = one.sign > 0 ? one.R - one.a : one.R;
   [low, high].forEach((height, k) =>
     AROUND.forEach(([c, s], i) => found.set([inner * c, inner * s, height], 3 * (n + k * AROUND.length + i))),

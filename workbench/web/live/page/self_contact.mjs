@@ -1,5 +1,7 @@
 // Where the rod passes through itself: two of its points, farther apart along it than pi a, closer than 2 a.
 
+import { evenly, pointOf } from "./rod_shape.mjs";
+
 const SPACING = 8; // points on each radius of length
 const MOST = 40_000; // points; a longer rod is not examined
 const MOST_PLACES = 200;
@@ -10,11 +12,10 @@ export function crossings({ core, one, at, shown }) {
   const length = one.L * shown,
     n = Math.ceil((SPACING * length) / one.a) + 1;
   if (n > MOST) return [];
-  const s = Float64Array.from({ length: n }, (_, i) => (length * i) / (n - 1)),
+  const s = evenly(length, n),
     { alpha, z } = at(s),
     points = new Float64Array(3 * n);
-  for (let i = 0; i < n; i++)
-    points.set([one.rho * Math.cos(alpha[i]), one.rho * Math.sin(alpha[i]), z[i]], 3 * i);
+  for (let i = 0; i < n; i++) points.set(pointOf(one, alpha[i], z[i]), 3 * i);
   const pairs = core.crossings(s, points, 2 * one.a, Math.PI * one.a, MOST_PLACES);
   return pairs.map(([i, j]) => [0, 1, 2].map((k) => (points[3 * i + k] + points[3 * j + k]) / 2));
 }

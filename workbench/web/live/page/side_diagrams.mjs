@@ -1,6 +1,7 @@
 // The diagrams beside the rod: their canvases, and the cursor that they share with the rod.
 
 import { diagrams, valuesAt } from "./curves.mjs";
+import { make } from "./details.mjs";
 import { frameOf, paintCursor, paintDiagram, paper } from "./diagram.mjs";
 
 const HEIGHT = 165;
@@ -16,14 +17,9 @@ export function makeDiagrams(box, below, code, theme, pointed) {
   function build(specs) {
     for (const place of [box, below]) place.replaceChildren();
     shown = specs.map((spec) => {
-      const figure = document.createElement("figure"),
-        title = document.createElement("figcaption"),
-        canvas = document.createElement("canvas");
-      figure.className = "diagram";
-      canvas.id = `d-${spec.key}`;
-      canvas.setAttribute("role", "img");
-      figure.append(title, canvas);
-      (spec.key === "developed" ? below : box).append(figure);
+      const title = make("figcaption"),
+        canvas = make("canvas", { id: `d-${spec.key}`, role: "img" });
+      (spec.key === "developed" ? below : box).append(make("figure", { className: "diagram" }, title, canvas));
       const one = { canvas, title, spec, frame: null };
       for (const name of ["pointerdown", "pointermove"])
         canvas.addEventListener(name, (event) => pointed(nearest(one, event.offsetX, event.offsetY)));

@@ -2,7 +2,7 @@
 
 import { axesOf, dot } from "./camera.mjs";
 import { ramp, wordsOf } from "./colours.mjs";
-import { set } from "./details.mjs";
+import { make, putPixels, set } from "./details.mjs";
 import { makeView } from "./rod_view.mjs";
 import { crossings } from "./self_contact.mjs";
 import { minus, number, tickText, ticks } from "./text.mjs";
@@ -63,11 +63,10 @@ function showBar(box, code, scale, unit) {
   pushes.hidden = !(end > 0);
   if (pushes.hidden) return;
   Object.assign(canvas, { width: TONES, height: 1 });
-  canvas.getContext("2d").putImageData(new ImageData(ramp(code, TONES, low / end), TONES, 1), 0, 0);
+  putPixels(canvas, ramp(code, TONES, low / end));
   marks.replaceChildren(
     ...ticks(low, end, TICKS).map((value) => {
-      const mark = document.createElement("span");
-      mark.textContent = tickText(value, end);
+      const mark = make("span", {}, tickText(value, end));
       mark.style.left = `${(100 * (value - low)) / (end - low)}%`;
       return mark;
     }),

@@ -1,7 +1,8 @@
 // A turntable: a rod in a figure, with sliders, a colour bar and a triad.
 
 import { scaleOf } from "./colours.mjs";
-import { set } from "./details.mjs";
+import { makeSlider } from "./controls.mjs";
+import { make, set } from "./details.mjs";
 import { makePrint } from "./print.mjs";
 import { solvedSource, storedSource } from "./rod_sources.mjs";
 import { makeStage } from "./stage.mjs";
@@ -97,8 +98,7 @@ export function turntable(figure, data, code, core, calm) {
 function framesOf(figure) {
   return [...figure.querySelectorAll("[data-rods]")].map((picture) => {
     const rods = JSON.parse(picture.dataset.rods),
-      box = picture.querySelector(".enlarge").appendChild(document.createElement("i"));
-    box.className = "framed";
+      box = picture.querySelector(".enlarge").appendChild(make("i", { className: "framed" }));
     return (sliders) => {
       const [left, top, right, bottom] = rods[sliders[Number(picture.dataset.axis)].place()].map((share) => 100 * share);
       Object.assign(box.style, {
@@ -123,22 +123,10 @@ function scrollsPast(canvas) {
 }
 
 function made(box, slider, id) {
-  const row = document.createElement("div"),
-    label = document.createElement("label"),
-    letter = document.createElement("b"),
-    value = document.createElement("output");
-  const input = Object.assign(document.createElement("input"), {
-    type: "range",
-    min: 0,
-    max: slider.most,
-    step: slider.step || 1,
-    id,
-  });
-  label.htmlFor = value.htmlFor = id;
-  letter.textContent = slider.symbol;
-  label.append(`${slider.words} `, letter);
-  row.append(label, input, value);
-  box.append(row);
+  const input = makeSlider({ max: slider.most, step: slider.step || 1, id }),
+    value = make("output", { htmlFor: id }),
+    label = make("label", { htmlFor: id }, `${slider.words} `, make("b", {}, slider.symbol));
+  box.append(make("div", {}, label, input, value));
   const show = () => {
     if (Number(input.value) !== slider.place()) input.value = slider.place();
     set(value, slider.text());
@@ -149,11 +137,6 @@ function made(box, slider, id) {
 
 /* The observables of the rod: words and value in each row. */
 function listed(box, rows) {
-  const made = rows.map((texts) => {
-    const row = document.createElement("div");
-    row.append(...["dt", "dd"].map((tag, k) => Object.assign(document.createElement(tag), { textContent: texts[k] })));
-    return row;
-  });
-  box.replaceChildren(...made);
+  box.replaceChildren(...rows.map(([words, value]) => make("div", {}, make("dt", {}, words), make("dd", {}, value))));
   box.hidden = !rows.length;
 }
