@@ -11,26 +11,11 @@ local_potential rod_local(double lam, double mu, double phi, double o, double le
                              lam * s + phi * c - 2 * square(s * s)};
 }
 
-static double steepness_of(const local_potential *l, double sh, double ch, double near)
-{
-    return 4 * (l->fixed - 2 * ch * (l->turn * sh + l->bend * ch) + near);
-}
-
-/* sin(o + x), cos(o + x/2), the bracket S^2 + 2 s S + 3 s^2, x by its half angle: o + x is never formed. */
-static double near_of(const local_potential *l, double sh, double ch, double *S, double *C, double *bracket)
-{
-    const double s = l->s, c = l->c;
-    *S = s * (1 - 2 * sh * sh) + 2 * c * sh * ch;
-    *C = c * ch - s * sh;
-    *bracket = *S * *S + s * (2 * *S + 3 * s);
-    return *C * *C * *bracket;
-}
-
 double rod_steepness(const local_potential *l, double x)
 {
     const double sh = sin(x / 2), ch = cos(x / 2);
     double S, C, bracket;
-    return steepness_of(l, sh, ch, near_of(l, sh, ch, &S, &C, &bracket));
+    return steepness_by(l, sh, ch, near_of(l, sh, ch, &S, &C, &bracket));
 }
 
 double rod_drop(const local_potential *l, double x) { return square(sin(x / 2)) * rod_steepness(l, x); }
@@ -55,7 +40,7 @@ static void log_of_drop(const void *of, double y, double *value, double *rate)
     const local_potential *l = p->local;
     const double x = p->side * exp(y), sh = sin(x / 2), ch = cos(x / 2);
     double S, C, bracket;
-    const double near = near_of(l, sh, ch, &S, &C, &bracket), K = steepness_of(l, sh, ch, near);
+    const double near = near_of(l, sh, ch, &S, &C, &bracket), K = steepness_by(l, sh, ch, near);
     const double cos_x = 1 - 2 * sh * sh, sin_x = 2 * sh * ch;
     const double fall = -C * (l->s * ch + l->c * sh) * bracket + 2 * C * C * (l->c * cos_x - l->s * sin_x) * (S + l->s);
     const double K_rate = 4 * (-l->turn * cos_x + l->bend * sin_x + fall);

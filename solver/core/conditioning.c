@@ -3,10 +3,6 @@
 
 #include "orbit_parts.h"
 
-/* rod.c; p: the numbers of a start problem */
-double rod_weight_of(const double *p);
-int rod_beside_helix(const double *p, double weight, double *condition);
-
 /* The flow on one panel at its nodes: |beta_t|, H and the integral a(t) of the shear, in units of the problem.
    across: c; gain: what the panel adds to a, with what the change of c from the panel before it adds. */
 typedef struct {
@@ -33,17 +29,7 @@ static double sum(int n, const double *values)
     return total;
 }
 
-static double higher_rates(const start_problem *p, double *third)
-{
-    const double s = sin(p->beta0), c = cos(p->beta0), s2 = 2 * s * c, c2 = (c - s) * (c + s);
-    const double s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
-    *third = p->lam * s - 8 * p->mu * s2 + p->phi * c + 4 * c2 - 16 * c4;
-    return -p->lam * c + 4 * p->mu * c2 + p->phi * s + 2 * s2 - 4 * s4;
-}
-
 static double load_size(const start_problem *p) { return fabs(p->lam) + fabs(p->mu) + fabs(p->phi); }
-
-static double rate_at_start(const start_problem *p) { return slope_rate(p->lam, p->mu, p->phi, p->beta0); }
 
 static course course_of(const start_problem *p, const read_orbits *all, const points *at, int64_t b, flow *room)
 {
@@ -71,7 +57,8 @@ static void nodes_of(const course *o, int64_t i, double *beta, double *v)
 
 /* H at the nodes as one moves away from the start: by its formula, or where that loses more, from the speed; but not
    from a speed that denies the formula by more than what the formula can lose, as on a panel as short as rounding. */
-static void slope_along(const course *o, const double *beta, const double *v, double half, int backward, double *h)
+static void slope_along(const course *o, const double *sine, const double *cosine, const double *v, double half,
+                        int backward, double *h)
 {
     const start_problem *p = o->problem;
     const int n = o->n;
@@ -79,8 +66,8 @@ static void slope_along(const course *o, const double *beta, const double *v, do
     double most = v[0], size = 0, a[NODES], rate[NODES];
     for (int k = 0; k < n; k++) {
         most = larger(most, v[k]);
-        size = larger(size, slope_size(p->lam, p->mu, p->phi, beta[k]));
-        h[k] = sign * slope(p->lam, p->mu, p->phi, beta[k]) / unit;
+        size = larger(size, slope_size_by(p->lam, p->mu, p->phi, sine[k], cosine[k]));
+        h[k] = sign * slope_by(p->lam, p->mu, p->phi, sine[k], cosine[k]) / unit;
     }
     const double loss = EPS * size / unit;
     if (loss < EPS * n * n * most / half)
@@ -97,15 +84,16 @@ static void slope_along(const course *o, const double *beta, const double *v, do
 static void flow_of(const course *o, int64_t i, flow *out)
 {
     const start_problem *p = o->problem;
-    double beta[NODES], rate[NODES], pace[NODES];
+    double beta[NODES], s[NODES], c[NODES], rate[NODES], pace[NODES];
     const int n = o->n;
     const double half = o->all->width[o->at + i] / 2 * o->unit;
     nodes_of(o, i, beta, out->v);
     for (int k = 0; k < n; k++)
         out->v[k] /= o->speed;
-    slope_along(o, beta, out->v, half, i >= o->count[0], out->h);
+    sin_cos_of(n, beta, s, c);
+    slope_along(o, s, c, out->v, half, i >= o->count[0], out->h);
     for (int k = 0; k < n; k++)
-        rate[k] = slope_rate(p->lam, p->mu, p->phi, beta[k]) / square(o->unit);
+        rate[k] = slope_rate_by(p->lam, p->mu, p->phi, s[k], c[k]) / square(o->unit);
     out->across = rod_across(n, out->v, out->h, rate, half);
     for (int k = 0; k < n; k++)
         pace[k] = shear_rate(out->v[k], out->h[k], rate[k], out->across) * half;
@@ -232,8 +220,8 @@ static double condition_of(course *o, const panel_errors *of)
 {
     double worst, end[2];
     const start_problem *p = o->problem;
-    const double weight = rod_weight_of(&p->lam);
-    const int steady = rod_beside_helix(&p->lam, weight, &worst);
+    const double weight = rod_weight_of(p);
+    const int steady = rod_beside_helix(p, weight, &worst);
     change by[2];
     if (o->all->kind[o->orbit] == HELIX || !(o->count[0] + o->count[1]) || steady)
         return worst;
@@ -248,9 +236,10 @@ static double condition_of(course *o, const panel_errors *of)
 /* The change of the start's angle that has the same effect as the rounding of H over this time. */
 static double start_rounding(const start_problem *p, double time)
 {
+    const double lam = p->lam, mu = p->mu, phi = p->phi, s = sin(p->beta0), c = cos(p->beta0);
     double third;
-    const double second = higher_rates(p, &third), added = EPS * slope_size(p->lam, p->mu, p->phi, p->beta0);
-    const double first = fmin(added * time * time / 2, 2 * added / fabs(rate_at_start(p)));
+    const double second = higher_rates_by(lam, mu, phi, s, c, &third), added = EPS * slope_size_by(lam, mu, phi, s, c);
+    const double first = fmin(added * time * time / 2, 2 * added / fabs(slope_rate_by(lam, mu, phi, s, c)));
     return fmin(first, fmin(2 * sqrt(2 * added / fabs(second)), 2 * cbrt(6 * added / fabs(third))));
 }
 
@@ -263,7 +252,7 @@ static double mismatch(const course *o)
     const double beta = at_place(series_of(o, 0, 0), o->n + 1, -1), speed = at_place(series_of(o, 0, 1), o->n + 1, -1);
     const double v = fabs(p->dbeta0), quickest = sqrt(1 + load_size(p)) + v;
     const double slip = larger(fabs(speed - v) - 16 * EPS * quickest, 0); /* beyond the rounding of a speed */
-    return fabs(beta - p->beta0) + slip * smaller(p->span, 1 / rod_weight_of(&p->lam));
+    return fabs(beta - p->beta0) + slip * smaller(p->span, 1 / rod_weight_of(p));
 }
 
 static double error_of(const course *o, const panel_errors *of, double growth)
@@ -308,7 +297,8 @@ static int64_t most_panels(const read_orbits *all, int64_t n)
 /* eta(L) of the change with eta(0) = 0 and eta_t(0) = 1, and the largest |eta(t)/eta(L)|. */
 static void response_of(course *o, const panel_errors *of, double *largest, double *end)
 {
-    const double rate = rate_at_start(o->problem), waves = sqrt(larger(rate, 0)) * o->problem->span;
+    const start_problem *p = o->problem;
+    const double waves = sqrt(larger(slope_rate(p->lam, p->mu, p->phi, p->beta0), 0)) * p->span;
     change by[2];
     double ends[2];
     *end = NAN;

@@ -56,7 +56,8 @@ static void rate_and_second(const void *of, double x, double *value, double *rat
 {
     const signed_loads *p = of;
     *value = p->sign * slope_rate(p->lam, p->mu, p->phi, x);
-    *rate = (slope_rate(p->lam, p->mu, p->phi, x + 1e-6) - slope_rate(p->lam, p->mu, p->phi, x - 1e-6)) / 2e-6 * p->sign;
+    double third;
+    *rate = p->sign * higher_rates_by(p->lam, p->mu, p->phi, sin(x), cos(x), &third);
 }
 
 /* The root of the inverse cubic through two values of opposite sign and their rates; if outside, of the secant. */

@@ -33,18 +33,12 @@ typedef struct {
     double beta[AT], speed[AT], lam[AT], mu[AT], phi[AT];
 } density_slopes;
 
-INLINE void steepness_of(rod_loads *restrict l)
-{
-    for (int i = 0; i < AT; i++)
-        l->steepness[i] = sqrt(fabs(l->lam[i]) + 2 * fabs(l->mu[i]) + fabs(l->phi[i]) + 2);
-}
-
 /* Loads that are the same along a rod. */
 INLINE void steady_loads(double lam, double mu, double phi, double sign, rod_loads *out)
 {
     for (int i = 0; i < AT; i++)
-        out->lam[i] = lam, out->mu[i] = mu, out->phi[i] = phi, out->weight[i] = 0, out->divisor[i] = 1;
-    steepness_of(out);
+        out->lam[i] = lam, out->mu[i] = mu, out->phi[i] = phi, out->weight[i] = 0, out->divisor[i] = 1,
+        out->steepness[i] = steepness_of(lam, mu, phi);
     out->far_lam = lam, out->far_mu = mu, out->sign = sign;
 }
 
@@ -70,7 +64,8 @@ INLINE void loads_at(int n, const double *restrict series, const double *restric
     double *values[5] = {l->lam, l->mu, l->phi, l->weight, l->divisor};
     for (int k = 0; k < 5; k++)
         product(n, AT, series + k * n, polynomials, values[k]);
-    steepness_of(l);
+    for (int i = 0; i < AT; i++)
+        l->steepness[i] = steepness_of(l->lam[i], l->mu[i], l->phi[i]);
 }
 
 /* The angles from the series of beta and |beta_t| (2, n) and the polynomials at the nodes. */
@@ -159,7 +154,7 @@ INLINE void outward(const node_angles *restrict a, const rod_loads *l, density *
         const double even = (lam - (c < 0 ? -mu : mu)) * c, twist = mu * (s2 * (1 + 2 * absolute) / (1 + absolute));
         const double rest = (phi + 2 * c * s2) * s, H = even + twist - rest;
         const double size = fabs(s) * (fabs(lam) + fabs(mu * c) + fabs(s3)) + 3 * v2 * fabs(cos2) + fabs(weight);
-        const double rate = -lam * s + 4 * mu * s * c - phi * c - 2 * s * s * (3 * c * c - s * s);
+        const double rate = slope_rate_by(lam, mu, phi, s, c);
         const double moved = c * across + s * (mu * s - 3 * s * s * c) + rate * lever + 3 * H * cos2;
         const double by_beta = moved + 12 * v2 * s * c, by_speed = -6 * (v * cos2), share = l->sign / l->divisor[i];
         out->values[i] = (s * across + H * lever - 3 * v2 * cos2 - weight) / l->divisor[i] * l->sign;

@@ -167,7 +167,7 @@ static TARGET void NAME(advance)(NAME(lanes) *p, int end[W], double late[W], dou
                          NAME(left_out)(p, x) + EPS * (size + p->heights * x * x) / 2.0;
         for (int i = 0; i < W; i++)
             if (last[i])
-                LANE(p->worst, i) = larger(LANE(p->worst, i), LANE(here, i));
+                LANE(p->worst, i) = max_1(LANE(p->worst, i), LANE(here, i));
     }
     const vec middle[3] = {p->t + x, e * p->a + f * p->c, e * p->b + f * p->d};
     e = NAME(value_and_rate)(p->w[ETA], ORDER, h, &ev);
@@ -197,18 +197,18 @@ static TARGET void NAME(advance)(NAME(lanes) *p, int end[W], double late[W], dou
         if (p->rod[i] < 0)
             continue;
         const int k = p->used[i];
-        double *series = p->series[i] + 4 * (ORDER + 1) * k, *grown = p->grown[i] + 3 * NODES * p->step[i];
+        double *series = p->series[i] + 4 * (ORDER + 1) * k, *grown = p->grown[i] + 3 * LOOKS * p->step[i];
         p->since[i][k] = LANE(p->t, i), p->width[i][k] = LANE(h, i);
         for (int m = 0; m < 4; m++)
             for (int j = 0; j <= ORDER; j++)
                 series[m * (ORDER + 1) + j] = LANE(kept[m][j], i);
         for (int m = 0; m < 3; m++)
             grown[m] = LANE(middle[m], i), grown[3 + m] = LANE(far_nodes[m], i);
-        const double most = larger(larger(fabs(LANE(p->a, i)), fabs(LANE(p->b, i))), larger(fabs(LANE(p->c, i)), fabs(LANE(p->d, i))));
+        const double most = max_1(max_1(fabs(LANE(p->a, i)), fabs(LANE(p->b, i))), max_1(fabs(LANE(p->c, i)), fabs(LANE(p->d, i))));
         if (!(most < STEADY))
             end[i] = LOST;
         if (LANE(ends, i) <= LANE(p->limit, i))
-            LANE(p->worst, i) = larger(LANE(p->worst, i), LANE(eb, i));
+            LANE(p->worst, i) = max_1(LANE(p->worst, i), LANE(eb, i));
         late[i] = end[i] == TURNS ? LANE(es, i) / fabs(LANE(bend, i)) : LANE(eb, i) / fabs(LANE(p->v, i));
         at[i] = LANE(ends, i);
         p->used[i]++, p->step[i]++;
@@ -337,16 +337,15 @@ static TARGET void NAME(read)(const orbit *o, const double *since, const double 
 }
 
 /* The lane takes rod i, or nothing where i < 0; its leg `part` begins. */
-static TARGET void NAME(begin)(NAME(lanes) *p, int lane, int part, const double *q, double goal, double limit)
+static TARGET void NAME(begin)(NAME(lanes) *p, int lane, int part, const start_problem *q, double goal, double limit)
 {
-    const double sizes = fabs(q[0]) + fabs(q[1]) + fabs(q[2]);
-    const double v = part ? -q[5] : q[5];
-    LANE(p->lam, lane) = q[0], LANE(p->mu, lane) = q[1], LANE(p->phi, lane) = q[2];
+    const double v = part ? -q->dbeta0 : q->dbeta0;
+    LANE(p->lam, lane) = q->lam, LANE(p->mu, lane) = q->mu, LANE(p->phi, lane) = q->phi;
     LANE(p->goal, lane) = log_2_1(goal), LANE(p->limit, lane) = limit;
-    LANE(p->heights, lane) = sizes + 1;
+    LANE(p->heights, lane) = fabs(q->lam) + fabs(q->mu) + fabs(q->phi) + 1;
     /* two zeros of beta_t lie at least pi / sqrt(max H') apart (Sturm): no step holds two */
-    LANE(p->longest, lane) = 3.0 / sqrt(fabs(q[0]) + 2 * fabs(q[1]) + fabs(q[2]) + 2);
-    LANE(p->beta0, lane) = LANE(p->beta, lane) = q[4];
+    LANE(p->longest, lane) = 3.0 / steepness_of(q->lam, q->mu, q->phi);
+    LANE(p->beta0, lane) = LANE(p->beta, lane) = q->beta0;
     LANE(p->v, lane) = v, LANE(p->way, lane) = (v > 0) - (v < 0);
     LANE(p->t, lane) = 0;
     LANE(p->integral[0], lane) = LANE(p->integral[1], lane) = LANE(p->integral[2], lane) = 0;
@@ -369,7 +368,7 @@ static TARGET void NAME(finish)(const NAME(lanes) *p, int lane, double late, dou
 /* The lane takes rod i of the problems, if it can be solved at all. */
 static TARGET int NAME(take)(NAME(lanes) *p, int lane, int64_t i, const problems *all, room *own, orbit *o)
 {
-    const double *q = all->numbers + PROBLEM * i;
+    const start_problem *q = &all->rods[i];
     memset(o, 0, sizeof *o);
     o->error = o->condition = INFINITY;
     if (!in_range(q))
@@ -377,14 +376,14 @@ static TARGET int NAME(take)(NAME(lanes) *p, int lane, int64_t i, const problems
     p->rod[lane] = i, p->used[lane] = 0;
     p->since[lane] = own->since, p->width[lane] = own->width, p->series[lane] = own->series;
     p->grown[lane] = own->grown[0];
-    NAME(begin)(p, lane, 0, q, goal_of(q, all->tol), q[3]);
+    NAME(begin)(p, lane, 0, q, goal_of(q, all->tol), q->span);
     return 1;
 }
 
 /* March the rods, W at a time: a lane whose rod is done takes the next. `done` is called for each that is solved. */
 static TARGET int NAME(run)(const problems *all, orbit *orbits, const task *work)
 {
-    static const double idle[PROBLEM] = {0, 0, 0, 1, 0.5, 0};
+    static const start_problem idle = {0, 0, 0, 1, 0.5, 0};
     room *rooms = malloc(W * sizeof(room));
     /* aligned by hand: Windows has no aligned_alloc */
     char *memory = malloc(sizeof(NAME(lanes)) + 63);
@@ -403,7 +402,7 @@ static TARGET int NAME(run)(const problems *all, orbit *orbits, const task *work
             for (; p->rod[i] < 0 && next < all->size; next++)
                 busy += NAME(take)(p, i, next, all, rooms + i, orbits + next);
             if (p->rod[i] < 0) /* an idle lane marches a rod that nobody reads */
-                NAME(begin)(p, i, 0, idle, 1e-9, 0);
+                NAME(begin)(p, i, 0, &idle, 1e-9, 0);
         }
         if (!busy)
             break;
@@ -412,16 +411,16 @@ static TARGET int NAME(run)(const problems *all, orbit *orbits, const task *work
             const int64_t rod = p->rod[i];
             if (rod < 0 || end[i] == GOES_ON)
                 continue;
-            const double *q = all->numbers + PROBLEM * rod;
+            const start_problem *q = &all->rods[rod];
             orbit *o = orbits + rod;
             const int part = p->part[i];
             o->status[part] = end[i];
             if (end[i] != LOST) {
                 NAME(finish)(p, i, late[i], at[i], &o->legs[part]);
                 o->count[part] = p->step[i];
-                if (part == 0 && end[i] == TURNS && q[5] != 0) {
+                if (part == 0 && end[i] == TURNS && q->dbeta0 != 0) {
                     p->grown[i] = rooms[i].grown[1];
-                    NAME(begin)(p, i, 1, q, goal_of(q, all->tol), q[3] - 2 * o->legs[0].time);
+                    NAME(begin)(p, i, 1, q, goal_of(q, all->tol), q->span - 2 * o->legs[0].time);
                     continue;
                 }
             }

@@ -6,16 +6,18 @@
 #ifndef ROD_ORBIT_PARTS_H
 #define ROD_ORBIT_PARTS_H
 
-#include <float.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
+#define TARGET
+#define W 1
+#define SUFFIX _1
+#include "vectors.h"
+#undef TARGET
+#undef W
+#undef SUFFIX
+#undef ZERO
 
-#define EPS DBL_EPSILON
-#define PI 3.14159265358979323846
+#include <stdlib.h>
+
 #define TAU (2 * PI)
-#define FAR 1e6      /* angles beyond which sin and cos are left to libm */
 #define TINY 1e-150 /* angles and speeds below this have squares that a float cannot hold: they count as zero */
 
 enum { NODES = 32, CRITICAL = 16, PIECES = 3 * CRITICAL, FUNCTIONS = 5 };
@@ -123,17 +125,53 @@ typedef struct {
     int64_t calls;
 } search;
 
-static inline double larger(double x, double y) { return x > y || x != x ? x : y; } /* NaN where one of them is */
-static inline double smaller(double x, double y) { return x < y || x != x ? x : y; }
+/* Inlined, so that a caller compiled for wider lanes has its own copy. IN_WIDTHS compiles an inlined function for narrow
+   lanes and for wide ones, and FOR_LANES is the one that the processor can run. The loops over nodes have no branches, so
+   the compiler uses these lanes; all widths do the same operations in the same order and so give the same bits. */
+#if defined(__x86_64__) && defined(__GNUC__)
+#define INLINE static inline __attribute__((always_inline))
+#define WIDE __attribute__((target("avx2")))
+#define IN_WIDTHS(name, parameters, arguments)                                                                         \
+    static void name##_narrow parameters { name arguments; }                                                           \
+    static WIDE void name##_wide parameters { name arguments; }
+#define FOR_LANES(lanes, name) ((lanes) >= 4 ? name##_wide : name##_narrow)
+#else
+#define INLINE static inline
+#define IN_WIDTHS(name, parameters, arguments)
+#define FOR_LANES(lanes, name) name
+#endif
+
 static inline double square(double x) { return x * x; }
 static inline int modulo(int64_t k, int64_t m) { return (int)(((k % m) + m) % m); }
 
-/* H and H' */
-static inline double slope_by(double lam, double mu, double phi, double s, double c)
+/* H, its first derivative, the sum of the sizes of its terms, and its second and third derivative, from sin and cos of beta */
+INLINE double slope_by(double lam, double mu, double phi, double s, double c)
 {
     const double s2 = s * s, size = fabs(c);
     return (lam - (c < 0 ? -mu : mu)) * c + mu * (s2 * (1 + 2 * size) / (1 + size)) - (phi + 2 * c * s2) * s;
 }
+
+INLINE double slope_rate_by(double lam, double mu, double phi, double s, double c)
+{
+    return -lam * s + 4 * mu * s * c - phi * c - 2 * s * s * (3 * c * c - s * s);
+}
+
+INLINE double slope_size_by(double lam, double mu, double phi, double s, double c)
+{
+    const double s2 = s * s, size = fabs(c);
+    return fabs((lam - (c < 0 ? -mu : mu)) * c) + fabs(mu * (s2 * (1 + 2 * size) / (1 + size))) +
+           (fabs(phi) + 2 * size * s2) * fabs(s);
+}
+
+static inline double higher_rates_by(double lam, double mu, double phi, double s, double c, double *third)
+{
+    const double s2 = 2 * s * c, c2 = (c - s) * (c + s), s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
+    *third = lam * s - 8 * mu * s2 + phi * c + 4 * c2 - 16 * c4;
+    return -lam * c + 4 * mu * c2 + phi * s + 2 * s2 - 4 * s4;
+}
+
+/* A bound of the square root of |H'| anywhere, and so of the change of beta_t that comes with a unit change of beta */
+INLINE double steepness_of(double lam, double mu, double phi) { return sqrt(fabs(lam) + 2 * fabs(mu) + fabs(phi) + 2); }
 
 static inline double slope(double lam, double mu, double phi, double beta)
 {
@@ -142,15 +180,7 @@ static inline double slope(double lam, double mu, double phi, double beta)
 
 static inline double slope_rate(double lam, double mu, double phi, double beta)
 {
-    const double s = sin(beta), c = cos(beta);
-    return -lam * s + 4 * mu * s * c - phi * c - 2 * s * s * (3 * c * c - s * s);
-}
-
-static inline double slope_size(double lam, double mu, double phi, double beta)
-{
-    const double s = sin(beta), c = cos(beta), s2 = s * s, size = fabs(c);
-    return fabs((lam - (c < 0 ? -mu : mu)) * c) + fabs(mu * (s2 * (1 + 2 * size) / (1 + size))) +
-           (fabs(phi) + 2 * size * s2) * fabs(s);
+    return slope_rate_by(lam, mu, phi, sin(beta), cos(beta));
 }
 
 /* a - b moved into [-pi, pi), of angles in [-pi, pi); exact where they are neighbours across the cut at pi */
@@ -166,54 +196,11 @@ static inline double wrapped(double angle)
     return angle >= PI ? angle - TAU : angle;
 }
 
-/* Inlined, so that a caller compiled for wider lanes has its own copy. */
-#if defined(__x86_64__) && defined(__GNUC__)
-#define INLINE static inline __attribute__((always_inline))
-#define WIDE __attribute__((target("avx2")))
-#else
-#define INLINE static inline
-#endif
-
-/* The loops over nodes below have no branches, so the compiler uses the lanes of the processor; wider lanes do the
-   same operations in the same order and so give the same bits. */
-typedef union {
-    double number;
-    int64_t bits;
-} word;
-
-INLINE double chosen(int64_t mask, double x, double y) /* x where all bits are set, y where none is */
-{
-    word a = {x}, b = {y};
-    a.bits = (a.bits & mask) | (b.bits & ~mask);
-    return a.number;
-}
-
 /* sin and cos to about one unit in the last place, |x| < FAR */
 INLINE void near_sin_cos(int n, const double *restrict x, double *restrict sine, double *restrict cosine)
 {
-    /* pi/2 in three parts: the products of the first two with a whole number below 2^20 are exact */
-    const double p1 = 0x1.921fb54400000p+0, p2 = 0x1.0b4611a600000p-34, p3 = 0x1.3198a2e037073p-69;
-    const double nearest = 0x1.8p52;
-    for (int i = 0; i < n; i++) {
-        word shifted = {x[i] * (2 / PI) + nearest};
-        const double k = shifted.number - nearest;
-        const double r = ((x[i] - k * p1) - k * p2) - k * p3, q = r * r;
-        double s = -1.0 / 121645100408832000.0, c = -1.0 / 6402373705728000.0;
-        s = s * q + 1.0 / 355687428096000.0, c = c * q + 1.0 / 20922789888000.0;
-        s = s * q - 1.0 / 1307674368000.0, c = c * q - 1.0 / 87178291200.0;
-        s = s * q + 1.0 / 6227020800.0, c = c * q + 1.0 / 479001600.0;
-        s = s * q - 1.0 / 39916800.0, c = c * q - 1.0 / 3628800.0;
-        s = s * q + 1.0 / 362880.0, c = c * q + 1.0 / 40320.0;
-        s = s * q - 1.0 / 5040.0, c = c * q - 1.0 / 720.0;
-        s = s * q + 1.0 / 120.0, c = c * q + 1.0 / 24.0;
-        s = s * q - 1.0 / 6.0;
-        s = r + r * q * s, c = 1.0 - (0.5 * q - q * q * c);
-        const int64_t swap = -(shifted.bits & 1);
-        word a = {chosen(swap, c, s)}, b = {chosen(swap, s, c)};
-        a.bits ^= (int64_t)((uint64_t)(shifted.bits & 2) << 62);
-        b.bits ^= (int64_t)((uint64_t)((shifted.bits + 1) & 2) << 62);
-        sine[i] = a.number, cosine[i] = b.number;
-    }
+    for (int i = 0; i < n; i++)
+        near_sin_cos_1(x[i], &sine[i], &cosine[i]);
 }
 
 /* The same of any angles: where one is far, by libm. */
@@ -294,6 +281,27 @@ int rod_roomy(void **array, int64_t *room, int64_t wanted, size_t size);
 
 /* critical_points.c */
 int rod_critical(double lam, double mu, double phi, const grid *, critical *);
+
+/* About one critical point: sin(o + x), cos(o + x/2) and the bracket S^2 + 2 s S + 3 s^2, x by its half angle: o + x is
+   never formed; and how steeply G rises with sin(x/2)^2. */
+INLINE double near_of(const local_potential *l, double sh, double ch, double *S, double *C, double *bracket)
+{
+    const double s = l->s, c = l->c;
+    *S = s * (1 - 2 * sh * sh) + 2 * c * sh * ch;
+    *C = c * ch - s * sh;
+    *bracket = *S * *S + s * (2 * *S + 3 * s);
+    return *C * *C * *bracket;
+}
+
+INLINE double steepness_by(const local_potential *l, double sh, double ch, double near)
+{
+    return 4 * (l->fixed - 2 * ch * (l->turn * sh + l->bend * ch) + near);
+}
+
+/* rod.c: the weight of a change of beta_t(0) beside one of beta(0); whether H' hardly changes along a rod, and the
+   condition number as if it did not */
+double rod_weight_of(const start_problem *);
+int rod_beside_helix(const start_problem *, double weight, double *condition);
 
 /* arcs.c */
 local_potential rod_local(double lam, double mu, double phi, double o, double level);

@@ -11,8 +11,8 @@ INLINE void sinh_cosh_of(int n, const double *restrict u, double *restrict sinh_
 {
     const double nearest = 0x1.8p52, high = 0x1.62e42fee00000p-1, low = 0x1.a39ef35793c76p-33;
     for (int i = 0; i < n; i++) {
-        word shifted = {u[i] * 1.44269504088896340736 + nearest};
-        const double k = shifted.number - nearest, r = (u[i] - k * high) - k * low;
+        const double shifted = u[i] * 1.44269504088896340736 + nearest, k = shifted - nearest;
+        const double r = (u[i] - k * high) - k * low;
         double e = 1.0 / 6227020800.0;
         e = e * r + 1.0 / 479001600.0;
         e = e * r + 1.0 / 39916800.0;
@@ -26,9 +26,7 @@ INLINE void sinh_cosh_of(int n, const double *restrict u, double *restrict sinh_
         e = e * r + 1.0 / 6.0;
         e = e * r + 0.5;
         e = 1.0 + (r + r * r * e);
-        word scale = {0};
-        scale.bits = (int64_t)((uint64_t)(shifted.bits - 0x4338000000000000 + 1023) << 52);
-        e *= scale.number;
+        e *= number_of((int64_t)((uint64_t)(bits_of(shifted) - 0x4338000000000000 + 1023) << 52));
         const double inverse = 1 / e, q = u[i] * u[i];
         double s = 1.0 / 355687428096000.0; /* small u: the difference would lose its digits */
         s = s * q + 1.0 / 1307674368000.0;
@@ -39,7 +37,7 @@ INLINE void sinh_cosh_of(int n, const double *restrict u, double *restrict sinh_
         s = s * q + 1.0 / 120.0;
         s = s * q + 1.0 / 6.0;
         s = u[i] + u[i] * q * s;
-        sinh_[i] = chosen(-(int64_t)(q < 1), s, (e - inverse) / 2), cosh_[i] = (e + inverse) / 2;
+        sinh_[i] = q < 1 ? s : (e - inverse) / 2, cosh_[i] = (e + inverse) / 2;
     }
 }
 
@@ -50,9 +48,8 @@ INLINE void passing(const piece *p, int n, const double *restrict x, const doubl
     const local_potential l = p->local;
     const double scale2 = p->scale * p->scale;
     for (int i = 0; i < n; i++) {
-        const double S = l.s * (1 - 2 * sh[i] * sh[i]) + 2 * l.c * sh[i] * ch[i], C = l.c * ch[i] - l.s * sh[i];
-        const double bracket = S * S + l.s * (2 * S + 3 * l.s);
-        const double K = 4 * (l.fixed - 2 * ch[i] * (l.turn * sh[i] + l.bend * ch[i]) + C * C * bracket);
+        double S, C, bracket;
+        const double K = steepness_by(&l, sh[i], ch[i], near_of(&l, sh[i], ch[i], &S, &C, &bracket));
         root[i] = sqrt((l.level + sh[i] * sh[i] * K) / (x[i] * x[i] + scale2));
     }
 }
@@ -63,13 +60,13 @@ INLINE void slope_over_root(const piece *p, int n, const double *restrict x, con
 {
     const local_potential l = p->local;
     const double turn = p->scale, sh1 = sin(turn / 2), ch1 = cos(turn / 2), faintest = rod_faintest(&l);
-    const double S1 = l.s * (1 - 2 * sh1 * sh1) + 2 * l.c * sh1 * ch1, C1 = l.c * ch1 - l.s * sh1;
+    double S1, C1, unused;
+    near_of(&l, sh1, ch1, &S1, &C1, &unused);
     const double twice = 2 * C1 * C1, more = 4 * sh1 * sh1, sin2o = 2 * l.s * l.c, cos2o = (l.c - l.s) * (l.c + l.s);
     for (int i = 0; i < n; i++) {
         const double s = sh[i], c = ch[i], d = (x[i] - turn) / 2, q = d * d;
-        const double S = l.s * (1 - 2 * s * s) + 2 * l.c * s * c, C = l.c * c - l.s * s;
-        const double bracket = S * S + l.s * (2 * S + 3 * l.s);
-        const double K = 4 * (l.fixed - 2 * c * (l.turn * s + l.bend * c) + C * C * bracket);
+        double S, C, bracket;
+        const double K = steepness_by(&l, s, c, near_of(&l, s, c, &S, &C, &bracket));
         const double sin_mid = s * ch1 + c * sh1, cos_mid = c * ch1 - s * sh1;
         double inner = twice * (l.c * cos_mid - l.s * sin_mid) * (S + S1 + 2 * l.s);
         inner = inner - bracket * (sin2o * cos_mid + cos2o * sin_mid) - 2 * l.turn * cos_mid;
@@ -84,7 +81,7 @@ INLINE void slope_over_root(const piece *p, int n, const double *restrict x, con
         series = series * q - 1.0 / 6.0;
         series = series * q + 1.0;
         const double apart_ = (s * ch1 - c * sh1) / d; /* sin(d)/d */
-        const double sinc = chosen(-(int64_t)(q < 0.25), series, apart_);
+        const double sinc = q < 0.25 ? series : apart_;
         const double ratio = fabs(0.5 * sinc * W / (x[i] + turn));
         root[i] = sqrt(ratio < faintest ? faintest : ratio);
     }
@@ -229,26 +226,14 @@ INLINE void times_of(const piece *p, const points *at, panel *out)
     out->error = out->fastest = out->time_rounding = 0;
 }
 
-static void one_panel(const piece *p, const points *at, panel *out, double *series)
+INLINE void one_panel(const piece *p, const points *at, panel *out, double *series)
 {
     if (series)
         series_of(p, at, out, series);
     else
         times_of(p, at, out);
 }
-
-#ifdef WIDE
-static WIDE void one_panel_wide(const piece *p, const points *at, panel *out, double *series)
-{
-    if (series)
-        series_of(p, at, out, series);
-    else
-        times_of(p, at, out);
-}
-
-#else
-#define one_panel_wide one_panel
-#endif
+IN_WIDTHS(one_panel, (const piece *p, const points *at, panel *out, double *series), (p, at, out, series))
 
 /* Room for one panel more, with its series. */
 static int extended(panels *all, const points *at, int times_only)
@@ -362,8 +347,8 @@ int rod_panelled(const start_problem *p, const piece *pieces, int count, const p
         for (int64_t i = all->first; i < all->count; i++)
             if (all->rows[i].open) {
                 panel *one = &all->rows[i];
-                (how->lanes >= 4 ? one_panel_wide : one_panel)(&pieces[one->piece], at, one,
-                                                     how->times_only ? NULL : all->series + i * size);
+                FOR_LANES(how->lanes, one_panel)
+                (&pieces[one->piece], at, one, how->times_only ? NULL : all->series + i * size);
             }
         if (!judged(p, pieces, how, all, round, made))
             break;

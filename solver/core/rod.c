@@ -4,13 +4,11 @@
    reading, the transfer matrix of a change of its start for the condition number, and the covariance of what its steps
    leave out and round off, carried along by the steps' own transfer matrices. */
 
-#include "vectors.h"
-
-#include <stdlib.h>
+#include "orbit_parts.h"
 
 #define ORDER 20
 #define MOST 60    /* steps of a leg: more are needed only next to a saddle or by very large loads */
-#define NODES 2    /* of each step, at which the growth of a change is looked at */
+#define LOOKS 2    /* at each step, where the growth of a change is looked at */
 #define STEADY 1e6 /* a growth beyond this leaves the march too few digits to tell where the orbit goes */
 #define SAFETY 3.0
 #define SHAPELESS 0.1 /* rad: with a larger error the shape is another one */
@@ -87,18 +85,16 @@ static double most_of(const double *grown, int n, const double m[4], double sign
             continue;
         const double p = grown[3 * k + 1], q = grown[3 * k + 2];
         double x = p * m[0] + q * m[2], y = p * m[1] + q * m[3];
-        best = larger(best, larger(fabs(x), weight * fabs(y)));
+        best = max_1(best, max_1(fabs(x), weight * fabs(y)));
         if (when->rounds > 0) {
             const double many = time + when->rounds * when->period <= when->span ? when->rounds : when->rounds - 1;
             const double xx = x + many * (x * when->more[0] + y * when->more[2]);
             y = y + many * (x * when->more[1] + y * when->more[3]), x = xx;
-            best = larger(best, larger(fabs(x), weight * fabs(y)));
+            best = max_1(best, max_1(fabs(x), weight * fabs(y)));
         }
     }
     return best;
 }
-
-static inline void sin_cos_1(double, double *, double *);
 
 /* The largest values on [0, span] of the two solutions of eta_tt = -rate eta that begin as 1 and as t. */
 static void largest(double rate, double span, double *even, double *odd)
@@ -113,30 +109,24 @@ static void largest(double rate, double span, double *even, double *odd)
         *even = cosh(angle), *odd = sinh(angle) / root;
 }
 
-/* The weight of a change of beta_t(0) beside one of beta(0). p: of a problem. */
-double rod_weight_of(const double *p)
+double rod_weight_of(const start_problem *p)
 {
     double s, c;
-    sin_cos_1(p[4], &s, &c);
-    const double rate = -p[0] * s + 4 * p[1] * s * c - p[2] * c - 2 * s * s * (3 * c * c - s * s);
-    return larger(larger(1, fabs(p[5])), sqrt(fabs(rate)));
+    sin_cos_1(p->beta0, &s, &c);
+    return larger(larger(1, fabs(p->dbeta0)), sqrt(fabs(slope_rate_by(p->lam, p->mu, p->phi, s, c))));
 }
 
-/* Whether H' hardly changes along a rod, and the condition number as if it did not. p: of a problem. */
-int rod_beside_helix(const double *p, double weight, double *condition)
+int rod_beside_helix(const start_problem *p, double weight, double *condition)
 {
-    const double lam = p[0], mu = p[1], phi = p[2], span = p[3], v = p[5];
-    double s, c;
-    sin_cos_1(p[4], &s, &c);
-    const double s2 = 2 * s * c, c2 = (c - s) * (c + s), size = fabs(c);
-    const double force = (lam - (c < 0 ? -mu : mu)) * c + mu * s * s * (1 + 2 * size) / (1 + size) -
-                         (phi + 2 * c * s * s) * s;
-    const double rate = -lam * s + 2 * mu * s2 - phi * c - 2 * s * s * (3 * c * c - s * s);
-    const double second = -lam * c + 4 * mu * c2 + phi * s + 2 * s2 - 8 * s2 * c2;
+    const double lam = p->lam, mu = p->mu, phi = p->phi, span = p->span;
+    double s, c, third;
+    sin_cos_1(p->beta0, &s, &c);
+    const double force = slope_by(lam, mu, phi, s, c), rate = slope_rate_by(lam, mu, phi, s, c);
+    const double second = higher_rates_by(lam, mu, phi, s, c, &third);
     double even, odd, half, unused;
     largest(rate, span, &even, &odd);
     largest(rate, span / 2, &unused, &half);
-    const double strays = fabs(v) * odd + 2 * fabs(force) * half * half;
+    const double strays = fabs(p->dbeta0) * odd + 2 * fabs(force) * half * half;
     const double change = fabs(second) * strays + (fabs(lam) + 8 * fabs(mu) + fabs(phi) + 20) * strays * strays / 2;
     const double root = sqrt(fabs(rate)), time = root > 0 ? smaller(span, 1 / root) : span;
     *condition = larger(1.0, larger(even, odd * weight));
@@ -147,11 +137,11 @@ int rod_beside_helix(const double *p, double weight, double *condition)
 
    At the end of the way out the transfer is E; reflected at the turning point it comes back as S E^-1 S E, and the way
    back is the way out's own transfer applied to S times that. A period adds a multiple of one shear. */
-static void judge(const double *p, double weight, const double *grown[2], orbit *o)
+static void judge(const start_problem *p, double weight, const double *grown[2], orbit *o)
 {
-    const double span = p[3];
+    const double span = p->span;
     const leg *l = o->legs;
-    const int swings = o->status[0] == TURNS, n = (int)o->count[0] * NODES, k = (int)o->count[1] * NODES;
+    const int swings = o->status[0] == TURNS, n = (int)o->count[0] * LOOKS, k = (int)o->count[1] * LOOKS;
     const double ahead = l[0].time, back = l[1].time, period = swings ? 2 * (ahead + back) : ahead;
     times when = {span, period, floor(span / period), {0}};
     double out[4] = {1, 0, 0, 1}, whole[4], other[4];
@@ -183,7 +173,7 @@ static void judge(const double *p, double weight, const double *grown[2], orbit 
     double most = 1;
     for (int part = 0; part < 2; part++)
         for (int i = 0; i < (part ? k : n); i++)
-            most = larger(most, larger(fabs(grown[part][3 * i + 1]), fabs(grown[part][3 * i + 2]) * weight));
+            most = max_1(most, max_1(fabs(grown[part][3 * i + 1]), fabs(grown[part][3 * i + 2]) * weight));
     o->condition = EPS * most * most * larger(1, when.rounds) < 0.1 * best ? best : INFINITY;
     double late = when.rounds * l[0].late;
     if (swings) {
@@ -194,33 +184,28 @@ static void judge(const double *p, double weight, const double *grown[2], orbit 
     double shift = fastest * late;
     if (swings)
         shift = smaller(shift, l[0].amplitude + l[1].amplitude);
-    o->error = SAFETY * (larger(l[0].error, l[1].error) + shift) + EPS * (span * fastest + larger(1, fabs(p[4])));
+    o->error = SAFETY * (larger(l[0].error, l[1].error) + shift) + EPS * (span * fastest + larger(1, fabs(p->beta0)));
 }
 
-/* A problem: lam, mu, phi, span, beta0, beta_t(0). */
-enum { PROBLEM = 6 };
-
-/* Problems, (size, 6), and the allowed error of beta. */
+/* Problems, and the allowed error of beta. */
 typedef struct {
     int64_t size;
-    const double *numbers;
+    const start_problem *rods;
     double tol;
 } problems;
 
 /* Whether the numbers of a problem can be squared. */
-static int in_range(const double *q)
+static int in_range(const start_problem *p)
 {
-    for (int k = 0; k < PROBLEM; k++)
-        if (!(fabs(q[k]) < 1e100))
-            return 0;
-    return q[3] > 1e-200;
+    const double most = larger(larger(larger(fabs(p->lam), fabs(p->mu)), larger(fabs(p->phi), fabs(p->span))),
+                               larger(fabs(p->beta0), fabs(p->dbeta0)));
+    return most < 1e100 && p->span > 1e-200;
 }
 
 /* What a step may leave out of beta: an error of the time repeats in each period. */
-static double goal_of(const double *q, double tol)
+static double goal_of(const start_problem *p, double tol)
 {
-    const double quickest = sqrt(fabs(q[0]) + 2 * fabs(q[1]) + fabs(q[2]) + 2);
-    return larger(0.002 * tol / larger(1, q[3] * quickest / 6), 1e-17);
+    return larger(0.002 * tol / larger(1, p->span * steepness_of(p->lam, p->mu, p->phi) / 6), 1e-17);
 }
 
 /* Where the values at stations go, each (rods, stations): either the first four, or swirl, or all five. */
@@ -238,7 +223,7 @@ typedef struct {
 
 /* The steps of the rod that is being marched: room for both its legs. */
 typedef struct {
-    double since[2 * MOST], width[2 * MOST], series[2 * MOST * SERIES], grown[2][MOST * NODES * 3];
+    double since[2 * MOST], width[2 * MOST], series[2 * MOST * SERIES], grown[2][MOST * LOOKS * 3];
 } room;
 
 /* How an orbit is read at its stations; each width of lanes has its own, and all give the same bits. */
@@ -258,11 +243,11 @@ typedef struct {
 
 static void settle(const task *work, const problems *all, int64_t rod, orbit *o, const room *own)
 {
-    const double *q = all->numbers + PROBLEM * rod, *grown[2] = {own->grown[0], own->grown[1]};
-    const double weight = rod_weight_of(q);
+    const start_problem *p = &all->rods[rod];
+    const double *grown[2] = {own->grown[0], own->grown[1]}, weight = rod_weight_of(p);
     double steady;
-    judge(q, weight, grown, o);
-    if (rod_beside_helix(q, weight, &steady))
+    judge(p, weight, grown, o);
+    if (rod_beside_helix(p, weight, &steady))
         o->condition = steady;
     o->sound = o->error <= smaller(all->tol, SHAPELESS) && o->condition < INFINITY;
     o->evaluations = ORDER * (o->count[0] + o->count[1]);
@@ -332,12 +317,12 @@ static reader *reader_for(int most)
    that are lost; swirl may be NULL, or the other four. first: (n,), the number of each rod's first step in since (P,),
    width (P,) and series (P, 4, ORDER + 1); or NULL, and none is kept. lanes: their width, 0 for the widest that n
    problems fill; most: what rod_lanes says. Returns 0, or 1 if there is no memory. */
-int rod_march(int64_t n, const double *numbers, double tol, orbit *orbits, int64_t stations, const double *t,
+int rod_march(int64_t n, const start_problem *rods, double tol, orbit *orbits, int64_t stations, const double *t,
               double *beta, double *rate, double *alpha, double *z, double *swirl, const int64_t *first, double *since,
               double *width, double *series, int lanes, int most)
 {
     const int w = lanes > 0 && lanes <= most ? lanes : n < most ? 1 : most;
-    const problems all = {n, numbers, tol};
+    const problems all = {n, rods, tol};
     const task work = {reader_for(most), stations, t, {beta, rate, alpha, z, swirl}, first, since, width, series};
 #if defined(__x86_64__)
     if (w == 8)

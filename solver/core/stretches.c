@@ -30,39 +30,12 @@ INLINE void expanded(const rule *by, int kind, const node_angles *angles, const 
     p->tail = larger(larger(fabs(p->series[AT - 3]), fabs(p->series[AT - 2])), fabs(p->series[AT - 1]));
 }
 
-/* The kernels above for lanes of one width. */
-#define KERNELS(TARGET, SUFFIX)                                                                                        \
-    static TARGET void angles_##SUFFIX(const rods *all, const rule *by, const stretch *p, node_angles *out,            \
-                                       rod_loads *loads)                                                               \
-    {                                                                                                                  \
-        angles_on(all, by, p, out, loads);                                                                             \
-    }                                                                                                                  \
-    static TARGET void expanded_##SUFFIX(const rule *by, int kind, const node_angles *a, const rod_loads *l,           \
-                                         stretch *p)                                                                   \
-    {                                                                                                                  \
-        expanded(by, kind, a, l, p);                                                                                   \
-    }                                                                                                                  \
-    static TARGET void through_##SUFFIX(const double *values, const double *linear, double *out)                       \
-    {                                                                                                                  \
-        product(AT, AT, values, linear, out);                                                                          \
-    }
+INLINE void through(const double *values, const double *linear, double *out) { product(AT, AT, values, linear, out); }
 
-#define NARROW
-KERNELS(NARROW, narrow)
-#ifdef WIDE
-KERNELS(WIDE, wide)
-#endif
-
-static kernels kernels_for(int lanes)
-{
-#ifdef WIDE
-    if (lanes >= 4)
-        return (kernels){angles_wide, expanded_wide, through_wide};
-#endif
-    (void)lanes;
-    return (kernels){angles_narrow, expanded_narrow, through_narrow};
-}
-
+IN_WIDTHS(angles_on, (const rods *all, const rule *by, const stretch *p, node_angles *out, rod_loads *loads),
+          (all, by, p, out, loads))
+IN_WIDTHS(expanded, (const rule *by, int kind, const node_angles *a, const rod_loads *l, stretch *p), (by, kind, a, l, p))
+IN_WIDTHS(through, (const double *values, const double *linear, double *out), (values, linear, out))
 
 /* T_k at a node is the cosine of k times its angle, a multiple of pi/(AT - 1). */
 static void nodes_and_maps(rule *by)
@@ -97,7 +70,8 @@ workspace *rod_workspace(const rods *all, int lanes)
 {
     workspace *w = calloc(1, sizeof(workspace));
     if (w) {
-        w->all = all, w->use = kernels_for(lanes);
+        w->all = all;
+        w->use = (kernels){FOR_LANES(lanes, angles_on), FOR_LANES(lanes, expanded), FOR_LANES(lanes, through)};
         prepare(&w->by, all);
     }
     return w;

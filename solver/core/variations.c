@@ -37,8 +37,7 @@ static void rates_at(const double *loads, int n, double origin, const double *x,
         angle[i] = origin + x[i];
     sin_cos_of(n, angle, s, c);
     for (int i = 0; i < n; i++)
-        rate[i] = -loads[0] * s[i] + 4 * loads[1] * s[i] * c[i] - loads[2] * c[i] -
-                  2 * s[i] * s[i] * (3 * c[i] * c[i] - s[i] * s[i]);
+        rate[i] = slope_rate_by(loads[0], loads[1], loads[2], s[i], c[i]);
 }
 
 /* Sines and cosines of the distances from a critical point: of x/2, x, 2 x and 4 x. */
@@ -260,25 +259,8 @@ INLINE void series_at(int size, const double *restrict rows, double x, double *r
     }
 }
 
-/* The functions above for lanes of one width; all give the same bits. */
-#define KERNELS(TARGET, SUFFIX)                                                                                        \
-    static TARGET void keep_##SUFFIX(const varied_nodes *one, const points *at, double half, double *series)           \
-    {                                                                                                                  \
-        keep_series(one, at, half, series);                                                                            \
-    }                                                                                                                  \
-    static TARGET void read_##SUFFIX(int size, const double *rows, double x, double *value)                            \
-    {                                                                                                                  \
-        series_at(size, rows, x, value);                                                                               \
-    }
-
-#define NARROW
-KERNELS(NARROW, narrow)
-#ifdef WIDE
-KERNELS(WIDE, wide)
-#define FOR_LANES(lanes, name) ((lanes) >= 4 ? name##_wide : name##_narrow)
-#else
-#define FOR_LANES(lanes, name) name##_narrow
-#endif
+IN_WIDTHS(keep_series, (const varied_nodes *one, const points *at, double half, double *series), (one, at, half, series))
+IN_WIDTHS(series_at, (int size, const double *rows, double x, double *value), (size, rows, x, value))
 
 int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const double *origin, const points *at,
                  const int64_t *only, varied_nodes *nodes, double *x, const varied_orbits *out)
@@ -306,7 +288,7 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const do
         vary_rates(loads, origin[first + nearest], n, x + n * i, &nodes[i]);
         vary_entry(nodes, count, i, of->direction[b], jump);
         if (wanted)
-            FOR_LANES(out->lanes, keep)(&nodes[i], at, half, series);
+            FOR_LANES(out->lanes, keep_series)(&nodes[i], at, half, series);
         for (int m = 0; m < SUMS; m++) {
             double gained = 0;
             for (int k = 0; k < n; k++)
@@ -392,7 +374,7 @@ void rod_varied_directions(const varied_place *start, double out[PARTS][PARTS])
 void rod_varied_place_on(const varied_orbits *varied, int size, int64_t panel, double x, varied_place *out)
 {
     double value[VARIED];
-    FOR_LANES(varied->lanes, read)(size, varied->series + VARIED * size * panel, x, value);
+    FOR_LANES(varied->lanes, series_at)(size, varied->series + VARIED * size * panel, x, value);
     out->v = value[0], out->H = value[1], out->c = value[2], out->shift[0] = 0, out->gamma[0] = 1;
     memcpy(out->shift + 1, value + 3, sizeof(double) * 3), memcpy(out->gamma + 1, value + 6, sizeof(double) * 3);
     memcpy(out->M, value + 9, sizeof out->M);

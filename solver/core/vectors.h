@@ -12,6 +12,7 @@
 
 #define EPS DBL_EPSILON
 #define PI 3.14159265358979323846
+#define FAR 1e6 /* angles beyond which sin and cos are left to libm */
 
 static inline int64_t bits_of(double x)
 {
@@ -27,8 +28,8 @@ static inline double number_of(int64_t x)
     return y;
 }
 
-static inline double larger(double x, double y) { return x > y ? x : y; }
-static inline double smaller(double x, double y) { return x < y ? x : y; }
+static inline double larger(double x, double y) { return x > y || x != x ? x : y; } /* NaN where one of them is */
+static inline double smaller(double x, double y) { return x < y || x != x ? x : y; }
 
 /* The loops of the kernels have constant limits; unrolled, they mispredict no branch. */
 #ifdef ROLLED /* quick to compile */
@@ -76,9 +77,13 @@ typedef int64_t NAME(mask) __attribute__((vector_size(8 * W), aligned(8)));
 #endif
 #define vec NAME(vec)
 #define ZERO ((vec){0})
+#define vabs NAME(abs)
+#define vmax NAME(max)
+#define vroot NAME(root)
 
-/* sin and cos of x, |x| < 1e6, to about one unit in the last place; beyond, or of what is no number, by libm. */
-static inline TARGET void NAME(sin_cos)(vec x, vec *sine, vec *cosine)
+#if W > 1 || !defined(SCALARS) /* of one number at a time the functions may be there already */
+/* sin and cos of x, |x| < FAR, to about one unit in the last place. */
+static inline ALWAYS TARGET void NAME(near_sin_cos)(vec x, vec *sine, vec *cosine)
 {
     /* pi/2 in three parts: the products of the first two with a whole number below 2^20 are exact */
     const double p1 = 0x1.921fb54400000p+0, p2 = 0x1.0b4611a600000p-34, p3 = 0x1.3198a2e037073p-69;
@@ -86,21 +91,26 @@ static inline TARGET void NAME(sin_cos)(vec x, vec *sine, vec *cosine)
     const vec shifted = x * (2 / PI) + nearest, k = shifted - nearest;
     const vec r = ((x - k * p1) - k * p2) - k * p3, q = r * r;
     vec s = ZERO - 1.0 / 121645100408832000.0, c = ZERO - 1.0 / 6402373705728000.0;
-    static const double odd[] = {1.0 / 355687428096000.0, -1.0 / 1307674368000.0, 1.0 / 6227020800.0, -1.0 / 39916800.0,
-                                 1.0 / 362880.0, -1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0};
-    static const double even[] = {1.0 / 20922789888000.0, -1.0 / 87178291200.0, 1.0 / 479001600.0, -1.0 / 3628800.0,
-                                  1.0 / 40320.0, -1.0 / 720.0, 1.0 / 24.0};
-    for (int i = 0; i < 8; i++)
-        s = s * q + odd[i];
-    for (int i = 0; i < 7; i++)
-        c = c * q + even[i];
+    s = s * q + 1.0 / 355687428096000.0, c = c * q + 1.0 / 20922789888000.0;
+    s = s * q - 1.0 / 1307674368000.0, c = c * q - 1.0 / 87178291200.0;
+    s = s * q + 1.0 / 6227020800.0, c = c * q + 1.0 / 479001600.0;
+    s = s * q - 1.0 / 39916800.0, c = c * q - 1.0 / 3628800.0;
+    s = s * q + 1.0 / 362880.0, c = c * q + 1.0 / 40320.0;
+    s = s * q - 1.0 / 5040.0, c = c * q - 1.0 / 720.0;
+    s = s * q + 1.0 / 120.0, c = c * q + 1.0 / 24.0;
+    s = s * q - 1.0 / 6.0;
     s = r + r * q * s, c = 1.0 - (0.5 * q - q * q * c);
-    const NAME(mask) turns = BITS(shifted);
-    const NAME(mask) swap = MASK((turns & 1) != 0);
+    const NAME(mask) turns = BITS(shifted), swap = MASK((turns & 1) != 0);
     const vec a = PICK(swap, c, s), b = PICK(swap, s, c);
     *sine = PICK(MASK((turns & 2) != 0), -a, a), *cosine = PICK(MASK(((turns + 1) & 2) != 0), -b, b);
+}
+
+/* The same of any numbers; beyond FAR, or of what is no number, by libm. */
+static inline TARGET void NAME(sin_cos)(vec x, vec *sine, vec *cosine)
+{
+    NAME(near_sin_cos)(x, sine, cosine);
     for (int i = 0; i < W; i++)
-        if (!(fabs(LANE(x, i)) < 1e6))
+        if (!(fabs(LANE(x, i)) < FAR))
             LANE(*sine, i) = sin(LANE(x, i)), LANE(*cosine, i) = cos(LANE(x, i));
 }
 
@@ -175,9 +185,6 @@ static inline TARGET vec NAME(root)(vec x)
     return y;
 #endif
 }
-#define vabs NAME(abs)
-#define vmax NAME(max)
-#define vroot NAME(root)
 
 /* The binary logarithm of a positive number to five digits, as a length of step needs it. */
 static inline TARGET vec NAME(log_2)(vec x)
@@ -198,4 +205,8 @@ static inline TARGET vec NAME(exp_2)(vec x)
     const vec scale = NUMBER(((BITS(shifted) + 1023) & 0x7ff) << 52);
     return PICK(MASK(x > -1000.0), part * scale, ZERO);
 }
+#if W == 1
+#define SCALARS
+#endif
+#endif
 #endif
