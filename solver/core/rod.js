@@ -20,8 +20,7 @@
 "use strict";
 const RodCore = (() => {
   const ENDS = ["lost", "turns", "goes round"];
-  const ORBIT = 256 + 16; // bytes: `orbit` in rod.c
-  const LEG = 13 * 8, AHEAD = 2 * 8, BACK = AHEAD + LEG, STATUS = BACK + LEG, SOUND = STATUS + 4 * 8;
+  const ORBIT = 34, LEG = 13, AHEAD = 2, BACK = AHEAD + LEG, STATUS = BACK + LEG; // `orbit` in rod.c
   const STATES = 8, PARAMETERS = 7; // of varying_loads.c, with the states beta, rate, alpha, lam - mu, phi, mu, t - z
   const ROWS = 7; // of a density: `rod_densities`
   const SERIES = 1e-11, FINE = 1e-7; // error that a series of a density may have, relative: measured, and of landmarks
@@ -39,38 +38,57 @@ const RodCore = (() => {
 
   function core(own) {
     if (own._initialize) own._initialize();
-    let room = {at: 0, bytes: 0};
+    let memory = {at: 0, bytes: 0};
     /* The names of densities and of measured numbers, by their places: the table of measured.h. */
     const bytes = new Uint8Array(own.memory.buffer, own.rod_measured());
     const [first, ...rows] = new TextDecoder().decode(bytes.subarray(0, bytes.indexOf(0))).split("|");
     const DENSITIES = first.trim().split(" "), MEASURED = rows.map(row => row.split(" ")[1]);
 
-    /* Memory for arrays of so many numbers: where each begins. It is kept for the next call. */
-    function reserve(...sizes) {
-      const bytes = 8 * sizes.reduce((sum, size) => sum + size, 0);
-      if (bytes > room.bytes) {
-        if (room.at) own.free(room.at);
-        room = {at: own.malloc(bytes), bytes};
-        if (!room.at) throw new Error(`no memory for ${bytes} bytes`);
+    /* Room for so many numbers that a call fills: they are there until the next one. rows: how many rows of them there are,
+       of which the core takes a table of pointers. */
+    const room = (size, rows = 0) => ({
+      length: rows / 2 + size * (rows || 1),
+      at: 0,
+      numbers(count = size, from = 0) {
+        return new Float64Array(own.memory.buffer, this.at + 4 * rows + 8 * from, count).slice();
+      },
+      integers(count = size, from = 0) {
+        return Array.from(new BigInt64Array(own.memory.buffer, this.at + 8 * from, count), Number);
+      },
+      point() {
+        new Uint32Array(own.memory.buffer, this.at, rows).forEach((_, k, table) => (table[k] = this.at + 4 * rows + 8 * size * k));
+      },
+    });
+
+    /* What a function of the core returns. Arrays are copied to it; of them and of rooms it gets the place, in memory that is
+       kept for the next call. */
+    function call(name, ...given) {
+      const bytes = 8 * given.reduce((sum, part) => sum + (part.length || 0), 0);
+      if (bytes > memory.bytes) {
+        if (memory.at) own.free(memory.at);
+        memory = {at: own.malloc(bytes), bytes};
+        if (!memory.at) throw new Error(`no memory for ${bytes} bytes`);
       }
-      let place = room.at;
-      return sizes.map(size => (place += 8 * size) - 8 * size);
+      let next = memory.at;
+      const places = given.map(part => part.length === undefined ? part : (next += 8 * part.length) - 8 * part.length);
+      given.forEach((part, k) => {
+        const kind = Array.isArray(part) ? Float64Array : part.constructor;
+        if (part.point) part.at = places[k], part.point();
+        else if (part.length) new kind(own.memory.buffer, places[k], part.length).set(part);
+      });
+      return own[name](...places);
     }
 
     function solve(problem, tol, times) {
-      const n = times.length, [at, orbit, t, ...rows] = reserve(6, ORBIT / 8, ...Array(6).fill(n));
-      let numbers = new Float64Array(own.memory.buffer);
-      numbers.set(["lam", "mu", "phi", "span", "beta0", "dbeta0"].map(name => problem[name]), at / 8);
-      numbers.set(times, t / 8);
-      if (own.rod_march(1n, at, tol, orbit, BigInt(n), t, ...rows, 0, 0, 0, 0, 1, 2)) throw new Error("no memory");
-      numbers = new Float64Array(own.memory.buffer); // the call may have moved it
-      const integers = new BigInt64Array(own.memory.buffer);
-      const end = ENDS[Number(integers[(orbit + STATUS) / 8])], sound = integers[(orbit + SOUND) / 8] === 1n;
-      const known = {end, sound, error: numbers[orbit / 8], condition: numbers[orbit / 8 + 1]};
-      if (end === "lost") return whole(problem, tol, times) || known;
-      const [beta, rate, alpha, z, swirl] = rows.map(row => numbers.slice(row / 8, row / 8 + n));
-      const ahead = numbers[(orbit + AHEAD) / 8], halfPeriod = end === "turns" ? ahead + numbers[(orbit + BACK) / 8] : ahead;
-      return {...known, halfPeriod, beta, rate, alpha, z, swirl};
+      const n = times.length, orbit = room(ORBIT), rows = Array.from({length: 5}, () => room(n));
+      const numbers = ["lam", "mu", "phi", "span", "beta0", "dbeta0"].map(name => problem[name]);
+      if (call("rod_march", 1n, numbers, tol, orbit, BigInt(n), times, ...rows, 0, 0, 0, 0, 1, 2)) throw new Error("no memory");
+      const known = orbit.numbers(STATUS), [status, , , , sound] = orbit.integers(5, STATUS), end = ENDS[status];
+      const facts = {end, sound: sound === 1, error: known[0], condition: known[1]};
+      if (end === "lost") return whole(problem, tol, times) || facts;
+      const [beta, rate, alpha, z, swirl] = rows.map(row => row.numbers());
+      const halfPeriod = end === "turns" ? known[AHEAD] + known[BACK] : known[AHEAD];
+      return {...facts, halfPeriod, beta, rate, alpha, z, swirl};
     }
 
     /* March stretches of a rod under dead loads, whose states are those of `begin` and the loads of the problem.
@@ -80,31 +98,19 @@ const RodCore = (() => {
        first (n + 1,): the numbers of the stretches' first stations in `stations`, times from their begins. */
     function march(problem, begin, lengths, how) {
       const {columns = 0, deep = ORDER, judged = false, shorter = 1, leftOut = LEFT_OUT, first = null, stations = []} = how;
-      const n = lengths.length, m = stations.length, {lam, mu, phi} = problem;
-      const [rod, goal, state, length, end, derived, growth, errors, steps, from, times, rows, out] =
-        reserve(PARAMETERS, STATES, STATES * n, n, STATES * n, STATES * n * columns, 6 * n, 2 * n, n, n + 1, m, STATES / 2,
-                STATES * m);
-      const numbers = new Float64Array(own.memory.buffer);
-      numbers.set([1, 0, 0, 0, 0, 0, 1], rod / 8); // neither weight nor friction; gamma is not read
-      numbers.set(scaleOf(problem).map(size => size * leftOut), goal / 8);
-      for (let i = 0, at = state / 8; i < n; i++, at += STATES) {
-        numbers[at] = begin.beta[i], numbers[at + 1] = begin.rate[i], numbers[at + 3] = lam - mu;
-        numbers[at + 4] = phi, numbers[at + 5] = mu, numbers[at + 2] = numbers[at + 6] = numbers[at + 7] = 0;
+      const n = lengths.length, {lam, mu, phi} = problem, state = new Float64Array(STATES * n);
+      const rod = [1, 0, 0, 0, 0, 0, 1], goal = scaleOf(problem).map(size => size * leftOut); // no weight, no friction
+      for (let i = 0, at = 0; i < n; i++, at += STATES) {
+        state[at] = begin.beta[i], state[at + 1] = begin.rate[i], state[at + 3] = lam - mu, state[at + 4] = phi;
+        state[at + 5] = mu;
       }
-      numbers.set(lengths, length / 8);
-      if (first) {
-        const places = new Int32Array(own.memory.buffer, from, 2 * n + 2).fill(0); // lower and upper halves
-        first.forEach((place, i) => (places[2 * i] = place));
-        new Uint32Array(own.memory.buffer).set([...Array(STATES).keys()].map(k => out + 8 * m * k), rows / 4);
-        numbers.set(stations, times / 8);
-      }
-      const some = where => columns ? where : 0;
-      own.rod_loaded(BigInt(n), rod, goal, 1n, shorter, state, length, columns, deep, end, some(derived), some(growth),
-                     judged ? errors : 0, first ? from : 0, times, rows, 1n, steps, 0, 2);
-      const after = new Float64Array(own.memory.buffer), part = (where, size) => after.slice(where / 8, where / 8 + size);
-      const read = first && [0, 1, 2, 6].map(k => part(out + 8 * m * k, m));
-      if (judged) return {growth: part(growth, 6), errors: part(errors, 2), read};
-      return first ? {read} : {end: part(end, STATES * n), derived: part(derived, STATES * n * columns)};
+      const end = room(STATES * n), derived = room(STATES * n * columns), growth = room(6 * n), errors = room(2 * n);
+      const rows = room(stations.length, STATES), from = first ? BigInt64Array.from(first, BigInt) : 0;
+      call("rod_loaded", BigInt(n), rod, goal, 1n, shorter, state, lengths, columns, deep, end, columns ? derived : 0,
+           columns ? growth : 0, judged ? errors : 0, from, stations, rows, 1n, room(n), 0, 2);
+      const read = first && [0, 1, 2, 6].map(k => rows.numbers(stations.length, k * stations.length));
+      if (judged) return {growth: growth.numbers(), errors: errors.numbers(), read};
+      return first ? {read} : {end: end.numbers(), derived: derived.numbers()};
     }
 
     /* A start problem by one march along the whole rod; or null. */
@@ -175,53 +181,43 @@ const RodCore = (() => {
 
     /* Push, curvature and tension, [1/rho], at as many points as beta and rate; sign: 1 outside the cylinder, -1 inside. */
     function forces({lam, mu, phi}, sign, beta, rate) {
-      const n = beta.length, [loads, angle, speed, out] = reserve(4, n, n, ROWS * n);
-      const numbers = new Float64Array(own.memory.buffer);
-      numbers.set([lam, mu, phi, sign], loads / 8), numbers.set(beta, angle / 8), numbers.set(rate, speed / 8);
+      const n = beta.length, out = room(ROWS * n);
       const values = name => {
-        own.rod_densities(DENSITIES.indexOf(name), 1n, BigInt(n), loads, angle, speed, out);
-        return numbers.slice(out / 8, out / 8 + n);
+        call("rod_densities", DENSITIES.indexOf(name), 1n, BigInt(n), [lam, mu, phi, sign], beta, rate, out);
+        return out.numbers(n);
       };
       return {push: values("outward"), curvature: values("curvature"), tension: values("tension")};
     }
 
-    /* What a function of the core writes of a rod that is known at times that rise, {t, beta, rate}: at most so many numbers.
-       error: of beta. call(n, the rod, memory): of the core. */
-    function along({lam, mu, phi}, sign, error, {t, beta, rate}, size, call) {
-      const n = t.length, [given, times, angle, speed, memory, out] = reserve(6, n, n, n, 18 * n + 2, size);
-      const numbers = new Float64Array(own.memory.buffer);
-      numbers.set([lam, mu, phi, sign, error, t[n - 1] - t[0]], given / 8);
-      numbers.set(t, times / 8), numbers.set(beta, angle / 8), numbers.set(rate, speed / 8);
-      const count = call(BigInt(n), [given, times, angle, speed], memory, out);
-      return new Float64Array(own.memory.buffer, out, size).slice(0, count); // the call may have moved the memory
+    /* A function of the core of a rod that is known at times that rise, {t, beta, rate}; error: of beta. more, last: what it
+       takes before and after its memory. */
+    function along(name, {lam, mu, phi}, sign, error, {t, beta, rate}, more, last) {
+      const n = t.length, given = [lam, mu, phi, sign, error, t[n - 1] - t[0]];
+      return Number(call(name, BigInt(n), given, t, beta, rate, more, room(18 * n + 2), ...last));
     }
 
     /* What is measured along it: the numbers of `MEASURED`. */
     function measure(problem, sign, error, rod) {
-      const values = along(problem, sign, error, rod, 2 * MEASURED.length, (n, known, memory, out) => {
-        if (own.rod_measure_stations(n, ...known, SERIES, memory, out)) throw new Error("no memory");
-        return MEASURED.length;
-      });
+      const out = room(2 * MEASURED.length);
+      if (along("rod_measure_stations", problem, sign, error, rod, SERIES, [out])) throw new Error("no memory");
+      const values = out.numbers();
       return Object.fromEntries(MEASURED.map((name, k) => [name, values[k]]));
     }
 
     /* The times at which its angle, curvature and push are largest or least, or its push changes sign: at most so many. */
     function landmarks(problem, sign, rod, most) {
-      return along(problem, sign, 0, rod, most, (n, known, memory, out) => {
-        const count = Number(own.rod_landmarks_of_stations(n, ...known, FINE, memory, BigInt(most), out));
-        if (count < 0) throw new Error("no memory");
-        return count;
-      });
+      const out = room(most), count = along("rod_landmarks_of_stations", problem, sign, 0, rod, FINE, [BigInt(most), out]);
+      if (count < 0) throw new Error("no memory");
+      return out.numbers(count);
     }
 
     /* The places where a curve at points (x, y, z, x, ...) comes nearer to itself than `near`, at points more than `apart`
        apart along it: of each the numbers of the nearest two. s: along the curve. */
     function crossings(s, points, near, apart, most) {
-      const n = s.length, [along, places, pairs] = reserve(n, 3 * n, 2 * most), numbers = new Float64Array(own.memory.buffer);
-      numbers.set(s, along / 8), numbers.set(points, places / 8);
-      const count = Number(own.rod_crossings(BigInt(n), along, places, near, apart, Infinity, BigInt(most), pairs));
+      const pairs = room(2 * most);
+      const count = Number(call("rod_crossings", BigInt(s.length), s, points, near, apart, Infinity, BigInt(most), pairs));
       if (count < 0) throw new Error("no memory");
-      const found = Array.from(new BigInt64Array(own.memory.buffer, pairs, 2 * Math.min(count, most)), Number);
+      const found = pairs.integers(2 * Math.min(count, most));
       return found.filter((_, k) => k % 2).map((j, k) => [j, found[2 * k]]);
     }
 

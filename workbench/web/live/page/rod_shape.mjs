@@ -192,16 +192,18 @@ function merged(first, second) {
   return all;
 }
 
-/* A row of values over x, which rises, at other places between its ends, by straight lines. */
+/* A row of values over x at other places between its ends, by straight lines; x and the places rise. */
 export function onLines(x, row, places) {
-  return Float64Array.from(places, (v) => {
-    const i = Math.min(intervalOf(x, v), x.length - 2),
-      share = Math.min(Math.max((v - x[i]) / (x[i + 1] - x[i] || 1), 0), 1);
-    return row[i] + (row[i + 1] - row[i]) * share;
-  });
+  const values = new Float64Array(places.length);
+  for (let k = 0, i = intervalOf(x, places[0]); k < places.length; k++) {
+    while (i < x.length - 2 && x[i + 1] <= places[k]) i++;
+    const share = (places[k] - x[i]) / (x[i + 1] - x[i] || 1);
+    values[k] = row[i] + (row[i + 1] - row[i]) * Math.min(Math.max(share, 0), 1);
+  }
+  return values;
 }
 
-/* The number of the last station at or before s. */
+/* The number of the last station at or before s, but never that of the last of all. */
 function intervalOf(stations, s) {
   let low = 0,
     high = stations.length - 1;
