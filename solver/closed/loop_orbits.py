@@ -23,8 +23,8 @@ from ..core.measures import crossings
 from ..mechanics.frames import position
 from ..numerics.arrays import Array
 from ..numerics.roots import root
-from ..orbit.periodic_orbit import Orbit, solve_orbit
-from ..orbit.variations import Variations, orbits_to_vary, variations_on
+from ..orbit.periodic_orbit import TIGHT, Orbit, solve_orbit
+from ..orbit.variations import Variations, variations_on
 from ..problem.reduced import StartProblem
 
 AMPLITUDES = 32  # of the curve of one period, at which the azimuth is compared with the wanted one
@@ -139,8 +139,7 @@ def residual(b1: float, y: float, goal: Array) -> tuple[Array, Array]:
 
 def vary_from(problem: StartProblem) -> Variations:
     """The variations of the orbits of start problems."""
-    orbit = orbits_to_vary(problem)
-    return variations_on(orbit, orbit.arcs)
+    return variations_on(solve_orbit(problem, TIGHT))
 
 
 def start(lowest: Array, lam: Array) -> StartProblem:

@@ -52,6 +52,8 @@ static const double *series_of(const course *o, int64_t i, int function)
 static void nodes_of(const course *o, int64_t i, double *beta, double *v)
 {
     product(o->n + 1, o->n, series_of(o, i, 0), o->points->values, beta);
+    for (int k = 0; k < o->n; k++)
+        beta[k] += o->all->base[o->at + i];
     product(o->n + 1, o->n, series_of(o, i, 1), o->points->values, v);
 }
 
@@ -249,7 +251,8 @@ static double mismatch(const course *o)
     const start_problem *p = o->problem;
     if (!o->count[0])
         return 0;
-    const double beta = at_place(series_of(o, 0, 0), o->n + 1, -1), speed = at_place(series_of(o, 0, 1), o->n + 1, -1);
+    const double beta = o->all->base[o->at] + at_place(series_of(o, 0, 0), o->n + 1, -1);
+    const double speed = at_place(series_of(o, 0, 1), o->n + 1, -1);
     const double v = fabs(p->dbeta0), quickest = sqrt(1 + load_size(p)) + v;
     const double slip = larger(fabs(speed - v) - 16 * EPS * quickest, 0); /* beyond the rounding of a speed */
     return fabs(beta - p->beta0) + slip * smaller(p->span, 1 / rod_weight_of(p));

@@ -131,20 +131,18 @@ _NO_MEMORY = 1
 
 
 _Points = structure("points", (INT, "n"), (AT, "nodes analyse values differentiate"))  # orbit_parts.h
-_Cutting = structure("cutting", (FLOAT, "length goal stretch"), (ctypes.c_int, "times_only lanes relative"))
+_Cutting = structure("cutting", (FLOAT, "length goal stretch"), (ctypes.c_int, "times_only lanes"))
 _Grid = structure("grid", (INT, "m"), (AT, "angles table"))
 
 
 class Cutting(NamedTuple):
     """How panels are cut: see `orbit.panels.panelled`. lanes: numbers computed at once, 0 for as many as there can be;
-    their number changes no bit. relative: whether series of beta count from the angles of their pieces, and not from 0;
-    those of alpha, z and the swirl then have no meaning."""
+    their number changes no bit."""
 
     length: float
     goal: float
     stretch: float
     lanes: int = 0
-    relative: bool = False
 
 
 @cache
@@ -157,8 +155,8 @@ def points(n: int) -> Any:
 @cache
 def cut(cutting: Cutting, times_only: bool) -> Any:
     """How panels are cut, for the core."""
-    length, goal, stretch, lanes, relative = cutting
-    return _Cutting(length, goal, stretch, times_only, lanes or widest(), relative)
+    length, goal, stretch, lanes = cutting
+    return _Cutting(length, goal, stretch, times_only, lanes or widest())
 
 
 @cache

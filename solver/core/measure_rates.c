@@ -94,7 +94,7 @@ static void rate(int kind, const rod_loads *l, const states *at, rated *out)
 static void write_state(const rod *o, int i, int64_t panel, double x, double turns, const varied_place *place, states *out)
 {
     const int n = (int)o->of->coefficients;
-    out->base[i] = o->by->base[panel], out->x[i] = at_place(o->of->series + FUNCTIONS * n * panel, n, x);
+    out->base[i] = o->of->base[panel], out->x[i] = at_place(o->of->series + FUNCTIONS * n * panel, n, x);
     out->angles.beta[i] = out->base[i] + TAU * turns + out->x[i], out->angles.speed[i] = fabs(place->v);
     out->v[i] = place->v, out->H[i] = place->H, out->c[i] = place->c;
     for (int k = 0; k < 4; k++)
@@ -154,7 +154,7 @@ static void differences(int kind, const rod_loads *l, const states *at, double *
    `differences`, where both agree. */
 static void above_rest(const rod *o, int near, const states *at, const rated *by, double out[COLUMNS][AT])
 {
-    const double nearest = o->by->base[o->nearest], push = o->still[PUSH], level = larger(push, 0);
+    const double nearest = o->of->base[o->nearest], push = o->still[PUSH], level = larger(push, 0);
     memset(out, 0, sizeof(double) * COLUMNS * AT);
     for (int d = 0; d < INTEGRALS; d++) {
         double exact[AT];
@@ -580,7 +580,7 @@ static void prepare_rod(rod *o)
     for (int64_t panel = begin; panel < end; panel++)
         if (o->varied->least[panel] < o->varied->least[o->nearest])
             o->nearest = panel;
-    states rest = {.angles = {.beta = {o->by->base[o->nearest]}}};
+    states rest = {.angles = {.beta = {o->of->base[o->nearest]}}};
     directions_of(&rest.angles);
     for (int d = 0; d < INTEGRALS; d++) {
         rated found;

@@ -65,10 +65,11 @@ typedef struct {
     const double *nodes, *analyse, *values, *differentiate;
 } points;
 
-/* One panel. piece: its number; next: the number of the panel after it, -1 for none. */
+/* One panel. piece: its number; next: the number of the panel after it, -1 for none. base: the angle of a critical point,
+   with whole turns, from which the series of beta counts; origin: the same in [-pi, pi). */
 typedef struct {
     int64_t piece, next, open;
-    double order, near, far, duration, fastest, error, time_error, time_rounding, beta;
+    double order, near, far, base, origin, duration, fastest, error, time_error, time_rounding;
 } panel;
 
 /* The panels of one problem after another; series: (room, FUNCTIONS, n + 1), NULL where durations alone are wanted. */
@@ -78,17 +79,17 @@ typedef struct {
     double *series;
 } panels;
 
-/* How panels are cut: see `rod_panelled`. lanes: what rod_lanes says, or fewer. relative: of `rod_orbits`. */
+/* How panels are cut: see `rod_panelled`. lanes: what rod_lanes says, or fewer. */
 typedef struct {
     double length, goal, stretch;
-    int times_only, lanes, relative;
+    int times_only, lanes;
 } cutting;
 
 /* The orbits that are read: arrays as `rod_orbits_fetch` fills them; beta0: (B,). first, count, duration: (2 B,). */
 typedef struct {
     int64_t coefficients, panels;
     const int64_t *kind, *first, *count;
-    const double *beta0, *direction, *duration, *gain, *since, *width, *series;
+    const double *beta0, *direction, *duration, *gain, *since, *width, *base, *origin, *series;
 } read_orbits;
 
 /* Pieces of rods that lie on orbits: `rod_cover`. */

@@ -36,10 +36,10 @@ static void numbers_of(lone_orbit *o, const ends_problem *p, const points *by, c
     const int64_t first = rod_place(&o->of, 0, 0, &where, &x), last = rod_place(&o->of, 0, length, &where, &x);
     const int64_t only[2] = {first, last}, n = by->n;
     o->varied.M = NULL; /* it is not read */
-    const int64_t nearest = rod_vary(&p->lam, &o->of, 0, o->origin, by, only, o->nodes, o->room, &o->varied);
+    const int64_t nearest = rod_vary(&p->lam, &o->of, 0, by, only, o->nodes, o->room, &o->varied);
     rod_varied_place_at(&o->of, &o->varied, 0, 0, &start), rod_varied_place_at(&o->of, &o->varied, 0, length, &far);
     const double turns = o->kind == LIBRATION ? 0 : o->direction * where.periods;
-    const double end = o->base[last] + at_place(o->of.series + FUNCTIONS * (n + 1) * last, (int)n + 1, x) + TAU * turns;
+    const double end = o->of.base[last] + at_place(o->of.series + FUNCTIONS * (n + 1) * last, (int)n + 1, x) + TAU * turns;
     const double betaL = level ? p->betaL : end, *sums = far.M + PAIRS;
     const double found[NUMBERS] = {p->beta0, betaL, start.v, far.v, sums[0], sums[2], sums[1], p->lam, p->mu, p->phi,
                                    level ? level->y : 0};
@@ -60,7 +60,7 @@ static void numbers_of(lone_orbit *o, const ends_problem *p, const points *by, c
     for (int q = 0; q < 3; q++)
         rows[PARTS * (LAM + q) + 2 + q] = 1;
     if (level)
-        add_level(at, level, o->origin[nearest], values, rows, by_span);
+        add_level(at, level, o->of.origin[nearest], values, rows, by_span);
 }
 
 /* The length at which the path meets beta(L). */

@@ -3,7 +3,7 @@
 
 #include "orbit_parts.h"
 
-enum { COLUMNS = 6, PIECE_COLUMNS = 9 };
+enum { COLUMNS = 8, PIECE_COLUMNS = 9 };
 
 /* The orbits of a call until they are fetched. */
 typedef struct {
@@ -44,18 +44,14 @@ static int one_orbit(orbits *made, int64_t b, const start_problem *p, const doub
                      const grid *by, const cutting *how, int64_t *kind, double *direction, int64_t *count)
 {
     critical found;
-    arcs from, cut;
+    arcs from;
     if (!is_finite(p) || (pin && !(isfinite(pin[b]) && isfinite(gap[b]))))
         return NOT_POSSIBLE;
     int failed = rod_critical(p->lam, p->mu, p->phi, by, &found);
     if (!failed)
         failed = rod_arcs(p, pin ? pin[b] : wrapped(p->beta0), pin ? gap[b] : p->dbeta0 * p->dbeta0, &found, &from);
-    if (!failed) {
-        cut = from;
-        for (int i = 0; how->relative && i < cut.count; i++)
-            cut.pieces[i].base = 0;
-        failed = rod_panelled(p, cut.pieces, cut.count, &made->at, how, &made->all);
-    }
+    if (!failed)
+        failed = rod_panelled(p, from.pieces, from.count, &made->at, how, &made->all);
     if (failed)
         return failed;
     kind[b] = from.kind, direction[b] = from.direction, count[2 * b] = count[2 * b + 1] = 0;
@@ -98,7 +94,7 @@ orbits *rod_orbits(int64_t n, const start_problem *problems, const double *pin, 
 
 /* Fetches and frees the orbits.
 
-   columns: (6, P), duration, fastest, error, time_error, time_rounding and the time since the start. arc, rank: (P,).
+   columns: (8, P), duration, base, origin, fastest, error, time_error, time_rounding and the time since the start. arc, rank: (P,).
    series: (P, 5, n + 1), its integrals from the start of the orbit. duration: (2 n,); gain: (2 n, 3), of the arcs.
    pieces: (N, 9), the columns of `orbit.pieces.Pieces`. */
 void rod_orbits_fetch(orbits *made, int64_t P, double *columns, int64_t *arc, int64_t *rank, double *series,
@@ -113,8 +109,8 @@ void rod_orbits_fetch(orbits *made, int64_t P, double *columns, int64_t *arc, in
             const double *own = made->all.series + FUNCTIONS * n * i;
             const int half = (int)(one->piece % 2);
             arc[row] = 2 * b + half, rank[row] = one->piece / 2;
-            const double values[COLUMNS] = {one->duration,   one->fastest,       one->error,
-                                            one->time_error, one->time_rounding, before[half][3]};
+            const double values[COLUMNS] = {one->duration, one->base,       one->origin,        one->fastest,
+                                            one->error,    one->time_error, one->time_rounding, before[half][3]};
             for (int k = 0; k < COLUMNS; k++)
                 columns[k * P + row] = values[k];
             memcpy(series + FUNCTIONS * n * row, own, sizeof(double) * (size_t)(FUNCTIONS * n));
@@ -222,7 +218,7 @@ void rod_orbit_at(const read_orbits *o, int64_t b, double t, double *out)
     double x;
     const int64_t panel = rod_place(o, b, t, &where, &x);
     values_at(o->series + FUNCTIONS * n * panel, n, x, out);
-    out[0] += kind == LIBRATION ? 0 : 2 * PI * o->direction[b] * where.periods;
+    out[0] += o->base[panel] + (kind == LIBRATION ? 0 : 2 * PI * o->direction[b] * where.periods);
     out[1] *= (where.second ? -o->direction[b] : o->direction[b]) * (where.mirrored ? -1.0 : 1.0);
     for (int k = 0; k < 3; k++)
         out[2 + k] = rod_unfolded(out[2 + k], &where, gain[k], gain[3 + k], kind == LIBRATION);

@@ -16,7 +16,7 @@ FUNCTIONS, PIECE_COLUMNS = 5, 9  # series of a panel; numbers of a piece
 
 _ReadOrbits = structure(  # orbit_parts.h
     "read_orbits", (INT, "coefficients panels"),
-    (AT, "kind first count beta0 direction duration gain since width series"),
+    (AT, "kind first count beta0 direction duration gain since width base origin series"),
 )  # fmt: skip
 _Covered = structure("covered", (AT, "of row low high time count begin"))  # orbit_parts.h
 _PanelErrors = structure("panel_errors", (AT, "fastest error time_error time_rounding"))  # conditioning.c
@@ -103,7 +103,7 @@ def orbits(numbers: Array, pin: Any, n: int, cutting: Cutting) -> FoundOrbits | 
         fine(int(status[0]))
         return None
     P = int(count.sum())
-    columns, arc, rank = np.empty((6, P)), np.empty(P, np.int64), np.empty(P, np.int64)
+    columns, arc, rank = np.empty((8, P)), np.empty(P, np.int64), np.empty(P, np.int64)
     series, duration, gain = np.empty((P, FUNCTIONS, n + 1)), np.empty(2 * B), np.empty((2 * B, 3))
     rest = columns, arc, rank, series, duration, gain, np.empty((int(pieces[0]), PIECE_COLUMNS))
     run("rod_orbits_fetch", handle, P, *rest)
@@ -115,7 +115,7 @@ def reading(orbit: Any) -> Any:
     panels, arcs = orbit.panels, orbit.arcs
     arrays = (
         arcs.kind, orbit.first, orbit.count, orbit.problem.beta0, arcs.direction, orbit.duration, orbit.gain,
-        orbit.since, panels.duration, panels.series,
+        orbit.since, panels.duration, panels.base, panels.origin, panels.series,
     )  # fmt: skip
     return _ReadOrbits(panels.series.shape[2], panels.arc.size, *map(np.ascontiguousarray, arrays))
 
@@ -196,19 +196,15 @@ KEPT = ("least", "M", "jump", "closing", "series", "gain")
 _VariedOrbits = structure("varied_orbits", (AT, " ".join(KEPT)), (INT, "lanes"))  # variations.h
 
 
-def variations(orbit: Any, origin: Array) -> dict[str, Array]:
-    """The arrays of `orbit.variations.Variations` by their names.
-
-    orbit: B orbits, none of them a helix, whose series of beta count from angles; origin: (P,), these, without whole
-    turns.
-    """
+def variations(orbit: Any) -> dict[str, Array]:
+    """The arrays of `orbit.variations.Variations` by their names. orbit: B orbits, none of them a helix."""
     problem, n = orbit.problem, orbit.panels.series.shape[2] - 1
-    P, B = origin.size, problem.size
-    loads, origin = np.stack([problem.lam, problem.mu, problem.phi], axis=1), np.ascontiguousarray(origin)
+    P, B = orbit.panels.arc.size, problem.size
+    loads = np.stack([problem.lam, problem.mu, problem.phi], axis=1)
     shapes = (P,), (P, PAIRS, n), (P, PAIRS), (2 * B, PAIRS)
     out = dict(zip(KEPT, map(np.empty, (*shapes, (P, n + 1, _SERIES), (B, 2, _SUMS))), strict=True))
     varied = _VariedOrbits(**out, lanes=widest())
-    fine(run("rod_variations", B, loads, reading(orbit), origin, points(n), varied))
+    fine(run("rod_variations", B, loads, reading(orbit), points(n), varied))
     return out
 
 

@@ -202,7 +202,6 @@ INLINE void series_of(const piece *p, const points *at, panel *out, double *seri
         memcpy(series + k * (n + 1), cut[k], sizeof(double) * (size_t)n);
         series[k * (n + 1) + n] = 0;
     }
-    series[0] += p->base;
     for (int k = 2; k < 5; k++) {
         double *row = series + k * (n + 1);
         integral(n, cut[k], row);
@@ -270,6 +269,7 @@ static int first_cuts(const piece *pieces, int count, const points *at, const cu
                 return NO_MEMORY;
             panel *one = &all->rows[all->count];
             *one = (panel){.piece = p, .next = all->count + 1, .open = 1, .order = (double)k};
+            one->base = pieces[p].base, one->origin = pieces[p].local.o;
             one->near = u0 + (double)k * step, one->far = k + 1 == parts ? u1 : u0 + (double)(k + 1) * step;
             all->count++;
         }

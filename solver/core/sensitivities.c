@@ -55,8 +55,8 @@ void rod_shape_rates(const shapes *of)
 }
 
 /* What is asked of B start problems. along: their shapes, whose `out` is filled. marks: (B, 5, F, MARKS), filled with the
-   same in units of rho at the shares 0, 1/3, 2/3 and 1 of the length. of, varied, base: the orbit of the only problem and
-   its variations, where they are known, with the parts (F, PARTS) of its changes; NULL where the orbits are made here.
+   same in units of rho at the shares 0, 1/3, 2/3 and 1 of the length. of, varied: the orbit of the only problem and its
+   variations, where they are known, with the parts (F, PARTS) of its changes; NULL where the orbits are made here.
    sign, error: (B,), as of `rods`. wanted: bits of rates; groups: of numbers along the whole rod, and partly: of those over
    its first and second third. lifts, peak: (B,), what is observed; NULL for what is measured. Filled: kind (B,), of the
    orbits, LOST where there is none; half_period (B, F); found (3, B), numbers along the rod, over its first third, and over
@@ -66,7 +66,7 @@ typedef struct {
     double *marks;
     const read_orbits *of;
     const varied_orbits *varied;
-    const double *base, *parts;
+    const double *parts;
     const start_problem *problems;
     const double *sign, *error, *lifts, *peak;
     int64_t wanted, groups, partly;
@@ -76,7 +76,7 @@ typedef struct {
     numbers *found;
 } sensitivities;
 
-/* What a thread needs; of, varied, base: of the rod in hand. */
+/* What a thread needs; of, varied: of the rod in hand. */
 typedef struct {
     const sensitivities *all;
     const grid *by;
@@ -86,7 +86,6 @@ typedef struct {
     rods rod;
     const read_orbits *of;
     const varied_orbits *varied;
-    const double *base;
     lone_orbit orbit;
     double *parts, *room, *pieces;
     int64_t piece_room;
@@ -135,7 +134,7 @@ static void change_marks(worker *o, int64_t b)
         t[k] = along->span[b] * (k / (double)(MARKS - 1));
         const int64_t panel = rod_place(o->of, 0, t[k], &where, &x);
         rod_varied_place_at(o->of, o->varied, 0, t[k], &place);
-        beta[k] = o->base[panel] + at_place(o->of->series + FUNCTIONS * n * panel, n, x), rate[k] = place.v;
+        beta[k] = o->of->base[panel] + at_place(o->of->series + FUNCTIONS * n * panel, n, x), rate[k] = place.v;
     }
     const shapes marks = {.size = 1, .stations = MARKS, .F = along->F, .t = t, .beta = beta, .rate = rate, .z = z,
                           .loads = along->loads + 3 * b, .span = along->span + b, .later = along->later + along->F * b,
@@ -158,7 +157,7 @@ static int cover_rod(worker *o, int64_t b, double share)
     const covered out = {rod, row, at + 2 * m, at + 3 * m, at + 4 * m, at + 5 * m, at + 6 * m};
     for (int64_t i = 0; i < P; i++) {
         memcpy(series + 2 * n * i, of->series + FUNCTIONS * n * i, sizeof(double) * (size_t)(2 * n));
-        series[2 * n * i] += o->base[i];
+        series[2 * n * i] += o->of->base[i];
     }
     first[0] = 0, first[1] = rod_cover(of, 1, &span, &out);
     if (!first[1]) { /* nothing moves */
@@ -182,7 +181,7 @@ static int measure_rod(worker *o, int64_t b)
         return NO_MEMORY;
     const changes by = {F, all->wanted, o->parts, all->along.later + F * b,
                         all->lifts ? all->lifts[b] : found->value[FIRST_LIFT],
-                        all->peak ? all->peak[b] : found->value[PEAK], o->base};
+                        all->peak ? all->peak[b] : found->value[PEAK]};
     o->rod.goal = all->rates_goal;
     if (all->wanted && rod_rates(o->w, o->of, o->at, o->varied, &by, 0, o->room, all->rates + RATES * F * b))
         return NO_MEMORY;
@@ -209,8 +208,8 @@ static int vary_rod(worker *o, int64_t b)
     o->all->kind[b] = failed && o->orbit.kind != HELIX ? LOST : o->orbit.kind;
     if (failed)
         return failed == NO_MEMORY ? failed : DONE;
-    rod_vary(&p->lam, &o->orbit.of, 0, o->orbit.origin, o->at, NULL, o->orbit.nodes, o->orbit.room, &o->orbit.varied);
-    o->of = &o->orbit.of, o->varied = &o->orbit.varied, o->base = o->orbit.base;
+    rod_vary(&p->lam, &o->orbit.of, 0, o->at, NULL, o->orbit.nodes, o->orbit.room, &o->orbit.varied);
+    o->of = &o->orbit.of, o->varied = &o->orbit.varied;
     return DONE;
 }
 
@@ -235,7 +234,7 @@ static int derive_rod(worker *o, int64_t b)
     const sensitivities *all = o->all;
     const int64_t F = all->along.F;
     if (all->of)
-        o->of = all->of, o->varied = all->varied, o->base = all->base, all->kind[b] = all->of->kind[0];
+        o->of = all->of, o->varied = all->varied, all->kind[b] = all->of->kind[0];
     const int failed = all->of ? DONE : vary_rod(o, b);
     if (failed || all->kind[b] == LOST || all->kind[b] == HELIX)
         return failed;

@@ -16,7 +16,7 @@ SERIES_GOAL = 1e-14  # of the series of which the places of extremes are found, 
 _SHAPES = "t beta rate z loads span by later ratio rho"
 _Shapes = structure("shapes", (INT, "size stations F"), (AT, f"{_SHAPES} out"))
 _Sensitivities = structure(
-    "sensitivities", (_Shapes, "along"), (AT, "marks of varied base parts problems sign error lifts peak"),
+    "sensitivities", (_Shapes, "along"), (AT, "marks of varied parts problems sign error lifts peak"),
     (INT, "wanted groups partly"), (FLOAT, "goal rates_goal"), (AT, "kind half_period rates found"),
 )  # fmt: skip
 
@@ -97,7 +97,7 @@ def start_sensitivities(
     if motion is not None:
         varied, parts = motion
         of, kept = arguments_of(varied)
-        rest |= {"of": of, "varied": kept, "base": varied.base, "parts": np.ascontiguousarray(parts.swapaxes(1, 2))}
+        rest |= {"of": of, "varied": kept, "parts": np.ascontiguousarray(parts.swapaxes(1, 2))}
     seen, rates = np.zeros((3, B, 2, len(NUMBERS))), np.full((B, F, len(NUMBERS) + 1), np.nan)
     names, plain, middle = (measured.names, measured.plain, measured.middle) if measured is not None else ((), (), ())
     if measured is not None:

@@ -262,8 +262,8 @@ INLINE void series_at(int size, const double *restrict rows, double x, double *r
 IN_WIDTHS(keep_series, (const varied_nodes *one, const points *at, double half, double *series), (one, at, half, series))
 IN_WIDTHS(series_at, (int size, const double *rows, double x, double *value), (size, rows, x, value))
 
-int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const double *origin, const points *at,
-                 const int64_t *only, varied_nodes *nodes, double *x, const varied_orbits *out)
+int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const points *at, const int64_t *only,
+                 varied_nodes *nodes, double *x, const varied_orbits *out)
 {
     const int n = (int)at->n;
     const int64_t first = of->first[2 * b], P = of->count[2 * b] + of->count[2 * b + 1];
@@ -276,7 +276,7 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const do
         const double *series = of->series + FUNCTIONS * width * (first + i);
         product(n + 1, n, series, at->values, x + n * i);
         product(n + 1, n, series + width, at->values, v);
-        vary_state(loads, origin[first + i], of->width[first + i] / 2, n, x + n * i, v, &nodes[i]);
+        vary_state(loads, of->origin[first + i], of->width[first + i] / 2, n, x + n * i, v, &nodes[i]);
         out->least[first + i] = nodes[i].least;
         if (nodes[i].least < nodes[nearest].least)
             nearest = i;
@@ -285,7 +285,7 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const do
         const int backward = i >= count[0], wanted = !only || i == only[0] || i == only[1];
         const double half = of->width[first + i] / 2;
         double *jump = out->jump + PAIRS * (first + i), *series = out->series + VARIED * (first + i) * width;
-        vary_rates(loads, origin[first + nearest], n, x + n * i, &nodes[i]);
+        vary_rates(loads, of->origin[first + nearest], n, x + n * i, &nodes[i]);
         vary_entry(nodes, count, i, of->direction[b], jump);
         if (wanted)
             FOR_LANES(out->lanes, keep_series)(&nodes[i], at, half, series);
@@ -312,10 +312,8 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const do
 
 /* The variations of n orbits, none of them a helix.
 
-   loads: (n, 3). origin: (P,), the angle from which the series of beta of each panel counts, without whole turns. The
-   arrays of `out` are filled. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
-int rod_variations(int64_t n, const double *loads, const read_orbits *of, const double *origin, const points *at,
-                   const varied_orbits *out)
+   loads: (n, 3). The arrays of `out` are filled. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
+int rod_variations(int64_t n, const double *loads, const read_orbits *of, const points *at, const varied_orbits *out)
 {
     int64_t most = 1;
     for (int64_t b = 0; b < n; b++) {
@@ -327,7 +325,7 @@ int rod_variations(int64_t n, const double *loads, const read_orbits *of, const 
     varied_nodes *nodes = malloc(sizeof(varied_nodes) * (size_t)most);
     double *x = malloc(sizeof(double) * (size_t)(most * at->n));
     for (int64_t b = 0; nodes && x && b < n; b++)
-        rod_vary(loads + 3 * b, of, b, origin, at, NULL, nodes, x, out);
+        rod_vary(loads + 3 * b, of, b, at, NULL, nodes, x, out);
     const int failed = nodes && x ? DONE : NO_MEMORY;
     free(nodes);
     free(x);
@@ -449,20 +447,19 @@ static int panels_of(const arcs *from, const panels *cut, const points *at, int 
     o->room = malloc(sizeof(double) * (size_t)(P * (5 + n + PAIRS * (n + 1) + each + varied)));
     if (!o->nodes || !o->room)
         return NO_MEMORY;
-    double *since = o->room + P * n, *width = since + P, *series = width + P, *least = series + P * each;
-    double *jump = least + P, *kept = jump + P * PAIRS, *M = kept + P * varied;
-    o->base = M + P * PAIRS * n, o->origin = o->base + P;
+    double *since = o->room + P * n, *width = since + P, *base = width + P, *origin = base + P, *series = origin + P;
+    double *least = series + P * each, *jump = least + P, *kept = jump + P * PAIRS, *M = kept + P * varied;
     for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next, k++) {
-        const piece *own = &from->pieces[cut->rows[i].piece];
-        since[k] = o->duration[own->arc], width[k] = cut->rows[i].duration;
-        o->base[k] = own->base, o->origin[k] = own->local.o;
-        o->duration[own->arc] += width[k];
-        o->count[own->arc]++;
+        const panel *own = &cut->rows[i];
+        const int64_t arc = from->pieces[own->piece].arc;
+        since[k] = o->duration[arc], width[k] = own->duration, base[k] = own->base, origin[k] = own->origin;
+        o->duration[arc] += width[k];
+        o->count[arc]++;
         memcpy(series + each * k, cut->series + each * i, sizeof(double) * (size_t)each);
     }
     o->first[1] = o->count[0];
     o->of = (read_orbits){n + 1, P, &o->kind, o->first, o->count, NULL, &o->direction, o->duration, NULL, since, width,
-                          series};
+                          base, origin, series};
     o->varied = (varied_orbits){least, M, jump, o->closing, kept, o->gain, lanes};
     return o->count[0] ? DONE : NOT_POSSIBLE;
 }
@@ -470,7 +467,7 @@ static int panels_of(const arcs *from, const panels *cut, const points *at, int 
 int rod_lone_orbit(const start_problem *start, double pin, double gap, const critical *found, const points *at,
                    const cutting *how, lone_orbit *out)
 {
-    arcs from, cut;
+    arcs from;
     panels made = {0};
     *out = (lone_orbit){.kind = LOST};
     int failed = rod_arcs(start, pin, gap, found, &from);
@@ -479,10 +476,7 @@ int rod_lone_orbit(const start_problem *start, double pin, double gap, const cri
     out->kind = from.kind, out->direction = from.direction;
     if (from.kind == HELIX || !from.count)
         return NOT_POSSIBLE;
-    cut = from;
-    for (int i = 0; i < cut.count; i++)
-        cut.pieces[i].base = 0;
-    failed = rod_panelled(start, cut.pieces, cut.count, at, how, &made);
+    failed = rod_panelled(start, from.pieces, from.count, at, how, &made);
     failed = failed ? failed : panels_of(&from, &made, at, how->lanes, out);
     rod_panels_free(&made);
     return failed;

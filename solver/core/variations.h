@@ -28,11 +28,10 @@ typedef struct {
     int64_t lanes; /* what rod_lanes says, or fewer; changes no bit */
 } varied_orbits;
 
-/* The variations of orbit b, none of a helix, on its panels, with nodes (P,) and x (P, n) as room. loads: (3,). origin: as of
-   `rod_variations`. only: two of the panels, numbered within the orbit, whose series alone are wanted, or NULL for all; M of
+/* The variations of orbit b, none of a helix, on its panels, with nodes (P,) and x (P, n) as room. loads: (3,). only: two of the panels, numbered within the orbit, whose series alone are wanted, or NULL for all; M of
    `out` may be NULL. Returns the number within the orbit of the panel whose critical point the orbit comes closest to. */
-int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const double *origin, const points *at,
-                 const int64_t *only, varied_nodes *nodes, double *x, const varied_orbits *out);
+int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const points *at, const int64_t *only,
+                 varied_nodes *nodes, double *x, const varied_orbits *out);
 
 /* The state at x of a panel with series of `size` coefficients, moving away from the start; M: since the start, along its
    arc. */
@@ -63,12 +62,11 @@ static inline double of_parts(const double *unit, const double *parts)
 enum { LOST = -1 };
 
 /* One orbit on its panels, in the order of travel: those of the forward arc, then those of the backward one; and its
-   variations. base: the angle from which beta counts on each panel, with whole turns; origin: without. It is not moved in
-   memory, for `of` and `varied` point into it. */
+   variations. It is not moved in memory, for `of` and `varied` point into it. */
 typedef struct {
     int64_t count[2], first[2], kind;
     double direction, duration[2], closing[2 * PAIRS], gain[2 * SUMS];
-    double *room, *base, *origin;
+    double *room;
     varied_nodes *nodes;
     read_orbits of;
     varied_orbits varied;

@@ -33,7 +33,7 @@ NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "
 _Y = 10
 _REST = 1e-15  # beta_t at a start at rest
 SAME = 1e-9  # rad: critical points that are this near are one
-HOW = CUTTING, Cutting(LENGTH, GOAL, STRETCH, relative=True)
+HOW = CUTTING, Cutting(LENGTH, GOAL, STRETCH)
 
 
 @dataclass(frozen=True, eq=False)

@@ -279,7 +279,8 @@ def _range(orbit: Orbit, problem: EndsProblem) -> tuple[Array, Array]:
     """Smallest and largest beta along each rod, (K,): at its ends or at turning points."""
     lowest, highest = np.minimum(problem.beta0, problem.betaL), np.maximum(problem.beta0, problem.betaL)
     tip = np.repeat(orbit.problem.beta0, 2)
-    tip[orbit.panels.arc] = orbit.panels.series[:, 0].sum(axis=1)  # the last panel of each arc is written last
+    ends = orbit.panels.base + orbit.panels.series[:, 0].sum(axis=1)
+    tip[orbit.panels.arc] = ends  # the last panel of each arc is written last
     tip = np.reshape(tip, (-1, 2))
     for passed, end in zip((orbit.turns > 0, orbit.turns > 1), tip.T, strict=True):
         lowest = np.where(passed, np.minimum(lowest, end), lowest)

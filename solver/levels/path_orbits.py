@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 
 from ..core import orbits as core
-from ..core.library import Cutting
 from ..mechanics.potential import potential
 from ..numerics.arrays import Array, Integers
 from ..orbit.joined_orbits import join_orbits
-from ..orbit.periodic_orbit import TIGHT, Orbit, assemble, relative_orbit, solve_orbit
+from ..orbit.periodic_orbit import TIGHT, Orbit, assemble, solve_orbit
 from ..orbit.pieces import HELIX, Panels, join
-from ..orbit.variations import GOAL, LENGTH, POINTS, Variations, variations_on
+from ..orbit.variations import Variations, variations_on
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts, where_shown
 from .level_grid import LOWEST
@@ -43,8 +42,8 @@ def with_saddle_panels(brief: Orbit, span: Array, gap: Array, excess: Array) -> 
     near[..., 1::2] *= -1
     series[:, 2:, 0] -= near[:, 2:].sum(axis=2)  # integrals from each panel's own near end
     duration = stay[end, piece]
-    rest = _still(panels, pieces.base[piece], duration)
-    still = Panels(pieces.arc[piece], pieces.rank[piece], duration, *rest)
+    angles, rest = (pieces.base[piece], pieces.origin[piece]), _still(panels, pieces.base[piece], duration)
+    still = Panels(pieces.arc[piece], pieces.rank[piece], duration, *angles, *rest)
     every = join([replace(panels, series=series), still])
     place = np.concatenate([np.zeros(panels.arc.size), np.where(end == 0, -1, 1)])
     number = np.concatenate([np.arange(panels.arc.size), np.arange(piece.size)])
@@ -57,7 +56,6 @@ def _still(panels: Panels, angle: Array, duration: Array) -> tuple[Any, ...]:
     P = angle.size
     series = np.zeros((P, *panels.series.shape[1:]))
     s, c = np.sin(angle), np.cos(angle)
-    series[:, 0, 0] = angle
     for k, rate in enumerate((s, c, s * c)):
         series[:, 2 + k, 0] = series[:, 2 + k, 1] = rate * duration / 2
     none = np.zeros(P)
@@ -81,12 +79,11 @@ def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, len
     growth = core.response(orbit)[0] * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
     if excess.any():
         orbit = with_saddle_panels(orbit, np.full(K, problem.span[0]), gap, excess)
-    series = orbit.panels.series.copy()
-    series[:, 0, 0] += problem.beta0[0] - start.beta0[0]  # whole turns
+    base = orbit.panels.base + (problem.beta0[0] - start.beta0[0])  # whole turns
     start = replace(start, beta0=np.full(K, problem.beta0[0]), span=np.full(K, problem.span[0]))
     passed = np.where(path.helix, 0.0, path.turns)
     known = {"lengthens": lengthens, "response": growth, "passed": passed, "path": path}
-    return replace(orbit, problem=start, panels=replace(orbit.panels, series=series), **known), level
+    return replace(orbit, problem=start, panels=replace(orbit.panels, base=base), **known), level
 
 
 def _starts(problem: EndsProblem, boundary: Boundary, path: LevelPaths) -> tuple[StartProblem, Array, Array, Integers]:
@@ -115,12 +112,8 @@ def variations_of(problem: EndsProblem, path: Path, place: LinePoint) -> Variati
     """The variations of one equilibrium that is no helix. place: of the problem, whatever its length."""
     start, gap, excess, _ = _starts(problem, place.boundary(path.pin), path.level_path)
     pin = np.array([path.pin])
-    relative = relative_orbit(start, POINTS, Cutting(LENGTH, GOAL, STRETCH), (pin, gap))
-    arcs = relative.arcs
-    if excess.any():
-        still = replace(arcs, pieces=replace(arcs.pieces, base=np.zeros_like(arcs.pieces.base)))
-        relative = with_saddle_panels(replace(relative, arcs=still), problem.span, gap, excess)
-    return variations_on(relative, arcs)
+    orbit = solve_orbit(start, TIGHT, (pin, gap), STRETCH)
+    return variations_on(with_saddle_panels(orbit, problem.span, gap, excess) if excess.any() else orbit)
 
 
 def orbit_of(problem: EndsProblem, path: Path) -> Orbit:

@@ -128,7 +128,9 @@ def _of_panels(orbit: Any, own: Array, case: Array, some: slice, until: float, w
     arcs_of_case = slice(2 * int(own[0]), 2 * int(own[-1]) + 2)
     arcs = orbit.first[arcs_of_case], orbit.count[arcs_of_case], orbit.duration[arcs_of_case]
     covered = cover(problem.span * until, orbit.kind[own], *arcs, orbit.since, panels.duration)
-    pieces = _cover(problem, panels.series[:, :2], covered, until)
+    series = panels.series[:, :2].copy()
+    series[:, 0, 0] += panels.base
+    pieces = _cover(problem, series, covered, until)
     block = (orbit if whole is None else whole).problem.take(some)
     return replace(pieces, problem=block, case=np.asarray(case)[pieces.case])
 

@@ -131,7 +131,7 @@ class Orbit:
 def solve_orbit(
     problem: StartProblem, tol: float, pin: tuple[Array, Array] | None = None, stretch: float = 1.0
 ) -> Orbit:
-    """The orbits of B start problems with finite numbers.
+    """The orbits of B start problems; those of a problem that is not finite, which the core refuses, are NaN.
 
     Parameters
     ----------
@@ -143,20 +143,7 @@ def solve_orbit(
         As in `arcs.arcs_of` and `panels.panelled`.
     """
     n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
-    return _orbits(problem, n, Cutting(length, 0.05 * tol, stretch), pin)
-
-
-def relative_orbit(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, Array] | None = None) -> Orbit:
-    """The orbits of B start problems whose series of beta count from the angles of their pieces.
-
-    Next to such an angle beta then has relative accuracy. The series of alpha, z and the swirl have no meaning.
-    n: nodes of a panel. pin: as in `arcs.arcs_of`.
-    """
-    return _orbits(problem, n, cutting._replace(relative=True), pin)
-
-
-def _orbits(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, Array] | None) -> Orbit:
-    """The orbits by the core; those of a problem that is not finite, which the core refuses, are NaN."""
+    cutting = Cutting(length, 0.05 * tol, stretch)
     numbers, pinned = numbers_of(problem), None if pin is None else np.stack(pin, axis=1)
 
     def solve(rows: Any) -> core.FoundOrbits | None:
@@ -178,9 +165,10 @@ def _orbits(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, A
 
 def orbit_of(problem: StartProblem, found: core.FoundOrbits) -> Orbit:
     """The orbits that the core made."""
-    duration, fastest, error, time_error, time_rounding, since = found.columns
+    duration, base, origin, fastest, error, time_error, time_rounding, since = found.columns
     calls = np.full(found.arc.size, 2 * (found.series.shape[2] - 1))
-    panels = Panels(found.arc, found.rank, duration, found.series, fastest, error, time_error, time_rounding, calls)
+    angles, errors = (base, origin), (fastest, error, time_error, time_rounding)
+    panels = Panels(found.arc, found.rank, duration, *angles, found.series, *errors, calls)
     first = np.cumsum(found.counts) - found.counts
     arcs = Arcs(found.kind, found.direction, Pieces.from_core(found.pieces))
     return Orbit(problem, arcs, panels, since, first, found.counts, found.duration, found.gain)

@@ -64,15 +64,19 @@ class Panels:
     """P panels, in order of arc and of time away from the start.
 
     arc: (P,), 2 b for the forward arc of problem b, 2 b + 1 for the backward one. rank: (P,), of the panel's piece.
-    duration: (P,). series: (P, 5, n + 1), of beta, |beta_t|, alpha, z and the swirl (the integral of sin cos), the last
-    three from the panel's near end. fastest: (P,), largest |beta_t|. error: (P,), what the truncated series leave out
-    of beta. time_error: (P,), what they leave out of the duration, as a share of it. time_rounding: (P,), what the
-    rounding of G changes of the duration, as a share. calls: (P,), evaluations of G.
+    duration: (P,). base: (P,), the angle of a critical point, with whole turns, from which beta counts on the panel:
+    next to it beta has relative accuracy. origin: (P,), the same in [-pi, pi). series: (P, 5, n + 1), of beta - base,
+    |beta_t|, alpha, z and the swirl (the integral of sin cos), the last three from the panel's near end. fastest: (P,),
+    largest |beta_t|. error: (P,), what the truncated series leave out of beta. time_error: (P,), what they leave out of
+    the duration, as a share of it. time_rounding: (P,), what the rounding of G changes of the duration, as a share.
+    calls: (P,), evaluations of G.
     """
 
     arc: Integers
     rank: Integers
     duration: Array
+    base: Array
+    origin: Array
     series: Array
     fastest: Array
     error: Array

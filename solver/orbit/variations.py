@@ -26,12 +26,10 @@ import numpy as np
 from ..core import orbits as core
 from ..core.library import Cutting
 from ..numerics.arrays import Array
-from ..problem.reduced import StartProblem
-from .periodic_orbit import Orbit, relative_orbit
-from .pieces import Arcs
+from .periodic_orbit import Orbit
 
 POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
-HOW = Cutting(LENGTH, GOAL, 1.0, relative=True)
+HOW = Cutting(LENGTH, GOAL, 1.0)
 _PAIRS = np.triu_indices(4)  # the rows and columns of M that are kept
 _MATRIX = np.zeros((4, 4), dtype=int)  # where the elements of M are kept
 _MATRIX[_PAIRS] = _MATRIX[_PAIRS[::-1]] = range(10)
@@ -77,16 +75,14 @@ class Change:
 class Variations:
     """The variations of B orbits, none of them a helix, ready to be read anywhere along the rods.
 
-    orbit: the orbits; their series of beta count from the angle `base` (P,) of each panel. kept: arrays by name
-    (`core.orbits.KEPT`). least: (P,), the least beta_t^2 + c H^2 of each panel. M: (P, 10, n), the rates of its
-    elements at the nodes. jump: (P, 10), closing: (2 B, 10), what M gains on entering each panel, and where the
-    rotation of an arc closes. series: (P, n + 1, 22), of |beta_t|, H, c, the shifts (3), gamma_q (3), the ten elements
-    of M and the integrals of sin, cos and sin cos of beta. gain: (B, 2, 13), what these sums gain over the forward and
-    the backward arc.
+    kept: arrays by name (`core.orbits.KEPT`). least: (P,), the least beta_t^2 + c H^2 of each panel. M: (P, 10, n), the
+    rates of its elements at the nodes. jump: (P, 10), closing: (2 B, 10), what M gains on entering each panel, and
+    where the rotation of an arc closes. series: (P, n + 1, 22), of |beta_t|, H, c, the shifts (3), gamma_q (3), the ten
+    elements of M and the integrals of sin, cos and sin cos of beta. gain: (B, 2, 13), what these sums gain over the
+    forward and the backward arc.
     """
 
     orbit: Orbit
-    base: Array
     kept: dict[str, Array]
 
     def at(self, t: Array) -> Place:
@@ -113,23 +109,13 @@ class Variations:
     @property
     def nearest(self) -> Array:
         """The angles, with whole turns, of the critical points from whose heights the level counts, (B,)."""
-        problem = self.orbit.panels.arc // 2
+        panels = self.orbit.panels
+        problem = panels.arc // 2
         order = np.lexsort((self.kept["least"], problem))
         first = np.searchsorted(problem[order], np.arange(self.orbit.problem.size))
-        return np.asarray(self.base[order[np.minimum(first, order.size - 1)]])
+        return panels.base[order[np.minimum(first, order.size - 1)]]
 
 
-def orbits_to_vary(problem: StartProblem) -> Orbit:
-    """The orbits of start problems as `variations_on` takes them, helices included."""
-    return relative_orbit(problem, POINTS, HOW)
-
-
-def variations_on(orbit: Orbit, arcs: Arcs) -> Variations:
-    """The variations on panels whose series of beta count from the angles from which the pieces of `arcs` count."""
-    pieces, panels = arcs.pieces, orbit.panels
-    most = int(pieces.rank.max(initial=0)) + 1
-    number = pieces.arc * most + pieces.rank
-    order = np.argsort(number, kind="stable")
-    place = order[np.searchsorted(number, panels.arc * most + panels.rank, sorter=order)]
-    base, origin = pieces.base[place], pieces.origin[place]
-    return Variations(orbit, base, core.variations(orbit, origin))
+def variations_on(orbit: Orbit) -> Variations:
+    """The variations of orbits, none of them a helix."""
+    return Variations(orbit, core.variations(orbit))

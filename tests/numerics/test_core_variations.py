@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from solver.orbit.periodic_orbit import TIGHT, solve_orbit
 from solver.orbit.pieces import HELIX
-from solver.orbit.variations import Variations, orbits_to_vary, variations_on
+from solver.orbit.variations import Variations, variations_on
 from solver.problem.reduced import StartProblem
 
 
@@ -16,9 +17,9 @@ def variations(seed: int, size: int) -> Variations:
     rng = np.random.default_rng(seed)
     loads, ends = rng.normal(size=(3, size)) * [[2.0], [1.0], [2.0]], rng.uniform(-4, 4, size)
     problem = StartProblem(*loads, 10 ** rng.uniform(0, 2, size), ends, 1.5 * rng.normal(size=size))
-    orbit = orbits_to_vary(problem)
+    orbit = solve_orbit(problem, TIGHT)
     assert not (orbit.kind == HELIX).any()
-    return variations_on(orbit, orbit.arcs)
+    return variations_on(orbit)
 
 
 def test_variations_are_those_of_a_march_of_the_variational_equation() -> None:
