@@ -14,7 +14,7 @@ from .numerics.arrays import Array, Booleans, Integers
 from .problem.case import Case
 from .problem.errors import InputError
 from .problem.reduced import held_of
-from .traced_folds import search_held, search_varying
+from .traced_folds import search_from_middle
 
 PIXELS = 240  # of the raster along each field
 MOST_POINTS = 100_000
@@ -139,7 +139,7 @@ def fold_curves(case: Case, *, lattice: int | None = None, **ranges: Any) -> Fol
     if not 2 <= lattice <= MOST or lattice != int(lattice):
         raise InputError(f"lattice must be a whole number from 2 to {MOST}, got {lattice!r}")
     if plane.varies or held_of(case):
-        return (search_varying if plane.varies else search_held)(plane, int(lattice))
+        return search_from_middle(plane, int(lattice))
     return curves_of(search_curves(plane, int(lattice)))
 
 

@@ -1,6 +1,5 @@
 """Fold curves that hang together with known equilibria: of rods with weight or friction, and with held ends."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -9,25 +8,26 @@ import numpy as np
 
 from .branches.branch_events import Bounds, Place, Stop
 from .branches.branch_following import branch_through
-from .branches.family import family_of
+from .branches.family import Family, scale_of
 from .equilibria import equilibria
 from .equilibrium.given_numbers import is_hinged
 from .equilibrium.orbit_rates import NUMBERS
 from .equilibrium.system import state_of
 from .equilibrium_branch import Branch
+from .equilibrium_list import Equilibrium
 from .folds.fold_curves import FoldCurve, FoldCurves, fold_curve
 from .folds.fold_search import curve_through
-from .folds.linked_search import Meeting, lattice_ticks, place_on, search_linked
-from .folds.orbit_folds import fold_near, given_on, mark_of
+from .folds.linked_search import IsKnown, Meeting, lattice_ticks, place_on, search_linked
+from .folds.orbit_folds import GivenAt, fold_near, given_on, mark_of
 from .folds.parameter_plane import ParameterPlane, read_range, reflect
 from .folds.whole_curve import WholeCurve, point_alone
-from .levels.line_point import Path, path_of
+from .levels.line_point import path_of
 from .mechanics.potential import load_size
 from .numerics.arclength import FOLD
 from .numerics.arrays import Array
 from .problem.case_fields import value_of
 from .problem.errors import InputError, choices
-from .problem.reduced import EndsProblem, given_numbers
+from .problem.reduced import given_numbers
 from .shooting.curve import MOST_POINTS, Curve, angles_of, shapes_through
 from .shooting.descent import index_at, on_nodes, weakest_modes
 from .shooting.loaded_rod import LoadedRod
@@ -96,8 +96,7 @@ def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
     if case.varies:
         shapes = [branch.points[i].path for i in (place - 1, place, place + 1)]
         return fold_curve(plane, fold_through(rods_over(plane), z, 0, shapes))
-    orbit = PlaneOrbit(point.problem, point.path, is_hinged(given_numbers(case)))
-    return fold_curve(plane, OrbitsOnPlane(plane).fold_of(z, 0, orbit))
+    return fold_curve(plane, OrbitsOnPlane(plane).fold_of(z, 0, Place(value, point.path, point.problem, point.index)))
 
 
 def rods_over(plane: ParameterPlane) -> RodAt:
@@ -109,84 +108,64 @@ def rods_over(plane: ParameterPlane) -> RodAt:
     return partial(reflect, rod_of, names=("numbers", "span", "near", "far"))
 
 
-def search_varying(plane: ParameterPlane, lattice: int) -> FoldCurves:
+def search_from_middle(plane: ParameterPlane, lattice: int) -> FoldCurves:
     """The curves that branches along the lines of a lattice meet, from the equilibria found at its middle."""
-    rod_at, ticks, middle = rods_over(plane), lattice_ticks(lattice), lattice // 2
-    z = ticks[[middle, middle]]
-    rods = [rod_at(np.array([u, w])) for u in (0.0, 0.5, 1.0) for w in (0.0, 0.5, 1.0)]
-    u = max((rod.nodes() / rod.span for rod in rods), key=len)
-    scale = rod_at(z).scale
-    shapes = [
-        on_nodes(equilibrium.path.shape, u * equilibrium.path.shape.rod.span)
-        for equilibrium in equilibria(plane.case_at(z))
-    ]
-    shapes = [replace(shape, rod=shape.rod.in_scales(scale)) for shape in shapes]
-    begin = {(middle, middle): [(shape, index_at(shape)) for shape in shapes]}
-    return search_linked(plane, ShapesOnPlane(rod_at, scale), ticks, begin)
-
-
-def search_held(plane: ParameterPlane, lattice: int) -> FoldCurves:
-    """The same of a rod without weight whose ends are held."""
     ticks, middle = lattice_ticks(lattice), lattice // 2
-    listed = equilibria(plane.case_at(ticks[[middle, middle]]), stations=2)
-    hinged = is_hinged(given_numbers(plane.case))
-    orbits = [
-        (PlaneOrbit(between_ends(equilibrium.solution), path_of(equilibrium.path, 0), hinged), equilibrium.index)
-        for equilibrium in listed
-    ]
-    return search_linked(plane, OrbitsOnPlane(plane), ticks, {(middle, middle): orbits})
+    z = ticks[[middle, middle]]
+    system = ShapesOnPlane(rods_over(plane), z) if plane.varies else OrbitsOnPlane(plane)
+    places = [system.place_of(equilibrium) for equilibrium in equilibria(plane.case_at(z), stations=2)]
+    return search_linked(plane, system, ticks, {(middle, middle): places})
 
 
 @dataclass(frozen=True, eq=False)
 class ShapesOnPlane:
     """Shapes of a rod whose loads vary along it, a `folds.linked_search.PlaneSystem`.
 
-    rod_at: the rod at z. scale: (8,), of all states.
+    rod_at: the rod at z. middle: the z that the scales of all states are of.
     """
 
     rod_at: RodAt
-    scale: Array
+    middle: Array
 
-    def signature(self, shape: Shape) -> Array:
-        return angles_of(shape)
+    @cached_property
+    def scale(self) -> Array:
+        """(8,), of all states."""
+        return self.rod_at(self.middle).scale
+
+    @cached_property
+    def shares(self) -> Array:
+        """Of the span, at which the nodes of all shapes lie: dense enough anywhere in the plane."""
+        rods = [self.rod_at(np.array([u, w])) for u in (0.0, 0.5, 1.0) for w in (0.0, 0.5, 1.0)]
+        return max((rod.nodes() / rod.span for rod in rods), key=len)
+
+    def place_of(self, equilibrium: Equilibrium) -> Place:
+        """An equilibrium at the middle."""
+        shape = equilibrium.path.shape
+        shape = on_nodes(shape, self.shares * shape.rod.span)
+        shape = replace(shape, rod=shape.rod.in_scales(self.scale))
+        return Place(np.nan, shape, None, index_at(shape))
+
+    def signature(self, place: Place) -> Array:
+        return angles_of(place.path)
 
     def line(self, z: Array, axis: int) -> Curve:
         """The equilibria along number `axis` of z through a point."""
         return Curve(lambda x: self.rod_at(place_on(z, axis, x)), 1.0, self.scale)
 
-    def branch(self, z: Array, axis: int, shape: Shape, wanted: Array) -> tuple[list[Place], int, Stop, Stop] | str:
+    def branch(self, z: Array, axis: int, place: Place, wanted: Array) -> tuple[list[Place], int, Stop, Stop] | str:
         bounds = Bounds(0.0, 1.0, tuple(wanted.tolist()), MOST_POINTS)
-        return shapes_through(self.line(z, axis), shape, float(z[axis]), bounds, NARROW)
+        return shapes_through(self.line(z, axis), place.path, float(z[axis]), bounds, NARROW)
 
-    def splits(self, z: Array, axis: int, place: Place) -> list[tuple[float, Shape]]:
+    def splits(self, z: Array, axis: int, place: Place) -> list[Place]:
         shape: Shape = place.path
         points = self.line(z, axis).split_off(shape, weakest_modes(shape)[0], (SPLIT, -SPLIT), place.p)
-        return [(point.p, point.shape) for point in points if 0 < point.p < 1]
+        return [point.record() for point in points if 0 < point.p < 1]
 
-    def curves(self, meeting: Meeting, is_known: Callable[[Array, Shape], bool]) -> list[WholeCurve] | None:
+    def curves(self, meeting: Meeting, is_known: IsKnown) -> list[WholeCurve] | None:
         shapes = [place.path for place in meeting.places]
         if meeting.places[1].kind == FOLD:
             return [fold_through(self.rod_at, meeting.z, meeting.axis, shapes)]
         return pitchforks_through(self.rod_at, meeting.z, meeting.axis, shapes[1], is_known)
-
-
-@dataclass(frozen=True, eq=False)
-class PlaneOrbit:
-    """An equilibrium, as a problem under dead loads and its path; hinged: whether an end moment is given."""
-
-    problem: EndsProblem
-    path: Path
-    hinged: bool
-
-    @cached_property
-    def numbers(self) -> Array:
-        """The `NUMBERS` but the level, (10,)."""
-        return state_of(self.problem, self.path, self.hinged).rates.values[0, :-1]
-
-    @cached_property
-    def mark(self) -> Array:
-        """As of `orbit_folds.mark_of`."""
-        return mark_of(self.numbers, float(load_size(self.problem)[0]), float(self.problem.span[0]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,37 +174,49 @@ class OrbitsOnPlane:
 
     plane: ParameterPlane
 
-    def signature(self, orbit: PlaneOrbit) -> Array:
-        return orbit.mark
+    @cached_property
+    def given_at(self) -> GivenAt:
+        """The given numbers at z."""
+        return given_on(self.plane)
 
-    def branch(
-        self, z: Array, axis: int, orbit: PlaneOrbit, wanted: Array
-    ) -> tuple[list[Place], int, Stop, Stop] | str:
-        low, high = self.plane.low[axis], self.plane.high[axis]
-        share_of = {float(low + (high - low) * x): float(x) for x in (*wanted, z[axis])}
-        first = float(low + (high - low) * z[axis])
-        bounds = Bounds(min(share_of), max(share_of), tuple(share_of), MOST)
-        family = family_of(self.plane.unchecked_case_at(z), self.plane.names[axis], orbit.problem, bounds)
-        followed = branch_through(family, orbit.path, first, bounds)
-        if isinstance(followed, str):
-            return followed
+    @cached_property
+    def hinged(self) -> bool:
+        """Whether an end moment is given."""
+        return is_hinged(given_numbers(self.plane.case))
 
-        def place_of(place: Place) -> Place:
-            x = share_of.get(place.p, (place.p - low) / (high - low))
-            return replace(place, p=float(x), path=PlaneOrbit(place.problem, place.path, family.hinged))
+    def place_of(self, equilibrium: Equilibrium) -> Place:
+        """An equilibrium somewhere in the plane."""
+        path, problem = path_of(equilibrium.path, 0), between_ends(equilibrium.solution)
+        return Place(np.nan, path, problem, equilibrium.index)
 
-        return [place_of(place) for place in followed[0]], *followed[1:]
+    def numbers(self, place: Place) -> Array:
+        """The `NUMBERS` but the level, (10,)."""
+        return state_of(place.problem, place.path, self.hinged).rates.values[0, :-1]
 
-    def splits(self, z: Array, axis: int, place: Place) -> list[tuple[float, PlaneOrbit]]:
+    def signature(self, place: Place) -> Array:
+        """As of `orbit_folds.mark_of`."""
+        return mark_of(self.numbers(place), float(load_size(place.problem)[0]), float(place.problem.span[0]))
+
+    def branch(self, z: Array, axis: int, place: Place, wanted: Array) -> tuple[list[Place], int, Stop, Stop] | str:
+        def numbers(x: float) -> list[float]:
+            given = self.given_at(place_on(z, axis, x))
+            return [*given.values.tolist(), given.span, given.ratio]
+
+        x, names = float(z[axis]), self.given_at(z).names
+        family = Family(numbers, place.problem, scale_of(numbers, names, x, 1.0), names)
+        return branch_through(family, place.path, x, Bounds(0.0, 1.0, tuple(wanted.tolist()), MOST))
+
+    def splits(self, z: Array, axis: int, place: Place) -> list[Place]:
         """None: branches of mirror images, which meet where the rod is at rest at both ends, are not entered."""
         return []
 
-    def curves(self, meeting: Meeting, is_known: Callable[[Array, PlaneOrbit], bool]) -> list[WholeCurve] | None:
+    def curves(self, meeting: Meeting, is_known: IsKnown) -> list[WholeCurve] | None:
         fold = meeting.places[1]
-        return [self.fold_of(meeting.z, meeting.axis, fold.path)] if fold.kind == FOLD else None
+        return [self.fold_of(meeting.z, meeting.axis, fold)] if fold.kind == FOLD else None
 
-    def fold_of(self, z: Array, axis: int, orbit: PlaneOrbit) -> WholeCurve:
+    def fold_of(self, z: Array, axis: int, place: Place) -> WholeCurve:
         """The curve of the fold at z of a branch along number `axis`; the point alone where it has no equation."""
-        fold = fold_near(given_on(self.plane), z, axis, orbit.numbers)
-        slope = float(orbit.numbers[NUMBERS.index("dbeta0")])
-        return point_alone(FOLD, z, slope, orbit.mark) if fold is None else curve_through(FOLD, fold)
+        numbers = self.numbers(place)
+        fold = fold_near(self.given_at, z, axis, numbers)
+        slope = float(numbers[NUMBERS.index("dbeta0")])
+        return point_alone(FOLD, z, slope, self.signature(place)) if fold is None else curve_through(fold)

@@ -32,7 +32,6 @@ _DEEP = 1e-3  # length from which on the pair may be next to a separatrix
 _PAIRS = 6  # of equilibria that are tried as those that meet
 _FINER = 24  # parts of a range into which lines are cut whose ends differ in the levels that nearly meet
 _NARROW = 1e-4  # shares: a strip between two curves that is narrower is not looked for
-Seed = tuple[str, DeadPoint]  # a point of a curve, of the kind FOLD or PITCHFORK
 
 
 @dataclass(eq=False)
@@ -54,6 +53,11 @@ class Searched:
         """Take more curves."""
         self.curves += curves
         self.pieces = pieces_of(self.curves)
+
+    def holds(self, kind: str, z: Array, mark: Array, lower: int | None = None) -> bool:
+        """Whether an equilibrium at z with a mark lies on a known curve of a kind; lower: and of that lower index."""
+        alike = (curve for curve in self.curves if curve.kind == kind and lower in (None, curve.lower))
+        return any(curve.holds(z, mark) for curve in alike)
 
     def at(self, shares: Array) -> Census:
         """The equilibria at a point."""
@@ -114,7 +118,8 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     """The curves that cross the lines of a lattice of so many points along each field."""
     searched, ticks = Searched(plane), _ticks(lattice)
     scale = float(np.sqrt(load_size(plane.problems(np.array([0.5, 0.5])))[0] + 1))
-    seeds, edges = Seeds(searched, given_on(plane), scale), _edges(ticks)
+    seeds, edges = Seeds(searched, given_on(plane), scale), lattice_edges(*ticks)
+    edges.sort(key=lambda edge: bool(np.abs(edge[0] + edge[1] - 1).max() < 1 - 3 * _INSIDE))  # the border first
     for line in [*edges, *_probes(ticks)]:
         seeds.search_line(*line)
     for start, end in edges:
@@ -125,10 +130,10 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     return searched
 
 
-def curve_through(kind: str, point: DeadPoint) -> WholeCurve:
-    """The curve of a kind under dead loads through one of its points."""
-    how = Tracing(LENGTHS, cusps_between if kind == FOLD else sides_between, in_other_form)
-    return whole_curve(kind, special_line(point, how), point.lower)
+def curve_through(point: DeadPoint) -> WholeCurve:
+    """The curve of a rod without weight through one of its points."""
+    how = Tracing(LENGTHS, cusps_between if point.kind == FOLD else sides_between, in_other_form)
+    return whole_curve(special_line(point, how))
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,12 +150,12 @@ class Seeds:
             seed = self._between(start, end)
             if seed is None:
                 break
-            if not isinstance(seed[0], str):
+            if isinstance(seed, tuple):
                 self.searched.open_lines.append(np.array(seed))
                 break
-            self.searched.add([curve_through(*seed)])
+            self.searched.add([curve_through(seed)])
 
-    def _between(self, start: Array, end: Array) -> Seed | tuple[Array, Array] | None:
+    def _between(self, start: Array, end: Array) -> DeadPoint | tuple[Array, Array] | None:
         """A point of a curve on the line from start to end that is not among the known ones.
 
         Where Newton's rule finds none, the two ends of the short line between which the numbers change; None where they
@@ -167,7 +172,7 @@ class Seeds:
             start, end = (start, middle) if self.searched.change_beyond(start, middle) else (middle, end)
         return None
 
-    def _seed_on(self, change: Counter[int], start: Array, end: Array) -> Seed | None:
+    def _seed_on(self, change: Counter[int], start: Array, end: Array) -> DeadPoint | None:
         """The point of the line at which two equilibria meet."""
         rich, poor = (end, start) if sum(change.values()) > 0 else (start, end)
         equilibria, axis = self.searched.at(rich), int(np.argmax(np.abs(end - start)))
@@ -177,36 +182,31 @@ class Seeds:
         pairs.sort(key=lambda pair: abs(slope[pair[0]] - slope[pair[1]]))
         is_short = bool(np.abs(end - start).max() < _DEEP)
         for i, j in pairs[:_PAIRS]:
-            for kind in (FOLD, PITCHFORK):
-                for point in self._points(kind, equilibria, (i, j), (start + end) / 2, axis, is_short):
-                    share = (point.z[axis] - poor[axis]) / (rich[axis] - poor[axis])
-                    is_new = point.lower == min(index[i], index[j]) and not self._is_known(kind, point)
-                    if is_new and -0.01 <= share <= 1.01:
-                        return kind, point
+            for point in self._points(equilibria, (i, j), (start + end) / 2, axis, is_short):
+                share = (point.z[axis] - poor[axis]) / (rich[axis] - poor[axis])
+                if point.lower != min(index[i], index[j]) or not -0.01 <= share <= 1.01:
+                    continue
+                if not self.searched.holds(point.kind, point.z, point.mark, point.lower):
+                    return point
         return None
 
-    def _is_known(self, kind: str, point: DeadPoint) -> bool:
-        """Whether a point lies on a known curve."""
-        alike = (curve for curve in self.searched.curves if (curve.kind, curve.lower) == (kind, point.lower))
-        return any(curve.holds(point.z, point.mark) for curve in alike)
-
     def _points(
-        self, kind: str, equilibria: Census, pair: tuple[int, int], z: Array, axis: int, is_short: bool
+        self, equilibria: Census, pair: tuple[int, int], z: Array, axis: int, is_short: bool
     ) -> Iterator[DeadPoint]:
-        """Points of a kind next to z on the line along number `axis`, from two equilibria that are about to meet.
+        """Points next to z on the line along number `axis`, folds first, from two equilibria that are about to meet.
 
         is_short: whether the line is so short that they may lie next to a separatrix.
         """
-        slope = float(equilibria.slope[list(pair)].mean())
-        point = point_near(kind, self.given_at, self.scale, slope, z, axis)
-        if point is not None:
-            yield point
-        for i in pair if is_short else ():
-            slope, turns = float(equilibria.slope[i]), int(equilibria.turns[i])
-            guess = separatrix_guess(self.given_at, self.scale, z, slope, turns, kind)
-            deep = None if guess is None else point_on_line(guess, axis)
-            if deep is not None:
-                yield deep
+        for kind in (FOLD, PITCHFORK):
+            point = point_near(kind, self.given_at, self.scale, float(equilibria.slope[list(pair)].mean()), z, axis)
+            if point is not None:
+                yield point
+            for i in pair if is_short else ():
+                slope, turns = float(equilibria.slope[i]), int(equilibria.turns[i])
+                guess = separatrix_guess(self.given_at, self.scale, z, slope, turns, kind)
+                deep = None if guess is None else point_on_line(guess, axis)
+                if deep is not None:
+                    yield deep
 
 
 def _ticks(lattice: int) -> Array:
@@ -226,9 +226,7 @@ def _probes(ticks: Array) -> list[tuple[Array, Array]]:
     return lines
 
 
-def _edges(ticks: Array) -> list[tuple[Array, Array]]:
-    """The edges of the lattice, those of its border first."""
-    across, up = ticks
+def lattice_edges(across: Array, up: Array) -> list[tuple[Array, Array]]:
+    """The edges of the lattice with lines at some values of either share, along the first one before the second."""
     lines = [(np.array([a, w]), np.array([b, w])) for w in up for a, b in pairwise(across)]
-    lines += [(np.array([u, a]), np.array([u, b])) for u in across for a, b in pairwise(up)]
-    return sorted(lines, key=lambda line: bool(np.abs(line[0] + line[1] - 1).max() < 1 - 3 * _INSIDE))
+    return lines + [(np.array([u, a]), np.array([u, b])) for u in across for a, b in pairwise(up)]

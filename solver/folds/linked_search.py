@@ -6,10 +6,9 @@ split off, are followed in turn, until no new one is met.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Protocol
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from ..levels.level_search import Census
 from ..numerics.arclength import CLOSED, END, FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from .fold_curves import FoldCurves, curves_of, said_of_stopped
-from .fold_search import Searched
+from .fold_search import Searched, lattice_edges
 from .parameter_plane import ParameterPlane
 from .whole_curve import WholeCurve, lies_on
 
@@ -26,8 +25,8 @@ ASKEW = 0.013  # lines of the lattice stay off lines of symmetry
 MOST_BRANCHES = 150  # that are followed
 ALIKE = 1e-5  # least distance of the signatures of two equilibria at one z
 Node = tuple[int, int]
-Equilibrium = TypeVar("Equilibrium")
-Known = dict[Node, list[tuple[Equilibrium, int]]]  # at points of a lattice, with their indices
+Known = dict[Node, list[Place]]  # equilibria at points of the lattice
+IsKnown = Callable[[Array, Array], bool]  # of a z and the signature of an equilibrium there
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,42 +38,39 @@ class Meeting:
     places: tuple[Place, Place, Place]
 
 
-class PlaneSystem(Protocol[Equilibrium]):
+class PlaneSystem(Protocol):
     """Equilibria over a plane of two numbers z, 0 <= z <= 1, and the ways from one to others."""
 
-    def signature(self, equilibrium: Equilibrium) -> Array:
-        """Numbers of about 1 that tell it from others."""
+    def signature(self, place: Place) -> Array:
+        """Numbers of about 1 that tell an equilibrium from others."""
         ...
 
-    def branch(
-        self, z: Array, axis: int, equilibrium: Equilibrium, wanted: Array
-    ) -> tuple[list[Place], int, Stop, Stop] | str:
-        """The branch along number `axis` of an equilibrium at z, with places at the wanted values, as of `both_ways`:
-        its parameter is that number, its `path` an equilibrium; or why it cannot be followed."""
+    def branch(self, z: Array, axis: int, place: Place, wanted: Array) -> tuple[list[Place], int, Stop, Stop] | str:
+        """The branch along number `axis`, its parameter, of an equilibrium at z, with places at the wanted values, as
+        of `both_ways`; or why it cannot be followed."""
         ...
 
-    def splits(self, z: Array, axis: int, place: Place) -> list[tuple[float, Equilibrium]]:
-        """Equilibria on the branches that cross one, along number `axis` through z, at a special point: values of that
-        number and equilibria there."""
+    def splits(self, z: Array, axis: int, place: Place) -> list[Place]:
+        """Equilibria on the branches that cross one, along number `axis` through z, at a special point."""
         ...
 
-    def curves(self, meeting: Meeting, is_known: Callable[[Array, Any], bool]) -> list[WholeCurve] | None:
+    def curves(self, meeting: Meeting, is_known: IsKnown) -> list[WholeCurve] | None:
         """The curves through a special point; None where it should have one and has none.
 
-        is_known: whether z and an equilibrium there lie on a known curve of the same kind.
+        is_known: whether an equilibrium lies on a known curve of the same kind.
         """
         ...
 
 
 @dataclass(frozen=True, eq=False)
-class Branches(Generic[Equilibrium]):
+class Branches:
     """What is met: different equilibria at the points of the lattice, and special points.
 
-    count, stopped: branches that were followed, and those of them that could not be followed to the border. whole:
-    whether every equilibrium was followed.
+    known: with their signatures. count, stopped: branches that were followed, and those of them that could not be
+    followed to the border. whole: whether every equilibrium was followed.
     """
 
-    known: Known[Equilibrium]
+    known: dict[Node, list[tuple[Array, Place]]]
     meetings: list[Meeting]
     count: int
     stopped: int
@@ -86,64 +82,62 @@ def lattice_ticks(lattice: int) -> Array:
     return np.linspace(0, 1, lattice + 2)[1:-1] + ASKEW / lattice
 
 
-def search_linked(
-    plane: ParameterPlane, system: PlaneSystem[Equilibrium], ticks: Array, begin: Known[Equilibrium]
-) -> FoldCurves:
+def search_linked(plane: ParameterPlane, system: PlaneSystem, ticks: Array, begin: Known) -> FoldCurves:
     """The curves that branches along the lines z = ticks of a lattice meet, from known equilibria on."""
     branches, searched, failed = branches_on(system, ticks, begin), Searched(plane), 0
     for meeting in branches.meetings:
-        kind = FOLD if meeting.places[1].kind == FOLD else PITCHFORK
-        is_known = partial(_is_known, system, tuple(searched.curves), kind)
-        if is_known(meeting.z, meeting.places[1].path):
+        place = meeting.places[1]
+        is_known = partial(searched.holds, FOLD if place.kind == FOLD else PITCHFORK)
+        if is_known(meeting.z, system.signature(place)):
             continue
         through = system.curves(meeting, is_known)
         failed += through is None
         searched.add(through or [])
     for (i, j), known in branches.known.items():
-        index = np.array([index for _, index in known], dtype=np.int64)
+        index = np.array([-1 if place.index is None else place.index for _, place in known], dtype=np.int64)
         searched.counted[float(ticks[i]), float(ticks[j])] = Census(0.0 * index, index, index, False)
     return curves_of(searched, remark_of(searched, branches, failed, ticks))
 
 
-def branches_on(system: PlaneSystem[Equilibrium], ticks: Array, begin: Known[Equilibrium]) -> Branches[Equilibrium]:
+def branches_on(system: PlaneSystem, ticks: Array, begin: Known) -> Branches:
     """The branches along the lines z = ticks of a lattice from 0 to 1 that hang together with known equilibria."""
-    known: Known[Equilibrium] = {(i, j): [] for i in range(ticks.size) for j in range(ticks.size)}
-    waiting: list[tuple[Node, int, float, Equilibrium]] = []
+    known: dict[Node, list[tuple[Array, Place]]] = {(i, j): [] for i in range(ticks.size) for j in range(ticks.size)}
+    waiting: list[tuple[Node, int, Place, Array]] = []
     on_lines: dict[tuple[int, int], list[Array]] = {}
     meetings: list[Meeting] = []
     halts, count, stopped = np.concatenate([[0.0], ticks, [1.0]]), 0, 0
 
-    def take(node: Node, equilibrium: Equilibrium, index: int) -> None:
-        mark = system.signature(equilibrium)
-        if all(np.linalg.norm(system.signature(other) - mark) > ALIKE for other, _ in known[node]):
-            known[node].append((equilibrium, index))
-            waiting.extend((node, axis, float(ticks[node[axis]]), equilibrium) for axis in (0, 1))
+    def take(node: Node, place: Place, mark: Array) -> None:
+        if all(np.linalg.norm(other - mark) > ALIKE for other, _ in known[node]):
+            known[node].append((mark, place))
+            waiting.extend((node, axis, replace(place, p=float(ticks[node[axis]])), mark) for axis in (0, 1))
 
-    for node, equilibria in begin.items():
-        for equilibrium, index in equilibria:
-            take(node, equilibrium, index)
+    for node, places in begin.items():
+        for place in places:
+            take(node, place, system.signature(place))
     while waiting and count < MOST_BRANCHES:
-        node, axis, x, equilibrium = waiting.pop(0)
+        node, axis, begun, mark = waiting.pop(0)
         passed = on_lines.setdefault((axis, node[1 - axis]), [])
-        if any(lies_on(points, np.append(x, system.signature(equilibrium))) for points in passed):
+        if any(lies_on(points, np.append(begun.p, mark)) for points in passed):
             continue
-        z, count = place_on(ticks[list(node)], axis, x), count + 1
-        followed = system.branch(z, axis, equilibrium, halts)
+        z, count = place_on(ticks[list(node)], axis, begun.p), count + 1
+        followed = system.branch(z, axis, begun, halts)
         if isinstance(followed, str):
             stopped += 1
             continue
         places, _, *stops = followed
         stopped += any(stop.reason not in (END, CLOSED) for stop in stops)
-        passed.append(np.array([np.append(place.p, system.signature(place.path)) for place in places]))
-        for i, place in enumerate(places):
+        marks = [system.signature(place) for place in places]
+        passed.append(np.column_stack([[place.p for place in places], marks]))
+        for i, (place, mark) in enumerate(zip(places, marks, strict=True)):
             if place.kind and 0 < i < len(places) - 1:
                 meetings.append(Meeting(place_on(z, axis, place.p), axis, (places[i - 1], place, places[i + 1])))
                 if place.kind != FOLD:
-                    waiting.extend((node, axis, *split) for split in system.splits(z, axis, place))
+                    splits = system.splits(z, axis, place)
+                    waiting.extend((node, axis, split, system.signature(split)) for split in splits)
             elif place.p in ticks:
                 k = int(np.flatnonzero(ticks == place.p)[0])
-                index = -1 if place.index is None else place.index
-                take((k, node[1]) if axis == 0 else (node[0], k), place.path, index)
+                take((k, node[1]) if axis == 0 else (node[0], k), place, mark)
     return Branches(known, meetings, count, stopped, not waiting)
 
 
@@ -154,11 +148,7 @@ def place_on(z: Array, axis: int, x: float) -> Array:
     return place
 
 
-def _is_known(system: PlaneSystem[Any], curves: tuple[WholeCurve, ...], kind: str, z: Array, equilibrium: Any) -> bool:
-    return any(curve.kind == kind and curve.holds(z, system.signature(equilibrium)) for curve in curves)
-
-
-def remark_of(searched: Searched, branches: Branches[Any], failed: int, ticks: Array) -> str:
+def remark_of(searched: Searched, branches: Branches, failed: int, ticks: Array) -> str:
     """What is known of the search, which nothing proves complete."""
     said = [f"not proved complete: {branches.count} branches along {2 * ticks.size} lines were followed"]
     if branches.stopped:
@@ -168,9 +158,8 @@ def remark_of(searched: Searched, branches: Branches[Any], failed: int, ticks: A
     said += said_of_stopped(searched)
     if failed:
         said.append(f"of {failed} points where branches meet no curve was found")
-    ends = [(np.array([a, w]), np.array([b, w])) for a, b in pairwise(ticks) for w in ticks]
-    ends += [(end[::-1], other[::-1]) for end, other in ends]
-    unlike = sum(bool(searched.change_beyond(*two)) for two in ends)
+    edges = lattice_edges(ticks, ticks)
+    unlike = sum(bool(searched.change_beyond(*edge)) for edge in edges)
     if unlike:
-        said.append(f"on {unlike} of {len(ends)} pieces of these lines the equilibria do not fit the curves")
+        said.append(f"on {unlike} of {len(edges)} pieces of these lines the equilibria do not fit the curves")
     return "; ".join(said)

@@ -12,11 +12,9 @@ in a pitchfork: the symmetric one is at rest at both ends, or a helix, so a pitc
 the rod that starts at rest vanishes at the far end.
 """
 
-from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TypeVar
 
 import numpy as np
 
@@ -27,13 +25,13 @@ from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, rates_of_helices, sta
 from ..equilibrium.system import corner_state
 from ..levels.morse_index import helix_half_waves
 from ..mechanics.potential import load_size, slope
-from ..numerics.arclength import FOLD, Lengths, Node
+from ..numerics.arclength import FOLD, PITCHFORK, Lengths, Node
 from ..numerics.arrays import Array
-from ..numerics.roots import enclose, root, solve
+from ..numerics.roots import solve
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import StartProblem
 from .parameter_plane import ParameterPlane, reflect
-from .special_line import LONGEST, Ahead, Point, SpecialPoint, point_on_line, step_from, with_no_side
+from .special_line import Ahead, Point, SpecialPoint, change_within, point_on_line, with_no_side, zero_on
 
 GivenAt = Callable[[Array], Given]
 LENGTHS = Lengths(first=0.01, longest=0.05, least=2e-6)  # of steps, in the sizes of the unknowns and of z
@@ -110,11 +108,6 @@ class OrbitPoint(SpecialPoint):
         by_start = rates.rows_of(given.names, given.ratio)[0][0] @ solve(start[None], np.eye(5)[None])[0]
         return np.append(off[met], np.linalg.det(by_start[np.ix_(met, free)] * self.scales))
 
-    @property
-    @abstractmethod
-    def is_true(self) -> bool:
-        """Whether the zero of its equations is such a point."""
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OrbitFold(OrbitPoint):
@@ -148,15 +141,7 @@ class OrbitFold(OrbitPoint):
         jacobian = self.jacobian(self.w)
         assert jacobian is not None
         along = np.append(np.linalg.svd(jacobian[:-1, :-2])[2][-1], [0.0, 0.0])
-        rows = np.vstack([along, np.append(0 * self.w[:-2], self.way)])
-
-        def equations(w: Array) -> tuple[Array, Array] | None:
-            value, rates = self.value(w), self.jacobian(w)
-            if value is None or rates is None:
-                return None
-            return np.append(value[:-1], rows @ (w - self.w) - [a, 0.0]), np.vstack([rates[:-1], rows])
-
-        w = root(equations, self.w + a * along, LONGEST)
+        w = zero_on(self, self.w + a * along, np.vstack([along, np.append(0 * self.w[:-2], self.way)]))
         if w is None:
             return np.nan
         given, rates = self.at(w)
@@ -173,7 +158,7 @@ def fold_near(given_at: GivenAt, z: Array, axis: int, numbers: Array) -> OrbitFo
     free = [name for name in START if name not in given.names]
     scales = np.array([sizes[name] for name in free])
     w = np.append(numbers[[NUMBERS.index(name) for name in free]] / scales, z)
-    return _on_line(OrbitFold(given_at=given_at, scales=scales, w=w), axis)
+    return point_on_line(OrbitFold(given_at=given_at, scales=scales, w=w), axis)
 
 
 def point_near(
@@ -185,22 +170,15 @@ def point_near(
     """
     if kind == FOLD:
         fold = OrbitFold(given_at=given_at, scales=np.array([scale]), w=np.append(slope / scale, z))
-        return _on_line(fold, axis)
-    return _on_line(OrbitPitchfork(given_at=given_at, scales=np.ones(1), w=z), axis)
-
-
-OnLine = TypeVar("OnLine", bound=OrbitPoint)
-
-
-def _on_line(guess: OnLine, axis: int) -> OnLine | None:
-    """The point next to a guess on the line along number `axis`; None where there is none."""
-    point = point_on_line(guess, axis)
-    return point if point is not None and point.is_true else None
+        return point_on_line(fold, axis)
+    return point_on_line(OrbitPitchfork(given_at=given_at, scales=np.ones(1), w=z), axis)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OrbitPitchfork(OrbitPoint):
     """A pitchfork under dead loads: of the rod that starts at rest. w: z."""
+
+    kind: str = PITCHFORK
 
     def value(self, w: Array) -> Array | None:
         """The Jacobi field at the far end, (1,)."""
@@ -255,11 +233,4 @@ def sides_between(point: Point, node: Node, step: float, taken: Ahead[Point]) ->
         way, more = there[1].tangent[-2:], there[0].more
         return bool(way[0] * more[1] > way[1] * more[0])
 
-    begin = point, node
-    if is_left(begin) == is_left(taken):
-        return []
-    ends = {0.0: begin, step: taken}
-    (_, last), _ = enclose(
-        partial(step_from, point, node), ends, lambda there: is_left(there) != is_left(begin), _SIDES * step
-    )
-    return [with_no_side(last[0])]
+    return [with_no_side(side) for side in change_within(point, node, step, taken, is_left, _SIDES * step)[:1]]

@@ -46,7 +46,6 @@ class SeparatrixPoint(SpecialPoint):
     """
 
     given_at: GivenAt
-    kind: str
     scale: float
     saddle: float
     end: str
@@ -195,8 +194,8 @@ def in_other_form(point: DeadPoint, node: Node, stuck: bool) -> Iterator[Ahead[D
     elif isinstance(point, OrbitFold) and meets_pitchforks(point, node):
         yield from _onward(mirror_image(point), point, -way)
     elif point.own[0].names == FREE and (stuck or _is_deep(point)):
-        kind, scale = FOLD if isinstance(point, OrbitFold) else PITCHFORK, float(point.scales[0])
-        guess = separatrix_guess(point.given_at, scale, point.z, point.slope, point.lower + 1, kind)
+        scale, turns = float(point.scales[0]), point.lower + 1
+        guess = separatrix_guess(point.given_at, scale, point.z, point.slope, turns, point.kind)
         if guess is not None:
             yield from _onward(point_on_line(guess, int(np.argmin(np.abs(way)))), point, way)
 

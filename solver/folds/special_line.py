@@ -9,6 +9,7 @@ from typing import ClassVar, Generic, TypeVar
 import numpy as np
 
 from ..numerics.arclength import (
+    FOLD,
     LEFT,
     Lengths,
     Node,
@@ -21,7 +22,7 @@ from ..numerics.arclength import (
     trace,
 )
 from ..numerics.arrays import Array
-from ..numerics.roots import locate, root
+from ..numerics.roots import enclose, locate, root
 from .parameter_plane import MARGIN
 
 NARROW = 1e-3  # a step, below which other coordinates are tried
@@ -38,12 +39,13 @@ LONGEST = 0.5  # change of an unknown in a step of Newton's rule
 class SpecialPoint(ABC):
     """A special point, and the equation of its line nearby, a `numerics.arclength.Curve`.
 
-    w: (n + 1,), in the coordinates of the equation, z last. way: (2,), the direction of the line there, in either
-    sense, of length 1. more: (2,), towards the side of two more equilibria; zero where that changes, as at a cusp, NaN
-    where there is none.
+    w: (n + 1,), in the coordinates of the equation, z last. kind: FOLD or PITCHFORK. way: (2,), the direction of the
+    line there, in either sense, of length 1. more: (2,), towards the side of two more equilibria; zero where that
+    changes, as at a cusp, NaN where there is none.
     """
 
     w: Array
+    kind: str = FOLD
     way: Array = field(default_factory=lambda: np.zeros(2))
     more: Array = field(default_factory=lambda: np.zeros(2))
     nudge: ClassVar[float | Array]  # of each coordinate, for the derivatives of the equation
@@ -67,6 +69,11 @@ class SpecialPoint(ABC):
     @abstractmethod
     def lower(self) -> int:
         """The lower Morse index of the two equilibria that meet."""
+
+    @property
+    def is_true(self) -> bool:
+        """Whether the zero of its equation is such a point."""
+        return True
 
     @abstractmethod
     def value(self, w: Array) -> Array | None:
@@ -114,10 +121,11 @@ class Tracing(Generic[Point]):
 
 @dataclass(frozen=True, eq=False)
 class SpecialLine(Generic[Point]):
-    """The points of a line in order, and how it ends at either side."""
+    """The points of a line in order, how it ends at either side, and the point with which it was begun."""
 
     points: list[Point]
     ends: tuple[str, str]
+    first: Point
 
 
 def special_line(first: Point, how: Tracing[Point]) -> SpecialLine[Point]:
@@ -125,9 +133,9 @@ def special_line(first: Point, how: Tracing[Point]) -> SpecialLine[Point]:
     along = np.append(np.zeros(first.w.size - 2), first.way)
     ahead, end = line_from(first, along, how)
     if end == CLOSED:
-        return SpecialLine([first, *ahead, first], (CLOSED, CLOSED))
+        return SpecialLine([first, *ahead, first], (CLOSED, CLOSED), first)
     back, begin = line_from(first, -along, how)
-    return SpecialLine([*back[::-1], first, *ahead], (begin, end))
+    return SpecialLine([*back[::-1], first, *ahead], (begin, end), first)
 
 
 def line_from(first: Point, direction: Array, how: Tracing[Point]) -> tuple[list[Point], str]:
@@ -180,16 +188,26 @@ def step_from(point: Point, node: Node, step: float) -> Ahead[Point] | str:
 def point_on_line(guess: Point, axis: int) -> Point | None:
     """The point next to a guess on the line along number `axis` of z; None where Newton's rule reaches none."""
     row = np.eye(guess.w.size)[-1 - axis]
+    w = zero_on(guess, guess.w, row[None], MARGIN)
+    point = None if w is None else point_at(guess, w, row)
+    return point if point is not None and point.is_true else None
+
+
+def zero_on(point: SpecialPoint, guess: Array, rows: Array, beyond: float = np.inf) -> Array | None:
+    """The zero of the first equations of a point in the plane through a guess with normals `rows` (m, n + 1).
+
+    None where Newton's rule reaches none within so much beyond the border. The last m - 1 equations are left out.
+    """
+    count = guess.size - len(rows)
 
     def equations(w: Array) -> tuple[Array, Array] | None:
-        within = np.abs(w[-2:] - 0.5).max() <= 0.5 + MARGIN
-        value, rates = (f(w) if within else None for f in (guess.value, guess.jacobian))
+        within = np.abs(w[-2:] - 0.5).max() <= 0.5 + beyond
+        value, rates = (f(w) if within else None for f in (point.value, point.jacobian))
         if value is None or rates is None:
             return None
-        return np.append(value, row @ (w - guess.w)), np.vstack([rates, row])
+        return np.append(value[:count], rows @ (w - guess)), np.vstack([rates[:count], rows])
 
-    w = root(equations, guess.w, LONGEST)
-    return None if w is None else point_at(guess, w, row)
+    return root(equations, guess, LONGEST)
 
 
 def point_at(near: Point, w: Array, along: Array) -> Point | None:
@@ -197,6 +215,22 @@ def point_at(near: Point, w: Array, along: Array) -> Point | None:
     node = node_at(near, w, along)
     following = None if isinstance(node, str) else near.after(node)
     return None if following is None else following[0]
+
+
+def change_within(
+    point: Point, node: Node, step: float, taken: Ahead[Point], value: Callable[[Ahead[Point]], object], width: float
+) -> list[Point]:
+    """The points of a step before and after a change of a value, so close to each other; none where it is the same."""
+    begin = point, node
+    if value(begin) == value(taken):
+        return []
+    sides = enclose(
+        partial(step_from, point, node),
+        {0.0: begin, step: taken},
+        lambda ahead: value(ahead) != value(begin),
+        width,
+    )
+    return [ahead[0] for _, ahead in sides]
 
 
 def cusps_between(point: Point, node: Node, step: float, taken: Ahead[Point]) -> list[Point] | None:

@@ -63,9 +63,9 @@ class WholeCurve:
         return np.arange(PIECES * (len(self.z) - 1) + 1) % PIECES == 0
 
 
-def whole_curve(kind: str, line: SpecialLine[Point], lower: int) -> WholeCurve:
+def whole_curve(line: SpecialLine[Point]) -> WholeCurve:
     """A traced line as a curve."""
-    points = line.points
+    points, kind, lower = line.points, line.first.kind, line.first.lower
     z, more = (np.array([getattr(point, name) for point in points]) for name in ("z", "more"))
     chord = np.gradient(z, axis=0) if len(z) > 1 else np.zeros_like(z)
     ways = np.array([point.way * np.sign(point.way @ along) for point, along in zip(points, chord, strict=True)])

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..core.varying_loads import HALF, count_negatives
+from ..core.varying_loads import HALF, SIZE, count_negatives
 from ..numerics.arrays import Array
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
-from .newton import Shape, correct, linear_at, march_of
+from .newton import Linear, Shape, correct, linear_at, march_of
 from .varying_shapes import Nodes
 
 
@@ -134,6 +134,16 @@ def largest_turn(shape: Shape, other: Shape) -> float:
     return float(np.abs(change).max())
 
 
+def response(linear: Linear, push: Array) -> Array | None:
+    """The changes (N, 8, count), in the scales, that forces (N, 2, count) on beta and alpha at the nodes make."""
+    count = push.shape[-1]
+    right = np.zeros((len(push) - 1, SIZE, count))
+    right[:, [SPEED, Q]] = push[1:]
+    ends = np.zeros((HALF, count))
+    change = linear.solve(np.concatenate([ends, right.reshape(-1, count), ends]))
+    return None if change is None else change.reshape(len(push), SIZE, count)
+
+
 def weakest_modes(shape: Shape, count: int = 1, rounds: int = 4) -> Array:
     """The changes of the shape (count, N, 8) that the least forces make, the weakest first; the largest angle is 1.
 
@@ -148,12 +158,9 @@ def weakest_modes(shape: Shape, count: int = 1, rounds: int = 4) -> Array:
     mode = np.zeros((N, scale.size, count))
     work = (scale[angles] * scale[[SPEED, Q]])[:, None]  # of a unit force along a unit change
     for _ in range(rounds):
-        right = np.zeros((N, scale.size, count))
-        right[:-1, [SPEED, Q]] = push[1:]
-        flat = np.concatenate([np.zeros((4, count)), right[:-1].reshape(-1, count), np.zeros((4, count))])
-        step = linear.solve(flat)
+        step = response(linear, push)
         assert step is not None
-        mode = np.asarray(step).reshape(N, -1, count)
+        mode = step
         moved = mode[:, angles]
         stiffness = np.einsum("nik,nil->kl", moved[1:] * work, push[1:])
         sizes = np.einsum("nik,nil->kl", moved, moved)

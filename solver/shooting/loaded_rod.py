@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -58,11 +59,8 @@ class LoadedRod:
         phi = self.tension_known - self.along * (self.span - t) + rubbed
         mu = 0.0 if "rotation" in self.held else float(self.far[3])
         lam = 0.0 if "azimuth" in self.held else float(self.far[1]) - mu
-        squares = np.abs(phi) + np.sqrt(abs(self.across)) + np.cbrt(self.along**2) + mu**2 + np.cbrt(lam * lam)
-        turned = 0.0
-        if "azimuth" in self.held:
-            turned = (self.far[1] / self.span) ** 2
-        return np.sqrt(squares + turned + 1 / self.span**2)
+        turned = self.far[1] / self.span if "azimuth" in self.held else 0.0
+        return rate_of_change(phi, self.along, self.across, mu, lam, self.span, turned)
 
     @cached_property
     def time(self) -> float:
@@ -72,9 +70,7 @@ class LoadedRod:
     @cached_property
     def scale(self) -> Array:
         """The sizes of the eight numbers of the state."""
-        T = self.time
-        B = min(1.0, 1 / T)
-        return np.array([B, B / T, 1.0, B / T**2, 1 / T**2, 1 / T, T * B * B, 1.0])
+        return np.array(scales(1 / self.time, min(1.0, 1 / self.time)))
 
     def in_scales(self, scale: Array) -> "LoadedRod":
         """The same rod with given sizes of the numbers of the state."""
@@ -185,3 +181,15 @@ class LoadedRod:
         y[:, MU] = self.twist_known
         y[:, ROUND] = self.numbers[0] * y[:, MU] * nodes
         return y
+
+
+def rate_of_change(phi: Any, along: Any, across: Any, mu: Any, q: Any, span: Any, turned: Any = 0.0) -> Array:
+    """1 over the length on which the shape of a rod changes under such loads; turned: the azimuth gained in a unit."""
+    weight = np.sqrt(np.abs(across)) + np.cbrt(along**2)
+    return np.sqrt(np.abs(phi) + weight + mu**2 + np.cbrt(q**2) + turned**2 + 1 / span**2)
+
+
+def scales(rate: Any, size: Any) -> list[Any]:
+    """The sizes of the eight numbers of a state that changes at a rate, and whose beta has a size."""
+    unit = np.ones_like(rate)
+    return [size, size * rate, unit, size * rate**2, rate**2, rate, size**2 / rate, unit]

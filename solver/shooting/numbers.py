@@ -6,7 +6,7 @@ from ..core.varying_loads import SIZE
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.reduced import StartProblem, dimensionless_problem, flat, held_problem
-from .loaded_rod import ALPHA, BETA, HELD, MU, PHI, SPEED, LoadedRod, Q
+from .loaded_rod import ALPHA, BETA, HELD, MU, PHI, SPEED, LoadedRod, Q, rate_of_change, scales
 
 
 def numbers_of(case: Case) -> Array:
@@ -30,12 +30,10 @@ def starts_of(case: Case) -> tuple[StartProblem, Array, Array, Array]:
     y = np.zeros((problem.size, SIZE))
     y[:, BETA], y[:, SPEED], y[:, ALPHA] = problem.beta0, problem.dbeta0, flat(case.given.alpha, case.shape)
     y[:, Q], y[:, PHI], y[:, MU] = problem.lam - problem.mu, problem.phi, problem.mu
-    weight = np.sqrt(np.abs(numbers[:, 2])) + np.cbrt(numbers[:, 1] ** 2)
-    rate = np.sqrt(np.abs(problem.phi) + weight + problem.mu**2 + np.cbrt(y[:, Q] ** 2) + 1 / problem.span**2)
-    size = np.minimum(1, np.maximum(rate, np.abs(problem.beta0)))  # of beta
-    ones = np.ones_like(rate)
-    scale = [size, np.maximum(size * rate, np.abs(problem.dbeta0)), ones, size * rate**2, rate**2, rate, size**2 / rate]
-    return problem, numbers, y, np.stack([*scale, ones], axis=1)
+    rate = rate_of_change(problem.phi, numbers[:, 1], numbers[:, 2], problem.mu, y[:, Q], problem.span)
+    scale = np.stack(scales(rate, np.minimum(1, np.maximum(rate, np.abs(problem.beta0)))), axis=1)
+    scale[:, SPEED] = np.maximum(scale[:, SPEED], np.abs(problem.dbeta0))
+    return problem, numbers, y, scale
 
 
 def rods_of(case: Case) -> list[LoadedRod]:

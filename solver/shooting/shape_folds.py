@@ -10,7 +10,6 @@ and on it a push along one mode meets no resistance. The stiffness against that 
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -21,20 +20,19 @@ from ..folds.special_line import (
     SpecialLine,
     SpecialPoint,
     Tracing,
+    change_within,
     cusps_between,
     point_at,
     point_on_line,
     special_line,
-    step_from,
 )
 from ..folds.whole_curve import WholeCurve, whole_curve
-from ..numerics.arclength import FOLD, PITCHFORK, Lengths, Node, node_at
+from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
 from ..numerics.arrays import Array
-from ..numerics.roots import enclose
 from ..problem.errors import InputError
 from .curve import Curve, Point, angles_of
-from .descent import index_at, weakest_modes
-from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod, Q
+from .descent import index_at, response, weakest_modes
+from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod
 from .newton import Shape, correct, linear_at
 
 RodAt = Callable[[Array], LoadedRod]
@@ -117,7 +115,7 @@ def fold_through(rod_at: RodAt, z: Array, axis: int, shapes: list[Shape]) -> Who
     guess = FoldPoint(w=w, way=way, rod_at=rod_at, across=across, shape=shape, tangent=tangent)
     first = point_at(guess, w, np.append(0.0, way)) or guess
     how: Tracing[FoldPoint] = Tracing(FOLD_STEPS, cusps_between)
-    return whole_curve(FOLD, special_line(first, how), first.lower)
+    return whole_curve(special_line(first, how))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -130,6 +128,7 @@ class PitchforkPoint(ShapePoint):
 
     mode: Array
     index: int = 0
+    kind: str = PITCHFORK
 
     @property
     def lower(self) -> int:
@@ -146,13 +145,9 @@ class PitchforkPoint(ShapePoint):
         shape = self.shape_at(w)
         if shape is None:
             return None
-        push = (self.mode / shape.rod.scale)[:, [BETA, ALPHA]]
-        right = np.zeros(self.mode.shape)
-        right[:-1, [SPEED, Q]] = push[1:]
-        answer = linear_at(shape).solve(np.concatenate([np.zeros(4), right[:-1].reshape(-1), np.zeros(4)])[:, None])
-        if answer is None:
-            return np.zeros(1)
-        return 1 / np.array([(push * answer.reshape(self.mode.shape)[:, [BETA, ALPHA]]).sum()])
+        push = (self.mode / shape.rod.scale)[:, [BETA, ALPHA], None]
+        change = response(linear_at(shape), push)
+        return np.zeros(1) if change is None else 1 / np.array([(push * change[:, [BETA, ALPHA]]).sum()])
 
     def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
         """As of `SpecialPoint`, with its index and its mode."""
@@ -179,12 +174,12 @@ def likeness(one: Array, other: Array) -> float:
 
 
 def pitchforks_through(
-    rod_at: RodAt, z: Array, axis: int, shape: Shape, known: Callable[[Array, Shape], bool]
+    rod_at: RodAt, z: Array, axis: int, shape: Shape, is_known: Callable[[Array, Array], bool]
 ) -> list[WholeCurve] | None:
     """The curve of the pitchfork near z on the line along number `axis`, in parts of equal index; None without one.
 
-    The index changes where another such curve crosses. shape: an equilibrium near it that its symmetry keeps. known:
-    whether a place and its shape lie on a known curve; where the shape becomes that of a known curve this one ends.
+    The index changes where another such curve crosses. shape: an equilibrium near it that its symmetry keeps.
+    is_known: whether a z and a mark there lie on a known curve; where the shape becomes that of one, this one ends.
     """
     guess = PitchforkPoint(w=z, rod_at=rod_at, shape=shape, mode=weakest_modes(shape)[0])
     first = point_on_line(guess, axis)
@@ -192,14 +187,14 @@ def pitchforks_through(
         return None
     if np.isnan(first.more).any():  # where the sides differ, branches exchange their indices, and no number changes
         return []
-    how = Tracing(PITCHFORK_STEPS, crossing_between, is_known=lambda there: known(there.z, there.shape))
+    how = Tracing(PITCHFORK_STEPS, crossing_between, is_known=lambda point: is_known(point.z, point.mark))
     line = special_line(first, how)
     points, last = line.points, len(line.points) - 1
     cuts = [0, *(i + 1 for i, (point, other) in enumerate(pairwise(points)) if point.lower != other.lower), last]
     curves = []
     for a, b in pairwise(dict.fromkeys(cuts)):
         ends = line.ends[0] if a == 0 else CROSSING, line.ends[1] if b == last else CROSSING
-        curves.append(whole_curve(PITCHFORK, SpecialLine(points[a : b + 1], ends), points[a].lower))
+        curves.append(whole_curve(SpecialLine(points[a : b + 1], ends, points[a])))
     return curves
 
 
@@ -207,10 +202,5 @@ def crossing_between(
     point: PitchforkPoint, node: Node, step: float, taken: Ahead[PitchforkPoint]
 ) -> list[PitchforkPoint]:
     """As of `Between`: pitchforks on either side of where another curve crosses, and close to it."""
-    if taken[0].lower == point.lower:
-        return []
-    sides = enclose(
-        partial(step_from, point, node), {0.0: (point, node), step: taken},
-        lambda there: there[0].lower != point.lower, CROSSED,
-    )  # fmt: skip
-    return [point_there for _, (point_there, _) in sides if point_there is not point and point_there is not taken[0]]
+    sides = change_within(point, node, step, taken, lambda ahead: ahead[0].lower, CROSSED)
+    return [side for side in sides if side is not point and side is not taken[0]]

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from ..core.varying_loads import SIZE, march
+from ..core.varying_loads import READ, SIZE, march
 from ..mechanics.potential import Loads, slope
 from ..mechanics.statics import contact_force
 from ..numerics.arrays import Array, Integers
 from ..numerics.roots import bisect
 from ..problem.case import IN_PLACE
-from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, Q
+from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, Q
 from .state import State, states
 
 DENSE = 17  # places on a stretch, at which the states along a rod are judged
@@ -185,12 +185,7 @@ class VaryingShapes:
 
 def read_states(y: Array, t: Array, alpha0: Array, twist: Array) -> dict[str, Any]:
     """What a trajectory holds, from the states (B, n, 8) at t (B, n). twist: (B,), A/C times mu at the far end."""
-    swirl = twist[:, None] * t - y[:, :, ROUND] + y[:, :, ALPHA] - alpha0[:, None]
-    return {
-        "beta": y[:, :, BETA], "dbeta": y[:, :, SPEED], "alpha": y[:, :, ALPHA] - alpha0[:, None],
-        "z": t - y[:, :, SHORT], "swirl": partial(np.asarray, swirl),
-        "loads": np.stack([y[:, :, Q] + y[:, :, MU], y[:, :, MU], y[:, :, PHI]]),
-    }  # fmt: skip
+    return read_starts(np.moveaxis(y[:, :, READ], -1, 0), t, alpha0, twist)
 
 
 def read_starts(y: Array, t: Array, alpha0: Array, twist: Array) -> dict[str, Any]:
