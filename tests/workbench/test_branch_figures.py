@@ -68,7 +68,7 @@ def legend_title(fig: Figure) -> str:
 def shapes(fig: Figure) -> list:
     """The lines of the unrolled views."""
     (ax,) = [ax for ax in fig.axes if ax.get_label() == unrolled.VIEWS]
-    return [line for line in ax.lines if line.get_label() != "s = 0"]
+    return [line for line in ax.lines if line.get_gid() != "s = 0"]
 
 
 @pytest.mark.parametrize("which", ["dead", "held"])

@@ -158,16 +158,16 @@ def test_a_rod_lies_on_its_level_and_a_separatrix_passes_through_the_saddles(ds)
     rho = float(one["rho"])
     loads = Loads(float(one["MZ"]) * rho / A, float(one["M3"]) * rho / A, float(one["FZ"]) * rho**2 / A)
     h = float(one["dbeta"][0] ** 2 + potential(loads, float(one["beta"][0])) / rho**2)
-    (level,) = [line for line in well.lines if line.get_label() == "h"]
+    (level,) = [line for line in well.lines if line.get_gid() == "h"]
     np.testing.assert_allclose(level.get_ydata(), h)
-    saddles = np.concatenate([line.get_xdata() for line in phase.lines if line.get_label() == "saddle"])
+    saddles = np.concatenate([line.get_xdata() for line in phase.lines if line.get_gid() == "saddle"])
     assert saddles.size
-    for line in (line for line in phase.lines if line.get_label() in ("separatrix", "rod", "_level")):
+    for line in (line for line in phase.lines if line.get_gid() in ("separatrix", "rod", "_level")):
         beta, rate = np.radians(line.get_xdata()), np.asarray(line.get_ydata())
         drawn = np.isfinite(rate)
         E = rate[drawn] ** 2 + potential(loads, beta[drawn]) / rho**2
         np.testing.assert_allclose(E, E[0], atol=1e-6 * np.abs(E).max())
-        if line.get_label() == "separatrix":
+        if line.get_gid() == "separatrix":
             np.testing.assert_allclose(E[0], potential(loads, np.radians(saddles[0])) / rho**2, rtol=1e-6)
             assert np.interp(saddles[0], np.degrees(beta[drawn]), rate[drawn]) == pytest.approx(0, abs=1e-6)
     e = 1e-4

@@ -146,15 +146,15 @@ def test_a_rod_without_weight_has_no_states() -> None:
     with pytest.raises(InputError, match=r"is that of a rod with weight, .* choose --kind ridge or pipe"):
         along.states(bare)
     (ax, *_) = along.pipe(bare).axes
-    assert not [line for line in ax.lines if str(line.get_label()).split(", ")[-1] in colours.STATES]
+    assert not [line for line in ax.lines if line.get_label() in colours.STATES]
 
 
 def test_the_diagram_of_states_has_the_stretches_of_the_rods(ds: xr.Dataset) -> None:
     drawn = along.states(ds)
-    lines = [line for line in drawn.axes[0].lines if line.get_label().split(", ")[-1] in colours.STATES]
-    assert all(line.get_color() == colours.STATES[line.get_label().split(", ")[-1]] for line in lines)
-    assert len({line.get_label().split(", ")[0] for line in lines}) == 2  # rods, each drawn whole, in degrees
+    lines = [line for line in drawn.axes[0].lines if line.get_label() in colours.STATES]
+    assert all(line.get_color() == colours.STATES[line.get_label()] for line in lines)
+    assert len({line.get_gid().split(", ")[0] for line in lines}) == 2  # rods, each drawn whole, in degrees
     assert sum(np.ptp(line.get_xdata()) for line in lines) == pytest.approx(2 * 60.0, rel=0.01)
     assert max(line.get_ydata().max() for line in lines) == pytest.approx(np.degrees(ds["beta"].values.max()), rel=0.01)
     listed = {row[4] for row in csv.reader(drawn_numbers.table(drawn).splitlines()) if row[3] == "line"}
-    assert {line.get_label() for line in lines} <= listed
+    assert {line.get_gid() for line in lines} <= listed

@@ -13,12 +13,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.transforms import Affine2D
 
 from solver.problem.errors import InputError, no_such
@@ -102,25 +99,10 @@ def figure(
     said = ["Faint line: where the quantity of a rod is 0."] * faint + rods.said() + rods.notes
     if PIPE in names and not schema.loads_vary(ds):
         said.append(f"No states: {NO_STATES}.")
-    return canvas.page(rods.source, sheet, rows, [*_entries(rods, names), *said], 0.75)
+    return canvas.page(rods.source, sheet, rows, said, 0.75)
 
 
 states, pipe = partial(figure, show=(STATES,)), partial(figure, show=(PIPE,))
-
-
-def _entries(rods: DrawnRods, names: Sequence[str]) -> list[Artist]:
-    """The legend of panels: the states, and what the colours of a push are."""
-    stated = bool({*ARRAYS} & {*names})
-    seen = {state.word for rod in rods.solved for state in _states(rods, rod)} if stated else set()
-    entries: list[Artist] = [
-        Line2D([], [], color=colour, label=word) for word, colour in colours.STATES.items() if word in seen
-    ]
-    if "push" in names:
-        entries.append(Patch(color=colours.PUSHED, label=push_scale.PUSHES))
-    if (stated or "push" in names) and any(push_scale.pulls(rod["push"]) for rod in rods.solved):
-        pulled = Patch(color=colours.PULLED, label=push_scale.PULLS)
-        entries.append(Line2D([], [], **PULLS, label="would lift off") if stated else pulled)
-    return entries
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,20 +192,20 @@ def _over_s(ax: Axes, rods: DrawnRods) -> None:
     ax.set_xlabel(f"s [{labels.unit(str(rods.source.attrs['length_unit']))}]")
 
 
-def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> list[Artist]:
+def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> None:
     """A quantity of one rod over s, on an axis of its numbers; shaded where the cylinder would have to pull.
 
-    dots: whether the stations miss bends. Returns the entries of the legend.
+    dots: whether the stations miss bends.
     """
     rod, (title, unit, change) = rods.solved[0], _words(rods.source, name)
     s, values = rod["s"], change(rod[name])
     if dots:
-        ax.plot(s, values, ".", color=colours.DATA, markersize=3, label=rod.name)
+        ax.plot(s, values, ".", color=colours.DATA, markersize=3, gid=rod.name)
     elif name == "push":
         push_scale.line(ax, s, values, values, push_scale.scale([values]), 1.6, order=3)
         _shade_pulls(ax, s, values)
     else:
-        ax.plot(s, values, color=colours.DATA, linewidth=1.8, label=rod.name)
+        ax.plot(s, values, color=colours.DATA, linewidth=1.8, gid=rod.name)
     ax.axhline(0, color=colours.SOFT, linewidth=0.8)
     coarse = f"; dots: {rods.source.sizes.get('u', 1)} stations miss bends" if dots else ""
     ax.set_ylabel(f"{title} [{unit.strip()}]" if unit.strip() else title)
@@ -232,7 +214,6 @@ def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> list[Arti
     if unit == "°":
         ax.yaxis.set_major_locator(RoomLocator("angles"))
     _over_s(ax, rods)
-    return [shade for shade in ax.collections if shade.get_label() in (push_scale.PULLS, push_scale.PUSHES)]
 
 
 def _shade_pulls(ax: Axes, s: Any, push: Any) -> None:
@@ -262,12 +243,16 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
             continue
         s, push = rod["s"], rod["push"] if curves.name in ("push", *ARRAYS) else values
         if curves.name == "push":
-            for side, colour in ((np.maximum(values, 0), colours.PUSHED), (np.minimum(values, 0), colours.PULLED)):
-                ax.fill_between(s, 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order)
+            for side, colour, words in (
+                (np.maximum(values, 0), colours.PUSHED, push_scale.PUSHES),
+                (np.minimum(values, 0), colours.PULLED, push_scale.PULLS * push_scale.pulls(push)),
+            ):
+                ax.fill_between(s, 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order,
+                                label=words)  # fmt: skip
         if curves.name in ("push", PIPE):
             push_scale.line(ax, s, values, push, norm, width, rod.name, where, order)
         elif curves.name != STATES:
-            ax.plot(s, values, color=shades[k], linewidth=1.1, transform=where, zorder=order, label=rod.name)
+            ax.plot(s, values, color=shades[k], linewidth=1.1, transform=where, zorder=order, gid=rod.name)
         if curves.name not in ARRAYS:
             continue
         heights, wide, below = (
@@ -276,11 +261,11 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
         for state in _states(rods, rod):
             part = (s >= state.begin) & (s <= state.end)
             ax.plot(s[part], heights[part], color=colours.STATES[state.word], linewidth=wide, transform=where,
-                    zorder=order - below, label=f"{rod.name}, {state.word}")  # fmt: skip
+                    zorder=order - below, label=state.word, gid=f"{rod.name}, {state.word}")  # fmt: skip
         _, first, after = regions.runs((push < -SLIGHT * np.abs(push).max())[None])
         middle = (s[first] + s[after - 1]) / 2  # of each stretch where the cylinder would have to pull
         ax.plot(middle, np.interp(middle, s, values), **PULLS, transform=where, zorder=order + 0.01,
-                label=f"{rod.name}, would lift off")  # fmt: skip
+                label="would lift off" * bool(middle.size), gid=f"{rod.name}, would lift off")  # fmt: skip
 
 
 def _states(rods: DrawnRods, rod: DrawnRod) -> Sequence[Any]:

@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from solver.problem.errors import InputError
 from solver.problem.quantities import quantity
@@ -25,6 +24,8 @@ BAR, FRAME, AROUND = 0.2, 0.6, 0.8  # inches of a bar, of title and ticks of a p
 MOST, MOST_PANELS = 12, 4  # bars of a panel of a tornado or of cases; panels of cases where none is asked for
 ROOM = 0.34  # share of the width that is kept for the numbers on either side
 FIRST, TOTAL = colours.PAIR
+ORDERS = "first order: the field alone", "total: with interactions"
+SIGNS = "falls", "rises"
 EDGE: dict[str, Any] = {"ecolor": "white", "elinewidth": 2.4}  # of an interval
 LINE: dict[str, Any] = {"ecolor": colours.INK, "elinewidth": 1, "capsize": 2}
 
@@ -98,16 +99,12 @@ def indices(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
             return
         order = np.argsort(-row["total"].values)
         fields = [str(ds["field_symbol"].values[i]) for i in order]
-        draw(ax, fields, [(row["first"].values[order], FIRST), (row["total"].values[order], TOTAL)],
+        draw(ax, fields, [(row["first"].values[order], FIRST), (row["total"].values[order], TOTAL)], names=ORDERS,
              errors=[row[f"{key}_conf"].values[order] for key in ("first", "total")])  # fmt: skip
         ax.set_xlim(*limits)
         if row["lost"] > 0:
             _remark(ax, f"{100 * float(row['lost']):.2g} % of the blocks left out")
 
-    entries = [
-        Patch(color=FIRST, label="first order: the field alone"),
-        Patch(color=TOTAL, label="total: with interactions"),
-    ]
     notes = [f"Shares of the variance; lines: {100 * ds.attrs['confidence']:g} % intervals."]
     surprises = {
         "an index can be below 0": bool((ds["first"] < 0).any() or (ds["total"] < 0).any()),
@@ -116,7 +113,7 @@ def indices(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
     if said := " and ".join(words for words, occurs in surprises.items() if occurs):
         notes.append(f"The samples give estimates: by their sampling error {said}.")
     names = [str(name) for name in ds["observable"].values]
-    return _panels(ds, names, 2 * ds.sizes["field"], panel, [*entries, *notes], sheet)
+    return _panels(ds, names, 2 * ds.sizes["field"], panel, notes, sheet)
 
 
 def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
@@ -138,8 +135,9 @@ def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
         row, shown, rest = ds.sel(observable=name), effects[name][:MOST], effects[name][MOST:]
         sizes = np.array([effect for _, effect in shown])
         texts = [f"{'+' if size > 0 else '−'}{labels.number(abs(size), 2)}" for size in sizes]
-        draw(ax, [_tick(ds, field) for field, _ in shown], [(sizes, [colours.PAIR[int(size > 0)] for size in sizes])],
-             texts)  # fmt: skip
+        rises = [int(size > 0) for size in sizes]
+        draw(ax, [_tick(ds, field) for field, _ in shown], [(sizes, [colours.PAIR[k] for k in rises])], texts,
+             names=[[SIGNS[k] for k in rises]])  # fmt: skip
         value, unit = _in_unit(float(row["value"]), str(row["unit"].values)), str(row["effect_unit"].values)
         ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
         _remark(ax, f"change [{labels.unit(unit)}]" if unit != "1" else "change")
@@ -147,15 +145,14 @@ def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
             more = f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}"
             ax.set_xlabel(more, size=fonts.small(), color=colours.SOFT)
 
-    entries = [Patch(color=colours.PAIR[k], label=word) for k, word in ((1, "rises"), (0, "falls"))]
     note = "The change of each observable if a field rises by 1 %, or by the amount beside it."
     most = max(len(effects[name][:MOST]) for name in names)
-    return _panels(titled, names, most, panel, [*entries, note], sheet)
+    return _panels(titled, names, most, panel, [note], sheet)
 
 
 def draw(
     ax: Axes, rows: Sequence[str], series: Sequence[tuple[Any, Any]], texts: Sequence[str] = (),
-    errors: Sequence[Any] = (), integer: bool = False, names: Sequence[str | None] = (),
+    errors: Sequence[Any] = (), integer: bool = False, names: Sequence[Any] = (),
 ) -> None:  # fmt: skip
     """Draw bars in rows, the first on top.
 
@@ -172,7 +169,7 @@ def draw(
     integer
         Whether the sizes are counts.
     names
-        Of the series in the legend.
+        Of the series in the legend, or of the bars of a series.
     """
     count, at = len(series), np.arange(len(rows))
     thick, step = (0.66, 0.0) if count == 1 else (0.72 / count, 0.76 / count)

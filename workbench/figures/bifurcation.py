@@ -63,10 +63,8 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
     laws = _laws(ds)
 
     def diagram(ax: Axes) -> canvas.Said:
-        key = canvas.legend_entries(panel(ds, ax, shown, high))
-        if few := len({entry.get_label() for entry in key}) <= MOST_INSIDE:
-            canvas.add_legend(ax)
-        return [*([] if few else key), *laws]
+        canvas.add_legend(panel(ds, ax, shown, high), MOST_INSIDE)
+        return laws
 
     rows: list[canvas.Row] = [(high, [diagram])]
     if shapes:

@@ -1,6 +1,7 @@
 """The canvas of every figure: a Matplotlib `Figure` without pyplot, its title, its legends, and the file it is put in.
 
-A legend has each label once. The sentences that belong to a figure stand below it, or are kept for its caption.
+What a panel labels stands in the legend of its figure, each label once; the name of an artist in a table of what is
+drawn is its `gid`. The sentences that belong to a figure stand below it, or are kept for its caption.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -40,6 +41,7 @@ from .sheet import MILLIMETRES, SCREEN, Sheet
 
 # inches of a figure of one column, and of two: room for a caption stays; the share of the height that is kept
 TALLEST, TALLEST_PAGE, LEAST = 120 / MILLIMETRES, 185 / MILLIMETRES, 0.62
+LABELS = 0.5  # inches above and below a panel with axes
 MARGIN, AFTER, TITLE = 0.15, 0.1, 0.62  # inches around a title, below it, and of all of it where its lines are short
 MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and columns name
 # The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points
@@ -47,7 +49,7 @@ PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
 ALONE: dict[str, Any] = {"fontsize": 1, "borderpad": 3.2}  # of a legend of notes: its empty entry takes no room
 HANDLE = 0.45  # inches of an entry beside its label
 DIAGRAMS = (".png", ".pdf", ".svg")
-Said = Iterable[str | Artist]  # below a figure: sentences, and entries of its legend
+Said = Iterable[Any]  # below a figure: sentences, and labelled artists, the entries of its legend
 Panel = Callable[[Axes], Said | None]  # draws, and returns what is said of it
 Row = tuple[float, Sequence[Panel | None]]  # its height in inches, and its panels
 
@@ -97,7 +99,8 @@ def page(
         What it is drawn for.
     rows
         The height of each in inches, and what draws each panel; None leaves a place free. Rows of equal numbers share
-        their columns. A panel returns what is said below the figure: sentences, and entries of the legend.
+        their columns. A panel returns what is said below the figure: sentences, and entries of the legend beside what
+        it labels. A panel with a legend of its own adds nothing to that of the figure.
     said
         What is said after that of the panels.
     more
@@ -109,16 +112,27 @@ def page(
     """
 
     def draw(fig: Figure) -> None:
-        below: list[str | Artist] = []
+        below: list[Any] = []
         groups = [list(group) for _, group in groupby(rows, lambda row: len(row[1]))]
-        outer = GridSpec(len(groups), 1, fig, height_ratios=[sum(high for high, _ in group) for group in groups])
+        heights = [sum(high for high, _ in group) for group in groups]
+        outer = GridSpec(len(groups), 1, fig, height_ratios=heights)
         for i, group in enumerate(groups):
             across = len(group[0][1])
             sizes: Any = {"height_ratios": [high for high, _ in group], "width_ratios": ratios if across > 1 else None}
             alone = len(groups) == 1
             grid = (fig.add_gridspec if alone else outer[i, 0].subgridspec)(len(group), across, **sizes)
+            plain = np.ones(len(group), dtype=bool)
             for k, panel in np.ndenumerate(np.array([panels for _, panels in group], dtype=object)):
-                below += (panel and panel(fig.add_subplot(grid[k]))) or ()
+                if panel is not None:
+                    ax = fig.add_subplot(grid[k])
+                    below += panel(ax) or ()
+                    below += [] if ax.get_legend() else legend_entries(ax)
+                    plain[k[0]] &= not ax.axison
+            if sheet.style == "paper":  # a layout shares what labels leave: views without any keep their height
+                inner = [high - LABELS * (not bare) for (high, _), bare in zip(group, plain, strict=True)]
+                grid.set_height_ratios(inner)
+                heights[i] = sum(inner)
+        outer.set_height_ratios(heights)
         write_below(fig, [*below, *said], sheet)
 
     return figure((width or sheet.width, sum(high for high, _ in rows) + more), draw, ds, sheet=sheet,
@@ -255,10 +269,13 @@ def notes_of(fig: Figure) -> list[str]:
     return list(dict.fromkeys(texts))
 
 
-def add_legend(ax: Axes, **where: Any) -> None:
-    """The legend of what is drawn on the axes, none where nothing has a label; where: options of `Axes.legend`."""
+def add_legend(ax: Axes, most: float = np.inf, **where: Any) -> None:
+    """The legend of what is drawn on the axes; none without a label, or with more than so many.
+
+    where: options of `Axes.legend`.
+    """
     once = {str(entry.get_label()): entry for entry in legend_entries(ax)}
-    if once:
+    if 0 < len(once) <= most:
         ax.legend(list(once.values()), list(once), **{"loc": "best", **PADDED, **where})
 
 
@@ -269,14 +286,14 @@ def legend_entries(ax: Axes) -> list[Any]:
     )
 
 
-def write_below(fig: Figure, said: Iterable[str | Artist], sheet: Sheet = SCREEN) -> Legend | None:
+def write_below(fig: Figure, said: Said, sheet: Sheet = SCREEN) -> Legend | None:
     """One legend below all axes of a figure with a constrained layout: sentences, then entries in columns.
 
     On a sheet without a title the sentences are kept for the caption.
     """
     said = list(said)
     notes = [note for note in said if isinstance(note, str)]
-    entries = [entry for entry in said if isinstance(entry, Artist)]
+    entries = [entry for entry in said if not isinstance(entry, str)]
     if not sheet.titled:
         keep(fig, notes)
         notes = []

@@ -101,8 +101,8 @@ def _is_mark(ax: Axes, line: Line2D) -> bool:
 
 
 def _label(artist: Any, number: int) -> str:
-    """The label of an artist, or else its number."""
-    label = str(artist.get_label())
+    """The name of an artist, by default its label, or else its number."""
+    label = str(artist.get_gid() or artist.get_label())
     return str(number) if label.startswith("_") or not label else _one_line(label)
 
 

@@ -16,70 +16,40 @@ from . import bars, canvas, colours, fonts, unrolled
 from .sheet import SCREEN, Sheet
 
 LOWER = 3.4  # inches: the height of the lower panels
-ROOM = (8.8, 2.2)  # inches of the unrolled view
-TALLEST, LABELS = 4.4, 1.1  # inches: the highest curve, and the title, legend and labels beside it
+TALLEST = 0.45  # of the width: the highest unrolled view
 LEVEL = 0.95
 CROSSES = {False: "; crosses: other minima that the data do not exclude", True: "; crosses: others that reach the data"}
+FITTED: dict[str, Any] = {"color": colours.PAIR[1], "linewidth": 1.2, "label": "fitted rod"}
+JOINED: dict[str, Any] = {"color": colours.INK, "linewidth": 0.9, "zorder": 1}
+MEASURED: dict[str, Any] = {"marker": "o", "markersize": 3.5, "color": "white", "markeredgecolor": colours.INK,
+                            "markeredgewidth": 0.9, "linestyle": "none", "zorder": 5,
+                            "label": "measured points"}  # fmt: skip
 MARKS = ("o", "s", "^", "D", "v", "P")
 
 
 def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     """The figure of a dataset of `workbench.fitting`, on a sheet."""
-    room = sheet.width - 0.8, ROOM[1]
-    upper = _height(ds, room)
+    view = curve(ds, (sheet.width - unrolled.BESIDE, TALLEST * sheet.width), sheet.small)
     lower = LOWER if not sheet.narrow else min(LOWER, 0.8 * sheet.width)
     parts = [region, shares] if ds.sizes["field"] > 1 else [shares]
 
-    rows: list[canvas.Row] = [(upper, [lambda ax: curve(ds, ax, room)])]
+    rows: list[canvas.Row] = [(view.height, [view.draw])]
     for beside in [[part] for part in parts] if sheet.narrow else [parts]:
         rows.append((lower, [partial(part, ds) for part in beside]))
-    return canvas.page(ds, sheet, rows, more=0.0)
+    return canvas.page(ds, sheet, rows)
 
 
-def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> None:
-    """The fitted unrolled view, seen from outside, with the measured points.
-
-    z is to the right and rho alpha down.
-    """
-    unit = labels.unit(str(ds.attrs["length_unit"]))
-    line, feet, points = ([_places(ds, part + name) for name in ("z", "alpha")] for part in ("", "foot_", "measured_"))
-    ax.plot(*line, color=colours.PAIR[1], linewidth=1.2, label="fitted rod")
-    if "measured_z" in ds:
-        for a, b, c, d in zip(*points, *feet, strict=True):
-            ax.plot((a, c), (b, d), color=colours.INK, linewidth=0.9, zorder=1)
-        ax.plot(*points, "o", color="white", markersize=4.5, markeredgecolor=colours.INK, markeredgewidth=0.9,
-                label="measured points")  # fmt: skip
-        canvas.add_legend(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, borderaxespad=0, borderpad=0.3)
-    ax.plot(line[0][0], line[1][0], "o", color=colours.INK, markersize=5)
-    ax.annotate("s = 0", (line[0][0], line[1][0]), (-6, 0), textcoords="offset points", ha="right", va="center",
-                size=fonts.small())  # fmt: skip
-    factor = unrolled.stretch(*_extent(ds), room)
-    ax.set_aspect(factor, anchor="NW")
-    ax.set_xlabel(f"z [{unit}]{unrolled.larger(1 / factor)}")
-    words = [f"{name} [{unit}]{unrolled.larger(factor)}" for name in (fonts.AROUND, "around the cylinder", "around")]
-    ax.set_ylabel(fonts.shorter(words, fonts.inches(ax)[1]))
-    ax.margins(x=max(0.06, 0.55 / room[0]), y=0.12)  # room for s = 0
-    ax.invert_yaxis()
-
-
-def _places(ds: xr.Dataset, name: str) -> Any:
-    """z, or rho alpha, of the curve, the feet or the points; nothing where the dataset has none."""
-    if name not in ds:
-        return np.zeros(0)
-    return ds[name].values * (float(ds["rho"]) if name.endswith("alpha") else 1.0)
-
-
-def _extent(ds: xr.Dataset) -> tuple[float, float]:
-    """The extents of z and of rho alpha, of the curve and the points together [length]."""
-    z, alpha = (np.ptp(np.concatenate([_places(ds, k) for k in (name, f"measured_{name}")])) for name in ("z", "alpha"))
-    return float(z), float(alpha)
-
-
-def _height(ds: xr.Dataset, room: tuple[float, float]) -> float:
-    """The height of the panel of the curve with its labels [inches]."""
-    wide, high = _extent(ds)
-    drawn = room[0] * 1.24 * high * unrolled.stretch(wide, high, room) / (1.12 * wide)
-    return float(np.clip(drawn, 0.6, TALLEST)) + LABELS
+def curve(ds: xr.Dataset, room: tuple[float, float], letters: float) -> unrolled.Panel:
+    """The fitted unrolled view with the measured points, which lines join to their places on the rod."""
+    factors = {"z": 1.0, "alpha": float(ds["rho"])}
+    line, feet, points = (
+        [ds[part + name].values * factor for name, factor in factors.items() if part + name in ds]
+        for part in ("", "foot_", "measured_")
+    )
+    over: list[Any] = [((a, c), (b, d), JOINED, "") for a, b, c, d in zip(*points, *feet, strict=True)]
+    over += [(*points, MEASURED, "measured points")] if points else []
+    view = unrolled.View(line[0], line[1], "", FITTED, name="fitted rod", over=over)
+    return unrolled.Panel([view], room, letters, labels.unit(str(ds.attrs["length_unit"])))
 
 
 def region(ds: xr.Dataset, ax: Axes) -> None:
@@ -88,7 +58,7 @@ def region(ds: xr.Dataset, ax: Axes) -> None:
     values, low, high = (ds[name].values[:2].astype(float) * factors for name in ("value", "low", "high"))
     names = [labels.symbol_of(str(name)) for name in ds["field"].values[:2]]
     ax.set_xlabel(_label(ds, 0))
-    ax.set_ylabel(_label(ds, 1))
+    ax.set_ylabel(fonts.shorter([_label(ds, 1, long) for long in (True, False)], fonts.inches(ax)[1]))
     ax.plot(*values, "o", color=colours.PAIR[1], markersize=6, zorder=4)
     others = ds["other_minimum"].values[:, :2]
     for other in others:
@@ -144,6 +114,7 @@ def shares(ds: xr.Dataset, ax: Axes) -> None:
     canvas.add_legend(ax, loc="best", ncols=max(len(known), 1))
 
 
-def _label(ds: xr.Dataset, k: int) -> str:
+def _label(ds: xr.Dataset, k: int, long: bool = True) -> str:
     name, unit = str(ds["field"].values[k]), str(ds["unit"].values[k])
-    return labels.axis_label(name, xr.DataArray(0.0, attrs={"units": unit, "long_name": quantity_of(name).long_name}))
+    attrs = {"units": unit, "long_name": quantity_of(name).long_name}
+    return labels.axis_label(name, xr.DataArray(0.0, attrs=attrs), long)

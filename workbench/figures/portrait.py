@@ -1,6 +1,6 @@
 """Phase portraits: the orbit of a rod among the level sets of beta'^2 + G(beta), beside the potential G."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from math import ceil
@@ -8,10 +8,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from solver.mechanics.potential import TAU, Loads, potential, slope, slope_rate
@@ -30,13 +28,14 @@ COLUMN = 1.4  # inches that a rod needs among others
 BANDS = 2  # rows of rods at most
 ANGLES = 1441  # of a level set
 LEVELS = 7  # level sets
+ROD = "the rod, at its level h"
+OTHERS = "other level sets of β′² + G"
 ROUNDING = 1e-12
 BISECTIONS = 60  # of angles where a level or H is met
 SPARE = 0.06  # of the window, to the left and right of what must be seen
 LEAST = np.radians(0.5)  # of a window
 SEPARATRIX: dict[str, Any] = {"color": colours.INK, "linewidth": 0.9, "linestyle": (0, (4, 2)), "zorder": 3,
-                              "label": "separatrix"}  # fmt: skip
-SADDLE = "the separatrix, through a saddle (×)"
+                              "gid": "separatrix", "label": "the separatrix, through a saddle (×)"}  # fmt: skip
 
 
 def figure(
@@ -105,8 +104,7 @@ def figure(
         rows = [row for band in groups for name in names
                 for row in canvas.in_rows([partial(panel, i, name) for i in band], across, high)]  # fmt: skip
     said = chosen.said() if source is chosen.source or not sheet.titled else []  # the title says it
-    below: list[str | Artist] = [*_entries(orbits, names), *said, *chosen.notes]
-    return canvas.page(source, sheet, rows, below, 0.9)
+    return canvas.page(source, sheet, rows, [*said, *chosen.notes], 0.9)
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,23 +184,23 @@ def _portrait(ax: Axes, one: Orbit) -> None:
     """The orbit, the separatrices and some level sets."""
     G = one.G(one.angles())
     for level in np.linspace(float(G.min()), float(G.min()) + 1.4 * (one.fastest() ** 2 + 1e-12), LEVELS + 2)[1:]:
-        _level_set(ax, one, float(level), color=colours.FAINT, linewidth=0.8, label="_level", zorder=1)
+        _level_set(ax, one, float(level), color=colours.FAINT, linewidth=0.8, gid="_level", zorder=1, label=OTHERS)
     for level in _levels(one):
         _level_set(ax, one, level, **SEPARATRIX)
-    ax.plot(np.degrees(one.beta), one.dbeta, color=colours.DATA, linewidth=1.4, label="rod", zorder=5)
+    ax.plot(np.degrees(one.beta), one.dbeta, color=colours.DATA, linewidth=1.4, gid="rod", label=ROD, zorder=5)
     _mark(ax, one, lambda angles: 0 * angles, one.dbeta[[0, -1]])
 
 
 def _mark(ax: Axes, one: Orbit, height: Callable[[Any], Any], ends: Any) -> None:
     """Mark saddles and centres at their height, and the two ends of the rod at theirs."""
-    places: list[tuple[str, Any, Any, str, int, str]] = [
-        ("saddle", one.saddles, height(one.saddles), "x", 5, colours.INK),
-        ("centre", one.centres, height(one.centres), "+", 6, colours.SOFT),
-        ("s = 0", one.beta[:1], ends[:1], "o", 4, colours.INK),
-        ("s = L", one.beta[-1:], ends[1:], "s", 4, colours.INK),
+    places: list[tuple[str, str, Any, Any, str, int, str]] = [
+        ("saddle", "", one.saddles, height(one.saddles), "x", 5, colours.INK),
+        ("centre", "centre: a helix" * bool(one.centres.size), one.centres, height(one.centres), "+", 6, colours.SOFT),
+        ("s = 0", "s = 0", one.beta[:1], ends[:1], "o", 4, colours.INK),
+        ("s = L", "s = L", one.beta[-1:], ends[1:], "s", 4, colours.INK),
     ]
-    for name, angles, heights, marker, size, colour in places:
-        ax.plot(np.degrees(angles), heights, marker, color=colour, markersize=size, label=name, zorder=6)
+    for name, words, angles, heights, marker, size, colour in places:
+        ax.plot(np.degrees(angles), heights, marker, color=colour, markersize=size, gid=name, label=words, zorder=6)
 
 
 def _levels(one: Orbit) -> list[float]:
@@ -232,25 +230,9 @@ def _level_set(ax: Axes, one: Orbit, level: float, **look: Any) -> None:
 def _potential(ax: Axes, one: Orbit) -> None:
     """G over the angle, and the level h of the rod, where it lies above G."""
     angles = one.angles()
-    ax.plot(np.degrees(angles), one.G(angles), color=colours.INK, linewidth=1.0, label="G", zorder=3)
+    ax.plot(np.degrees(angles), one.G(angles), color=colours.INK, linewidth=1.0, gid="G", zorder=3)
     reached = (float(one.beta.min()), float(one.beta.max()))
-    ax.plot(np.degrees(reached), [one.h, one.h], color=colours.DATA, linewidth=1.4, label="h", zorder=4)
+    ax.plot(np.degrees(reached), [one.h, one.h], color=colours.DATA, linewidth=1.4, gid="h", label=ROD, zorder=4)
     for level in _levels(one):
         ax.plot(np.degrees(one.window), [level, level], **SEPARATRIX)
     _mark(ax, one, one.G, [one.h, one.h])
-
-
-def _entries(orbits: Sequence[Orbit], names: Sequence[str]) -> list[Artist]:
-    """The legend."""
-    looks: dict[str, dict[str, Any]] = {
-        "the rod, at its level h" if "potential" in names else "the rod": {"color": colours.DATA, "linewidth": 1.8},
-        "s = 0": {"marker": "o", "markersize": 4, "linestyle": "none"},
-        "s = L": {"marker": "s", "markersize": 4, "linestyle": "none"},
-    }
-    if any(curve.saddles.size for curve in orbits):
-        looks[SADDLE] = {"linewidth": 0.9, "linestyle": (0, (4, 2))}
-    if any(curve.centres.size for curve in orbits):
-        looks["centre: a helix"] = {"color": colours.SOFT, "marker": "+", "markersize": 6, "linestyle": "none"}
-    if "portrait" in names:
-        looks["other level sets of β′² + G"] = {"color": colours.FAINT, "linewidth": 1.2}
-    return [Line2D([], [], label=label, **({"color": colours.INK} | look)) for label, look in looks.items()]

@@ -28,10 +28,13 @@ def scale(pushes: Sequence[Any]) -> Normalize:
 
 
 def line(
-    ax: Axes, x: Any, y: Any, push: Any, norm: Normalize, width: float = 2.0, label: str = "", where: Any = None,
+    ax: Axes, x: Any, y: Any, push: Any, norm: Normalize, width: float = 2.0, name: str = "", where: Any = None,
     order: float = 2.0,
 ) -> LineCollection:  # fmt: skip
-    """Draw a line whose colour at each point is that of the push there; where: its transform; order: of drawing."""
+    """Draw a line whose colour at each point is that of the push there; name: its own in a table.
+
+    where: its transform; order: of drawing.
+    """
     where = where or ax.transData
     casing = max(width * EDGE, width + LEAST)
     ax.plot(x, y, color=colours.SOFT, linewidth=casing, solid_capstyle="round", label=CASING, zorder=order,
@@ -40,7 +43,7 @@ def line(
     middles = (points[1:] + points[:-1]) / 2
     before, after = np.vstack([points[:1], middles]), np.vstack([middles, points[-1:]])
     drawn = LineCollection(list(np.stack([before, points, after], axis=1)), cmap=colours.push_ramp(), norm=norm,
-                           linewidths=width, capstyle="round", joinstyle="round", label=label, zorder=order,
+                           linewidths=width, capstyle="round", joinstyle="round", gid=name, zorder=order,
                            transform=where)  # fmt: skip
     drawn.set_array(np.asarray(push, dtype=float))
     ax.add_collection(drawn)

@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from solver.problem.errors import no_such
@@ -62,8 +61,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
             said.append(f"Colours beside the curves: {labels.long_name(ds[f'curve_{shown}'])}.")
         elif shown != COUNT:
             said.append(f"Colours of the regions: {labels.long_name(ds[shown])}.")
-        marks = [line for line in ax.lines if not str(line.get_label()).startswith("_")]
-        return [*said, *(Line2D([], [], label=CURVES[curve], **_look(*curve)) for curve in _curves(ds)), *marks]
+        return said
 
     subject = {COUNT: "", STABLE: "The number of stable equilibria"}.get(shown)
     subject = f"Folds, and their {labels.long_name(ds[f'curve_{shown}'])}," if subject is None else subject
@@ -97,7 +95,7 @@ def _colour_curves(ds: xr.Dataset, ax: Axes, name: str) -> None:
     segments, middles = np.concatenate(pairs), ((values[:, 1:] + values[:, :-1]) / 2).ravel()
     known = np.isfinite(segments).all(axis=(1, 2)) & np.isfinite(middles)
     drawn = LineCollection(list(segments[known]), cmap=colours.map_colours(), linewidths=6.0, zorder=2,
-                           array=middles[known], label=name)  # fmt: skip
+                           array=middles[known], gid=name)  # fmt: skip
     ax.add_collection(drawn, autolim=False)
     canvas.colour_bar([ax], drawn, labels.label(array), pad=0.015, aspect=30, fraction=0.05)
 
@@ -111,8 +109,8 @@ def _panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str | N
     edges = np.array([labels.in_label_unit(ds[name], np.array([ds.attrs[end][k] for end in ("low", "high")]))
                       for k, name in enumerate(names)])  # fmt: skip
     lines = _lines(ds)
-    for line, curve in zip(lines, _curves(ds), strict=True):
-        ax.plot(*line.T, zorder=3, solid_capstyle="round", **_look(*curve))
+    for number, (line, curve) in enumerate(zip(lines, _curves(ds), strict=True), 1):
+        ax.plot(*line.T, zorder=3, solid_capstyle="round", gid=str(number), label=CURVES[curve], **_look(*curve))
     if "cusp" in ds.dims:
         ax.plot(*(labels.in_label_unit(ds[name], ds[f"cusp_{name}"].values) for name in names), **CUSP)
     ax.set(xlim=edges[0], ylim=edges[1], **{f"{axis}label": labels.axis_label(name, ds[name])

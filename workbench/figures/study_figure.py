@@ -11,13 +11,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from solver.problem.errors import InputError, choices, no_such
 from studies.grammar.axes import SAMPLE
 
 from ..store import law_verdicts, refined, schema, selection
 from ..words import cautions, labels
-from . import along, canvas, drawn_rods, trends, unrolled
+from . import along, canvas, colours, drawn_rods, push_scale, trends, unrolled
 from .laws import panel
 from .sheet import SCREEN, Sheet
 
@@ -144,16 +145,18 @@ def one_rod(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     names = [panel for panel in sheet.choose(stored) if stored[panel] in ds.data_vars]
     if not names:
         raise no_such("panel", sheet.panel, stored)
-    arrays = {"angle": ["beta"], "push": ["push"], "curve": ["alpha", "z"] + ["push"] * ("contact" in ds.data_vars)}
+    coloured = "contact" in ds.data_vars
+    arrays = {"angle": ["beta"], "push": ["push"], "curve": ["alpha", "z"] + ["push"] * coloured}
     rods = drawn_rods.choose(ds, list(dict.fromkeys(name for panel in names for name in arrays[panel])))
     room = sheet.width - unrolled.BESIDE, STRIPS[not sheet.narrow] * sheet.width
-    view = unrolled.panel_of(rods, room, sheet.small, "contact" in ds.data_vars) if "curve" in names else None
+    view = unrolled.panel_of(rods, room, sheet.small, coloured) if "curve" in names else None
     each = LEAST_LAW * max(min(sheet.width / SCREEN.width, 1.0), ONE_ROD)
     coarse = view is not None and unrolled.is_coarse(rods.rods[0])
 
     def curve(ax: Axes) -> canvas.Said:
         assert view is not None
-        return [*([] if "push" in names else unrolled.entries(rods)), *view.draw(ax)]
+        pulled = coloured and "push" not in names and any(push_scale.pulls(rod["push"]) for rod in rods.solved)
+        return [*[Line2D([], [], color=colours.PULLED, linewidth=2.2, label=push_scale.PULLS)] * pulled, *view.draw(ax)]
 
     rows: list[canvas.Row] = [
         (view.height + LABELS, [curve]) if view and name == "curve"

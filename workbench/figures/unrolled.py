@@ -68,7 +68,7 @@ class View:
 
     x, y: z and the distance around the cylinder, (n,) each [length]; none of a rod that is not solved. text: above it.
     look: of its line; or its push and the scale of its colours. rings: as of `crossings`. name: of its line in a table;
-    default: the first line of the text.
+    default: the first line of the text. over: x, y, look and name of further lines on the same cylinder.
     """
 
     x: Values
@@ -77,11 +77,18 @@ class View:
     look: Mapping[str, Any]
     rings: Sequence[Any] = ()
     name: str = ""
+    over: Sequence[tuple[Any, Any, Mapping[str, Any], str]] = ()
 
     @property
-    def size(self) -> tuple[float, float]:
+    def box(self) -> Values:
+        """The least and the largest of x and of y, (2, 2) [length]; zeros without any."""
+        places = np.hstack([(self.x, self.y), *((x, y) for x, y, _, _ in self.over)])
+        return np.stack([places.min(axis=1), places.max(axis=1)]) if places.size else np.zeros((2, 2))
+
+    @property
+    def size(self) -> Values:
         """Width and height [length]."""
-        return (float(np.ptp(self.x)), float(np.ptp(self.y))) if self.x.size else (0.0, 0.0)
+        return np.asarray(np.ptp(self.box, axis=0))
 
 
 def plan(
@@ -140,16 +147,18 @@ def draw(
         if not view.x.size:
             ax.annotate("unsolved", (left, top), va="top", color=colours.SOFT, size=letters, annotation_clip=False)
             continue
-        to_page = Affine2D().translate(-view.x.min(), -view.y.min()).scale(form.scale, form.scale * form.factor)
+        to_page = Affine2D().translate(*-view.box[0]).scale(form.scale, form.scale * form.factor)
         where = to_page.translate(left, top) + ax.transData
         drawn = _draw_line(ax, view.x, view.y, view.look, view.name or view.text.partition("\n")[0], where) or drawn
-        ax.plot(view.x[0], view.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where, label="s = 0")
+        ax.plot(view.x[0], view.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where, gid="s = 0")
+        for x, y, look, name in view.over:
+            ax.plot(x, y, transform=where, gid=name, **look)
         rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
     if rings:
         sizes = [max(72 * float(np.linalg.norm(apart)) + RING / 2, RING) for _, apart in rings]
         x, y = np.transpose([place for place, _ in rings])
-        ax.scatter(x, y, s=np.square(sizes), facecolors="none", linewidths=0.7, edgecolors=colours.CROSSED,
-                   label=THROUGH, zorder=5)  # fmt: skip
+        ax.scatter(x, y, s=np.square(sizes), facecolors="none", linewidths=0.7, edgecolors=colours.CROSSED, gid=THROUGH,
+                   zorder=5)  # fmt: skip
     for artist in (*ax.lines, *ax.collections):
         artist.set_clip_on(False)
     _draw_key(ax, form, form.places[len(views)], unit, letters)
@@ -161,8 +170,8 @@ def _draw_line(
 ) -> LineCollection | None:
     """Draw a line in the colours of the push, which is returned, or in one colour."""
     if "push" in look:
-        return push_scale.line(ax, x, y, **look, label=name, where=where)
-    ax.plot(x, y, **{"solid_capstyle": "round", "zorder": 3, **look}, transform=where, label=name)
+        return push_scale.line(ax, x, y, **look, name=name, where=where)
+    ax.plot(x, y, **{"solid_capstyle": "round", "zorder": 3, **look}, transform=where, gid=name)
     return None
 
 
@@ -282,7 +291,9 @@ class Panel:
         coloured = draw(ax, self.views, self.form, self.unit, self.letters)
         if bar and coloured is not None:
             push_scale.bar(ax, coloured, *bar)
-        return [*ring_entries(ax), sentence(self.form, more), *self.notes]
+        ring = Line2D([], [], marker="o", markersize=7, fillstyle="none", color=colours.CROSSED, linestyle="none",
+                      label=THROUGH)  # fmt: skip
+        return [*[ring] * any(view.rings for view in self.views), sentence(self.form, more), *self.notes]
 
 
 @dataclass(frozen=True, eq=False)
@@ -330,7 +341,7 @@ class Lines:
                 drawn = _draw_line(
                     ax, x, y, look_of_line, self.rod.name, Affine2D().translate(-left, top) + ax.transData
                 )
-        ax.plot(0, -self.low + across[0], "o", color=colours.INK, markersize=4, label="s = 0", zorder=4)
+        ax.plot(0, -self.low + across[0], "o", color=colours.INK, markersize=4, gid="s = 0", zorder=4)
         size = max(ends) - min(ends)
         ax.set_xlim(min(ends) - 0.01 * size, max(ends) + 0.01 * size)
         ax.set_ylim((self.count - 1) * lines.PITCH * self.wide + 1.1 * self.wide, -0.1 * self.wide)
@@ -460,16 +471,3 @@ def inset(
         set_ends(middle - half, middle + half)
     view.set_aspect(factor, adjustable="box")
     view.set_axis_off()
-
-
-def entries(rods: DrawnRods) -> list[Artist]:
-    """The legend: what orange is, where a rod is pulled."""
-    pulled = any(push_scale.pulls(rod["push"]) for rod in rods.solved if "push" in (rod.arrays or {}))
-    return [Line2D([], [], color=colours.PULLED, linewidth=2.2, label=push_scale.PULLS)] * pulled
-
-
-def ring_entries(ax: Axes) -> list[Artist]:
-    """The legend of a ring, where there is one."""
-    ring = Line2D([], [], markersize=7, markerfacecolor="none", color=colours.CROSSED, label=THROUGH, linestyle="none",
-                  marker="o")  # fmt: skip
-    return [ring] if any(collection.get_label() == THROUGH for collection in ax.collections) else []
