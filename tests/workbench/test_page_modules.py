@@ -580,8 +580,8 @@ def test_the_nearest_row_of_the_list_is_the_one_that_is_shown() -> None:
     rows = [{"dbeta0": 0.5, "energy": -3.0}, {"dbeta0": 0.1, "energy": -2.0}, {"dbeta0": 0.5, "energy": 1.0}]
     script = """
     const places = [{ dbeta0: 0.49, energy: 0.9 }, { dbeta0: 0.12, energy: -2.1 }, null];
-    answer(places.map((at) => equilibria_list.rowOf(given, at)));"""
-    assert run(script, rows, ("equilibria_list",)) == [2, 1, -1]
+    answer(places.map((at) => equilibria.rowOf(given, at)));"""
+    assert run(script, rows, ("equilibria",)) == [2, 1, -1]
 
 
 def test_a_case_of_the_page_and_of_the_solver_agree_without_a_reading() -> None:

@@ -95,9 +95,9 @@ def test_on_paper_a_scene_shows_its_rod(ds: xr.Dataset, tmp_path: Path) -> None:
 @node.needs_node
 def test_the_page_draws_the_stored_rods(ds: xr.Dataset) -> None:
     data = data_of(turntable_page.html(ds)) | {"k": 7}
-    script = """given.arrays = stored_shapes.numbersOf(given.arrays);
-const { s, alpha, z, push } = stored_shapes.storedShape(core, given, given.k); answer({ s, alpha, z, push });"""
-    found = node.run(script, data, ("stored_shapes",))
+    script = """given.arrays = rod_sources.numbersOf(given.arrays);
+const { s, alpha, z, push } = rod_sources.storedShape(core, given, given.k); answer({ s, alpha, z, push });"""
+    found = node.run(script, data, ("rod_sources",))
     line = stored_line.read(ds, {"E": 7})
     s = np.array(found["s"])
     alpha, _, z = line.at(s)

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from ..store.study_store import Ran
 
 READ = (".toml", ".csv", ".parquet")  # the files of studies and tables
-SENTENCES = ("sampling", "sampling_caution", "refinement", "equilibria", "branches")  # that a study may have
 
 
 @presents()
@@ -146,8 +145,7 @@ def merge(
             print_verdicts(done["laws"])
         console.say(f"{out}: {done['values']} values of {done['axis']} from {len(files)} files")
         console.say(f"{done['cases']} cases, {done['unsolved']} unsolved")
-        if done["caution"]:
-            console.say(f"caution: {done['caution']}")
+        print_sentences(done, ["caution"])
 
     return Result(lambda: {**done, "status": status}, show, status)
 
@@ -176,13 +174,15 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
         console.say(reason)
 
 
-def print_sampling(found: Mapping[str, Any]) -> None:
-    """Print where the samples come from, a caution about their number, and what ended a refinement."""
-    for name in ("sampling", "refinement"):
+SAMPLING = ("sampling", "refinement", "sampling_caution")  # where samples come from, and what ended a refinement
+JUDGED = ("equilibria", "branches", "caution")  # which equilibria the cases have, and what no real rod can do
+
+
+def print_sentences(found: Mapping[str, Any], names: Sequence[str]) -> None:
+    """Print those of these sentences on a study that it has."""
+    for name in names:
         if found.get(name):
-            console.say(found[name])
-    if found.get("sampling_caution"):
-        console.say(f"caution: {found['sampling_caution']}")
+            console.say(f"caution: {found[name]}" if name.endswith("caution") else found[name])
 
 
 def _print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
@@ -252,7 +252,7 @@ def result_of(found: dict[str, Any], ran: "Ran | None" = None) -> Result:
         counts = {"cases": cases, "unsolved": unsolved, "outcomes": sorted(outcomes), "caution": caution}
         run = {} if ran is None else {"solved_now": ran.solved, "seconds": ran.seconds}
         named = {name: found[name] for name in ("study", "reading", "file")}
-        named |= {name: found[name] for name in SENTENCES if found.get(name)}
+        named |= {name: found[name] for name in (*SAMPLING, *JUDGED[:2]) if found.get(name)}
         laws = {"verdicts": law_words.tally(found["laws"]), "laws": found["laws"]}
         return {**named, **counts, **run, **laws, "status": status}
 
@@ -262,12 +262,7 @@ def result_of(found: dict[str, Any], ran: "Ran | None" = None) -> Result:
             print_verdicts(found["laws"], alternatives=True)
         console.say(f"{file}: {law_words.count_of(cases, 'case')}, {unsolved} unsolved")
         _print_outcomes(outcomes, file)
-        print_sampling(found)
-        for name in ("equilibria", "branches"):
-            if found.get(name):
-                console.say(found[name])
-        if caution:
-            console.say(f"caution: {caution}")
+        print_sentences({**found, "caution": caution}, (*SAMPLING, *JUDGED))
         if ran is not None and ran.finished_before:
             console.say("already complete; use --restart to solve again")
 

@@ -124,14 +124,16 @@ def _which(sol: "Solution", listed: "Equilibria | None", study: "Study | None") 
     """Which equilibrium was taken. listed: all, where it was named by numbers: by a study, or as a wound helix."""
     from solver import observe
 
+    from ..words.outcomes import stability
+
     if listed is None or not sol.solved:
         return f"{sol.selection} (use workbench equilibria to list all)" if sol.selection is not None else ""
     if study is not None:
         stable = sum(equilibrium.index == 0 for equilibrium in listed)
         return f"{len(listed)} equilibria, {stable} stable; shown: the one that {study.name} names"
     index = int(observe(sol, ["index"])["index"])
-    ways = f"unstable in {index} way{'s' * (index != 1)} under dead loads: it needs more tension, or a guide"
-    return f"shown: the helix of this tension and lay, {ways if index else 'which is stable'}"
+    ways = f"{stability(index)} under dead loads: it needs more tension, or a guide" if index else "which is stable"
+    return f"shown: the helix of this tension and lay, {ways}"
 
 
 def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -> dict[str, Any]:

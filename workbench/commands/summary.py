@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from . import console, tables
 from .options import File
 from .present import Result, presents
-from .run import print_sampling, print_verdicts
+from .run import JUDGED, SAMPLING, print_sentences, print_verdicts
 
 if TYPE_CHECKING:
     from studies.grammar.axes import Axis
@@ -47,12 +47,15 @@ def _print_contents(found: dict[str, Any]) -> None:
         for row in map(in_degrees, found["fields"])
     )
     console.say(", ".join(text.strip() for text in given))
-    for text, count in found["outcomes"].items():
-        console.say(f"  {count} x {text}")
+    _print_outcomes(found["outcomes"])
     for name, sentence in found["said"].items():
         console.say(f"{name}: {sentence}")
-    if found["caution"]:
-        console.say(f"caution: {found['caution']}")
+    print_sentences(found, ["caution"])
+
+
+def _print_outcomes(outcomes: Mapping[str, int]) -> None:
+    for text, count in outcomes.items():
+        console.say(f"  {count} x {text}")
 
 
 def _size(count: int) -> str:
@@ -80,7 +83,7 @@ def _print(found: dict[str, Any]) -> None:
             name = f"{'' if entry is axis else '  '}{entry['name']}"
             rows.append([name, entry["count"] if entry is axis else "", *(row[key] for key in ("from", "to", "units"))])
     tables.print_table(["axis", "values", "from", "to", "units"], rows or [["(none)", "", "", "", ""]])
-    print_sampling(found)
+    print_sentences(found, SAMPLING)
     _print_boundaries(found["boundaries"])
     console.say("")
     if found["observables"]:
@@ -94,16 +97,11 @@ def _print(found: dict[str, Any]) -> None:
         tables.print_rows(each, {**heads, "state": "state along the rod"})
         console.say("")
     console.say(f"{found['cases']} cases, {found['unsolved']} unsolved")
-    for text, count in found["outcomes"].items():
-        console.say(f"  {count} x {text}")
+    _print_outcomes(found["outcomes"])
     for worst in found["worst"]:
         at = ", ".join(in_words(name, value) for name, value in worst["at"].items())
         console.say(f"largest {worst['name']}: {tables.text_of(worst['value'])}{f' at {at}' if at else ''}")
-    for name in ("equilibria", "branches"):
-        if found[name]:
-            console.say(found[name])
-    if found["caution"]:
-        console.say(f"caution: {found['caution']}")
+    print_sentences(found, JUDGED)
     if found["laws"]:
         console.say("")
         print_verdicts(found["laws"])

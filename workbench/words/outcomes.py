@@ -1,4 +1,4 @@
-"""Outcomes and branches of many cases in few words: outcomes that differ in their numbers alone are one."""
+"""Outcomes and branches of many cases in few words: outcomes that differ in their numbers alone are one. Stability."""
 
 import re
 from collections import Counter
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
+from studies.laws.law_words import count_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,6 +65,11 @@ def _range(texts: tuple[str, ...]) -> str:
     each = sorted({(float(number), number) for text in texts for number in text.split(" to ")})
     low, high = each[0], each[-1]
     return low[1] if low[0] == high[0] else f"{low[1]} to {high[1]}"
+
+
+def stability(index: int) -> str:
+    """A Morse index in words: ``stable``, ``unstable in 2 ways``."""
+    return f"unstable in {count_of(index, 'way')}" if index else "stable"
 
 
 NO_BRANCH = -1  # the branch of a case without a solution

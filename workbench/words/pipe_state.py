@@ -14,7 +14,7 @@ from solver.shooting.loaded_rod import MU
 from solver.shooting.state import LEAVES, RUBS, STRAIGHT, in_words
 from solver.shooting.varying_shapes import read_states
 
-from . import cautions
+from . import cautions, outcomes
 
 if TYPE_CHECKING:
     from solver import Case, Solution
@@ -199,7 +199,7 @@ def _stability(sol: "Solution") -> str:
     index = float(sol.held_index)
     if not math.isfinite(index):
         return "of a start problem with weight no Morse index is computed"
-    return "stable (index 0)" if index == 0 else f"unstable in {index:.0f} way{'s' * (index != 1)}"
+    return f"{outcomes.stability(int(index))}{' (index 0)' * (index == 0)}"
 
 
 def _friction(sol: "Solution", force: str) -> list[str]:

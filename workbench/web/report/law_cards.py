@@ -44,12 +44,15 @@ def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
 
 def _verdict(row: Mapping[str, Any], array: xr.DataArray) -> dict[str, str]:
     return {
-        "verdict": row["verdict"],
-        "class": CLASSES[row["verdict"]],
-        "plain": law_words.PLAIN[row["verdict"]].capitalize(),
+        **_in_plain(row["verdict"]),
         "measured": _measure(row, array),
         "detail": labels.law_text(row, law_words.detail(row)),
     }
+
+
+def _in_plain(verdict: str) -> dict[str, str]:
+    """A verdict, its class in the style of the report, and its words."""
+    return {"verdict": verdict, "class": CLASSES[verdict], "plain": law_words.PLAIN[verdict].capitalize()}
 
 
 def _measure(row: Mapping[str, Any], array: xr.DataArray) -> str:
@@ -67,9 +70,8 @@ def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
         for law in section["laws"]:
             claim = claims.setdefault(law["claim"], {**section, **law, "laws": []})
             claim["laws"].append(law)
-            verdict = worst([law["verdict"], claim["verdict"]])
             claim["judged"] = " and ".join(dict.fromkeys(_criterion(row) for row in claim["laws"]))
-            claim |= {"verdict": verdict, "class": CLASSES[verdict], "plain": law_words.PLAIN[verdict].capitalize()}
+            claim |= _in_plain(worst([law["verdict"], claim["verdict"]]))
     return list(claims.values())
 
 
@@ -98,9 +100,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
             ]
             cells.append(
                 {
-                    "verdict": verdict,
-                    "plain": law_words.PLAIN[verdict].capitalize(),
-                    "class": CLASSES[verdict],
+                    **_in_plain(verdict),
                     "measured": measured,
                     "reason": sentence(_short(verdict, laws)),
                     "why": labels.typeset(

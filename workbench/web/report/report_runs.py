@@ -16,7 +16,7 @@ from studies.laws.verdicts import refusal
 from ...branches import equilibria_dataset
 from ...branches.ends_study import ends_problem
 from ...store import dataset, in_memory, law_verdicts
-from ...words import labels
+from ...words import labels, outcomes
 
 NAMES = READINGS_TABLE, EQUILIBRIA = "readings", "equilibria"
 OWN, STABLE = "rank_of_study", "rank_of_stable"  # attributes: places by energy, from 1; 0: there is none
@@ -142,11 +142,11 @@ def rows(ds: xr.Dataset, pictures: Sequence[Mapping[str, Any]]) -> dict[str, Any
     if not ds.attrs[OWN]:
         return None
     case = ds.isel(equilibrium=ds.attrs[OWN] - 1)
-    index, stable = int(case["index"]), ds.attrs[STABLE]
+    stable = ds.attrs[STABLE]
     return {
         "count": ds.sizes["equilibrium"],
         "rank": ds.attrs[OWN],
-        "stability": "stable" if index == 0 else f"unstable in {index} {'way' if index == 1 else 'ways'}",
+        "stability": outcomes.stability(int(case["index"])),
         "sister": stable if stable != ds.attrs[OWN] else 0,
         "attached": f"{float(ds['attached'][stable - 1]):.0%}" if stable else "",
         "ends": labels.typeset(str(ds.attrs["stability"])),

@@ -1,8 +1,9 @@
-// The compiled core, as a file carries it: base64 of its compressed bytes.
+// Bytes that a file carries as base64, and the compiled core, whose bytes are compressed.
 
-/* Its functions. text: `live_document.core_text`. */
+export const bytesOf = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+
+/* The functions of the core. text: `live_document.core_text`. */
 export async function coreOf(text) {
-  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0)),
-    plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const plain = new Blob([bytesOf(text)]).stream().pipeThrough(new DecompressionStream("gzip"));
   return RodCore.load(await new Response(plain).arrayBuffer());
 }

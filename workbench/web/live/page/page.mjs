@@ -1,6 +1,5 @@
 // The page: the inputs make a state, the state a shape, and the shape is drawn.
 
-import { makeAddress } from "./address.mjs";
 import { makeControls, spanOf } from "./controls.mjs";
 import { element, makeTheme, set } from "./details.mjs";
 import { makeEquilibria } from "./equilibria.mjs";
@@ -15,6 +14,7 @@ import { makeShown } from "./shown.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
 import { makeAsker, post, unpacked } from "./server.mjs";
 import { makeStage } from "./stage.mjs";
+import { makeAddress } from "./study_text.mjs";
 
 const PATIENCE = { numbers: 90, more: 250, list: 500 }; // ms of rest before what is slower
 const data = JSON.parse(element("data").textContent),

@@ -1,11 +1,28 @@
 // Where the rods of a turntable come from: the cases of a file, or a start problem that is solved in this page.
 
 import { placeOf, spanOf, valueAt } from "./controls.mjs";
+import { bytesOf } from "./packed_core.mjs";
 import { DEGREE, Refused, caseOf, kindOf, quantityOf } from "./rod_case.mjs";
-import { marched } from "./rod_shape.mjs";
-import { storedShape } from "./stored_shapes.mjs";
+import { interpolated, marched } from "./rod_shape.mjs";
 import { observables, warnings } from "./numbers.mjs";
 import { minus, number, unitText, withUnit } from "./text.mjs";
+
+const ROWS = ["beta", "dbeta", "alpha", "z"]; // of the stored arrays of a case
+
+/* The shape of a stored case. data: the plain data of `turntable_page.turntable_of_dataset`. */
+export function storedShape(core, data, index) {
+  const n = data.stations.length,
+    one = { ...data.shared, ...data.cases[index].numbers };
+  const row = (k) => data.arrays.subarray((4 * index + k) * n, (4 * index + k + 1) * n);
+  const stations = { s: Float64Array.from(data.stations, (u) => u * one.L) };
+  ROWS.forEach((name, k) => (stations[name] = Float64Array.from(row(k))));
+  one.kind = "start";
+  [one.beta, one.alpha] = [stations.beta[0], stations.alpha[0]];
+  return interpolated(core, one, stations, { error: 0, condition: NaN, sound: true, shown: 1 });
+}
+
+/* Numbers of four bytes, as a file carries them. */
+export const numbersOf = (text) => new Float32Array(bytesOf(text).buffer);
 
 /* The cases of a file: one slider an axis; the case at its places; the words of a place. */
 export function storedSource(data, core) {

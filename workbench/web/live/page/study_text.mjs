@@ -1,4 +1,7 @@
-// A state of the page as the text of a study file (TOML).
+// A state of the page as text: as a study file (TOML), and in the address of the page.
+
+import { bytesOf } from "./packed_core.mjs";
+import { isState } from "./rod_case.mjs";
 
 const text = (value) => JSON.stringify(value);
 const value = (v) => (typeof v === "number" ? decimal(v) : text(v));
@@ -26,8 +29,27 @@ const bytes = (data) => String.fromCharCode(...new TextEncoder().encode(JSON.str
 /* Plain data as the part of an address behind "#", and back. */
 export const toHash = (data) => btoa(bytes(data)).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
 export const fromHash = (hash) =>
-  JSON.parse(
-    new TextDecoder().decode(
-      Uint8Array.from(atob(hash.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0)),
-    ),
-  );
+  JSON.parse(new TextDecoder().decode(bytesOf(hash.replaceAll("-", "+").replaceAll("_", "/"))));
+
+/* The state of the page in its address. */
+export function makeAddress(readings) {
+  let own = "";
+
+  /* The preset and the state of the address; {} where they are not complete; null where it has none or the page's own. */
+  function read() {
+    if (location.hash.length < 2 || location.hash === own) return null;
+    try {
+      const known = fromHash(location.hash.slice(1));
+      return isState(known.state, readings) ? known : {};
+    } catch {
+      return {};
+    }
+  }
+
+  function show(known) {
+    own = `#${toHash(known)}`;
+    history.replaceState(null, "", own);
+  }
+
+  return { read, show };
+}

@@ -1,7 +1,7 @@
 // Every turntable of a page begins once it comes near the screen.
 
 import { coreOf } from "./packed_core.mjs";
-import { numbersOf } from "./stored_shapes.mjs";
+import { numbersOf } from "./rod_sources.mjs";
 import { turntable } from "./turntable.mjs";
 
 const data = JSON.parse(document.getElementById("data").textContent),
