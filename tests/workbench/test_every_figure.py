@@ -14,7 +14,7 @@ from tests.workbench.page_faults import faults, picture, words
 from tests.workbench.pictures import share_of_ink
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.figures import equilibria_figure, kinds, robustness, story, work_precision
+from workbench.figures import canvas, equilibria_figure, kinds, robustness, story, work_precision
 from workbench.figures.sheet import sheet
 from workbench.store import in_memory, reading
 from workbench.web.report import measured_runs, report_runs
@@ -51,6 +51,16 @@ def test_every_kind_of_picture_can_be_read_at_every_width(two, kind: str, page: 
     fig = kinds.figure(in_memory.run(load("capstan")) if kind == "states" else two, kind, SHEETS[page])
     assert fig.get_figwidth() == pytest.approx(SHEETS[page].width)
     assert faults(fig) == []
+
+
+def test_bars_of_one_column_are_those_that_have_room_and_the_others_are_named() -> None:
+    ds = in_memory.run(load("fig7_1_modulus"))
+    drawn = [kinds.figure(ds, "bars", SHEETS[page]) for page in ("column", "page")]
+    assert [faults(fig) for fig in drawn] == [[], []]
+    few, more = (len([ax for ax in fig.axes if ax.containers]) for fig in drawn)
+    assert few < more
+    (left_out,) = (note for note in canvas.notes_of(drawn[0]) if note.startswith("Not drawn: "))
+    assert "choose with --show or --panel" in left_out
 
 
 def every_equilibrium() -> Figure:

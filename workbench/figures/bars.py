@@ -44,7 +44,7 @@ def of_cases(
     ds, x, at
         The study, the axis (default: the first of several values), and values of other axes.
     show
-        The observables, which the panel of the sheet replaces; default: the first four that vary.
+        The observables, which the panel of the sheet replaces; default: the first that vary, as many as have room.
     sheet
         What the figure is drawn for.
 
@@ -61,12 +61,19 @@ def of_cases(
         raise InputError(f"bars show at most {MOST} values of an axis, and {axis} has {count}: choose --kind lines")
     stored = selection.observables(ds)
     names = selection.names_of(ds, [sheet.panel] if sheet.panel else show)
-    names = names or ([name for name in stored if not selection.is_level(ds, name)] or stored)[:MOST_PANELS]
+    left_out = list[str]()
+    if not names:
+        varied = [name for name in stored if not selection.is_level(ds, name)] or stored
+        most = MOST_PANELS
+        if sheet.narrow:
+            most = max(int((canvas.TALLEST - AROUND) / (FRAME + BAR * count)), 1)
+        names, left_out = varied[:most], varied[most:]
     if not names:
         raise InputError("no bars: the dataset has no observables")
     cases = selection.line(ds, axis, at)
     held = {name: i for name, i in cases[0].items() if name != axis}
     notes = [f"All bars: {labels.equations(ds, held)}."] if held else []
+    notes += canvas.say_left_out(left_out, "--show or --panel")
     first, *others = labels.distinct(ds[axis], ds[axis].values[[case[axis] for case in cases]])
     rows = [f"{labels.axis_symbol(axis)} = {first}", *(text.partition(" ")[0] for text in others)]
 

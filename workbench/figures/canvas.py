@@ -269,6 +269,11 @@ def notes_of(fig: Figure) -> list[str]:
     return list(dict.fromkeys(texts))
 
 
+def say_left_out(names: Sequence[str], options: str) -> list[str]:
+    """The sentence that names what has no room; none where all has."""
+    return [f"Not drawn: {', '.join(names)}; choose with {options}."] if names else []
+
+
 def add_legend(ax: Axes, most: float = np.inf, **where: Any) -> None:
     """The legend of what is drawn on the axes; none without a label, or with more than so many.
 

@@ -102,8 +102,7 @@ def figure(
         of = f"the {ds.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
         said.append(f"The columns show {len(choice.columns)} of {of}.")
     said += level_notes(ds, selection.observables(ds)) if not show else []
-    if choice.left_out:
-        said.append(f"Not drawn: {', '.join(choice.left_out)}; choose with --show.")
+    said += canvas.say_left_out(choice.left_out, "--show")
     if choice.along and choice.held:
         said.append(f"All maps: {labels.equations(ds, choice.held)}.")
     said += [f"Law {law.sentence(ds)}." for law in elsewhere if law not in mixed]

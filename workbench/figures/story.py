@@ -122,7 +122,7 @@ def letters(ds: xr.Dataset, ax: Axes) -> None:
     fan = np.linspace(0, 1, 40)[:, None]
     arc = (1 - fan) * up + fan * way
     arc = at + 1.7 * R * arc / np.linalg.norm(arc, axis=1)[:, None]
-    around = _ring(R, low, np.linspace(rod["alpha"][0], rod["alpha"][k], 40))
+    around = frames.position(R, np.linspace(rod["alpha"][0], rod["alpha"][k], 40), np.asarray(low))
     for foot, head in ((around[0], start), (around[-1], at)):  # the meridians of s = 0 and of the point
         way_up = [foot, [foot[0], foot[1], head[2]], head]
         _line(ax, eye, way_up, colours.INK, linestyle=(0, (1, 1.5)), zorder=4)  # on the wall, seen through the rod
@@ -297,20 +297,15 @@ def _faces(ax: Axes, eye: _Eye, faces: Values, normals: Values, shades: Values, 
 def _cylinder(ax: Axes, eye: _Eye, R: float, ends: tuple[float, float]) -> None:
     """The near half of the surface, over what lies behind it, and the flat end above."""
     angle = eye.azimuth + np.linspace(-np.pi / 2, np.pi / 2, STRIPS + 1)
-    low, high = (_ring(R, z, angle) for z in ends)
+    low, high = (frames.position(R, angle, np.asarray(z)) for z in ends)
     light = np.clip(eye.project(frames.outward((angle[1:] + angle[:-1]) / 2)) @ LIGHT, 0, 1)[:, None]
     base = np.array(colours.rgb(colours.SURFACE)) / 255
     shades = np.clip(base * (0.8 + 0.22 * light), 0, 1)
     strips = np.stack([low[:-1], low[1:], high[1:], high[:-1]], axis=1)
     ax.add_collection(PolyCollection(list(eye.to_page(strips)), facecolors=shades, linewidths=0, antialiaseds=False,
                                      alpha=VEIL, zorder=2, rasterized=True))  # fmt: skip
-    ax.fill(*eye.to_page(_ring(R, ends[1])).T, facecolor=colours.CUT, edgecolor=colours.SOFT, linewidth=0.5, zorder=2.1)
+    top = frames.position(R, np.linspace(0, 2 * np.pi, 121), np.asarray(ends[1]))
+    ax.fill(*eye.to_page(top).T, facecolor=colours.CUT, edgecolor=colours.SOFT, linewidth=0.5, zorder=2.1)
     for side in (0, -1):
         ax.plot(*eye.to_page([low[side], high[side]]).T, color=colours.SOFT, linewidth=0.5, zorder=2.1)
     ax.plot(*eye.to_page(low).T, color=colours.SOFT, linewidth=0.5, zorder=2.1)
-
-
-def _ring(radius: float, z: float, angles: Any = None) -> Values:
-    """Points of a circle about the axis, (n, 3)."""
-    angles = np.linspace(0, 2 * np.pi, 121) if angles is None else np.asarray(angles)
-    return np.stack([radius * np.cos(angles), radius * np.sin(angles), np.full(angles.shape, z)], axis=-1)

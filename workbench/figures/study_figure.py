@@ -134,8 +134,7 @@ def figure(
     said += [*[f"{rest[:1].upper()}{rest[1:]}."] * bool(rest), *chosen.level]
     ratios = (BESIDE, 1 - BESIDE) if beside else None
     fig = canvas.page(ds, sheet, lines, said, 0.3 * bool(sampled), width=width, ratios=ratios)
-    left_out = [f"Not drawn: {', '.join(chosen.left_out)}; choose with --show or --panel."] * bool(chosen.left_out)
-    canvas.keep(fig, left_out)
+    canvas.keep(fig, canvas.say_left_out(chosen.left_out, "--show or --panel"))
     return fig
 
 

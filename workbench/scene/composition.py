@@ -80,10 +80,6 @@ class Scene:
         Whether self-intersections are ringed.
     names
         Of the rods of the first view, in the legend.
-    glyph
-        Whether the page shows from where the rods are seen.
-    squeeze
-        The factor by which heights are drawn smaller, for the scale bar.
     """
 
     ds: xr.Dataset
@@ -100,8 +96,6 @@ class Scene:
     pitch: float = 0.0
     ringed: bool = True
     names: Sequence[str] = ()
-    glyph: bool = False
-    squeeze: float = 1.0
 
     @property
     def bodies(self) -> list[Body]:
@@ -178,9 +172,10 @@ def words_of(scene: Scene, bar: Bar | None) -> Words:
         most = max(len(_impossible_beside([body], ringed)) for body in scene.context)
         warnings += ["\N{ZERO WIDTH SPACE}" * (k + 1) for k in range(most - len(warnings))]
     notes = [*scene.notes, *warnings] + [cautions.left_out_of_dataset(ds)] * inside
-    toward = scene.camera.seen_from if scene.glyph else None
+    toward = scene.camera.seen_from if len(scene.rows[0]) == 1 else None
+    squeeze = scene.context[0].squeeze if scene.context else 1.0
     return Words(ds, " · ".join(fact for fact in facts if fact), legend, notes, bar, scene.columns, scene.heads, toward,
-                 scene.camera.along_axis * scene.squeeze, weight_on_page(scene))  # fmt: skip
+                 scene.camera.along_axis * squeeze, weight_on_page(scene))  # fmt: skip
 
 
 def _impossible_beside(bodies: Sequence[Body], ringed: bool) -> list[str]:

@@ -159,8 +159,7 @@ def _single(
     if long_rod.is_long(context):
         return _in_lines(ds, kind, body, context, case, settings, notes, down)
     rows, camera = _from_sides([body], context, settings, down)
-    return composition.compose(Scene(ds, kind, rows, context, case, camera, settings, notes, glyph=len(rows[0]) == 1,
-                                     squeeze=body.squeeze))  # fmt: skip
+    return composition.compose(Scene(ds, kind, rows, context, case, camera, settings, notes))
 
 
 def _nearest_solved(ds: xr.Dataset, where: Where, among: Sequence[Where] | None = None) -> Where:
@@ -208,7 +207,7 @@ def _in_lines(
         )
     camera, turned = front_camera(context, lying=True, down=down), -np.radians(azimuth)
     scene = Scene(ds, kind, [[View([body], Cell())]], context, case, camera, settings, notes, heads=HEADS,
-                  ringed=False, squeeze=body.squeeze)  # fmt: skip
+                  ringed=False)  # fmt: skip
     wide, high = (side * settings.dpi for side in draft_of(scene)[1])
     lines = long_rod.lines_for(context, (int(wide - 2 * EDGE * settings.dpi), int(high)))
     pieces, unit = lines.cut(body), str(ds.attrs["length_unit"])
@@ -237,8 +236,7 @@ def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | N
     notes += [f"drawn at {GHOST:.2g} of the thickness, one upon the other"]
     notes += long_rod.notes_on(bodies, str(ds.attrs["length_unit"]))
     rows, camera = _from_sides(bodies, bodies, settings, down)
-    return composition.compose(Scene(ds, kind, rows, bodies, case, camera, settings, notes, ringed=False, names=words,
-                                     glyph=len(rows[0]) == 1, squeeze=bodies[0].squeeze))  # fmt: skip
+    return composition.compose(Scene(ds, kind, rows, bodies, case, camera, settings, notes, ringed=False, names=words))
 
 
 def _thin(body: Body, k: int) -> Body:
@@ -329,8 +327,7 @@ def _several(
     held = {name: i for name, i in first.items() if name not in names}
     case = ", ".join([*shown, *scene_kinds.values(ds, held)])
     notes = [*long_rod.notes_on(bodies, str(ds.attrs["length_unit"])), *notes, *kind.notes]
-    squeeze = bodies[0].squeeze if bodies else 1.0
-    return Scene(ds, kind, rows, bodies, case, camera, settings, notes, size, squeeze=squeeze)
+    return Scene(ds, kind, rows, bodies, case, camera, settings, notes, size)
 
 
 def _in_view(bodies: Sequence[Body], down: Array | None, settings: Settings) -> list[Body]:

@@ -14,6 +14,8 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from solver.mechanics import frames
+
 from ..figures.colours import DEPTH, REACH, SURFACE
 from ..geometry import tube
 from ..geometry.centreline import Array
@@ -78,7 +80,7 @@ def wall(bodies: Sequence[Body], ends: tuple[float, float], per_unit: float) -> 
     around = int(np.clip(2 * np.pi * R * per_unit / WALL_PIXELS, 32, MOST_WALL))
     along = int(np.clip((ends[1] - ends[0]) * per_unit / WALL_PIXELS, 4, MOST_WALL))
     angle, z = np.linspace(0, 2 * np.pi, around), np.linspace(*ends, along)
-    grid = np.stack(np.broadcast_arrays(R * np.cos(angle), R * np.sin(angle), z[:, None]), axis=-1)
+    grid = frames.position(R, angle, z[:, None])
     light = np.ones((along, around))
     for body in bodies:
         s = np.linspace(*body.span, int(np.clip(4 * (body.span[1] - body.span[0]) / body.a, 2, 400_000)))
@@ -86,8 +88,8 @@ def wall(bodies: Sequence[Body], ends: tuple[float, float], per_unit: float) -> 
         light = np.minimum(light, shaded.reshape(light.shape))
     texture = np.round(255 * np.array(to_rgb(SURFACE)) * light[..., None]).astype(np.uint8)
     turn = np.linspace(0, 2 * np.pi, FACETS + 1)
-    out = np.stack([np.cos(turn), np.sin(turn), np.zeros(turn.size)], axis=-1)
-    points = np.concatenate([R * out + [0, 0, height] for height in ends])
+    out = frames.outward(turn)
+    points = np.concatenate([rim(R, height) for height in ends])
     share = (turn / (2 * np.pi) * (around - 1) + 0.5) / around  # the middles of the first and the last texel
     at = np.concatenate([np.stack([share, np.full(turn.size, v)], axis=-1) for v in (0.5 / along, 1 - 0.5 / along)])
     k = np.arange(FACETS)
@@ -97,9 +99,7 @@ def wall(bodies: Sequence[Body], ends: tuple[float, float], per_unit: float) -> 
 
 def disc(R: float, z: float, top: bool) -> Part:
     """An end of a cylinder."""
-    turn = np.linspace(0, 2 * np.pi, FACETS, endpoint=False)
-    ring = np.stack([R * np.cos(turn), R * np.sin(turn), np.full(FACETS, z)], axis=-1)
-    points = np.concatenate([ring, [[0.0, 0.0, z]]])
+    points = np.concatenate([rim(R, z)[:-1], [[0.0, 0.0, z]]])
     k, ahead = np.arange(FACETS), np.roll(np.arange(FACETS), -1)
     triangles = np.stack([k, ahead, np.full(FACETS, FACETS)] if top else [ahead, k, np.full(FACETS, FACETS)], axis=-1)
     normals = np.broadcast_to([0.0, 0.0, 1.0 if top else -1.0], points.shape)
@@ -107,9 +107,8 @@ def disc(R: float, z: float, top: bool) -> Part:
 
 
 def rim(R: float, z: float) -> Array:
-    """The circle at an end of a cylinder, (n, 3)."""
-    turn = np.linspace(0, 2 * np.pi, FACETS + 1)
-    return np.stack([R * np.cos(turn), R * np.sin(turn), np.full(turn.size, z)], axis=-1)
+    """The circle at an end of a cylinder, closed, (`FACETS` + 1, 3)."""
+    return frames.position(R, np.linspace(0, 2 * np.pi, FACETS + 1), np.asarray(z))
 
 
 def texture_of(paint: Paint, columns: int = COLUMNS) -> NDArray[np.uint8]:

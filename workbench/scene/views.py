@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
+from solver.mechanics import frames
 from solver.problem.errors import InputError, no_such
 
 from ..figures import arrangement, fonts
@@ -121,7 +122,7 @@ def front_camera(
     """
     low = down is not None and bool(np.hypot(*down[:2]) > 1e-9)
     azimuth = LOW_SIDE_DOWN if low else azimuth_of(bodies)
-    out, axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0]), np.array([0.0, 0.0, 1.0])
+    out, axis = frames.outward(np.array(azimuth)), np.array([0.0, 0.0, 1.0])
     above = np.radians(elevation)
     toward = np.cos(above) * out + np.sin(above) * axis
     flat = np.cos(above) * axis - np.sin(above) * out
