@@ -291,12 +291,12 @@ def main(base: Path, good: Path, count: str) -> None:
     """
     with h5py.File(base, "a") as file:  # which would refuse nearly all of them first
         file.attrs.pop("checksums", None)
-    rows, let_in = list(alterations(base)), defaultdict[str, list[Altered]](list)
+    rows, let_in = list(alterations(base)), defaultdict[tuple[str, bool], list[Altered]](list)
     for k, row in enumerate(Random(1).sample(rows, int(count) or len(rows))):
         ends = ends_of([row], base, good, () if k % 100 == 99 else DOORS)
         tell(row, ends)
         if not int(count) and all(ends[door][0] in (0, 1) for door in DOORS):
-            let_in[row[1]].append(row)
+            let_in[row[1], "@" in row[0]].append(row)  # an attribute of a variable that is missing cannot be altered
     for same in let_in.values():
         for k in range(0, len(same), TOGETHER):
             halve(same[k : k + TOGETHER], base, good)
