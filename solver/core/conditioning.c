@@ -1,13 +1,12 @@
 /* The growth of changes along orbits: the condition number and estimated error of start problems, the response of
    equilibria to a change of the far angle, and the action. */
 
-#include "orbit_parts.h"
+#include "variations.h"
 
-/* The flow on one panel at its nodes: |beta_t|, H and the integral a(t) of the shear, in units of the problem.
-   across: c; gain: what the panel adds to a, with what the change of c from the panel before it adds. */
+/* One panel: its state, the integral a(t) of the shear, as a series and at the nodes, and what the panel adds to it. */
 typedef struct {
-    double v[NODES], h[NODES], a[NODES], shear[NODES + 1];
-    double across, gain;
+    varied_nodes state;
+    double a[NODES], shear[NODES + 1], gain;
 } flow;
 
 /* One orbit with its panels: `at` .. `at + count[0] + count[1]`. total: what each arc adds to the shear. */
@@ -17,7 +16,7 @@ typedef struct {
     const points *points;
     int64_t orbit, at, count[2];
     int n, librates;
-    double ahead, back, period, direction, unit, speed, total[2];
+    double ahead, back, period, direction, total[2];
     flow *flows;
 } course;
 
@@ -39,7 +38,6 @@ static course course_of(const start_problem *p, const read_orbits *all, const po
     o.ahead = all->duration[2 * b], o.back = all->duration[2 * b + 1];
     o.period = (o.librates ? 2 : 1) * (o.ahead + o.back);
     o.direction = all->direction[b];
-    o.unit = sqrt(load_size(p) + 1), o.speed = 1;
     return o;
 }
 
@@ -48,84 +46,50 @@ static const double *series_of(const course *o, int64_t i, int function)
     return o->all->series + (FUNCTIONS * (o->at + i) + function) * o->all->coefficients;
 }
 
-/* beta and |beta_t| at the nodes of panel i. */
-static void nodes_of(const course *o, int64_t i, double *beta, double *v)
-{
-    product(o->n + 1, o->n, series_of(o, i, 0), o->points->values, beta);
-    for (int k = 0; k < o->n; k++)
-        beta[k] += o->all->base[o->at + i];
-    product(o->n + 1, o->n, series_of(o, i, 1), o->points->values, v);
-}
-
-/* H at the nodes as one moves away from the start: by its formula, or where that loses more, from the speed; but not
-   from a speed that denies the formula by more than what the formula can lose, as on a panel as short as rounding. */
-static void slope_along(const course *o, const double *sine, const double *cosine, const double *v, double half,
-                        int backward, double *h)
-{
-    const start_problem *p = o->problem;
-    const int n = o->n;
-    const double unit = o->speed * o->unit, sign = o->direction * (backward ? -1 : 1);
-    double most = v[0], size = 0, a[NODES], rate[NODES];
-    for (int k = 0; k < n; k++) {
-        most = larger(most, v[k]);
-        size = larger(size, slope_size_by(p->lam, p->mu, p->phi, sine[k], cosine[k]));
-        h[k] = sign * slope_by(p->lam, p->mu, p->phi, sine[k], cosine[k]) / unit;
-    }
-    const double loss = EPS * size / unit;
-    if (loss < EPS * n * n * most / half)
-        return;
-    product(n, n, v, o->points->analyse, a);
-    product(n, n, a, o->points->differentiate, rate);
-    for (int k = 0; k < n; k++)
-        if (fabs(h[k] + rate[k] / half) > n * n * loss)
-            return;
-    for (int k = 0; k < n; k++)
-        h[k] = -rate[k] / half;
-}
-
+/* The state of panel i, and the shear on it from its near end. */
 static void flow_of(const course *o, int64_t i, flow *out)
 {
-    const start_problem *p = o->problem;
-    double beta[NODES], s[NODES], c[NODES], rate[NODES], pace[NODES];
     const int n = o->n;
-    const double half = o->all->width[o->at + i] / 2 * o->unit;
-    nodes_of(o, i, beta, out->v);
+    const double half = o->all->width[o->at + i] / 2;
+    double x[NODES], v[NODES], pace[NODES];
+    varied_nodes *s = &out->state;
+    product(n + 1, n, series_of(o, i, 0), o->points->values, x);
+    product(n + 1, n, series_of(o, i, 1), o->points->values, v);
+    rod_vary_state(&o->problem->lam, o->all->origin[o->at + i], half, n, x, v, 0, s);
     for (int k = 0; k < n; k++)
-        out->v[k] /= o->speed;
-    sin_cos_of(n, beta, s, c);
-    slope_along(o, s, c, out->v, half, i >= o->count[0], out->h);
-    for (int k = 0; k < n; k++)
-        rate[k] = slope_rate_by(p->lam, p->mu, p->phi, s[k], c[k]) / square(o->unit);
-    out->across = rod_across(n, out->v, out->h, rate, half);
-    for (int k = 0; k < n; k++)
-        pace[k] = shear_rate(out->v[k], out->h[k], rate[k], out->across) * half;
+        pace[k] = shear_rate(s->v[k], s->H[k], s->rate[k], s->c) * half;
     integrated(o->points, pace, out->shear);
     out->gain = sum(n + 1, out->shear);
+}
+
+/* What the shear gains where the transversal changes from that of panel `last` to that of panel i. */
+static double entered(const course *o, int64_t last, int64_t i)
+{
+    const varied_nodes *s = &o->flows[i].state;
+    const double way = o->direction * (i >= o->count[0] ? -1 : 1);
+    return shear_jump(way * s->v[0], s->H[0], o->flows[last].state.c, s->c);
 }
 
 /* The flows of all panels, each with the shear from the start of the orbit. */
 static void flows_of(course *o)
 {
     const int64_t P = o->count[0] + o->count[1];
-    double before[2] = {0};
+    o->total[0] = o->total[1] = 0;
     for (int64_t i = 0; i < P; i++) {
         flow *one = &o->flows[i];
-        const int backward = i >= o->count[0];
+        double *before = &o->total[i >= o->count[0]];
         flow_of(o, i, one);
         /* the backward arc follows the forward one */
-        const int64_t last = i != o->count[0] ? i - 1 : 0;
-        const double more = i == 0 ? 0 : shear_jump(one->v[0], one->h[0], o->flows[last].across, one->across);
-        one->shear[0] += before[backward] + more;
-        before[backward] += one->gain + more;
+        const double more = i == 0 ? 0 : entered(o, i != o->count[0] ? i - 1 : 0, i);
+        one->shear[0] += *before + more;
+        *before += one->gain + more;
         product(o->n + 1, o->n, one->shear, o->points->values, one->a);
     }
-    for (int arc = 0; arc < 2; arc++) {
-        const int64_t start = arc ? o->count[0] : 0;
-        const flow *one = &o->flows[start];
-        o->total[arc] = before[arc];
-        if (!o->librates && o->count[arc])
-            o->total[arc] += shear_jump(one->v[0], one->h[0], o->flows[start + o->count[arc] - 1].across, one->across);
-    }
+    for (int arc = 0; arc < 2 && !o->librates; arc++)
+        if (o->count[arc]) {
+            const int64_t start = arc ? o->count[0] : 0;
+            o->total[arc] += entered(o, start + o->count[arc] - 1, start);
+        }
 }
 
 /* A change of the orbit: its part along the flow, and across it, which stays. */
@@ -133,15 +97,15 @@ typedef struct {
     double along, across;
 } change;
 
-/* The change of beta where the shear is a, and the flow (v, -h) with the transversal (c h, v)/(v^2 + c h^2). */
-static double change_at(change of, double a, double v, double h, double c)
+/* The change of beta where the shear is a, and the flow (v, -H) with the transversal (c H, v)/(v^2 + c H^2). */
+static double change_at(change of, double a, double v, double H, double c)
 {
-    return (of.along + of.across * a) * v + of.across * (c * h / (v * v + c * h * h));
+    return (of.along + of.across * a) * v + of.across * (c * H / across_flow(v, H, c));
 }
 
-static double larger_at(const change of[2], double a, double v, double h, double c)
+static double larger_at(const change of[2], double a, double v, double H, double c)
 {
-    return larger(fabs(change_at(of[0], a, v, h, c)), fabs(change_at(of[1], a, v, h, c)));
+    return larger(fabs(change_at(of[0], a, v, H, c)), fabs(change_at(of[1], a, v, H, c)));
 }
 
 /* One passage of a panel by the rod: where the times of its nodes begin, their sign, and what is added to the shear. */
@@ -167,7 +131,9 @@ static double largest_at_nodes(const course *o, const change of[2], double worst
     for (int64_t i = 0; i < o->count[0] + o->count[1]; i++) {
         const flow *one = &o->flows[i];
         const int backward = i >= o->count[0];
-        const double since = o->all->since[o->at + i], half = o->all->width[o->at + i] / 2, way = backward ? -1 : 1;
+        const varied_nodes *s = &one->state;
+        const double since = o->all->since[o->at + i], half = o->all->width[o->at + i] / 2;
+        const double way = o->direction * (backward ? -1 : 1);
         passage ways[2];
         const int count = passages_of(o, backward, ways);
         for (int w = 0; w < count; w++)
@@ -175,11 +141,11 @@ static double largest_at_nodes(const course *o, const change of[2], double worst
                 const double time = ways[w].begin + ways[w].sign * (since + half * (1 + o->points->nodes[k]));
                 if (!(time <= span || periods > 0))
                     continue;
-                const double a = ways[w].shift + ways[w].way * one->a[k], v = way * ways[w].sign * one->v[k];
+                const double a = ways[w].shift + ways[w].way * one->a[k], v = way * ways[w].sign * s->v[k];
                 const double many = periods > 0 ? periods - (time + periods * o->period > span) : 0;
-                worst = larger(worst, larger_at(of, a, v, way * one->h[k], one->across));
+                worst = larger(worst, larger_at(of, a, v, s->H[k], s->c));
                 if (many > 0)
-                    worst = larger(worst, larger_at(of, a + a_period * many, v, way * one->h[k], one->across));
+                    worst = larger(worst, larger_at(of, a + a_period * many, v, s->H[k], s->c));
             }
     }
     return worst;
@@ -189,15 +155,15 @@ static double largest_at_nodes(const course *o, const change of[2], double worst
 static void changes_at_end(const course *o, const change of[2], double out[2])
 {
     phase where;
-    double x, h[NODES];
+    double x, H[NODES];
     const int64_t panel = rod_place(o->all, o->orbit, o->problem->span, &where, &x);
     const flow *one = &o->flows[panel - o->at];
-    product(o->n, o->n, one->h, o->points->analyse, h);
-    double v = at_place(series_of(o, panel - o->at, 1), o->n + 1, x) / o->speed, a = at_place(one->shear, o->n + 1, x);
-    a = rod_unfolded(a, &where, o->total[0], o->total[1], o->librates);
-    const double way = where.second ? -1 : 1;
+    product(o->n, o->n, one->state.H, o->points->analyse, H);
+    const double way = o->direction * (where.second ? -1 : 1) * (where.mirrored ? -1 : 1);
+    const double v = way * at_place(series_of(o, panel - o->at, 1), o->n + 1, x);
+    const double a = rod_unfolded(at_place(one->shear, o->n + 1, x), &where, o->total[0], o->total[1], o->librates);
     for (int k = 0; k < 2; k++)
-        out[k] = change_at(of[k], a, way * (where.mirrored ? -v : v), way * at_place(h, o->n, x), one->across);
+        out[k] = change_at(of[k], a, v, at_place(H, o->n, x), one->state.c);
 }
 
 /* The errors of the panels of all orbits: `Panels`. */
@@ -205,20 +171,19 @@ typedef struct {
     const double *fastest, *error, *time_error, *time_rounding;
 } panel_errors;
 
-/* The changes of the start by a unit of beta(0), and of beta_t(0) in the course's unit of time; with the flows. */
-static void vary_start(course *o, const panel_errors *of, change out[2])
+/* The changes of the start by a unit of beta(0), and of beta_t(0); with the flows. */
+static void vary_start(course *o, change out[2])
 {
-    double fastest = 0;
-    for (int64_t i = o->at; i < o->at + o->count[0] + o->count[1]; i++)
-        fastest = larger(fastest, of->fastest[i]);
-    o->speed = fastest > 0 ? fastest : 1;
+    double parts[PARTS][PARTS];
     flows_of(o);
-    const flow *first = &o->flows[0];
-    const double c = first->across, v = first->v[0], h = first->h[0] * (o->count[0] ? 1 : -1), size = v * v + c * h * h;
-    out[0] = (change){v / size, h}, out[1] = (change){-c * h / size, v};
+    const varied_nodes *first = &o->flows[0].state;
+    const varied_place start = {.v = o->direction * (o->count[0] ? 1 : -1) * first->v[0], .H = first->H[0], .c = first->c};
+    rod_varied_directions(&start, parts);
+    for (int k = 0; k < 2; k++)
+        out[k] = (change){parts[0][k], parts[1][k]};
 }
 
-static double condition_of(course *o, const panel_errors *of)
+static double condition_of(course *o)
 {
     double worst, end[2];
     const start_problem *p = o->problem;
@@ -227,8 +192,8 @@ static double condition_of(course *o, const panel_errors *of)
     change by[2];
     if (o->all->kind[o->orbit] == HELIX || !(o->count[0] + o->count[1]) || steady)
         return worst;
-    vary_start(o, of, by);
-    by[1].along *= weight / o->unit, by[1].across *= weight / o->unit;
+    vary_start(o, by);
+    by[1].along *= weight, by[1].across *= weight;
     worst = largest_at_nodes(o, by, 1);
     changes_at_end(o, by, end);
     worst = larger(worst, larger(fabs(end[0]), fabs(end[1])));
@@ -298,7 +263,7 @@ static int64_t most_panels(const read_orbits *all, int64_t n)
 }
 
 /* eta(L) of the change with eta(0) = 0 and eta_t(0) = 1, and the largest |eta(t)/eta(L)|. */
-static void response_of(course *o, const panel_errors *of, double *largest, double *end)
+static void response_of(course *o, double *largest, double *end)
 {
     const start_problem *p = o->problem;
     const double waves = sqrt(larger(slope_rate(p->lam, p->mu, p->phi, p->beta0), 0)) * p->span;
@@ -312,11 +277,11 @@ static void response_of(course *o, const panel_errors *of, double *largest, doub
     *largest = 1;
     if (!(o->count[0] + o->count[1]))
         return;
-    vary_start(o, of, by);
+    vary_start(o, by);
     by[0] = by[1];
     changes_at_end(o, by, ends);
     const double ratio = largest_at_nodes(o, by, 0) / fabs(ends[1]);
-    *largest = isfinite(ratio) ? larger(ratio, 1) : INFINITY, *end = ends[1] / o->unit;
+    *largest = isfinite(ratio) ? larger(ratio, 1) : INFINITY, *end = ends[1];
 }
 
 /* The condition number and the estimated error of n start problems from their orbits, (n,) each; or, with `held`, the
@@ -330,9 +295,9 @@ int rod_orbits_judge(int64_t n, const start_problem *problems, const read_orbits
     for (int64_t b = 0; b < n; b++) {
         course o = course_of(&problems[b], all, at, b, room);
         if (held)
-            response_of(&o, of, &first[b], &second[b]);
+            response_of(&o, &first[b], &second[b]);
         else
-            first[b] = condition_of(&o, of), second[b] = error_of(&o, of, first[b]);
+            first[b] = condition_of(&o), second[b] = error_of(&o, of, first[b]);
     }
     free(room);
     return DONE;
@@ -343,14 +308,14 @@ void rod_orbits_action(int64_t n, const start_problem *problems, const read_orbi
 {
     for (int64_t b = 0; b < n; b++) {
         course o = course_of(&problems[b], all, at, b, NULL);
-        double beta[NODES], v[NODES], series[NODES + 1], before[2] = {0}, value = 0, x;
+        double v[NODES], series[NODES + 1], before[2] = {0}, value = 0, x;
         phase where;
         out[b] = 0;
         if (all->kind[b] == HELIX || !(o.count[0] + o.count[1]))
             continue;
         const int64_t panel = rod_place(all, b, problems[b].span, &where, &x) - o.at;
         for (int64_t i = 0; i < o.count[0] + o.count[1]; i++) {
-            nodes_of(&o, i, beta, v);
+            product(o.n + 1, o.n, series_of(&o, i, 1), at->values, v);
             for (int k = 0; k < o.n; k++)
                 v[k] = v[k] * v[k] * (all->width[o.at + i] / 2);
             integrated(at, v, series);

@@ -261,16 +261,22 @@ static inline double at_place(const double *series, int n, double x)
 }
 
 /* Along a flow (v, -H) with the transversal (c H, v)/D, D = v^2 + c H^2: the rate at which a change across the flow
-   moves along it, and how far it moves at once where c changes. */
-static inline double shear_rate(double v, double H, double rate, double c)
+   moves along it, and how far it moves at once where c changes. A rod at rest has neither. */
+static inline double across_flow(double v, double H, double c)
 {
     const double D = v * v + c * H * H;
-    return (1 - c * rate) * ((v * v - c * H * H) / D) / D;
+    return D > 0 ? D : 1;
+}
+
+static inline double shear_rate(double v, double H, double rate, double c)
+{
+    const double D = across_flow(v, H, c);
+    return v == 0 && H == 0 ? 0 : (1 - c * rate) * ((v * v - c * H * H) / D) / D;
 }
 
 static inline double shear_jump(double v, double H, double old, double new)
 {
-    return v * H * ((old - new) / (v * v + old * H * H)) / (v * v + new * H * H);
+    return v * H * ((old - new) / across_flow(v, H, old)) / across_flow(v, H, new);
 }
 
 /* A root by Newton's rule kept inside a shrinking bracket: `numerics.roots.bracket`. */
@@ -317,9 +323,6 @@ int rod_arcs(const start_problem *, double pin, double gap, const critical *, ar
 double rod_slope_over_root(const local_potential *, double turn, double x);
 int rod_panelled(const start_problem *, const piece *, int count, const points *, const cutting *, panels *);
 void rod_panels_free(panels *);
-
-/* variations.c: c of a panel from |beta_t|, H and H' at its nodes */
-double rod_across(int n, const double *v, const double *H, const double *rate, double half);
 
 /* orbits.c */
 int64_t rod_place(const read_orbits *, int64_t b, double t, phase *, double *x);

@@ -12,7 +12,8 @@ static void slopes_by_loads(double s, double c, double *out)
     out[0] = c, out[1] = -(c - s) * (c + s), out[2] = -s;
 }
 
-double rod_across(int n, const double *v, const double *H, const double *rate, double half)
+/* c of a panel, from |beta_t|, H and H' at its nodes. */
+static double scale_across(int n, const double *v, const double *H, const double *rate, double half)
 {
     double fastest = 0, slowest = INFINITY, steepest = 0, flattest = INFINITY, most = 1e-200;
     for (int i = 0; i < n; i++) {
@@ -28,16 +29,6 @@ double rod_across(int n, const double *v, const double *H, const double *rate, d
     if (levels && !slows)
         c = fmin(c, square(20 * half));
     return slows ? fmax(c, ratio / 2) : c;
-}
-
-static void rates_at(const double *loads, int n, double origin, const double *x, double *s, double *c, double *rate)
-{
-    double angle[NODES];
-    for (int i = 0; i < n; i++)
-        angle[i] = origin + x[i];
-    sin_cos_of(n, angle, s, c);
-    for (int i = 0; i < n; i++)
-        rate[i] = slope_rate_by(loads[0], loads[1], loads[2], s[i], c[i]);
 }
 
 /* Sines and cosines of the distances from a critical point: of x/2, x, 2 x and 4 x. */
@@ -58,13 +49,33 @@ static void distances_of(int n, const double *x, distances *out)
     }
 }
 
-static void vary_state(const double *loads, double origin, double half, int n, const double *x, const double *v,
-                      varied_nodes *out)
+/* The shift of the critical point, split off near it, and gamma without the heights of critical points. rest: H less its
+   linear part. */
+static void vary_level(double s, double c, double steep, int n, const distances *d, const double *rest, int near,
+                       varied_nodes *out)
+{
+    const double s2 = 2 * s * c, c2 = (c - s) * (c + s);
+    double at[3];
+    slopes_by_loads(s, c, at);
+    for (int k = 0; k < 3; k++)
+        out->shift[k] = near ? -at[k] / steep : 0;
+    for (int i = 0; i < n; i++) {
+        const double q = d->q[i], sx = d->sx[i], sx2 = sx * sx;
+        for (int k = 0; k < 3; k++) {
+            const double left = near ? 0 : at[k];
+            const double r = k == 0 ? 2 * s * q : k == 1 ? -2 * c2 * q * sx - s2 * sx2 : 2 * c * q;
+            out->gamma[k][i] = r - out->shift[k] * rest[i] - left * sx;
+        }
+    }
+}
+
+void rod_vary_state(const double *loads, double origin, double half, int n, const double *x, const double *v, int by_loads,
+                    varied_nodes *out)
 {
     const double lam = loads[0], mu = loads[1], phi = loads[2], s = sin(origin), c = cos(origin);
     const double s2 = 2 * s * c, c2 = (c - s) * (c + s), s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
-    const double steep = slope_rate(lam, mu, phi, origin), turn = 4 * (mu * s2 - c2 / 2), even = lam * c - phi * s;
-    double far = 0, bent = 0, at[3], sine[NODES], cosine[NODES], rate[NODES], rest[NODES];
+    const double steep = slope_rate_by(lam, mu, phi, s, c), turn = 4 * (mu * s2 - c2 / 2), even = lam * c - phi * s;
+    double far = 0, bent = 0, rest[NODES], angle[NODES];
     distances d;
     distances_of(n, x, &d);
     for (int i = 0; i < n; i++) {
@@ -72,25 +83,18 @@ static void vary_state(const double *loads, double origin, double half, int n, c
         rest[i] = -turn * q * sx + c4 * sx * w - 2 * q * even + sx2 * (2 * mu * c2 + s2) -
                   s4 * d.s2x[i] * d.s2x[i] / 2;
         far = larger(far, fabs(x[i])), bent = larger(bent, fabs(rest[i]));
+        out->v[i] = v[i] > 0 ? v[i] : 0;
+        out->H[i] = steep * sx + rest[i];
+        angle[i] = origin + x[i];
     }
     /* farther from a point that is about to vanish, its large shift would cancel; nearer, an orbit in a gap far below
        floats has no digits without it */
-    const int near = far < NEAR && steep != 0 && bent <= fabs(steep) * far;
-    slopes_by_loads(s, c, at);
-    for (int k = 0; k < 3; k++)
-        out->shift[k] = near ? -at[k] / steep : 0;
-    for (int i = 0; i < n; i++) {
-        const double q = d.q[i], sx = d.sx[i], sx2 = sx * sx, R = rest[i];
-        out->v[i] = v[i] > 0 ? v[i] : 0;
-        out->H[i] = steep * sx + R;
-        for (int k = 0; k < 3; k++) {
-            const double left = near ? 0 : at[k];
-            const double r = k == 0 ? 2 * s * q : k == 1 ? -2 * c2 * q * sx - s2 * sx2 : 2 * c * q;
-            out->gamma[k][i] = r - out->shift[k] * R - left * sx;
-        }
-    }
-    rates_at(loads, n, origin, x, sine, cosine, rate);
-    out->c = rod_across(n, out->v, out->H, rate, half);
+    if (by_loads)
+        vary_level(s, c, steep, n, &d, rest, far < NEAR && steep != 0 && bent <= fabs(steep) * far, out);
+    sin_cos_of(n, angle, out->sine, out->cosine);
+    for (int i = 0; i < n; i++)
+        out->rate[i] = slope_rate_by(lam, mu, phi, out->sine[i], out->cosine[i]);
+    out->c = scale_across(n, out->v, out->H, out->rate, half);
     out->origin = origin, out->least = INFINITY;
     for (int i = 0; i < n; i++)
         out->least = smaller(out->least, square(out->v[i]) + out->c * square(out->H[i]));
@@ -133,21 +137,18 @@ void rod_height_rates(double angle, double other, double *out)
 
 static void vary_rates(const double *loads, double nearest, int n, const double *x, varied_nodes *out)
 {
-    double above[3], H_q[3][NODES], s[NODES], c[NODES], rate[NODES], plain[3], *gamma[3];
-    const double across = out->c;
+    double above[3], H_q[3][NODES], plain[3], *gamma[3];
+    const double across = out->c, *s = out->sine, *c = out->cosine, *rate = out->rate;
     rod_height_rates(out->origin, nearest, above);
     slopes_with_shift(loads, out->origin, n, x, out->shift, H_q);
-    rates_at(loads, n, out->origin, x, s, c, rate);
     for (int k = 0; k < 3; k++) {
         gamma[k] = out->gamma[k];
         for (int i = 0; i < n; i++)
             gamma[k][i] += above[k];
     }
     for (int i = 0; i < n; i++) {
-        const double v = out->v[i], H = out->H[i], D = v * v + across * H * H;
-        const int rest = D == 0;
-        const double sigma = rest ? 0 : shear_rate(v, H, rate[i], across);
-        const double lever = rest ? 0 : across * H / D;
+        const double v = out->v[i], H = out->H[i], sigma = shear_rate(v, H, rate[i], across);
+        const double lever = across * H / across_flow(v, H, across);
         const double g[4] = {1, gamma[0][i], gamma[1][i], gamma[2][i]}, h[4] = {0, H_q[0][i], H_q[1][i], H_q[2][i]};
         const double k[4] = {0, out->shift[0], out->shift[1], out->shift[2]};
         slopes_by_loads(s[i], c[i], plain);
@@ -166,9 +167,7 @@ static void vary_rates(const double *loads, double nearest, int n, const double 
 static void jump_between(const varied_nodes *old, const varied_nodes *now, double sign, double *out)
 {
     const double v = sign * now->v[0], H = now->H[0];
-    double D_old = v * v + old->c * H * H, D_now = v * v + now->c * H * H;
-    D_old = D_old > 0 ? D_old : 1, D_now = D_now > 0 ? D_now : 1;
-    const double turn = v * H * ((old->c - now->c) / D_old) / D_now, lift = v / D_now, raised = lift * H;
+    const double turn = shear_jump(v, H, old->c, now->c), lift = v / across_flow(v, H, now->c), raised = lift * H;
     double full[4] = {1}, was[4] = {0}, is[4] = {0}, g[4], less[4];
     for (int k = 0; k < 3; k++) {
         was[k + 1] = old->shift[k], is[k + 1] = now->shift[k];
@@ -276,7 +275,7 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const po
         const double *series = of->series + FUNCTIONS * width * (first + i);
         product(n + 1, n, series, at->values, x + n * i);
         product(n + 1, n, series + width, at->values, v);
-        vary_state(loads, of->origin[first + i], of->width[first + i] / 2, n, x + n * i, v, &nodes[i]);
+        rod_vary_state(loads, of->origin[first + i], of->width[first + i] / 2, n, x + n * i, v, 1, &nodes[i]);
         out->least[first + i] = nodes[i].least;
         if (nodes[i].least < nodes[nearest].least)
             nearest = i;
@@ -332,16 +331,10 @@ int rod_variations(int64_t n, const double *loads, const read_orbits *of, const 
     return failed;
 }
 
-static double across_flow(const varied_place *at)
-{
-    const double D = at->v * at->v + at->c * at->H * at->H;
-    return D > 0 ? D : 1;
-}
-
 void rod_varied_unit(const varied_place *start, const varied_place *there, varied_unit *out)
 {
     static const int place[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
-    const double D = across_flow(there), D0 = across_flow(start);
+    const double D = across_flow(there->v, there->H, there->c), D0 = across_flow(start->v, start->H, start->c);
     for (int part = 0; part < PARTS; part++) {
         const int k = part - 1; /* of e; the part before is a, along the flow */
         const double a = part ? there->M[place[0][k]] - start->M[place[0][k]] : 1;
@@ -360,7 +353,7 @@ void rod_varied_unit(const varied_place *start, const varied_place *there, varie
 
 void rod_varied_directions(const varied_place *start, double out[PARTS][PARTS])
 {
-    const double v = start->v, H = start->H, c = start->c, D = across_flow(start);
+    const double v = start->v, H = start->H, c = start->c, D = across_flow(v, H, c);
     memset(out, 0, sizeof(double) * PARTS * PARTS);
     out[0][0] = v / D, out[1][0] = H, out[0][1] = -c * H / D, out[1][1] = v;
     for (int q = 1; q < 4; q++) {

@@ -9,9 +9,11 @@ enum { PAIRS = 10, PARTS = 5 }; /* the elements of the symmetric matrix M; parts
 enum { SUMS = PAIRS + 3 };       /* what is summed along an orbit: M, and sin, cos and sin cos of beta */
 enum { BETA, RATE, LIFTS };      /* what changes: beta, beta_t and, by each load q, the integral of H_q d beta */
 
-/* The state at the nodes of one panel, by a unit of the level and of the three loads. M: the rates of what is summed. */
+/* The state at the nodes of one panel, by a unit of the level and of the three loads. sine, cosine: of beta. rate: H'. M: the
+   rates of what is summed. */
 typedef struct {
-    double v[NODES], H[NODES], c, origin, least, shift[3], gamma[3][NODES], M[SUMS][NODES];
+    double v[NODES], H[NODES], sine[NODES], cosine[NODES], rate[NODES], c, origin, least;
+    double shift[3], gamma[3][NODES], M[SUMS][NODES];
 } varied_nodes;
 
 /* The state at one place of an orbit: `variations.Place`. v: with its sign. M: from the start, as the integrals of sin, cos
@@ -27,6 +29,11 @@ typedef struct {
     double *least, *M, *jump, *closing, *series, *gain;
     int64_t lanes; /* what rod_lanes says, or fewer; changes no bit */
 } varied_orbits;
+
+/* The state at the nodes x from the critical point `origin`, where beta_t is v; half: of the panel's duration. Without
+   `by_loads` no shift and no gamma. */
+void rod_vary_state(const double *loads, double origin, double half, int n, const double *x, const double *v, int by_loads,
+                    varied_nodes *out);
 
 /* The variations of orbit b, none of a helix, on its panels, with nodes (P,) and x (P, n) as room. loads: (3,). only: two of the panels, numbered within the orbit, whose series alone are wanted, or NULL for all; M of
    `out` may be NULL. Returns the number within the orbit of the panel whose critical point the orbit comes closest to. */
