@@ -16,23 +16,9 @@ typedef struct {
     int64_t stretch[W], station[W], last[W], step[W]; /* the stretch of each lane (-1: none), its stations, its steps */
 } NAME(lanes);
 
-/* The same as `product` and `square`, to the bit, where the order is not known to the compiler. */
-static TARGET vec NAME(sum)(const vec *x, const vec *y, int k)
-{
-    vec parts[2] = {ZERO, ZERO};
-    for (int i = 1; i < k; i++)
-        parts[i & 1] += x[i] * y[k - i];
-    return k == 0 ? x[0] * y[0] : parts[1] + parts[0] + (x[0] * y[k] + x[k] * y[0]);
-}
-
-static TARGET vec NAME(half)(const vec *x, int k)
-{
-    vec parts[2] = {ZERO, ZERO};
-    for (int i = 1; 2 * i < k; i++)
-        parts[i & 1] += x[i] * x[k - i];
-    const vec half = parts[1] + parts[0] + x[0] * x[k], twice = half + half;
-    return k == 0 ? x[0] * x[0] : k % 2 ? twice : twice + x[k / 2] * x[k / 2];
-}
+/* `product` and `square` where the order is not known to the compiler. */
+static TARGET vec NAME(sum)(const vec *x, const vec *y, int k) { return NAME(product)(x, y, k); }
+static TARGET vec NAME(half)(const vec *x, int k) { return NAME(square)(x, k); }
 
 /* Which way each rod moves against the wall: of the three, one is 1. */
 typedef struct {
@@ -64,10 +50,10 @@ static TARGET void NAME(pushed)(NAME(lanes) *x, int k)
     x->Ps[k] = NAME(sum)(x->P, x->s, k);
 }
 
-/* What the first and the last coefficients add to the term k of a product of two series. */
-static inline ALWAYS TARGET vec NAME(ends)(const vec *x, const vec *y, int k)
+/* The term k of a product; fixed: whether the compiler knows k. */
+static inline ALWAYS TARGET vec NAME(term)(const vec *x, const vec *y, int k, const int fixed)
 {
-    return k == 0 ? x[0] * y[0] : x[0] * y[k] + x[k] * y[0];
+    return fixed ? NAME(product)(x, y, k) : NAME(sum)(x, y, k);
 }
 
 /* The coefficients k of what the states up to k give, and the coefficients k + 1 of the states. */
@@ -76,39 +62,10 @@ static inline ALWAYS TARGET void NAME(terms)(NAME(lanes) *x, const int k, const 
     vec(*y)[TERMS] = x->y;
     const vec zero = ZERO, *rod = x->rod, *v = y[SPEED], *q = y[Q], *s = x->s, *c = x->c, *e = x->e;
     const double share = 1.0 / (k + 1.0);
-    /* sums of all but the ends of seven products and a square, together because they share their factors */
-    vec vc[2], vs[2], qc[2], se[2], ee[2], cube[2], sca[2], ssa[2];
-    UNROLLED
-    for (int i = 0; i < 2; i++) {
-        const int j = 2 - i, there = j < k; /* the first of each sum */
-        vc[j & 1] = there ? c[j] * v[k - j] : zero;
-        vs[j & 1] = there ? s[j] * v[k - j] : zero;
-        qc[j & 1] = there ? c[j] * q[k - j] : zero;
-        se[j & 1] = there ? s[j] * e[k - j] : zero;
-        sca[j & 1] = there ? s[j] * x->ca[k - j] : zero;
-        ssa[j & 1] = there ? s[j] * x->sa[k - j] : zero;
-        cube[j & 1] = there ? x->sc[j] * x->s2[k - j] : zero;
-        ee[j & 1] = 2 * j < k ? e[j] * e[k - j] : zero;
-    }
-    UNROLLED
-    for (int j = 3; j < k; j++) {
-        vc[j & 1] += c[j] * v[k - j];
-        vs[j & 1] += s[j] * v[k - j];
-        qc[j & 1] += c[j] * q[k - j];
-        se[j & 1] += s[j] * e[k - j];
-        sca[j & 1] += s[j] * x->ca[k - j];
-        ssa[j & 1] += s[j] * x->sa[k - j];
-        cube[j & 1] += x->sc[j] * x->s2[k - j];
-        if (2 * j < k)
-            ee[j & 1] += e[j] * e[k - j];
-    }
-    vec squares = ee[0] + ee[1];
-    if (k > 0)
-        squares += e[0] * e[k];
-    squares += squares;
-    x->e2[k] = k % 2 ? squares : squares + e[k / 2] * e[k / 2];
+    const int fixed = !rubbed;
+    x->e2[k] = fixed ? NAME(square)(e, k) : NAME(half)(e, k);
     x->s2[k] = 2.0 * e[k] - x->e2[k];
-    x->se[k] = se[0] + se[1] + NAME(ends)(s, e, k);
+    x->se[k] = NAME(term)(s, e, k, fixed);
     x->sc[k] = s[k] - x->se[k];
     x->g[k] = 3.0 * e[k] - 2.0 * x->e2[k];
     vec twisted, pulled, along = k == 0 ? rod[ALONG] : zero, across = rod[ACROSS] * x->sa[k], twist = zero;
@@ -119,8 +76,7 @@ static inline ALWAYS TARGET void NAME(terms)(NAME(lanes) *x, const int k, const 
         if (k > 0)
             pulled = y[PHI][1] * s[k - 1] + pulled;
     }
-    x->H[k] = qc[0] + qc[1] + NAME(ends)(c, q, k) + twisted - pulled -
-              2.0 * (cube[0] + cube[1] + NAME(ends)(x->sc, x->s2, k));
+    x->H[k] = NAME(term)(c, q, k, fixed) + twisted - pulled - 2.0 * NAME(term)(x->sc, x->s2, k, fixed);
     if (rubbed) {
         NAME(pushed)(x, k);
         const NAME(way) is = NAME(ways)(x);
@@ -137,11 +93,11 @@ static inline ALWAYS TARGET void NAME(terms)(NAME(lanes) *x, const int k, const 
     y[MU][k + 1] = twist * share;
     y[SHORT][k + 1] = e[k] * share;
     y[ROUND][k + 1] = (rod[RATIO] * y[MU][k] + x->se[k]) * share;
-    x->s[k + 1] = (vc[0] + vc[1] + NAME(ends)(c, v, k)) * share;
-    x->e[k + 1] = (vs[0] + vs[1] + NAME(ends)(s, v, k)) * share;
+    x->s[k + 1] = NAME(term)(c, v, k, fixed) * share;
+    x->e[k + 1] = NAME(term)(s, v, k, fixed) * share;
     x->c[k + 1] = -e[k + 1];
-    x->sa[k + 1] = (sca[0] + sca[1] + NAME(ends)(s, x->ca, k)) * share;
-    x->ca[k + 1] = (ssa[0] + ssa[1] + NAME(ends)(s, x->sa, k)) * -share;
+    x->sa[k + 1] = NAME(term)(s, x->ca, k, fixed) * share;
+    x->ca[k + 1] = NAME(term)(s, x->sa, k, fixed) * -share;
 }
 
 /* Fills the table with the series about the states where the lanes are. */

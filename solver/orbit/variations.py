@@ -1,8 +1,8 @@
 """Variations of orbits: how beta and its integrals answer a change of the start or of the loads.
 
 Along an orbit the change (d beta, d beta_t) is a f + g b + (shift, 0). f = (beta_t, -H) is the flow. b = (c H,
-beta_t)/D with D = beta_t^2 + c H^2 lies across it (c: `scale_across` of `core/variations.c`). Next to a critical point o of G the shift
--H_q(o)/H'(o) dq is that of o itself. The level gives g without integration:
+beta_t)/D with D = beta_t^2 + c H^2 lies across it (c: `scale_across` of `core/variations.c`). Next to a critical point
+o of G the shift -H_q(o)/H'(o) dq is that of o itself. The level gives g without integration:
 
     g = e . gamma,  e = (g0, d lam, d mu, d phi),  gamma_0 = 1,  gamma_q = -(G_q - G_q(o))/2 - shift_q H.
 
