@@ -250,7 +250,7 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
     """Those of a rod with weight that a search finds. Raises `InputError` for what it does not search."""
     from .problem.reduced import flat
     from .shooting.answers import answer_ends, shape_path, why_unsolved
-    from .shooting.numbers import rods_of
+    from .shooting.loaded_rod import rods_of
     from .shooting.search import HEAVIEST, LONGEST, MOST_NODES, search_shapes
 
     (rod,) = rods_of(case)

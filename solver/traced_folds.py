@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -28,17 +29,15 @@ from .numerics.arrays import Array
 from .problem.case_fields import value_of
 from .problem.errors import InputError, choices
 from .problem.reduced import given_numbers
-from .shooting.curve import MOST_POINTS, Curve, angles_of, shapes_through
+from .shooting.curve import MOST_POINTS, SPLIT, Curve, angles_of, shapes_through
 from .shooting.descent import index_at, on_nodes, weakest_modes
-from .shooting.loaded_rod import LoadedRod
+from .shooting.loaded_rod import LoadedRod, densest_nodes, rods_of
 from .shooting.newton import Shape
-from .shooting.numbers import rods_of
 from .shooting.shape_folds import RodAt, fold_through, pitchforks_through
 from .solve import between_ends
 
 MOST = 1000  # points of a branch of orbits in each sense
 NARROW = 0.01  # of a step: how closely a branch point is enclosed, before its curve is solved for
-SPLIT = 0.05  # of the angles, in their scales: how far from a branch those that cross it are entered
 
 
 def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
@@ -135,8 +134,7 @@ class ShapesOnPlane:
     @cached_property
     def shares(self) -> Array:
         """Of the span, at which the nodes of all shapes lie: dense enough anywhere in the plane."""
-        rods = [self.rod_at(np.array([u, w])) for u in (0.0, 0.5, 1.0) for w in (0.0, 0.5, 1.0)]
-        return max((rod.nodes() / rod.span for rod in rods), key=len)
+        return densest_nodes(self.rod_at(np.array(z)) for z in product((0.0, 0.5, 1.0), repeat=2))
 
     def place_of(self, equilibrium: Equilibrium) -> Place:
         """An equilibrium at the middle."""

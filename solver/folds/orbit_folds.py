@@ -31,7 +31,7 @@ from ..numerics.roots import solve
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import StartProblem
 from .parameter_plane import ParameterPlane, reflect
-from .special_line import Ahead, Point, SpecialPoint, change_within, point_on_line, with_no_side, zero_on
+from .special_line import BESIDE, Ahead, Point, SpecialPoint, change_within, point_on_line, with_no_side, zero_on
 
 GivenAt = Callable[[Array], Given]
 LENGTHS = Lengths(first=0.01, longest=0.05, least=2e-6)  # of steps, in the sizes of the unknowns and of z
@@ -40,7 +40,6 @@ _STEP = 1e-7  # of derivatives of the determinant, in the sizes of the unknowns 
 _BEND = 2e-4  # of beta_t(0), in its size: of the second derivative of the Jacobi field by it
 _SIDES = 2.0**-25  # of a step: how closely a change of side is enclosed
 _MOVES = 1e-6  # least change of the equations of a fold by z
-_BESIDE = 0.02  # how far beside a fold its two indices are read, in the sizes of the unknowns
 _UNFOLDED, _STRAY = 1e-8, 1e-3  # rad: the largest miss of beta(L) at a pitchfork; how far along its curve too
 _CROSSING, _MIRRORED = 0.02, 1e-9  # of beta_t(0), in its size: where a fold curve may meet pitchforks; of an image
 
@@ -133,7 +132,7 @@ class OrbitFold(OrbitPoint):
         given, rates = self.own
         if given.names == FREE:
             return int(solve_orbit(rates.problem.with_start(np.array([self.slope])), TIGHT).turns[0]) - 1
-        sides = [self._index_beside(a) for a in (_BESIDE, -_BESIDE)]
+        sides = [self._index_beside(a) for a in (BESIDE, -BESIDE)]
         return int(min((index for index in sides if np.isfinite(index)), default=0))
 
     def _index_beside(self, a: float) -> float:

@@ -1,7 +1,7 @@
 """The plane of two fields of an ends problem: its points, and the dimensionless problems there."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.angles import angle
 from ..problem.case import ANGLES, Case, Ends
-from ..problem.case_fields import FIELD, check_fields, unchecked_with_field
+from ..problem.case_fields import check_fields, unchecked_with_fields, with_fields
 from ..problem.errors import InputError, choices, show
 from ..problem.reduced import ACTING, EndsProblem, field_rates, held_of, reduce
 
@@ -43,15 +43,15 @@ class ParameterPlane:
 
     def case_at(self, shares: Array) -> Case:
         """The case at one point (2,), or the cases at several (N, 2)."""
-        first, second = np.moveaxis(self.values(shares), -1, 0)
-        return with_two(self.case, dict(zip(self.names, (first, second), strict=True)))
+        return with_fields(self.case, self._fields(shares))
 
     def unchecked_case_at(self, shares: Array) -> Case:
         """The case at one point (2,) of the rectangle, whose values are known to be valid; several times as fast."""
-        case = self.case
-        for name, value in zip(self.names, self.values(shares), strict=True):
-            case = unchecked_with_field(case, name, float(value))
-        return case
+        return unchecked_with_fields(self.case, self._fields(shares))
+
+    def _fields(self, shares: Array) -> dict[str, Any]:
+        """The two fields by their names, at one point (2,) or at several (N, 2)."""
+        return dict(zip(self.names, np.moveaxis(self.values(shares), -1, 0), strict=True))
 
     @property
     def varies(self) -> bool:
@@ -76,17 +76,6 @@ def reflect(at: Callable[[Array], Numbers], z: Array, names: tuple[str, ...]) ->
     on_border, inside = at(border), at(2 * border - z)
     beyond: Any = {name: 2 * getattr(on_border, name) - getattr(inside, name) for name in names}
     return replace(on_border, **beyond)  # type: ignore[type-var]
-
-
-def with_two(case: Case, values: dict[str, Any]) -> Case:
-    """The case with some numeric fields replaced."""
-    parts: list[Any] = []
-    for part in (case.rod, case.cylinder, case.given):
-        known = {field.name for field in fields(part)}
-        # the place of the start is called alpha0, gamma0 among the quantities
-        mine = {name if name in known else FIELD.get(name, name): value for name, value in values.items()}
-        parts.append(replace(part, **{name: value for name, value in mine.items() if name in known}))
-    return Case(*parts)
 
 
 def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:

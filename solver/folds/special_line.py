@@ -32,6 +32,7 @@ TURNS = "the sense of the line turns, as it does where its equation is lost in r
 SENSE, ASIDE = 0.8, 0.2  # cosine to the first step, and distance over that of a step, of one that closes the line
 MOST = 4000  # points of a line in each sense
 ALONE = 3  # points after the first before a line can close
+BESIDE = 0.02  # how far beside a fold its two indices are read, in the sizes of the unknowns
 LONGEST = 0.5  # change of an unknown in a step of Newton's rule
 
 

@@ -21,10 +21,9 @@ from ..problem.reduced import flat
 from ..shape import Shape
 from ..shooting.answers import answer_ends, answer_starts, shape_path
 from ..shooting.curve import DIFFERENCE, Curve
-from ..shooting.loaded_rod import ALPHA, BETA
+from ..shooting.loaded_rod import ALPHA, BETA, rods_of
 from ..shooting.newton import Shape as Nodal
 from ..shooting.newton import linear_at
-from ..shooting.numbers import rods_of
 
 STEP = 1e-4  # of the angles, in their scales, and of a field, in its size
 WEIGHTS = {1: 2 / 3, 2: -1 / 12}  # of the differences at so many steps

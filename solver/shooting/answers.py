@@ -15,9 +15,8 @@ from .branch import Path, branch_from_straight
 from .buckling import straight_shape
 from .curve import Curve
 from .descent import index_of_any
-from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
+from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q, densest_nodes, rods_of, starts_of
 from .newton import Shape, correct, linear_at
-from .numbers import rods_of, starts_of
 from .state import LEAVES, RUBS
 from .varying_shapes import Marched, Nodes, VaryingShapes, read_starts, read_states
 
@@ -133,7 +132,7 @@ def path_at(case: Case, known: Nodes, case_at: Callable[[float], Case], low: flo
         return rods_of(case_at(x))[0]
 
     rod = rods_of(case)[0]
-    u = max((other.nodes() / other.span for other in (rod_at(low), rod, rod_at(high))), key=len)
+    u = densest_nodes((rod_at(low), rod, rod_at(high)))
     return Curve(rod_at, high - low, rod.scale), Shape(rod, u * rod.span, known.at(u * known.t[-1]))
 
 

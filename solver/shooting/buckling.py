@@ -7,15 +7,13 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..numerics.roots import halve
-from .curve import Curve
+from .curve import SPLIT, Curve
 from .descent import descend, index_at, weakest_modes
 from .loaded_rod import LoadedRod
 from .newton import Shape
 
 CLOSE, ALIKE = 1e-6, 1e-12  # relative: of the load at which the straight rod buckles; of two that are one
-AMPLITUDES = tuple(
-    0.05 * 4.0**-k for k in range(6)
-)  # of the angles, in their scales, with which a buckled shape is sought
+AMPLITUDES = SPLIT * 4.0 ** -np.arange(6)  # with which a buckled shape is sought
 AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought to which a rod jumps
 
 

@@ -33,6 +33,7 @@ from .newton import (
 DIFFERENCE = 1e-5  # of x over its size: for derivatives by x
 SOFT = 1e-14  # springs that hardly change the equations, in the scales
 REACH = 1.0  # the longest step of the angles, in their scales
+SPLIT = 0.05  # of the angles, in their scales: how far from a branch those that split off it are entered
 UNSOLVED = "Newton's method did not converge from it"
 LOST = "Newton's method did not converge on the way"
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of x
@@ -82,6 +83,11 @@ def inner(u: Array, v: Array) -> float:
     return float((a * b).sum() / len(a) + u[-1] * v[-1])
 
 
+def unit(direction: Array) -> Array:
+    """A direction with length 1 by `inner`."""
+    return np.asarray(direction / np.sqrt(inner(direction, direction)))
+
+
 @dataclass(frozen=True, eq=False)
 class Curve:
     """rod_at: the rod at each x. size: the size of x. scale: (8,), that of the states."""
@@ -95,18 +101,13 @@ class Curve:
         rod = self.rod_at(x).in_scales(self.scale)
         return Shape(rod, like.t * (rod.span / like.t[-1]), y)
 
-    def direction(self, change: Array, x: float) -> Array:
-        """The direction of a change (N, 8) of the states and of x, of length 1."""
-        direction = np.append((change / self.scale).reshape(-1), x / self.size)
-        return np.asarray(direction / np.sqrt(inner(direction, direction)))
-
-    def direction_between(self, a: Point, b: Point) -> Array:
-        """From one point to another, (8 N + 1,)."""
-        return np.append(((b.shape.y - a.shape.y) / self.scale).reshape(-1), (b.p - a.p) / self.size)
+    def in_sizes(self, change: Array, x: float) -> Array:
+        """A change (N, 8) of the states and of x in their sizes, (8 N + 1,)."""
+        return np.append((change / self.scale).reshape(-1), x / self.size)
 
     def split_off(self, shape: Shape, mode: Array, sizes: Sequence[float], x: float) -> Iterator[Point]:
         """The equilibria near x that differ from a shape by so much of a mode (N, 8): x is what follows."""
-        across = self.direction(mode, 0.0)
+        across = unit(self.in_sizes(mode, 0.0))
         points = (self.correct(replace(shape, y=shape.y + size * mode), x, across) for size in sizes)
         return (point for point in points if point is not None)
 
@@ -129,7 +130,7 @@ class Curve:
             if columns is None:
                 return DIVERGED
             whole, by_x = np.append(columns[:, 0], 0.0), np.append(-columns[:, 1], 1.0)
-            passed = np.append(((shape.y - guess.y) / self.scale).reshape(-1), (now.p - x) / self.size)
+            passed = self.in_sizes(shape.y - guess.y, now.p - x)
             along = inner(across, by_x)
             if not along:
                 return DIVERGED
@@ -143,7 +144,7 @@ class Curve:
         corrected = newton(Point(self.shape(guess, guess.y, x), x, across), step, replace(ENDING, rounds=most))
         if isinstance(corrected, str):
             return None
-        solved, tangent = corrected.shape, corrected.tangent / np.sqrt(inner(corrected.tangent, corrected.tangent))
+        solved, tangent = corrected.shape, unit(corrected.tangent)
         solved = replace(solved, y=with_known_loads(solved.rod, solved.t, solved.y))
         return Point(solved, corrected.p, tangent if inner(tangent, across) >= 0 else -tangent)
 
@@ -187,7 +188,7 @@ def special_between(
     if before.index == after.index:
         return []
     (near, low), (far, high) = enclose(way, ends, lambda point: point.index != before.index, narrow * step)
-    change = curve.direction_between(low, high)
+    change = curve.in_sizes(high.shape.y - low.shape.y, high.p - low.p)
     return None if inner(change, change) > (2 * (far - near) + SAME) ** 2 else [(high, BRANCH_POINT)]
 
 

@@ -13,7 +13,7 @@ from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import lead_away
 from .branch import branch_from_straight
 from .buckling import buckling_shares, straight_shape
-from .curve import MOST_POINTS, REACH, Curve, angles_in, angles_of, trace_shapes
+from .curve import MOST_POINTS, REACH, SPLIT, Curve, angles_in, angles_of, trace_shapes
 from .descent import index_at, on_nodes, weakest_modes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import DEEP, Shape, correct, is_same, linear_at, size_of
@@ -24,7 +24,7 @@ TRIES, FEW_TRIES = 60, 10  # of deflations in a row that find none, after which 
 WIDE = 5  # times the largest load: the range of a reaction
 HEAVIEST = 2.0  # times the weight: how far a branch is followed from no weight, as some turn back on the way
 MOST_NODES = 100  # of a rod that is followed from no weight
-MOST_MODES, SMALL = 8, 0.05  # of the straight rod, whose branches are followed; their first amplitude
+MOST_MODES = 8  # of the straight rod, whose branches are followed
 ROUNDS = 30  # steps of a deflation
 NEAR = 0.1  # size of a step of Newton's method from which it converges by itself
 AMPLITUDES = -1.0, 0.9  # of the waves of a start: the powers of ten between which it lies
@@ -109,7 +109,7 @@ def buckling_shapes(rod: LoadedRod, t: Array) -> Iterator[Shape]:
     for share, count in islice(buckling_shares(rod, t), MOST_MODES):
         at_load = straight_shape(rod.share(share), t)
         for mode in weakest_modes(at_load, count):
-            for point in curve.split_off(at_load, mode, (SMALL,), share):
+            for point in curve.split_off(at_load, mode, (SPLIT,), share):
                 rises = point.rises >= 0
                 places, _ = trace_shapes(curve, point, rises, Bounds(0.0, 1.0, (), MOST_POINTS))
                 for shape in (replace(place.path, rod=rod) for place in places if place.p == 1):

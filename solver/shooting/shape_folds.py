@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..folds.special_line import (
+    BESIDE,
     CROSSING,
     Ahead,
     SpecialLine,
@@ -30,19 +31,17 @@ from ..folds.whole_curve import WholeCurve, whole_curve
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
 from ..numerics.arrays import Array
 from ..problem.errors import InputError
-from .curve import Curve, Point, angles_of
+from .curve import SPLIT, Curve, Point, angles_of, unit
 from .descent import index_at, response, weakest_modes
 from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod
 from .newton import Shape, correct, linear_at
 
 RodAt = Callable[[Array], LoadedRod]
-FOLD_STEPS = Lengths(first=0.02, longest=0.1, least=1e-4)  # in the sizes of the equilibrium and of z
-PITCHFORK_STEPS = Lengths(first=0.03, longest=0.1, least=2e-4)  # in the sizes of z
+STEPS = Lengths(first=0.02, longest=0.1, least=1e-4)  # in the sizes of the equilibrium and of z
 STEP = 1e-4  # of derivatives by a and z
-BESIDE, NEAR_IT = 0.02, 1e-3  # how far beside a fold and beside a pitchfork its two indices are read
+NEAR_IT = 1e-3  # how far beside a pitchfork its two indices are read
 CROSSED = 3e-3  # how closely the place is enclosed where another curve crosses
 NEAR = 3  # weakest modes: where another such curve crosses, that of this one is not the weakest
-SMALL = 0.02  # of the angles, in their scales: of the shapes that split off
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -52,6 +51,10 @@ class ShapePoint(SpecialPoint):
     rod_at: RodAt
     shape: Shape
     nudge = STEP
+
+    def line(self, z: Array, across: Array) -> Curve:
+        """The equilibria along a line through z."""
+        return Curve(lambda n: self.rod_at(z + n * across), 1.0, self.shape.rod.scale)
 
     @property
     def slope(self) -> float:
@@ -77,10 +80,9 @@ class FoldPoint(ShapePoint):
     def at(self, w: Array) -> Point | None:
         """The equilibrium at a on the branch over n through z; None where there is none."""
         shape = self.shape
-        curve = Curve(lambda n: self.rod_at(w[1:] + n * self.across), 1.0, shape.rod.scale)
         change = w[0] * self.tangent[:-1].reshape(shape.y.shape) * shape.rod.scale
         try:
-            return curve.correct(Shape(shape.rod, shape.t, shape.y + change), 0.0, self.tangent)
+            return self.line(w[1:], self.across).correct(replace(shape, y=shape.y + change), 0.0, self.tangent)
         except InputError:  # no case has such values
             return None
 
@@ -110,11 +112,11 @@ class FoldPoint(ShapePoint):
 def fold_through(rod_at: RodAt, z: Array, axis: int, shapes: list[Shape]) -> WholeCurve:
     """The curve of the fold at z of a branch along number `axis`, from the shapes before, at and after it."""
     (before, shape, after), (across, way) = shapes, np.eye(2)[[axis, 1 - axis]]
-    curve = Curve(lambda n: shape.rod, 1.0, shape.rod.scale)
-    tangent, w = curve.direction(after.y - before.y, 0.0), np.append(0.0, z)
+    tangent = unit(Curve(lambda n: shape.rod, 1.0, shape.rod.scale).in_sizes(after.y - before.y, 0.0))
+    w = np.append(0.0, z)
     guess = FoldPoint(w=w, way=way, rod_at=rod_at, across=across, shape=shape, tangent=tangent)
     first = point_at(guess, w, np.append(0.0, way)) or guess
-    how: Tracing[FoldPoint] = Tracing(FOLD_STEPS, cusps_between)
+    how: Tracing[FoldPoint] = Tracing(STEPS, cusps_between)
     return whole_curve(special_line(first, how))
 
 
@@ -137,8 +139,7 @@ class PitchforkPoint(ShapePoint):
 
     def shape_at(self, z: Array) -> Shape | None:
         """The equilibrium that the symmetry keeps, at z."""
-        rod = self.rod_at(z).in_scales(self.shape.rod.scale)
-        return correct(Shape(rod, self.shape.t * (rod.span / self.shape.t[-1]), self.shape.y))
+        return correct(self.line(z, np.zeros(2)).shape(self.shape, self.shape.y, 0.0))
 
     def value(self, w: Array) -> Array | None:
         """The stiffness against a push along the mode at z = w, (1,)."""
@@ -155,11 +156,10 @@ class PitchforkPoint(ShapePoint):
         low, high = (self.shape_at(node.w + sign * NEAR_IT * across) for sign in (-1, 1))
         if low is None or high is None:
             return None
-        rod = self.rod_at(node.w).in_scales(self.shape.rod.scale)
-        shape = Shape(rod, high.t * (rod.span / high.t[-1]), (low.y + high.y) / 2, high.steps)
+        curve = self.line(node.w, across)
+        shape = curve.shape(high, (low.y + high.y) / 2, 0.0)
         mode = max(weakest_modes(high, NEAR), key=lambda one: abs(likeness(one, self.mode)))
-        curve = Curve(lambda n: self.rod_at(node.w + n * across), 1.0, shape.rod.scale)
-        turns = {float(np.sign(point.p)) for point in curve.split_off(shape, mode, (SMALL, -SMALL), 0.0)}
+        turns = {float(np.sign(point.p)) for point in curve.split_off(shape, mode, (SPLIT, -SPLIT), 0.0)}
         more = across * turns.pop() if len(turns) == 1 else np.full(2, np.nan)
         index = min(index_at(low), index_at(high))
         following = replace(self, w=node.w, way=node.tangent, more=more, shape=shape, mode=mode, index=index)
@@ -187,7 +187,7 @@ def pitchforks_through(
         return None
     if np.isnan(first.more).any():  # where the sides differ, branches exchange their indices, and no number changes
         return []
-    how = Tracing(PITCHFORK_STEPS, crossing_between, is_known=lambda point: is_known(point.z, point.mark))
+    how = Tracing(STEPS, crossing_between, is_known=lambda point: is_known(point.z, point.mark))
     line = special_line(first, how)
     points, last = line.points, len(line.points) - 1
     cuts = [0, *(i + 1 for i, (point, other) in enumerate(pairwise(points)) if point.lower != other.lower), last]

@@ -26,16 +26,15 @@ from solver import (
 )
 from solver.core.varying_loads import MOST_STEPS, march
 from solver.folds.fold_curves import fold_curve
-from solver.folds.parameter_plane import parameter_plane, with_two
+from solver.folds.parameter_plane import parameter_plane
 from solver.numerics.arclength import Lengths
-from solver.problem.case_fields import values_of, with_field
+from solver.problem.case_fields import values_of, with_field, with_fields
 from solver.problem.limits import unreachable
 from solver.shooting.buckling import buckling_shares, buckling_tension, straight_index, straight_shape
 from solver.shooting.descent import index_at
-from solver.shooting.loaded_rod import PHI, LoadedRod
+from solver.shooting.loaded_rod import PHI, LoadedRod, rods_of
 from solver.shooting.local_waves import OVER, compression, places, rows, sinusoid, wave_shape
 from solver.shooting.newton import open_at
-from solver.shooting.numbers import rods_of
 from solver.shooting.search import buckling_shapes, further_shapes
 from solver.shooting.shape_folds import pitchforks_through
 from solver.shooting.state import in_words
@@ -458,7 +457,7 @@ def test_the_curve_of_a_fold_passes_the_cusp_of_a_rod_without_weight() -> None:
     assert curve.cusp_dbeta0 == pytest.approx(other.cusp_dbeta0, rel=1e-5)
     for i in (2, 8, -3):
         sides = [curve.values[i] + sign * 1e-3 * curve.more[i] * [40.0, 1.5] for sign in (1, -1)]  # of the ranges
-        counts = [len(equilibria(with_two(bent_rod(None), {"FZ": one[0], "L": one[1]}))) for one in sides]
+        counts = [len(equilibria(with_fields(bent_rod(None), {"FZ": one[0], "L": one[1]}))) for one in sides]
         assert counts == [3, 1]
 
 

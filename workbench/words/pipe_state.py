@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from solver.problem.reduced import flat
-from solver.shooting.loaded_rod import MU
+from solver.shooting.loaded_rod import MU, rods_of
 from solver.shooting.state import LEAVES, RUBS, STRAIGHT, in_words
 from solver.shooting.varying_shapes import read_states
 
@@ -296,7 +296,6 @@ def _load(tension: float, force: str) -> str:
 def _buckling(sol: "Solution", force: str) -> list[str]:
     """The load at which the straight rod buckles under its whole weight; none where it is no equilibrium."""
     from solver.shooting.buckling import buckling_tension
-    from solver.shooting.numbers import rods_of
 
     if sol.case.kind != "ends" or sol.case.cylinder.side == "outside":
         return []

@@ -22,7 +22,7 @@ from solver.observe.observables import observables_of, observe
 from solver.problem.case_fields import value_of, with_field
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices, no_such
 from solver.problem.reduced import held_of, reduce
-from solver.shooting.numbers import rods_of
+from solver.shooting.loaded_rod import rods_of
 from studies import Study
 from studies.grammar.axes import WORDS, Dimensions, Which
 from studies.language.case_input import field_values
