@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 SUFFIXES = (".png", ".jpg")
 DPI, FILM_DPI = 200, 160
 PAGE, PAGE_KIND = ".html", "contact"  # the suffix of a page, and the kind of scene that it shows
-PAGE_FIRST, PAGE_ROUNDS = 201, 6  # stations that are tried first for a page of a study; how often more are tried
+PAGE_FIRST = 201  # stations that are tried first for a page of a study
 
 
 @presents()
@@ -160,6 +160,7 @@ def scene(
 def _page(study: "Study | None", ds: "xr.Dataset", where: "dict[str, float]", path: Path) -> Result:
     """A scene as one offline HTML file: every case that --at leaves; of status 1 where the stations are too few."""
     from ..scene.scene_kinds import kind_of
+    from ..scene.settings import TooFewStations
     from ..store import atomic, schema
     from ..web.turntable import turntable_page
     from . import study_scene
@@ -168,16 +169,19 @@ def _page(study: "Study | None", ds: "xr.Dataset", where: "dict[str, float]", pa
     solve = study_scene.solver_of(study, ds, kind_of(PAGE_KIND), where, sliders)
     if study is not None and solve is not None:
         ds = solve(PAGE_FIRST)
-    for _ in range(PAGE_ROUNDS):
-        if solve is None or (more := _needed_stations(ds)) <= ds.sizes["u"]:
-            break
-        ds = solve(more)
-    text = turntable_page.html(ds, where)
+
+    def draw(ds: "xr.Dataset", strict: bool) -> "tuple[str, int]":
+        needed = _needed_stations(ds)
+        if strict and needed > ds.sizes["u"]:
+            raise TooFewStations("too few for a smooth rod", needed)
+        return turntable_page.html(ds, where), needed
+
+    (text, needed), stations = study_scene.at_needed_stations(ds, solve, draw)
     atomic.write_text(path, text)
     said = [f"{path}: {len(text) / 1e6:.2g} MB, opens in a browser without a network"]
-    if (needed := _needed_stations(ds)) <= ds.sizes["u"]:
+    if needed <= stations:
         return result_of_files([path], said)
-    warning = f"{ds.sizes['u']} stations are too few for a smooth rod, about {needed} are needed"
+    warning = f"{stations} stations are too few for a smooth rod, about {needed} are needed"
     return result_of_files([path], said, [warning], 1)
 
 

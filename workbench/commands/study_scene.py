@@ -7,7 +7,7 @@ are solved again at as many. The result is a dataset like any other, and is draw
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -19,18 +19,17 @@ from studies.language.study_data import MAX_STATIONS, OUTPUTS
 
 from ..figures.scales import WIDE
 from ..scene.scene_kinds import Kind
+from ..scene.settings import TooFewStations
 from ..store import in_memory, reading, schema, selection
 from ..store.plan import plan
 from ..store.stored_case import is_study, solve_again, study_of
-
-if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
-    from ..scene.composition import Picture
 
 FIRST = 21  # stations that are tried first
 ROUNDS = 12  # each finds some six times as many stations where the round before missed the bends
 MOST_CASES = 10_000
 TRIED, STEP, JUMP, LEAST = 49, 0.12, 1.0, 72  # of a film: first values, motion a frame in rho, at most; frames
 Solve = Callable[[int], xr.Dataset]  # the cases of a scene at a number of stations
+Drawn = TypeVar("Drawn")
 SHAPE = ("beta", "dbeta", "alpha", "z", "gamma", "contact")
 
 
@@ -147,16 +146,13 @@ def _motion(ds: xr.Dataset, axis: str) -> Any:
 
 
 def at_needed_stations(
-    ds: xr.Dataset, solve: Solve | None, draw: Callable[[xr.Dataset, bool], "Picture"]
-) -> tuple["Picture", int]:
-    """The picture of a dataset, or of its cases solved at the stations that it needs, and the number of stations.
+    ds: xr.Dataset, solve: Solve | None, draw: Callable[[xr.Dataset, bool], Drawn]
+) -> tuple[Drawn, int]:
+    """What is drawn of a dataset, or of its cases solved at the stations that it needs, and the number of stations.
 
     solve: solves the cases at a number of stations; None where they cannot be solved again. draw: takes the dataset,
-    and whether it raises `composition.TooFewStations` rather than draw less well than asked. Raises `InputError` as
-    they do.
+    and whether it raises `TooFewStations` rather than draw less well than asked. Raises `InputError` as they do.
     """
-    from ..scene.composition import TooFewStations
-
     for _ in range(ROUNDS):
         stations = ds.sizes["u"]
         try:

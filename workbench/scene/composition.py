@@ -19,7 +19,7 @@ from .body import Body
 from .page import Page, Words
 from .rendering import Placed, render
 from .scene_kinds import Bar, Cell, Kind, set_range
-from .settings import DEFAULT, Settings
+from .settings import DEFAULT, Settings, TooFewStations
 from .views import EDGE, Camera, View, arrange
 
 SIZE = (8.0, 6.0)  # inches: width, and largest height, of the page of one case
@@ -46,14 +46,6 @@ class Picture:
     page: Page
     error: float
     stations: int
-
-
-class TooFewStations(InputError):
-    """The stations are too few for the pixel error; `stations`: about how many are needed."""
-
-    def __init__(self, sentence: str, stations: int) -> None:
-        super().__init__(sentence)
-        self.stations = stations
 
 
 @dataclass(frozen=True, eq=False)
