@@ -4,8 +4,6 @@ The dataset holds the fitted curve, the measured points and the fitted values; t
 and the fitted values as a table.
 """
 
-import csv
-import io
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +19,7 @@ from studies.language.case_input import CaseInput, field_values
 
 from .branches.ends_study import study_text, text_of_solution
 from .store import atomic, schema
-from .words import labels
+from .words import escaping, labels
 
 STATIONS = 801
 UNDETERMINED = "undetermined"  # in place of an unbounded interval
@@ -138,13 +136,11 @@ def study_of(found: Fit, asked: CaseInput) -> str:
 def table_of(found: Fit, asked: CaseInput) -> str:
     """The fitted values as CSV: field, value, low and high of its 95 % interval, unit; angles in rad."""
     names = list(found.values)
-    lines = io.StringIO()
-    writer = csv.writer(lines, lineterminator="\n")
-    writer.writerow(["field", "value", "low", "high", "unit", *(f"covariance_{name}" for name in names)])
+    lines: list[list[Any]] = [["field", "value", "low", "high", "unit", *(f"covariance_{name}" for name in names)]]
     for name, row in zip(names, np.asarray(found.covariance).tolist(), strict=True):
         unit = schema.labels(name, asked.units)["units"]
-        writer.writerow([name, found.values[name], *found.intervals[name], unit, *row])
-    return lines.getvalue()
+        lines.append([name, found.values[name], *found.intervals[name], unit, *row])
+    return escaping.in_csv(lines, "\n")
 
 
 def write(found: Fit, asked: CaseInput, path: Path) -> None:

@@ -1,7 +1,5 @@
 """The command sensitivity: what the observables of a case, or of a sampled study, depend on."""
 
-import csv
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -193,10 +191,9 @@ def _rows(ds: "xr.Dataset", columns: Sequence[str], dims: Sequence[str]) -> list
 def _write(ds: "xr.Dataset", path: Path) -> None:
     """Write the rows as CSV in full precision; those of pairs follow in the columns other, second, second_conf."""
     from ..store import atomic
+    from ..words.escaping import in_csv
 
     lines = [*table_rows(ds), *table_pairs(ds)]
-    text = io.StringIO(newline="")
-    writer = csv.DictWriter(text, dict.fromkeys(name for row in lines for name in row), restval="")
-    writer.writeheader()
-    writer.writerows(lines)
-    atomic.write_text(path, text.getvalue(), newline="")
+    columns = list(dict.fromkeys(name for row in lines for name in row))
+    cells = [[row.get(name, "") for name in columns] for row in lines]
+    atomic.write_text(path, in_csv([columns, *cells]), newline="")

@@ -1,6 +1,5 @@
 """CSV: one row a station, one column a quantity, the units in the header. VTP has the same columns."""
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from solver.problem.quantities import QUANTITIES, unit_of
 from ..geometry.centreline import APART, Array
 from ..store import schema
 from ..store.derived_arrays import StoredArrays
+from ..words.escaping import in_csv
 from .base import Format, Rod
 
 COMPUTED = ("kappa", "F1", "F2", "F3", "FY", "contact", "M1", "M2", "h")
@@ -68,10 +68,9 @@ def columns(rod: Rod) -> list[Column]:
 def write(path: Path, rod: Rod) -> dict[str, Any]:
     """Write every quantity at the stations in full precision; the header has the units: ``beta [rad]``."""
     table = columns(rod)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow([f"{c.name} [{c.unit}]" if c.unit != "1" else c.name for c in table])
-        writer.writerows(np.stack([c.values for c in table], axis=-1).tolist())
+    heads = [f"{c.name} [{c.unit}]" if c.unit != "1" else c.name for c in table]
+    rows = np.stack([c.values for c in table], axis=-1).tolist()
+    path.write_text(in_csv([heads, *rows]), encoding="utf-8", newline="")
     return {"stations": rod.line.s.size, "quantities": len(table)}
 
 

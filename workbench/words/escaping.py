@@ -1,8 +1,11 @@
-"""Escape untrusted text for terminals, messages and JSON. Imports nothing heavy."""
+"""Escape untrusted text for terminals, messages, JSON and CSV. Imports nothing heavy."""
 
+import csv
 import json
 import math
 import re
+from collections.abc import Iterable, Sequence
+from io import StringIO
 from typing import Any
 
 LONGEST = 4000  # characters of a printed line; the rest is cut
@@ -33,6 +36,13 @@ def is_line(text: str, longest: int) -> bool:
 def in_json(text: str) -> str:
     """JSON text in which unprintable characters are escaped; letters of every language stay."""
     return _COMMANDS.sub(lambda match: match[0] if match[0].isprintable() else json.dumps(match[0])[1:-1], text)
+
+
+def in_csv(rows: Iterable[Sequence[Any]], end: str = "\r\n") -> str:
+    """Rows as CSV; end: of each line."""
+    text = StringIO(newline="")
+    csv.writer(text, lineterminator=end).writerows(rows)
+    return text.getvalue()
 
 
 def finite(data: Any) -> Any:

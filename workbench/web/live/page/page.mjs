@@ -39,7 +39,10 @@ const unit = () => me.state.units.length,
 const diagrams = makeDiagrams(element("diagrams"), element("unrolled"), data.colours, theme, (s) => shown.setCursor(s));
 const address = makeAddress(data.readings);
 const ask = makeAsker(() => me.shape);
-makePrint(element("scene"), view, diagrams, theme);
+makePrint(element("scene"), view, (on) => {
+  theme.onPaper(on);
+  diagrams.onPaper(on);
+});
 const context = {
   span: (name) => spanOf(name, me.centre[name], (presetOf() || {}).spans?.[name]),
   value: (name) => me.state.base[name],

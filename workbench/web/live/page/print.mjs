@@ -1,18 +1,16 @@
-// The page on paper: a copy of the rod, as a browser prints no WebGL, and diagrams fine enough for a printer.
+// The page on paper: a copy of the rod, as a browser prints no WebGL.
 
 import { make, putPixels } from "./details.mjs";
 
-const FINE = 3, // pixels for one of the page
-  WIDE = 1600; // pixels of the copy
+const WIDE = 1600; // pixels of the copy
 
-/* Have a copy of the rod before its canvas while the page is printed. */
-export function makePrint(canvas, view, diagrams, theme) {
+/* Have a copy of the rod before its canvas while the page is printed. onPaper(on): what else changes. */
+export function makePrint(canvas, view, onPaper = () => {}) {
   let copy = null;
 
   function before() {
     if (copy || !view.shape) return;
-    theme.onPaper(true);
-    diagrams.setFine(FINE);
+    onPaper(true);
     if (!view.scene || view.scene.isLost()) return;
     const [w, h] = [WIDE, Math.round((WIDE * Math.max(canvas.clientHeight, 1)) / Math.max(canvas.clientWidth, 1))];
     copy = make("canvas", { className: "printed", width: w, height: h });
@@ -22,8 +20,7 @@ export function makePrint(canvas, view, diagrams, theme) {
   }
 
   function after() {
-    theme.onPaper(false);
-    diagrams.setFine(1);
+    onPaper(false);
     if (copy) copy.remove();
     copy = null;
   }

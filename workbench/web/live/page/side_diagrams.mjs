@@ -4,7 +4,8 @@ import { diagrams, valuesAt } from "./curves.mjs";
 import { make } from "./details.mjs";
 import { frameOf, paintCursor, paintDiagram, paper } from "./diagram.mjs";
 
-const HEIGHT = 165;
+const HEIGHT = 165,
+  PRINTED = 3; // pixels of a canvas for one of the page, at least, on paper
 
 /* The diagrams in `box`; the unrolled view, which has the axis of the rod above it, in `below`. */
 export function makeDiagrams(box, below, code, theme, pointed) {
@@ -79,9 +80,8 @@ export function makeDiagrams(box, below, code, theme, pointed) {
       at = s;
       paint();
     },
-    /* At least so many pixels for one of the page. */
-    setFine: (least) => {
-      fine = least;
+    onPaper: (on) => {
+      fine = on ? PRINTED : 1;
       paint();
     },
   };

@@ -9,7 +9,6 @@ import { makeStage } from "./stage.mjs";
 
 const LAP = 12, // s of one turn
   REST = 150; // ms until what is slower is computed
-const NO_DIAGRAMS = { setFine() {}, onPaper() {} };
 
 /* Make a figure turn. core: the compiled core. */
 export function turntable(figure, data, code, core, calm) {
@@ -88,7 +87,7 @@ export function turntable(figure, data, code, core, calm) {
   };
   for (const [name, act] of Object.entries(acts)) part(name)?.addEventListener("click", act);
   canvas.addEventListener("pointerdown", () => spin(false));
-  if (!part("still")) makePrint(canvas, view, NO_DIAGRAMS, NO_DIAGRAMS); // else paper gets the still picture
+  if (!part("still")) makePrint(canvas, view); // else paper gets the still picture
   scrollsPast(canvas);
   show({ fresh: true });
   return Object.assign(figure, { view, show, spin });
