@@ -3,13 +3,14 @@
 import pytest
 
 from tests import transcripts
+from tests.workbench.node import needs_node
 
 SESSIONS = sorted(transcripts.FOLDER.glob("*.txt"))
+MARKS = {"kinds_slow": pytest.mark.slow, "page": needs_node}
 
 
 @pytest.mark.parametrize(
-    "path",
-    [pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * path.stem.endswith("_slow")) for path in SESSIONS],
+    "path", [pytest.param(path, id=path.stem, marks=MARKS.get(path.stem, ())) for path in SESSIONS]
 )
 def test_a_session_prints_what_it_printed(path, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)

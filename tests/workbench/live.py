@@ -1,6 +1,7 @@
-"""The live page's server in a thread of the test's own."""
+"""The live page's server in a thread of the test's own, and states of the page."""
 
 import asyncio
+import copy
 import json
 import threading
 from collections.abc import Iterator, Sequence
@@ -11,6 +12,17 @@ from typing import Any
 
 import numpy as np
 
+from workbench.web.live.presets import PRESETS
+
+STATES: dict[str, dict[str, Any]] = {preset.name: preset.state for preset in PRESETS}
+
+
+def state(name: str = "table1", reading: str | None = None, **changes: object) -> dict[str, Any]:
+    """A preset with another reading, and with other values of its rod."""
+    changed = copy.deepcopy(STATES[name])
+    changed["base"] |= changes
+    return changed | ({"reading": reading} if reading else {})
+
 
 @contextmanager
 def served(presets: Sequence[Any] | None = None) -> Iterator[int]:
@@ -19,7 +31,6 @@ def served(presets: Sequence[Any] | None = None) -> Iterator[int]:
 
     from workbench.commands import explore
     from workbench.web.live import server
-    from workbench.web.live.presets import PRESETS
 
     listener = explore.open_socket("127.0.0.1", 0)
     port = listener.getsockname()[1]

@@ -54,3 +54,8 @@ def run(script: str, given: Any = None, modules: tuple[str, ...] = ()) -> Any:
     said = json.loads(process.stdout.readline())
     assert "error" not in said, said["error"]
     return said["answer"]
+
+
+def called(modules: str, body: str, given: Any = None) -> Any:
+    """What the body of a function returns that may use the names that these modules export."""
+    return run(f"answer((() => {{ {body} }})());", given, tuple(modules.split(", ")))

@@ -22,25 +22,21 @@ from solver import observe, solve
 from solver.problem.errors import InputError
 from tests.workbench import live_process
 from tests.workbench.command import exit_status
-from tests.workbench.live import asked, served, unpacked
+from tests.workbench.live import STATES, asked, served, state, unpacked
 from workbench.commands import explore
 from workbench.web.live import page_model, server
-from workbench.web.live.presets import PRESETS
 
 ROOT = Path(__file__).parents[2]
-TABLE_1, DNA, PIPE, CABLE = (preset.state for preset in PRESETS)
+TABLE_1, DNA, PIPE, CABLE = STATES.values()
+
+
+HEAVY = {"weight": 0.242, "inclination": 1.4, "friction": 0.2, "sliding": "axial-backward"}
 
 
 @pytest.fixture(scope="module")
 def port():
     with served() as port:
         yield port
-
-
-def with_field(state: dict, **changes: object) -> dict:
-    made = copy.deepcopy(state)
-    made["base"] |= changes
-    return made
 
 
 def test_the_page_is_one_text_that_names_no_other_address_and_runs_only_its_own_scripts(port) -> None:
@@ -97,7 +93,7 @@ def test_a_shape_comes_with_its_stations(port) -> None:
 
 
 def test_a_pipe_with_weight_and_friction_is_solved_by_the_server(port) -> None:
-    heavy = with_field(PIPE, weight=0.242, inclination=1.4, friction=0.2, sliding="axial-backward")
+    heavy = state("pipe", **HEAVY)
     head, arrays = unpacked(asked(port, "POST", "/shape", {"state": heavy}).data)
     sol = solve(page_model.study_of(heavy).case(), stations=arrays["s"].size)
     assert head["notes"][0].startswith("State: sinusoidal all along; ")
@@ -107,17 +103,17 @@ def test_a_pipe_with_weight_and_friction_is_solved_by_the_server(port) -> None:
     assert [arrays["axial"][i] for i in (0, -1)] == pytest.approx([observe(sol, ["FZ0"])["FZ0"], -200.0])
     rows = json.loads(asked(port, "POST", "/numbers", {"ticket": head["ticket"]}).data)["rows"]
     assert {row["name"]: row["value"] for row in rows}["push_max"] == pytest.approx(float(sol.push.max()), rel=1e-3)
-    for path, state, sentence in (
-        ("/shape", with_field(heavy, L=3e4), "lengths, and the page computes at most 1500"),
-        ("/shape", with_field(heavy, friction=-1), "Cylinder.friction must be at least 0"),
+    for path, other, sentence in (
+        ("/shape", state("pipe", **HEAVY | {"L": 3e4}), "lengths, and the page computes at most 1500"),
+        ("/shape", state("pipe", **HEAVY | {"friction": -1}), "Cylinder.friction must be at least 0"),
         ("/equilibria", heavy, "the page shows the equilibrium of workbench solve alone"),
     ):
-        answer = asked(port, "POST", path, {"state": state})
+        answer = asked(port, "POST", path, {"state": other})
         assert (answer.status, sentence in json.loads(answer.data)["refused"]) == (200, True)
 
 
 def test_what_cannot_be_is_answered_with_a_sentence_and_the_field(port) -> None:
-    answer = asked(port, "POST", "/shape", {"state": with_field(TABLE_1, E=-1)})
+    answer = asked(port, "POST", "/shape", {"state": state(E=-1)})
     assert answer.status == 200  # a browser writes any other status in its console
     assert json.loads(answer.data) == {"refused": "Rod.E must be positive and finite, got -1.0", "field": "E"}
 
@@ -125,7 +121,7 @@ def test_what_cannot_be_is_answered_with_a_sentence_and_the_field(port) -> None:
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize("changes", [{"a": 5e-324}, {"a": 1e308}, {"E": 1e308}, {"L": 1e300}])
 def test_what_no_number_can_hold_is_answered_and_the_server_goes_on(port, changes) -> None:
-    answer = asked(port, "POST", "/shape", {"state": with_field(TABLE_1, **changes)})
+    answer = asked(port, "POST", "/shape", {"state": state(**changes)})
     assert answer.status == 200
     if answer.getheader("Content-Type").startswith("application/json"):
         assert json.loads(answer.data)["refused"]
@@ -160,12 +156,14 @@ def test_a_request_without_end_is_refused(port) -> None:
 
 
 def test_two_who_ask_at_once_get_each_their_own(port) -> None:
-    states = [with_field(state, L=state["base"]["L"] * k) for k in (1.0, 1.1, 1.2) for state in (TABLE_1, DNA, CABLE)]
-    alone = [unpacked(asked(port, "POST", "/shape", {"state": state}).data)[1]["beta"] for state in states]
+    def beta(one: dict) -> np.ndarray:
+        return unpacked(asked(port, "POST", "/shape", {"state": one}).data)[1]["beta"]
+
+    names = ("table1", "dna", "cable")
+    states = [state(name, L=STATES[name]["base"]["L"] * k) for k in (1.0, 1.1, 1.2) for name in names]
+    alone = [beta(one) for one in states]
     with ThreadPoolExecutor(8) as pool:
-        together = list(
-            pool.map(lambda state: unpacked(asked(port, "POST", "/shape", {"state": state}).data)[1]["beta"], states)
-        )
+        together = list(pool.map(beta, states))
     for one, other in zip(alone, together, strict=True):
         np.testing.assert_array_equal(one, other)
 
@@ -186,8 +184,8 @@ def test_only_so_many_shapes_are_remembered() -> None:
 
 
 def test_the_equilibria_are_listed_lowest_energy_first(port) -> None:
-    state = {**CABLE, "base": {**CABLE["base"], "FZ": 174.52}}  # no longer exactly the load of a helix
-    rows = json.loads(asked(port, "POST", "/equilibria", {"state": state}).data)["rows"]
+    moved = state("cable", FZ=174.52)  # no longer exactly the load of a helix
+    rows = json.loads(asked(port, "POST", "/equilibria", {"state": moved}).data)["rows"]
     assert len(rows) == 5
     assert all(len(row["line"]["z"]) == len(row["line"]["around"]) > 100 for row in rows)  # their small pictures
     energies = np.array([row["energy"] for row in rows])
@@ -258,7 +256,7 @@ def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, mon
     running = processes(tmp_path / "told", server.AT_ONCE)
     ticket = None
     for k in range(5):
-        answer = asked(port, "POST", "/shape", {"state": with_field(TABLE_1, L=20.0 + k), "near": ticket})
+        answer = asked(port, "POST", "/shape", {"state": state(L=20.0 + k), "near": ticket})
         ticket = unpacked(answer.data)[0]["ticket"]
     refused = asked(port, "POST", "/equilibria", {"state": CABLE})
     assert json.loads(refused.data)["refused"] == server.MANY
@@ -293,19 +291,18 @@ def test_a_search_that_takes_too_much_memory_is_refused(port, monkeypatch) -> No
 
 def slid(moves: int) -> tuple[float, float]:
     """The memory of a server [MB] after a quarter of the moves, and after all; now and then a client leaves early."""
-    tickets: dict[int, str] = {}
+    tickets: dict[str, str] = {}
     with live_process.explored() as (port, process):
         for k in range(moves):
-            i = k % len(PRESETS)
-            base = PRESETS[i].state["base"]
-            state = with_field(PRESETS[i].state, L=base["L"] * (1 + 0.1 * np.sin(0.02 * k)))
-            answer = asked(port, "POST", "/shape", {"state": state, "near": tickets.get(i)})
+            name = [*STATES][k % len(STATES)]
+            moved = state(name, L=STATES[name]["base"]["L"] * (1 + 0.1 * np.sin(0.02 * k)))
+            answer = asked(port, "POST", "/shape", {"state": moved, "near": tickets.get(name)})
             assert answer.status == 200, answer.data
-            tickets[i] = unpacked(answer.data)[0]["ticket"]
+            tickets[name] = unpacked(answer.data)[0]["ticket"]
             if k % 7 == 0:
-                asked(port, "POST", "/numbers", {"state": state, "ticket": tickets[i]})
+                asked(port, "POST", "/numbers", {"state": moved, "ticket": tickets[name]})
             if k % 50 == 3:
-                left(port, "/equilibria", state).close()
+                left(port, "/equilibria", moved).close()
             if k == moves // 4:
                 before = live_process.megabytes(process.pid)
         return before, live_process.megabytes(process.pid)
