@@ -115,8 +115,7 @@ def _begin(preset: Preset) -> dict[str, Any]:
         raise InputError("a page without a server shows rods without weight and friction: use workbench explore")
     if sol.problem.kind != "ends":
         return {}
-    rows = {"s": sol.s, "beta": sol.beta, "dbeta": sol.dbeta}
-    return {"shape": {name: [float(f"{v:.9g}") for v in row] for name, row in rows.items()}}
+    return {"shape": page_model.round_rows({"s": sol.s, "beta": sol.beta, "dbeta": sol.dbeta}, 9)}
 
 
 def browser() -> str | None:

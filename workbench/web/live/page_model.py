@@ -8,6 +8,7 @@ Nothing is kept between calls; an invalid state raises `InputError`.
 import re
 import tempfile
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -321,8 +322,12 @@ def _list_row(equilibrium: Equilibrium, rho: float) -> dict[str, Any]:
 def _line(sol: Solution, rho: float) -> dict[str, list[float]]:
     """The unrolled centreline, z to the right and the distance around the cylinder downward, for a small picture."""
     step = -(-(sol.s.size - 1) // SMALL)
-    rows = {"z": sol.z, "around": -rho * (sol.alpha - sol.alpha[0])}
-    return {name: [float(f"{value:.5g}") for value in row[::step]] for name, row in rows.items()}
+    return round_rows({"z": sol.z[::step], "around": -rho * (sol.alpha - sol.alpha[0])[::step]}, 5)
+
+
+def round_rows(rows: Mapping[str, Any], digits: int) -> dict[str, list[float]]:
+    """Rows of numbers as plain data, rounded to so many digits."""
+    return {name: [float(f"{value:.{digits}g}") for value in row] for name, row in rows.items()}
 
 
 def dataset_of_rod(one: Shape) -> Any:
@@ -380,5 +385,4 @@ def _row(seen: Traced, piece: Piece) -> dict[str, Any]:
     part = replace(branch, points=tuple(branch.points[k] for k in at))
     sol = solutions_of(part, FEW)
     columns = observe(sol, SHOWN) | {"field": part.values, "dbeta0": sol.dbeta[:, 0]}
-    numbers = {name: [float(f"{value:.8g}") for value in row] for name, row in columns.items()}
-    return {"index": int(branch.index[whole[whole.size // 2]]), **numbers}
+    return {"index": int(branch.index[whole[whole.size // 2]]), **round_rows(columns, 8)}

@@ -1,7 +1,7 @@
 // The fields of a rod: a slider and a number each, and what is wrong beside its field.
 
 import { DEGREE, fieldNames, isDegrees, isUnused, kindOf, meaning, quantityOf } from "./rod_case.mjs";
-import { make } from "./details.mjs";
+import { make, set } from "./details.mjs";
 import { minus, number, unitText, withUnit } from "./text.mjs";
 
 const RATIO = [-0.95, 0.5]; // of nu
@@ -97,7 +97,7 @@ export function makeControls(box, quantities, changed) {
         if (Number.isFinite(spoken)) field.setAttribute("aria-valuenow", spoken);
       }
       const about = bad ? wrong.sentence : meaning(state, name);
-      if (note.textContent !== about) note.textContent = about;
+      set(note, about);
       note.className = bad ? "why" : "note";
       note.hidden = !about;
       if (field.getAttribute("aria-invalid") !== String(bad)) field.setAttribute("aria-invalid", String(bad));

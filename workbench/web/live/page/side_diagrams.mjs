@@ -1,7 +1,7 @@
 // The diagrams beside the rod: their canvases, and the cursor that they share with the rod.
 
 import { diagrams, valuesAt } from "./curves.mjs";
-import { make } from "./details.mjs";
+import { make, set } from "./details.mjs";
 import { frameOf, paintCursor, paintDiagram, paper } from "./diagram.mjs";
 
 const HEIGHT = 165,
@@ -35,10 +35,8 @@ export function makeDiagrams(box, below, code, theme, pointed) {
     if (!shown.length) build(specs);
     shown.forEach((one, i) => {
       one.spec = specs[i];
-      if (one.title.textContent !== specs[i].title) {
-        one.title.textContent = specs[i].title;
-        one.canvas.setAttribute("aria-label", specs[i].title);
-      }
+      set(one.title, specs[i].title);
+      one.canvas.setAttribute("aria-label", specs[i].title);
     });
     paint();
   }

@@ -45,8 +45,7 @@ function showScale(box, { camera, drawn }, canvas, unit) {
     length = power * [5, 2, 1].find((one) => one * power * perUnit <= LONGEST);
   box.hidden = !(length * perUnit > SHORTEST) || Math.cos(camera.elevation) < 0.3;
   box.style.setProperty("--wide", `${(length * perUnit).toFixed(1)}px`);
-  const text = `${number(length)} ${unit} along the axis`;
-  if (box.textContent !== text) box.textContent = text;
+  set(box, `${number(length)} ${unit} along the axis`);
 }
 
 const TICKS = 4,
