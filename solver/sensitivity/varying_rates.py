@@ -21,9 +21,9 @@ from ..problem.reduced import flat
 from ..shape import Shape
 from ..shooting.answers import answer_ends, answer_starts, shape_path
 from ..shooting.curve import DIFFERENCE, Curve
-from ..shooting.loaded_rod import ALPHA, BETA, rods_of
+from ..shooting.loaded_rod import rods_of
 from ..shooting.newton import Shape as Nodal
-from ..shooting.newton import linear_at
+from ..shooting.newton import largest_turn, linear_at
 
 STEP = 1e-4  # of the angles, in their scales, and of a field, in its size
 WEIGHTS = {1: 2 / 3, 2: -1 / 12}  # of the differences at so many steps
@@ -95,7 +95,7 @@ def _line(sol: Shape, name: str) -> Line:
             answers.append(None)
             continue
         change = answer.reshape(nodes.y.shape)
-        steps.append(STEP / max(1.0, float(np.abs(change[:, [BETA, ALPHA]]).max())))
+        steps.append(STEP / max(1.0, largest_turn(change)))
         answers.append(change * rod.scale)
     return Line(name, size, np.array(steps), answers)
 

@@ -14,7 +14,7 @@ from ..problem.trajectory import Trajectory, verdicts
 from .branch import Path, branch_from_straight
 from .buckling import straight_shape
 from .curve import Curve
-from .descent import index_of_any
+from .descent import index_of_any, nodes_of, shape_like
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q, densest_nodes, rods_of, starts_of
 from .newton import Shape, correct, linear_at
 from .state import LEAVES, RUBS
@@ -91,15 +91,11 @@ def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[End
     """
     rods = rods_of(case)
     n, alpha0 = t.shape[1], flat(case.given.alpha, case.shape)
-    y, nodes, paths, estimates = np.full((len(rods), n, SIZE), np.nan), [], [], []
-    for i, rod in enumerate(rods):
-        path = path_to(rod, seed, i)
-        shape = path.shape
-        paths.append(path)
-        nodes.append(None if shape is None else Nodes(rod.numbers, rod.scale, shape.t, shape.y))
-        estimates.append((np.inf, np.inf) if shape is None else estimate(shape))
-        if (last := nodes[-1]) is not None:
-            y[i] = last.at(t[i])
+    paths = [path_to(rod, seed, i) for i, rod in enumerate(rods)]
+    nodes = [None if path.shape is None else nodes_of(path.shape) for path in paths]
+    estimates = [(np.inf, np.inf) if path.shape is None else estimate(path.shape) for path in paths]
+    none = np.full((n, SIZE), np.nan)
+    y = np.array([none if known is None else known.at(times) for known, times in zip(nodes, t, strict=True)])
     index = np.array([np.nan if path.shape is None or path.shape.rod.rubbed else path.index for path in paths])
     critical = np.array([np.nan if path.buckled is None else path.buckled for path in paths])
     shapes = VaryingShapes(nodes, index, critical)
@@ -133,7 +129,7 @@ def path_at(case: Case, known: Nodes, case_at: Callable[[float], Case], low: flo
 
     rod = rods_of(case)[0]
     u = densest_nodes((rod_at(low), rod, rod_at(high)))
-    return Curve(rod_at, high - low, rod.scale), Shape(rod, u * rod.span, known.at(u * known.t[-1]))
+    return Curve(rod_at, high - low, rod.scale), shape_like(rod, known, u * rod.span)
 
 
 def shape_path(shape: Shape, index: int) -> Path:
@@ -169,9 +165,7 @@ def path_to(rod: LoadedRod, seed: Any, i: int) -> Path:
     known = seed.shapes.of(i if seed.shapes.index.size > 1 else 0)
     if known is None:
         return Path(None, why="the seed has no shape")
-    t = rod.nodes()
-    start = known.at(t * (known.t[-1] / rod.span))
-    corrected = correct(Shape(rod, t, start))
+    corrected = correct(shape_like(rod, known, rod.nodes()))
     if corrected is None:
         return Path(None, why="Newton's method did not converge from the seed")
     return Path(corrected, index_of_any(corrected), why="seed")

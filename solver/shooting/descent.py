@@ -8,7 +8,7 @@ import numpy as np
 from ..core.varying_loads import HALF, SIZE, count_negatives
 from ..numerics.arrays import Array
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
-from .newton import Linear, Shape, correct, linear_at, march_of
+from .newton import Linear, Shape, correct, largest_turn, linear_at, march_of
 from .varying_shapes import Nodes
 
 
@@ -69,9 +69,19 @@ def fine_shape(shape: Shape) -> Shape:
     return on_nodes(shape, t)
 
 
+def nodes_of(shape: Shape) -> Nodes:
+    """A shape as one that is read along the rod."""
+    return Nodes(shape.rod.numbers, shape.rod.scale, shape.t, shape.y)
+
+
 def on_nodes(shape: Shape, t: Array) -> Shape:
     """The same shape on other nodes."""
-    return Shape(shape.rod, t, Nodes(shape.rod.numbers, shape.rod.scale, shape.t, shape.y).at(t))
+    return shape_like(shape.rod, nodes_of(shape), t)
+
+
+def shape_like(rod: LoadedRod, known: Nodes, t: Array) -> Shape:
+    """A shape of one rod as a guess of that of another rod on nodes t, at equal shares of their spans."""
+    return Shape(rod, t, known.at(t * (known.t[-1] / rod.span)))
 
 
 def index_of_any(shape: Shape) -> int:
@@ -81,8 +91,8 @@ def index_of_any(shape: Shape) -> int:
 
 def is_near(shape: Shape, other: Shape) -> bool:
     """Whether no angle changed so much that it may be another branch."""
-    size = np.abs(shape.y[:, [BETA, ALPHA]] / shape.rod.scale[[BETA, ALPHA]]).max()
-    return bool(largest_turn(shape, other) < 0.5 + size)
+    scale = shape.rod.scale
+    return largest_turn((other.y - shape.y) / scale) < 0.5 + largest_turn(shape.y / scale)
 
 
 def springs_of(shape: Shape, strength: float) -> Array:
@@ -105,7 +115,7 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
     for _ in range(ROUNDS):
         now = replace(shape, y=y)
         ahead = correct(now, y, springs_of(now, strength), reach=FAR, most=6, enough=FLUID)
-        moved = np.inf if ahead is None else largest_turn(now, ahead)
+        moved = np.inf if ahead is None else largest_turn((ahead.y - y) / shape.rod.scale)
         index, held = (1, 1) if ahead is None or moved > FAR else held_indices(ahead, (strength,))
         if ahead is None or held > 0:
             strength, eased = strength * FACTOR, False
@@ -126,12 +136,6 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
         if moved < REST and index > 0:
             y = y + KICK * weakest_modes(ahead)[0]
     return None
-
-
-def largest_turn(shape: Shape, other: Shape) -> float:
-    """The largest change of an angle, in its scale."""
-    change = (other.y - shape.y)[:, [BETA, ALPHA]] / shape.rod.scale[[BETA, ALPHA]]
-    return float(np.abs(change).max())
 
 
 def response(linear: Linear, push: Array) -> Array | None:

@@ -144,8 +144,13 @@ def correct(
 
 def share_within(reach: float, change: Array) -> float:
     """The share of a change (N, 8), in the scales, by which no angle moves farther than reach."""
-    size = float(np.abs(change[:, [BETA, ALPHA]]).max())
+    size = largest_turn(change)
     return min(1.0, reach / size) if size else 1.0
+
+
+def largest_turn(change: Array) -> float:
+    """The largest change of an angle in a change (N, 8), in the scales."""
+    return float(np.abs(change[:, [BETA, ALPHA]]).max())
 
 
 def size_of(change: Array) -> float:

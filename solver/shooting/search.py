@@ -16,7 +16,7 @@ from .buckling import buckling_shares, straight_shape
 from .curve import MOST_POINTS, REACH, SPLIT, Curve, angles_in, angles_of, trace_shapes
 from .descent import index_at, on_nodes, weakest_modes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
-from .newton import DEEP, Shape, correct, is_same, linear_at, size_of
+from .newton import DEEP, Shape, correct, is_same, largest_turn, linear_at, size_of
 
 LONGEST = 10.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
 CELLS = 120, 80  # of the scan, over beta_t(0) or beta(0) and over q(0)
@@ -175,7 +175,7 @@ def deflate(start: Shape, known: list[Shape]) -> Shape | None:
         return None if change is None else (angles_of(shape), angles_in(change), change)
 
     def move(shape: Shape, change: Array, factor: float) -> tuple[Shape, float]:
-        turn = float(np.abs(change[:, [BETA, ALPHA]]).max())
+        turn = largest_turn(change)
         share = np.clip(factor, -REACH / turn, REACH / turn) if turn else 0.0
         return replace(shape, y=shape.y + share * change * shape.rod.scale), size_of(change)
 

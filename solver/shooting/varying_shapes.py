@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.varying_loads import READ, SIZE, march
 from ..mechanics.potential import Loads, slope
-from ..mechanics.statics import contact_force
+from ..mechanics.statics import circumferential_force, contact_force
 from ..numerics.arrays import Array, Integers
 from ..numerics.roots import bisect
 from ..problem.case import IN_PLACE
@@ -67,7 +67,7 @@ class Nodes:
     def _pushes(self, y: Array) -> Array:
         """The push in states y (n, 8), in units of A/rho^3, (n,)."""
         beta, speed, lam, mu, phi, weight, divisor = self.local_values(y[None])[0]
-        around = lam - mu * np.cos(beta) - np.sin(beta) ** 3
+        around = circumferential_force(1.0, lam, mu, 1.0, beta)
         plain = contact_force(1.0, mu, 1.0, around, slope(Loads(lam, mu, phi), beta), beta, speed)
         return np.asarray(self.numbers[6] * (plain - weight) / divisor)
 
