@@ -1,14 +1,16 @@
-"""Studies as text, and small ones that solve in no time."""
+"""Studies as text, small ones that solve in no time, and the shipped ones solved once."""
 
 import json
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from studies import Study
+from studies import Study, load
 from studies.language.loader import loads
+from workbench.store import in_memory
 
 ROD = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 20.0, "R": 0.75}  # of Table 1, with its cylinder
 SHORT = {**ROD, "L": 5.0}
@@ -77,6 +79,16 @@ def study(axes: str = "", head: str = "", name: str = "small") -> Study:
     """A study of Table 1 at 21 stations, with other axes and further keys."""
     start = HEAD.replace("one", "small").replace("[units]", f"stations = 21\n{head}\n[units]")
     return loads(start + axes, default_name=name)
+
+
+def shipped(name: str) -> xr.Dataset:
+    """A shipped study, a refined one on its coarse grid; what is changed in it is changed for this test alone."""
+    return _shipped(name).copy(deep=True)
+
+
+@cache
+def _shipped(name: str) -> xr.Dataset:
+    return in_memory.run(load(name).coarse())
 
 
 def with_outcomes(ds: xr.Dataset, words: Any) -> xr.Dataset:

@@ -1,16 +1,15 @@
 """The shipped studies themselves, those of Fig. 6 and Fig. 7 among them: the laws they state, and where they hold."""
 
 import re
-from functools import cache
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from solver import Ends, solve
 from solver.end_angle_branch import to_fold
 from studies import TABLE_1, load, names
 from tests import transcripts
+from tests.workbench import small
 from tests.workbench.page_faults import faults, words
 from workbench.figures import kinds
 from workbench.store import in_memory, law_verdicts
@@ -37,17 +36,11 @@ VERDICTS = {  # of the laws of each figure under the default reading
 PAPER = [name for name in names() if name.startswith("fig")]
 
 
-@cache
-def solved(name: str) -> xr.Dataset:
-    """On the grid on which the laws of a refined study are judged."""
-    return in_memory.run(load(name).coarse())
-
-
 @pytest.mark.parametrize("name", names())
 def test_the_pictures_of_a_shipped_study_can_be_read_and_say_what_is_stored(name: str) -> None:
     said = []
-    for kind in dict.fromkeys((kinds.kind_of(solved(name)), "lines")):
-        fig = kinds.figure(solved(name), kind)
+    for kind in dict.fromkeys((kinds.kind_of(small.shipped(name)), "lines")):
+        fig = kinds.figure(small.shipped(name), kind)
         assert faults(fig) == []
         texts = [" ".join(text.get_text().split()) for text in words(fig)]
         said += [f"{kind}: {text}" for text in texts if not re.fullmatch(r"[−\d.·⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+", text)]  # a tick
@@ -58,7 +51,7 @@ def test_the_pictures_of_a_shipped_study_can_be_read_and_say_what_is_stored(name
 def test_no_law_of_a_shipped_study_fails_under_the_default_reading_and_those_that_hold_with_a_reserve_say_so(
     name: str,
 ) -> None:
-    ds = solved(name)
+    ds = small.shipped(name)
     assert law_verdicts.unsolved(ds) == 0
     rows = law_verdicts.verdicts(ds)
     assert [(row["verdict"], row["qualifications"]) for row in rows] == VERDICTS[name]
@@ -70,7 +63,7 @@ def test_no_law_of_a_shipped_study_fails_under_the_default_reading_and_those_tha
 
 
 def test_the_reasons_of_figure_7_are_those_of_its_numbers() -> None:
-    radius, angle = solved("fig7_2_radius"), solved("fig7_4_end_angle")
+    radius, angle = small.shipped("fig7_2_radius"), small.shipped("fig7_4_end_angle")
     assert (np.diff(radius["amplitude"]) > 0).all()
     assert "amplitude rises instead at 8 of 8 steps" in law_verdicts.verdicts(radius)[0]["reason"]
     assert angle["turns"].values.tolist() == [6] * 9

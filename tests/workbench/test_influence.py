@@ -16,6 +16,7 @@ from studies.language.samples import METHODS
 from tests.workbench import small
 from tests.workbench.command import run
 from workbench.figures import bars
+from workbench.figures.sheet import sheet
 from workbench.influence import analyse, local, sobol
 from workbench.influence.derivatives import REAL, sentences
 from workbench.influence.indices import Design, design_of
@@ -114,6 +115,10 @@ def test_a_followed_study_and_a_sweep_have_elasticities_of_one_case() -> None:
 def test_a_tornado_has_its_longest_bar_on_top_and_its_signs_apart() -> None:
     table = local(solve(TABLE), observables=["height"]).assign_attrs(title="one", reading="")
     (ax,) = bars.tornado(table).axes
+    two = local(solve(TABLE), observables=["height", "wraps"]).assign_attrs(title="two", reading="")
+    for width, columns in ((89, 1), (183, 2)):
+        fig = bars.tornado(two, sheet=sheet("paper", width))
+        assert len({round(ax.get_position().x1, 3) for ax in fig.axes}) == columns
     sizes = [bar.get_width() for bar in ax.patches]
     assert sorted(map(abs, sizes), reverse=True) == [abs(size) for size in sizes]
     assert len({bar.get_facecolor() for bar in ax.patches if bar.get_width() < 0}) == 1

@@ -9,6 +9,7 @@ from matplotlib.patches import PathPatch
 
 from studies import load
 from studies.laws.line_verdicts import HOLDS, VERDICTS, judge
+from tests.workbench import small
 from tests.workbench.small import THREE, law, study
 from workbench.figures import canvas, colours, drawn_numbers, kinds, map_figure, map_panel, regions
 from workbench.store import in_memory, law_verdicts
@@ -16,7 +17,7 @@ from workbench.store import in_memory, law_verdicts
 
 @pytest.fixture(scope="module")
 def regimes() -> xr.Dataset:
-    return in_memory.run(load("regimes"))
+    return small.shipped("regimes")
 
 
 @pytest.fixture(scope="module")
@@ -145,6 +146,10 @@ def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_whe
     (row, _) = law_verdicts.verdicts(regimes)
     (line,) = [line for line in ax.lines if len(line.get_xdata()) == 2]
     assert set(line.get_ydata()) == {row["at"]["R"]}
+    turned = map_figure.figure(regimes, "R", "E", show=["turns"])  # the strip stands above, and the title above it
+    turned.draw_without_rendering()
+    (ax,) = maps(turned)
+    assert ax._left_title.get_window_extent().y0 >= ax.child_axes[0].get_window_extent().y1
 
 
 def test_on_small_multiples_each_map_has_the_verdicts_of_its_own_lines_and_one_has_the_deciding_line(three) -> None:

@@ -16,7 +16,7 @@ from tests.workbench import runs, small
 from tests.workbench.command import run
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench.figures import canvas, kinds, map_figure, study_figure
-from workbench.store import block, in_memory, law_verdicts, reading, recipe, refined, schema, writing
+from workbench.store import block, in_memory, law_verdicts, plan, reading, recipe, refined, schema, writing
 from workbench.store.file_summary import summary
 from workbench.store.law_verdicts import boundary_of_law
 from workbench.store.refined import boundary
@@ -276,6 +276,13 @@ def test_an_ends_problem_is_refined_by_the_rule_of_its_equilibrium() -> None:
     for i in (0, ds.sizes["sample"] - 1):
         alone = observe(solve(work.case_of({"E": float(ds["E"][i])})), ["amplitude"])["amplitude"]
         np.testing.assert_allclose(float(ds["amplitude"][i]), float(alone), rtol=1e-7)
+
+
+def test_a_refinement_grows_by_halvings_and_by_its_budget_alone() -> None:
+    before = {"watch": ["turns"], "halvings": 3, "budget": 90}
+    for change, grows in (({}, True), ({"budget": 91, "halvings": 4}, True), ({"budget": 89}, False),
+                          ({"halvings": 2, "budget": 91}, False), ({"watch": ["wraps"]}, False)):  # fmt: skip
+        assert plan._is_larger(before, before | change) == grows, change
 
 
 def test_another_watched_number_is_another_run(stored: Path, tmp_path) -> None:

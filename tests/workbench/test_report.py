@@ -85,7 +85,7 @@ def results(tmp_path_factory) -> list[StudyResult]:
     folder = tmp_path_factory.mktemp("pictures")
     found = []
     for name in PAPER:
-        ds = in_memory.run(load(name))
+        ds = small.shipped(name)
         pictures = {part: folder / f"{name}_{part}.png" for part in ("figure", "scene")}
         # the proportions of those of Fig. 7 (2) and (3)
         for part, high in ({"figure": 74, "scene": 49} if name in LOW else {"figure": 87, "scene": 59}).items():

@@ -47,7 +47,7 @@ def dataset(side: str = "outside", axes: str = "", stations: int = 201, L: float
 
 @pytest.fixture(scope="module")
 def fig6() -> xr.Dataset:
-    return in_memory.run(load("fig6"))
+    return small.shipped("fig6")
 
 
 def body(ds: xr.Dataset, kind: str = "contact", **where: int) -> rods.Body:
@@ -521,5 +521,7 @@ def test_self_intersections_are_ringed_and_said_once(fig6) -> None:
     ((left, top, wide, high),) = taken.arrangement.places
     assert len(taken.rings) >= 4
     assert all(left < x < left + wide and top < y < top + high for x, y, _ in taken.rings)
+    at_rings = [taken.pixels[int(50 * y) - 1 : int(50 * y) + 2, int(50 * x)].mean() for x, y, _ in taken.rings]
+    assert max(at_rings) < 130, "of 255: a rod, which is darker than the cylinder"
     assert [text for _, text in taken.words.legend] == ["the rod passes through itself"]
     assert "the rod passes through itself" not in taken.words.notes

@@ -342,6 +342,7 @@ def test_values_added_to_an_axis_are_solved_alone_and_the_others_copied(half, na
         old = ds.load()
     runs.study(half.parent, axes)
     solved = counted(monkeypatch)
+    monkeypatch.setattr(assembly, "WINDOW", 20_000)  # bytes: many boxes, which begin inside blocks
     ran = run_to_file(load(half), output, Options(workers=1))
     size = len(axes["E"]) * len(axes["F1"])
     assert ran.solved == sum(solved) == size - 120

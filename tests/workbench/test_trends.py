@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from solver import InputError
-from studies import load
+from tests.workbench import small
 from tests.workbench.small import grid, study
 from workbench.figures import along, canvas, colours, drawn_rods, kinds, study_figure
 from workbench.figures.laws import panel
@@ -19,12 +19,12 @@ from workbench.store import in_memory, law_verdicts, selection
 
 @pytest.fixture(scope="module")
 def forces() -> xr.Dataset:
-    return in_memory.run(load("fig7_5_forces"))
+    return small.shipped("fig7_5_forces")
 
 
 @pytest.fixture(scope="module")
 def angles() -> xr.Dataset:
-    return in_memory.run(load("fig7_3_start_angle"))
+    return small.shipped("fig7_3_start_angle")
 
 
 def axes():
@@ -72,7 +72,7 @@ def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:
 
 @pytest.mark.parametrize("side", ["outside", "inside"])
 def test_a_push_is_drawn_upward_on_either_side_and_lift_off_is_shaded(side: str) -> None:
-    ds = in_memory.run(load("fig6")).assign_attrs(side=side)
+    ds = small.shipped("fig6").assign_attrs(side=side)
     rods = drawn_rods.choose(
         ds.drop_attrs().assign_attrs({k: v for k, v in ds.attrs.items() if k != "study"}), ["push"]
     )

@@ -17,7 +17,6 @@ from matplotlib import image
 
 import workbench.accessor  # noqa: F401  # registers ds.rod
 from solver import Case, Cylinder, Ends, Rod, Solution, Start, equilibria, solve
-from studies import load
 from studies.language.loader import loads
 from tests.workbench import browser, node, small
 from tests.workbench.command import exit_status
@@ -30,7 +29,7 @@ from workbench.web.turntable.turntable_page import turntable_of_dataset
 
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
-    return in_memory.run(load("fig7_1_modulus"))
+    return small.shipped("fig7_1_modulus")
 
 
 def data_of(text: str) -> dict[str, Any]:

@@ -10,7 +10,6 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies import load
 from tests import transcripts
 from tests.workbench import small
 from tests.workbench.page_faults import faults, words
@@ -34,7 +33,7 @@ LONG = "A title that goes on for longer than a page of this width can hold, " * 
 
 def drawn_map(change: Callable[[xr.Dataset], xr.Dataset], **more: Any) -> Figure:
     """The map of the bends of a study over E and R of which something is changed."""
-    return map_figure.figure(change(in_memory.run(load("regimes"))), **{"show": ["turns"], **more})
+    return map_figure.figure(change(small.shipped("regimes")), **{"show": ["turns"], **more})
 
 
 def three(more: str = "") -> xr.Dataset:
@@ -125,7 +124,7 @@ def grid(**more: Any) -> Figure:
 
 
 def angles(**more: Any) -> Figure:
-    return study_figure.figure(in_memory.run(load("fig7_3_start_angle")), **more)
+    return study_figure.figure(small.shipped("fig7_3_start_angle"), **more)
 
 
 LINES: dict[str, Callable[[], Figure]] = {
