@@ -146,10 +146,6 @@ def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_whe
     (row, _) = law_verdicts.verdicts(regimes)
     (line,) = [line for line in ax.lines if len(line.get_xdata()) == 2]
     assert set(line.get_ydata()) == {row["at"]["R"]}
-    turned = map_figure.figure(regimes, "R", "E", show=["turns"])  # the strip stands above, and the title above it
-    turned.draw_without_rendering()
-    (ax,) = maps(turned)
-    assert ax._left_title.get_window_extent().y0 >= ax.child_axes[0].get_window_extent().y1
 
 
 def test_on_small_multiples_each_map_has_the_verdicts_of_its_own_lines_and_one_has_the_deciding_line(three) -> None:
