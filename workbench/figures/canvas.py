@@ -298,13 +298,13 @@ def write_below(fig: Figure, said: Said, sheet: Sheet = SCREEN) -> Legend | None
     """
     said = list(said)
     notes = [note for note in said if isinstance(note, str)]
-    entries = [entry for entry in said if not isinstance(entry, str)]
+    entries = {str(entry.get_label()): entry for entry in said if not isinstance(entry, str)}
     if not sheet.titled:
         keep(fig, notes)
         notes = []
     width = fig.get_figwidth() - 0.3
     room = width - HANDLE
-    once = {fonts.break_lines(str(entry.get_label()), room, fonts.small()): entry for entry in entries}
+    once = {fonts.break_lines(label, room, fonts.small()): entry for label, entry in entries.items()}
     notes = [fonts.break_lines(note, width, fonts.small()) for note in dict.fromkeys(notes)]
     if not once and not notes:
         return None
