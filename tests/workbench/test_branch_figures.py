@@ -201,6 +201,13 @@ def test_shapes_in_rows_have_one_scale_and_neither_meet_nor_leave_the_page(sizes
     assert (high - low).max() > 0.6  # inches
 
 
+def test_a_small_view_contains_its_curve_in_its_middle() -> None:
+    ax = Figure().add_subplot()
+    unrolled.inset(ax, (0, 0, 1, 1), np.array([1.0, 3.0]), np.array([-1.0, 0.0]), (4.0, 2.0), 1.0)
+    (view,) = ax.child_axes
+    assert (view.get_xlim(), view.get_ylim()) == ((0.0, 4.0), (0.5, -1.5))
+
+
 def test_a_smooth_line_passes_through_its_points_and_follows_a_circle() -> None:
     angle = np.linspace(0, np.pi, 14) + np.random.default_rng(1).uniform(-0.04, 0.04, 14)
     x, y = np.cos(angle), np.sin(angle)
