@@ -1,6 +1,9 @@
 """Chromium for tests, where it is installed, and axe-core, which judges the accessibility of a page."""
 
+import base64
 import hashlib
+import json
+import re
 import shutil
 import subprocess
 import tarfile
@@ -73,3 +76,16 @@ def emulate(driver: Any, **media: str) -> None:
 def medium(driver: Any, name: str) -> None:
     """The medium that the page is laid out for, "print" or "" for the screen."""
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": name})
+
+
+def requested(driver: Any) -> set[str]:
+    """The addresses that the page has asked for since the last time."""
+    messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
+    return {m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"}
+
+
+def prints_a_picture(driver: Any) -> bool:
+    """Whether a picture of 1600 pixels, that of a rod, is on the pages that are printed."""
+    pdf = base64.b64decode(driver.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})["data"])
+    sizes = re.findall(rb"/Subtype /Image\s+/Width (\d+)\s+/Height (\d+)", pdf)
+    return any(int(wide) == 1600 and int(high) > 400 for wide, high in sizes)

@@ -1,7 +1,5 @@
 """The live page in a real browser."""
 
-import base64
-import json
 import re
 import time
 from collections.abc import Callable, Iterator
@@ -120,8 +118,7 @@ def page(driver, port) -> Iterator[Page]:
     yield found
     errors = [entry["message"] for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
     assert errors == []
-    messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
-    asked = {m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"}
+    asked = browser.requested(driver)
     own = (f"http://127.0.0.1:{port}/", "data:", "blob:", "chrome://", "file://")
     assert [url for url in asked if not url.startswith(own)] == []
     assert asked
@@ -533,9 +530,7 @@ def test_in_the_dark_scheme_paper_stays_light(page) -> None:
 
 @pytest.mark.slow
 def test_the_printed_page_holds_a_picture_of_the_rod(page) -> None:
-    pdf = base64.b64decode(page.driver.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})["data"])
-    sizes = re.findall(rb"/Subtype /Image\s+/Width (\d+)\s+/Height (\d+)", pdf)
-    assert any(int(wide) == 1600 and int(high) > 400 for wide, high in sizes)
+    assert browser.prints_a_picture(page.driver)
     page.until(lambda: page("return document.querySelector('.printed') === null"), "its look on a screen")
 
 

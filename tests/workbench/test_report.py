@@ -353,10 +353,8 @@ def test_in_a_browser_the_rod_is_drawn_turns_and_nobody_is_asked(shown) -> None:
     slider.send_keys(Keys.ARROW_RIGHT)
     assert slider.get_attribute("aria-valuetext") == "14140 N/cm²" != before
     assert [entry["message"] for entry in shown.get_log("browser") if entry["level"] == "SEVERE"] == []
-    messages = [json.loads(entry["message"])["message"] for entry in shown.get_log("performance")]
-    asked = {m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"}
     own = ("file:", "data:", "blob:", "chrome:", "chrome-untrusted:")  # the last two are the browser's first page
-    assert [url for url in asked if not url.startswith(own)] == []
+    assert [url for url in browser.requested(shown) if not url.startswith(own)] == []
 
 
 @pytest.mark.slow

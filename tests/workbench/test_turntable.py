@@ -82,13 +82,11 @@ def test_on_paper_a_scene_shows_its_rod(ds: xr.Dataset, tmp_path: Path) -> None:
         there = "document.querySelector('figure').view"
         wait = f"const done = arguments[0], look = () => {there} ? done() : setTimeout(look, 50); look()"
         driver.execute_async_script(wait)
-        pdf = base64.b64decode(driver.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})["data"])
+        assert browser.prints_a_picture(driver)
         copies = "return document.querySelectorAll('.printed').length"
         end = time.monotonic() + 60
         while driver.execute_script(copies):
             assert time.monotonic() < end
-    sizes = re.findall(rb"/Subtype /Image\s+/Width (\d+)\s+/Height (\d+)", pdf)
-    assert any(int(wide) == 1600 and int(high) > 400 for wide, high in sizes)
 
 
 @node.needs_node
