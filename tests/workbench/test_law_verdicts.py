@@ -8,13 +8,13 @@ from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 from tests.workbench import small
 from workbench.store import in_memory, law_verdicts
 
-AXES = "[axes.E]\nvalues = [1e4, 2e4, 4e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0, 1.25]\n"
-LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
+AXES = small.axis("E", [1e4, 2e4, 4e4]) + small.axis("R", [0.5, 0.75, 1.0, 1.25])
+LAW = small.law("kappa_max", "R", "falls", claim="(2)", alternatives=["amplitude"])
 
 
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
-    return in_memory.run(small.study(AXES + LAW + 'alternatives = ["amplitude"]\n'))
+    return in_memory.run(small.study(AXES + LAW))
 
 
 def with_branch(ds: xr.Dataset, branch: object) -> xr.Dataset:

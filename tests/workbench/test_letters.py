@@ -23,25 +23,12 @@ def two() -> xr.Dataset:
     return in_memory.run(small.grid())
 
 
-LAWS = """
-[expressions]
-bowed = "kappa_max*rho"
-[[laws]]
-claim = "a"
-axis = "E"
-source = "s"
-observable = "kappa_max"
-kind = "equals"
-formula = "-8*pi**2*L**-2*cm + 0*bending_stiffness/(N*cm**3) + bowed**0.5/cm"
-absolute = 9e9
-[[laws]]
-claim = "b"
-axis = "E"
-source = "s"
-observable = "amplitude"
-kind = "bounded"
-least = 0.5
-"""
+FORMULA = "-8*pi**2*L**-2*cm + 0*bending_stiffness/(N*cm**3) + bowed**0.5/cm"
+LAWS = (
+    '[expressions]\nbowed = "kappa_max*rho"\n'
+    + small.law("kappa_max", "E", claim="a", kind="equals", formula=FORMULA, absolute=9e9)
+    + small.law("amplitude", "E", claim="b", kind="bounded", least=0.5)
+)
 
 
 @pytest.fixture(scope="module")

@@ -15,10 +15,11 @@ from solver import InputError
 from studies.language.loader import loads
 from tests.slow import slow, slow_but
 from tests.workbench import small
+from tests.workbench.small import axis, law
 from workbench.store import assembly, dataset, file_merge, in_memory, law_verdicts, reading, study_store, writing
 
-RADII = "[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
-LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "E"\ndirection = "falls"\nsource = "s"\n'
+RADII = axis("R", [0.5, 0.75, 1.0])
+LAW = law("turns", "E", "falls")
 # The values of E of some files, and of their union.
 SPLITS = {
     "one after the other": ([[1e4, 2e4], [3e4, 4e4]], [1e4, 2e4, 3e4, 4e4]),
@@ -34,10 +35,6 @@ AXES = {
     "beta": ([[0.4, 0.5], [0.3]], [0.3, 0.4, 0.5]),
     "a": ([[0.2], [0.25]], [0.2, 0.25]),
 }
-
-
-def axis(name: str, values: list[float]) -> str:
-    return f"[axes.{name}]\nvalues = {values}\n"
 
 
 HEAD = 'observables = ["turns"]\noutputs = ["beta", "position"]'

@@ -42,34 +42,18 @@ def test_failures_that_differ_in_their_numbers_are_told_together(file, tmp_path)
     assert told["outcomes"] == {"failed: 1 to 3": 4, "solved": 1, "solved, barely": 1}
 
 
-PIPE = """
-title = "A pipe that lies in a hole"
-outputs = ["beta", "alpha", "z"]
-observables = ["turns"]
-stations = {stations}
-[units]
-length = "m"
-force = "kN"
-[base]
-EI = 1228.0
-GJ = 945.0
-a = 0.0635
-L = 300.0
-R = 0.10795
-side = "inside"
-inclination = "90deg"
-weight = 0.241
-beta0 = 0.0
-betaL = 0.0
-azimuth = 0.0
-[axes.FZ]
-values = [-200.0, -100.0]
-"""
+PIPE = {
+    "EI": 1228.0, "GJ": 945.0, "a": 0.0635, "L": 300.0, "R": 0.10795, "side": "inside", "inclination": "90deg",
+    "weight": 0.241, "beta0": 0.0, "betaL": 0.0, "azimuth": 0.0,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("stations", "buckled"), [(401, "sinusoidal all along"), (21, file_summary.TOO_FEW)])
 def test_the_states_of_pipes_are_a_table_unless_their_stations_are_too_few(stations, buckled, tmp_path, capsys) -> None:
-    path = writing.write(in_memory.run(loads(PIPE.format(stations=stations))), tmp_path / "pipe.h5")
+    text = small.text(
+        PIPE, small.axis("FZ", [-200.0, -100.0]), "m kN", outputs=["beta", "alpha", "z"], stations=stations
+    )
+    path = writing.write(in_memory.run(loads(text)), tmp_path / "pipe.h5")
     rows = file_summary.summary(path)["states"]
     assert rows == [{"FZ": -200.0, "state": buckled}, {"FZ": -100.0, "state": "straight all along"}]
     assert exit_status("summary", path) == 0
