@@ -1,6 +1,10 @@
-"""Commands in the process of the test."""
+"""Commands in the process of the test, and Python in one of its own."""
 
+import os
 import shlex
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -17,3 +21,10 @@ def exit_status(*words: object) -> int:
 def run(line: str, status: int = 0) -> None:
     """A command as one types it, and the status with which it must end."""
     assert exit_status(*shlex.split(line.removeprefix("workbench "))) == status, line
+
+
+def printed(code: str, **env: str) -> list[str]:
+    """The words that Python prints in a process that has imported nothing before."""
+    command, folder = [sys.executable, "-c", f"import sys; {code}"], Path(__file__).parents[2]
+    here = {**os.environ, **env}
+    return subprocess.run(command, cwd=folder, env=here, capture_output=True, text=True, check=True).stdout.split()

@@ -1,7 +1,5 @@
 """`ds.rod`: what was not stored is what would have been, whether it is computed or solved again."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +13,7 @@ from studies.language.loader import loads
 from studies.language.study_data import OUTPUTS
 from tests.slow import slow_but
 from tests.workbench import small
+from tests.workbench.command import printed
 from workbench.commands import options
 from workbench.store import case_solutions, in_memory, schema, selection, writing
 
@@ -217,15 +216,6 @@ def test_importing_the_accessor_registers_it_and_loads_no_solver(order: str) -> 
 def test_importing_the_workbench_alone_loads_nothing_heavy_and_changes_no_import() -> None:
     code = "before = list(sys.meta_path); import workbench; print(sys.meta_path == before, 'numpy' in sys.modules)"
     assert printed(code) == ["True", "False"]
-
-
-def printed(code: str) -> list[str]:
-    """The words that Python prints in a process of its own."""
-    root = Path(__file__).parents[2]
-    run = subprocess.run(
-        [sys.executable, "-c", f"import sys; {code}"], cwd=root, capture_output=True, text=True, check=True
-    )
-    return run.stdout.split()
 
 
 @pytest.mark.parametrize(

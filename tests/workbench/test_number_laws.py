@@ -111,8 +111,7 @@ def test_a_band_is_named_where_the_line_does_not_hide_it(ds: xr.Dataset) -> None
 
 
 def test_a_panel_marks_the_cases_outside(ds: xr.Dataset) -> None:
-    rule = "kind = 'bounded'\nobservable = 'kappa_max'\nmost = 2.0\n"
-    bad = in_memory.run(study(f"[[laws]]\nclaim = 'a'\naxis = 'R'\nsource = 's'\n{rule}"))
+    bad = in_memory.run(study(small.law("kappa_max", "R", claim="a", kind="bounded", most=2.0)))
     (row,) = law_verdicts.verdicts(bad)
     assert row["verdict"] == FAILS
     marks = [line for line in panels(bad)["a"].get_lines() if line.get_label() == "a case outside"]
@@ -122,8 +121,7 @@ def test_a_panel_marks_the_cases_outside(ds: xr.Dataset) -> None:
 
 
 def test_a_law_on_an_expression_without_a_value_is_not_decided(tmp_path: Path) -> None:
-    rule = "kind = 'bounded'\nobservable = 'gap'\nmost = 100\n"
-    ds = in_memory.run(study(f"[[laws]]\nclaim = 'a'\naxis = 'R'\nsource = 's'\n{rule}"))
+    ds = in_memory.run(study(small.law("gap", "R", claim="a", kind="bounded", most=100)))
     (row,) = law_verdicts.verdicts(ds)
     assert (row["verdict"], row["reason"]) == (UNDECIDED, "1 of 4 cases have no value")
 

@@ -1,7 +1,6 @@
 """The processes of a pool: what they are copies of, and what they do with memory."""
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -9,16 +8,10 @@ import pytest
 
 from studies import load
 from tests.workbench import runs
+from tests.workbench.command import printed
 from workbench.store import block, plan, worker_processes
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc, and copies are made on Linux only")
-
-
-def told(code: str, **env: str) -> list[str]:
-    """The words that a process of its own prints."""
-    command = [sys.executable, "-c", code]
-    here = {**os.environ, **env}
-    return subprocess.run(command, cwd=runs.ROOT, env=here, capture_output=True, text=True, check=True).stdout.split()
 
 
 def parent(pid: int | None) -> int:
@@ -30,7 +23,7 @@ def parent(pid: int | None) -> int:
 @linux
 def test_what_workers_are_copies_of_has_one_thread_so_that_copying_is_safe() -> None:
     code = "import os, workbench.store.preload; print(len(os.listdir('/proc/self/task')))"
-    assert told(code, **dict.fromkeys(worker_processes.ONE_THREAD, "1")) == ["1"]
+    assert printed(code, **dict.fromkeys(worker_processes.ONE_THREAD, "1")) == ["1"]
 
 
 @linux
@@ -46,7 +39,7 @@ work = plan.plan(load({str(path)!r}))
 block.solve_chunk(work.light, work.chunk(0, 4), work.block)
 print("read", *sorted(set(sys.modules) - before))
 """
-    assert told(code) == ["read"]
+    assert printed(code) == ["read"]
 
 
 @linux
@@ -82,7 +75,7 @@ except InputError as error:
     print(str(error).replace(" ", "_"))
 """
     path = os.pathsep.join([str(tmp_path), str(runs.ROOT)])
-    assert told(code, PYTHONPATH=path) == [
+    assert printed(code, PYTHONPATH=path) == [
         "a_worker_process_cannot_start:_the_process_from_which_it_is_forked_has_ended"
     ]
 
@@ -105,8 +98,8 @@ print(faults() - before)
 """
     # as Dask starts its workers: nothing is kept. 50 arrays of 8 MB in pages of 4 kB, or in larger ones
     as_dask = {"MALLOC_TRIM_THRESHOLD_": "65536"}
-    (kept,) = told(code.format(keep=True), **as_dask)
-    (fetched,) = told(code.format(keep=False), **as_dask)
+    (kept,) = printed(code.format(keep=True), **as_dask)
+    (fetched,) = printed(code.format(keep=False), **as_dask)
     if int(fetched) < 200:
         pytest.skip("this C library keeps memory by itself")
     assert int(kept) < int(fetched) / 10  # one of the fifty would be a fiftieth
