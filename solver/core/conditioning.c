@@ -20,14 +20,6 @@ typedef struct {
     flow *flows;
 } course;
 
-static double sum(int n, const double *values)
-{
-    double total = 0;
-    for (int k = 0; k < n; k++)
-        total += values[k];
-    return total;
-}
-
 static double load_size(const start_problem *p) { return fabs(p->lam) + fabs(p->mu) + fabs(p->phi); }
 
 static course course_of(const start_problem *p, const read_orbits *all, const points *at, int64_t b, flow *room)
@@ -59,7 +51,7 @@ static void flow_of(const course *o, int64_t i, flow *out)
     for (int k = 0; k < n; k++)
         pace[k] = shear_rate(s->v[k], s->H[k], s->rate[k], s->c) * half;
     integrated(o->points, pace, out->shear);
-    out->gain = sum(n + 1, out->shear);
+    out->gain = sum_of(n + 1, out->shear);
 }
 
 /* What the shear gains where the transversal changes from that of panel `last` to that of panel i. */
@@ -253,15 +245,6 @@ static double error_of(const course *o, const panel_errors *of, double growth)
     return 2 * error + shift + sums + growth * (mismatch(o) + 2 * EPS * inputs);
 }
 
-/* The most panels of one of n orbits. */
-static int64_t most_panels(const read_orbits *all, int64_t n)
-{
-    int64_t most = 1;
-    for (int64_t b = 0; b < n; b++)
-        most = all->count[2 * b] + all->count[2 * b + 1] > most ? all->count[2 * b] + all->count[2 * b + 1] : most;
-    return most;
-}
-
 /* eta(L) of the change with eta(0) = 0 and eta_t(0) = 1, and the largest |eta(t)/eta(L)|. */
 static void response_of(course *o, double *largest, double *end)
 {
@@ -289,7 +272,7 @@ static void response_of(course *o, double *largest, double *end)
 int rod_orbits_judge(int64_t n, const start_problem *problems, const read_orbits *all, const points *at,
                      const panel_errors *of, int64_t held, double *first, double *second)
 {
-    flow *room = malloc(sizeof(flow) * (size_t)most_panels(all, n));
+    flow *room = malloc(sizeof(flow) * (size_t)rod_most_panels(all, n));
     if (!room)
         return NO_MEMORY;
     for (int64_t b = 0; b < n; b++) {
@@ -321,7 +304,7 @@ void rod_orbits_action(int64_t n, const start_problem *problems, const read_orbi
             integrated(at, v, series);
             if (i == panel)
                 value = before[i >= o.count[0]] + at_place(series, o.n + 1, x);
-            before[i >= o.count[0]] += sum(o.n + 1, series);
+            before[i >= o.count[0]] += sum_of(o.n + 1, series);
         }
         out[b] = rod_unfolded(value, &where, before[0], before[1], o.librates);
     }

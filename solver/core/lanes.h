@@ -204,7 +204,8 @@ static TARGET void NAME(advance)(NAME(lanes) *p, int end[W], double late[W], dou
                 series[m * (ORDER + 1) + j] = LANE(kept[m][j], i);
         for (int m = 0; m < 3; m++)
             grown[m] = LANE(middle[m], i), grown[3 + m] = LANE(far_nodes[m], i);
-        const double most = max_1(max_1(fabs(LANE(p->a, i)), fabs(LANE(p->b, i))), max_1(fabs(LANE(p->c, i)), fabs(LANE(p->d, i))));
+        const double by_angle = max_1(fabs(LANE(p->a, i)), fabs(LANE(p->c, i)));
+        const double most = max_1(by_angle, max_1(fabs(LANE(p->b, i)), fabs(LANE(p->d, i))));
         if (!(most < STEADY))
             end[i] = LOST;
         if (LANE(ends, i) <= LANE(p->limit, i))

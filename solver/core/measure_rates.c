@@ -8,7 +8,6 @@
 /* what is summed: the densities, the push without the pull, and the share of push */
 enum { PUSH = 3, INTEGRALS, ALONE = INTEGRALS, ATTACHED, COLUMNS };
 enum { HALVINGS = 8, QUERIES = 3, GAUSS = 5 };
-#define BARELY (64 * EPS) /* of the size of its terms: a push, or a difference of numbers, below this is rounding */
 #define SAME 1e-12        /* relative: extremes that differ by less are equal */
 #define ONE_POINT 1e-9    /* rad: critical points that are this near are one */
 #define STEP 1e-4         /* of the shortest time of a change: differences about a place */

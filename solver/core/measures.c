@@ -3,7 +3,6 @@
 
 #include "stretches.h"
 
-#define BARELY (64 * EPS)   /* of the size of its terms: a push below this is rounding */
 #define SURELY 1e4          /* times that: a push beyond this is none by the series of either */
 
 /* The error of the integral by truncation and rounding. */
@@ -64,12 +63,10 @@ static parted parted_on(const workspace *w, const stretch *p, double whole, doub
     if (!found.count)
         return out;
     integral(AT, p->series, integral_);
-    double end = 0;
-    for (int k = 0; k <= AT; k++)
-        end += integral_[k];
+    const double end = sum_of(AT + 1, integral_);
     for (int i = 0; i < found.count; i++) {
-        double rate, value, before = rod_series_value(integral_, found.x[i]);
-        before += integral_[AT] * cos(AT * acos(smaller(larger(found.x[i], -1), 1)));
+        double rate, value;
+        const double before = at_place(integral_, AT + 1, found.x[i]);
         rod_series_and_rate(c, found.x[i], &value, &rate);
         const double moved = largest_doubt / fabs(rate);
         out.area += found.sign[i] * (end - before) / 2;

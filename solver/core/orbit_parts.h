@@ -145,7 +145,7 @@ typedef struct {
 static inline double square(double x) { return x * x; }
 static inline int modulo(int64_t k, int64_t m) { return (int)(((k % m) + m) % m); }
 
-/* H, its first derivative, the sum of the sizes of its terms, and its second and third derivative, from sin and cos of beta */
+/* H, its derivative, the sum of the sizes of its terms, and its second and third derivative, from sin and cos of beta */
 INLINE double slope_by(double lam, double mu, double phi, double s, double c)
 {
     const double s2 = s * s, size = fabs(c);
@@ -239,6 +239,15 @@ INLINE void integral(int n, const double *restrict a, double *restrict b)
     for (int k = 1; k <= n; k++, sign = -sign)
         total += sign * b[k];
     b[0] = total;
+}
+
+/* The sum of n numbers: of a series, its value at 1. */
+INLINE double sum_of(int n, const double *values)
+{
+    double total = 0;
+    for (int k = 0; k < n; k++)
+        total += values[k];
+    return total;
 }
 
 /* Values at the nodes to the series of the integral from -1, (n + 1,). */

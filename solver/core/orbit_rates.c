@@ -36,7 +36,7 @@ static void numbers_of(lone_orbit *o, const ends_problem *p, const points *by, c
     const int64_t first = rod_place(&o->of, 0, 0, &where, &x), last = rod_place(&o->of, 0, length, &where, &x);
     const int64_t only[2] = {first, last}, n = by->n;
     o->varied.M = NULL; /* it is not read */
-    const int64_t nearest = rod_vary(&p->lam, &o->of, 0, by, only, o->nodes, o->room, &o->varied);
+    const int64_t nearest = rod_vary(&p->lam, &o->of, 0, by, only, o->nodes, &o->varied);
     rod_varied_place_at(&o->of, &o->varied, 0, 0, &start), rod_varied_place_at(&o->of, &o->varied, 0, length, &far);
     const double turns = o->kind == LIBRATION ? 0 : o->direction * where.periods;
     const double end = o->of.base[last] + at_place(o->of.series + FUNCTIONS * (n + 1) * last, (int)n + 1, x) + TAU * turns;

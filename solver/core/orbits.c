@@ -94,8 +94,8 @@ orbits *rod_orbits(int64_t n, const start_problem *problems, const double *pin, 
 
 /* Fetches and frees the orbits.
 
-   columns: (8, P), duration, base, origin, fastest, error, time_error, time_rounding and the time since the start. arc, rank: (P,).
-   series: (P, 5, n + 1), its integrals from the start of the orbit. duration: (2 n,); gain: (2 n, 3), of the arcs.
+   columns: (8, P), duration, base, origin, fastest, error, time_error, time_rounding and the time since the start. arc,
+   rank: (P,). series: (P, 5, n + 1), its integrals from the start of the orbit. duration: (2 n,); gain: (2 n, 3), of the arcs.
    pieces: (N, 9), the columns of `orbit.pieces.Pieces`. */
 void rod_orbits_fetch(orbits *made, int64_t P, double *columns, int64_t *arc, int64_t *rank, double *series,
                       double *duration, double *gain, double *pieces)
@@ -116,12 +116,8 @@ void rod_orbits_fetch(orbits *made, int64_t P, double *columns, int64_t *arc, in
             memcpy(series + FUNCTIONS * n * row, own, sizeof(double) * (size_t)(FUNCTIONS * n));
             for (int k = 0; k < 3; k++)
                 series[(FUNCTIONS * row + 2 + k) * n] += before[half][k];
-            for (int k = 0; k < 3; k++) {
-                double end = 0;
-                for (int64_t j = 0; j < n; j++)
-                    end += own[(2 + k) * n + j];
-                before[half][k] += end;
-            }
+            for (int k = 0; k < 3; k++)
+                before[half][k] += sum_of((int)n, own + (2 + k) * n);
             before[half][3] += one->duration;
         }
         for (int half = 0; half < 2; half++) {

@@ -174,9 +174,7 @@ INLINE void clocked(const piece *p, const points *at, panel *out, double *u, dou
         shares[i] = pace[i] * fabs(half);
     product(n, n, shares, at->analyse, rate);
     integral(n, rate, clock);
-    out->duration = 0;
-    for (int k = 0; k <= n; k++)
-        out->duration += clock[k];
+    out->duration = sum_of(n + 1, clock);
 }
 
 INLINE void series_of(const piece *p, const points *at, panel *out, double *series)

@@ -53,7 +53,7 @@ static int maxima_on(const workspace *w, const stretch *p, double begin, maximum
     if (rate[AT - 1] >= 0)
         x[count++] = 1;
     for (int k = 0; k < count; k++)
-        out[k] = (maximum){p, x[k], p->begin + (1 + x[k]) / 2 * p->time, rod_series_value(p->series, x[k])};
+        out[k] = (maximum){p, x[k], p->begin + (1 + x[k]) / 2 * p->time, at_place(p->series, AT, x[k])};
     return count;
 }
 

@@ -30,24 +30,13 @@ typedef struct {
     int64_t status[2], count[2], sound, evaluations;
 } orbit;
 
-static inline double value(const double *row, int n, double x)
-{
-    double total = row[n];
-    for (int k = n - 1; k >= 0; k--)
-        total = total * x + row[k];
-    return total;
-}
-
 static double crossing(const double *row, int n, double level, double h)
 {
     double lo = 0, hi = h, x = h;
-    const int above = value(row, n, h) > level;
+    const int above = value_1(row, n, h) > level;
     for (int round = 0; round < 60; round++) {
-        double y = row[n], rate = 0;
-        for (int k = n - 1; k >= 0; k--) {
-            rate = rate * x + y;
-            y = y * x + row[k];
-        }
+        double rate;
+        const double y = value_and_rate_1(row, n, x, &rate);
         if (y == level)
             return x;
         if ((y > level) == above)

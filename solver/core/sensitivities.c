@@ -208,7 +208,7 @@ static int vary_rod(worker *o, int64_t b)
     o->all->kind[b] = failed && o->orbit.kind != HELIX ? LOST : o->orbit.kind;
     if (failed)
         return failed == NO_MEMORY ? failed : DONE;
-    rod_vary(&p->lam, &o->orbit.of, 0, o->at, NULL, o->orbit.nodes, o->orbit.room, &o->orbit.varied);
+    rod_vary(&p->lam, &o->orbit.of, 0, o->at, NULL, o->orbit.nodes, &o->orbit.varied);
     o->of = &o->orbit.of, o->varied = &o->orbit.varied;
     return DONE;
 }

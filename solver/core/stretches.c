@@ -221,13 +221,6 @@ void rod_series_and_rate(const void *of, double x, double *value, double *rate)
     *value = x * b1 - b2 + c[0], *rate = x * d1 - d2 + b1;
 }
 
-double rod_series_value(const double *c, double x)
-{
-    double value, rate;
-    rod_series_and_rate(c, x, &value, &rate);
-    return value;
-}
-
 /* The series of the derivative. */
 void rod_derivative(const double *c, double *out)
 {
@@ -270,8 +263,10 @@ double rod_largest(const workspace *w, double sign)
             if (!(r0 > 0 && r1 < 0))
                 continue;
             const double v0 = sign * p->of.values[k], v1 = sign * p->of.values[k + 1];
-            if (larger(v0 + r0 * width, v1 - r1 * width) > best)
-                keep_larger(&best, sign * rod_series_value(p->series, rod_turning_place(p->series, -sign, nodes[k], nodes[k + 1])));
+            if (!(larger(v0 + r0 * width, v1 - r1 * width) > best))
+                continue;
+            const double x = rod_turning_place(p->series, -sign, nodes[k], nodes[k + 1]);
+            keep_larger(&best, sign * at_place(p->series, AT, x));
         }
     }
     return best;
@@ -304,7 +299,7 @@ void rod_changes(const workspace *w, const double *values, const double *c, sign
         if (!(v0 + r0 * (b - a) < 0 || v1 - r1 * (b - a) < 0))
             continue;
         const double x = rod_turning_place(c, sign, a, b);
-        if (!(sign * rod_series_value(c, x) < 0))
+        if (!(sign * at_place(c, AT, x) < 0))
             continue;
         if (sign > 0)
             add_change(found, c, x, a, 0), add_change(found, c, x, b, 1);

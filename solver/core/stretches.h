@@ -8,6 +8,8 @@
 
 enum { ROUNDS = 48, CROSSINGS = 4 * AT }; /* most halvings of a piece; most changes of sign on a part of one */
 
+#define BARELY (64 * EPS) /* of the size of its terms: a push, or a difference of numbers, below this is rounding */
+
 /* The pieces of the rods, those of rod b from first[b] to first[b + 1]: `rod_pieces.Pieces`. kinds: of series, 2 or, where
    loads vary along the rods, 7. The others: (n,). */
 typedef struct {
@@ -114,7 +116,6 @@ int rod_resolved(workspace *, int64_t b, int kind, int precision, double allowed
 double rod_largest(const workspace *, double sign);
 void rod_changes(const workspace *, const double *values, const double *series, sign_changes *);
 void rod_series_and_rate(const void *series, double x, double *value, double *rate);
-double rod_series_value(const double *series, double x);
 void rod_derivative(const double *series, double *out);
 double rod_turning_place(const double *series, double sign, double low, double high);
 

@@ -49,22 +49,28 @@ static void distances_of(int n, const double *x, distances *out)
     }
 }
 
-/* The shift of the critical point, split off near it, and gamma without the heights of critical points. rest: H less its
-   linear part. */
-static void vary_level(double s, double c, double steep, int n, const distances *d, const double *rest, int near,
-                       varied_nodes *out)
+/* The shift of the critical point, split off near it; gamma without the heights of critical points, and H_q + shift_q H', to
+   relative accuracy in x. rest: H less its linear part. */
+static void vary_level(const double *loads, double s, double c, double steep, int n, const distances *d,
+                       const double *rest, int near, varied_nodes *out)
 {
-    const double s2 = 2 * s * c, c2 = (c - s) * (c + s);
+    const double s2 = 2 * s * c, c2 = (c - s) * (c + s), s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
+    const double turn = 4 * (loads[1] * s2 - c2 / 2), even = loads[0] * c - loads[2] * s;
     double at[3];
     slopes_by_loads(s, c, at);
     for (int k = 0; k < 3; k++)
         out->shift[k] = near ? -at[k] / steep : 0;
     for (int i = 0; i < n; i++) {
-        const double q = d->q[i], sx = d->sx[i], sx2 = sx * sx;
+        const double q = d->q[i], sx = d->sx[i], cx = d->cx[i], s2x = d->s2x[i], c2x = d->c2x[i], sx2 = sx * sx;
+        const double w = -2 * q - 2 * sx2 + 4 * q * sx2;
+        double rate = -turn * (sx2 / 2 + q * cx) + c4 * (cx * w - sx * (sx * c2x + 2 * cx * s2x)) - sx * even;
+        rate += s2x * (2 * loads[1] * c2 + s2) - s4 * 2 * s2x * c2x;
+        const double r[3] = {2 * s * q, -2 * c2 * q * sx - s2 * sx2, 2 * c * q};
+        const double r_x[3] = {s * sx, -c2 * (sx2 + 2 * q * cx) - s2 * s2x, c * sx};
         for (int k = 0; k < 3; k++) {
             const double left = near ? 0 : at[k];
-            const double r = k == 0 ? 2 * s * q : k == 1 ? -2 * c2 * q * sx - s2 * sx2 : 2 * c * q;
-            out->gamma[k][i] = r - out->shift[k] * rest[i] - left * sx;
+            out->gamma[k][i] = r[k] - out->shift[k] * rest[i] - left * sx;
+            out->H_q[k][i] = -r_x[k] + out->shift[k] * rate + left * cx;
         }
     }
 }
@@ -90,7 +96,7 @@ void rod_vary_state(const double *loads, double origin, double half, int n, cons
     /* farther from a point that is about to vanish, its large shift would cancel; nearer, an orbit in a gap far below
        floats has no digits without it */
     if (by_loads)
-        vary_level(s, c, steep, n, &d, rest, far < NEAR && steep != 0 && bent <= fabs(steep) * far, out);
+        vary_level(loads, s, c, steep, n, &d, rest, far < NEAR && steep != 0 && bent <= fabs(steep) * far, out);
     sin_cos_of(n, angle, out->sine, out->cosine);
     for (int i = 0; i < n; i++)
         out->rate[i] = slope_rate_by(lam, mu, phi, out->sine[i], out->cosine[i]);
@@ -98,31 +104,6 @@ void rod_vary_state(const double *loads, double origin, double half, int n, cons
     out->origin = origin, out->least = INFINITY;
     for (int i = 0; i < n; i++)
         out->least = smaller(out->least, square(out->v[i]) + out->c * square(out->H[i]));
-}
-
-/* H_q + shift_q H' at the nodes, (3, n), to relative accuracy in x. */
-static void slopes_with_shift(const double *loads, double origin, int n, const double *x, const double *shift,
-                              double H_q[3][NODES])
-{
-    const double lam = loads[0], mu = loads[1], phi = loads[2], s = sin(origin), c = cos(origin);
-    const double s2 = 2 * s * c, c2 = (c - s) * (c + s), s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
-    const double turn = 4 * (mu * s2 - c2 / 2), even = lam * c - phi * s;
-    const int near = shift[0] != 0 || shift[1] != 0 || shift[2] != 0;
-    double at[3];
-    distances d;
-    distances_of(n, x, &d);
-    slopes_by_loads(s, c, at);
-    for (int i = 0; i < n; i++) {
-        const double q = d.q[i], sx = d.sx[i], cx = d.cx[i], s2x = d.s2x[i], c2x = d.c2x[i], sx2 = sx * sx;
-        const double w = -2 * q - 2 * sx2 + 4 * q * sx2;
-        double R_x = -turn * (sx2 / 2 + q * cx) + c4 * (cx * w - sx * (sx * c2x + 2 * cx * s2x)) - sx * even;
-        R_x += s2x * (2 * mu * c2 + s2) - s4 * 2 * s2x * c2x;
-        for (int k = 0; k < 3; k++) {
-            const double left = near ? 0 : at[k];
-            const double r_x = k == 0 ? s * sx : k == 1 ? -c2 * (sx2 + 2 * q * cx) - s2 * s2x : c * sx;
-            H_q[k][i] = -r_x + shift[k] * R_x + left * cx;
-        }
-    }
 }
 
 void rod_height_rates(double angle, double other, double *out)
@@ -135,12 +116,11 @@ void rod_height_rates(double angle, double other, double *out)
     out[2] = angle == other ? 0 : 2 * sin(mean) * sine;
 }
 
-static void vary_rates(const double *loads, double nearest, int n, const double *x, varied_nodes *out)
+static void vary_rates(double nearest, int n, varied_nodes *out)
 {
-    double above[3], H_q[3][NODES], plain[3], *gamma[3];
+    double above[3], plain[3], *gamma[3];
     const double across = out->c, *s = out->sine, *c = out->cosine, *rate = out->rate;
     rod_height_rates(out->origin, nearest, above);
-    slopes_with_shift(loads, out->origin, n, x, out->shift, H_q);
     for (int k = 0; k < 3; k++) {
         gamma[k] = out->gamma[k];
         for (int i = 0; i < n; i++)
@@ -149,7 +129,8 @@ static void vary_rates(const double *loads, double nearest, int n, const double 
     for (int i = 0; i < n; i++) {
         const double v = out->v[i], H = out->H[i], sigma = shear_rate(v, H, rate[i], across);
         const double lever = across * H / across_flow(v, H, across);
-        const double g[4] = {1, gamma[0][i], gamma[1][i], gamma[2][i]}, h[4] = {0, H_q[0][i], H_q[1][i], H_q[2][i]};
+        const double g[4] = {1, gamma[0][i], gamma[1][i], gamma[2][i]};
+        const double h[4] = {0, out->H_q[0][i], out->H_q[1][i], out->H_q[2][i]};
         const double k[4] = {0, out->shift[0], out->shift[1], out->shift[2]};
         slopes_by_loads(s[i], c[i], plain);
         const double p[4] = {0, plain[0], plain[1], plain[2]};
@@ -205,9 +186,7 @@ static void weights_of(const points *at, double *out)
     const int n = (int)at->n;
     for (int i = 0; i < n; i++) {
         integral(n, at->analyse + n * i, row);
-        out[i] = 0;
-        for (int k = 0; k <= n; k++)
-            out[i] += row[k];
+        out[i] = sum_of(n + 1, row);
     }
 }
 
@@ -262,7 +241,7 @@ IN_WIDTHS(keep_series, (const varied_nodes *one, const points *at, double half, 
 IN_WIDTHS(series_at, (int size, const double *rows, double x, double *value), (size, rows, x, value))
 
 int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const points *at, const int64_t *only,
-                 varied_nodes *nodes, double *x, const varied_orbits *out)
+                 varied_nodes *nodes, const varied_orbits *out)
 {
     const int n = (int)at->n;
     const int64_t first = of->first[2 * b], P = of->count[2 * b] + of->count[2 * b + 1];
@@ -271,11 +250,11 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const po
     double total[2][SUMS] = {{0}}, weights[NODES];
     weights_of(at, weights);
     for (int64_t i = 0; i < P; i++) {
-        double v[NODES];
+        double x[NODES], v[NODES];
         const double *series = of->series + FUNCTIONS * width * (first + i);
-        product(n + 1, n, series, at->values, x + n * i);
+        product(n + 1, n, series, at->values, x);
         product(n + 1, n, series + width, at->values, v);
-        rod_vary_state(loads, of->origin[first + i], of->width[first + i] / 2, n, x + n * i, v, 1, &nodes[i]);
+        rod_vary_state(loads, of->origin[first + i], of->width[first + i] / 2, n, x, v, 1, &nodes[i]);
         out->least[first + i] = nodes[i].least;
         if (nodes[i].least < nodes[nearest].least)
             nearest = i;
@@ -284,7 +263,7 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const po
         const int backward = i >= count[0], wanted = !only || i == only[0] || i == only[1];
         const double half = of->width[first + i] / 2;
         double *jump = out->jump + PAIRS * (first + i), *series = out->series + VARIED * (first + i) * width;
-        vary_rates(loads, of->origin[first + nearest], n, x + n * i, &nodes[i]);
+        vary_rates(of->origin[first + nearest], n, &nodes[i]);
         vary_entry(nodes, count, i, of->direction[b], jump);
         if (wanted)
             FOR_LANES(out->lanes, keep_series)(&nodes[i], at, half, series);
@@ -309,25 +288,28 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const po
     return nearest;
 }
 
-/* The variations of n orbits, none of them a helix.
-
-   loads: (n, 3). The arrays of `out` are filled. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
-int rod_variations(int64_t n, const double *loads, const read_orbits *of, const points *at, const varied_orbits *out)
+int64_t rod_most_panels(const read_orbits *of, int64_t n)
 {
     int64_t most = 1;
     for (int64_t b = 0; b < n; b++) {
         const int64_t P = of->count[2 * b] + of->count[2 * b + 1];
         most = P > most ? P : most;
     }
+    return most;
+}
+
+/* The variations of n orbits, none of them a helix.
+
+   loads: (n, 3). The arrays of `out` are filled. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
+int rod_variations(int64_t n, const double *loads, const read_orbits *of, const points *at, const varied_orbits *out)
+{
     if (at->n > NODES || at->n < 4 || of->coefficients != at->n + 1)
         return NOT_POSSIBLE;
-    varied_nodes *nodes = malloc(sizeof(varied_nodes) * (size_t)most);
-    double *x = malloc(sizeof(double) * (size_t)(most * at->n));
-    for (int64_t b = 0; nodes && x && b < n; b++)
-        rod_vary(loads + 3 * b, of, b, at, NULL, nodes, x, out);
-    const int failed = nodes && x ? DONE : NO_MEMORY;
+    varied_nodes *nodes = malloc(sizeof(varied_nodes) * (size_t)rod_most_panels(of, n));
+    for (int64_t b = 0; nodes && b < n; b++)
+        rod_vary(loads + 3 * b, of, b, at, NULL, nodes, out);
+    const int failed = nodes ? DONE : NO_MEMORY;
     free(nodes);
-    free(x);
     return failed;
 }
 
@@ -437,10 +419,10 @@ static int panels_of(const arcs *from, const panels *cut, const points *at, int 
     for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next)
         P++;
     o->nodes = malloc(sizeof(varied_nodes) * (size_t)P);
-    o->room = malloc(sizeof(double) * (size_t)(P * (5 + n + PAIRS * (n + 1) + each + varied)));
+    o->room = malloc(sizeof(double) * (size_t)(P * (5 + PAIRS * (n + 1) + each + varied)));
     if (!o->nodes || !o->room)
         return NO_MEMORY;
-    double *since = o->room + P * n, *width = since + P, *base = width + P, *origin = base + P, *series = origin + P;
+    double *since = o->room, *width = since + P, *base = width + P, *origin = base + P, *series = origin + P;
     double *least = series + P * each, *jump = least + P, *kept = jump + P * PAIRS, *M = kept + P * varied;
     for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next, k++) {
         const panel *own = &cut->rows[i];

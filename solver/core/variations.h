@@ -9,11 +9,11 @@ enum { PAIRS = 10, PARTS = 5 }; /* the elements of the symmetric matrix M; parts
 enum { SUMS = PAIRS + 3 };       /* what is summed along an orbit: M, and sin, cos and sin cos of beta */
 enum { BETA, RATE, LIFTS };      /* what changes: beta, beta_t and, by each load q, the integral of H_q d beta */
 
-/* The state at the nodes of one panel, by a unit of the level and of the three loads. sine, cosine: of beta. rate: H'. M: the
-   rates of what is summed. */
+/* The state at the nodes of one panel, by a unit of the level and of the three loads. sine, cosine: of beta. rate:
+   H'. H_q: H_q + shift_q H'. M: the rates of what is summed. */
 typedef struct {
     double v[NODES], H[NODES], sine[NODES], cosine[NODES], rate[NODES], c, origin, least;
-    double shift[3], gamma[3][NODES], M[SUMS][NODES];
+    double shift[3], gamma[3][NODES], H_q[3][NODES], M[SUMS][NODES];
 } varied_nodes;
 
 /* The state at one place of an orbit: `variations.Place`. v: with its sign. M: from the start, as the integrals of sin, cos
@@ -35,10 +35,11 @@ typedef struct {
 void rod_vary_state(const double *loads, double origin, double half, int n, const double *x, const double *v, int by_loads,
                     varied_nodes *out);
 
-/* The variations of orbit b, none of a helix, on its panels, with nodes (P,) and x (P, n) as room. loads: (3,). only: two of the panels, numbered within the orbit, whose series alone are wanted, or NULL for all; M of
-   `out` may be NULL. Returns the number within the orbit of the panel whose critical point the orbit comes closest to. */
+/* The variations of orbit b, none of a helix, on its panels, with nodes (P,) as room. loads: (3,). only: two of the panels,
+   numbered within the orbit, whose series alone are wanted, or NULL for all; M of `out` may be NULL. Returns the number within
+   the orbit of the panel whose critical point the orbit comes closest to. */
 int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const points *at, const int64_t *only,
-                 varied_nodes *nodes, double *x, const varied_orbits *out);
+                 varied_nodes *nodes, const varied_orbits *out);
 
 /* The state at x of a panel with series of `size` coefficients, moving away from the start; M: since the start, along its
    arc. */
@@ -65,6 +66,9 @@ static inline double of_parts(const double *unit, const double *parts)
         total += parts[k] != 0 ? unit[k] * parts[k] : 0;
     return total;
 }
+
+/* The most panels of one of n orbits, at least 1. */
+int64_t rod_most_panels(const read_orbits *, int64_t n);
 
 enum { LOST = -1 };
 

@@ -50,10 +50,24 @@ static TARGET void NAME(pushed)(NAME(lanes) *x, int k)
     x->Ps[k] = NAME(sum)(x->P, x->s, k);
 }
 
-/* The term k of a product; fixed: whether the compiler knows k. */
+/* The term k of a product and of a square; fixed: whether the compiler knows k. */
 static inline ALWAYS TARGET vec NAME(term)(const vec *x, const vec *y, int k, const int fixed)
 {
     return fixed ? NAME(product)(x, y, k) : NAME(sum)(x, y, k);
+}
+
+static inline ALWAYS TARGET vec NAME(squared)(const vec *x, int k, const int fixed)
+{
+    return fixed ? NAME(square)(x, k) : NAME(half)(x, k);
+}
+
+/* The term k of the product of phi or mu and a series; without friction phi is a line and mu is constant. */
+static inline ALWAYS TARGET vec NAME(by_load)(const NAME(lanes) *lanes, const int load, const vec *x, int k, const int rubbed)
+{
+    const vec *y = lanes->y[load];
+    if (rubbed)
+        return NAME(sum)(y, x, k);
+    return load == PHI && k > 0 ? y[1] * x[k - 1] + y[0] * x[k] : y[0] * x[k];
 }
 
 /* The coefficients k of what the states up to k give, and the coefficients k + 1 of the states. */
@@ -63,20 +77,14 @@ static inline ALWAYS TARGET void NAME(terms)(NAME(lanes) *x, const int k, const 
     const vec zero = ZERO, *rod = x->rod, *v = y[SPEED], *q = y[Q], *s = x->s, *c = x->c, *e = x->e;
     const double share = 1.0 / (k + 1.0);
     const int fixed = !rubbed;
-    x->e2[k] = fixed ? NAME(square)(e, k) : NAME(half)(e, k);
+    x->e2[k] = NAME(squared)(e, k, fixed);
     x->s2[k] = 2.0 * e[k] - x->e2[k];
     x->se[k] = NAME(term)(s, e, k, fixed);
     x->sc[k] = s[k] - x->se[k];
     x->g[k] = 3.0 * e[k] - 2.0 * x->e2[k];
-    vec twisted, pulled, along = k == 0 ? rod[ALONG] : zero, across = rod[ACROSS] * x->sa[k], twist = zero;
-    if (rubbed) {
-        twisted = NAME(sum)(y[MU], x->g, k), pulled = NAME(sum)(y[PHI], s, k);
-    } else { /* the same sums, of which most terms are 0 */
-        twisted = y[MU][0] * x->g[k], pulled = y[PHI][0] * s[k];
-        if (k > 0)
-            pulled = y[PHI][1] * s[k - 1] + pulled;
-    }
-    x->H[k] = NAME(term)(c, q, k, fixed) + twisted - pulled - 2.0 * NAME(term)(x->sc, x->s2, k, fixed);
+    vec along = k == 0 ? rod[ALONG] : zero, across = rod[ACROSS] * x->sa[k], twist = zero;
+    x->H[k] = NAME(term)(c, q, k, fixed) + NAME(by_load)(x, MU, x->g, k, rubbed) -
+              NAME(by_load)(x, PHI, s, k, rubbed) - 2.0 * NAME(term)(x->sc, x->s2, k, fixed);
     if (rubbed) {
         NAME(pushed)(x, k);
         const NAME(way) is = NAME(ways)(x);
@@ -140,29 +148,32 @@ static inline TARGET vec NAME(reach)(const NAME(lanes) *x)
     return NAME(exp_2)(least);
 }
 
-/* The derivative of H by beta, up to the order `deep`, where phi is a line and mu is constant. */
+/* The term k of the derivative of H by beta. */
+static inline ALWAYS TARGET vec NAME(slope)(const NAME(lanes) *x, int k, const int rubbed)
+{
+    const int fixed = !rubbed;
+    return 3.0 * NAME(by_load)(x, MU, x->s, k, rubbed) - 4.0 * NAME(by_load)(x, MU, x->se, k, rubbed) -
+           NAME(term)(x->y[Q], x->s, k, fixed) - NAME(by_load)(x, PHI, x->c, k, rubbed) -
+           6.0 * NAME(squared)(x->sc, k, fixed) + 2.0 * NAME(squared)(x->s2, k, fixed);
+}
+
+/* The derivative of H by beta, up to the order `deep`, without friction. */
 static inline ALWAYS TARGET void NAME(derive)(NAME(lanes) *x, int deep)
 {
-    const vec *mu = x->y[MU], *phi = x->y[PHI];
     UNROLLED
     for (int k = 0; k < ORDER; k++) {
         if (k >= deep)
             break;
-        vec pulled = phi[0] * x->c[k];
-        if (k > 0)
-            pulled = phi[1] * x->c[k - 1] + pulled;
-        x->by_b[k] = 3.0 * (mu[0] * x->s[k]) - 4.0 * (mu[0] * x->se[k]) - NAME(product)(x->y[Q], x->s, k) - pulled -
-                     6.0 * NAME(square)(x->sc, k) + 2.0 * NAME(square)(x->s2, k);
+        x->by_b[k] = NAME(slope)(x, k, 0);
     }
 }
 
 /* The derivatives of H and P, up to the order `deep`, with friction. */
 static TARGET void NAME(derive_rubbed)(NAME(lanes) *x, int deep)
 {
-    const vec *q = x->y[Q], *mu = x->y[MU], *phi = x->y[PHI], *v = x->y[SPEED], side = x->rod[SIDE];
+    const vec *mu = x->y[MU], *v = x->y[SPEED], side = x->rod[SIDE];
     for (int k = 0; k < deep; k++)
-        x->by_b[k] = 3.0 * NAME(sum)(mu, x->s, k) - 4.0 * NAME(sum)(mu, x->se, k) - NAME(sum)(q, x->s, k) -
-                     NAME(sum)(phi, x->c, k) - 6.0 * NAME(half)(x->sc, k) + 2.0 * NAME(half)(x->s2, k);
+        x->by_b[k] = NAME(slope)(x, k, 1);
     const vec much = NAME(ways)(x).turning * side * x->rod[FRICTION] * x->rod[RADIUS], divisor = 1.0 - much * v[0];
     for (int k = 0; k < deep; k++) {
         vec by[GIVENS] = {ZERO};
