@@ -15,7 +15,7 @@ boundary. *holds*: every case agrees. *not decided*: cases without a value, or t
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -28,6 +28,8 @@ from solver.problem.errors import InputError, no_such
 
 HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS = "holds", "holds as a trend", "qualified", "not decided", "fails"
 VERDICTS = (HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS)  # best first
+
+Array = NDArray[np.float64]
 
 TREND_TAU = 0.8
 FEW = 256  # up to this number of values all pairs are compared at once
@@ -92,16 +94,34 @@ class _Pairs:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """The values of an observable in the rising order of an axis.
+    """The values of an observable in the rising order of an axis, and the numbers that a law compares them with.
 
-    values: (n,), NaN where a case is unsolved. cut: (n - 1,), the steps that cross to another branch. count: whether
-    the values are a count. noise: the largest step that counts as level.
+    values: (n,), not finite where there is no value. cut: (n - 1,), the steps that cross to another branch. count:
+    whether the values are a count. axis: its name. along: its values, (n,). targets: key of the law -> (n,). why: why a
+    target has no value, or "". A law with a direction needs none of the last four.
     """
 
-    values: NDArray[np.float64]
+    values: Array
     cut: NDArray[np.bool_]
     count: bool
-    noise: float
+    axis: str = ""
+    along: Array = field(default_factory=lambda: np.empty(0))
+    targets: Mapping[str, Array] = field(default_factory=dict)
+    why: str = ""
+
+    @property
+    def noise(self) -> float:
+        """The largest step that counts as level."""
+        return NOISE * float(np.nanmax(np.abs(self.values), initial=0.0))
+
+    def missing(self) -> str:
+        """How many cases have no value, in words; "" for none."""
+        lost = ~np.isfinite(self.values)
+        none = np.logical_or.reduce([~np.isfinite(target) for target in self.targets.values()], axis=0)
+        sentences = [f"{int(lost.sum())} of {lost.size} cases have no value"] if lost.any() else []
+        if np.any(none):
+            sentences.append(f"the formula has no value in {int(np.sum(none))} of {lost.size} cases ({self.why})")
+        return "; ".join(sentences)
 
 
 @dataclass(frozen=True)
@@ -150,14 +170,16 @@ def judge(values: ArrayLike, direction: str, count: bool | None = None, crossing
     """
     if direction not in DIRECTIONS:
         raise no_such("direction", direction, DIRECTIONS)
+    return judge_direction(line_of(values, count, crossing), direction)
+
+
+def line_of(values: ArrayLike, count: bool | None = None, crossing: ArrayLike | None = None, **compared: Any) -> Line:
+    """A line that can be judged. values, count, crossing: as of `judge`; compared: further fields of `Line`."""
     given = np.asarray(values)
     if given.ndim != 1 or given.size == 0 or given.dtype.kind not in "iufb":
         raise InputError(f"a law judges one line of numbers, got an array of shape {given.shape}")
-    row = given.astype(float)
-    row[~np.isfinite(row)] = np.nan
-    noise = NOISE * float(np.nanmax(np.abs(row), initial=0.0))
     counts = given.dtype.kind in "iub" if count is None else count
-    return DIRECTIONS[direction].judge(Line(row, cuts(crossing, given.shape), counts, noise))
+    return Line(given.astype(float), cuts(crossing, given.shape), counts, **compared)
 
 
 def monotone(line: Line, sign: int, may_stand: bool) -> Verdict:
@@ -185,6 +207,25 @@ DIRECTIONS: dict[str, Direction] = {
     "not-falling": Direction(partial(monotone, sign=1, may_stand=True), "does not fall", "falls", 1),
     "not-rising": Direction(partial(monotone, sign=-1, may_stand=True), "does not rise", "rises", -1),
 }
+
+
+def judge_direction(line: Line, direction: str) -> Verdict:
+    """The verdict on a line in a direction, for which an infinite value is none."""
+    values = np.where(np.isfinite(line.values), line.values, np.nan)
+    return DIRECTIONS[direction].judge(replace(line, values=values))
+
+
+def keeps_direction(line: Line, rule: Mapping[str, Any]) -> Verdict:
+    """The verdict on a line that must go in a direction.
+
+    Qualified if it holds only because it may stay level, while the sentence says that it rises or falls.
+    """
+    direction = rule["direction"]
+    verdict, says = judge_direction(line, direction), rule.get("says", direction)
+    if verdict.verdict != HOLDS or says == direction:
+        return verdict
+    meant = judge_direction(line, says)
+    return meant if as_good(meant.verdict, TREND) else Verdict(QUALIFIED, verdict.tau, reason=verdict.reason)
 
 
 def worst(verdicts: Sequence[str]) -> str:
@@ -252,7 +293,6 @@ def _pairs(row: NDArray[np.float64], noise: float) -> tuple[int, int]:
     return rising + rl + rr, falling + fl + fr
 
 
-Array = NDArray[np.float64]
 CONFIDENCE = 0.95  # of the interval of an exponent
 ROUNDING = 1e-13  # relative: a smaller excess over a tolerance is rounding
 
@@ -266,31 +306,6 @@ Finding = Callable[[Mapping[str, float], Mapping[str, Any], str, Show], str]
 def as_given(value: Any, of: str) -> str:
     """A number with four digits, a formula as the study has it."""
     return value if isinstance(value, str) else f"{value:.4g}"
-
-
-@dataclass(frozen=True, eq=False)
-class NumberLine:
-    """The values of an observable in the rising order of an axis, and the numbers that a law compares them with.
-
-    axis: its name. along, values: (n,), NaN where there is no value. cut: (n - 1,), the steps that cross to another
-    branch. targets: key of the law -> (n,). why: why a target has no value, or "".
-    """
-
-    axis: str
-    along: Array
-    values: Array
-    cut: NDArray[np.bool_]
-    targets: Mapping[str, Array]
-    why: str = ""
-
-    def missing(self) -> str:
-        """How many cases have no value, in words; "" for none."""
-        lost = ~np.isfinite(self.values)
-        none = np.logical_or.reduce([~np.isfinite(target) for target in self.targets.values()], axis=0)
-        sentences = [f"{int(lost.sum())} of {lost.size} cases have no value"] if lost.any() else []
-        if np.any(none):
-            sentences.append(f"the formula has no value in {int(np.sum(none))} of {lost.size} cases ({self.why})")
-        return "; ".join(sentences)
 
 
 def _equals(rule: Mapping[str, Any], show: Show) -> str:
@@ -331,7 +346,7 @@ def _gap(numbers: Mapping[str, float], rule: Mapping[str, Any], axis: str, show:
     return f"passes between {show(numbers['from'], 'axis')} and {show(numbers['to'], 'axis')}"
 
 
-def equals(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
+def equals(line: Line, rule: Mapping[str, Any]) -> Verdict:
     """Whether each value is that of the formula, within `relative` times the size of the formula or `absolute`."""
     formula = line.targets["formula"]
     off = np.abs(line.values - formula)
@@ -346,7 +361,7 @@ def equals(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     return _of_cases(line, off > allowed * (1 + ROUNDING), _off, rule, numbers)
 
 
-def bound(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
+def bound(line: Line, rule: Mapping[str, Any]) -> Verdict:
     """Whether each value is at least `least` and at most `most`."""
     beyond = np.full(line.values.shape, -np.inf)
     for key, sign in (("least", 1), ("most", -1)):
@@ -357,7 +372,7 @@ def bound(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
     return _of_cases(line, beyond > ROUNDING * np.abs(line.values), _range, rule, numbers)
 
 
-def scales(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
+def scales(line: Line, rule: Mapping[str, Any]) -> Verdict:
     """Whether the values are a power of the axis, with `exponent` within `within`.
 
     The exponent is the slope of a straight line through the logarithms of the sizes, by least squares; its interval of
@@ -393,7 +408,7 @@ def fit_power(x: Array, y: Array) -> tuple[float, float, float]:
     return exponent, float(half), float(np.exp(v.mean() - exponent * mean))
 
 
-def boundary(line: NumberLine, rule: Mapping[str, Any]) -> Verdict:
+def boundary(line: Line, rule: Mapping[str, Any]) -> Verdict:
     """Whether the observable passes a value between two neighbours of the axis that both are within `within` of `x`,
     and nowhere else."""
     level = line.values - line.targets["passes"]
@@ -434,7 +449,7 @@ def passes(level: Array, cut: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 
 def _of_cases(
-    line: NumberLine, wrong: NDArray[np.bool_], finding: Finding, rule: Mapping[str, Any], numbers: dict[str, float]
+    line: Line, wrong: NDArray[np.bool_], finding: Finding, rule: Mapping[str, Any], numbers: dict[str, float]
 ) -> Verdict:
     """The verdict on cases that each agree or not. numbers: that were measured; empty where no case has a value."""
     words = finding(numbers, rule, line.axis, as_given) if numbers else "no case has a value"
@@ -448,7 +463,7 @@ def _one_sign(values: Array) -> bool:
     return bool((values > 0).all() or (values < 0).all())
 
 
-def _branch_changes(line: NumberLine) -> str:
+def _branch_changes(line: Line) -> str:
     count = int(line.cut.sum())
     return f"{count} of {line.cut.size} steps lead to another branch of equilibria" if count else ""
 
@@ -461,14 +476,14 @@ STEPS, CASES = "steps the wrong way", "cases outside"  # what the exceptions of 
 class Kind:
     """A kind of law.
 
-    does: what the observable does, in words, of the law's keys. finding: what was measured, in words. judge: the
-    verdict on a line; both None for a direction, which `judge` judges. needs: the keys that a law must have. one_of:
-    keys of which it must have one; exclusive: and no more. keys: further keys. exceptions: what its exceptions are.
+    does: what the observable does, in words, of the law's keys. judge: the verdict on a line. finding: what was
+    measured, in words; None for a direction. needs: the keys that a law must have. one_of: keys of which it must have
+    one; exclusive: and no more. keys: further keys. exceptions: what its exceptions are.
     """
 
     does: Callable[[Mapping[str, Any], Show], str]
+    judge: Callable[[Line, Mapping[str, Any]], Verdict]
     finding: Finding | None = None
-    judge: Callable[[NumberLine, Mapping[str, Any]], Verdict] | None = None
     needs: tuple[str, ...] = ()
     one_of: tuple[str, ...] = ()
     exclusive: bool = False
@@ -483,12 +498,12 @@ class Kind:
 
 KINDS: dict[str, Kind] = {
     MONOTONE: Kind(
-        lambda rule, show: DIRECTIONS[rule["direction"]].does,
+        lambda rule, show: DIRECTIONS[rule["direction"]].does, keeps_direction,
         needs=("direction",), keys=("says", "alternatives", "also"), exceptions=STEPS,
     ),
-    "equals": Kind(_equals, _off, equals, ("formula",), ("relative", "absolute"), exclusive=True),
-    "bounded": Kind(_bounds, _range, bound, one_of=("least", "most")),
-    "scales": Kind(_scales, _exponent, scales, ("exponent", "within")),
-    "boundary": Kind(_passes, _gap, boundary, ("passes", "x", "within")),
+    "equals": Kind(_equals, equals, _off, ("formula",), ("relative", "absolute"), exclusive=True),
+    "bounded": Kind(_bounds, bound, _range, one_of=("least", "most")),
+    "scales": Kind(_scales, scales, _exponent, ("exponent", "within")),
+    "boundary": Kind(_passes, boundary, _gap, ("passes", "x", "within")),
 }  # fmt: skip
 FORMULAS = ("formula", "least", "most", "passes", "x")  # keys whose value may be a formula

@@ -1,8 +1,8 @@
 """A law of a study, and the verdict on it: does an observable do along an axis what a sentence claims?
 
-`line_verdicts.judge` judges the direction on each line of the grid, its `KINDS` compare the line with numbers;
-`decide` makes the verdict on the law: that of the worst line, or of the line nearest to its `at`. A law that does not
-fail is *qualified* if the numbers support only part of the sentence:
+The `KINDS` of `line_verdicts` judge each line of the grid, by its direction or by numbers; `decide` makes the verdict
+on the law: that of the worst line, or of the line nearest to its `at`. A law that does not fail is *qualified* if the
+numbers support only part of the sentence:
 
 *not contradicted*: the observable stays level, which the law allows, but the sentence says that it rises or falls;
 *on part of the grid*: the law is decided on one line of a grid, and another line has a worse verdict;
@@ -37,12 +37,11 @@ from .line_verdicts import (
     UNDECIDED,
     VERDICTS,
     Kind,
-    NumberLine,
     Verdict,
     as_given,
     as_good,
     cuts,
-    judge,
+    line_of,
 )
 
 
@@ -207,21 +206,11 @@ class Law(BaseModel):
         return self.says or self.direction or ""
 
     def judge(self, name: str, values: ArrayLike, crossing: ArrayLike | None = None, count: bool = False) -> Verdict:
-        """The verdict on one line of an observable, see `judge`; qualified if it holds only because it may stay level,
-        while the sentence says that it rises or falls. count: whether an expression is a whole number."""
+        """The verdict on one line of an observable, see `line_verdicts.judge` and `keeps_direction`. count: whether an
+        expression is a whole number."""
         if self.direction is None:
             raise InputError(f"a law of the kind {self.kind!r} has no direction")
-        whole = count or is_count(name)
-        verdict = judge(values, self.direction, whole, crossing)
-        if verdict.verdict != HOLDS or self.meant == self.direction:
-            return verdict
-        meant = judge(values, self.meant, whole, crossing)
-        return meant if as_good(meant.verdict, TREND) else Verdict(QUALIFIED, verdict.tau, reason=verdict.reason)
-
-    def compare(self, line: NumberLine) -> Verdict:
-        """The verdict on one line of a law of another kind than monotone."""
-        assert self._kind.judge is not None
-        return self._kind.judge(line, self.rule)
+        return self._kind.judge(line_of(values, count or is_count(name), crossing), self.rule)
 
 
 # fields of a law copied to its row
@@ -415,14 +404,14 @@ def _lines(
         return np.moveaxis(array, k, -1)[..., order]
 
     along, lines, cut = along[order], rise(values), cuts(grid.crossing, grid.shape, k)
-    if law.kind == MONOTONE:
-        return along, lines, lambda where: law.judge(name, lines[where], cut[where], name in grid.counts)
     compared = {key: (rise(at), rise(why)) for key, (at, why) in targets(law, grid.shape, grid.known).items()}
+    count, rule, kind = name in grid.counts or is_count(name), law.rule, KINDS[law.kind]
 
     def judge(where: tuple[int, ...]) -> Verdict:
         mine = {key: at[where] for key, (at, _) in compared.items()}
         why = "; ".join(dict.fromkeys(text for _, texts in compared.values() for text in texts[where].tolist() if text))
-        return law.compare(NumberLine(law.axis, along, lines[where].astype(float), cut[where], mine, why))
+        line = line_of(lines[where], count, cut[where], axis=law.axis, along=along, targets=mine, why=why)
+        return kind.judge(line, rule)
 
     return along, lines, judge
 
