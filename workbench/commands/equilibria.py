@@ -91,7 +91,6 @@ def equilibria(
     from solver.problem.reduced import held_of
 
     from ..branches.ends_study import study_and_case, write_cases
-    from ..branches.followed_curves import check_shown
     from ..store import writing
 
     study, case = study_and_case(file, given.values, given.units, held=axis is None)
@@ -104,6 +103,8 @@ def equilibria(
     if show is not None and axis is None:
         raise InputError(f"--show {show} names what --axis shows; give --axis too")
     if show is not None:
+        from ..branches.branch_dataset import check_shown
+
         check_shown(show)
     if axis is not None and export is not None:
         raise InputError("--export writes the equilibria of one case, so it excludes --axis")
