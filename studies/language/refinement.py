@@ -10,7 +10,7 @@ next cell. Each round halves the largest of these cells, until none is left that
 the budget is spent. The rounds follow from the numbers alone.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise, product
 
@@ -26,6 +26,11 @@ Places = NDArray[np.int64]
 
 EXACT = 1e-6  # of the finest step: how far from a place the value of a case may lie
 ROUNDING = 4e-16  # relative, of a value
+
+
+def product_of(places: Sequence[Places]) -> Places:
+    """The places of a grid in its order, (cases, axes), from the places along each axis."""
+    return np.stack([row.ravel() for row in np.meshgrid(*places, indexing="ij")], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +57,7 @@ class Lattice:
 
     def coarse(self) -> Places:
         """The places of the coarse grid in its order, (cases, axes)."""
-        rows = np.meshgrid(*(np.arange(size) << self.depth for size in self.shape), indexing="ij")
-        return np.stack([row.ravel() for row in rows], axis=1)
+        return product_of([np.arange(size) << self.depth for size in self.shape])
 
     def values(self, places: Places) -> dict[str, Values]:
         """The values of each axis at places, (cases, axes)."""
@@ -211,8 +215,7 @@ class Refinement:
     def __post_init__(self) -> None:
         self.places = self.lattice.coarse()
         self.numbers = np.empty((0, self.steps.size))
-        below = np.meshgrid(*(np.arange(size - 1) << self.lattice.depth for size in self.lattice.shape), indexing="ij")
-        first = np.stack([row.ravel() for row in below], axis=1)
+        first = product_of([np.arange(size - 1) << self.lattice.depth for size in self.lattice.shape])
         for line in self.lines:
             line.at = np.arange(self.lattice.shape[1 - line.along]) << self.lattice.depth
         self.cells = [first, *(first[:0] for _ in range(self.lattice.depth))]
@@ -266,7 +269,7 @@ class Refinement:
 
     def _offsets(self) -> Places:
         """The corners of a cell of size 1, (corners, axes)."""
-        return np.array(list(product((0, 1), repeat=len(self.lattice.shape))), dtype=np.int64)
+        return product_of([np.arange(2)] * len(self.lattice.shape))
 
     def _keys(self, places: Places) -> Places:
         """One number for each place; negative outside of the lattice."""
@@ -345,7 +348,7 @@ class Refinement:
             self.ended = TOLERANCE
             return
         cells, half = self.cells[level][marked[level]], self.size(level + 1)
-        thirds = np.array(list(product((0, 1, 2), repeat=cells.shape[1])), dtype=np.int64)
+        thirds = product_of([np.arange(3)] * cells.shape[1])
         groups = [*(cells[:, None, :] + thirds * half)]
         between = self._between(level)
         groups += [line for law_line, at in between for line in self._line(law_line, at)]

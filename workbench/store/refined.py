@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, choices, near
 from studies.grammar.axes import SAMPLE, Values
 from studies.language import refine as tables
-from studies.language.refinement import BUDGET, OUTCOME, Lattice, Places, Refinement, refinement_of
+from studies.language.refinement import BUDGET, OUTCOME, Lattice, Places, Refinement, product_of, refinement_of
 
 from . import schema, selection
 from .schema import OF_THE_CASE, SAMPLING, dimension
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from studies import Study
-    from studies.grammar.axes import Values
-    from studies.language.refinement import Places
 
 KEY = "refined"  # the attribute of a refined study, JSON
 MOST_DRAWN = 800  # cells of a raster along an axis, unless the coarse grid has more
@@ -298,5 +296,4 @@ def _grid(ds: "xr.Dataset") -> "tuple[Lattice, Places]":
         raise InputError(f"a boundary needs at least two values of each axis; {small[0]} has one")
     values = {axis: ds[axis].values.astype(float) for axis in axes}
     lattice = Lattice({axis: np.sort(row) for axis, row in values.items()}, frozenset(), 0)
-    ranks = np.meshgrid(*(np.argsort(np.argsort(row)) for row in values.values()), indexing="ij")
-    return lattice, np.stack([row.ravel() for row in ranks], axis=1)
+    return lattice, product_of([np.argsort(np.argsort(row)) for row in values.values()])
