@@ -19,20 +19,8 @@ from .numerics.arrays import Array
 from .problem.case import PAIRS, Case, Ends, check_case
 from .problem.case_fields import value_of, with_field
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, no_such, whole_number
-from .problem.limits import (
-    OUT_OF_RANGE,
-    TOO_LARGE,
-    TOO_LONG,
-    beyond,
-    beyond_limits,
-    dimensionless,
-    held_apart,
-    not_too_long,
-    representable,
-    too_far,
-    units_held,
-)
-from .problem.reduced import NUMBER_OF, EndsProblem, held_of, reduce, reduce_held, value_of_number
+from .problem.limits import OUT_OF_RANGE, beyond_limits, held_apart, reason_beyond, refusals, too_far, units_held
+from .problem.reduced import NUMBER_OF, EndsProblem, held_of, reduce, reduce_held, span_of, value_of_number
 from .problem.trajectory import Trajectory
 from .solution import Solution
 
@@ -134,10 +122,8 @@ def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -
 
     problem = reduce(case)
     assert isinstance(problem, EndsProblem)
-    within = representable(case, problem), dimensionless(problem), not_too_long(problem)
-    for fine, why in zip(within, (OUT_OF_RANGE, TOO_LARGE, TOO_LONG), strict=True):
-        if not fine.all():
-            return Equilibria([], str(beyond(why, case)[0]).removeprefix("failed: "))
+    if why := refusals(case, problem)[0]:
+        return Equilibria([], reason_beyond(why, case))
     all_of_them = search_levels(problem, most_swings)
     if all_of_them is None:
         return Equilibria([], NONE_FOUND)
@@ -178,8 +164,8 @@ def _with_held_ends(
             raise no_such("reaction of this case", name, [*number_of])
     ranges = {name: read_range(name, ends) for name, ends in within.items()}
     problem = reduce_held(case)
-    why = beyond_limits(problem) if units_held(case).all() else OUT_OF_RANGE
-    said = str(beyond(why, case)[0]).removeprefix("failed: ") if why else too_far(*held_apart(problem))
+    why = beyond_limits(problem)[0] if units_held(case).all() else OUT_OF_RANGE
+    said = reason_beyond(why, case) if why else too_far(*held_apart(problem))
     if said:
         return HeldEquilibria([], HeldSearch({}, most_swings, 0, 0, 0, 0, 0, said))
     A, rho = float(case.rod.bending_stiffness), float(case.rho)
@@ -248,7 +234,6 @@ def without_weight(case: Case) -> Case:
 
 def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
     """Those of a rod with weight that a search finds. Raises `InputError` for what it does not search."""
-    from .problem.reduced import flat
     from .shooting.answers import answer_ends, shape_path, why_unsolved
     from .shooting.loaded_rod import rods_of
     from .shooting.search import HEAVIEST, LONGEST, MOST_NODES, search_shapes
@@ -265,7 +250,7 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
     follows = not held_of(case) and rod.nodes().size <= MOST_NODES
     light = equilibria(without_weight(case), tol, FINE) if follows else []
     result = search_shapes(rod, [equilibrium.solution for equilibrium in light])
-    t = flat(case.rod.L / case.rho, case.shape)[:, None] * np.linspace(0, 1, stations)
+    t = span_of(case)[:, None] * np.linspace(0, 1, stations)
     listed = []
     for shape, index, how in zip(result.shapes, result.index, result.how, strict=True):
         path = shape_path(shape, index)

@@ -15,7 +15,7 @@ from .problem.case import ANGLES, PAIRS, Case, Ends
 from .problem.case_fields import fields_of, value_of, with_field
 from .problem.errors import InputError, choices, no_such, show
 from .problem.field_values import in_rad
-from .problem.reduced import EndsProblem, held_of, reduce_held
+from .problem.reduced import EndsProblem, held_of, reduce_held, span_of
 from .problem.trajectory import Trajectory
 from .solution import Solution
 from .solve import between_ends, ends_case, seed_of
@@ -120,10 +120,9 @@ def _follow_shape(solution: Solution, name: str, bounds: "Bounds") -> "tuple[lis
 
 def _solutions_at(points: list[BranchPoint], case: Case, u: Array, tol: float) -> Solution:
     """Points of a branch of rods with weight or friction as one solution of a case with as many rods, at s/L = u."""
-    from .problem.reduced import flat
     from .shooting.answers import answer_ends, shape_path
 
-    t = flat(case.rod.L / case.rho, case.shape)[:, None] * u
+    t = span_of(case)[:, None] * u
     paths = [shape_path(point.path, point.index) for point in points]
     return Solution(case, *answer_ends(case, t, tol, paths), t, "shooting", tol)
 
@@ -215,8 +214,7 @@ def solutions_of(branch: Branch, stations: int) -> Solution:
         return _solutions_at(list(branch.points), case, u, tol)
     shapes = [_shape(point, u, tol) for point in branch.points]
     t = np.concatenate([shape[1] for shape in shapes])
-    each = [vars(shape[0]) for shape in shapes]
-    problem = EndsProblem(**{name: np.concatenate([columns[name] for columns in each]) for name in each[0]})
+    problem = EndsProblem.join([shape[0] for shape in shapes])
     return Solution(case, problem, together([shape[2] for shape in shapes], t), t, "shooting", tol)
 
 

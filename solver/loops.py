@@ -7,7 +7,7 @@ import numpy as np
 
 from .problem.case import Case, Cylinder, Rod, Start
 from .problem.errors import InputError, whole_number
-from .problem.limits import OUT_OF_RANGE, beyond, units_held
+from .problem.limits import OUT_OF_RANGE, reason_beyond, units_held
 from .problem.reduced import reduce
 from .problem.shown import make
 from .solution import SHOWN, Solution
@@ -162,7 +162,7 @@ def _check(rod: Rod, cylinder: Cylinder, wraps: int, folds: int) -> float:
     if case.shape:
         raise InputError(f"loops takes one rod and one cylinder, got fields of shape {case.shape}")
     if not units_held(case).all():
-        raise InputError(beyond(OUT_OF_RANGE, case)[0].removeprefix("failed: "))
+        raise InputError(reason_beyond(OUT_OF_RANGE, case))
     span, ring = float(rod.L / case.rho), 2 * np.pi * wraps
     if not span > ring * (1 + 1e-12):
         raise InputError(

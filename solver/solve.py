@@ -6,21 +6,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .choose.selection import NEAREST, Choose, check
-from .numerics.arrays import Array, Booleans
+from .numerics.arrays import Array
 from .problem.case import Case, Ends, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
-from .problem.limits import (
-    OUT_OF_RANGE,
-    TOO_LARGE,
-    TOO_LONG,
-    beyond,
-    dimensionless,
-    not_too_long,
-    ordinary,
-    representable,
-    units_held,
+from .problem.limits import OUT_OF_RANGE, TOO_LARGE, TOO_LONG, beyond, ordinary, refusals, representable
+from .problem.reduced import (
+    EndsProblem,
+    HeldProblem,
+    Reduced,
+    StartProblem,
+    flat,
+    held_of,
+    reduce,
+    reduce_held,
+    span_of,
 )
-from .problem.reduced import EndsProblem, HeldProblem, Reduced, StartProblem, flat, held_of, reduce, reduce_held
 from .problem.trajectory import Seed, Trajectory, blank, stood_in
 from .solution import Solution
 
@@ -92,7 +92,7 @@ def solve(
         return _held(case, tol, choose_method("ends", method, knobs), stations, seed, check(choose))
     problem = reduce(case)
     chosen = choose_method(problem.kind, method, knobs)
-    t = _stations(case, problem, stations)
+    t = _stations(case, problem.span, stations)
     choose = check(choose)
     if isinstance(problem, EndsProblem):
         if seed is not None and choose != NEAREST:
@@ -124,8 +124,7 @@ def _varying(
             "seed of a rod with weight or friction is 'straight', or a Solution between ends of such a rod, got "
             f"{seed if isinstance(seed, str | float | int) else type(seed).__name__}"
         )
-    span = Reduced(*5 * [flat(case.rod.L / case.rho, case.shape)])
-    t = _stations(case, span, stations)
+    t = _stations(case, span_of(case), stations)
     if case.kind == "start":
         return Solution(case, *answer_starts(case, t, tol), t, name, tol)
     begin = seed if straight or seed is None else seed.trajectory
@@ -149,13 +148,13 @@ def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose:
         )
     problem = reduce_held(case)
     start = None if seed is None else seed_of(case, problem, seed)
-    t = _stations(case, problem, stations)
+    t = _stations(case, problem.span, stations)
     with np.errstate(all="ignore"):
         fit = np.asarray(np.isfinite(t)).all(axis=1, keepdims=True)
         answer, dead_problem = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, start)
-        refusals = [(answer.outcome != why, why) for why in (TOO_LARGE, TOO_LONG)]
-        refusals += [(representable(case, dead_problem), OUT_OF_RANGE), (units_held(case), OUT_OF_RANGE)]
-    return Solution(case, dead_problem, _refuse(answer, case, refusals), t, method.name, tol)
+        limits = [said if said in (TOO_LARGE, TOO_LONG) else "" for said in answer.outcome]
+        why = np.where(representable(case, dead_problem), limits, OUT_OF_RANGE)
+    return Solution(case, dead_problem, _refuse(answer, case, why), t, method.name, tol)
 
 
 def _run(
@@ -166,8 +165,8 @@ def _run(
 
     if ordinary(case, problem) and isinstance(problem, StartProblem):
         return run_in_blocks(method, problem, t, tol)
-    held, finite, short = representable(case, problem), dimensionless(problem), not_too_long(problem)
-    fit = held & finite & short
+    why = refusals(case, problem)
+    fit = why == ""
     if not fit.all():
         t = np.where(fit[:, None], t, np.linspace(0, 1, t.shape[1]))
     if isinstance(problem, StartProblem):
@@ -175,27 +174,25 @@ def _run(
     else:
         answer = method.run(stood_in(problem, fit), t, tol, **which)
         slope = np.where(np.isfinite(answer.dbeta[:, 0]), answer.dbeta[:, 0], 0.0)  # beta'(0) is known only now
-        held &= ~fit | representable(case, problem.with_start(slope))
-    refusals = [(short, TOO_LONG), (held, OUT_OF_RANGE), (finite, TOO_LARGE), (units_held(case), OUT_OF_RANGE)]
-    return _refuse(answer, case, refusals)
+        why = np.where(fit & ~representable(case, problem.with_start(slope)), OUT_OF_RANGE, why)
+    return _refuse(answer, case, why)
 
 
-def _refuse(answer: Trajectory, case: Case, refusals: list[tuple[Booleans, str]]) -> Trajectory:
-    """The answer without the cases that a limit refuses; refusals: which are within it, (B,), and its outcome."""
-    for fine, why in refusals:
-        answer = answer if fine.all() else blank(answer, fine, beyond(why, case))
-    return answer
+def _refuse(answer: Trajectory, case: Case, why: Array) -> Trajectory:
+    """The answer without the cases that a limit refuses; why: (B,), "" where none does."""
+    fit = why == ""
+    return answer if fit.all() else blank(answer, fit, beyond(why, case))
 
 
-def _stations(case: Case, problem: Reduced | HeldProblem, stations: Any) -> Array:
-    """The stations in units of rho, (B, n)."""
+def _stations(case: Case, span: Array, stations: Any) -> Array:
+    """The stations in units of rho, (B, n); span: L/rho, (B,)."""
     if isinstance(stations, (int, np.integer)) and not isinstance(stations, bool):
         stations = whole_number("stations", stations, 2, 10_000_000)
         with np.errstate(invalid="ignore", over="ignore"):  # overflow of the span is reported in the outcome
-            return problem.span[:, None] * _equal_steps(stations)
+            return span[:, None] * _equal_steps(stations)
     try:
         s = np.asarray(stations, dtype=float)
-        s = np.broadcast_to(s, (*case.shape, s.shape[-1])).reshape(problem.size, -1)
+        s = np.broadcast_to(s, (*case.shape, s.shape[-1])).reshape(case.size, -1)
     except (TypeError, ValueError, IndexError):
         shape = f"(n,) or {(*case.shape, 'n')}"
         raise InputError(f"stations must be a whole number or values of s, {shape}, got {stations!r}") from None
@@ -206,7 +203,7 @@ def _stations(case: Case, problem: Reduced | HeldProblem, stations: Any) -> Arra
     if not inside.all() or (np.diff(s, axis=1) < 0).any():
         raise InputError(f"stations must rise within [0, L], L = {length.min()}, got {s.min()} to {s.max()}")
     with np.errstate(all="ignore"):
-        return np.minimum(s / flat(case.rho, case.shape)[:, None], problem.span[:, None])
+        return np.minimum(s / flat(case.rho, case.shape)[:, None], span[:, None])
 
 
 @lru_cache(maxsize=8)

@@ -113,7 +113,7 @@ def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> 
     solved = EndsProblem(**{name: np.full(problem.size, PLAIN[name]) for name in (*FREE, "span")})
     for i in range(problem.size):
         single = problem.take(slice(i, i + 1))
-        reached = _reach(single, None if seed is None else seed.take(i))
+        reached = _reach(single, None if seed is None else seed.take(slice(i, i + 1)))
         if isinstance(reached, str):
             answers.append(reached)
             continue
@@ -124,8 +124,8 @@ def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> 
 
 
 def _reach(problem: HeldProblem, seed: Seed | None) -> Reached | str:
-    if why := beyond_limits(problem):
-        return why
+    if why := beyond_limits(problem)[0]:
+        return str(why)
     if why := unreachable(*held_apart(problem)):
         return f"failed: {why}"
     given = Given.of(problem)

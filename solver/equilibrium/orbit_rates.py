@@ -13,7 +13,6 @@ column of g0 is large, by one common factor. Columns are scaled before the equat
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from ..levels.line_point import LinePoint, Path
 from ..levels.path_orbits import variations_of
 from ..levels.transit_times import CUTTING, STRETCH
 from ..mechanics.potential import slope_higher_rates, slope_rate, slopes_by_loads
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Columns
 from ..numerics.roots import solve
 from ..orbit import helix_variations
 from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations
@@ -37,7 +36,7 @@ HOW = CUTTING, Cutting(LENGTH, GOAL, STRETCH)
 
 
 @dataclass(frozen=True, eq=False)
-class OrbitRates:
+class OrbitRates(Columns):
     """The numbers of B equilibria, and how they answer a change.
 
     problem: the ends problems that the orbits solve, span: the lengths at which their paths meet beta(L). values:
@@ -55,10 +54,6 @@ class OrbitRates:
     def length(self) -> Array:
         """The lengths T at which the paths meet beta(L), (B,)."""
         return self.problem.span
-
-    def take(self, index: Any) -> "OrbitRates":
-        """The equilibria that an index array, a mask or a slice selects."""
-        return OrbitRates(self.problem.take(index), self.values[index], self.rows[index], self.by_span[index])
 
     def value(self, name: str) -> Array:
         """One of the `NUMBERS`, (B,)."""

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..core import levels as core
-from ..numerics.arrays import EPS, Array, Booleans, Integers
+from ..numerics.arrays import EPS, Array, Booleans, Columns, Integers
 from ..orbit.periodic_orbit import Orbit
 from ..problem.limits import LARGEST
 from ..problem.reduced import EndsProblem
@@ -80,7 +80,7 @@ class Roots:
 
 
 @dataclass(frozen=True, eq=False)
-class Brackets:
+class Brackets(Columns):
     """K pairs of levels between which the length of a path passes that of the rod, (K,) each.
 
     pin, sign: of both levels. first, second: their y, equal where the root is known already. path: number of the path.
@@ -93,9 +93,6 @@ class Brackets:
     second: Array
     path: Integers
     rises: Booleans
-
-    def take(self, index: Any) -> "Brackets":
-        return Brackets(**{name: v[index] for name, v in vars(self).items()})
 
 
 def search_levels(
@@ -191,7 +188,7 @@ def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_tur
         brackets_on_grid(boundary, grid, seen, every.take(slice(k, k + _PATHS)), k)
         for k in range(0, every.turns.size if size else 1, _PATHS)
     ]
-    brackets, calls = join_brackets([p for p, _ in parts]), seen.calls + sum(more for _, more in parts)
+    brackets, calls = Brackets.join([p for p, _ in parts]), seen.calls + sum(more for _, more in parts)
     turns = every.turns[brackets.path]
     kept = np.ones(turns.size, dtype=bool) if most_turns is None else turns <= most_turns
     afford = int(BUDGET / (_EACH * max(1.0, seen.calls / max(size, 1))))
@@ -288,11 +285,6 @@ def _range(orbit: Orbit, problem: EndsProblem) -> tuple[Array, Array]:
     return lowest, highest
 
 
-def join_brackets(parts: list[Brackets]) -> Brackets:
-    columns: dict[str, Any] = {name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])}
-    return Brackets(**columns)
-
-
 def brackets_on_grid(
     boundary: Boundary, grid: LevelGrid, seen: TransitTimes, some: Paths, before: int
 ) -> tuple[Brackets, int]:
@@ -323,7 +315,7 @@ def brackets_on_grid(
     second = np.where(np.isnan(y), place.y, y)
     direct = Brackets(place.pin, place.sign, first, second, n + before, above[n, k + 1])
     dips, calls = _dips(boundary, grid, some, off)
-    return join_brackets([direct, replace(dips, path=dips.path + before)]), calls
+    return Brackets.join([direct, replace(dips, path=dips.path + before)]), calls
 
 
 def _above(off: Array, span: float) -> tuple[Booleans, Booleans]:

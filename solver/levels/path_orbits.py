@@ -15,7 +15,7 @@ from ..mechanics.potential import potential
 from ..numerics.arrays import Array, Integers
 from ..orbit.joined_orbits import join_orbits
 from ..orbit.periodic_orbit import TIGHT, Orbit, assemble, solve_orbit
-from ..orbit.pieces import HELIX, Panels, join
+from ..orbit.pieces import HELIX, Panels
 from ..orbit.variations import Variations, variations_on
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts, where_shown
@@ -44,7 +44,7 @@ def with_saddle_panels(brief: Orbit, span: Array, gap: Array, excess: Array) -> 
     duration = stay[end, piece]
     angles, rest = (pieces.base[piece], pieces.origin[piece]), _still(panels, pieces.base[piece], duration)
     still = Panels(pieces.arc[piece], pieces.rank[piece], duration, *angles, *rest)
-    every = join([replace(panels, series=series), still])
+    every = Panels.join([replace(panels, series=series), still])
     place = np.concatenate([np.zeros(panels.arc.size), np.where(end == 0, -1, 1)])
     number = np.concatenate([np.arange(panels.arc.size), np.arange(piece.size)])
     every = every.take(np.lexsort((number, place, every.rank, every.arc)))

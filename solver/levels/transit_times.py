@@ -22,7 +22,7 @@ from ..core import levels as core
 from ..core.library import Cutting
 from ..core.orbits import CriticalPoints
 from ..mechanics.potential import TAU, load_size
-from ..numerics.arrays import Array, Booleans, Integers
+from ..numerics.arrays import Array, Booleans, Columns, Integers
 from ..orbit.pieces import CENTRE, Pieces
 from ..problem.reduced import EndsProblem
 
@@ -30,19 +30,16 @@ UP, DOWN = 1, -1
 
 
 @dataclass(frozen=True, eq=False)
-class Levels:
+class Levels(Columns):
     """M levels: pin (M,), index into the boundary's pins; sign (M,), +1 or -1; y (M,), log of the gap's size."""
 
     pin: Integers
     sign: Array
     y: Array
 
-    def take(self, index: Any) -> "Levels":
-        return Levels(self.pin[index], self.sign[index], self.y[index])
-
 
 @dataclass(frozen=True, eq=False)
-class Paths:
+class Paths(Columns):
     """N paths from one end to the other, (N,) each: direction at beta(0), UP or DOWN, and turning points passed."""
 
     leaving: Integers
@@ -56,12 +53,9 @@ class Paths:
         crossing = 2 * ((turns - ~inward) // 2) + 1
         return np.stack([crossing, 2 * np.where(up, half, turns // 2), 2 * np.where(up, turns // 2, half)], axis=1)
 
-    def take(self, index: Any) -> "Paths":
-        return Paths(self.leaving[index], self.turns[index])
-
 
 @dataclass(frozen=True, eq=False)
-class LevelPaths:
+class LevelPaths(Columns):
     """The level and the path of K solutions, (K,) each: eta = G(pin) + sign exp(y); see `Paths`."""
 
     pin: Array
@@ -70,9 +64,6 @@ class LevelPaths:
     leaving: Integers
     turns: Integers
     helix: Booleans
-
-    def take(self, index: Any) -> "LevelPaths":
-        return LevelPaths(**{name: v[index] for name, v in vars(self).items()})
 
 
 STRETCH = 4.0  # factor of the panels along saddles, where time is almost linear in u

@@ -247,7 +247,7 @@ class SeededMethod(EndsMethod):
         begin, taken, why = (seed, None, [""] * problem.size) if seed is not None else select_seed(problem, choose)
 
         def answer(i: int) -> Answer:
-            near = begin.take(i)
+            near = begin.take(slice(i, i + 1))
             if np.isfinite(near.beta).all():
                 return self.solve_one(problem.take(slice(i, i + 1)), t[i], tol, near)
             return np.full((5, t.shape[1]), np.nan), np.inf, np.inf, 0, why[i] or "failed: the seed has no shape"

@@ -9,7 +9,7 @@ from ..core.orbits import judge
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import solve_orbit
 from ..orbit.pieces import MOST
-from ..problem.limits import TOO_LARGE, dimensionless
+from ..problem.limits import TOO_LARGE, beyond_limits
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, blank, stood_in, verdicts
 from .base import TOLERANCES, Ladder, StartMethod
@@ -29,7 +29,7 @@ class OrbitQuadrature(StartMethod):
     ladders = (Ladder("orbit", "tol", TOLERANCES, "#00704f", "o", bold=True),)
 
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
-        fit = dimensionless(problem)
+        fit = beyond_limits(problem) == ""
         return blank(_run(stood_in(problem, fit), np.where(fit[:, None], t, 0), tol), fit, TOO_LARGE)
 
 

@@ -35,27 +35,23 @@ class Shooting(EndsMethod):
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
         if seed is not None and seed.problem is not None:
-            parts = [_carry(single, t[i : i + 1], tol, seed.take(i)) for i, single in enumerate(_each(problem))]
-            return together(parts, t)
+            rows = [slice(i, i + 1) for i in range(problem.size)]
+            return together([_carry(problem.take(row), t[row], tol, seed.take(row)) for row in rows], t)
         slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
         near = np.isfinite(slopes)
         if near.all():
             return equilibrium_trajectory(problem, solve_orbit(problem.with_start(slopes), TIGHT), t, tol)
         answers: list[Trajectory | str] = []
-        for i, single in enumerate(_each(problem)):
-            row = t[i : i + 1]
+        for i in range(problem.size):
+            row = slice(i, i + 1)
+            single = problem.take(row)
             if near[i]:
-                orbit = solve_orbit(single.with_start(slopes[i : i + 1]), TIGHT)
-                answers.append(equilibrium_trajectory(single, orbit, row, tol))
+                orbit = solve_orbit(single.with_start(slopes[row]), TIGHT)
+                answers.append(equilibrium_trajectory(single, orbit, t[row], tol))
             else:
                 slope = None if seed is None else float(seed.slope[i])
-                answers.append(selection_of(single, row, tol, slope, choose))
+                answers.append(selection_of(single, t[row], tol, slope, choose))
         return together(answers, t)
-
-
-def _each(problem: EndsProblem) -> list[EndsProblem]:
-    """The problems as problems of size 1."""
-    return [problem.take(slice(i, i + 1)) for i in range(problem.size)]
 
 
 def _carry(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory | str:

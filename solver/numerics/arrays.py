@@ -1,6 +1,7 @@
-"""Array types, and the rounding of their numbers."""
+"""Array types, dataclasses of arrays, and the rounding of their numbers."""
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,3 +11,18 @@ Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
 EPS = 2.0**-52
+
+
+class Columns:
+    """A dataclass whose arrays have a row for each of many: of problems, levels, panels. Other fields are of all."""
+
+    def take(self, index: Any) -> Self:
+        """The rows that an index array, a mask or a slice selects."""
+        rows = {k: v[index] if isinstance(v, np.ndarray) else v.take(index) if isinstance(v, Columns) else v
+                for k, v in vars(self).items()}  # fmt: skip
+        return type(self)(**rows)
+
+    @classmethod
+    def join(cls, parts: Sequence[Self]) -> Self:
+        """Rows one after the other, of dataclasses that hold nothing but arrays."""
+        return cls(**{name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])})

@@ -7,12 +7,12 @@ centre. The core makes them (arcs.c), and cuts them into panels, on which beta a
 series in time. A time on the orbit is folded into the two arcs: its phase.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..numerics.arrays import Array, Booleans, Integers
+from ..numerics.arrays import Array, Booleans, Columns, Integers
 
 PASS, SADDLE, CENTRE = 0, 1, 2
 HELIX, LIBRATION, ROTATION = 0, 1, 2
@@ -60,7 +60,7 @@ MOST = 10_000  # panels of one orbit beyond which none is halved any more
 
 
 @dataclass(frozen=True, eq=False)
-class Panels:
+class Panels(Columns):
     """P panels, in order of arc and of time away from the start.
 
     arc: (P,), 2 b for the forward arc of problem b, 2 b + 1 for the backward one. rank: (P,), of the panel's piece.
@@ -84,9 +84,6 @@ class Panels:
     time_rounding: Array
     calls: Integers
 
-    def take(self, index: Any) -> "Panels":
-        return Panels(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
-
 
 def running(values: Array, first: Any, count: Any) -> Array:
     """Sums of the values (P, k) before each panel within its part: added part by part, so that none sees another's."""
@@ -95,12 +92,6 @@ def running(values: Array, first: Any, count: Any) -> Array:
     table = np.zeros((count.size, int(count.max(initial=0)) + 1, values.shape[1]))
     table[part, rank + 1] = values
     return np.cumsum(table, axis=1)[part, rank]
-
-
-def join(parts: list[Panels]) -> Panels:
-    """Panels one after the other."""
-    columns: dict[str, Any] = {f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Panels)}
-    return Panels(**columns)
 
 
 @dataclass(frozen=True, eq=False)

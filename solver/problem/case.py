@@ -492,12 +492,12 @@ class Case:
                 reach = np.min(np.atleast_1d(most)[np.atleast_1d(far)], initial=np.inf)
                 refuse("Ends", name, value, far, f"from -{words} to {words}, and {words} is {reach:.10g}")
 
-    @cached_property
-    def _numeric(self) -> tuple[tuple[Any, str, Any], ...]:
+    @property
+    def _numeric(self) -> list[tuple[Any, str, Any]]:
         """Part, name and value of each numeric field that is given."""
         parts = (self.rod, self.cylinder, self.given)
         values = ((part, field.name, getattr(part, field.name)) for part in parts for field in fields(part))
-        return tuple(row for row in values if row[2] is not None and not isinstance(row[2], str))
+        return [row for row in values if row[2] is not None and not isinstance(row[2], str)]
 
     @property
     def kind(self) -> str:

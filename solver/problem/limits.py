@@ -1,5 +1,7 @@
 """Whether floats can represent a case: its stiffness, forces, curvatures and their squares, in its own units."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,24 +24,23 @@ _ORDINARY = 1e30  # with it the largest sum of decades in `representable` is 62 
 _DECADES = 290.0  # a float has 308; the margin is for factors and sums
 
 
-def dimensionless(problem: Reduced) -> NDArray[np.bool_]:
-    """Whether the numbers of each problem can be squared, (B,)."""
-    numbers = np.stack(list(vars(problem).values()))
+def beyond_limits(problem: Reduced | HeldProblem) -> NDArray[np.str_]:
+    """The outcome of each problem whose numbers cannot be squared, or whose L/rho is beyond a limit, (B,); else ""."""
+    numbers = np.column_stack([part for part in vars(problem).values() if isinstance(part, np.ndarray)])
     with np.errstate(invalid="ignore"):
-        return np.asarray((np.abs(numbers) < LARGEST).all(axis=0) & (problem.span > SHORTEST))
+        fine = (np.abs(numbers) < LARGEST).all(axis=1) & (problem.span > SHORTEST)
+        short = (problem.span < LONGEST) | isinstance(problem, StartProblem)
+    return np.where(fine, np.where(short, "", TOO_LONG), TOO_LARGE)
 
 
-def beyond_limits(problem: HeldProblem) -> str:
-    """The outcome of one problem whose numbers or L/rho are beyond a limit; else ""."""
-    numbers, span = np.append(problem.values[0], problem.ratio[0]), float(problem.span[0])
-    if not (np.abs(numbers) < LARGEST).all() or not SHORTEST < span < LARGEST:
-        return TOO_LARGE
-    return "" if span < LONGEST else TOO_LONG
+def refusals(case: Case, problem: Reduced) -> NDArray[np.str_]:
+    """Why floats cannot hold each problem of a case, or its solution in the units of the case, (B,); "" where they can.
 
-
-def not_too_long(problem: Reduced) -> NDArray[np.bool_]:
-    """Whether L/rho of each problem is within `LONGEST` if it is one between two ends, (B,)."""
-    return np.asarray((problem.span < LONGEST) | isinstance(problem, StartProblem))
+    Between ends beta'(0) is not known, so `representable` judges the solution again.
+    """
+    limits = beyond_limits(problem)
+    first = [~units_held(case), limits == TOO_LARGE, ~representable(case, problem)]
+    return np.select(first, [OUT_OF_RANGE, TOO_LARGE, OUT_OF_RANGE], limits)
 
 
 def farthest(case: Case) -> tuple[NDArray[np.str_], NDArray[np.float64]]:
@@ -52,10 +53,15 @@ def farthest(case: Case) -> tuple[NDArray[np.str_], NDArray[np.float64]]:
     return np.array([name for name, _ in named])[which], values[which, np.arange(which.size)]
 
 
-def beyond(why: str, case: Case) -> NDArray[np.str_]:
-    """The outcomes of cases out of range, (B,): why, and the field that is farthest from 1."""
-    pairs = zip(*(part.tolist() for part in farthest(case)), strict=True)
-    return np.array([f"{why}; the most extreme field is {name} = {value:g}" for name, value in pairs])
+def beyond(why: Any, case: Case) -> NDArray[np.str_]:
+    """The outcomes of cases out of range, (B,): why, one or (B,), and the field that is farthest from 1."""
+    rows = zip(np.broadcast_to(why, case.size), *(part.tolist() for part in farthest(case)), strict=True)
+    return np.array([f"{said}; the most extreme field is {name} = {value:g}" for said, name, value in rows])
+
+
+def reason_beyond(why: str, case: Case) -> str:
+    """The same of one case, for a list that it leaves empty, and for an error."""
+    return str(beyond(why, case)[0]).removeprefix("failed: ")
 
 
 def units_held(case: Case) -> NDArray[np.bool_]:

@@ -14,16 +14,16 @@ nowhere else.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
-from ..numerics.arrays import Array, Integers
+from ..numerics.arrays import Array, Columns, Integers
 from ..numerics.complex_step import STEP
 from .case import PAIRS, Case, Ends
-from .case_fields import unchecked_with_field, unchecked_with_fields, values_of
+from .case_fields import unchecked_with_fields, values_of
 from .errors import InputError
 
 # The number (`equilibrium.orbit_rates`, and the rotation "turn") that each field of Ends fixes, in the order of PAIRS.
@@ -52,7 +52,7 @@ def value_of_number(field: str, number: Any, A: Any, rho: Any) -> Any:
 
 
 @dataclass(frozen=True, eq=False)
-class Reduced:
+class Reduced(Columns):
     """The fields that both kinds of problem share, for B problems, (B,) each.
 
     lam, mu, phi: MZ rho/A, M3 rho/A, FZ rho^2/A. span: L/rho. beta0: angle at the start.
@@ -68,10 +68,6 @@ class Reduced:
     def size(self) -> int:
         """The number of problems."""
         return self.beta0.size
-
-    def take(self, index: Any) -> Self:
-        """The problems that an index array, a mask or a slice selects."""
-        return type(self)(**{name: value[index] for name, value in vars(self).items()})
 
     def with_start(self, dbeta0: Array) -> "StartProblem":
         """The start problems with the same loads, length and beta0, and the given slopes."""
@@ -99,7 +95,7 @@ class EndsProblem(Reduced):
 
 
 @dataclass(frozen=True, eq=False)
-class HeldProblem:
+class HeldProblem(Columns):
     """B ends problems, each with five given numbers.
 
     given: the names of the five fields, one of each of `PAIRS`. values: (B, 5), the numbers of `NUMBER_OF` that they
@@ -120,10 +116,6 @@ class HeldProblem:
     def numbers(self) -> tuple[str, ...]:
         """The names of the five numbers."""
         return tuple(NUMBER_OF[name] for name in self.given)
-
-    def take(self, index: Any) -> "HeldProblem":
-        """The problems that an index array, a mask or a slice selects."""
-        return HeldProblem(self.given, self.values[index], self.span[index], self.ratio[index])
 
     def known(self, number: str) -> Array | None:
         """The given values of a number, (B,); None where it is unknown."""
@@ -175,6 +167,11 @@ def dimensionless_numbers(case: Case, kind: type = float) -> Array:
     return numbers
 
 
+def span_of(case: Case) -> Array:
+    """L/rho, (B,)."""
+    return flat(case.rod.L / case.rho, case.shape)
+
+
 def refuse_varying(case: Case) -> None:
     """Raise `InputError` for a case whose loads vary along the rod."""
     if case.varies:
@@ -203,26 +200,27 @@ def reduce_held(case: Case) -> HeldProblem:
 
 def held_problem(case: Case) -> HeldProblem:
     """The same of any case with Ends; where loads vary along the rod, its loads are those of the far end."""
-    given, A, rho, fields = case.given, case.rod.bending_stiffness, case.rho, given_fields(case)
+    fields = given_fields(case)
     with np.errstate(all="ignore"):  # overflow is reported in the outcome
-        columns = [flat(number_of(name, getattr(given, name), A, rho), case.shape) for name in fields]
-        span, ratio = flat(case.rod.L / rho, case.shape), flat(case.rod.stiffness_ratio, case.shape)
-    return HeldProblem(fields, np.stack(columns, axis=1), span, ratio)
+        *five, span, ratio = (flat(number, case.shape) for number in _given_values(case, fields, {}))
+    return HeldProblem(fields, np.stack(five, axis=1), span, ratio)
+
+
+def _given_values(case: Case, fields: Sequence[str], new: Mapping[str, Any]) -> tuple[Any, ...]:
+    """The five given numbers, L/rho and A/C of an ends problem; new: values in place of those of its ends."""
+    A, rho = case.rod.bending_stiffness, case.rho
+    five = [number_of(name, new[name] if name in new else getattr(case.given, name), A, rho) for name in fields]
+    return (*five, case.rod.L / rho, case.rod.stiffness_ratio)
 
 
 def numbers_over(case: Case, *names: str) -> Callable[..., tuple[float, ...]]:
     """The five given numbers, L/rho and A/C of one ends problem over some fields: those of `held_problem`, for valid
     values, many times as fast."""
-    given = given_fields(case)
-    alters_rod = any(not hasattr(case.given, name) for name in names)
+    fields, alters_rod = given_fields(case), any(not hasattr(case.given, name) for name in names)
 
     def numbers(*values: float) -> tuple[float, ...]:
-        new, moved = dict(zip(names, values, strict=True)), case
-        for name, value in new.items() if alters_rod else ():
-            moved = unchecked_with_field(moved, name, value)
-        A, rho = moved.rod.bending_stiffness, moved.rho
-        fixed = [number_of(name, new[name] if name in new else getattr(case.given, name), A, rho) for name in given]
-        return (*fixed, moved.rod.L / rho, moved.rod.stiffness_ratio)
+        new = dict(zip(names, values, strict=True))
+        return _given_values(unchecked_with_fields(case, new) if alters_rod else case, fields, new)
 
     return numbers
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Columns
 from .reduced import EndsProblem, Reduced, value_of_number
 
 SOLVED = "solved"
@@ -83,7 +83,7 @@ class Trajectory:
 
 
 @dataclass(frozen=True, eq=False)
-class Seed:
+class Seed(Columns):
     """Selects one of many solutions: the one near the seed.
 
     slope: beta_t(0), (B,). beta: at s/L = u, (B, n). If the seeds are solutions, problem: the ends problems that they
@@ -96,11 +96,6 @@ class Seed:
     problem: EndsProblem | None = None
     orbit: Any = None
     row: Any = None
-
-    def take(self, i: int) -> "Seed":
-        at = slice(i, i + 1)
-        known = self.slope[at], self.u[at], self.beta[at]
-        return Seed(*known) if self.problem is None else Seed(*known, self.problem.take(at), self.orbit, self.row[at])
 
     def on(self, problem: EndsProblem, nodes: int) -> Array:
         """The single shape on equal steps, (nodes,), changed linearly to meet the end angles of the problem."""

@@ -15,9 +15,9 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..observe.observables import observe
 from ..problem.case import Case, Start
-from ..problem.case_fields import unchecked_with_field, values_of
+from ..problem.case_fields import unchecked_with_fields, values_of
 from ..problem.quantities import quantity
-from ..problem.reduced import flat
+from ..problem.reduced import flat, span_of
 from ..shape import Shape
 from ..shooting.answers import answer_ends, answer_starts, shape_path
 from ..shooting.curve import DIFFERENCE, Curve
@@ -113,13 +113,13 @@ def _size(case: Case, name: str) -> Array:
 def _case_at(case: Case, name: str, change: Array) -> Case:
     """The case with a field changed by (B,)."""
     value: Any = (flat(values_of(case, name), case.shape) + change).reshape(case.shape)[()]
-    return unchecked_with_field(case, name, value)
+    return unchecked_with_fields(case, {name: value})
 
 
 def _at_step(sol: Shape, line: Line, count: int) -> Shape:
     """The rods after so many steps along their lines, at the same s/L."""
     case = _case_at(sol.case, line.name, count * line.step * line.size)
-    t = flat(case.rod.L / case.rho, case.shape)[:, None] * (sol.t / sol.t[:, -1:])
+    t = span_of(case)[:, None] * (sol.t / sol.t[:, -1:])
     known: Any = sol.trajectory
     problem: Any
     if isinstance(case.given, Start):
