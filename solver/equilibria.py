@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,10 +23,6 @@ from .problem.limits import OUT_OF_RANGE, beyond_limits, held_apart, reason_beyo
 from .problem.reduced import NUMBER_OF, EndsProblem, held_of, reduce, reduce_held, span_of, value_of_number
 from .problem.trajectory import Trajectory
 from .solution import Solution
-
-if TYPE_CHECKING:
-    from .orbit.periodic_orbit import Orbit
-
 
 __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
 
@@ -139,16 +135,16 @@ def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -
     energy = read.unit_moment * all_of_them.energy - OBSERVABLES["twist_energy"].compute(read)[0]
     listed = []
     for i in range(K):
-        solution = Solution(case, problem, _row_of(together, orbit.take(i), t, i), t[i : i + 1], "shooting", tol)
+        solution = Solution(case, problem, _row_of(together, t, i), t[i : i + 1], "shooting", tol)
         numbers = float(energy[i]), float(slopes[i] / case.rho), int(turns[i])
         more = float(attached[i]), float(stray[i]), all_of_them.path.take(slice(i, i + 1))
         listed.append(Equilibrium(solution, int(index[i]), *numbers, *more, int(index[i])))
     return Equilibria(in_order(listed), all_of_them.remark)
 
 
-def _row_of(together: Trajectory, orbit: "Orbit", t: Array, i: int) -> Trajectory:
+def _row_of(together: Trajectory, t: Array, i: int) -> Trajectory:
     """Row i of a trajectory, with its own orbit."""
-    row = slice(i, i + 1)
+    row, orbit = slice(i, i + 1), together.orbit.take(slice(i, i + 1))
     names = ("beta", "dbeta", "alpha", "z", "solved", "outcome", "error", "condition", "evaluations")
     picked = {name: getattr(together, name)[row] for name in names}
     return replace(together, **picked, swirl=partial(orbit.swirl, t[row]), orbit=orbit)

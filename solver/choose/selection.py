@@ -108,7 +108,8 @@ def selection_of(
     if known is None:
         return NO_EQUILIBRIUM
     if slope is not None:
-        return equilibrium_trajectory(problem, known.orbit.take(int(np.argmin(np.abs(known.slope - slope)))), t, tol)
+        nearest = np.argmin(np.abs(known.slope - slope), keepdims=True)
+        return equilibrium_trajectory(problem, known.orbit.take(nearest), t, tol)
     i = select(choose, known.index, known.energy, known.stray, known.slope)
     if i is None:
         each = sorted({int(i) for i in known.index})
@@ -117,7 +118,7 @@ def selection_of(
     if not isinstance(choose, int) and known.index[i] != 0 and known.remark:  # by degree there is a stable equilibrium
         return f"failed: {known.remark}"
     how = np.array([selection(choose, known.index, known.total, not known.remark)], dtype=object)
-    return replace(equilibrium_trajectory(problem, known.orbit.take(i), t, tol), selection=how)
+    return replace(equilibrium_trajectory(problem, known.orbit.take(slice(i, i + 1)), t, tol), selection=how)
 
 
 def _search(problem: EndsProblem, slope: float | None, choose: Choose) -> Found | None:

@@ -81,7 +81,7 @@ def push_at(sol: Shape, cases: Array, t: Array) -> Array:
         rows = [[np.interp(t[i], sol.t[k], v[k]) for i, k in enumerate(cases)] for v in (shape.beta, shape.dbeta)]
         beta, rate = (np.array(row).reshape(t.shape) for row in rows)
     else:
-        beta, rate = sol.trajectory.orbit.pick(cases).at(t)[:2]
+        beta, rate = sol.trajectory.orbit.take(cases).at(t)[:2]
     problem, sign = sol.problem.take(cases), flat(sol.case.outward, sol.case.shape)[cases]
     return densities("outward", np.stack([problem.lam, problem.mu, problem.phi, sign], axis=1), beta, rate).values
 

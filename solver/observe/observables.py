@@ -50,10 +50,9 @@ def turns(read: Reading) -> Any:
 def _inner_turns(orbit: Any) -> Any:
     """Turning points passed by the far end, (B,); one that is the far end itself, to rounding, is not interior."""
     span, half_period = orbit.problem.span, orbit.ahead + orbit.back
-    phase = orbit.locate(span[:, None])
-    since = np.where(phase.second[:, 0], orbit.back, orbit.ahead) - phase.local[:, 0]
-    just = phase.mirrored[:, 0] & (since <= np.minimum(1e-12 * span, 1e-6 * half_period))
-    return np.where(just, np.minimum(orbit.turns, phase.turns[:, 0] - 1), orbit.turns)
+    passed, since = orbit.far_end
+    just = since <= np.minimum(1e-12 * span, 1e-6 * half_period)
+    return np.where(just, np.minimum(orbit.turns, passed - 1), orbit.turns)
 
 
 def _librates(read: Reading) -> Any:

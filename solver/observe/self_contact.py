@@ -68,7 +68,7 @@ def overlaps(sol: Shape, kappa_max: Any, low: Any, high: Any, **limits: int) -> 
         if orbit is None:
             verdict[rows] = [_at_stations(sol, int(i), a[i]) for i in rows]
         else:
-            verdict[rows] = compare_strands(orbit.pick(rows), sol.problem.span[rows], a[rows], tightest[rows], **limits)
+            verdict[rows] = compare_strands(orbit.take(rows), sol.problem.span[rows], a[rows], tightest[rows], **limits)
     whole = verdict if np.isnan(verdict).any() else verdict.astype(np.int64)
     return whole.reshape(case.shape)[()]
 
@@ -90,7 +90,7 @@ def compare_strands(
     """
     if isinstance(orbit, MarchedOrbit) and orbit.lost.any():
         verdict = np.empty(length.size)
-        for part, of in ((~orbit.lost, orbit.pick(np.flatnonzero(~orbit.lost))), (orbit.lost, orbit.rest)):
+        for part, of in ((~orbit.lost, orbit.take(np.flatnonzero(~orbit.lost))), (orbit.lost, orbit.rest)):
             verdict[part] = compare_strands(of, length[part], a[part], tightest[part], most_pairs, together)
         return verdict
     with np.errstate(divide="ignore"):  # a helix repeats after any length

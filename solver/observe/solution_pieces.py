@@ -139,7 +139,7 @@ def _of_steps(orbit: MarchedOrbit, some: slice, case: Array, until: float) -> Pi
     """The pieces of the problems `case` of a block of a marched orbit: its steps, marched again."""
     rows = some.start + case
     problem = orbit.problem.take(rows)
-    steps, count = orbit.pick(rows).steps, orbit.found["count"][rows].reshape(-1)
+    steps, count = orbit.take(rows).steps, orbit.found["count"][rows].reshape(-1)
     width, taylor = steps.width, steps.series
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
         order = np.arange(taylor.shape[2])

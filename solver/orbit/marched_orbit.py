@@ -11,14 +11,14 @@ from ..core.library import numbers_of
 from ..numerics.arrays import Array, Booleans, Integers
 from ..problem.reduced import StartProblem
 from .periodic_orbit import Orbit, solve_orbit
-from .pieces import HELIX, LIBRATION, ROTATION, Phase, phase_at
+from .pieces import LIBRATION, ROTATION, Periodic
 
 if TYPE_CHECKING:
     from ..problem.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
-class MarchedOrbit:
+class MarchedOrbit(Periodic):
     """The orbits of B problems, ready to be read anywhere along the rod.
 
     found: (B,), records of the compiled core (`core.march.ORBIT`); those of `lost` orbits have what `rest` knows.
@@ -33,7 +33,6 @@ class MarchedOrbit:
 
     @cached_property
     def kind(self) -> Integers:
-        """HELIX, LIBRATION or ROTATION, (B,)."""
         kind = np.where(self.found["status"][:, 0] == core.TURNS, LIBRATION, ROTATION)
         if self.rest is not None:
             kind[self.lost] = self.rest.kind
@@ -41,12 +40,10 @@ class MarchedOrbit:
 
     @cached_property
     def ahead(self) -> Array:
-        """Time from the start to the turning point ahead, or of a whole turn of a rotation, (B,)."""
         return np.ascontiguousarray(self.found["legs"]["time"][:, 0])
 
     @cached_property
     def back(self) -> Array:
-        """Time to the turning point behind; 0 in a rotation, (B,)."""
         return np.ascontiguousarray(self.found["legs"]["time"][:, 1])
 
     @cached_property
@@ -56,21 +53,6 @@ class MarchedOrbit:
         The error of beta along the rod does not contain it where the rod ends before the next turning point.
         """
         return np.where(self.lost, 0.0, self.found["legs"]["late"].sum(axis=1))
-
-    @cached_property
-    def period(self) -> Array:
-        """Period of beta_t, (B,); inf on a helix."""
-        arcs = np.where(self.kind == LIBRATION, 2.0, 1.0)
-        return np.where(self.kind == HELIX, np.inf, arcs * (self.ahead + self.back))
-
-    def locate(self, t: Array) -> Phase:
-        """The phases of the times t, (B, n)."""
-        return phase_at(t, self.kind, self.ahead, self.back, self.period)
-
-    @cached_property
-    def turns(self) -> Array:
-        """Turning points passed by the far end, (B,); 0 where beta does not librate."""
-        return self.locate(self.problem.span[:, None]).turns[:, 0]
 
     @cached_property
     def exact(self) -> Orbit:
@@ -93,19 +75,13 @@ class MarchedOrbit:
             out[self.lost] = self.rest.swirl(t[self.lost])
         return out
 
-    def take(self, i: int) -> "MarchedOrbit | Orbit":
-        """The orbit of problem i alone."""
-        if self.lost[i] and self.rest is not None:
-            return self.rest.take(int(np.count_nonzero(self.lost[:i])))
-        return self.pick(np.array([i]))
-
-    def pick(self, rows: Integers) -> "MarchedOrbit":
+    def take(self, rows: Integers) -> "MarchedOrbit":
         """The orbits of the problems `rows`, (b,) rising; all of them are these themselves, with their steps."""
         if rows.size == self.problem.size:
             return self
         lost, rest = self.lost[rows], None
         if self.rest is not None and lost.any():
-            rest = self.rest.pick((np.cumsum(self.lost) - 1)[rows[lost]])
+            rest = self.rest.take((np.cumsum(self.lost) - 1)[rows[lost]])
         return MarchedOrbit(self.problem.take(rows), self.tol, self.found[rows], lost, rest)
 
     @cached_property

@@ -18,14 +18,13 @@ from ..core.library import Cutting, numbers_of
 from ..numerics.arrays import Array, Integers
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import PLAIN
-from .pieces import HELIX, LIBRATION, Arcs, Panels, Phase, Pieces, phase_at, running
+from .pieces import Arcs, Panels, Periodic, Pieces, running
 
 TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
-_BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
 
 
 @dataclass(frozen=True, eq=False)
-class Orbit:
+class Orbit(Periodic):
     """The orbits of B problems, ready to be read anywhere along the rod.
 
     arcs, panels: see there. since: (P,), time from the start to each panel. first, count: (2 B,), the panels of each
@@ -52,31 +51,19 @@ class Orbit:
 
     @property
     def kind(self) -> Integers:
-        """HELIX, LIBRATION or ROTATION, (B,)."""
         return self.arcs.kind
 
     @property
     def ahead(self) -> Array:
-        """Time from the start to the turning point ahead, or of a whole turn of a rotation, (B,)."""
         return self.duration[0::2]
 
     @property
     def back(self) -> Array:
-        """Time from the turning point behind to the start; 0 in a rotation, (B,)."""
         return self.duration[1::2]
 
     @cached_property
-    def period(self) -> Array:
-        """Period of beta_t, (B,); inf on a helix."""
-        arcs = np.where(self.arcs.kind == LIBRATION, 2.0, 1.0)
-        return np.where(self.arcs.kind == HELIX, np.inf, arcs * (self.ahead + self.back))
-
-    @cached_property
     def turns(self) -> Array:
-        """Turning points passed by the far end, (B,); 0 where beta does not librate."""
-        if self.passed is not None:
-            return self.passed
-        return self.locate(self.problem.span[:, None]).turns[:, 0]
+        return self.far_end[0] if self.passed is None else self.passed
 
     @property
     def evaluations(self) -> Integers:
@@ -89,29 +76,24 @@ class Orbit:
         beta, dbeta, alpha, z, _ = core.read(self, t)
         return beta, dbeta, alpha, z
 
-    def take(self, i: int) -> "Orbit":
-        """The orbit of problem i alone; its arrays are views."""
-        arcs = slice(2 * i, 2 * i + 2)
-        begin = int(self.first[2 * i])
-        mine = slice(begin, begin + int(self.count[arcs].sum()))
-        return self._part(slice(i, i + 1), arcs, mine, self.panels.arc[mine] - 2 * i)
-
-    def pick(self, rows: Integers) -> "Orbit":
-        """The orbits of the problems `rows`, (b,) rising."""
-        arcs = (2 * rows[:, None] + [0, 1]).reshape(-1)
-        count = self.count[arcs]
-        mine = np.repeat(self.first[arcs] - (np.cumsum(count) - count), count) + np.arange(count.sum())
-        return self._part(rows, arcs, mine, np.repeat(np.arange(arcs.size), count))
-
-    def _part(self, rows: Any, both: Any, mine: Any, arc: Integers) -> "Orbit":
-        """The orbits of the problems `rows`: `both`, their arcs; `mine`, their panels; `arc`, the arc of each panel."""
-        count = self.count[both]
+    def take(self, rows: Integers | slice) -> "Orbit":
+        """The orbits of some problems: of a slice as views, or of numbers (b,) that rise."""
+        both: Any  # their arcs
+        mine: Any  # their panels
+        if isinstance(rows, slice):
+            both = slice(2 * rows.start, 2 * rows.stop)
+            begin, count = self.first[both], self.count[both]
+            mine = slice(begin[0], begin[0] + count.sum())
+        else:
+            both = (2 * rows[:, None] + [0, 1]).reshape(-1)
+            begin, count = self.first[both], self.count[both]
+            mine = np.repeat(begin - np.cumsum(count) + count, count) + np.arange(count.sum())
         arcs = Arcs(self.arcs.kind[rows], self.arcs.direction[rows], self.arcs.pieces)
-        panels, since = replace(self.panels.take(mine), arc=arc), self.since[mine]
+        panels = replace(self.panels.take(mine), arc=np.repeat(np.arange(count.size), count))
         known = [None if v is None else v[rows] for v in (self.lengthens, self.response, self.passed)]
         known.append(None if self.path is None else self.path.take(rows))
-        problem, first = self.problem.take(rows), np.cumsum(count) - count
-        return Orbit(problem, arcs, panels, since, first, count, self.duration[both], self.gain[both], *known)
+        parts = self.problem.take(rows), arcs, panels, self.since[mine], np.cumsum(count) - count, count
+        return Orbit(*parts, self.duration[both], self.gain[both], *known)
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
@@ -122,10 +104,6 @@ class Orbit:
     def exact(self) -> "Orbit":
         """The orbits by quadrature, which the Morse index needs: these themselves."""
         return self
-
-    def locate(self, t: Array) -> "Phase":
-        """The phases of the times t, (B, n)."""
-        return phase_at(t, self.kind, self.ahead, self.back, self.period)
 
 
 def solve_orbit(

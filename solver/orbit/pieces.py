@@ -4,15 +4,18 @@ The arcs lead from the start forward and backward to the turning points. On each
 dt/du smooth however near a saddle the orbit passes: x = a sinh(u) over a saddle that the orbit passes, x = x1 cosh(u)
 where it turns before the saddle, x = x1 sin(u) where it turns nearer the centre. x is the distance from that saddle or
 centre. The core makes them (arcs.c), and cuts them into panels, on which beta and the developed curve are Chebyshev
-series in time. A time on the orbit is folded into the two arcs: its phase.
+series in time.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ..numerics.arrays import Array, Booleans, Columns, Integers
+from ..numerics.arrays import Array, Columns, Integers
+from ..problem.reduced import StartProblem
 
 PASS, SADDLE, CENTRE = 0, 1, 2
 HELIX, LIBRATION, ROTATION = 0, 1, 2
@@ -94,40 +97,49 @@ def running(values: Array, first: Any, count: Any) -> Array:
     return np.cumsum(table, axis=1)[part, rank]
 
 
-@dataclass(frozen=True, eq=False)
-class Phase:
-    """Times t folded into the arcs of B orbits, (B, n) each.
+class Periodic(ABC):
+    """The orbits of B problems, however they are computed: what they repeat, and where the far ends of the rods lie."""
 
-    arc: 2 b or 2 b + 1, as in `Panels`. local: time along that arc, from the start of the orbit. mirrored: whether the
-    orbit is on its way back along the arc. second: whether the arc is the backward one. periods: whole periods passed.
-    folded: (B, 1), whether the orbit comes back at all, which a libration does.
-    """
-
-    t: Array
-    arc: Integers
-    local: Array
-    mirrored: Booleans
-    second: Booleans
-    periods: Array
-    folded: Booleans
+    problem: StartProblem
 
     @property
+    @abstractmethod
+    def kind(self) -> Integers:
+        """HELIX, LIBRATION or ROTATION, (B,)."""
+
+    @property
+    @abstractmethod
+    def ahead(self) -> Array:
+        """Time from the start to the turning point ahead, or of a whole turn of a rotation, (B,)."""
+
+    @property
+    @abstractmethod
+    def back(self) -> Array:
+        """Time from the turning point behind to the start; 0 in a rotation, (B,)."""
+
+    @cached_property
+    def period(self) -> Array:
+        """Period of beta_t, (B,); inf on a helix."""
+        arcs = np.where(self.kind == LIBRATION, 2.0, 1.0)
+        return np.where(self.kind == HELIX, np.inf, arcs * (self.ahead + self.back))
+
+    @cached_property
     def turns(self) -> Array:
-        """Turning points passed, (B, n); 0 where beta does not librate."""
-        return np.where(self.folded, 2 * self.periods + self.second + self.mirrored, 0.0)
+        """Turning points passed by the far end, (B,); 0 where beta does not librate."""
+        return self.far_end[0]
 
+    @cached_property
+    def far_end(self) -> tuple[Array, Array]:
+        """Turning points passed by the far end, and the time since the last, (B,) each; 0 and inf without any.
 
-def phase_at(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Phase:
-    """The phases of t (B, n) on orbits whose arcs last ahead and back, (B,)."""
-    ahead, back, period = ahead[:, None], back[:, None], period[:, None]
-    with np.errstate(invalid="ignore"):
-        rest = np.where(np.isfinite(period), np.fmod(t, period), t)
-        periods = np.where(np.isfinite(period), np.round((t - rest) / period), 0.0)
-    folded = (kind == LIBRATION)[:, None]
-    second = folded & (rest > 2 * ahead)
-    local = np.where(second, rest - 2 * ahead, rest)
-    limit = np.where(second, back, ahead)
-    mirrored = folded & (local > limit)
-    local = np.where(mirrored, np.maximum(2 * limit - local, 0), local)
-    arc = 2 * np.arange(t.shape[0])[:, None] + second
-    return Phase(t, arc, local, mirrored, second, periods, folded)
+        The time is inf too where the far end lies beyond the start again, on the way to the next turning point.
+        """
+        span, period, librates = self.problem.span, self.period, self.kind == LIBRATION
+        with np.errstate(invalid="ignore"):
+            rest = np.where(np.isfinite(period), np.fmod(span, period), span)
+            periods = np.where(np.isfinite(period), np.round((span - rest) / period), 0.0)
+        second = librates & (rest > 2 * self.ahead)  # beyond the start again, on the way to the turning point behind it
+        time, limit = np.where(second, rest - 2 * self.ahead, rest), np.where(second, self.back, self.ahead)
+        returns = librates & (time > limit)
+        turns = np.where(librates, 2 * periods + second + returns, 0.0)
+        return turns, np.where(returns, limit - np.maximum(2 * limit - time, 0), np.inf)

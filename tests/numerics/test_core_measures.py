@@ -121,7 +121,7 @@ def test_self_contact_of_marched_orbits_is_that_of_panels_and_is_given_up_at_the
     rho = np.broadcast_to(sol.case.rho, sol.case.shape).reshape(-1)[rods]
     a = np.broadcast_to(sol.case.rod.a, sol.case.shape).reshape(-1)[rods] / rho
     tightest = np.reshape(observe(sol, ["kappa_max"])["kappa_max"], -1)[rods] * rho
-    marched, given = orbit.pick(rods), (sol.problem.span[rods], a, tightest)
+    marched, given = orbit.take(rods), (sol.problem.span[rods], a, tightest)
     for limits in LIMITS:
         met = compare_strands(marched, *given, **limits)
         np.testing.assert_array_equal(compare_strands(marched.exact, *given, **limits), met)

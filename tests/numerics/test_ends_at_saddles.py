@@ -148,7 +148,7 @@ def test_the_one_of_lowest_energy_is_stable_however_long_the_rod(rate: float) ->
     best = int(np.argmin(found.energy))
     assert found.index[best] == 0
     assert found.stray[best] == pytest.approx(0.1, abs=1e-12)  # down to the axis and back
-    middle = found.orbit.take(best).at(np.array([[rate / 2]]))[0][0, 0]
+    middle = found.orbit.take(np.array([best])).at(np.array([[rate / 2]]))[0][0, 0]
     assert abs(middle) < 1e-15
 
 

@@ -108,8 +108,8 @@ def test_what_a_march_would_lose_goes_to_the_quadrature() -> None:
     t = problem.span[:, None] * np.array([[0.3, 0.77]])
     for one, other in zip(fast.orbit.at(t), exact.orbit.at(t), strict=True):
         np.testing.assert_allclose(one, other, atol=1e-7)  # the first is next to its saddle: condition 1e7 and more
-    np.testing.assert_allclose(fast.orbit.take(1).at(t[1:2])[0], fast.orbit.at(t)[0][1:2], rtol=0, atol=0)
-    assert fast.orbit.take(0).kind[0] == ROTATION
+    np.testing.assert_allclose(fast.orbit.take(np.array([1])).at(t[1:2])[0], fast.orbit.at(t)[0][1:2], rtol=0, atol=0)
+    assert fast.orbit.take(np.array([0])).kind[0] == ROTATION
 
 
 def test_digits_that_only_a_march_would_lose_are_not_lost() -> None:
