@@ -13,7 +13,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Solution, Start, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, Solution, Start, equilibria, solve
 from solver.methods import available
 from solver.orbit.pieces import MOST
 from solver.problem.angles import AngleWarning
@@ -205,6 +205,12 @@ def test_a_rod_beyond_the_floats_is_refused_and_its_neighbour_is_not_touched(giv
         assert both.solved[1] or both.outcome[1] == f"{OUT_OF_RANGE}; the most extreme field is E = {E:g}"
         sound(both)
         assert both.solved[1] == (E in (1e4, 1e285))
+
+
+@pytest.mark.parametrize("given", (Ends(0.5, 0.6, FZ=1e200), Ends(0.5, height=1.0, betaL=1e150)))
+def test_a_problem_beyond_the_floats_is_refused_by_the_same_limit_whoever_asks(given: Ends) -> None:
+    case = Case(Rod(1e4, 0.25, 0.25, 2.0), Cylinder(0.75), given)
+    assert solve(case).outcome == f"failed: {equilibria(case).remark}"
 
 
 def test_a_rod_is_refused_where_its_stiffness_is_no_float_and_has_one_shape_before() -> None:
