@@ -78,22 +78,22 @@ class Orbit(Periodic):
 
     def take(self, rows: Integers | slice) -> "Orbit":
         """The orbits of some problems: of a slice as views, or of numbers (b,) that rise."""
-        both: Any  # their arcs
-        mine: Any  # their panels
+        arc_rows: Any
+        panel_rows: Any
         if isinstance(rows, slice):
-            both = slice(2 * rows.start, 2 * rows.stop)
-            begin, count = self.first[both], self.count[both]
-            mine = slice(begin[0], begin[0] + count.sum())
+            arc_rows = slice(2 * rows.start, 2 * rows.stop)
+            begin, count = self.first[arc_rows], self.count[arc_rows]
+            panel_rows = slice(begin[0], begin[0] + count.sum())
         else:
-            both = (2 * rows[:, None] + [0, 1]).reshape(-1)
-            begin, count = self.first[both], self.count[both]
-            mine = np.repeat(begin - np.cumsum(count) + count, count) + np.arange(count.sum())
+            arc_rows = (2 * rows[:, None] + [0, 1]).reshape(-1)
+            begin, count = self.first[arc_rows], self.count[arc_rows]
+            panel_rows = np.repeat(begin - np.cumsum(count) + count, count) + np.arange(count.sum())
         arcs = Arcs(self.arcs.kind[rows], self.arcs.direction[rows], self.arcs.pieces)
-        panels = replace(self.panels.take(mine), arc=np.repeat(np.arange(count.size), count))
+        panels = replace(self.panels.take(panel_rows), arc=np.repeat(np.arange(count.size), count))
         known = [None if v is None else v[rows] for v in (self.lengthens, self.response, self.passed)]
         known.append(None if self.path is None else self.path.take(rows))
-        parts = self.problem.take(rows), arcs, panels, self.since[mine], np.cumsum(count) - count, count
-        return Orbit(*parts, self.duration[both], self.gain[both], *known)
+        parts = self.problem.take(rows), arcs, panels, self.since[panel_rows], np.cumsum(count) - count, count
+        return Orbit(*parts, self.duration[arc_rows], self.gain[arc_rows], *known)
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""

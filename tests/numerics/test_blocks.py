@@ -73,7 +73,7 @@ def test_an_orbit_of_blocks_is_read_as_that_of_one_block(method: str, monkeypatc
     assert (other.turns == one.turns)[held].all()
     np.testing.assert_allclose(other.period[held], one.period[held], rtol=1e-9)
     for i in np.flatnonzero(held)[::9]:
-        alone = other.take(i).at(t[i : i + 1])
+        alone = other.take(np.array([i])).at(t[i : i + 1])
         np.testing.assert_array_equal(alone, [v[i : i + 1] for v in other.at(t)])
 
 
