@@ -5,7 +5,18 @@
 enum { ROUNDS = 10 };
 #define QUADRATIC 1e-7 /* size of a correction by Newton's rule after which the next one would be rounding */
 
-static int place_at(family *f, double p, const place **out)
+/* The problem under dead loads at p. */
+static int dead_problem(const family *f, double p, ends_problem *out)
+{
+    if (!f->line)
+        return f->problem(p, &out->lam);
+    const double *first = &f->line[0].lam, *last = &f->line[1].lam;
+    for (int k = 0; k < 6; k++)
+        (&out->lam)[k] = fabs(p - 1) <= f->over->rounding ? last[k] : (1 - p) * first[k] + p * last[k];
+    return DONE;
+}
+
+int rod_curve_problem(family *f, double p, const place **out)
 {
     for (int k = 0; k < KEPT; k++)
         if (f->at[k] == p) {
@@ -13,7 +24,7 @@ static int place_at(family *f, double p, const place **out)
             return DONE;
         }
     ends_problem of;
-    if (f->problem(p, &of.lam))
+    if (dead_problem(f, p, &of))
         return FAILED;
     f->newest = (f->newest + 1) % KEPT;
     f->at[f->newest] = NAN;
@@ -28,15 +39,14 @@ static int place_at(family *f, double p, const place **out)
 int rod_curve_excess(family *f, const chart *c, int count, const double *x, double p, double *off)
 {
     const place *o = NULL;
-    int failed = place_at(f, p, &o);
+    int failed = rod_curve_problem(f, p, &o);
     failed = failed ? failed : rod_excess_at(&f->room, o, c, count, x, off);
     for (int i = 0; i < count && !failed; i++)
         failed = isfinite(off[i]) ? DONE : FAILED;
     return failed;
 }
 
-/* The derivatives of the excess by w, by differences. */
-static int jacobian_at(family *f, point *at)
+int rod_curve_jacobian(family *f, point *at) /* by differences */
 {
     const double scale = at->chart.scale, x = at->w[0] * scale, p = at->w[1] * f->over->scale, nudge = NUDGE * scale;
     const double three[3] = {x - nudge, x, x + nudge};
@@ -85,7 +95,7 @@ int rod_curve_place(family *f, const point *at, place *o, path *here)
     const place *known = NULL;
     ends_problem of;
     memcpy(w, at->w, sizeof w);
-    int failed = f->held ? held_problem(f, w, given, &of) : place_at(f, at->w[1] * f->over->scale, &known);
+    int failed = f->held ? held_problem(f, w, given, &of) : rod_curve_problem(f, at->w[1] * f->over->scale, &known);
     if (!failed && f->held)
         failed = rod_place_of(&of, f->by, o);
     else if (!failed)
@@ -265,6 +275,5 @@ static int corrected(family *f, point *at, const double *guess, const double *ac
 int rod_curve_corrected(family *f, const point *from, const double *guess, const double *across, point *out)
 {
     *out = *from;
-    const int failed = corrected(f, out, guess, across);
-    return failed || f->held ? failed : jacobian_at(f, out);
+    return corrected(f, out, guess, across);
 }

@@ -38,10 +38,12 @@ typedef struct {
     double loads;
 } held_ends;
 
-/* The problems over p; held: NULL under dead loads. at, known: the last few problems under dead loads. numbers, rates:
-   of the last point with held ends. */
+/* The problems over p; held: NULL under dead loads. line: the problems at p = 0 and p = 1 of a line under dead loads, in
+   place of `problem`; along it p only rises. at, known: the last few problems under dead loads. numbers, rates: of the
+   last point with held ends. */
 typedef struct {
     problem_at *problem;
+    const ends_problem *line;
     const range *over;
     const held_ends *held;
     const grid *by;
@@ -56,12 +58,16 @@ typedef struct {
 
 static inline int unknowns_of(const family *f) { return f->held ? UNKNOWNS : 2; }
 
+/* The problem under dead loads at p. */
+int rod_curve_problem(family *, double p, const place **);
 /* The problem and the path at a point. */
 int rod_curve_place(family *, const point *, place *, path *);
 /* The lengths at (x, p) less that of the rod, under dead loads. */
 int rod_curve_excess(family *, const chart *, int count, const double *x, double p, double *off);
-/* The point of the curve in the plane through a guess with the normal `across`, and the jacobian there; from: a point
-   near it. */
+/* The derivatives of the excess by w at a point under dead loads. */
+int rod_curve_jacobian(family *, point *);
+/* The point of the curve in the plane through a guess with the normal `across`, with held ends also the jacobian there;
+   from: a point near it. */
 int rod_curve_corrected(family *, const point *from, const double *guess, const double *across, point *out);
 /* Gauss's elimination of a square matrix of n rows with some right hand sides behind its columns; the determinant's
    sign, 0 where it is singular. */

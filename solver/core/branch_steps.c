@@ -1,6 +1,8 @@
 /* Pseudo-arclength steps along a branch of equilibria: solver/branches/branch_following.py,
    branch_states.py, equilibrium_curve.py and numerics/arclength.py. Only ordinary steps are made here: a step on which
-   anything else happens is not made, and is left to the caller. */
+   anything else happens is not made, and is left to the caller. Continuation along a line of problems under dead loads
+   is made of the same steps, in whichever coordinate they lead on; where they end before the last problem,
+   solver/branches/continuation.py begins anew. */
 
 #include "branch_points.h"
 
@@ -19,6 +21,8 @@ enum { LEFT_TO_CALLER, AT_END, IS_CLOSED, ENOUGH }; /* why the steps end */
 #define BESIDE_HELD_HELIX 1e-3
 #define SAME_SADDLE 0.1   /* half of the largest angle by which a saddle moves in a step */
 #define BACK 1e-6         /* in scales: an equilibrium as near to the first is the first */
+
+static const double by_p[UNKNOWNS] = {0, 1};
 
 /* What is kept of each point: `branch_states.Place`. */
 typedef struct {
@@ -62,7 +66,8 @@ static int advanced(family *f, const point *from, double step, const double *acr
     out->bend = larger(sqrt(off) - SMALL, 0) / step;
     if (out->bend > OFF)
         return FAILED;
-    failed = tangent_of(n, from, out);
+    failed = f->held ? DONE : rod_curve_jacobian(f, out);
+    failed = failed ? failed : tangent_of(n, from, out);
     for (int i = 0; i < n && !failed; i++)
         turned += out->tangent[i] * from->tangent[i];
     return failed ? failed : turned >= COSINE ? DONE : FAILED;
@@ -168,11 +173,10 @@ static int recorded(family *f, const point *at, record *out)
    succeed. */
 static int stepped(family *f, const point *from, double step, const place *o, point *there, int *left)
 {
-    static const double by_p[UNKNOWNS] = {0, 1};
     const range *over = f->over;
     const double p = from->w[1] * over->scale, rises = from->tangent[1];
     const double ahead = rises != 0 ? (next_halt(over, p, rises > 0) / over->scale - from->w[1]) / rises : INFINITY;
-    const int ends = fabs(rises) > STEEP && ahead > 0 && ahead <= step;
+    const int ends = (f->line || fabs(rises) > STEEP) && ahead > 0 && ahead <= step;
     const int failed = advanced(f, from, ends ? ahead : step, ends ? by_p : NULL, there);
     if (failed)
         return failed;
@@ -280,4 +284,99 @@ int rod_branch_steps(const curve *of, point *at, double *step, int64_t *kept, co
     const int failed = followed(&f, at, step, kept, first, most, (records){out, rates}, count, why);
     rod_panels_free(&f.room.room);
     return failed == NO_MEMORY ? NO_MEMORY : DONE;
+}
+
+enum { MOST_STEPS = 4000, AT_ONCE = 16, KEPT_STEPS = 10 };
+
+/* The point of a line of problems at p on an equilibrium near a path, in a chart, on the way along which p rises. */
+static int begun(family *f, const chart *in, double p, point *out)
+{
+    point guess = {.w = {coordinate(in) / in->scale, p / f->over->scale}, .ahead = AHEAD, .chart = *in};
+    int failed = isfinite(guess.w[0]) ? rod_curve_jacobian(f, &guess) : FAILED;
+    failed = failed ? failed : rod_curve_corrected(f, &guess, guess.w, by_p, out);
+    if (failed)
+        return failed;
+    const double turn = -guess.jacobian[1] / guess.jacobian[0], size = sqrt(1 + square(turn));
+    memcpy(out->jacobian, guess.jacobian, sizeof out->jacobian);
+    out->tangent[0] = turn / size, out->tangent[1] = 1 / size;
+    out->sign = guess.jacobian[0] > 0 ? 1 : -1;
+    return isfinite(size) ? DONE : FAILED;
+}
+
+/* Some steps along a line from a path at p, both replaced by where they lead, and `here`, the point there. count: the
+   steps, none where no chart leads on. */
+static int carried_on(family *f, path *at, double *p, double *step, int64_t *count, point *here)
+{
+    static const record unlike = {.turns = -1};
+    const place *known = NULL;
+    chart charts[CHARTS + 2];
+    int failed = rod_curve_problem(f, *p, &known);
+    if (failed || known->helix)
+        return failed ? failed : NOT_POSSIBLE;
+    const int most = rod_charts(known, at, charts);
+    *count = 0;
+    for (int i = 0; i < most && !*count && failed != NO_MEMORY; i++) {
+        record places[AT_ONCE];
+        int64_t kept = i ? KEPT_STEPS : 0, why;
+        failed = begun(f, &charts[i], *p, here);
+        if (failed)
+            continue;
+        failed = followed(f, here, step, &kept, &unlike, AT_ONCE, (records){places, NULL}, count, &why);
+        if (*count) {
+            const record *last = &places[*count - 1];
+            *at = (path){last->pin, last->sign, last->y, last->leaving, last->turns}, *p = last->p;
+        }
+    }
+    return failed == NO_MEMORY ? NO_MEMORY : *count ? DONE : FAILED;
+}
+
+/* The path at p = 1 on the branch of a path at p = 0. */
+static int carried(family *f, path *at)
+{
+    double p = 0, step = LONGEST;
+    int64_t count;
+    place o;
+    point here, last;
+    for (int64_t steps = 0; p < 1 && steps < MOST_STEPS; steps += count) {
+        const int failed = carried_on(f, at, &p, &step, &count, &here);
+        if (failed)
+            return failed;
+    }
+    if (p != 1)
+        return FAILED;
+    here.w[1] = 1 / f->over->scale; /* so far to the rounding of p */
+    int failed = rod_curve_corrected(f, &here, here.w, by_p, &last);
+    failed = failed ? failed : rod_curve_place(f, &last, &o, at);
+    return failed ? failed : rod_joined_at(&o, at) ? DONE : FAILED;
+}
+
+/* Follows an equilibrium of the problem `first` to `last` (6 numbers each: lam, mu, phi, span, beta(0), beta(L)).
+
+   level: pin, sign, y; way: leaving, turns; of the equilibrium, replaced by those of the one found. Returns DONE; where
+   the branch ends, or a leap or a helix would be needed, any other number. */
+int rod_continued(const double *first, const double *last, const grid *by, const points *at, const cutting *how,
+                  double *level, int64_t *way)
+{
+    static const double halts[2] = {0, 1};
+    double rate = 0;
+    ends_problem line[2];
+    for (int k = 0; k < 6; k++) {
+        if (!isfinite(first[k]) || !isfinite(last[k]) || (k > 3 && !(fabs(first[k]) < FAR && fabs(last[k]) < FAR)))
+            return NOT_POSSIBLE;
+        rate = larger(rate, fabs(last[k] - first[k]) / (1 + fabs(first[k])));
+    }
+    const range over = {1 / larger(rate, 1e-12), 0, 1, 1e-15, 2, halts};
+    const curve of = {.over = &over, .by = by, .nodes = at, .times = how, .orbits = how};
+    if (!is_usable(&of) || !(way[1] >= 0 && way[1] < 1000000000))
+        return NOT_POSSIBLE;
+    memcpy(line, first, sizeof line[0]);
+    memcpy(line + 1, last, sizeof line[1]);
+    family f = family_of(&of);
+    f.line = line;
+    path one = {level[0], level[1], level[2], way[0], way[1]};
+    const int failed = carried(&f, &one);
+    rod_panels_free(&f.room.room);
+    if (!failed)
+        level[0] = one.pin, level[1] = one.sign, level[2] = one.y, way[0] = one.leaving, way[1] = one.turns;
+    return failed;
 }

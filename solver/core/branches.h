@@ -1,5 +1,5 @@
 /* Equilibria of ends problems by their levels and paths: `line_point.Path`, `LinePoint` and `Chart`. What the
-   files about branches share: charts.c, continuation.c, branch_steps.c, orbit_rates.c. */
+   files about branches share: charts.c, branch_curves.c, branch_steps.c, orbit_rates.c. */
 
 #ifndef ROD_BRANCHES_H
 #define ROD_BRANCHES_H

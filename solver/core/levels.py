@@ -1,5 +1,5 @@
 """Transit times between two end angles, levels of paths, and continuation by the compiled core: `transit_times.c`,
-`continuation.c`."""
+`branch_steps.c`."""
 
 from typing import Any
 
