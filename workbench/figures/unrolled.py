@@ -225,11 +225,14 @@ def larger(factor: float, name: str = "") -> str:
     return f", {name} drawn {factor:g} times larger".replace("  ", " ") if factor > 1 else ""
 
 
-def sentence(form: Arrangement, more: str = "") -> str:
-    """How views are read; more: what is said of them before the dot."""
-    enlarged = f"all alike{larger(1 / form.factor, 'z')}{larger(form.factor, fonts.AROUND)}"
-    scale = "all at one scale" if form.factor == 1 else enlarged
-    return f"Unrolled views, seen from outside: {fonts.WAYS}, {scale}{more}; dot: s = 0."
+def sentence(form: Arrangement, several: bool, more: str = "") -> str:
+    """How one or several views are read; more: what is said of them before the dot."""
+    enlarged = larger(1 / form.factor, "z") + larger(form.factor, fonts.AROUND)
+    if enlarged:
+        scale = ", all alike" * several + enlarged
+    else:
+        scale = ", all at one scale" if several else ", at one scale"
+    return f"Unrolled view{'s' * several}, seen from outside: {fonts.WAYS}{scale}{more}; dot: s = 0."
 
 
 def has_curve(ds: xr.Dataset) -> bool:
@@ -293,7 +296,11 @@ class Panel:
             push_scale.bar(ax, coloured, *bar)
         ring = Line2D([], [], marker="o", markersize=7, fillstyle="none", color=colours.CROSSED, linestyle="none",
                       label=THROUGH)  # fmt: skip
-        return [*[ring] * any(view.rings for view in self.views), sentence(self.form, more), *self.notes]
+        return [
+            *[ring] * any(view.rings for view in self.views),
+            sentence(self.form, len(self.views) > 1, more),
+            *self.notes,
+        ]
 
 
 @dataclass(frozen=True, eq=False)
