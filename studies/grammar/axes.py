@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
 
-from solver import Cylinder, Ends, Rod, Start
+from solver import Case, Cylinder, Ends, Rod, Start
 from solver.problem.angles import angle
 from solver.problem.case import SIDES, SLIDING, STIFFNESS
 from solver.problem.errors import no_such
@@ -51,6 +51,16 @@ class Misplaced(ValueError):
 def no_key(kind: str, name: str, known: Collection[str], *path: str | int) -> Misplaced:
     """The error of a key whose name or value is none of the known ones."""
     return Misplaced(str(no_such(kind, name, known)), *path)
+
+
+def case_from(problem: type, values: Mapping[str, Any]) -> Case:
+    """The case of fields by name: numbers and words, or arrays that broadcast.
+
+    problem: `Start` or `Ends`, which takes the fields of neither rod nor cylinder. Raises `InputError`.
+    """
+    rod, cylinder = ({name: values[name] for name in names if name in values} for names in (ROD, CYLINDER))
+    given = {name: value for name, value in values.items() if name not in (*ROD, *CYLINDER)}
+    return Case(Rod(**rod), Cylinder(**cylinder), problem(**given))
 
 
 def quantity_of(field: str) -> Quantity:

@@ -12,7 +12,7 @@ from solver.problem.errors import choices, no_such
 from solver.problem.limits import farthest
 from solver.problem.quantities import unit_of
 
-from ..grammar.axes import Which, quantity_of
+from ..grammar.axes import Which, case_from, quantity_of
 from ..grammar.formulas import FORCES, LENGTHS
 from .loader import load
 from .model import Study
@@ -146,22 +146,20 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
     """
     advice = "; --table1 takes the rod of Table 1" if problem is None else ""
     problem = _problem(values) if problem is None else problem
-    parts = (Rod, Cylinder, problem)
-    known = [f for part in parts for f in fields(part)]
+    known = [f for part in (Rod, Cylinder, problem) for f in fields(part)]
     _check_complete(problem, known, values, advice)
-    chosen = [{f.name: values[f.name] for f in fields(part) if f.name in values} for part in parts]
-    rod, cylinder, given = (part(**part_values) for part, part_values in zip(parts, chosen, strict=True))
+    case = case_from(problem, {f.name: values[f.name] for f in known if f.name in values})
     assumed = {f.name: f.default for f in known if f.name not in values and f.default is not None}
-    if rod.EI is not None:
+    if case.rod.EI is not None:
         assumed.pop("stiffness", None)  # a factor of E, which this rod does not have
-    if cylinder.friction is not None and "sliding" not in values:
-        assumed["sliding"] = cylinder.sliding
-    if rod.weight is not None and "inclination" not in values:
+    if case.cylinder.friction is not None and "sliding" not in values:
+        assumed["sliding"] = case.cylinder.sliding
+    if case.rod.weight is not None and "inclination" not in values:
         assumed["inclination"] = 0.0
-    if isinstance(given, Ends):
+    if problem is Ends:
         loads = {load: 0.0 for load, partner in PAIRS[2:] if load not in values and partner not in values}
         assumed = {f.name: {**assumed, **loads}[f.name] for f in known if f.name in {**assumed, **loads}}
-    return Case(rod, cylinder, given), assumed
+    return case, assumed
 
 
 def unwound(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -200,28 +198,28 @@ def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
 
     Raises `InputError` for a field that the case does not have.
     """
-    parts = (case.rod, case.cylinder, case.given)
-    known = {f.name for part in parts for f in fields(part)}
+    values = _fields_of(case)
     for name in changes:
-        if name not in known:
+        if name not in values:
             kind, names = _name(type(case.given)), choices(f.name for f in fields(case.given))
             raise InputError(f"this case is {kind}, which has no {name}; choose from {names}")
     groups = (TWISTS,) if isinstance(case.given, Start) else PAIRS
     replaced = {*_other_section(changes), *(name for group in groups if {*group} & {*changes} for name in group)}
-    new: list[Any] = []
-    for part in parts:
-        values = {f.name: getattr(part, f.name) for f in fields(part) if f.name not in replaced}
-        kept = {name: value for name, value in values.items() if value is not None}
-        new.append(type(part)(**kept | {f.name: changes[f.name] for f in fields(part) if f.name in changes}))
-    return Case(*new)
+    kept = {name: value for name, value in values.items() if value is not None and name not in replaced}
+    return case_from(type(case.given), {**kept, **changes})
 
 
 def field_values(case: Case) -> dict[str, Any]:
     """The fields of a case by name, as plain numbers and words; without those that are None."""
-    values = {f.name: getattr(part, f.name) for part in (case.rod, case.cylinder, case.given) for f in fields(part)}
+    values = _fields_of(case)
     if case.rod.EI is not None:
         del values["stiffness"]
     return {name: v if isinstance(v, str) else float(v) for name, v in values.items() if v is not None}
+
+
+def _fields_of(case: Case) -> dict[str, Any]:
+    """Every field of a case by name, None where it is not given."""
+    return {f.name: getattr(part, f.name) for part in (case.rod, case.cylinder, case.given) for f in fields(part)}
 
 
 def with_unit(sentence: str, case: Case, units: Mapping[str, str]) -> str:

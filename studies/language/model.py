@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationInfo, field_validator, model_validator
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start
+from solver import Case, Ends, InputError, Start
 from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import choices, near, no_such
 from solver.problem.quantities import unit_of
@@ -27,6 +27,7 @@ from ..grammar.axes import (
     Dimensions,
     Misplaced,
     Values,
+    case_from,
     no_key,
 )
 from ..laws.verdicts import Law
@@ -275,9 +276,7 @@ class Study(StudyData):
         if self.reading:
             side = values.pop("side", "outside")
             return parse(self.reading).case(values, side)
-        rod, cylinder = ({k: values[k] for k in names if k in values} for names in (ROD, CYLINDER))
-        given = {k: v for k, v in values.items() if k not in (*ROD, *CYLINDER)}
-        return Case(Rod(**rod), Cylinder(**cylinder), self.kind(**given))
+        return case_from(self.kind, values)
 
 
 def _known(kind: str, names: list[str], known: Any) -> list[str]:

@@ -9,11 +9,13 @@ from random import Random
 from typing import Any
 
 import h5py
+import numpy as np
 import pytest
 import xarray as xr
 
 import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
+from solver.problem.field_values import RANGES
 from studies import load
 from studies.language.loader import loads
 from tests.slow import slow, slow_but
@@ -21,7 +23,7 @@ from tests.workbench import forked, runs, small
 from tests.workbench.command import exit_status
 from workbench.figures import canvas, study_figure
 from workbench.scene import opengl
-from workbench.store import file_checks, in_memory, plan, reading, schema, writing
+from workbench.store import checks, file_checks, in_memory, plan, reading, schema, writing
 from workbench.store.study_store import run_to_file
 
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
@@ -159,6 +161,15 @@ def test_a_dollar_in_a_units_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path
 
 
 COMMANDS = "\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    (("inclination", np.pi * (1 + 1e-15)), ("nu", 0.5), ("nu", np.nextafter(-1, 0)), ("weight", 0.0)),
+)
+def test_a_value_that_the_solver_takes_is_no_fault_of_a_file(field: str, value: float) -> None:
+    assert not RANGES[field].excludes(value)
+    assert list(checks.fields(xr.Dataset({field: value}))) == []
 
 
 def test_a_word_of_the_command_line_does_not_reach_the_terminal_as_it_is(capsys) -> None:

@@ -117,7 +117,7 @@ def choose(
         For an unknown axis or value, an axis whose value is given, and where an array is not stored and the cases
         cannot be solved again.
     """
-    ds = grid(ds)
+    ds = refined.coarse(ds)
     at = {selection.axis_of(ds, name): value for name, value in (at or {}).items()}
     if axis is not None:
         axis = selection.axis_of(ds, axis)
@@ -142,11 +142,6 @@ def rod_of_case(ds: xr.Dataset, names: Sequence[str]) -> DrawnRod:
     """The rod of a dataset of one case at its stored stations; without arrays where it is not solved."""
     rows = _as_stored(ds, names, 1)[0]
     return _rod(ds, None, rows[0] if rows else None)
-
-
-def grid(ds: xr.Dataset) -> xr.Dataset:
-    """The dataset; of a refined study its coarse grid. Raises `InputError`."""
-    return refined.coarse(ds) if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims else ds
 
 
 def _rod(one: xr.Dataset, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:

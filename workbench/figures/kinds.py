@@ -15,7 +15,6 @@ from . import (
     along,
     bars,
     bifurcation,
-    drawn_rods,
     equilibria_figure,
     fit_figure,
     map_cells,
@@ -74,7 +73,7 @@ def figure(ds: xr.Dataset, kind: str | None = None, sheet: Sheet | None = SCREEN
     if name in ("", "study"):
         name = kind_of(ds, None, [option for option in options if option != "verdicts"])
     if name in OF_STUDIES and not KINDS[name].refined:
-        ds = drawn_rods.grid(ds)
+        ds = refined.coarse(ds)
     return KINDS[name].figure(ds, sheet=sheet, **options)
 
 
@@ -100,7 +99,7 @@ def kind_of(ds: xr.Dataset, kind: str | None = None, given: Sequence[str] = ()) 
 
 
 def _default_kind(ds: xr.Dataset) -> str:
-    if refined.is_refined(ds):
-        return "map" if len(refined.axes_of(ds)) > 1 else "lines"
+    if axes := refined.axes_of(ds):
+        return "map" if len(axes) > 1 else "lines"
     is_map = len(map_cells.mappable(ds)) > 1 and SAMPLE not in schema.axes_of(ds) and selection.observables(ds)
     return "map" if is_map else "lines"

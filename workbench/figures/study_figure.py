@@ -68,10 +68,7 @@ def figure(
         stored.
     """
     rows = law_verdicts.verdicts(ds) if verdicts is None else verdicts
-    curves = ds
-    if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims:
-        curves = refined.coarse(ds)
-        ds = refined.line(ds) if len(refined.axes_of(ds)) == 1 else curves
+    ds, curves = refined.line(ds), refined.coarse(ds)
     axes = [axis for axis in schema.axes_of(ds) if ds.sizes[axis] > 1]
     if not axes:
         if show:

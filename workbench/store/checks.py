@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case import DIRECT, ELASTIC, GIVEN, SIDES, SLIDING
 from solver.problem.errors import InputError, choices
+from solver.problem.field_values import POSITIVE, RANGES
 from studies import names
 from studies.grammar.axes import FIELDS, SAMPLE
 from studies.grammar.formulas import FORCES, LENGTHS
@@ -47,9 +48,6 @@ CHOICES: Mapping[str, Any] = {
     "length_unit": LENGTHS,
     "force_unit": FORCES,
 }
-POSITIVE = ("E", "EI", "GJ", "a", "R", "L", "rho")
-LIMITS = {"nu": (np.nextafter(-1.0, 0.0), 0.5), "inner_radius": (0.0, 1e50),
-          "weight": (0.0, 1e50), "friction": (0.0, 1e50), "inclination": (0.0, 3.1415926535897936)}  # fmt: skip
 # Of fields in their own units, and of dimensionless loads and lengths: beyond, squares and fourth powers overflow.
 SMALLEST, LARGEST, MOST = 1e-50, 1e50, 1e30
 MOST_ANGLE = 1e12  # rad: beyond, a float cannot hold the direction to 1e-4
@@ -91,7 +89,7 @@ def texts_of_study(ds: xr.Dataset) -> Iterator[str]:
         if not isinstance(value, str) or len(value) > MOST_TEXT:
             kind = "missing" if value is None else f"not text of at most {MOST_TEXT} characters"
             yield f": the attribute {name} is {kind}"
-    of_laws = [*schema.axes_of(ds), *(refined.axes_of(ds) if refined.is_refined(ds) else [])]
+    of_laws = [*schema.axes_of(ds), *refined.axes_of(ds)]
     try:
         if not 0 < schema.number_of(ds, "tolerance", "") < 1:
             yield ": the attribute tolerance is not between 0 and 1"
@@ -196,15 +194,16 @@ def _text(text: str, longest: int | None, what: str) -> Iterator[str]:
 
 def fields(ds: xr.Dataset) -> Iterator[str]:
     """Whether rod, cylinder and stations are finite, positive, in order and consistent."""
-    number = {name: ds[name] for name in (*POSITIVE, *LIMITS) if name in ds.variables}
+    number = {name: ds[name] for name in (*POSITIVE, "rho", *RANGES) if name in ds.variables}
     for name, variable in number.items():
         if variable.dtype.kind != "f":
             yield f": {name} must be a floating-point number, got {variable.dtype}"
         values = variable.values.astype(float)
         if not np.isfinite(values).all():
             yield f": {name} must be finite, got {_worst(values, np.isfinite(values))}"
-        low, high = LIMITS.get(name, (SMALLEST, LARGEST))
-        good = (values >= low) & (values <= high)
+        allowed = RANGES.get(name, RANGES["R"])  # rho is positive, as R is
+        low, high = allowed.low if allowed.low or allowed.closed else SMALLEST, min(allowed.high, LARGEST)
+        good = ~allowed.excludes(values) & (values >= low) & (values <= high)
         if not good.all():
             yield f": {name} must be from {low:g} to {high:g}, got {_worst(values, good)}"
     yield from _section(ds, number)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver.problem.errors import InputError, choices, no_such
-from studies.grammar.axes import SAMPLE
 from studies.language.expressions import unit_names
 from studies.language.readings import DROPPED
 from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED
@@ -54,10 +53,11 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     >>> law["observable"], law["verdict"]
     ('turns', 'holds')
     """
-    if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims and schema.laws_of(ds):
+    laws = schema.laws_of(ds)
+    if laws:
         ds = refined.coarse(ds)
     rows = []
-    for law in schema.laws_of(ds):
+    for law in laws:
         observed = {name: ds[name].values for name in law.observables if name in ds}
         steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
         row = decide(law, observed, *_grid(ds, law, steps))
@@ -188,7 +188,7 @@ def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
     law = next((stated for stated in schema.laws_of(ds) if stated.claim == claim), None)
     if law is None:
         raise no_such("law", claim, [stated.claim for stated in schema.laws_of(ds)])
-    if not refined.is_refined(ds) or len(refined.axes_of(ds)) < 2:
+    if len(refined.axes_of(ds)) < 2:
         raise InputError("the boundary of a law needs a study that is refined in the plane of two axes")
     study = refined.describe(ds)
     names, coarse = list(study.lattice.axes), study.lattice.axes[law.axis]

@@ -91,9 +91,14 @@ def is_refined(ds: "xr.Dataset") -> bool:
     return KEY in ds.attrs
 
 
+def _has_all_cases(ds: "xr.Dataset") -> bool:
+    """Whether the dataset is of a refined study, and not one case of it."""
+    return is_refined(ds) and SAMPLE in ds["outcome"].dims
+
+
 def axes_of(ds: "xr.Dataset") -> list[str]:
-    """The refined axes of a dataset. Raises `InputError` for an invalid attribute."""
-    return list(_tell(ds)["axes"])
+    """The refined axes of a dataset, if it has any. Raises `InputError` for an invalid attribute."""
+    return list(_tell(ds)["axes"]) if is_refined(ds) else []
 
 
 def _tell(ds: "xr.Dataset") -> dict[str, Any]:
@@ -139,7 +144,9 @@ def describe(ds: "xr.Dataset") -> Refined:
 
 
 def coarse(ds: "xr.Dataset") -> "xr.Dataset":
-    """The coarse grid of a refined study as a study over its axes. Raises `InputError`."""
+    """The coarse grid of a refined study as a study over its axes; another dataset as it is. Raises `InputError`."""
+    if not _has_all_cases(ds):
+        return ds
     study = describe(ds)
     first = np.flatnonzero(ds[tables.LEVEL].values == 0)
     order = first[np.lexsort(study.places[first].T[::-1])]
@@ -147,7 +154,9 @@ def coarse(ds: "xr.Dataset") -> "xr.Dataset":
 
 
 def line(ds: "xr.Dataset") -> "xr.Dataset":
-    """All cases of a study that is refined along one axis, in the order of that axis. Raises `InputError`."""
+    """All cases of a study that is refined along one axis, in the order of that axis; else as `coarse`."""
+    if not _has_all_cases(ds) or len(axes_of(ds)) > 1:
+        return coarse(ds)
     study = describe(ds)
     (name,) = study.lattice.axes
     order = np.argsort(study.places[:, 0])
