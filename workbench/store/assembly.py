@@ -20,7 +20,7 @@ from . import atomic, dataset, file_checks, schema, writing
 from .grid_io import Where, blocks, extent, span
 from .law_verdicts import Tally
 from .law_verdicts import statistics as statistics_of
-from .plan import Plan, bytes_a_case, bytes_of_file, places, remarks
+from .plan import Plan, bytes_a_case, bytes_of_file, remarks
 from .schema import Columns
 from .shards import Shards
 
@@ -142,9 +142,9 @@ def assemble(plan: Plan, parts: Shards, output: Path, tally: Tally) -> dict[str,
         frame = dataset.frame(plan.study, plan.dimensions, remarks(plan))
         with ExitStack() as stack:
             sources: list[FileSource | ShardSource] = [ShardSource(parts, plan)]
-            if plan.stored is not None:
+            if plan.places is not None:
                 held = stack.enter_context(writing.open_file(output))
-                source = FileSource(str(output), held, list(variables), places(plan))
+                source = FileSource(str(output), held, list(variables), plan.places)
                 sources = [source, *sources] if plan.todo else [source]
             gathered = gather(sources, plan.shape, bytes_a_case(plan.study))
             windows = ((where, _final(columns, tally, plan.study.sweeps)) for where, columns in gathered)

@@ -53,15 +53,14 @@ class StoredRun:
 class Plan:
     """A study to be run, with its tolerance and method decided, its samples and axes, and the cases to be solved.
 
-    new: flat indices in the grid of the cases to be solved, rising; None for all. refinement: of a refined study, whose
-    samples are those of its rounds so far. stored: the run of a file that holds the study or a part of it. is_finished:
-    whether it holds all of it. replaced: a line on the results of this study that the run replaces, with what has
-    changed: ``replaces the results in rod.h5, which differ: tol was 1e-08, now 1e-09``
+    refinement: of a refined study, whose samples are those of its rounds so far. stored: the run of a file that holds
+    the study or a part of it. is_finished: whether it holds all of it. replaced: a line on the results of this study
+    that the run replaces, with what has changed: ``replaces the results in rod.h5, which differ: tol was 1e-08, now
+    1e-09``
     """
 
     study: Study
     dimensions: Dimensions
-    new: NDArray[np.int64] | None = None
     refinement: Refinement | None = None
     stored: StoredRun | None = None
     is_finished: bool = False
@@ -75,6 +74,32 @@ class Plan:
     def size(self) -> int:
         """Cases of the grid."""
         return self.dimensions.size
+
+    @cached_property
+    def places(self) -> list[NDArray[np.int64]] | None:
+        """For each dimension the index of each value in the file, -1 where it has none; without a file None.
+
+        Raises `InputError` where a refined study has other cases than the file.
+        """
+        if self.stored is None:
+            return None
+        old = self.stored.dimensions
+        if self.refinement is not None:  # the file may hold cases of later rounds
+            old = Dimensions(tuple(each.only(np.arange(min(each.size, self.size))) for each in old.each))
+        matched = _match_dimensions(old, self.dimensions)
+        if matched is None:
+            raise InputError("the existing file was refined to other cases; use --restart to solve all of it again")
+        return matched[1]
+
+    @cached_property
+    def new(self) -> NDArray[np.int64] | None:
+        """Flat indices in the grid of the cases to be solved, rising; None for all."""
+        if self.places is None:
+            return None
+        held = np.ones(self.shape, dtype=bool)
+        for i, place in enumerate(self.places):
+            held &= (place >= 0).reshape([-1 if i == k else 1 for k in range(held.ndim)])
+        return np.flatnonzero(~held)
 
     @property
     def todo(self) -> int:
@@ -274,7 +299,7 @@ def compare(path: Path, plan: Plan, restart: bool = False) -> Plan:
     changes = differences(stored.recipe, (larger or plan).recipe)
     if not changes:
         return replace(larger or plan, stored=stored, is_finished=True)
-    if larger is not None and larger.new is not None:
+    if larger is not None and larger.stored is not None:
         return larger
     if stored.name != plan.study.name:
         return plan
@@ -284,7 +309,9 @@ def compare(path: Path, plan: Plan, restart: bool = False) -> Plan:
 
 
 def _grow(stored: StoredRun, plan: Plan) -> Plan | None:
-    """The plan with the cases of the file, those that it does not hold as `new`; None where it is of another study.
+    """The plan with the values of the file to the last digit; None where the file is of another study.
+
+    The plan has the file as `stored` if it extends it, and not if it has the cases of the file alone.
 
     A file of a grid holds some values of its axes; one of a refined study the first cases of a refinement of more
     halvings or a larger budget. A sweep does not grow, as its branches would be numbered anew. Raises `InputError`.
@@ -295,7 +322,7 @@ def _grow(stored: StoredRun, plan: Plan) -> Plan | None:
     matched = (stored.dimensions, []) if refines else _match_dimensions(stored.dimensions, plan.dimensions)
     if matched is None:
         return None
-    same = Plan(plan.study, matched[0], stored=stored)
+    same = Plan(plan.study, matched[0])
     changed = [key for key in {**was, **same.recipe} if was.get(key) != same.recipe.get(key)]
     versions = [key for key in changed if key in versions_of_code()]
     larger = [key for key in changed if key not in versions]
@@ -309,12 +336,7 @@ def _grow(stored: StoredRun, plan: Plan) -> Plan | None:
         raise InputError(
             f"the existing file holds part of this study, but {changes}; use --restart to solve all of it again"
         )
-    if refines:
-        return replace(same, new=np.arange(0))
-    held = np.ones(same.shape, dtype=bool)
-    for i, place in enumerate(matched[1]):
-        held &= (place >= 0).reshape([-1 if i == k else 1 for k in range(held.ndim)])
-    return replace(same, new=np.flatnonzero(~held))
+    return replace(same, stored=stored)
 
 
 def _is_larger(before: Mapping[str, Any], after: Mapping[str, Any]) -> bool:
@@ -322,14 +344,6 @@ def _is_larger(before: Mapping[str, Any], after: Mapping[str, Any]) -> bool:
     may_grow = ("halvings", "budget")
     same = all(before.get(key) == after.get(key) for key in {**before, **after} if key not in may_grow)
     return same and all(before[key] <= after[key] for key in may_grow)
-
-
-def places(plan: Plan) -> list[NDArray[np.int64]]:
-    """For each dimension the index of each value in the file, -1 where the file has no such value."""
-    assert plan.stored is not None
-    matched = _match_dimensions(plan.stored.dimensions, plan.dimensions)
-    assert matched is not None
-    return matched[1]
 
 
 def _match_dimensions(old: Dimensions, new: Dimensions) -> tuple[Dimensions, list[NDArray[np.int64]]] | None:
@@ -397,17 +411,10 @@ def rounds(work: Plan, output: Path | None, read: Callable[[int, int], Columns])
 
 
 def _plan_of_cases(work: Plan, state: Refinement) -> Plan:
-    """The plan of the cases of a refinement so far. Raises `InputError` where the existing file holds other cases."""
+    """The plan of the cases of a refinement so far."""
     samples = Dimension(SAMPLE, state.lattice.values(state.places))
-    new = None
-    if work.stored is not None:
-        (before,) = work.stored.dimensions.each
-        size = min(before.size, samples.size)
-        if any(not np.array_equal(row[:size], before.fields[name][:size]) for name, row in samples.fields.items()):
-            raise InputError("the existing file was refined to other cases; use --restart to solve all of it again")
-        new = np.arange(before.size, samples.size)
     study = work.study.with_samples(samples)
-    return replace(work, study=study, dimensions=Dimensions((samples,)), new=new, refinement=state)
+    return replace(work, study=study, dimensions=Dimensions((samples,)), refinement=state)
 
 
 def _numbers_to_watch(study: Study, columns: Columns) -> Values:
