@@ -92,13 +92,16 @@ def build_for_browsers(target: Path = HERE / WASM) -> None:
 
 
 def build(target: Path | None = None, *flags: str) -> tuple[Path | None, str]:
-    """Compile the library; its path and an empty text, or None and what each compiler said."""
+    """Compile the library; its path and an empty text, or None and what each compiler said.
+
+    flags: after those of every library, so that the last optimization named is the one that counts.
+    """
     import subprocess
 
     target, messages = target or HERE / library_name(), []
     aside = target.with_name(f".{os.getpid()}.{target.name}")
     for command in commands():
-        done = subprocess.run([*command, *flags, *arguments(aside)], capture_output=True, text=True, check=False)
+        done = subprocess.run([*command, *arguments(aside), *flags], capture_output=True, text=True, check=False)
         if done.returncode == 0:
             os.replace(aside, target)
             return target, ""

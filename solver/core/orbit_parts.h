@@ -92,6 +92,14 @@ typedef struct {
     const double *beta0, *direction, *duration, *gain, *since, *width, *base, *origin, *series;
 } read_orbits;
 
+enum { PANEL_COLUMNS = 7 }; /* duration, base, origin, fastest, error, time_error and time_rounding */
+
+/* Where panels are copied to. arc, rank: (P,). columns: (PANEL_COLUMNS, P). series: (P, FUNCTIONS, size). */
+typedef struct {
+    int64_t panels, *arc, *rank;
+    double *columns, *series;
+} panel_arrays;
+
 /* Pieces of rods that lie on orbits: `rod_cover`. */
 typedef struct {
     int64_t *of, *row;
@@ -334,6 +342,21 @@ int rod_panelled(const start_problem *, const piece *, int count, const points *
 void rod_panels_free(panels *);
 
 /* orbits.c */
+
+/* The panels of one orbit behind those that are there; `piece` of each is twice its rank, and 1 more on the backward arc.
+   pinned: an angle and the height of the level above G there, or NULL: beta(0) and its own. known: the critical points, or
+   NULL. */
+int rod_cut_orbit(const start_problem *, const double *pinned, const critical *known, const grid *, const points *,
+                  const cutting *, arcs *, panels *);
+
+/* Copies the panels of one orbit, from number `first`, in their order into rows from `row` on; arc: 0 or 1. Returns the
+   row after them. */
+int64_t rod_copy_panels(const panels *, int64_t first, int64_t size, int64_t row, const panel_arrays *to);
+
+/* Sums along arcs, of P panels in the order of travel: since, (P,), the time from the start of the arc; first, count and
+   duration, (arcs,); gain: (arcs, 3), of alpha, z and the swirl, whose series then count from the start too. */
+void rod_orbits_sum(int64_t arcs, int64_t P, int64_t size, const int64_t *arc, const double *width, double *series,
+                    double *since, int64_t *first, int64_t *count, double *duration, double *gain);
 int64_t rod_place(const read_orbits *, int64_t b, double t, phase *, double *x);
 void rod_orbit_at(const read_orbits *, int64_t b, double t, double *out);
 int64_t rod_cover(const read_orbits *, int64_t n, const double *span, const covered *out);

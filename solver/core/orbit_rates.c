@@ -89,7 +89,7 @@ int rod_orbit_numbers(const place *o, const path *level, const points *at, const
     const double gap = level->sign * exp(level->y), v2 = gap + rod_place_fall(o, level->pin, o->start);
     const double speed = (double)level->leaving * sqrt(larger(v2, 0));
     const start_problem start = {p->lam, p->mu, p->phi, out->length, o->start, speed};
-    failed = rod_lone_orbit(&start, level->pin, gap, &o->found, at, how, &on);
+    failed = rod_lone_orbit(&start, (double[]){level->pin, gap}, &o->found, NULL, at, how, &on);
     if (!failed)
         numbers_of(&on, p, at, o, level, out->length, out);
     rod_lone_orbit_free(&on);
@@ -102,16 +102,8 @@ int rod_start_rates(const start_problem *of, const grid *by, const points *at, c
                     orbit_numbers *out)
 {
     const ends_problem p = {of->lam, of->mu, of->phi, of->span, of->beta0, of->beta0};
-    critical found;
-    lone_orbit on = {0};
-    const double *numbers = &of->lam;
-    for (int k = 0; k < 6; k++)
-        if (!isfinite(numbers[k]))
-            return NOT_POSSIBLE;
-    if (at->n > NODES || at->n < 4)
-        return NOT_POSSIBLE;
-    int failed = rod_critical(p.lam, p.mu, p.phi, by, &found);
-    failed = failed ? failed : rod_lone_orbit(of, wrapped(of->beta0), square(of->dbeta0), &found, at, how, &on);
+    lone_orbit on;
+    const int failed = rod_lone_orbit(of, NULL, NULL, by, at, how, &on);
     if (!failed)
         numbers_of(&on, &p, at, NULL, NULL, of->span, out);
     out->length = of->span;

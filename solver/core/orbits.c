@@ -3,7 +3,7 @@
 
 #include "orbit_parts.h"
 
-enum { COLUMNS = 8, PIECE_COLUMNS = 9 };
+enum { PIECE_COLUMNS = 9 };
 
 /* The orbits of a call until they are fetched. */
 typedef struct {
@@ -40,28 +40,65 @@ static int is_finite(const start_problem *p)
            isfinite(p->dbeta0);
 }
 
-static int one_orbit(orbits *made, int64_t b, const start_problem *p, const double *pin, const double *gap,
-                     const grid *by, const cutting *how, int64_t *kind, double *direction, int64_t *count)
+int rod_cut_orbit(const start_problem *p, const double *pinned, const critical *known, const grid *by, const points *at,
+                  const cutting *how, arcs *from, panels *all)
 {
+    const double pin = pinned ? pinned[0] : wrapped(p->beta0), gap = pinned ? pinned[1] : square(p->dbeta0);
     critical found;
-    arcs from;
-    if (!is_finite(p) || (pin && !(isfinite(pin[b]) && isfinite(gap[b]))))
+    if (at->n > NODES || at->n < 4 || !is_finite(p) || (pinned && !(isfinite(pin) && isfinite(gap))))
         return NOT_POSSIBLE;
-    int failed = rod_critical(p->lam, p->mu, p->phi, by, &found);
-    if (!failed)
-        failed = rod_arcs(p, pin ? pin[b] : wrapped(p->beta0), pin ? gap[b] : p->dbeta0 * p->dbeta0, &found, &from);
-    if (!failed)
-        failed = rod_panelled(p, from.pieces, from.count, &made->at, how, &made->all);
+    int failed = known ? DONE : rod_critical(p->lam, p->mu, p->phi, by, &found);
+    failed = failed ? failed : rod_arcs(p, pin, gap, known ? known : &found, from);
+    failed = failed ? failed : rod_panelled(p, from->pieces, from->count, at, how, all);
+    for (int64_t i = all->first; !failed && i < all->count; i++) {
+        const piece *own = &from->pieces[all->rows[i].piece];
+        all->rows[i].piece = 2 * own->rank + own->arc;
+    }
+    return failed;
+}
+
+int64_t rod_copy_panels(const panels *from, int64_t first, int64_t size, int64_t row, const panel_arrays *to)
+{
+    for (int64_t i = first; i >= 0 && row < to->panels; i = from->rows[i].next, row++) {
+        const panel *one = &from->rows[i];
+        const double values[PANEL_COLUMNS] = {one->duration, one->base,       one->origin,       one->fastest,
+                                              one->error,    one->time_error, one->time_rounding};
+        to->arc[row] = one->piece % 2, to->rank[row] = one->piece / 2;
+        for (int k = 0; k < PANEL_COLUMNS; k++)
+            to->columns[k * to->panels + row] = values[k];
+        memcpy(to->series + FUNCTIONS * size * row, from->series + FUNCTIONS * size * i,
+               sizeof(double) * (size_t)(FUNCTIONS * size));
+    }
+    return row;
+}
+
+void rod_orbits_sum(int64_t arcs, int64_t P, int64_t size, const int64_t *arc, const double *width, double *series,
+                    double *since, int64_t *first, int64_t *count, double *duration, double *gain)
+{
+    for (int64_t k = 0; k < arcs; k++)
+        count[k] = 0, duration[k] = 0, memset(gain + 3 * k, 0, sizeof(double) * 3);
+    for (int64_t row = 0; row < P; row++) {
+        const int64_t k = arc[row];
+        since[row] = duration[k], duration[k] += width[row], count[k]++;
+        for (int m = 0; m < 3; m++) {
+            double *own = series + (FUNCTIONS * row + 2 + m) * size;
+            const double gained = sum_of((int)size, own);
+            own[0] += gain[3 * k + m], gain[3 * k + m] += gained;
+        }
+    }
+    for (int64_t k = 0, before = 0; k < arcs; before += count[k++])
+        first[k] = before;
+}
+
+static int one_orbit(orbits *made, int64_t b, const start_problem *p, const double *pinned, const grid *by,
+                     const cutting *how, int64_t *kind, double *direction)
+{
+    arcs from;
+    const int failed = rod_cut_orbit(p, pinned, NULL, by, &made->at, how, &from, &made->all);
     if (failed)
         return failed;
-    kind[b] = from.kind, direction[b] = from.direction, count[2 * b] = count[2 * b + 1] = 0;
+    kind[b] = from.kind, direction[b] = from.direction;
     made->first[b] = from.count ? made->all.first : -1;
-    for (int64_t i = made->first[b]; i >= 0; i = made->all.rows[i].next) {
-        panel *one = &made->all.rows[i];
-        const piece *own = &from.pieces[one->piece];
-        count[2 * b + own->arc]++;
-        one->piece = 2 * own->rank + own->arc;
-    }
     for (int i = 0; i < from.count; i++)
         from.pieces[i].arc += 2 * b;
     return keep(made, from.pieces, from.count);
@@ -69,62 +106,41 @@ static int one_orbit(orbits *made, int64_t b, const start_problem *p, const doub
 
 /* The orbits of n start problems (n, 6).
 
-   pin, gap: (n,), an angle and the height of the level above G there, or NULL: beta(0) and its own. kind, direction: (n,); count: (n, 2), the panels of each arc; filled.
-   pieces: their number. Returns the orbits, to be fetched by `rod_orbits_fetch`, or NULL with the reason in `status`. */
-orbits *rod_orbits(int64_t n, const start_problem *problems, const double *pin, const double *gap, const grid *by,
-                   const points *at, const cutting *how, int64_t *kind, double *direction, int64_t *count,
-                   int64_t *pieces, int64_t *status)
+   pinned: (n, 2), an angle and the height of the level above G there, or NULL: beta(0) and its own. kind, direction:
+   (n,), filled. sizes: the numbers of panels and of pieces, and the status. Returns the orbits, to be fetched by
+   `rod_orbits_fetch`, or NULL. */
+orbits *rod_orbits(int64_t n, const start_problem *problems, const double *pinned, const grid *by, const points *at,
+                   const cutting *how, int64_t *kind, double *direction, int64_t sizes[3])
 {
     orbits *made = calloc(1, sizeof(orbits));
-    int failed = at->n > NODES || at->n < 4 ? NOT_POSSIBLE : DONE;
+    int failed = DONE;
     if (made)
         made->problems = n, made->at = *at, made->first = malloc(sizeof(int64_t) * (size_t)(n + 1));
     if (!made || !made->first)
         failed = NO_MEMORY;
     for (int64_t b = 0; b < n && !failed; b++)
-        failed = one_orbit(made, b, &problems[b], pin, gap, by, how, kind, direction, count);
-    *status = failed;
+        failed = one_orbit(made, b, &problems[b], pinned ? pinned + 2 * b : NULL, by, how, kind, direction);
+    sizes[2] = failed;
     if (failed) {
         rod_orbits_free(made);
         return NULL;
     }
-    *pieces = made->pieces;
+    sizes[0] = made->all.count, sizes[1] = made->pieces;
     return made;
 }
 
-/* Fetches and frees the orbits.
-
-   columns: (8, P), duration, base, origin, fastest, error, time_error, time_rounding and the time since the start. arc,
-   rank: (P,). series: (P, 5, n + 1), its integrals from the start of the orbit. duration: (2 n,); gain: (2 n, 3), of the arcs.
-   pieces: (N, 9), the columns of `orbit.pieces.Pieces`. */
-void rod_orbits_fetch(orbits *made, int64_t P, double *columns, int64_t *arc, int64_t *rank, double *series,
-                      double *duration, double *gain, double *pieces)
+/* Fetches and frees the orbits. pieces: (N, 9), the columns of `orbit.pieces.Pieces`; the rest: `rod_orbits_sum`. */
+void rod_orbits_fetch(orbits *made, const panel_arrays *to, double *pieces, double *since, int64_t *first, int64_t *count,
+                      double *duration, double *gain)
 {
-    const int64_t n = made->at.n + 1;
+    const int64_t size = made->at.n + 1;
     int64_t row = 0;
-    for (int64_t b = 0; b < made->problems; b++) {
-        double before[2][4] = {{0}};
-        for (int64_t i = made->first[b]; i >= 0 && row < P; i = made->all.rows[i].next, row++) {
-            const panel *one = &made->all.rows[i];
-            const double *own = made->all.series + FUNCTIONS * n * i;
-            const int half = (int)(one->piece % 2);
-            arc[row] = 2 * b + half, rank[row] = one->piece / 2;
-            const double values[COLUMNS] = {one->duration, one->base,       one->origin,        one->fastest,
-                                            one->error,    one->time_error, one->time_rounding, before[half][3]};
-            for (int k = 0; k < COLUMNS; k++)
-                columns[k * P + row] = values[k];
-            memcpy(series + FUNCTIONS * n * row, own, sizeof(double) * (size_t)(FUNCTIONS * n));
-            for (int k = 0; k < 3; k++)
-                series[(FUNCTIONS * row + 2 + k) * n] += before[half][k];
-            for (int k = 0; k < 3; k++)
-                before[half][k] += sum_of((int)n, own + (2 + k) * n);
-            before[half][3] += one->duration;
-        }
-        for (int half = 0; half < 2; half++) {
-            duration[2 * b + half] = before[half][3];
-            memcpy(gain + 3 * (2 * b + half), before[half], sizeof(double) * 3);
-        }
+    for (int64_t b = 0, begin = 0; b < made->problems; b++, begin = row) {
+        row = rod_copy_panels(&made->all, made->first[b], size, row, to);
+        for (int64_t i = begin; i < row; i++)
+            to->arc[i] += 2 * b;
     }
+    rod_orbits_sum(2 * made->problems, row, size, to->arc, to->columns, to->series, since, first, count, duration, gain);
     for (int64_t i = 0; i < made->pieces; i++) {
         const piece *p = &made->kept[i];
         const local_potential *l = &p->local;

@@ -18,6 +18,7 @@ _ReadOrbits = structure(  # orbit_parts.h
     "read_orbits", (INT, "coefficients panels"),
     (AT, "kind first count beta0 direction duration gain since width base origin series"),
 )  # fmt: skip
+_PanelArrays = structure("panel_arrays", (INT, "panels"), (AT, "arc rank columns series"))  # orbit_parts.h
 _Covered = structure("covered", (AT, "of row low high time count begin"))  # orbit_parts.h
 _PanelErrors = structure("panel_errors", (AT, "fastest error time_error time_rounding"))  # conditioning.c
 
@@ -27,14 +28,16 @@ class FoundOrbits(NamedTuple):
 
     kind: Integers
     direction: Array
-    counts: Integers
-    columns: Array
     arc: Integers
     rank: Integers
+    columns: Array
     series: Array
+    pieces: Array
+    since: Array
+    first: Integers
+    counts: Integers
     duration: Array
     gain: Array
-    pieces: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,14 +77,14 @@ def _critical_points(loads: Array) -> CriticalPoints | None:
     return CriticalPoints(beta[:, :most], centre[:, :most], count)
 
 
-def orbits(numbers: Array, pin: Any, n: int, cutting: Cutting) -> FoundOrbits | None:
+def orbits(numbers: Array, pinned: Array | None, n: int, cutting: Cutting) -> FoundOrbits | None:
     """The orbits of B start problems.
 
     Parameters
     ----------
     numbers : (B, 6)
         lam, mu, phi, span, beta(0), beta_t(0).
-    pin : tuple of (B,), (B,), or None
+    pinned : (B, 2), or None
         Angles, and heights of the level above G there.
     n : int
         Nodes of a panel.
@@ -93,21 +96,32 @@ def orbits(numbers: Array, pin: Any, n: int, cutting: Cutting) -> FoundOrbits | 
         None where a number is not finite, or critical points could not be told apart.
     """
     B = numbers.shape[0]
-    kind, direction, count = np.empty(B, np.int64), np.empty(B), np.empty(2 * B, np.int64)
-    pieces, status = np.empty(1, np.int64), np.empty(1, np.int64)
-    pinned = (None, None) if pin is None else tuple(np.ascontiguousarray(v, dtype=float) for v in pin)
-    arcs = kind, direction, count
-    task = B, numbers, *pinned, on_grid(), points(n), cut(cutting, False)
-    handle = run("rod_orbits", *task, *arcs, pieces, status, result=AT)
+    kind, direction, sizes = np.empty(B, np.int64), np.empty(B), np.empty(3, np.int64)
+    task = B, numbers, pinned, on_grid(), points(n), cut(cutting, False)
+    handle = run("rod_orbits", *task, kind, direction, sizes, result=AT)
+    P, N, status = sizes.tolist()
     if handle is None:
-        fine(int(status[0]))
+        fine(status)
         return None
-    P = int(count.sum())
-    columns, arc, rank = np.empty((8, P)), np.empty(P, np.int64), np.empty(P, np.int64)
-    series, duration, gain = np.empty((P, FUNCTIONS, n + 1)), np.empty(2 * B), np.empty((2 * B, 3))
-    rest = columns, arc, rank, series, duration, gain, np.empty((int(pieces[0]), PIECE_COLUMNS))
-    run("rod_orbits_fetch", handle, P, *rest)
-    return FoundOrbits(*arcs, *rest)
+    arc, rank = np.empty((2, P), np.int64)
+    columns, series = np.empty((7, P)), np.empty((P, FUNCTIONS, n + 1))
+    pieces, sums = np.empty((N, PIECE_COLUMNS)), _sums(2 * B, P)
+    run("rod_orbits_fetch", handle, _PanelArrays(P, arc, rank, columns, series), pieces, *sums)
+    return FoundOrbits(kind, direction, arc, rank, columns, series, pieces, *sums)
+
+
+def _sums(arcs: int, P: int) -> tuple[Array, Integers, Integers, Array, Array]:
+    """Room for what `sum_up` gives."""
+    first, count = np.empty((2, arcs), np.int64)
+    return np.empty(P), first, count, np.empty(arcs), np.empty((arcs, 3))
+
+
+def sum_up(arcs: int, arc: Integers, width: Array, series: Array) -> tuple[Array, Integers, Integers, Array, Array]:
+    """`since`, `first`, `count`, `duration` and `gain` of `periodic_orbit.Orbit`, of panels whose integrals count from
+    their own near ends; in `series` they count from the start of the orbit then."""
+    sums = _sums(arcs, arc.size)
+    run("rod_orbits_sum", arcs, arc.size, series.shape[2], arc, width, series, *sums)
+    return sums
 
 
 def reading(orbit: Any) -> Any:

@@ -197,14 +197,7 @@ static int measure_rod(worker *o, int64_t b)
 static int vary_rod(worker *o, int64_t b)
 {
     const start_problem *p = &o->all->problems[b];
-    const double *number = &p->lam;
-    critical found;
-    o->orbit = (lone_orbit){.kind = LOST}, o->all->kind[b] = LOST;
-    for (int k = 0; k < 6; k++)
-        if (!isfinite(number[k]))
-            return DONE;
-    int failed = rod_critical(p->lam, p->mu, p->phi, o->by, &found);
-    failed = failed ? failed : rod_lone_orbit(p, wrapped(p->beta0), square(p->dbeta0), &found, o->at, o->how, &o->orbit);
+    const int failed = rod_lone_orbit(p, NULL, NULL, o->by, o->at, o->how, &o->orbit);
     o->all->kind[b] = failed && o->orbit.kind != HELIX ? LOST : o->orbit.kind;
     if (failed)
         return failed == NO_MEMORY ? failed : DONE;

@@ -408,51 +408,40 @@ void rod_variations_changes(const read_orbits *of, const varied_orbits *varied, 
 void rod_lone_orbit_free(lone_orbit *o)
 {
     free(o->nodes);
+    free(o->rows);
     free(o->room);
 }
 
-/* The panels of the arcs. */
-static int panels_of(const arcs *from, const panels *cut, const points *at, int lanes, lone_orbit *o)
+static int fill(lone_orbit *o, const panels *cut, const points *at, int lanes)
 {
-    const int64_t n = at->n, each = FUNCTIONS * (n + 1), varied = VARIED * (n + 1);
-    int64_t P = 0, k = 0;
-    for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next)
-        P++;
+    const int64_t P = cut->count, size = at->n + 1, each = FUNCTIONS * size, varied = VARIED * size;
     o->nodes = malloc(sizeof(varied_nodes) * (size_t)P);
-    o->room = malloc(sizeof(double) * (size_t)(P * (5 + PAIRS * (n + 1) + each + varied)));
-    if (!o->nodes || !o->room)
+    o->rows = malloc(sizeof(int64_t) * 2 * (size_t)P);
+    o->room = malloc(sizeof(double) * (size_t)(P * (PANEL_COLUMNS + 2 + PAIRS * size + each + varied)));
+    if (!o->nodes || !o->rows || !o->room)
         return NO_MEMORY;
-    double *since = o->room, *width = since + P, *base = width + P, *origin = base + P, *series = origin + P;
+    double *width = o->room, *since = width + P * PANEL_COLUMNS, *series = since + P;
     double *least = series + P * each, *jump = least + P, *kept = jump + P * PAIRS, *M = kept + P * varied;
-    for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next, k++) {
-        const panel *own = &cut->rows[i];
-        const int64_t arc = from->pieces[own->piece].arc;
-        since[k] = o->duration[arc], width[k] = own->duration, base[k] = own->base, origin[k] = own->origin;
-        o->duration[arc] += width[k];
-        o->count[arc]++;
-        memcpy(series + each * k, cut->series + each * i, sizeof(double) * (size_t)each);
-    }
-    o->first[1] = o->count[0];
-    o->of = (read_orbits){n + 1, P, &o->kind, o->first, o->count, NULL, &o->direction, o->duration, NULL, since, width,
-                          base, origin, series};
+    const panel_arrays to = {P, o->rows, o->rows + P, width, series};
+    rod_copy_panels(cut, cut->first, size, 0, &to);
+    rod_orbits_sum(2, P, size, to.arc, width, series, since, o->first, o->count, o->duration, o->integrals);
+    o->of = (read_orbits){size, P, &o->kind, o->first, o->count, NULL, &o->direction, o->duration, o->integrals, since, width,
+                          width + P, width + 2 * P, series};
     o->varied = (varied_orbits){least, M, jump, o->closing, kept, o->gain, lanes};
     return o->count[0] ? DONE : NOT_POSSIBLE;
 }
 
-int rod_lone_orbit(const start_problem *start, double pin, double gap, const critical *found, const points *at,
-                   const cutting *how, lone_orbit *out)
+int rod_lone_orbit(const start_problem *start, const double *pinned, const critical *known, const grid *by,
+                   const points *at, const cutting *how, lone_orbit *out)
 {
     arcs from;
     panels made = {0};
     *out = (lone_orbit){.kind = LOST};
-    int failed = rod_arcs(start, pin, gap, found, &from);
-    if (failed)
-        return failed;
-    out->kind = from.kind, out->direction = from.direction;
-    if (from.kind == HELIX || !from.count)
-        return NOT_POSSIBLE;
-    failed = rod_panelled(start, from.pieces, from.count, at, how, &made);
-    failed = failed ? failed : panels_of(&from, &made, at, how->lanes, out);
+    int failed = rod_cut_orbit(start, pinned, known, by, at, how, &from, &made);
+    if (!failed) {
+        out->kind = from.kind, out->direction = from.direction;
+        failed = made.count ? fill(out, &made, at, how->lanes) : NOT_POSSIBLE;
+    }
     rod_panels_free(&made);
     return failed;
 }

@@ -76,17 +76,18 @@ enum { LOST = -1 };
    variations. It is not moved in memory, for `of` and `varied` point into it. */
 typedef struct {
     int64_t count[2], first[2], kind;
-    double direction, duration[2], closing[2 * PAIRS], gain[2 * SUMS];
+    int64_t *rows;
+    double direction, duration[2], integrals[6], closing[2 * PAIRS], gain[2 * SUMS];
     double *room;
     varied_nodes *nodes;
     read_orbits of;
     varied_orbits varied;
 } lone_orbit;
 
-/* The orbit of a problem, with its level above `pin`; to be freed in any case. Returns DONE, NO_MEMORY or NOT_POSSIBLE, as for
-   a helix; `kind` is that of the orbit. */
-int rod_lone_orbit(const start_problem *, double pin, double gap, const critical *, const points *, const cutting *,
-                   lone_orbit *out);
+/* The orbit of a problem, from what `rod_cut_orbit` takes; to be freed in any case. Returns DONE, NO_MEMORY or NOT_POSSIBLE,
+   as for a helix; `kind` is that of the orbit, LOST where there is none. */
+int rod_lone_orbit(const start_problem *, const double *pinned, const critical *known, const grid *, const points *,
+                   const cutting *, lone_orbit *out);
 void rod_lone_orbit_free(lone_orbit *);
 
 /* -(G_q(angle) - G_q(other))/2 for q = lam, mu, phi. */

@@ -18,7 +18,7 @@ from ..core.library import Cutting, numbers_of
 from ..numerics.arrays import Array, Integers
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import PLAIN
-from .pieces import Arcs, Panels, Periodic, Pieces, running
+from .pieces import Arcs, Panels, Periodic, Pieces
 
 TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
 
@@ -125,7 +125,7 @@ def solve_orbit(
     numbers, pinned = numbers_of(problem), None if pin is None else np.stack(pin, axis=1)
 
     def solve(rows: Any) -> core.FoundOrbits | None:
-        pins = None if pinned is None else (pinned[rows, 0], pinned[rows, 1])
+        pins = None if pinned is None else np.ascontiguousarray(pinned[rows])
         return core.orbits(np.ascontiguousarray(numbers[rows]), pins, n, cutting)
 
     answer = solve(slice(None))
@@ -143,25 +143,16 @@ def solve_orbit(
 
 def orbit_of(problem: StartProblem, found: core.FoundOrbits) -> Orbit:
     """The orbits that the core made."""
-    duration, base, origin, fastest, error, time_error, time_rounding, since = found.columns
+    duration, base, origin, fastest, error, time_error, time_rounding = found.columns
     calls = np.full(found.arc.size, 2 * (found.series.shape[2] - 1))
     angles, errors = (base, origin), (fastest, error, time_error, time_rounding)
     panels = Panels(found.arc, found.rank, duration, *angles, found.series, *errors, calls)
-    first = np.cumsum(found.counts) - found.counts
     arcs = Arcs(found.kind, found.direction, Pieces.from_core(found.pieces))
-    return Orbit(problem, arcs, panels, since, first, found.counts, found.duration, found.gain)
+    return Orbit(problem, arcs, panels, found.since, found.first, found.counts, found.duration, found.gain)
 
 
 def assemble(problem: StartProblem, arcs: Arcs, panels: Panels) -> Orbit:
     """The orbits made of panels whose integrals count from their own near ends."""
-    number = 2 * problem.size
-    count = np.bincount(panels.arc, minlength=number)
-    first = np.cumsum(count) - count
-    duration = np.bincount(panels.arc, weights=panels.duration, minlength=number)
-    ends = panels.series[:, 2:].sum(axis=2)
-    gain = np.stack([np.bincount(panels.arc, weights=ends[:, k], minlength=number) for k in range(3)], axis=1)
-    # times and integrals count from the start of the orbit
-    before = running(np.column_stack([ends, panels.duration]), first, count)
     series = panels.series.copy()
-    series[:, 2:, 0] += before[:, :3]
-    return Orbit(problem, arcs, replace(panels, series=series), before[:, 3], first, count, duration, gain)
+    sums = core.sum_up(2 * problem.size, panels.arc, panels.duration, series)
+    return Orbit(problem, arcs, replace(panels, series=series), *sums)

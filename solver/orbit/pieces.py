@@ -10,7 +10,6 @@ series in time.
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -86,15 +85,6 @@ class Panels(Columns):
     time_error: Array
     time_rounding: Array
     calls: Integers
-
-
-def running(values: Array, first: Any, count: Any) -> Array:
-    """Sums of the values (P, k) before each panel within its part: added part by part, so that none sees another's."""
-    part = np.repeat(np.arange(count.size), count)
-    rank = np.arange(part.size) - first[part]
-    table = np.zeros((count.size, int(count.max(initial=0)) + 1, values.shape[1]))
-    table[part, rank + 1] = values
-    return np.cumsum(table, axis=1)[part, rank]
 
 
 class Periodic(ABC):
