@@ -100,9 +100,9 @@ def refinement(study: StudyData) -> Refinement:
     """The refinement of a study before anything is solved."""
     table = study.refine
     assert table is not None
-    steps = [table.steps.get(name, 0.0) for name in table.watch] + [np.inf] * len(table.laws)
-    lines = [_lines(study, claim, i) for i, claim in enumerate(table.laws, len(table.watch))]
-    return Refinement(lattice(study), np.array(steps), table.budget, tuple(lines))
+    steps = [*table.changes.values(), *(np.inf for _ in table.laws)]
+    lines = [_lines(study, law, i) for i, law in enumerate(laws_to_watch(study), len(table.watch))]
+    return Refinement(lattice(study), np.array(steps, dtype=float), table.budget, tuple(lines))
 
 
 def laws_to_watch(study: StudyData) -> list[Law]:
@@ -110,10 +110,8 @@ def laws_to_watch(study: StudyData) -> list[Law]:
     return [law for claim in (study.refine.laws if study.refine else ()) for law in study.laws if law.claim == claim]
 
 
-def _lines(study: StudyData, claim: str, column: int) -> Lines:
+def _lines(study: StudyData, law: Law, column: int) -> Lines:
     """The lines of a watched law, whose observable is this column of the numbers."""
-    assert study.refine is not None
-    law = laws_to_watch(study)[study.refine.laws.index(claim)]
     along = np.sort(study.axes[law.axis].numbers())
     text = study.expressions.get(law.observable)
     counts = [law.observable] if text is not None and parse(text).whole else []

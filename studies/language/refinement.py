@@ -175,6 +175,11 @@ class Refine(BaseModel):
         return self
 
     @property
+    def changes(self) -> dict[str, float]:
+        """Of each of those watched the change that counts: 0 where no step is given."""
+        return {name: self.steps.get(name, 0) for name in self.watch}
+
+    @property
     def share(self) -> float:
         """The tolerance as a share of an axis."""
         return self.tolerance if self.tolerance is not None else 1 / ((self.points or 2) - 1)

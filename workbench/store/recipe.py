@@ -107,11 +107,10 @@ def _refine_lines(study: Study) -> dict[str, Any]:
     assert study.refine is not None
     grid = lattice(study)
     lines = {name: axis_line(values) for name, values in grid.axes.items()}
-    watched = {name: study.refine.steps.get(name, 0) for name in study.refine.watch}
     return {
         **lines,
         "geometric": sorted(grid.geometric),
-        "watch": watched,
+        "watch": study.refine.changes,
         "laws": study.refine.laws,
         "halvings": grid.depth,
         "budget": study.refine.budget,

@@ -48,7 +48,7 @@ def attributes(study: "Study", refinement: Refinement) -> dict[str, str]:
     table, lattice = study.refine, refinement.lattice
     assert table is not None
     spacings = {dimension(name): SPACINGS[name in lattice.geometric] for name in lattice.axes}
-    watch = {name: float(step) for name, step in zip(table.watch, refinement.steps, strict=False)}
+    watch = {name: float(step) for name, step in table.changes.items()}
     data = {"axes": spacings, "halvings": lattice.depth, "watch": watch, "laws": table.laws}
     data |= {"ended": refinement.ended, "rounds": refinement.rounds}
     changes = [_change(name, step) for name, step in watch.items()]
