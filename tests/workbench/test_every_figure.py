@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from solver import equilibria
+from solver import equilibria, solve
 from studies import load, names
 from tests.slow import slow_but
 from tests.workbench import small
@@ -14,8 +14,9 @@ from tests.workbench.page_faults import faults, picture, words
 from tests.workbench.pictures import share_of_ink
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.figures import canvas, equilibria_figure, kinds, robustness, story, work_precision
+from workbench.figures import bars, canvas, equilibria_figure, kinds, robustness, story, work_precision
 from workbench.figures.sheet import sheet
+from workbench.influence.derivatives import local
 from workbench.store import in_memory, reading
 from workbench.web.report import measured_runs, report_runs
 
@@ -61,6 +62,15 @@ def test_bars_of_one_column_are_those_that_have_room_and_the_others_are_named() 
     assert few < more
     (left_out,) = (note for note in canvas.notes_of(drawn[0]) if note.startswith("Not drawn: "))
     assert "choose with --show or --panel" in left_out
+
+
+def test_a_tornado_of_one_column_has_the_observables_that_have_room_and_names_the_others() -> None:
+    table = local(solve(ends_problem(load("fig6")))).assign_attrs(title="many observables", reading="")
+    fig = kinds.figure(table, "tornado", SHEETS["column"])
+    assert faults(fig) == []
+    (left_out,) = (note for note in canvas.notes_of(fig) if note.startswith("Not drawn: "))
+    column, whole = (len([ax for ax in picture.axes if ax.containers]) for picture in (fig, bars.tornado(table)))
+    assert whole - column == len(left_out.split(", ")) > 1
 
 
 def every_equilibrium() -> Figure:

@@ -18,6 +18,7 @@ from ..words import labels
 from . import canvas, colours, fonts
 from .scales import RoomLocator
 from .sheet import SCREEN, Sheet
+from .shown_observables import choose_observables
 
 COLUMN = 3.4  # inches: the width of a column of a journal
 BAR, FRAME, AROUND = 0.2, 0.6, 0.8  # inches of a bar, of title and ticks of a panel, and of the legend
@@ -59,15 +60,8 @@ def of_cases(
     axis = selection.axis_of(ds, x) if x else axes[0]
     if (count := ds.sizes[axis]) > MOST:
         raise InputError(f"bars show at most {MOST} values of an axis, and {axis} has {count}: choose --kind lines")
-    stored = selection.observables(ds)
-    names = selection.names_of(ds, [sheet.panel] if sheet.panel else show)
-    left_out = list[str]()
-    if not names:
-        varied = [name for name in stored if not selection.is_level(ds, name)] or stored
-        most = MOST_PANELS
-        if sheet.narrow:
-            most = max(int((canvas.TALLEST - AROUND) / (FRAME + BAR * count)), 1)
-        names, left_out = varied[:most], varied[most:]
+    asked, most = [sheet.panel] if sheet.panel else show, _most_panels(sheet, count) or MOST_PANELS
+    names, left_out = choose_observables(ds, asked, most, most_asked=None)
     if not names:
         raise InputError("no bars: the dataset has no observables")
     cases = selection.line(ds, axis, at)
@@ -119,8 +113,8 @@ def indices(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
     }
     if said := " and ".join(words for words, occurs in surprises.items() if occurs):
         notes.append(f"The samples give estimates: by their sampling error {said}.")
-    names = [str(name) for name in ds["observable"].values]
-    return _panels(ds, names, 2 * ds.sizes["field"], panel, notes, sheet)
+    names, bars = [str(name) for name in ds["observable"].values], 2 * ds.sizes["field"]
+    return _first_panels(ds, names, bars, panel, notes, sheet)
 
 
 def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
@@ -154,7 +148,7 @@ def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
 
     note = "The change of each observable if a field rises by 1 %, or by the amount beside it."
     most = max(len(effects[name][:MOST]) for name in names)
-    return _panels(titled, names, most, panel, [note], sheet)
+    return _first_panels(titled, names, most, panel, [note], sheet)
 
 
 def draw(
@@ -208,6 +202,27 @@ def _remark(ax: Axes, text: str) -> None:
     ax.set_title(text, loc="right", pad=4, size=fonts.small(), color=colours.SOFT)
 
 
+def _most_panels(sheet: Sheet | None, bars: int) -> int | None:
+    """For how many panels of so many bars one column of a page has room; None elsewhere."""
+    return max(int((canvas.TALLEST - AROUND) / _height(bars)), 1) if sheet and sheet.narrow else None
+
+
+def _height(bars: int) -> float:
+    """Inches of a panel of so many bars."""
+    return FRAME + BAR * max(bars, 2)
+
+
+def _first_panels(
+    ds: xr.Dataset, names: Sequence[str], bars: int, panel: Callable[[str, Axes], None], said: Sequence[str],
+    sheet: Sheet | None,
+) -> Figure:  # fmt: skip
+    """As `_panels`, of as many of the observables as have room, with a sentence that names the others."""
+    most = _most_panels(sheet, bars)
+    left_out = [] if most is None else names[most:]
+    said = [*said, *canvas.say_left_out(left_out, "sensitivity --show")]
+    return _panels(ds, names[:most], bars, panel, said, sheet)
+
+
 def _panels(
     ds: xr.Dataset,
     names: Sequence[str],
@@ -221,7 +236,7 @@ def _panels(
     if sheet is not None:
         columns = 1 if sheet.narrow else min(len(names), max(int(sheet.width / COLUMN), 1))
     page = sheet or Sheet(COLUMN * columns)
-    rows = canvas.in_rows([partial(panel, name) for name in names], columns, FRAME + BAR * max(bars, 2))
+    rows = canvas.in_rows([partial(panel, name) for name in names], columns, _height(bars))
     return canvas.page(ds, page, rows, said, AROUND)
 
 

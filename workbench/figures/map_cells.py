@@ -18,8 +18,8 @@ from ..store.schema import axes_of, dimension
 from ..words import cautions, labels
 from . import regions
 from .scales import Scale, scale_of
+from .shown_observables import MOST_ASKED, choose_observables
 
-MOST_MAPS = 12  # observables of one figure
 MOST_COLUMNS = 5  # values of a third axis
 BENDS, STRAIGHT = "turns", np.radians(10)  # bends of a rod whose beta varies by less than that are not coloured
 
@@ -116,7 +116,7 @@ def choose(
     show: Sequence[str] = (),
     at: Mapping[str, float] | None = None,
     columns: int = MOST_COLUMNS,
-    most: int = MOST_MAPS,
+    most: int = MOST_ASKED,
 ) -> Choice:
     """What a figure of maps shows.
 
@@ -126,7 +126,7 @@ def choose(
     x, y : str, optional
         The axes to the right and up; default: the first axes of the study.
     show : sequence of str
-        Observables; default: all that are stored, at most `MOST_MAPS`.
+        Observables; default: all that vary, as many as have room.
     at : mapping of float, optional
         Values of further axes.
     columns : int
@@ -144,14 +144,16 @@ def choose(
         For fewer than two axes, an unknown axis or observable, `x` equal to `y`, too many observables.
     """
     x, y = _two_axes(ds, x, y, dict(at or {}))
-    shown, left_out = _observables(ds, show, most)
+    shown, left_out = choose_observables(ds, show, most, most_level=1)
+    if not shown:
+        raise InputError("the study stores no observable; a map shows one")
     held = {name: i for name, i in selection.case(ds, at).items() if name not in (x, y)}
     free = [axis for axis in mappable(ds) if axis in held and axis not in (at or {})]
     if not free:
-        return Choice(x, y, shown, left_out, None, (), held)
+        return Choice(x, y, tuple(shown), tuple(left_out), None, (), held)
     order = [where[free[0]] for where in selection.spread(selection.line(ds, free[0]), min(columns, MOST_COLUMNS))]
     del held[free[0]]
-    return Choice(x, y, shown, left_out, free[0], tuple(order), held)
+    return Choice(x, y, tuple(shown), tuple(left_out), free[0], tuple(order), held)
 
 
 def cells(ds: xr.Dataset, choice: Choice, where: Mapping[str, int], source: xr.Dataset | None = None) -> Cells:
@@ -194,15 +196,3 @@ def _two_axes(ds: xr.Dataset, x: str | None, y: str | None, at: dict[str, float]
     names_left = iter(rest)
     first = next(names_left) if x is None else given[0]
     return first, (next(names_left) if y is None else given[-1])
-
-
-def _observables(ds: xr.Dataset, show: Sequence[str], most: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The observables of the figure, and those of the study that have no room."""
-    names = selection.names_of(ds, show) if show else selection.observables(ds)
-    if not names:
-        raise InputError("the study stores no observable; a map shows one")
-    if not show:
-        names = [name for name in names if not selection.is_level(ds, name)] or names[:1]
-    if show and len(names) > MOST_MAPS:
-        raise InputError(f"a figure shows at most {MOST_MAPS} observables, got {len(names)}: {choices(names)}")
-    return tuple(names[:most]), tuple(names[most:])

@@ -26,8 +26,9 @@ from studies.laws.line_verdicts import HOLDS, VERDICTS
 from ..store import law_verdicts, refined, schema, selection
 from ..words import labels
 from . import canvas, colours, fonts, map_panel
-from .map_cells import MOST_MAPS, Cells, Choice, cells, choose
+from .map_cells import Cells, Choice, cells, choose
 from .sheet import SCREEN, Sheet
+from .shown_observables import MOST_ASKED
 from .study_figure import level_notes
 from .trends import axis_label
 
@@ -82,7 +83,7 @@ def figure(
     """
     verdicts = law_verdicts.verdicts(ds) if "laws" in ds.attrs else []
     whole, ds = (ds, refined.raster(ds)) if refined.is_refined(ds) else (None, ds)
-    most = MOST_NARROW if sheet.narrow and not show else MOST_MAPS
+    most = MOST_NARROW if sheet.narrow and not show else MOST_ASKED
     choice = choose(ds, x, y, show, at, max(int((sheet.width - 1.5) / LEAST_COLUMN), 1), most)
     if shapes is not None:
         map_panel.check_shapes(ds if whole is None else whole, ds, choice, shapes)

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from solver.problem.errors import InputError, choices, no_such
+from solver.problem.errors import InputError, no_such
 from studies.grammar.axes import SAMPLE
 
 from ..store import law_verdicts, refined, schema, selection
@@ -21,6 +21,7 @@ from ..words import cautions, labels
 from . import along, canvas, colours, drawn_rods, push_scale, trends, unrolled
 from .laws import panel
 from .sheet import SCREEN, Sheet
+from .shown_observables import choose_observables
 
 LAW_HEIGHT, TALL_LAW, LEAST_LAW, LEAST_LINE = 3.2, 3.8, 2.4, 1.5  # inches; the second beside curves
 ONE_ROD = 0.55  # the share of the least height of a narrow panel of one rod
@@ -32,7 +33,6 @@ LABELS = 0.35  # inches below and above curves
 AROUND = 1.0  # inches of title, labels and caption above and below curves beside a law
 MOST_PLAIN = 4  # observables shown where there is no law
 MOST_NARROW = 3  # panels of laws on one column of a page, one less with curves
-MOST_ASKED = 12  # observables of one figure
 
 
 def figure(
@@ -76,9 +76,7 @@ def figure(
         return one_rod(ds, sheet)
     is_sampled = SAMPLE in axes and bool(selection.observables(ds))
     axes = [axis for axis in axes if not (is_sampled and axis == SAMPLE)]
-    chosen = _choice(
-        ds, rows, axes if unrolled.has_curve(curves) else [], is_sampled, sheet.panel, selection.names_of(ds, show)
-    )
+    chosen = _choice(ds, rows, axes if unrolled.has_curve(curves) else [], is_sampled, sheet.panel, show)
     if sheet.narrow and sheet.panel is None and not show:
         chosen = _for_column(chosen)
     panels, strips, sampled = chosen.panels, chosen.strips, chosen.sampled
@@ -190,20 +188,18 @@ def _choice(
     Raises `InputError` for an unknown panel, and for more observables than have room.
     """
     stored, laws = selection.observables(ds), _name(rows)
-    if len(show) > MOST_ASKED:
-        raise InputError(f"a figure shows at most {MOST_ASKED} observables, got {len(show)}: {choices(show)}")
+    free = 0 if rows or is_sampled else MOST_PLAIN
+    names, without_room = choose_observables(ds, show, free, most_level=free)
     if show and is_sampled:
-        return _Choice([], sampled=show)
+        return _Choice([], sampled=names)
     if show:
-        laws_on: dict[str, list[Any]] = {name: [row for row in rows if row["observable"] == name] for name in show}
-        return _Choice([entry for name in show for entry in laws_on[name] or [name]])
+        laws_on: dict[str, list[Any]] = {name: [row for row in rows if row["observable"] == name] for name in names}
+        return _Choice([entry for name in names for entry in laws_on[name] or [name]])
     if panel is None:
-        varied = [name for name in stored if not selection.is_level(ds, name)]
-        plain = [] if rows or is_sampled else (varied or stored)[:MOST_PLAIN]
-        shown = {*plain, *(row["observable"] for row in rows), *(stored if is_sampled else ())}
+        shown = {*names, *(row["observable"] for row in rows), *(stored if is_sampled else ())}
         level = level_notes(ds, [name for name in stored if name not in shown])
-        left_out = [name for name in varied if name not in shown]
-        return _Choice(rows or plain, strips, stored if is_sampled else (), level, left_out)
+        left_out = [name for name in without_room if name not in shown]
+        return _Choice(rows or names, strips, stored if is_sampled else (), level, left_out)
     known = [*strips, *(str(row["claim"]) for row in rows), *laws, *stored, *([SAMPLES] if is_sampled else [])]
     if panel not in known:
         raise no_such("panel", panel, dict.fromkeys(known))
