@@ -215,8 +215,8 @@ def _shapes(ds: xr.Dataset, count: int) -> list[View]:
     for k, number in enumerate(_names(ds)[:count]):
         rho, alpha, z = (ds[f"shape_{key}"].values[k] for key in ("rho", "alpha", "z"))
         a, L = (float(ds[key]) if not ds[key].dims else float(ds[f"shape_{key}"][k]) for key in ("a", "L"))
-        rings = unrolled.crossings(np.linspace(0, L, z.size), float(rho), alpha, z, a)
-        views.append(View(z, rho * (alpha - alpha[0]), number, _look_of_shape(ds, k), rings or []))
+        s = np.linspace(0, L, z.size)
+        views.append(unrolled.view_of(s, float(rho), alpha, z, a, number, _look_of_shape(ds, k))[0])
     return views
 
 

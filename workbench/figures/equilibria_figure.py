@@ -118,10 +118,9 @@ def _room(sheet: Sheet) -> tuple[float, float]:
 def _shape(ds: xr.Dataset, k: int, text: str, how: dict[str, Any]) -> View:
     """The unrolled view of an equilibrium, with rings where its caution says that it passes through itself."""
     case = ds.isel(equilibrium=k)
-    rho, alpha, z = float(case["rho"]), case["alpha"].values, case["z"].values
     crossed = "overlaps" in cautions.keys(str(case["caution"].values)) if "caution" in case else False
-    rings = unrolled.crossings(case["s"].values, rho, alpha, z, float(case["a"])) if crossed else []
-    return View(z, rho * (alpha - alpha[0]), text, how, rings or [])
+    return unrolled.view_of(case["s"].values, float(case["rho"]), case["alpha"].values, case["z"].values,
+                            float(case["a"]), text, how, ringed=crossed)[0]  # fmt: skip
 
 
 def _entries(indices: Any) -> list[Any]:

@@ -91,6 +91,19 @@ class View:
         return np.asarray(np.ptp(self.box, axis=0))
 
 
+def view_of(
+    s: Values, rho: float, alpha: Values, z: Values, a: float, text: str, look: Mapping[str, Any], name: str = "",
+    ringed: bool = True,
+) -> tuple[View, bool]:  # fmt: skip
+    """The unrolled view of a rod, and whether it is too long to search for the places where it passes through itself.
+
+    s, rho, alpha, z, a: of the rod, (n,) or a number [length]. text, look, name: as of `View`. ringed: whether those
+    places have rings.
+    """
+    rings = crossings(s, rho, alpha, z, a) if ringed else []
+    return View(z, rho * (alpha - alpha[0]), text, look, rings or [], name), rings is None
+
+
 def plan(
     views: Sequence[View], room: tuple[float, float], letters: float | None = None, even: bool = False
 ) -> Arrangement:
@@ -440,10 +453,11 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
         if is_coarse(rod):
             notes.append(f"Dots: {rods.source.sizes['u']} stations miss bends.")
         passes = coloured and "overlaps" in cautions.keys(rod.caution)
-        rings = crossings(rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a) if passes else []
-        if rings is None:
+        view, is_too_long = view_of(rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a, text, _look(rod, norm), rod.name,
+                                    passes)  # fmt: skip
+        if is_too_long:
             notes.append(f"The rod {TOO_LONG}." if rods.axis is None else f"The rod of {rod.name} {TOO_LONG}.")
-        views.append(View(*rod.plane_points(), text, _look(rod, norm), rings or [], rod.name))
+        views.append(view)
     return Panel(views, room, letters, unit, even=True, notes=notes)
 
 
