@@ -11,7 +11,7 @@ from matplotlib.text import Text
 from solver import InputError
 from tests.workbench import small
 from tests.workbench.small import grid, study
-from workbench.figures import along, canvas, colours, drawn_rods, kinds, study_figure
+from workbench.figures import along, canvas, colours, drawn_rods, kinds, scales, study_figure
 from workbench.figures.laws import panel
 from workbench.figures.unrolled import stretch
 from workbench.store import in_memory, law_verdicts, selection
@@ -40,6 +40,26 @@ def panels(ds: xr.Dataset) -> list:
 
 def said(ax) -> str:
     return " ".join([ax.get_title(loc="left"), *(text.get_text() for text in ax.texts)]).replace("\n", " ")
+
+
+@pytest.mark.parametrize(
+    ("values", "spacing", "logarithmic"),
+    [
+        (np.geomspace(1, 10, 4), None, True),
+        (np.linspace(1, 10, 4), None, False),
+        ([1.0, 2.0, 5.0, 10.0], None, True),
+        ([1.0, 10.0], None, False),  # two values have no spacing
+        ([1.0, 1.7, 2.9], None, False),  # a narrow range
+        ([-8.0, -4.0, -2.0, -1.0], None, False),
+        ([1.0, 1.1, 1.2, 10.0], "linear", False),  # refined at its low end
+        ([1.0, 8.0, 9.0, 10.0], "geometric", True),
+        (np.exp(np.random.default_rng(1).uniform(0, 3, 99)), None, True),
+        (np.random.default_rng(1).uniform(1, 20, 99), None, False),
+    ],
+)
+def test_an_axis_is_logarithmic_where_its_values_lie_more_evenly_so(values, spacing, logarithmic: bool) -> None:
+    axis = xr.DataArray(values, attrs={} if spacing is None else {"spacing": spacing})
+    assert scales.is_logarithmic(axis) == logarithmic
 
 
 def test_a_panel_shows_the_stored_numbers(angles) -> None:

@@ -17,7 +17,7 @@ from studies import Study, load
 from studies.grammar.axes import SAMPLE, Axis
 from studies.language.study_data import MAX_STATIONS, OUTPUTS
 
-from ..figures.scales import WIDE
+from ..figures.scales import is_logarithmic, is_wide
 from ..scene.scene_kinds import Kind
 from ..scene.settings import TooFewStations
 from ..store import in_memory, reading, schema, selection
@@ -129,11 +129,13 @@ def film_cases(
         return in_memory.run(lean.model_copy(update={"axes": axes}))
 
     low, high = float(ds[axis].values[0]), float(ds[axis].values[-1])
-    values = np.geomspace(low, high, TRIED) if low > 0 and high > WIDE * low else np.linspace(low, high, TRIED)
+    values = (np.geomspace if is_wide(low, high) else np.linspace)(low, high, TRIED)
     first = solve(values)
     way = np.concatenate([[0.0], np.cumsum(_motion(first, axis))])
     count = int(np.clip(np.ceil(way[-1] / STEP), LEAST, most))
-    return solve(np.interp(np.linspace(0, way[-1], count), way + 1e-9 * np.arange(TRIED), values))
+    cases = solve(np.interp(np.linspace(0, way[-1], count), way + 1e-9 * np.arange(TRIED), values))
+    spacing = "geometric" if is_logarithmic(ds[axis]) else "linear"  # the scale is that of the axis, not of the motion
+    return cases.assign_coords({axis: cases[axis].assign_attrs(spacing=spacing)})
 
 
 def _motion(ds: xr.Dataset, axis: str) -> Any:

@@ -19,7 +19,6 @@ from . import fonts
 Values = NDArray[np.float64]
 
 WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
-EVEN = 1e-6  # share by which the steps of a geometric axis may differ
 MOST, GAP = 8, 0.08  # ticks of an axis; inches between two numbers
 ROUNDING = 1e-9  # share of the range by which a tick may lie outside it
 SPARE = 0.04  # share of a span that stays free at either end
@@ -80,12 +79,22 @@ class RoomLocator(Locator):
             yield MaxNLocator(count, steps=[1, 2, 3, 4, 5, 10], integer=counts, min_n_ticks=1)
 
 
-def is_geometric(values: Values) -> bool:
-    """Whether rising values have equal ratios over a wide range: such an axis is logarithmic."""
-    if values.size < 3 or values.min() <= 0:
+def is_wide(low: float, high: float) -> bool:
+    """Whether the larger of two positive values is so many times the smaller that ratios tell more than differences."""
+    return bool(low > 0 and high > WIDE * low)
+
+
+def is_logarithmic(axis: xr.DataArray) -> bool:
+    """Whether the axis of these values or samples is logarithmic: over a wide range, and spread more evenly so.
+
+    An axis that was refined says itself how it is spread: its values crowd where something changes.
+    """
+    low, middle, high = (float(value) for value in np.quantile(axis.values, (0.0, 0.5, 1.0)))
+    if not is_wide(low, high):
         return False
-    steps = np.diff(np.log(values))
-    return bool(np.ptp(steps) < EVEN * steps.mean() and values[-1] / values[0] > WIDE)
+    if "spacing" in axis.attrs:
+        return bool(axis.attrs["spacing"] == "geometric")
+    return abs(middle - np.sqrt(low * high)) < abs(middle - (low + high) / 2)
 
 
 class Ticks(Formatter):
@@ -157,7 +166,7 @@ def round_below(value: float) -> float:
 def scale_of(axis: xr.DataArray) -> Scale:
     """The scale of the values of an axis, in any order: from the first to the last, or between its `ends`."""
     values = np.sort(labels.in_label_unit(axis, axis.values))
-    logarithmic = is_geometric(values)
+    logarithmic = is_logarithmic(axis)
     points = np.log(values) if logarithmic else values
     if points.size == 1:
         edges = points + np.array([-0.5, 0.5]) * (abs(points[0]) or 1.0)

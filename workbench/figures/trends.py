@@ -17,7 +17,7 @@ from studies.laws.line_verdicts import FAILS
 from ..store import schema, selection
 from ..words import labels
 from . import canvas, colours, fonts
-from .scales import SPARE, WIDE, RoomLocator, is_geometric, set_scale
+from .scales import SPARE, RoomLocator, is_logarithmic, set_scale
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
 ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel of samples; of all
@@ -56,8 +56,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
         ax.scatter(along, values, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
     _mark_unsolved(ax, along[~np.isfinite(values)], label="unsolved")
     low, high = float(along.min()), float(along.max())
-    refined_so = ds[axis].attrs.get("spacing") == "geometric" and low > 0 and high > WIDE * low
-    set_scale(ax.xaxis, (low, high), refined_so or is_geometric(along), SPARE)
+    set_scale(ax.xaxis, (low, high), is_logarithmic(ds[axis]), SPARE)
     if "fold" in ds and axis == ds.attrs.get("followed") and np.isfinite(ds["fold"]):
         ax.axvline(float(np.degrees(ds["fold"])), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     words = [axis_label(ds, axis, others, long) for long in (True, False)]
@@ -131,16 +130,11 @@ def samples(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) ->
 
 
 def _draw_samples(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None:
-    """One observable against one field, on a panel of so many inches.
-
-    The scale is logarithmic where the samples are spread more evenly so.
-    """
+    """One observable against one field, on a panel of so many inches."""
     x, y = (labels.in_label_unit(ds[key], ds[key].values) for key in (field, name))
     solved = np.isfinite(y)
-    low, middle, high = float(x.min()), float(np.median(x)), float(x.max())
-    is_even = low > 0 and abs(middle - np.sqrt(low * high)) < abs(middle - (low + high) / 2)
-    logarithmic = is_even and high > WIDE * low
-    set_scale(ax.xaxis, (low, high), logarithmic, SPARE)
+    logarithmic = is_logarithmic(ds[field])
+    set_scale(ax.xaxis, (float(x.min()), float(x.max())), logarithmic, SPARE)
     if solved.sum() > MANY:
         _density(ax, x[solved], y[solved], logarithmic)
     else:

@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from solver.problem.errors import InputError, choices, no_such
 
 from ..figures import canvas, colours, fonts
-from ..figures.scales import WIDE, set_scale
+from ..figures.scales import is_logarithmic, set_scale
 from ..store import atomic, schema, selection
 from ..words import cautions, labels
 from . import body as rods
@@ -182,14 +182,13 @@ def _begin(fig: Figure, film: Film, scene: "composition.Scene", cases: Sequence[
 def _draw_case(
     fig: Figure, film: Film, ds: xr.Dataset, cases: Sequence[dict[str, int]], k: int
 ) -> Iterator[Artist]:  # fmt: skip
-    """The value of the k-th case in words and among those of the axis, by ratios over a wide range, and the observable
-    up to it."""
+    """The value of the k-th case in words and among those of the axis, on its scale, and the observable up to it."""
     ax, *diagrams = fig.axes[0], *[ax for ax in fig.axes[1:] if ax.get_label() == DIAGRAM_LABEL]
     array, i = ds[film.axis], cases[k][film.axis]
     left, right = canvas.MARGIN, film.size[0] - canvas.MARGIN
     yield ax.text(left, left, labels.equation(array, float(array[i]), 3), size=fonts.LARGE, va="top", weight="bold")
     ends = array.values[[0, i, -1]]
-    first, at, last = np.log(ends) if ends[0] > 0 and ends[-1] > WIDE * ends[0] else ends
+    first, at, last = np.log(ends) if is_logarithmic(array) else ends
     place = left + (at - first) / (last - first) * (right - left)
     yield from ax.plot([left, place], [left + 0.34] * 2, color=colours.SOFT, linewidth=2.0, solid_capstyle="round")
     yield from ax.plot(place, left + 0.34, "o", color=colours.INK, markersize=6)
@@ -233,9 +232,8 @@ def _draw_scales(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str,
     """The scales of the diagram: those of the whole curve."""
     along, values = _numbers(ds, film, cases)
     known = values[np.isfinite(values)]
-    logarithmic = along[0] > 0 and along[-1] > WIDE * along[0]
     ax.set_label(DIAGRAM_LABEL)
-    set_scale(ax.xaxis, (along[0], along[-1]), logarithmic)
+    set_scale(ax.xaxis, (along[0], along[-1]), is_logarithmic(ds[film.axis]))
     ax.set_xlabel(labels.axis_label(film.axis, ds[film.axis]))
     if known.size:
         room = 0.08 * (float(np.ptp(known)) or 1.0)
