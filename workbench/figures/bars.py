@@ -60,8 +60,8 @@ def of_cases(
     axis = selection.axis_of(ds, x) if x else axes[0]
     if (count := ds.sizes[axis]) > MOST:
         raise InputError(f"bars show at most {MOST} values of an axis, and {axis} has {count}: choose --kind lines")
-    asked, most = [sheet.panel] if sheet.panel else show, _most_panels(sheet, count) or MOST_PANELS
-    names, left_out = choose_observables(ds, asked, most, most_asked=None)
+    show, most = [sheet.panel] if sheet.panel else show, _most_panels(sheet, count) or MOST_PANELS
+    names, left_out = choose_observables(ds, show, most, most_asked=None)
     if not names:
         raise InputError("no bars: the dataset has no observables")
     cases = selection.line(ds, axis, at)
