@@ -14,6 +14,7 @@ enum { LEFT_TO_CALLER, AT_END, IS_CLOSED, ENOUGH }; /* why the steps end */
 #define NARROW 1e-3      /* length of a step below which the caller tries other ways */
 #define EASY_BEND 0.05   /* distance from the predictor, as a share of the step, that the next step aims at */
 #define STEEP 0.2        /* dp along the branch, in scales, above which a step may end at a given p */
+#define RATIO 4 /* on a line of problems, by which the rate of the length may change in a step: more hides two folds */
 #define SHARE 0.1        /* of the change of p in a step, over which differences in p are taken */
 #define LEAST 1e-10      /* the least and the largest of it, in scales of p */
 #define AHEAD 1e-6
@@ -181,6 +182,11 @@ static int stepped(family *f, const point *from, double step, const place *o, po
     if (failed)
         return failed;
     const int at_rest = !from->chart.logarithmic && from->w[0] * there->w[0] < 0; /* beta_t passes through 0 at an end */
+    if (f->line) {
+        const double share = there->jacobian[0] / from->jacobian[0];
+        if (!(1 / RATIO < share && share < RATIO))
+            return FAILED;
+    }
     *left = (at_rest && rod_is_tied(o)) || rises * there->tangent[1] < 0 ||
             halts_between(over, p, there->w[1] * over->scale);
     return DONE;

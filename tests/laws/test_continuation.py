@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, solve
+from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
 from solver.equilibria import Equilibrium
 from tests.cases import GENERAL, TABLE_1, ends_in_units_of_rho, rod_of_unit_stiffness
 
@@ -221,3 +221,17 @@ def test_the_pipe_follows_its_helix_from_load_to_load() -> None:
         angle = np.sqrt(-FZ / (2 * A)) * rho
         assert np.abs(sol.beta).max() < 3 * angle
         assert sol.z[-1] > 0.999 * L
+
+
+@pytest.mark.parametrize("MZ", [0.0664, 0.0648, 0.0632, 0.0600])
+@pytest.mark.parametrize("FZ", [-0.0615, -0.02])
+def test_a_seed_does_not_pass_two_folds_that_are_close_to_each_other(MZ: float, FZ: float) -> None:
+    """The branch turns back at FZ = -0.009 and soon forward again: `follow` finds both folds, and what lies beyond them
+    is another part of the branch, which small steps do not reach either."""
+    rod = Rod(E=9134.311745258881, nu=0.06211705116560651, a=0.0669076780229075, L=11.789526625107417)
+    cylinder, beta0, betaL = Cylinder(R=2.5792661701958184), 0.5817037179949309, -0.1725734779636321
+    before, after = (Ends(beta0, betaL, FZ=f, MZ=MZ, M3=0.008224854724527102) for f in (0.06907893586993259, FZ))
+    seed = solve(Case(rod, cylinder, before))
+    folds = [point for point in follow(seed, FZ=FZ).special if point.kind == "fold"]
+    assert len(folds) == 2
+    assert "fold" in str(solve(Case(rod, cylinder, after), seed=seed).outcome)
