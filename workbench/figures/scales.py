@@ -75,8 +75,8 @@ class RoomLocator(Locator):
         counts = self.of == "counts"
         for count in range(MOST + counts, 0, -1):  # half a count more lies at either end of a bar of their colours
             yield MaxNLocator(count, steps=[1, 2, 5, 10], integer=counts, min_n_ticks=1)
-        for count in (3, 2):  # at 3 and 4 too, where so few at 1, 2 and 5 do not lie on it
-            yield MaxNLocator(count, steps=[1, 2, 3, 4, 5, 10], integer=counts, min_n_ticks=1)
+        for count in (3, 2):  # at 3, 4, 6 and 8 too, where so few at 1, 2 and 5 do not lie on it
+            yield MaxNLocator(count, steps=[1, 2, 3, 4, 5, 6, 8, 10], integer=counts, min_n_ticks=1)
 
 
 def is_wide(low: float, high: float) -> bool:
