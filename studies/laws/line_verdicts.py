@@ -210,7 +210,7 @@ DIRECTIONS: dict[str, Direction] = {
 
 
 def judge_direction(line: Line, direction: str) -> Verdict:
-    """The verdict on a line in a direction, for which an infinite value is none."""
+    """The verdict on a line in a direction; an infinite value counts as missing."""
     values = np.where(np.isfinite(line.values), line.values, np.nan)
     return DIRECTIONS[direction].judge(replace(line, values=values))
 

@@ -78,7 +78,7 @@ def medium(driver: Any, name: str) -> None:
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": name})
 
 
-def requested(driver: Any) -> set[str]:
+def requests_of(driver: Any) -> set[str]:
     """The addresses that the page has asked for since the last time."""
     messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
     return {m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"}

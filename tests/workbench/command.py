@@ -23,7 +23,7 @@ def run(line: str, status: int = 0) -> None:
     assert exit_status(*shlex.split(line.removeprefix("workbench "))) == status, line
 
 
-def printed(code: str, **env: str) -> list[str]:
+def output_of(code: str, **env: str) -> list[str]:
     """The words that Python prints in a process that has imported nothing before."""
     command, folder = [sys.executable, "-c", f"import sys; {code}"], Path(__file__).parents[2]
     here = {**os.environ, **env}

@@ -56,6 +56,6 @@ def run(script: str, given: Any = None, modules: tuple[str, ...] = ()) -> Any:
     return said["answer"]
 
 
-def called(modules: str, body: str, given: Any = None) -> Any:
+def result_of(modules: str, body: str, given: Any = None) -> Any:
     """What the body of a function returns that may use the names that these modules export."""
     return run(f"answer((() => {{ {body} }})());", given, tuple(modules.split(", ")))

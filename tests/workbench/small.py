@@ -81,13 +81,13 @@ def study(axes: str = "", head: str = "", name: str = "small") -> Study:
     return loads(start + axes, default_name=name)
 
 
-def shipped(name: str) -> xr.Dataset:
+def study_dataset(name: str) -> xr.Dataset:
     """A shipped study, a refined one on its coarse grid; what is changed in it is changed for this test alone."""
-    return _shipped(name).copy(deep=True)
+    return _solve_shipped(name).copy(deep=True)
 
 
 @cache
-def _shipped(name: str) -> xr.Dataset:
+def _solve_shipped(name: str) -> xr.Dataset:
     return in_memory.run(load(name).coarse())
 
 

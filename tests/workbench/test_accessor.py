@@ -13,7 +13,7 @@ from studies.language.loader import loads
 from studies.language.study_data import OUTPUTS
 from tests.slow import slow_but
 from tests.workbench import small
-from tests.workbench.command import printed
+from tests.workbench.command import output_of
 from workbench.commands import options
 from workbench.store import case_solutions, in_memory, schema, selection, writing
 
@@ -207,7 +207,7 @@ IMPORTS = {"accessor first": "import workbench.accessor, xarray", "xarray first"
 
 @pytest.mark.parametrize("order", slow_but(IMPORTS, "accessor first"))
 def test_importing_the_accessor_registers_it_and_loads_no_solver(order: str) -> None:
-    assert printed(f"{IMPORTS[order]}; print(xarray.Dataset.rod.__name__, 'solver' in sys.modules)") == [
+    assert output_of(f"{IMPORTS[order]}; print(xarray.Dataset.rod.__name__, 'solver' in sys.modules)") == [
         "RodAccessor",
         "False",
     ]
@@ -215,7 +215,7 @@ def test_importing_the_accessor_registers_it_and_loads_no_solver(order: str) -> 
 
 def test_importing_the_workbench_alone_loads_nothing_heavy_and_changes_no_import() -> None:
     code = "before = list(sys.meta_path); import workbench; print(sys.meta_path == before, 'numpy' in sys.modules)"
-    assert printed(code) == ["True", "False"]
+    assert output_of(code) == ["True", "False"]
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ from workbench.web.report import measured_runs, report_runs
 
 @pytest.fixture(scope="module")
 def told() -> dict[str, xr.Dataset]:
-    found = {name: small.shipped(name) for name in (story.ROD, story.ALONG)}
+    found = {name: small.study_dataset(name) for name in (story.ROD, story.ALONG)}
     return found | {story.CLAIMS: report_runs.run_readings([load("fig7_1_modulus"), load("fig7_2_radius")])}
 
 
@@ -49,13 +49,13 @@ def two() -> xr.Dataset:
 @pytest.mark.parametrize("page", SHEETS)
 @pytest.mark.parametrize("kind", kinds.OF_STUDIES)
 def test_every_kind_of_picture_can_be_read_at_every_width(two, kind: str, page: str) -> None:
-    fig = kinds.figure(small.shipped("capstan") if kind == "states" else two, kind, SHEETS[page])
+    fig = kinds.figure(small.study_dataset("capstan") if kind == "states" else two, kind, SHEETS[page])
     assert fig.get_figwidth() == pytest.approx(SHEETS[page].width)
     assert faults(fig) == []
 
 
 def test_bars_of_one_column_are_those_that_have_room_and_the_others_are_named() -> None:
-    ds = small.shipped("fig7_1_modulus")
+    ds = small.study_dataset("fig7_1_modulus")
     drawn = [kinds.figure(ds, "bars", SHEETS[page]) for page in ("column", "page")]
     assert [faults(fig) for fig in drawn] == [[], []]
     few, more = (len([ax for ax in fig.axes if ax.containers]) for fig in drawn)
@@ -100,7 +100,7 @@ def test_the_letters_of_a_figure_can_be_read_in_two_columns(name: str) -> None:
 @pytest.mark.parametrize("page", SHEETS)
 @pytest.mark.parametrize("name", names())
 def test_the_pictures_of_every_study_can_be_read_at_every_width_and_are_not_empty(name: str, page: str) -> None:
-    ds = small.shipped(name)
+    ds = small.study_dataset(name)
     for kind in dict.fromkeys((kinds.kind_of(ds), "lines")):
         fig = kinds.figure(ds, kind, SHEETS[page])
         assert faults(fig) == []

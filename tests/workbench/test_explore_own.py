@@ -98,7 +98,7 @@ def test_the_same_rod_in_other_units_has_the_same_sliders() -> None:
 
 def test_of_a_study_with_axes_one_case_is_shown_and_named(tmp_path) -> None:
     """Of Fig. 7 (1) that nearest to Table 1; the study and its stored file give the same rod."""
-    stored = writing.write(small.shipped("fig7_1_modulus"), tmp_path / "modulus.h5")
+    stored = writing.write(small.study_dataset("fig7_1_modulus"), tmp_path / "modulus.h5")
     shown = [presets.own_preset(file, {}, {}) for file in (Path("fig7_1_modulus"), stored)]
     assert [one.state for one in shown if one] == [shown[0].state] * 2
     assert "From fig7_1_modulus, the case at E = 10905.1, one of 9." in shown[0].source

@@ -118,7 +118,7 @@ def page(driver, port) -> Iterator[Page]:
     yield found
     errors = [entry["message"] for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
     assert errors == []
-    asked = browser.requested(driver)
+    asked = browser.requests_of(driver)
     own = (f"http://127.0.0.1:{port}/", "data:", "blob:", "chrome://", "file://")
     assert [url for url in asked if not url.startswith(own)] == []
     assert asked

@@ -39,8 +39,8 @@ PAPER = [name for name in names() if name.startswith("fig")]
 @pytest.mark.parametrize("name", names())
 def test_the_pictures_of_a_shipped_study_can_be_read_and_say_what_is_stored(name: str) -> None:
     said = []
-    for kind in dict.fromkeys((kinds.kind_of(small.shipped(name)), "lines")):
-        fig = kinds.figure(small.shipped(name), kind)
+    for kind in dict.fromkeys((kinds.kind_of(small.study_dataset(name)), "lines")):
+        fig = kinds.figure(small.study_dataset(name), kind)
         assert faults(fig) == []
         texts = [" ".join(text.get_text().split()) for text in words(fig)]
         said += [f"{kind}: {text}" for text in texts if not re.fullmatch(r"[−\d.·⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+", text)]  # a tick
@@ -51,7 +51,7 @@ def test_the_pictures_of_a_shipped_study_can_be_read_and_say_what_is_stored(name
 def test_no_law_of_a_shipped_study_fails_under_the_default_reading_and_those_that_hold_with_a_reserve_say_so(
     name: str,
 ) -> None:
-    ds = small.shipped(name)
+    ds = small.study_dataset(name)
     assert law_verdicts.unsolved(ds) == 0
     rows = law_verdicts.verdicts(ds)
     assert [(row["verdict"], row["qualifications"]) for row in rows] == VERDICTS[name]
@@ -63,7 +63,7 @@ def test_no_law_of_a_shipped_study_fails_under_the_default_reading_and_those_tha
 
 
 def test_the_reasons_of_figure_7_are_those_of_its_numbers() -> None:
-    radius, angle = small.shipped("fig7_2_radius"), small.shipped("fig7_4_end_angle")
+    radius, angle = small.study_dataset("fig7_2_radius"), small.study_dataset("fig7_4_end_angle")
     assert (np.diff(radius["amplitude"]) > 0).all()
     assert "amplitude rises instead at 8 of 8 steps" in law_verdicts.verdicts(radius)[0]["reason"]
     assert angle["turns"].values.tolist() == [6] * 9

@@ -17,7 +17,7 @@ from workbench.store import in_memory, law_verdicts
 
 @pytest.fixture(scope="module")
 def regimes() -> xr.Dataset:
-    return small.shipped("regimes")
+    return small.study_dataset("regimes")
 
 
 @pytest.fixture(scope="module")

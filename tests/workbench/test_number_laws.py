@@ -50,7 +50,7 @@ def ds() -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def pipe() -> xr.Dataset:
-    return small.shipped("pipe_lubinski")
+    return small.study_dataset("pipe_lubinski")
 
 
 def panels(ds: xr.Dataset) -> dict[str, Axes]:

@@ -85,7 +85,7 @@ def results(tmp_path_factory) -> list[StudyResult]:
     folder = tmp_path_factory.mktemp("pictures")
     found = []
     for name in PAPER:
-        ds = small.shipped(name)
+        ds = small.study_dataset(name)
         pictures = {part: folder / f"{name}_{part}.png" for part in ("figure", "scene")}
         # the proportions of those of Fig. 7 (2) and (3)
         for part, high in ({"figure": 74, "scene": 49} if name in LOW else {"figure": 87, "scene": 59}).items():
@@ -354,7 +354,7 @@ def test_in_a_browser_the_rod_is_drawn_turns_and_nobody_is_asked(shown) -> None:
     assert slider.get_attribute("aria-valuetext") == "14140 N/cm²" != before
     assert [entry["message"] for entry in shown.get_log("browser") if entry["level"] == "SEVERE"] == []
     own = ("file:", "data:", "blob:", "chrome:", "chrome-untrusted:")  # the last two are the browser's first page
-    assert [url for url in browser.requested(shown) if not url.startswith(own)] == []
+    assert [url for url in browser.requests_of(shown) if not url.startswith(own)] == []
 
 
 @pytest.mark.slow

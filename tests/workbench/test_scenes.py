@@ -47,7 +47,7 @@ def dataset(side: str = "outside", axes: str = "", stations: int = 201, L: float
 
 @pytest.fixture(scope="module")
 def fig6() -> xr.Dataset:
-    return small.shipped("fig6")
+    return small.study_dataset("fig6")
 
 
 def body(ds: xr.Dataset, kind: str = "contact", **where: int) -> rods.Body:

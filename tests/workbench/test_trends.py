@@ -19,12 +19,12 @@ from workbench.store import in_memory, law_verdicts, selection
 
 @pytest.fixture(scope="module")
 def forces() -> xr.Dataset:
-    return small.shipped("fig7_5_forces")
+    return small.study_dataset("fig7_5_forces")
 
 
 @pytest.fixture(scope="module")
 def angles() -> xr.Dataset:
-    return small.shipped("fig7_3_start_angle")
+    return small.study_dataset("fig7_3_start_angle")
 
 
 def axes():
@@ -92,7 +92,7 @@ def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:
 
 @pytest.mark.parametrize("side", ["outside", "inside"])
 def test_a_push_is_drawn_upward_on_either_side_and_lift_off_is_shaded(side: str) -> None:
-    ds = small.shipped("fig6").assign_attrs(side=side)
+    ds = small.study_dataset("fig6").assign_attrs(side=side)
     rods = drawn_rods.choose(
         ds.drop_attrs().assign_attrs({k: v for k, v in ds.attrs.items() if k != "study"}), ["push"]
     )

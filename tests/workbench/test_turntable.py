@@ -29,7 +29,7 @@ from workbench.web.turntable.turntable_page import turntable_of_dataset
 
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
-    return small.shipped("fig7_1_modulus")
+    return small.study_dataset("fig7_1_modulus")
 
 
 def data_of(text: str) -> dict[str, Any]:

@@ -33,7 +33,7 @@ LONG = "A title that goes on for longer than a page of this width can hold, " * 
 
 def drawn_map(change: Callable[[xr.Dataset], xr.Dataset], **more: Any) -> Figure:
     """The map of the bends of a study over E and R of which something is changed."""
-    return map_figure.figure(change(small.shipped("regimes")), **{"show": ["turns"], **more})
+    return map_figure.figure(change(small.study_dataset("regimes")), **{"show": ["turns"], **more})
 
 
 def three(more: str = "") -> xr.Dataset:
@@ -124,7 +124,7 @@ def grid(**more: Any) -> Figure:
 
 
 def angles(**more: Any) -> Figure:
-    return study_figure.figure(small.shipped("fig7_3_start_angle"), **more)
+    return study_figure.figure(small.study_dataset("fig7_3_start_angle"), **more)
 
 
 LINES: dict[str, Callable[[], Figure]] = {

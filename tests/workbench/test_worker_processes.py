@@ -8,7 +8,7 @@ import pytest
 
 from studies import load
 from tests.workbench import runs
-from tests.workbench.command import printed
+from tests.workbench.command import output_of
 from workbench.store import block, plan, worker_processes
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc, and copies are made on Linux only")
@@ -23,7 +23,7 @@ def parent(pid: int | None) -> int:
 @linux
 def test_what_workers_are_copies_of_has_one_thread_so_that_copying_is_safe() -> None:
     code = "import os, workbench.store.preload; print(len(os.listdir('/proc/self/task')))"
-    assert printed(code, **dict.fromkeys(worker_processes.ONE_THREAD, "1")) == ["1"]
+    assert output_of(code, **dict.fromkeys(worker_processes.ONE_THREAD, "1")) == ["1"]
 
 
 @linux
@@ -39,7 +39,7 @@ work = plan.plan(load({str(path)!r}))
 block.solve_chunk(work.light, work.chunk(0, 4), work.block)
 print("read", *sorted(set(sys.modules) - before))
 """
-    assert printed(code) == ["read"]
+    assert output_of(code) == ["read"]
 
 
 @linux
@@ -75,7 +75,7 @@ except InputError as error:
     print(str(error).replace(" ", "_"))
 """
     path = os.pathsep.join([str(tmp_path), str(runs.ROOT)])
-    assert printed(code, PYTHONPATH=path) == [
+    assert output_of(code, PYTHONPATH=path) == [
         "a_worker_process_cannot_start:_the_process_from_which_it_is_forked_has_ended"
     ]
 
@@ -98,8 +98,8 @@ print(faults() - before)
 """
     # as Dask starts its workers: nothing is kept. 50 arrays of 8 MB in pages of 4 kB, or in larger ones
     as_dask = {"MALLOC_TRIM_THRESHOLD_": "65536"}
-    (kept,) = printed(code.format(keep=True), **as_dask)
-    (fetched,) = printed(code.format(keep=False), **as_dask)
+    (kept,) = output_of(code.format(keep=True), **as_dask)
+    (fetched,) = output_of(code.format(keep=False), **as_dask)
     if int(fetched) < 200:
         pytest.skip("this C library keeps memory by itself")
     assert int(kept) < int(fetched) / 10  # one of the fifty would be a fiftieth

@@ -41,7 +41,8 @@ from .sheet import MILLIMETRES, SCREEN, Sheet
 
 # inches of a figure of one column, and of two: room for a caption stays; the share of the height that is kept
 TALLEST, TALLEST_PAGE, LEAST = 120 / MILLIMETRES, 185 / MILLIMETRES, 0.62
-LABELS = 0.25  # inches above and below a panel with axes
+# inches that a panel with axes gives up for views: at 0.35 the push of a rod keeps one number, at 0.15 views overlap
+LABELS = 0.25
 MARGIN, AFTER, TITLE = 0.15, 0.1, 0.62  # inches around a title, below it, and of all of it where its lines are short
 MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and columns name
 # The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points

@@ -85,7 +85,7 @@ def is_wide(low: float, high: float) -> bool:
 
 
 def is_logarithmic(axis: xr.DataArray) -> bool:
-    """Whether the axis of these values or samples is logarithmic: over a wide range, and spread more evenly so.
+    """Whether an axis is logarithmic: its values have a wide range, and their logarithms are spread more evenly.
 
     An axis that was refined says itself how it is spread: its values crowd where something changes.
     """

@@ -14,14 +14,14 @@ MOST_ASKED = 12  # observables of one figure
 def choose_observables(
     ds: xr.Dataset, show: Sequence[str], most: int, most_level: int | None = None, most_asked: int | None = MOST_ASKED
 ) -> tuple[list[str], list[str]]:
-    """The observables of a study that a figure shows, and those that would be shown if there were room.
+    """The observables of a study that a figure shows, and those that have no room.
 
     Parameters
     ----------
     ds, show
         The study, and the observables that are asked for, which are all shown.
     most, most_level
-        For how many there is room where none is asked for; and which are considered if none varies, default: all.
+        How many have room where none is asked for; how many of those are candidates if none varies, default: all.
     most_asked
         How many can be asked for; None: any number.
 
