@@ -52,7 +52,7 @@ def test_it_keeps_its_promise_and_does_not_understate_its_error(loads: float, sp
     problem = random(1500, 5, loads, spans)
     fast, exact = both(problem, tol)
     ok = solved(fast) & solved(exact)
-    assert solved(exact)[~solved(fast)].sum() <= 3  # at tol 1e-13 and at `tol` orbit itself may differ on a few
+    assert (exact.error[solved(exact) & ~solved(fast)] > 0.01).all()  # it gives up where orbit too has a digit or two
     assert ok.mean() > 0.95
     long = np.maximum(1, problem.span)[:, None]
     off = np.maximum(np.abs(fast.beta - exact.beta), np.abs(fast.alpha - exact.alpha) / long)

@@ -103,6 +103,7 @@ def test_the_file_was_compiled_from_the_sources_that_are_here() -> None:
     assert build.digest(build.WASM_SOURCES).encode() in (HERE / build.WASM).read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_spec("ziglang") is None, reason="the package ziglang is not installed")
 def test_compiling_it_again_gives_the_same_file(tmp_path: Path) -> None:
     build.build_for_browsers(tmp_path / "again.wasm")
