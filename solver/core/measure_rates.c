@@ -1,18 +1,20 @@
 /* How the numbers measured along rods answer changes of their orbits: solver/sensitivity/observable_rates.py.
 
    A change of an orbit has a part a along its flow, which moves a density by a times its pace. That part is integrated by
-   parts, so that what is summed depends on the angle alone and whole periods add by their number. */
+   parts, so that what is summed depends on the angle alone: it is the integral of another density over the same parts of the
+   rod, each as often as the rod passes it. */
 
 #include "measure_rates.h"
 
-/* what is summed: the densities, the push without the pull, and the share of push */
-enum { PUSH = 3, INTEGRALS, ALONE = INTEGRALS, ATTACHED, COLUMNS };
-enum { HALVINGS = 8, QUERIES = 3, GAUSS = 5 };
+/* What is summed along a rod: a density, its positive part, the length on which it is positive, and how far a place moves
+   along the orbit. */
+enum { WHOLE, ALONE, ATTACHED, COLUMNS, MOVED = COLUMNS };
+enum { GAUSS = 5 };
+#define GOAL 1e-12        /* of the series of a density that is integrated alone, relative */
 #define SAME 1e-12        /* relative: extremes that differ by less are equal */
 #define ONE_POINT 1e-9    /* rad: critical points that are this near are one */
 #define STEP 1e-4         /* of the shortest time of a change: differences about a place */
 #define NEAR_REST 0.1     /* rad: how near a critical point the difference of a density from that there is integrated */
-#define GOAL 1e-11        /* of the series of a density, relative */
 #define UNEQUAL 1e-4      /* relative: derivatives that differ by more are different */
 #define STILL 1e-9        /* of the largest pace of a density: one that changes less is stationary */
 #define FAINT 1e-9        /* of the sum of the sizes of its terms: a derivative below this is rounding */
@@ -21,8 +23,6 @@ enum { HALVINGS = 8, QUERIES = 3, GAUSS = 5 };
 #define MERGED 1e-6       /* of the same: places nearer than this are one */
 #define ZERO 1e-12        /* of the sum of the sizes of its terms: a value that only touches zero */
 
-static const int kinds[INTEGRALS] = {CURVATURE, BENDING, POTENTIAL, OUTWARD}, of_whole[PUSH] = {CURVED, BENT, STORED};
-static const double query_shares[QUERIES] = {1, 1.0 / 3, 2.0 / 3};
 
 /* AT places of one orbit, at `angles.beta` = base + x up to whole turns. v: beta_t with its sign. */
 typedef struct {
@@ -37,33 +37,19 @@ typedef struct {
     double pace[AT], moved[4][AT];
 } rated;
 
-/* A part of a panel, from `low` to `high` on it, which lasts `time`. M: the rates of the first row of M. by: of the
-   densities that are integrated. */
-typedef struct {
-    double low, high, time, M[4][AT];
-    states at;
-    rated by[INTEGRALS];
-} leaf;
-
-/* One rod. integrates: which densities. nearest: the panel that is closest to a critical point; still: the densities at rest
-   there. shortest: a time in which a density changes at least. top: the largest coefficients of the values and changes of
-   each density; most_pace: of the push. panel: that is integrated over; rates: its rates of the first row of M. */
+/* One rod. nearest: the panel that is closest to a critical point. shortest: a time in which a density changes at least. */
 typedef struct {
     workspace *w;
     const read_orbits *of;
     const points *at;
     const varied_orbits *varied;
     const changes *by;
-    int64_t b, panel, nearest;
-    int integrates[INTEGRALS];
+    int64_t b, nearest;
     const double *parts, *later;
-    double span, period, shortest, most_pace, still[INTEGRALS], top[INTEGRALS][5], rates[4][NODES];
+    double span, period, shortest;
     double *a, *slopes, *faint; /* (CANDIDATES, F): of places */
-    leaf *panels;               /* whole ones */
     varied_place start;
 } rod;
-
-static int wants(const rod *o, int rate) { return (int)(o->by->wanted >> rate & 1); }
 
 /* values . e, without the elements that do not change: next to a saddle a value may be infinite. */
 static double along_e(const double *values, const double *parts)
@@ -89,20 +75,10 @@ static void rate(int kind, const rod_loads *l, const states *at, rated *out)
     }
 }
 
-/* Writes place i of the states, at x of a panel after so many whole turns. */
-static void write_state(const rod *o, int i, int64_t panel, double x, double turns, const varied_place *place, states *out)
-{
-    const int n = (int)o->of->coefficients;
-    out->base[i] = o->of->base[panel], out->x[i] = at_place(o->of->series + FUNCTIONS * n * panel, n, x);
-    out->angles.beta[i] = out->base[i] + TAU * turns + out->x[i], out->angles.speed[i] = fabs(place->v);
-    out->v[i] = place->v, out->H[i] = place->H, out->c[i] = place->c;
-    for (int k = 0; k < 4; k++)
-        out->shift[k][i] = place->shift[k], out->gamma[k][i] = place->gamma[k];
-}
-
 /* The states at up to AT times, and how far the changes move each along the orbit, a (count, F). */
 static void states_at(const rod *o, int count, const double *t, states *out, double *a)
 {
+    const int n = (int)o->of->coefficients;
     memset(out, 0, sizeof(states));
     for (int i = 0; i < count; i++) {
         varied_place place;
@@ -111,9 +87,11 @@ static void states_at(const rod *o, int count, const double *t, states *out, dou
         const int64_t panel = rod_place(o->of, o->b, t[i], &where, &x);
         rod_varied_place_at(o->of, o->varied, o->b, t[i], &place);
         const double turns = o->of->kind[o->b] == LIBRATION ? 0 : o->of->direction[o->b] * where.periods;
-        write_state(o, i, panel, x, turns, &place, out);
+        out->base[i] = o->of->base[panel], out->x[i] = at_place(o->of->series + FUNCTIONS * n * panel, n, x);
+        out->angles.beta[i] = out->base[i] + TAU * turns + out->x[i], out->angles.speed[i] = fabs(place.v);
+        out->v[i] = place.v, out->H[i] = place.H, out->c[i] = place.c;
         for (int k = 0; k < 4; k++)
-            place.M[k] -= o->start.M[k];
+            out->shift[k][i] = place.shift[k], out->gamma[k][i] = place.gamma[k], place.M[k] -= o->start.M[k];
         for (int64_t f = 0; a && f < o->by->F; f++)
             a[o->by->F * i + f] = o->parts[PARTS * f] + along_e(place.M, o->parts + PARTS * f);
     }
@@ -149,242 +127,145 @@ static void differences(int kind, const rod_loads *l, const states *at, double *
     }
 }
 
-/* All columns at the places less those at rest at the critical point next to the orbit; near it, the densities by
+/* A density at the places less `still`, what it is at rest at the critical point next to the orbit; near it by
    `differences`, where both agree. */
-static void above_rest(const rod *o, int near, const states *at, const rated *by, double out[COLUMNS][AT])
+static void above_rest(const rod *o, int kind, double still, const states *at, const rated *by, double *out)
 {
-    const double nearest = o->of->base[o->nearest], push = o->still[PUSH], level = larger(push, 0);
-    memset(out, 0, sizeof(double) * COLUMNS * AT);
-    for (int d = 0; d < INTEGRALS; d++) {
-        double exact[AT];
-        if (!o->integrates[d])
-            continue;
-        if (near)
-            differences(kinds[d], &o->w->steady, at, exact);
-        for (int i = 0; i < AT; i++) {
-            out[d][i] = by[d].of.values[i] - o->still[d];
-            if (near && fabs(sin((at->base[i] - nearest) / 2)) < ONE_POINT &&
-                fabs(out[d][i] - exact[i]) <= BARELY * (1 + fabs(o->still[d])))
-                out[d][i] = exact[i];
-        }
-    }
-    for (int i = 0; i < AT && o->integrates[PUSH]; i++) {
-        const double value = by[PUSH].of.values[i];
-        if (value > 0)
-            out[ALONE][i] = push > -BARELY ? out[PUSH][i] : value;
-        else
-            out[ALONE][i] = level > BARELY * (1 + level) ? -level : 0;
-        out[ATTACHED][i] = (value > 0) - (push > 0);
-    }
-}
-
-static void begin_leaf(const rod *o, double low, double high, leaf *out)
-{
-    const int backward = o->panel - o->of->first[2 * o->b] >= o->of->count[2 * o->b], n = (int)o->at->n;
-    double x[AT], polynomials[NODES * AT];
-    out->low = low, out->high = high, out->time = o->of->width[o->panel] * (high - low) / 2;
-    for (int i = 0; i < AT; i++) {
-        varied_place place;
-        x[i] = low + (high - low) * (1 + o->w->by.nodes[i]) / 2;
-        rod_varied_place_on(o->varied, n + 1, o->panel, x[i], &place);
-        place.v = larger(place.v, 0) * (backward ? -o->of->direction[o->b] : o->of->direction[o->b]);
-        write_state(o, i, o->panel, x[i], 0, &place, &out->at);
-    }
-    polynomials_at(n, x, polynomials);
-    for (int k = 0; k < 4; k++)
-        product(n, AT, o->rates[k], polynomials, out->M[k]);
-    directions_of(&out->at.angles);
-    for (int d = 0; d < INTEGRALS; d++)
-        if (o->integrates[d] || (d == PUSH && wants(o, PEAK)))
-            rate(kinds[d], &o->w->steady, &out->at, &out->by[d]);
-}
-
-/* The largest coefficient of a series from number `first` on. */
-static double highest_term(const rod *o, const double *values, int first)
-{
-    double a[AT], most = 0;
-    o->w->use.through(values, o->w->by.analyse, a);
-    for (int k = first; k < AT; k++)
-        most = larger(most, fabs(a[k]));
-    return most;
-}
-
-static int is_coarse(const rod *o, const leaf *part)
-{
-    for (int d = 0; d < INTEGRALS; d++)
-        for (int k = 0; k < 5 && o->integrates[d]; k++)
-            if (highest_term(o, k ? part->by[d].moved[k - 1] : part->by[d].of.values, AT - 2) > GOAL * o->top[d][k])
-                return 1;
-    return 0;
-}
-
-/* The integral over [-1, x]. */
-static double integral_to(const rod *o, const double *values, double x)
-{
-    double a[AT], b[AT + 1];
-    if (x == 1)
-        return 2 * total_of(values, o->w->by.weight);
-    o->w->use.through(values, o->w->by.analyse, a);
-    integral(AT, a, b);
-    return at_place(b, AT + 1, x);
-}
-
-/* The places inside a part where the push changes its sign, rising; returns their number. */
-static int zeros_on(const rod *o, const leaf *part, double *out)
-{
-    const double *push = part->by[PUSH].of.values;
-    double series[AT];
-    int count = 0;
-    sign_changes found;
-    o->w->use.through(push, o->w->by.analyse, series);
-    rod_changes(o->w, push, series, &found);
-    for (int i = 0; i < found.count; i++) {
-        int k = count;
-        if (!(fabs(found.x[i]) < 1 - 1e-12))
-            continue;
-        for (; k > 0 && out[k - 1] > found.x[i]; k--)
-            out[k] = out[k - 1];
-        out[k] = found.x[i], count++;
-    }
-    return count;
-}
-
-/* Sums from the start along an arc. pushes: whether the cylinder does where they end, -1 at the start. */
-typedef struct {
-    double total[COLUMNS][4];
-    int pushes;
-} sums;
-
-/* Adds the columns of a part on which the push has one sign, up to x of it. */
-static void add_leaf(const rod *o, const leaf *part, double x, sums *to)
-{
-    const rated *push = &part->by[PUSH];
-    const int pushes = o->integrates[PUSH] && total_of(push->of.values, o->w->by.weight) > 0;
-    double column[AT], above[COLUMNS][AT], far = 0;
+    double exact[AT], near = INFINITY;
     for (int i = 0; i < AT; i++)
-        far = larger(far, fabs(part->at.x[i]));
-    above_rest(o, far < NEAR_REST, &part->at, part->by, above);
-    for (int c = 0; c < COLUMNS; c++) {
-        const int d = c < INTEGRALS ? c : PUSH, moves = c < INTEGRALS || (c == ALONE && pushes);
-        for (int k = 0; k < 4 && o->integrates[d]; k++) {
-            for (int i = 0; i < AT; i++) {
-                const double lies = c == ATTACHED ? pushes - (o->still[PUSH] > 0) : above[c][i];
-                column[i] = (moves ? part->by[d].moved[k][i] : 0) - lies * part->M[k][i];
-            }
-            to->total[c][k] += part->time / 2 * integral_to(o, column, x);
-        }
-    }
-    if (to->pushes >= 0 && to->pushes != pushes) /* the push changed its sign where the part begins */
-        for (int k = 0; k < 4; k++)
-            to->total[ATTACHED][k] += push->moved[k][0] / fabs(push->pace[0]);
-    to->pushes = pushes;
-}
-
-/* A time up to which is summed, where it is on the orbit, and the sums. */
-typedef struct {
-    double x;
-    int64_t panel;
-    phase where;
-    sums of;
-} query;
-
-static void add_to_all(const rod *o, const leaf *part, query *queries, sums *to)
-{
-    for (query *q = queries; q < queries + QUERIES; q++)
-        if (q->panel == o->panel && q->x > part->low) {
-            q->of = *to;
-            add_leaf(o, part, smaller(2 * (q->x - part->low) / (part->high - part->low) - 1, 1), &q->of);
-        }
-    add_leaf(o, part, 1, to);
-}
-
-/* Adds a part, halved until the series of the densities and of their changes end, and cut where the push is zero. */
-static void add_part(const rod *o, const leaf *part, int halvings, query *queries, sums *to)
-{
-    const double middle = (part->low + part->high) / 2, half = (part->high - part->low) / 2;
-    double low = part->low, zeros[CROSSINGS];
-    leaf own;
-    if (halvings < HALVINGS && is_coarse(o, part)) {
-        begin_leaf(o, low, middle, &own), add_part(o, &own, halvings + 1, queries, to);
-        begin_leaf(o, middle, part->high, &own), add_part(o, &own, halvings + 1, queries, to);
+        near = smaller(near, fabs(at->x[i])), out[i] = by->of.values[i] - still;
+    if (!(near < NEAR_REST))
         return;
+    differences(kind, &o->w->steady, at, exact);
+    for (int i = 0; i < AT; i++)
+        if (fabs(sin((at->base[i] - o->of->base[o->nearest]) / 2)) < ONE_POINT &&
+            fabs(out[i] - exact[i]) <= BARELY * (1 + fabs(still)))
+            out[i] = exact[i];
+}
+
+/* What of a density at rest counts in its positive part. */
+static double level_of(double still) { return still > BARELY * (1 + still) ? still : 0; }
+
+/* The columns at a place less those at rest; above: the density less that at rest. */
+static void columns_at(double value, double above, double still, double out[COLUMNS])
+{
+    out[WHOLE] = above;
+    out[ALONE] = !(value > 0) ? -level_of(still) : still > -BARELY ? above : value;
+    out[ATTACHED] = (value > 0) - (still > 0);
+}
+
+/* The states at the nodes of a part of a panel, moving away from the start, and the rates of the first row of M. */
+static void states_on(const rod *o, const stretch *p, states *out, double M[4][AT])
+{
+    const read_orbits *of = o->of;
+    const int backward = p->row - of->first[2 * o->b] >= of->count[2 * o->b], n = (int)o->at->n;
+    const double way = backward ? -of->direction[o->b] : of->direction[o->b];
+    const double *series = o->varied->series + VARIED * (n + 1) * p->row;
+    double x[AT], polynomials[NODES * AT], one[NODES];
+    double *rows[9] = {out->v, out->H, out->c, out->shift[1], out->shift[2], out->shift[3],
+                       out->gamma[1], out->gamma[2], out->gamma[3]};
+    for (int i = 0; i < AT; i++)
+        x[i] = p->low + (p->high - p->low) * (1 + o->w->by.nodes[i]) / 2, out->shift[0][i] = 0, out->gamma[0][i] = 1;
+    polynomials_at(n, x, polynomials);
+    product(n, AT, of->series + FUNCTIONS * (n + 1) * p->row, polynomials, out->x);
+    for (int k = 0; k < 9; k++) {
+        for (int m = 0; m < n; m++)
+            one[m] = series[VARIED * m + k];
+        product(n, AT, one, polynomials, rows[k]);
     }
-    const int count = o->integrates[PUSH] ? zeros_on(o, part, zeros) : 0;
-    for (int z = 0; z < count; z++, low = own.high)
-        begin_leaf(o, low, middle + half * zeros[z], &own), add_to_all(o, &own, queries, to);
-    if (count)
-        begin_leaf(o, low, part->high, &own);
-    add_to_all(o, count ? &own : part, queries, to);
-}
-
-static void enter_panel(rod *o, int64_t panel)
-{
-    const int n = (int)o->at->n;
-    o->panel = panel;
-    for (int k = 0; k < 4; k++)
-        product(n, n, o->varied->M + (PAIRS * panel + k) * n, o->at->analyse, o->rates[k]);
-}
-
-/* The sums along the arcs up to the queries. first: the columns at the start less those at rest. */
-static void sum_up(rod *o, double first[COLUMNS][AT], query *queries)
-{
-    const int64_t *begin = o->of->first + 2 * o->b, *count = o->of->count + 2 * o->b;
-    double gain[2][COLUMNS][4], above[COLUMNS][AT];
-    for (int arc = 0; arc < 2; arc++) {
-        sums to = {.pushes = -1};
-        for (int64_t panel = begin[arc]; panel < begin[arc] + count[arc]; panel++) {
-            const leaf *whole = &o->panels[panel - begin[0]];
-            enter_panel(o, panel);
-            above_rest(o, 1, &whole->at, whole->by, above);
-            for (int c = 0; c < COLUMNS; c++)
-                for (int k = 0; k < 4; k++)
-                    to.total[c][k] -= above[c][0] * o->varied->jump[PAIRS * panel + k];
-            for (query *q = queries; q < queries + QUERIES; q++)
-                if (q->panel == panel)
-                    q->of = to;
-            add_part(o, whole, 0, queries, &to);
-        }
-        for (int c = 0; c < COLUMNS; c++)
-            for (int k = 0; k < 4; k++)
-                gain[arc][c][k] = to.total[c][k] - first[c][0] * o->varied->closing[PAIRS * (2 * o->b + arc) + k];
+    for (int k = 0; k < 4; k++) {
+        product(n, n, o->varied->M + (PAIRS * p->row + k) * n, o->at->analyse, one);
+        product(n, AT, one, polynomials, M[k]);
     }
-    for (query *q = queries; q < queries + QUERIES; q++)
-        for (int c = 0; c < COLUMNS; c++)
-            for (int k = 0; k < 4; k++)
-                q->of.total[c][k] = rod_unfolded(q->of.total[c][k], &q->where, gain[0][c][k], gain[1][c][k],
-                                                 o->of->kind[o->b] == LIBRATION);
+    for (int i = 0; i < AT; i++) {
+        out->base[i] = of->base[p->row], out->angles.beta[i] = out->base[i] + out->x[i];
+        out->angles.speed[i] = larger(out->v[i], 0), out->v[i] = way * out->angles.speed[i];
+    }
+    directions_of(&out->angles);
 }
 
-/* The rates of all integrals by F changes into out (F, RATES). */
-static void integrals_of(rod *o, double *out)
+/* What a part adds to the positive part of its density and to the length on which it is positive. */
+static void add_positive(const rod *o, double still, const stretch *p, const rated *by, const double *above,
+                         double (*M)[AT], double (*sum)[4])
 {
-    query queries[QUERIES];
-    double t[1 + QUERIES] = {0}, above[COLUMNS][AT];
+    const workspace *w = o->w;
+    const double length = p->time * p->count;
+    const int first = p->of.values[0] > 0;
+    double column[AT], series[AT], pace[AT];
+    sign_changes zeros = {0};
+    if (fabs(p->series[0]) <= range_of(p->series))
+        rod_changes(w, p->of.values, p->series, &zeros);
+    w->use.through(by->pace, w->by.analyse, pace);
+    for (int k = 0; k < 4; k++) {
+        for (int i = 0; i < AT; i++)
+            column[i] = by->moved[k][i] - (still > -BARELY ? above[i] : by->of.values[i]) * M[k][i];
+        const double lies = total_of(M[k], w->by.weight), all = total_of(column, w->by.weight);
+        const double positive = rod_positive_mean(w, M[k], lies, &zeros, first);
+        sum[ALONE][k] += length * (rod_positive_mean(w, column, all, &zeros, first) + level_of(still) * (lies - positive));
+        sum[ATTACHED][k] += length * ((still > 0) * lies - positive);
+        if (zeros.count)
+            w->use.through(by->moved[k], w->by.analyse, series);
+        for (int z = 0; z < zeros.count; z++)
+            sum[ATTACHED][k] += p->count * at_place(series, AT, zeros.x[z]) / fabs(at_place(pace, AT, zeros.x[z]));
+    }
+}
+
+/* Adds what a part of the rod adds by a unit of each element of e. */
+static void add_part(const rod *o, int kind, double still, const stretch *p, double sum[COLUMNS + 1][4])
+{
+    double above[AT], M[4][AT], first[COLUMNS];
     states at;
-    rated by[INTEGRALS];
-    for (int q = 0; q < QUERIES; q++) {
-        t[1 + q] = query_shares[q] * o->span;
-        queries[q].panel = rod_place(o->of, o->b, t[1 + q], &queries[q].where, &queries[q].x);
+    rated by;
+    states_on(o, p, &at, M);
+    rate(kind, &o->w->steady, &at, &by);
+    above_rest(o, kind, still, &at, &by, above);
+    columns_at(by.of.values[0], above[0], still, first);
+    for (int k = 0; k < 4; k++) {
+        const double entered = p->low == -1 ? p->count * o->varied->jump[PAIRS * p->row + k] : 0;
+        double column[AT];
+        for (int c = 0; c < COLUMNS; c++)
+            sum[c][k] -= entered * first[c];
+        for (int i = 0; i < AT; i++)
+            column[i] = by.moved[k][i] - above[i] * M[k][i];
+        sum[WHOLE][k] += p->time * p->count * total_of(column, o->w->by.weight);
+        sum[MOVED][k] += p->time * p->count * total_of(M[k], o->w->by.weight) + entered;
     }
-    states_at(o, 1 + QUERIES, t, &at, o->a);
-    for (int d = 0; d < INTEGRALS; d++)
-        rate(kinds[d], &o->w->steady, &at, &by[d]);
-    above_rest(o, 1, &at, by, above);
-    sum_up(o, above, queries);
-    for (int64_t f = 0; f < o->by->F; f++, out += RATES) {
-        const double *parts = o->parts + PARTS * f;
-        double sum[QUERIES][COLUMNS];
-        for (int q = 0; q < QUERIES; q++) {
-            const double later = query_shares[q] * o->later[f], push = by[PUSH].of.values[1 + q];
-            for (int c = 0; c < COLUMNS; c++) {
-                const double kept = c < INTEGRALS ? by[c].of.values[1 + q] : c == ALONE ? larger(push, 0) : push > 0;
-                sum[q][c] = along_e(queries[q].of.total[c], parts) + kept * later - parts[0] * above[c][0] +
-                            o->a[o->by->F * (1 + q) + f] * above[c][1 + q];
-            }
-        }
-        out[CURVED] = sum[0][0], out[BENT] = sum[0][1], out[STORED] = sum[0][2];
-        out[PUSHED] = sum[0][ALONE], out[PULLED] = sum[0][ALONE] - sum[0][PUSH], out[SHARE] = sum[0][ATTACHED];
-        out[MIDDLE_PUSH] = sum[2][ALONE] - sum[1][ALONE];
+    if (kind == OUTWARD)
+        add_positive(o, still, p, &by, above, M, sum);
+}
+
+/* The rates of the integral of a density, of its positive part and of the length on which it is positive by each change, into
+   out (F, COLUMNS). The density is on the parts of the workspace. */
+static void integral_rates(rod *o, int kind, double (*out)[COLUMNS])
+{
+    const double t[2] = {0, o->span};
+    double sum[COLUMNS + 1][4] = {{0}}, above[AT], ends[2][COLUMNS], x;
+    states at = {.angles = {.beta = {o->of->base[o->nearest]}}};
+    rated by;
+    phase where;
+    directions_of(&at.angles);
+    rate(kind, &o->w->steady, &at, &by);
+    const double still = by.of.values[0];
+    for (int64_t i = 0; i < o->w->count; i++)
+        if (o->w->parts[i].row < o->of->panels) /* else nothing moves */
+            add_part(o, kind, still, &o->w->parts[i], sum);
+    states_at(o, 2, t, &at, NULL);
+    rate(kind, &o->w->steady, &at, &by);
+    above_rest(o, kind, still, &at, &by, above);
+    for (int end = 0; end < 2; end++)
+        columns_at(by.of.values[end], above[end], still, ends[end]);
+    rod_place(o->of, o->b, o->span, &where, &x);
+    for (int k = 0; k < 4; k++) { /* where a whole turn is closed */
+        const double closed = where.periods * o->varied->closing[2 * PAIRS * o->b + k];
+        sum[MOVED][k] += closed;
+        for (int c = 0; c < COLUMNS; c++)
+            sum[c][k] -= closed * ends[0][c];
+    }
+    const double end = by.of.values[1], kept[COLUMNS] = {end, larger(end, 0), end > 0};
+    for (int64_t f = 0; f < o->by->F; f++) {
+        const double *parts = o->parts + PARTS * f, moved = parts[0] + along_e(sum[MOVED], parts);
+        for (int c = 0; c < COLUMNS; c++)
+            out[f][c] = along_e(sum[c], parts) + kept[c] * o->by->share * o->later[f] - parts[0] * ends[0][c] + moved * ends[1][c];
     }
 }
 
@@ -505,7 +386,14 @@ static int peak_of(rod *o, double seen, double *out)
 {
     const int64_t F = o->by->F;
     places at = {0};
+    double most_pace = 0;
     int k = -1;
+    for (int64_t i = 0; i < o->w->count; i++) {
+        double pace[AT];
+        o->w->use.through(o->w->parts[i].series, o->w->by.differentiate, pace);
+        for (int j = 0; j < AT; j++)
+            most_pace = larger(most_pace, fabs(pace[j]) * 2 / o->w->parts[i].time);
+    }
     if (add_places(o, OUTWARD, 1, o->span, 1, &at))
         return NO_MEMORY;
     judge_places(o, OUTWARD, 0, &at);
@@ -517,7 +405,7 @@ static int peak_of(rod *o, double seen, double *out)
     if (k < 0)
         return DONE;
     const place_of_extreme *one = &at.at[k];
-    const double half = smaller(WINDOW * o->shortest, o->span / 2), least = STILL * o->most_pace;
+    const double half = smaller(WINDOW * o->shortest, o->span / 2), least = STILL * most_pace;
     const double middle = smaller(larger(one->t, half), o->span - half), x = (one->t - middle) / half;
     double t[AT], series[AT], unused, bend;
     rated by;
@@ -567,73 +455,66 @@ static int lift_off_of(rod *o, double seen, double *out)
     return DONE;
 }
 
-/* What is needed of all panels: which is nearest to a critical point, the densities there, and their largest sizes. */
-static void prepare_rod(rod *o)
-{
-    const int64_t begin = o->of->first[2 * o->b], end = begin + o->of->count[2 * o->b] + o->of->count[2 * o->b + 1];
-    double fastest = 0;
-    for (int d = 0; d < INTEGRALS; d++)
-        o->integrates[d] = d < PUSH ? wants(o, of_whole[d])
-                                      : wants(o, PUSHED) | wants(o, PULLED) | wants(o, SHARE) | wants(o, MIDDLE_PUSH);
-    o->nearest = begin;
-    for (int64_t panel = begin; panel < end; panel++)
-        if (o->varied->least[panel] < o->varied->least[o->nearest])
-            o->nearest = panel;
-    states rest = {.angles = {.beta = {o->of->base[o->nearest]}}};
-    directions_of(&rest.angles);
-    for (int d = 0; d < INTEGRALS; d++) {
-        rated found;
-        rate(kinds[d], &o->w->steady, &rest, &found);
-        o->still[d] = found.of.values[0];
-    }
-    for (int64_t panel = begin; panel < end; panel++) {
-        leaf *whole = &o->panels[panel - begin];
-        enter_panel(o, panel);
-        begin_leaf(o, -1, 1, whole);
-        for (int i = 0; i < AT; i++) {
-            if (wants(o, PEAK))
-                o->most_pace = larger(o->most_pace, fabs(whole->by[PUSH].pace[i]));
-            fastest = larger(fastest, whole->at.angles.speed[i]);
-        }
-        for (int d = 0; d < INTEGRALS; d++)
-            for (int k = 0; k < 5 && o->integrates[d]; k++)
-                o->top[d][k] = larger(
-                    o->top[d][k], highest_term(o, k ? whole->by[d].moved[k - 1] : whole->by[d].of.values, 0));
-    }
-    o->shortest = 1 / sqrt(square(o->w->steady.steepness[0]) + fastest * fastest);
-}
-
-/* The extremes by their densities: whether the largest and the smallest values count. */
+/* The rates of a density that is on the parts of the workspace: of its integral, or of what `largest` and `smallest` say of its
+   extremes. */
 static const struct {
     int kind, rate, largest, smallest;
-} extremes[] = {
-    {ANGLE, LOW, 0, 1},   {ANGLE, HIGH, 1, 0},      {CURVATURE, TIGHTEST, 1, 0}, {TENSION, LARGEST_TENSION, 1, 1},
-    {OUTWARD, LEAST, 0, 1}, {OUTWARD, GREATEST, 1, 0}, {OUTWARD, PEAK, 1, 0},      {OUTWARD, FIRST_LIFT, 0, 1},
+} rows[] = {
+    {ANGLE, LOW, 0, 1},      {ANGLE, HIGH, 1, 0},      {CURVATURE, CURVED, 0, 0}, {CURVATURE, TIGHTEST, 1, 0},
+    {BENDING, BENT, 0, 0},   {POTENTIAL, STORED, 0, 0}, {OUTWARD, PUSHED, 0, 0},   {OUTWARD, LEAST, 0, 1},
+    {OUTWARD, GREATEST, 1, 0}, {OUTWARD, PEAK, 1, 0},  {OUTWARD, FIRST_LIFT, 0, 1}, {TENSION, LARGEST_TENSION, 1, 1},
 };
+
+static void write_integral(rod *o, int kind, int rate_of, double *out)
+{
+    double (*found)[COLUMNS] = (double (*)[COLUMNS])o->slopes;
+    integral_rates(o, kind, found);
+    for (int64_t f = 0; f < o->by->F; f++, out += RATES) {
+        if (kind == OUTWARD)
+            out[PUSHED] = found[f][ALONE], out[PULLED] = found[f][ALONE] - found[f][WHOLE], out[SHARE] = found[f][ATTACHED];
+        else
+            out[rate_of] = found[f][WHOLE];
+    }
+}
 
 static int rates_of(rod *o, double *out)
 {
+    const int64_t pushes = 1 << PUSHED | 1 << PULLED | 1 << SHARE;
     int resolved = -1;
-    if (rod_angles(o->w, 0))
-        return NO_MEMORY;
-    prepare_rod(o);
-    if (o->integrates[0] || o->integrates[1] || o->integrates[2] || o->integrates[PUSH])
-        integrals_of(o, out);
-    for (size_t i = 0; i < sizeof extremes / sizeof *extremes; i++) {
-        const int kind = extremes[i].kind, rate_of = extremes[i].rate;
-        if (!wants(o, rate_of))
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const int kind = rows[i].kind, rate_of = rows[i].rate, extreme = rows[i].largest || rows[i].smallest;
+        if (!(o->by->wanted & (rate_of == PUSHED ? pushes : (int64_t)1 << rate_of)))
             continue;
-        if (kind != resolved && rod_resolved(o->w, 0, kind, EXTREMES, o->w->all->goal))
+        if (extreme ? kind != resolved && rod_resolved(o->w, 0, kind, EXTREMES, o->w->all->goal)
+                    : rod_resolved(o->w, 0, kind, SIGNS, GOAL))
             return NO_MEMORY;
-        resolved = kind;
-        const int failed = rate_of == PEAK         ? peak_of(o, o->by->peak, out)
-                           : rate_of == FIRST_LIFT ? lift_off_of(o, o->by->lifts, out)
-                                                   : extreme_of(o, kind, extremes[i].largest, extremes[i].smallest,
-                                                                rate_of, out);
+        resolved = extreme ? kind : -1;
+        int failed = DONE;
+        if (!extreme)
+            write_integral(o, kind, rate_of, out);
+        else
+            failed = rate_of == PEAK         ? peak_of(o, o->by->peak, out)
+                     : rate_of == FIRST_LIFT ? lift_off_of(o, o->by->lifts, out)
+                                             : extreme_of(o, kind, rows[i].largest, rows[i].smallest, rate_of, out);
         if (failed)
             return failed;
     }
     return DONE;
+}
+
+/* Which panel is nearest to a critical point, and the shortest time of a change. */
+static void prepare_rod(rod *o)
+{
+    const int64_t begin = o->of->first[2 * o->b], end = begin + o->of->count[2 * o->b] + o->of->count[2 * o->b + 1];
+    double fastest = 0;
+    o->nearest = begin;
+    for (int64_t panel = begin; panel < end; panel++)
+        if (o->varied->least[panel] < o->varied->least[o->nearest])
+            o->nearest = panel;
+    for (int64_t i = 0; i < o->w->all->first[1]; i++)
+        for (int k = 0; k < AT; k++)
+            fastest = larger(fastest, fabs(o->w->angles[i].speed[k]));
+    o->shortest = 1 / sqrt(square(o->w->steady.steepness[0]) + fastest * fastest);
 }
 
 int rod_rates(workspace *w, const read_orbits *of, const points *at, const varied_orbits *varied, const changes *by,
@@ -642,11 +523,11 @@ int rod_rates(workspace *w, const read_orbits *of, const points *at, const varie
     rod one = {.w = w, .of = of, .at = at, .varied = varied, .by = by, .b = b};
     const double both = of->duration[2 * b] + of->duration[2 * b + 1];
     one.a = room, one.slopes = room + CANDIDATES * by->F, one.faint = one.slopes + CANDIDATES * by->F;
-    one.parts = by->parts, one.later = by->later, one.span = *w->all->span;
+    one.parts = by->parts, one.later = by->later, one.span = by->share * *w->all->span;
     one.period = of->kind[b] == LIBRATION ? 2 * both : both;
     rod_varied_place_at(of, varied, b, 0, &one.start);
-    one.panels = malloc(sizeof(leaf) * (size_t)(of->count[2 * b] + of->count[2 * b + 1]));
-    const int failed = one.panels ? rates_of(&one, out) : NO_MEMORY;
-    free(one.panels);
-    return failed;
+    if (rod_angles(w, 0))
+        return NO_MEMORY;
+    prepare_rod(&one);
+    return rates_of(&one, out);
 }

@@ -8,12 +8,12 @@
 
 enum { PLACES = 32, CANDIDATES = 4 + 2 * PLACES };
 
-/* F changes of one orbit, and what is observed. parts: (F, PARTS). later: (F,), the change of the length in t. lifts, peak:
-   the t of lift-off and of the largest push. wanted: bits of the rates. */
+/* F changes of one orbit, and what is observed. parts: (F, PARTS). later: (F,), the change of the length in t. share: of the
+   length that is measured. lifts, peak: the t of lift-off and of the largest push. wanted: bits of the rates. */
 typedef struct {
     int64_t F, wanted;
     const double *parts, *later;
-    double lifts, peak;
+    double share, lifts, peak;
 } changes;
 
 /* The rates that are wanted of the only rod of the workspace, on orbit b, none of a helix, into out (F, RATES). room:

@@ -49,7 +49,7 @@ typedef struct {
 
 static parted parted_on(const workspace *w, const stretch *p, double whole, double largest_doubt)
 {
-    double left[AT], c[AT], integral_[AT + 1];
+    double left[AT], c[AT];
     const double clear = fabs(p->series[0]) - range_of(p->series), size = highest(p->of.size);
     if (clear > SURELY * BARELY * size)
         return p->series[0] > 0 ? (parted){whole, 1, 0} : (parted){0, 0, 0};
@@ -59,17 +59,11 @@ static parted parted_on(const workspace *w, const stretch *p, double whole, doub
     w->use.through(left, w->by.analyse, c);
     rod_changes(w, left, c, &found);
     const int first = left[0] > 0;
-    parted out = {first ? whole : 0, first, 0};
-    if (!found.count)
-        return out;
-    integral(AT, p->series, integral_);
-    const double end = sum_of(AT + 1, integral_);
+    parted out = {rod_positive_mean(w, p->of.values, whole, &found, first), first, 0};
     for (int i = 0; i < found.count; i++) {
         double rate, value;
-        const double before = at_place(integral_, AT + 1, found.x[i]);
         rod_series_and_rate(c, found.x[i], &value, &rate);
         const double moved = largest_doubt / fabs(rate);
-        out.area += found.sign[i] * (end - before) / 2;
         out.share += found.sign[i] * (1 - found.x[i]) / 2;
         out.unsure += moved < 1 ? moved : 1;
     }

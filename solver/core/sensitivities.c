@@ -87,7 +87,7 @@ typedef struct {
     const read_orbits *of;
     const varied_orbits *varied;
     lone_orbit orbit;
-    double *parts, *room, *pieces;
+    double *parts, *room, *thirds, *pieces;
     int64_t piece_room;
     varied_place start;
     double unit[5 * PARTS][CHUNK];
@@ -171,24 +171,31 @@ static int cover_rod(worker *o, int64_t b, double share)
     return DONE;
 }
 
+/* Numbers and rates along the whole rod, then over its first third and over two, whose difference the middle third is. */
 static int measure_rod(worker *o, int64_t b)
 {
     const sensitivities *all = o->all;
-    const int64_t F = all->along.F, B = all->along.size;
-    numbers *found = all->found + b;
-    o->rod.groups = all->groups, o->rod.goal = all->goal;
-    if (cover_rod(o, b, 1) || rod_measured_numbers(o->w, 0, found))
-        return NO_MEMORY;
-    const changes by = {F, all->wanted, o->parts, all->along.later + F * b,
-                        all->lifts ? all->lifts[b] : found->value[FIRST_LIFT],
-                        all->peak ? all->peak[b] : found->value[PEAK]};
-    o->rod.goal = all->rates_goal;
-    if (all->wanted && rod_rates(o->w, o->of, o->at, o->varied, &by, 0, o->room, all->rates + RATES * F * b))
-        return NO_MEMORY;
-    o->rod.groups = all->partly, o->rod.goal = all->goal;
-    for (int third = 1; third < 3 && all->partly; third++)
-        if (cover_rod(o, b, third / 3.0) || rod_measured_numbers(o->w, 0, found + B * third))
+    const int64_t F = all->along.F, B = all->along.size, middle = all->wanted >> MIDDLE_PUSH & 1;
+    double *whole = all->rates + RATES * F * b, *less = o->thirds, *more = less + RATES * F;
+    double *rates[3] = {whole, less, more};
+    for (int third = 0; third < 3; third++) {
+        numbers *found = all->found + B * third + b;
+        const int64_t wanted = third ? middle << PUSHED : all->wanted & ~((int64_t)1 << MIDDLE_PUSH);
+        const double share = third ? third / 3.0 : 1;
+        o->rod.groups = third ? all->partly : all->groups, o->rod.goal = all->goal;
+        if (!wanted && !o->rod.groups)
+            continue;
+        if (cover_rod(o, b, share) || rod_measured_numbers(o->w, 0, found))
             return NO_MEMORY;
+        const changes by = {F, wanted, o->parts, all->along.later + F * b, share,
+                            all->lifts ? all->lifts[b] : found->value[FIRST_LIFT],
+                            all->peak ? all->peak[b] : found->value[PEAK]};
+        o->rod.goal = all->rates_goal;
+        if (wanted && rod_rates(o->w, o->of, o->at, o->varied, &by, 0, o->room, rates[third]))
+            return NO_MEMORY;
+    }
+    for (int64_t f = 0; f < F && middle; f++)
+        whole[RATES * f + MIDDLE_PUSH] = more[RATES * f + PUSHED] - less[RATES * f + PUSHED];
     return DONE;
 }
 
@@ -258,9 +265,9 @@ int rod_sensitivities(const sensitivities *all, const grid *by, const points *at
     int failed = o ? DONE : NO_MEMORY;
     if (o) {
         o->all = all, o->by = by, o->at = at, o->how = how, o->rod.coefficients = at->n + 1;
-        o->parts = malloc(sizeof(double) * (size_t)((PARTS + 3 * CANDIDATES) * F));
+        o->parts = malloc(sizeof(double) * (size_t)((PARTS + 3 * CANDIDATES + 2 * RATES) * F));
         o->w = rod_workspace(&o->rod, how->lanes);
-        o->room = o->parts + PARTS * F;
+        o->room = o->parts + PARTS * F, o->thirds = o->room + 3 * CANDIDATES * F;
         failed = o->parts && o->w ? DONE : NO_MEMORY;
     }
     for (int64_t b = begin; b < end && !failed; b++) {

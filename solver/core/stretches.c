@@ -308,3 +308,18 @@ void rod_changes(const workspace *w, const double *values, const double *c, sign
     }
 }
 
+
+/* The mean of values at the nodes over [-1, 1], counted only where something is positive that changes its sign there; mean:
+   that over all; first: whether it is positive at -1. */
+double rod_positive_mean(const workspace *w, const double *values, double mean, const sign_changes *found, int first)
+{
+    double series[AT], sum[AT + 1], total = first ? mean : 0;
+    if (!found->count)
+        return total;
+    w->use.through(values, w->by.analyse, series);
+    integral(AT, series, sum);
+    const double end = sum_of(AT + 1, sum);
+    for (int i = 0; i < found->count; i++)
+        total += found->sign[i] * (end - at_place(sum, AT + 1, found->x[i])) / 2;
+    return total;
+}

@@ -118,6 +118,7 @@ void rod_changes(const workspace *, const double *values, const double *series, 
 void rod_series_and_rate(const void *series, double x, double *value, double *rate);
 void rod_derivative(const double *series, double *out);
 double rod_turning_place(const double *series, double sign, double low, double high);
+double rod_positive_mean(const workspace *, const double *values, double mean, const sign_changes *, int first);
 
 /* measures.c */
 typedef struct {
