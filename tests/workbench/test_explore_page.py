@@ -159,6 +159,18 @@ def test_a_slider_moves_the_shape(page) -> None:
 
 
 @pytest.mark.slow
+def test_a_slider_between_two_ends_asks_no_server_and_the_list_names_the_rod_that_is_shown(page) -> None:
+    page("page.begin('cable')")
+    page.until(lambda: page("return page.list.length && page.shape.one.kind === 'ends'"), "the list of equilibria")
+    page("page.head.method = 'the server'; page.list = []")
+    page.slide("R", 530)
+    page.until(lambda: page("return page.head.method === 'in this page'"), "the shape")
+    page.until(lambda: page("return page.list.length"), "the list of equilibria")
+    named, shown = page("return [page.list[page.here].dbeta0, page.shape.dbeta[0]]")
+    assert named == pytest.approx(shown, rel=1e-6)
+
+
+@pytest.mark.slow
 def test_the_rod_stays_in_its_frame_whatever_is_chosen(page) -> None:
     def within() -> None:
         page.until(lambda: max(page.frame()) <= 1.0, "a view that contains the rod")

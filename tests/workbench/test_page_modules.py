@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from benchmarks import make_page_formulas
-from solver import Case, Ends, solve
+from solver import Case, Ends, Solution, solve
 from solver.mechanics import frames
 from solver.mechanics.potential import potential
 from solver.observe.observables import observe
@@ -194,22 +194,51 @@ def test_beside_an_unstable_equilibrium_the_shape_is_marched_whole() -> None:
     assert condition == pytest.approx(float(sol.condition), rel=0.5)
 
 
+FOLLOWED = """
+    const from = rod_case.caseOf(given.from, {}), one = rod_case.caseOf(given.to, {});
+    const shape = rod_shape.moved(core, one, { ...given.seed, one: from });
+    answer(shape && [shape.s, shape.beta, shape.dbeta, shape.alpha, shape.z, shape.error]);"""
+
+
+def followed(began: Solution, before: dict, to: dict) -> tuple[np.ndarray, ...]:
+    """s, beta, dbeta, alpha, z and error of the rod to which the page follows another one."""
+    seed = {name: getattr(began, name).tolist() for name in ("s", "beta", "dbeta")}
+    return tuple(np.array(row) for row in run(FOLLOWED, {"from": before, "to": to, "seed": seed}, MODULES))
+
+
 @pytest.mark.parametrize("name, field, value", [("pipe", "FZ", -230.0), ("pipe", "R", 0.12), ("cable", "R", 190.0)])
-def test_between_two_ends_the_page_follows_the_equilibrium_as_the_server_does(name, field, value) -> None:
-    began = page_model.shape(page_model.study_of(STATES[name]))
-    seed = {name: getattr(began.sol, name).tolist() for name in ("s", "beta", "dbeta")}
-    script = (
-        "const from = rod_case.caseOf(given.from, {}), one = rod_case.caseOf(given.to, {});"
-        "const shape = rod_shape.moved(core, one, { ...given.seed, one: from });"
-        "answer(shape && [shape.s, shape.beta, shape.dbeta, shape.alpha, shape.z, shape.error]);"
-    )
-    to = state(name, **{field: value})
-    s, beta, dbeta, alpha, z, error = run(script, {"from": STATES[name], "to": to, "seed": seed}, MODULES)
-    there = solve(case_of(to), 1e-10, stations=np.array(s), seed=began.sol)
+def test_between_two_ends_the_page_follows_the_equilibrium_as_the_solver_does(name, field, value) -> None:
+    began, to = page_model.shape(page_model.study_of(STATES[name])).sol, state(name, **{field: value})
+    s, beta, dbeta, alpha, z, error = followed(began, STATES[name], to)
+    there = solve(case_of(to), 1e-10, stations=s, seed=began)
     assert there.solved
     assert error < 1e-12
     for mine, wanted in ((beta, there.beta), (dbeta, there.dbeta), (alpha, there.alpha), (z, there.z)):
         np.testing.assert_allclose(mine, wanted, atol=1e-9 * np.abs(wanted).max())
+
+
+def test_a_shape_is_followed_over_a_change_of_its_load_by_a_factor_of_five() -> None:
+    base = {"E": 9.58e7, "nu": 0.3, "a": 0.0635, "L": 100.0, "R": 0.10795, "side": "inside", "beta0": 0.0, "betaL": 0.0,
+            "FZ": -200.0, "MZ": 0.0, "M3": 0.0}  # fmt: skip
+    made = {"units": {"length": "m", "force": "kN"}, "base": base}
+    began = page_model.shape(page_model.study_of(made)).sol
+    s, beta, *_, error = followed(began, made, made | {"base": base | {"FZ": -1000.0}})
+    assert error < 1e-9
+    assert np.degrees(np.ptp(beta)) == pytest.approx(1.629, abs=5e-4)
+    middle = np.interp(50.0, s, beta) / np.interp(50.0, began.s, began.beta)
+    assert middle == pytest.approx(np.sqrt(5), rel=2e-3)  # Lubinski's helix, but for the ends and the second order
+
+
+def test_a_slider_follows_the_equilibrium_it_began_with() -> None:
+    base = {"E": 5e3, "nu": 0.25, "a": 0.25, "L": 12.0, "R": 0.75, "side": "outside", "beta0": 0.5, "betaL": 0.8,
+            "FZ": -5.0, "MZ": 1.0, "M3": 2.0}  # fmt: skip
+    made = {"units": {"length": "cm", "force": "N"}, "base": base}
+    third = page_model.list_equilibria(page_model.study_of(made))[2]
+    named = made | {"equilibrium": {name: third[name] for name in ("dbeta0", "energy")}}
+    began, wider = page_model.shape(page_model.study_of(named)).sol, made | {"base": base | {"R": 0.76}}
+    s, beta, *_ = followed(began, made, wider)
+    assert np.abs(beta - np.interp(s, began.s, began.beta)).max() < 0.2
+    assert np.abs(page_model.shape(page_model.study_of(wider)).sol.beta - began.beta).max() > 0.5
 
 
 def test_a_shape_too_far_from_the_one_before_is_not_followed_silently() -> None:

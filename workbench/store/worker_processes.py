@@ -115,19 +115,22 @@ def process(target: Callable[..., None], *args: Any) -> tuple[BaseProcess, Conne
     return child, ours
 
 
-def get_ready() -> None:
-    """Start the server process from which workers are forked; it imports the code while this process goes on."""
+def get_ready(*modules: str) -> None:
+    """Start the server process from which workers are forked; it imports the code while this process goes on.
+
+    modules: that it imports too, by their names.
+    """
     if FORKED:
-        _context()
+        _context(*modules)
         with _as_workers():
             forkserver.ensure_running()
 
 
-def _context() -> ForkServerContext | SpawnContext:
+def _context(*modules: str) -> ForkServerContext | SpawnContext:
     if not FORKED:
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([PRELOAD, *_modules_of_main()])
+    context.set_forkserver_preload([PRELOAD, *modules, *_modules_of_main()])
     return context
 
 

@@ -1,7 +1,7 @@
 """What the live page shows of a state (a study of one case as plain data): its rod, observables, equilibria, files.
 
-The rod is solved fast enough for a page. Between two ends it follows the one before it where that works; else it is the
-equilibrium that the study names, or that the rule of `solve` selects. A search that would take minutes is refused.
+The rod is solved fast enough for a page. Between two ends it is the equilibrium that the study names, or that the rule
+of `solve` selects; as a slider moves, the page itself follows it. A search that would take minutes is refused.
 Nothing is kept between calls; an invalid state raises `InputError`.
 """
 
@@ -26,7 +26,6 @@ from solver.problem.reduced import held_of, reduce
 from solver.shooting.loaded_rod import rods_of
 from studies import Study
 from studies.grammar.axes import WORDS, Dimensions, Which
-from studies.language.case_input import field_values
 from studies.language.loader import loads
 
 from ...branches.ends_study import row as equilibrium_row
@@ -40,15 +39,13 @@ from ...words import cautions, labels, pipe_state
 SMALL = 240  # points of a small picture
 KEYS = ("title", "units", "reading", "base", "equilibrium")
 SLOW = ("overlaps", "index")  # observables that are told later, with all others
-COUNTS = ("turns", "bend_number")
-TOL, NEAR = DEFAULT_TOLERANCE, 1e-6  # tolerances of a rod, and of one that follows another as a slider moves
+TOL = DEFAULT_TOLERANCE
 STATIONS, BETWEEN, MOST = 201, 401, 4001  # of a start problem, an ends problem, and a rod with many bends or weight
 MOST_LISTED = 100  # half periods of a rod between two ends whose equilibria are all found, in some tenths of a second
 MOST_NODES = 1500  # of a rod with weight or friction: a pipe of some 3 km, which takes seconds
 SAME = 1e-3  # relative difference that beta'(0) may have from the one that is named
+LEVEL = 1e-6  # beta'(0) in units of 1/rho, below which it is 0
 CHORD = 0.4  # rad by which the rod may turn between two stations before more stations are solved
-STEPS = (1, 4)  # numbers of steps in which a rod follows another, tried in this order
-FOLLOWED = ("E", "nu", "inner_radius", "EI", "GJ", "a", "L", "R", "beta0", "betaL", "FZ", "MZ", "M3")
 FIELDS = ("FZ", "MZ", "M3", "beta0", "betaL")  # that a diagram may be over
 SHOWN = ("height", "wraps", "energy", "turns", "push_max", "kappa_max", "amplitude")  # that it may show
 PATIENCE = 8.0  # s, after which no further branch is followed
@@ -112,41 +109,22 @@ class Shape:
         return self.shown >= float(self.sol.case.rod.L) * (1 - 1e-9)
 
 
-def without_search(study: Study, near: Solution | None = None) -> Shape | None:
-    """The rod of a state where that needs no search: a start problem, or a rod next to another; None where it does.
+def is_searched(study: Study) -> bool:
+    """Whether the rod of a state is one of several, between two ends."""
+    return isinstance(study.case().given, Ends)
 
-    near: a solution between ends that this one follows, where that works. Raises `InputError` for an unsolved rod.
+
+def shape(study: Study, lost: bool = False) -> Shape:
+    """The rod of a state; between two ends the one that the study names, or that `solve` selects.
+
+    lost: the study names the equilibrium of an earlier state, which could not be followed. Raises `InputError` for an
+    unsolved rod, and for ends that the page does not show.
     """
     case = study.case()
-    check_shown(case)
-    if not isinstance(case.given, Ends):
-        return _resolve(study, case, solve(case, TOL, stations=STATIONS))
-    if case.varies or near is None or near.problem.kind != "ends":
-        return None
-    sol = _follow(study, case, near)
-    return None if sol is None else Shape(study, sol)
-
-
-def check_shown(case: Case) -> None:
-    """Raise `InputError` for a case that the page does not show."""
     if not case.varies and (held := held_of(case)):
         raise InputError(f"the live page shows ends under dead loads, got {choices(held)}: use workbench solve")
-
-
-def shape(study: Study, near: Solution | None = None) -> Shape:
-    """The rod of a state; between two ends the one next to `near`, or that the study names, or that `solve` selects.
-
-    Raises `InputError` for an unsolved rod.
-    """
-    return without_search(study, near) or search(study, near is not None and near.problem.kind == "ends")
-
-
-def search(study: Study, lost: bool) -> Shape:
-    """The rod between two ends where `without_search` has none. Raises `InputError`.
-
-    lost: the study names the equilibrium of an earlier state, which was not followed.
-    """
-    case = study.case()
+    if not is_searched(study):
+        return _resolve(study, case, solve(case, TOL, stations=STATIONS))
     sol = _with_weight(case) if case.varies else _between(study, case, lost)
     _check(sol)
     return Shape(study, sol)
@@ -161,11 +139,6 @@ def _with_weight(case: Case) -> Solution:
             "use workbench solve"
         )
     return solve(case, TOL, stations=MOST)
-
-
-def bare(one: Shape) -> Shape:
-    """The same rod without what was computed of it since."""
-    return Shape(one.study, replace(one.sol))
 
 
 def _resolve(study: Study, case: Case, sol: Solution) -> Shape:
@@ -195,28 +168,10 @@ def _between(study: Study, case: Case, lost: bool) -> Solution:
     return solve_one(case, which, TOL, "auto", BETWEEN)
 
 
-def _follow(study: Study, case: Case, near: Solution) -> Solution | None:
-    """The solution next to another by Newton's method, in one step or in more; None where a step fails."""
-    before, after = field_values(near.case), field_values(case)
-    names = [name for name in FOLLOWED if name in before and name in after]
-    for steps in STEPS:
-        sol: Solution = near
-        for k in range(1, steps):
-            part = {name: before[name] + (after[name] - before[name]) * k / steps for name in names}
-            sol = solve(study.case_of(part), NEAR, "difference", BETWEEN, seed=sol)
-            if not sol.solved:
-                break
-        else:
-            sol = solve(case, NEAR, "difference", BETWEEN, seed=sol)
-            if sol.solved:
-                return sol
-    return None
-
-
 def _same(sol: Solution, which: Which) -> bool:
     assert which.dbeta0 is not None
     slope, rho = float(sol.dbeta[0]), float(sol.case.rho)
-    return abs(slope - which.dbeta0) <= SAME * max(abs(which.dbeta0), NEAR / rho)
+    return abs(slope - which.dbeta0) <= SAME * max(abs(which.dbeta0), LEVEL / rho)
 
 
 def refuse_many(case: Case) -> None:
@@ -274,7 +229,6 @@ def facts(one: Shape) -> dict[str, Any]:
     return {
         "outcome": str(sol.outcome), "error": float(sol.error), "condition": float(sol.condition),
         "method": sol.method, "stations": sol.s.size, "notes": notes,
-        "which": _which(sol) if sol.problem.kind == "ends" and not sol.case.varies else None,
         "numbers": _observations(sol) if sol.case.varies else None,
     }  # fmt: skip
 
@@ -285,18 +239,12 @@ def _observations(sol: Solution) -> dict[str, float]:
     return {name: float(value) for name, value in observe(sol, names).items()}
 
 
-def _which(sol: Solution) -> dict[str, float]:
-    return {"dbeta0": float(sol.dbeta[0]), "energy": float(observe(sol, ["energy"])["energy"])}
-
-
 def numbers(one: Shape) -> dict[str, Any]:
     """Loads and every observable as a row, in the units of the study and rad, and what a real rod could not do."""
     sol = one.sol
     observed = {name: float(getattr(sol, name)) for name in ("FZ", "MZ", "M3")}
     observed |= observe(sol, observables_of(sol.case.rod))
     caution = str(cautions.of_cases(sol))
-    if sol.method == "difference":  # followed to 1e-6 only: where beta is level, bends may be errors
-        observed |= dict.fromkeys(COUNTS, np.nan)
     return {
         "rows": [{"name": name, "value": np.asarray(value).item()} for name, value in observed.items()],
         "warnings": [f"The rod {cautions.phrase(part)}." for part in cautions.parts(caution)],

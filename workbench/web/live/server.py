@@ -13,7 +13,6 @@ import gc
 import json
 import logging
 import re
-import secrets
 import time
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Iterator, Sequence
@@ -42,7 +41,7 @@ HEADERS = {"Content-Security-Policy": "default-src 'none'; frame-ancestors 'none
 POLICY = re.compile(r'http-equiv="Content-Security-Policy" content="([^"]*)"')  # of the page, as a header too
 LARGEST = 64 * 1024  # bytes of a request
 DOWNLOADS = {"csv": "text/csv", "step": "model/step", "stl": "model/stl", "glb": "model/gltf-binary"}
-REMEMBERED = 64  # solved rods that a slider may follow
+REMEMBERED = 16  # solved rods
 THREADS = 2  # that solve and mesh; each has memory of its own
 FAULT = "internal error of the workbench; see the terminal of the server"
 AT_ONCE, WAITING = 2, 16  # searches that run, and that wait
@@ -154,23 +153,21 @@ def _bound() -> None:
 
 
 class Shapes:
-    """The last solved rods by ticket, as the page was given it with each; a rod that is not kept is solved again."""
+    """The last solved rods, each by what was asked; a rod that is not kept is solved again."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[str, page_model.Shape] = OrderedDict()
         self._lock = Lock()
 
-    def keep(self, one: page_model.Shape) -> str:
-        ticket = secrets.token_hex(8)
+    def keep(self, asked: str, one: page_model.Shape) -> None:
         with self._lock:
-            self._kept[ticket] = one
+            self._kept[asked] = one
             while len(self._kept) > REMEMBERED:
                 self._kept.popitem(last=False)
-        return ticket
 
-    def find(self, ticket: Any) -> page_model.Shape | None:
+    def find(self, asked: str) -> page_model.Shape | None:
         with self._lock:
-            return self._kept.get(ticket) if isinstance(ticket, str) else None
+            return self._kept.get(asked)
 
 
 Report = Callable[[str], None]
@@ -209,7 +206,7 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Re
 
 def warm() -> None:
     """Solve the first preset, so that everything is imported and compiled before the first request."""
-    worker_processes.get_ready()
+    worker_processes.get_ready(page_model.__name__)
     page_model.shape(page_model.study_of(PRESETS[0].state))
     gc.freeze()  # what is loaded stays: the collector need not scan it while a slider moves
 
@@ -247,18 +244,17 @@ class Context:
         """The result of work in a process, which is killed when the client leaves."""
         return await self.tasks.run(self.wanted, work, *args)
 
-    async def shape(self, state: Any, near: page_model.Shape | None = None) -> page_model.Shape:
-        """The rod of a state: followed from another or a start problem, else searched."""
-        study = await self.in_thread(page_model.study_of, state)
-        shape = await self.in_thread(page_model.without_search, study, near.sol if near else None)
+    async def shape(self, asked: dict[str, Any]) -> page_model.Shape:
+        """The rod of the state that a request has."""
+        state, lost = asked.get("state"), bool(asked.get("lost"))
+        key = json.dumps([state, lost], sort_keys=True)
+        shape = self.shapes.find(key)
         if shape is None:
-            lost = near is not None and near.sol.problem.kind == "ends"
-            shape = await self.search(page_model.search, study, lost)
+            study = await self.in_thread(page_model.study_of, state)
+            solve = self.search if await self.in_thread(page_model.is_searched, study) else self.in_thread
+            shape = await solve(page_model.shape, study, lost)
+            self.shapes.keep(key, shape)
         return shape
-
-    async def again(self, asked: dict[str, Any]) -> page_model.Shape:
-        """The rod of a ticket; solved again where it is not kept."""
-        return self.shapes.find(asked.get("ticket")) or await self.shape(asked.get("state"))
 
 
 Work = Callable[[dict[str, Any], Context], Awaitable[web.Response]]
@@ -303,16 +299,13 @@ def _refusal(sentence: str, field: str = "", status: int = 200) -> web.Response:
 async def _shape(asked: dict[str, Any], at: Context) -> web.Response:
     """The rod at its stations, and what is known of it."""
     start = time.perf_counter()
-    rod = await at.shape(asked.get("state"), at.shapes.find(asked.get("near")))
-    body = await at.in_thread(_tell, rod, at.shapes, time.perf_counter() - start)
+    rod = await at.shape(asked)
+    body = await at.in_thread(_tell, rod, time.perf_counter() - start)
     return web.Response(body=body, content_type="application/octet-stream")
 
 
-def _tell(rod: page_model.Shape, shapes: Shapes, solving: float) -> bytes:
-    head = {
-        **page_model.facts(rod), "ticket": shapes.keep(page_model.bare(rod)), "problem": rod.sol.problem.kind,
-        "seconds": {"solve": solving},
-    }  # fmt: skip
+def _tell(rod: page_model.Shape, solving: float) -> bytes:
+    head = {**page_model.facts(rod), "problem": rod.sol.problem.kind, "seconds": {"solve": solving}}
     return pack_arrays(head, page_model.stations(rod))
 
 
@@ -334,7 +327,7 @@ def pack_arrays(head: dict[str, Any], arrays: dict[str, Any]) -> bytes:
 
 
 async def _numbers(asked: dict[str, Any], at: Context) -> web.Response:
-    return web.json_response(finite(await at.in_thread(page_model.numbers, await at.again(asked))))
+    return web.json_response(finite(await at.in_thread(page_model.numbers, await at.shape(asked))))
 
 
 async def _equilibria(asked: dict[str, Any], at: Context) -> web.Response:
@@ -354,5 +347,5 @@ async def _download(asked: dict[str, Any], at: Context) -> web.Response:
     kind = asked.get("kind")
     if not isinstance(kind, str) or kind not in DOWNLOADS:
         raise InputError(f"no download {str(kind)[:40]!r}; choose from {', '.join(DOWNLOADS)}")
-    rod = await at.again(asked)
+    rod = await at.shape(asked)
     return web.Response(body=await at.search(page_model.file, rod, kind), content_type=DOWNLOADS[kind])

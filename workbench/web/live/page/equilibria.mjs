@@ -13,7 +13,7 @@ export function makeEquilibria(me, data, context, theme, send, update) {
 
   function ask() {
     set(element("searching"), "searching …");
-    send("/equilibria", { state: me.state, ticket: me.head.ticket }, ({ rows }) => took(rows), (why) => took([], why));
+    send("/equilibria", { state: me.state }, ({ rows }) => took(rows), (why) => took([], why));
   }
 
   function took(rows, why = "") {
@@ -25,7 +25,6 @@ export function makeEquilibria(me, data, context, theme, send, update) {
     showList(element("list"), rows, me.here, me.state.units, choose);
     element("branches").hidden = !rows.length;
     if (rows.length) branches.show({ state: me.state, list: rows }, context.span);
-    if (me.head.method === "difference" && me.here >= 0) choose(me.here); // followed to 1e-6: now solved exactly
   }
 
   function choose(i) {

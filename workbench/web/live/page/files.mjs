@@ -31,7 +31,7 @@ export async function savePicture(me, view, data) {
 export async function saveFile(me, kind, served) {
   say("");
   try {
-    const asked = { kind, state: me.state, ticket: me.head.ticket };
+    const asked = { kind, state: me.state };
     const own = () => new Blob([csvText(me.shape, me.state.units)], { type: "text/csv" });
     save(served ? await (await post("/download", asked)).blob() : own(), `${me.preset}.${kind}`);
     say(`The ${kind.toUpperCase()} file is in your downloads.`);

@@ -96,21 +96,20 @@ function update(how = {}) {
   moves += 1;
   try {
     const one = caseOf(me.state, letters),
-      near = how.seed ? { ...how.seed, one } : me.shape;
-    const asks = served && (one.kind === "ends" || one.varies);
+      near = how.seed ? { ...how.seed, one } : served && (how.fresh || how.chosen) ? null : me.shape;
     if (one.varies && !served) throw new Refused("A rod with weight or friction needs the server of workbench explore.");
-    if (asks) return askShape(one, how, since);
+    const shape = one.varies ? null : one.kind === "start" ? marched(core, one) : neighbour(one, near);
+    if (!shape && served) return askShape(one, how, since);
     again = null;
-    const shape = one.kind === "start" ? marched(core, one) : near && near.one.kind === "ends" && moved(core, one, near);
     if (shape) return took(shape, { method: "in this page" }, how, since);
-    if (one.kind === "ends")
-      throw new Refused(
-        "No equilibrium was found next to the one before. Move the slider back, or use workbench explore.",
-      );
+    throw new Refused("No equilibrium was found next to the one before. Move the slider back, or use workbench explore.");
   } catch (error) {
     return refuse(error);
   }
 }
+
+/* The shape between two ends next to another one, or null. */
+const neighbour = (one, near) => (near?.one.kind === "ends" && !near.one.varies ? moved(core, one, near) : null);
 
 /* One request at a time; of those that wait only the last is sent. */
 async function askShape(one, how, since) {
@@ -122,19 +121,12 @@ async function askShape(one, how, since) {
     isOld = () => mine !== moves && !again; // what was asked since needs no server
   me.busy = true;
   try {
-    const near = how.fresh || how.chosen ? undefined : me.head.ticket;
-    if (!how.fresh && !how.chosen && me.state.equilibrium && !near) delete me.state.equilibrium;
-    const { head, arrays } = unpacked(await (await post("/shape", { state: me.state, near })).arrayBuffer());
+    const lost = !how.fresh && !how.chosen, // the state names the equilibrium of an earlier one
+      { head, arrays } = unpacked(await (await post("/shape", { state: me.state, lost })).arrayBuffer());
     if (isOld()) return;
-    if (head.which) me.state.equilibrium = head.which;
-    const { outcome, error, condition, method, notes, ticket, numbers } = head,
+    const { outcome, error, condition, method, notes, numbers } = head,
       facts = { error: error ?? NaN, condition: condition ?? NaN, sound: true, shown: 1, numbers };
-    took(
-      interpolated(core, one, arrays, facts),
-      { outcome, method, notes, ticket },
-      how,
-      since,
-    );
+    took(interpolated(core, one, arrays, facts), { outcome, method, notes }, how, since);
   } catch (error) {
     if (!isOld()) refuse(error);
   } finally {
@@ -200,7 +192,7 @@ function byEnds() {
     return refuse(new Refused("Only a part of this rod is shown, so its far end is not known: make it shorter."));
   me.state = heldState(state, shape.one, shape.beta[shape.beta.length - 1], { dbeta0: shape.dbeta[0], energy });
   me.centre = copied(me.state.base);
-  return update({ refit: true, ...(served ? { chosen: true } : { seed: shape }) });
+  return update({ refit: true, seed: shape });
 }
 
 const link = () => address.show({ preset: me.preset, state: me.state });

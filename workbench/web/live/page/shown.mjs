@@ -38,7 +38,7 @@ export function makeShown(me, data, { stage, diagrams, controls, context, equili
     const { shape, state } = me,
       found = observables(shape),
       crossed = stage.showCrossings(shape);
-    if (shape.one.kind === "ends" && !me.head.ticket)
+    if (shape.one.kind === "ends" && !shape.one.varies)
       state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
     const known = Object.entries(found).filter(([, value]) => Number.isFinite(value));
     equilibria.branches.mark(state, found);
@@ -71,7 +71,7 @@ export function makeShown(me, data, { stage, diagrams, controls, context, equili
       const found = rows.map(({ name, value }) => [name, value ?? NaN]);
       showRows(found, [...told, ...partNote()], data.quantities, me.state.units);
     };
-    ask("/numbers", { state: me.state, ticket: me.head.ticket }, took, (why) => set(element("message"), why));
+    ask("/numbers", { state: me.state }, took, (why) => set(element("message"), why));
   }
 
   return { showState, showNumbers, setCursor, askNumbers };
