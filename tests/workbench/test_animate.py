@@ -180,12 +180,12 @@ def test_the_scale_of_all_frames_is_one_whatever_their_legends_say() -> None:
         return layout.compose(ds, {"E": E}, "plain", (), along, settings).page
 
     alone = [page(E, None) for E in (5e3, 2e4)]
-    assert alone[0].words.legend != alone[1].words.legend  # only the soft rod passes through itself in sight
+    assert alone[0].legend != alone[1].legend  # only the soft rod passes through itself in sight
     made = [page(E, "E") for E in (5e3, 2e4)]
     assert made[0].arrangement.scale == made[1].arrangement.scale
     assert made[0].arrangement.size == made[1].arrangement.size
     assert made[0].place == made[1].place  # so the views stand at one place of the page
-    assert made[0].words.legend == made[1].words.legend == [*alone[0].words.legend, *alone[1].words.legend]
+    assert made[0].legend == made[1].legend == [*alone[0].legend, *alone[1].legend]
 
 
 @draws

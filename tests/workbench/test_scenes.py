@@ -105,8 +105,8 @@ def test_all_lines_of_a_rod_share_the_triangles_of_a_picture(monkeypatch) -> Non
 def test_a_long_pipe_with_wide_bends_is_compressed_into_one_line_and_one_with_tight_bends_is_set_in_lines() -> None:
     ds = in_memory.run(loads(small.text(PIPE, units="m kN", stations=401)))
     pipe = layout.compose(ds, settings=layout.Settings(2.0, 50, camera="sides")).page
-    assert len(pipe.cells) == 2, "two sides of the whole pipe, one below the other"
-    assert any("axis compressed" in note for note in pipe.words.notes)
+    assert len(pipe.scene.rows) == 2, "two sides of the whole pipe, one below the other"
+    assert any("axis compressed" in note for note in pipe.notes)
     tight = dataset(stations=2001, L=2000.0)
     assert long_rod.compress([body(tight)])[0].squeeze == 1
     with pytest.raises(InputError, match="set in lines, is seen from one side, and --camera sides has several"):
@@ -118,8 +118,8 @@ def test_the_words_of_a_table_of_long_pipes_stand_apart() -> None:
     axes = small.axis("FZ", [-150.0, -100.0]) + small.axis("R", [0.1, 0.12, 0.15])
     ds = in_memory.run(loads(small.text(PIPE, axes, units="m kN", stations=401)))
     taken = layout.compose(ds, None, "grid", ["FZ", "R"], settings=layout.Settings(2.0, 50)).page
-    assert taken.words.rows[0] == "", "the name of the rows is longer than they are high"
-    assert "rows: radius of the cylinder" in taken.words.case
+    assert taken.scene.heads[0] == "", "the name of the rows is longer than they are high"
+    assert "rows: radius of the cylinder" in taken.scene.case
     taken.fig.canvas.draw()
     boxes = [text.get_window_extent() for text in taken.ax.texts if text.get_text()]
     assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
@@ -344,7 +344,7 @@ def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
     ds = small.with_outcomes(ds, ["solved", "no solution", "solved"])
     ds["alpha"][1] = np.nan
     taken = layout.compose(ds, None, "grid", ["E"], settings=layout.Settings(2.0, 60)).page
-    assert [cell.why_empty for row in taken.cells for cell in row] == ["", "no solution", ""]
+    assert [view.cell.why_empty for view in taken.scene.views] == ["", "no solution", ""]
     with pytest.raises(InputError, match="nothing to draw at E = 20000 N/cm²: no solution"):
         layout.render(ds, tmp_path / "one.png", {"E": 2e4})
     ds = small.with_outcomes(ds, ["no solution"] * 3)
@@ -404,8 +404,8 @@ def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6
     through = ["overlaps" in str(caution) for caution in ds["caution"].values]
     assert sorted(set(through)) == [False, True]
     assert [bool(found) for found in inside] == through
-    assert page.RING in [colour for colour, _ in taken.words.legend]
-    assert f"{sum(through)} of 3 pass through themselves" in taken.words.notes
+    assert page.RING in [colour for colour, _ in taken.legend]
+    assert f"{sum(through)} of 3 pass through themselves" in taken.notes
     bare = layout.compose(ds, None, "grid", ["F3"], settings=composition.Settings(2.0, 50, bare=True)).page
     assert not bare.rings
 
@@ -414,7 +414,7 @@ def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6
 @pytest.mark.parametrize("camera, outlined", [("front", False), ("180,0", True)])
 def test_the_legend_says_what_outlines_are_where_there_are_some(fig6, camera, outlined) -> None:
     taken = layout.compose(fig6, settings=composition.Settings(2.0, 50, camera=camera)).page
-    assert ((page.OUTLINE, "a stretch behind the cylinder") in taken.words.legend) == outlined
+    assert ((page.OUTLINE, "a stretch behind the cylinder") in taken.legend) == outlined
 
 
 @draws
@@ -427,7 +427,7 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
     case = ends_problem(study)
     few = dataset_of(study, case, equilibria(case)).isel(equilibrium=[1, 8, 12])
     taken = layout.compose(few, kind="equilibria", settings=composition.Settings(2.0, dpi=100)).page
-    assert [cell.number for row in taken.cells for cell in row][:3] == [2, 9, 13], "their ranks among all"
+    assert [view.cell.number for view in taken.scene.views][:3] == [2, 9, 13], "their ranks among all"
     wide = []
     for left, top, across, high in 100 * taken.arrangement.places[:3]:
         view = taken.pixels[int(top) : int(top + high), int(left) : int(left + across)]
@@ -443,12 +443,12 @@ def test_the_picture_has_the_scale_of_its_bar_along_the_axis(camera, helix) -> N
     taken = layout.compose(helix, kind="plain", settings=composition.Settings(dpi=100, camera=camera)).page
     rod = body(helix, "plain")
     low, high = View([rod], Cell()).cylinder
-    R, per_unit, along = rod.R, taken.arrangement.scale * 100, taken.words.along
+    R, per_unit, along = rod.R, taken.arrangement.scale * 100, taken.scene.along
     seen = np.flatnonzero((taken.pixels.min(axis=-1) < 250).any(axis=0))
     wide = (high - low) * along + 2 * R * np.sqrt(1 - along**2)  # the axis lies along the page
     # a rim stands half a pixel beyond the wall, and is 1.5 pixels wide; one pixel is cut in two
     assert np.ptp(seen) + 1 == pytest.approx(wide * per_unit, abs=3.6)
-    assert (taken.words.along < 1) == (camera in (None, "-35,20"))
+    assert (taken.scene.along < 1) == (camera in (None, "-35,20"))
 
 
 @draws
@@ -470,10 +470,10 @@ def test_in_place_of_an_unsolved_case_the_nearest_solved_one_is_drawn_and_this_i
     words[5] = "no solution"
     ds = small.with_outcomes(ds, words)
     taken = layout.compose(ds, settings=layout.Settings(2.0, 50)).page
-    assert "E = 20000 N/cm² is not solved; this is the nearest solved case" in taken.words.notes
+    assert "E = 20000 N/cm² is not solved; this is the nearest solved case" in taken.notes
     row = layout.compose(ds, None, "grid", ["E"], settings=layout.Settings(2.0, 50)).page
-    assert "in place of 1 unsolved case the nearest solved" in row.words.notes
-    assert not any(cell.why_empty for cells in row.cells for cell in cells)
+    assert "in place of 1 unsolved case the nearest solved" in row.notes
+    assert not any(view.cell.why_empty for view in row.scene.views)
 
 
 @draws
@@ -489,7 +489,7 @@ def test_each_rod_of_a_row_faces_the_viewer() -> None:
 @draws
 def test_many_rods_stand_and_few_lie_where_they_fill_the_page_better_and_each_is_seen_from_one_side() -> None:
     ds = dataset(axes="[axes.E]\nfrom = 1e4\nto = 4e4\ncount = 9\n")
-    rows = [layout.compose(ds.isel(E=slice(n)), None, "grid", ["E"], settings=layout.Settings(2.0, 50)).page.cells
+    rows = [layout.compose(ds.isel(E=slice(n)), None, "grid", ["E"], settings=layout.Settings(2.0, 50)).page.scene.rows
             for n in (2, 9)]  # fmt: skip
     assert [(len(cells), len(cells[0])) for cells in rows] == [(2, 1), (1, 9)]
     with pytest.raises(InputError, match="each rod of the kind grid is seen from one side, and --camera sides has sev"):
@@ -523,5 +523,5 @@ def test_self_intersections_are_ringed_and_said_once(fig6) -> None:
     assert all(left < x < left + wide and top < y < top + high for x, y, _ in taken.rings)
     at_rings = [taken.pixels[int(50 * y) - 1 : int(50 * y) + 2, int(50 * x)].mean() for x, y, _ in taken.rings]
     assert max(at_rings) < 130, "of 255: a rod, which is darker than the cylinder"
-    assert [text for _, text in taken.words.legend] == ["the rod passes through itself"]
-    assert "the rod passes through itself" not in taken.words.notes
+    assert [text for _, text in taken.legend] == ["the rod passes through itself"]
+    assert "the rod passes through itself" not in taken.notes

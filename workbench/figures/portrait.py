@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from solver.mechanics.potential import TAU, Loads, potential, slope, slope_rate
+from solver.core.orbits import critical_points
+from solver.mechanics.potential import TAU, Loads, potential, slope_rate
 from solver.numerics.roots import bisect
 from solver.problem.errors import InputError
 
@@ -31,7 +32,7 @@ LEVELS = 7  # level sets
 ROD = "the rod, at its level h"
 OTHERS = "other level sets of β′² + G"
 ROUNDING = 1e-12
-BISECTIONS = 60  # of angles where a level or H is met
+BISECTIONS = 60  # of angles where a level is met
 SPARE = 0.06  # of the window, to the left and right of what must be seen
 LEAST = np.radians(0.5)  # of a window
 SEPARATRIX: dict[str, Any] = {"color": colours.INK, "linewidth": 0.9, "linestyle": (0, (4, 2)), "zorder": 3,
@@ -149,8 +150,7 @@ class Orbit:
 def window_of(rod: DrawnRod) -> tuple[float, float]:
     """The angles of a rod and the next saddle on either side, with some room [rad]."""
     low, high = float(rod["beta"].min()), float(rod["beta"].max())
-    every = critical_angles(rod, low - TAU, high + TAU)
-    maxima = every[slope_rate(_loads(rod), every) < 0]
+    maxima, _ = saddles_and_centres(rod, low - TAU, high + TAU)
     left, right = maxima[maxima < low], maxima[maxima > high]
     low = max(left[-1] if left.size else low, low - np.pi)
     high = min(right[0] if right.size else high, high + np.pi)
@@ -160,20 +160,18 @@ def window_of(rod: DrawnRod) -> tuple[float, float]:
 
 def orbit(rod: DrawnRod, window: tuple[float, float]) -> Orbit:
     """The orbit of a rod, with the critical points of G that lie in a window."""
-    every = critical_angles(rod, *window)
-    is_saddle = slope_rate(_loads(rod), every) < 0
     level = rod["dbeta"][0] ** 2 + potential(_loads(rod), rod["beta"][0]) / rod.rho**2
-    return Orbit(rod, rod["beta"], rod["dbeta"], float(level), every[is_saddle], every[~is_saddle], window)
+    return Orbit(rod, rod["beta"], rod["dbeta"], float(level), *saddles_and_centres(rod, *window), window)
 
 
-def critical_angles(rod: DrawnRod, low: float, high: float) -> NDArray[np.float64]:
-    """The angles between two where H = G'/2 is 0, where the rod could be a helix, rising [rad]."""
-    loads = _loads(rod)
-    angles = np.arange(np.floor(low / TAU) * TAU, high + TAU, TAU / 1440) + 1e-4
-    value = slope(loads, angles)
-    k = np.flatnonzero(value[1:] * value[:-1] < 0)
-    roots = bisect(lambda b: slope(loads, b), angles[k], angles[k + 1], BISECTIONS)
-    return np.asarray(roots[(roots > low) & (roots < high)], dtype=float)
+def saddles_and_centres(rod: DrawnRod, low: float, high: float) -> list[NDArray[np.float64]]:
+    """The maxima and the minima of G between two angles, where the rod could be a helix, rising [rad]."""
+    found = critical_points(Loads(*(np.array([load]) for load in (rod.lam, rod.mu, rod.phi)))).beta
+    turns = TAU * np.arange(np.floor((low - np.pi) / TAU), high / TAU + 1)
+    angles = (turns[:, None] + found).ravel()
+    angles = angles[(angles > low) & (angles < high)]
+    rates = slope_rate(_loads(rod), angles)
+    return [angles[rates < 0], angles[rates > 0]]
 
 
 def _loads(rod: DrawnRod) -> Loads:

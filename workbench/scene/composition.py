@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import xarray as xr
 
 from solver.problem.errors import InputError
 from studies.language.study_data import MAX_STATIONS
@@ -16,13 +15,12 @@ from ..geometry.refinement import stations_for
 from ..words import cautions, labels
 from . import long_rod, page
 from .body import Body
-from .page import Page, Words
+from .page import Page, Scene
 from .rendering import Placed, render
-from .scene_kinds import Bar, Cell, Kind, set_range
+from .scene_kinds import Bar, Cell, set_range
 from .settings import DEFAULT, Settings, TooFewStations
 from .views import EDGE, Camera, View, arrange
 
-SIZE = (8.0, 6.0)  # inches: width, and largest height, of the page of one case
 LINE = 1.5  # width of lines in pixels at `fonts.DPI`
 NARROWEST = 7.0  # inches of a page, for the line below the views
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
@@ -32,7 +30,7 @@ ITSELF = "the rod passes through itself"
 UNSEEN = " (no ring where the cylinder hides it)"
 BEHIND = "a stretch behind the cylinder"
 
-__all__ = ["DEFAULT", "SIZE", "Picture", "Scene", "Settings", "TooFewStations", "compose"]
+__all__ = ["DEFAULT", "Picture", "Scene", "Settings", "TooFewStations", "compose"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,62 +46,12 @@ class Picture:
     stations: int
 
 
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """What is drawn.
-
-    Attributes
-    ----------
-    rows
-        Views in rows of cells.
-    context
-        The rods that fix the scale of colours, and of which the legend speaks.
-    case
-        The case in words.
-    camera
-        Its scale is chosen here.
-    size
-        Width and largest height of the page in inches.
-    columns, heads
-        Headings of columns and of rows.
-    pitch
-        As of `views.arrange`.
-    ringed
-        Whether self-intersections are ringed.
-    names
-        Of the rods of the first view, in the legend.
-    """
-
-    ds: xr.Dataset
-    kind: Kind
-    rows: Sequence[Sequence[View]]
-    context: Sequence[Body]
-    case: str
-    camera: Camera
-    settings: Settings
-    notes: Sequence[str] = ()
-    size: tuple[float, float] = SIZE
-    columns: Sequence[str] = ()
-    heads: Sequence[str] = ()
-    pitch: float = 0.0
-    ringed: bool = True
-    names: Sequence[str] = ()
-
-    @property
-    def bodies(self) -> list[Body]:
-        return [body for view in self.views for body in view.bodies]
-
-    @property
-    def views(self) -> list[View]:
-        return [view for row in self.rows for view in row]
-
-
 def compose(scene: Scene) -> Picture:
     """Colour the rods, render them, and set the page. Raises `InputError`, `TooFewStations`."""
     settings, dpi = scene.settings, scene.settings.dpi
     scene, bar, beyond = colour_rods(_bare(scene) if settings.bare else scene)
-    words = words_of(scene, bar)
-    draft, room = draft_of(scene, words)
+    legend, notes = words_of(scene)
+    room = _room_on(Page(scene, legend, notes, bar))
     arranged = arrange(scene.rows, scene.camera, room, scene.pitch, scene.columns)
     if scene.heads and fonts.width_of(scene.heads[0], fonts.NORMAL) > arranged.size[1]:  # no room beside the rows
         case = ", ".join(text for text in (scene.case, f"rows: {scene.heads[0]}") if text)
@@ -127,27 +75,21 @@ def compose(scene: Scene) -> Picture:
     )  # fmt: skip
     rough = [f"drawn to within {error:.1f} pixels"] * (error > settings.pixel_error * (1 + 1e-9))
     kept = outlined or len(scene.context) > len(scene.bodies)
-    legend = [entry for entry in words.legend if kept or entry[0] != page.OUTLINE]
-    wide, high = page_size(scene)
+    wide, high = scene.page_size
     if settings.bare and not settings.size:
         wide, high = size[0] / dpi, size[1] / dpi
     elif not settings.size:
-        wide = min(wide, max(NARROWEST, arranged.size[0] + words.heads[0] + 2 * canvas.MARGIN))
-    final = draft
-    if len(legend) < len(words.legend) or beyond or rough or wide < page_size(scene)[0] or settings.bare:
-        words = replace(words, legend=legend, notes=[*words.notes, *beyond, *rough])
-        final = Page(words, (wide, high), dpi, settings.bare, settings.transparent)
+        wide = min(wide, max(NARROWEST, arranged.size[0] + scene.beside[0] + 2 * canvas.MARGIN))
+    final = Page(scene, [entry for entry in legend if kept or entry[0] != page.OUTLINE], [*notes, *beyond, *rough],
+                 bar, (wide, high))  # fmt: skip
     if not (settings.size or settings.bare):
         final.fit(size[1] / dpi)
-    final.put(pixels, arranged, [[view.cell for view in row] for row in scene.rows], _rings(scene, arranged))
+    final.put(pixels, arranged, _rings(scene, arranged))
     return Picture(final, error, stations)
 
 
-def words_of(scene: Scene, bar: Bar | None) -> Words:
-    """The words around the views of a scene."""
-    ds = scene.ds
-    inside = str(ds.attrs["side"]) == "inside"
-    facts = (scene.case, "inside the cylinder, cut open" if inside else "")
+def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
+    """The legend and the notes of a scene."""
     legend = [*scene.kind.legend]
     legend += [(body.paint.colour, name) for body, name in zip(scene.bodies, scene.names, strict=False)]
     views = scene.views
@@ -163,24 +105,13 @@ def words_of(scene: Scene, bar: Bar | None) -> Words:
     if len(scene.context) > len(scene.bodies):  # the views of the pictures along an axis stand at one place
         most = max(len(_impossible_beside([body], ringed)) for body in scene.context)
         warnings += ["\N{ZERO WIDTH SPACE}" * (k + 1) for k in range(most - len(warnings))]
-    notes = [*scene.notes, *warnings] + [cautions.left_out_of_dataset(ds)] * inside
-    toward = scene.camera.seen_from if len(scene.rows[0]) == 1 else None
-    squeeze = scene.context[0].squeeze if scene.context else 1.0
-    return Words(ds, " · ".join(fact for fact in facts if fact), legend, notes, bar, scene.columns, scene.heads, toward,
-                 scene.camera.along_axis * squeeze, weight_on_page(scene))  # fmt: skip
+    inside = str(scene.ds.attrs["side"]) == "inside"
+    return legend, [*scene.notes, *warnings, *[cautions.left_out_of_dataset(scene.ds)] * inside]
 
 
 def _impossible_beside(bodies: Sequence[Body], ringed: bool) -> list[str]:
     """What a real rod could not do, beside what a legend of rings says."""
     return [note for note in impossible(bodies) if not (ringed and note == ITSELF)]
-
-
-def weight_on_page(scene: Scene) -> Array | None:
-    """The direction of the weight on the page, (2,), of views that are turned alike."""
-    turns = {view.turned for row in scene.rows for view in row}
-    if scene.camera.down is None or len(turns) != 1:
-        return None
-    return np.asarray(scene.camera.page @ (scene.rows[0][0].turn @ scene.camera.down))
 
 
 def impossible(bodies: Sequence[Body]) -> list[str]:
@@ -197,26 +128,20 @@ def impossible(bodies: Sequence[Body]) -> list[str]:
     return sentences
 
 
-def page_size(scene: Scene) -> tuple[float, float]:
-    """Width and height of the page in inches, or its largest height where its content fixes it."""
-    if scene.settings.size:
-        return scene.settings.size[0] / scene.settings.dpi, scene.settings.size[1] / scene.settings.dpi
-    return scene.size
+def room_of(scene: Scene) -> tuple[float, float]:
+    """The room for the views of a scene on its page in inches. Raises `InputError` where there is none."""
+    return _room_on(Page(scene, *words_of(scene), colour_rods(scene)[1]))
 
 
-def draft_of(scene: Scene, words: Words | None = None) -> tuple[Page, tuple[float, float]]:
-    """A page without its views, and the room for them in inches. Raises `InputError` where there is none."""
-    settings, size = scene.settings, page_size(scene)
-    words = words or words_of(scene, colour_rods(scene)[1])
-    draft = Page(words, size, settings.dpi, settings.bare, settings.transparent)
-    inside = draft.room()
-    if min(inside) < page.LEAST:
-        pixels = "x".join(f"{side * settings.dpi:.0f}" for side in size)
+def _room_on(draft: Page) -> tuple[float, float]:
+    room, dpi = draft.room(), draft.scene.settings.dpi
+    if min(room) < page.LEAST:
+        pixels = "x".join(f"{side * dpi:.0f}" for side in draft.scene.page_size)
         raise InputError(
-            f"--size {pixels} leaves no room for the views beside the words at {settings.dpi} dots per inch: give "
+            f"--size {pixels} leaves no room for the views beside the words at {dpi} dots per inch: give "
             "a larger size, fewer --dpi, or --bare"
         )
-    return draft, inside
+    return room
 
 
 def _bare(scene: Scene) -> Scene:

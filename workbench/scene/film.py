@@ -162,7 +162,7 @@ def _begin(fig: Figure, film: Film, scene: "composition.Scene", cases: Sequence[
     left, right = canvas.MARGIN, across - canvas.MARGIN
     ax.text(right, left + 0.02, name[:1].upper() + name[1:], color=colours.SOFT, va="top", ha="right")
     ax.plot([left, right], [left + 0.34] * 2, color=colours.FAINT, linewidth=2.0, solid_capstyle="round")
-    weight, bar = composition.weight_on_page(scene), composition.colour_rods(scene)[1]
+    weight, bar = scene.down, composition.colour_rods(scene)[1]
     if weight is not None:
         page.draw_weight(ax, right - 0.85, tall - 0.27, weight)
     if bar:

@@ -22,7 +22,7 @@ from ..words import labels
 from . import body as rods
 from . import composition, long_rod, page, scene_kinds
 from .body import Body
-from .composition import DEFAULT, Picture, Scene, draft_of
+from .composition import DEFAULT, Picture, Scene, room_of
 from .scene_kinds import Cell, Kind, Paint, default_kind, kind_of
 from .settings import Settings, check, check_name
 from .views import (
@@ -208,7 +208,7 @@ def _in_lines(
     camera, turned = front_camera(context, lying=True, down=down), -np.radians(azimuth)
     scene = Scene(ds, kind, [[View([body], Cell())]], context, case, camera, settings, notes, heads=HEADS,
                   ringed=False)  # fmt: skip
-    wide, high = (side * settings.dpi for side in draft_of(scene)[1])
+    wide, high = (side * settings.dpi for side in room_of(scene))
     lines = long_rod.lines_for(context, (int(wide - 2 * EDGE * settings.dpi), int(high)))
     pieces, unit = lines.cut(body), str(ds.attrs["length_unit"])
     rows = [[View([piece], Cell(), turned, lines.ends)] for piece in pieces]
@@ -260,7 +260,7 @@ def _row(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] |
     notes = [f"{len(chosen)} of {len(line)} values"] if len(chosen) < len(line) else []
     notes += [f"in place of {moved} unsolved case{'s' * (moved > 1)} the nearest solved"] if moved else []
     scene = _several(ds, kind, names, rows, cameras[0], settings, chosen[0], shown, notes, size)
-    room = draft_of(scene)[1]
+    room = room_of(scene)
     scenes = [replace(scene, rows=in_rows(rows[0], camera, room), camera=camera) for camera in cameras]
     return _compose_larger(scenes, room)
 
@@ -277,7 +277,7 @@ def _table(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float]
     scene = _several(ds, kind, names, rows, cameras[0], settings, cases[0][0], [], notes, GRID)
     heads = scene_kinds.headings(ds, names[0], cases[0]), scene_kinds.headings(ds, names[1], [row[0] for row in cases])
     scene = replace(scene, columns=heads[0], heads=heads[1])
-    return _compose_larger([replace(scene, camera=camera) for camera in cameras], draft_of(scene)[1])
+    return _compose_larger([replace(scene, camera=camera) for camera in cameras], room_of(scene))
 
 
 def _compose_larger(scenes: Sequence[Scene], room: tuple[float, float]) -> Picture:

@@ -1,6 +1,7 @@
-"""The page of a scene: a figure of the canvas, and on its one panel the rendered picture among words and bars.
+"""A scene, and its page: a figure of the canvas, and on its one panel the rendered picture among words and bars.
 
-The panel has inches to the right and down. The picture is put pixel by pixel: in the axes it would be resampled.
+Lengths on the page are in inches; those of the panel go to the right and down. The picture is put pixel by pixel: in
+the axes it would be resampled.
 """
 
 import json
@@ -24,13 +25,17 @@ from numpy.typing import NDArray
 from ..figures import canvas, colours, fonts
 from ..figures.arrangement import Arrangement
 from ..figures.scales import round_below
+from ..geometry.centreline import Array
 from ..store import atomic
 from ..words import labels
-from .scene_kinds import Bar, Cell
-from .views import BELOW, DOT
+from .body import Body
+from .scene_kinds import Bar, Cell, Kind
+from .settings import Settings
+from .views import BELOW, DOT, Camera, View
 
 Pixels = NDArray[np.uint8]
 
+SIZE = (8.0, 6.0)  # width, and largest height, of the page of one case
 LEAST = 0.3  # the least height of the views
 HEAD = 0.17  # the height of a line of headings
 FOOT, APART = 0.6, 0.22  # the height of glyph and bars below the views, and the gap after each
@@ -41,74 +46,106 @@ RUNS = 3  # the strategy of zlib that looks for runs alone: at level 1 the size 
 
 
 @dataclass(frozen=True, eq=False)
-class Words:
-    """What is written around the views of a scene.
+class Scene:
+    """What is drawn.
 
     Attributes
     ----------
-    ds
-        The dataset, which has the title.
+    rows
+        Views in rows of cells.
+    context
+        The rods that fix the scale of colours, and of which the legend speaks.
     case
-        What is shown of it.
-    legend
-        Colours and their meaning; `RING` for a ring, `OUTLINE` for a hidden stretch.
-    columns, rows
-        Headings: the quantity, then the values; the quantity may be empty. Default: none.
-    toward
-        The direction to the viewer, (3,), where one view shows it; default: no glyph.
-    along
-        The share of a length along the axis that is seen.
-    down
-        The direction of the weight on the page, (2,); default: no arrow.
+        The case in words.
+    camera
+        Its scale is chosen by `composition.compose`.
+    size
+        Width and largest height of the page.
+    columns, heads
+        Headings of columns and of rows: the quantity, then the values; the quantity may be empty. Default: none.
+    pitch
+        As of `views.arrange`.
+    ringed
+        Whether self-intersections are ringed.
+    names
+        Of the rods of the first view, in the legend.
     """
 
     ds: xr.Dataset
+    kind: Kind
+    rows: Sequence[Sequence[View]]
+    context: Sequence[Body]
     case: str
-    legend: Sequence[tuple[str, str]] = ()
+    camera: Camera
+    settings: Settings
     notes: Sequence[str] = ()
-    bar: Bar | None = None
+    size: tuple[float, float] = SIZE
     columns: Sequence[str] = ()
-    rows: Sequence[str] = ()
-    toward: NDArray[np.float64] | None = None
-    along: float = 1.0
-    down: NDArray[np.float64] | None = None
+    heads: Sequence[str] = ()
+    pitch: float = 0.0
+    ringed: bool = True
+    names: Sequence[str] = ()
 
     @property
-    def heads(self) -> tuple[float, float]:
+    def bodies(self) -> list[Body]:
+        return [body for view in self.views for body in view.bodies]
+
+    @property
+    def views(self) -> list[View]:
+        return [view for row in self.rows for view in row]
+
+    @property
+    def page_size(self) -> tuple[float, float]:
+        """Width and height of the page, or its largest height where its content fixes it."""
+        chosen, dpi = self.settings.size, self.settings.dpi
+        return (chosen[0] / dpi, chosen[1] / dpi) if chosen else self.size
+
+    @property
+    def beside(self) -> tuple[float, float]:
         """The room of the headings: to the left of the views, and above them."""
-        left = max((fonts.width_of(row, fonts.NORMAL) for row in self.rows[1:]), default=0.0) + 0.08
-        left += 1.5 * HEAD * bool(self.rows and self.rows[0])
-        return (left if self.rows else 0.0), (2 * HEAD if self.columns else 0.0)
+        left = max((fonts.width_of(head, fonts.NORMAL) for head in self.heads[1:]), default=0.0) + 0.08
+        left += 1.5 * HEAD * bool(self.heads and self.heads[0])
+        return (left if self.heads else 0.0), (2 * HEAD if self.columns else 0.0)
+
+    @property
+    def along(self) -> float:
+        """The share of a length along the axis that is seen."""
+        return self.camera.along_axis * (self.context[0].squeeze if self.context else 1.0)
+
+    @property
+    def down(self) -> Array | None:
+        """The direction of the weight on the page, (2,), of views that are turned alike; else None."""
+        if self.camera.down is None or len({view.turned for view in self.views}) != 1:
+            return None
+        return np.asarray(self.camera.page @ (self.views[0].turn @ self.camera.down))
 
 
 class Page:
-    """A page of so many inches with its words, as high as its content where the height is not given.
+    """The page of a scene with its words, as high as its content where the height is not given.
 
-    bare: without words. transparent: without background.
+    legend: colours and their meaning; `RING` for a ring, `OUTLINE` for a hidden stretch. size: default: of the scene.
     """
 
     def __init__(
-        self, words: Words, size: tuple[float, float], dpi: int = fonts.DPI, bare: bool = False,
-        transparent: bool = False,
+        self, scene: Scene, legend: Sequence[tuple[str, str]], notes: Sequence[str], bar: Bar | None,
+        size: tuple[float, float] | None = None,
     ) -> None:  # fmt: skip
-        self.words, self.bare = words, bare
-        self.heads, self.foot = ((0.0, 0.0), 0.0) if bare else (words.heads, FOOT)
-        ds, layout = (None, None) if bare else (words.ds, "constrained")
-        self.fig = canvas.figure(size, self._begin, ds, dpi, layout, said=words.case)
+        self.scene, self.legend, self.notes, self.bar = scene, legend, notes, bar
+        bare, size = scene.settings.bare, size or scene.page_size
+        self.bare, self.head, self.foot = bare, (0.0, 0.0) if bare else scene.beside, 0.0 if bare else FOOT
+        inside = "inside the cylinder, cut open" if str(scene.ds.attrs["side"]) == "inside" else ""
+        ds, layout = (None, None) if bare else (scene.ds, "constrained")
+        said = " · ".join(fact for fact in (scene.case, inside) if fact)
+        self.fig = canvas.figure(size, self._begin, ds, scene.settings.dpi, layout, said=said)
         self.left = size[1] if bare else canvas.resize(self.fig, size)
-        if transparent:
+        if scene.settings.transparent:
             self.fig.patch.set_alpha(0.0)
-        self.inside: tuple[float, float] | None = None  # what `room` found
-        self.pixels: Pixels = np.zeros((0, 0, 3), dtype=np.uint8)
-        self.arrangement = Arrangement(np.zeros((0, 0, 4)), (0.0, 0.0), 1.0)
-        self.cells: Sequence[Sequence[Cell]] = ()
-        self.rings: Sequence[tuple[float, float, float]] = ()
 
     def _begin(self, fig: Figure) -> None:
         self.ax = fig.add_axes((0.0, 0.0, 1.0, 1.0)) if self.bare else fig.add_subplot()
         self.ax.axis("off")
         if not self.bare:
-            canvas.write_below(fig, [*(_handle(*entry) for entry in self.words.legend), *self.words.notes])
+            canvas.write_below(fig, [*(_handle(*entry) for entry in self.legend), *self.notes])
 
     def panel(self) -> tuple[float, float, float, float]:
         """Lay out the page; returns left, low, width and height of the panel in inches."""
@@ -121,40 +158,36 @@ class Page:
 
     def room(self) -> tuple[float, float]:
         """Lay out the page; returns width and height for the views, (0, 0) where the words need all of it."""
-        if self.left < self.heads[1] + self.foot + LEAST:
+        if self.left < self.head[1] + self.foot + LEAST:
             return 0.0, 0.0
         _, _, wide, high = self.panel()
-        self.inside = wide - self.heads[0], high - self.heads[1] - self.foot
-        return self.inside
+        return wide - self.head[0], high - self.head[1] - self.foot
 
     def fit(self, high: float) -> None:
         """Give the page the height at which its views have so many inches."""
         wide, tall = map(float, self.fig.get_size_inches())
-        canvas.resize(self.fig, (wide, tall + high - (self.inside or self.room())[1]))
+        canvas.resize(self.fig, (wide, tall + high - self.room()[1]))
 
-    def put(
-        self, pixels: Pixels, arrangement: Arrangement, cells: Sequence[Sequence[Cell]],
-        rings: Sequence[tuple[float, float, float]] = (),
-    ) -> None:  # fmt: skip
+    def put(self, pixels: Pixels, arrangement: Arrangement, rings: Sequence[tuple[float, float, float]]) -> None:
         """Put the picture in the middle of the room, pixel by pixel, and the words of its cells beside their boxes.
 
         pixels: of all views, (height, width, 3 or 4). rings: x, y and radius of each in inches of the picture.
         """
         left, low, wide, high = self.place = self.panel()
         dpi, shape = self.fig.dpi, np.array(pixels.shape[1::-1]) / self.fig.dpi
-        free = np.maximum([wide - self.heads[0] - shape[0], high - self.heads[1] - self.foot - shape[1]], 0.0) / 2
-        corner = np.array([left + self.heads[0] + free[0], low + self.foot + free[1]])
+        free = np.maximum([wide - self.head[0] - shape[0], high - self.head[1] - self.foot - shape[1]], 0.0) / 2
+        corner = np.array([left + self.head[0] + free[0], low + self.foot + free[1]])
         x, y = np.round(np.maximum(corner, 0.0) * dpi).astype(int)
         self.fig.figimage(pixels, x, y, origin="upper", zorder=-1)
-        self.pixels, self.arrangement, self.cells, self.rings = pixels, arrangement, cells, rings
+        self.pixels, self.arrangement, self.rings = pixels, arrangement, rings
         start = x / dpi - left, low + high - y / dpi - shape[1]
         self.ax.set(xlim=(0, wide), ylim=(high, 0))
         self.boxes = arrangement.boxes + np.array([*start, 0.0, 0.0])
         if self.bare:
             return
         with rc_context(fonts.RC):
-            for cell, box in zip((c for row in cells for c in row), self.boxes.reshape(-1, 4), strict=True):
-                _draw_cell(self.ax, cell, box)
+            for view, box in zip(self.scene.views, self.boxes.reshape(-1, 4), strict=True):
+                _draw_cell(self.ax, view.cell, box)
             self._draw_headings()
             self._draw_foot(high - 0.27)
             for across, down, radius in rings:
@@ -167,38 +200,38 @@ class Page:
         wide, tall = self.fig.get_size_inches()
         edges = np.concatenate([self.boxes[..., :2], self.boxes[..., :2] + self.boxes[..., 2:]], axis=-1)
         shares = (edges + [left, tall - low - high] * 2) / [wide, tall, wide, tall]
-        cells = [cell for row in self.cells for cell in row]
-        return [row.round(5).tolist() for cell, row in zip(cells, shares.reshape(-1, 4), strict=True) if cell != Cell()]
+        places = zip(self.scene.views, shares.reshape(-1, 4), strict=True)
+        return [place.round(5).tolist() for view, place in places if view.cell != Cell()]
 
     def _draw_headings(self) -> None:
         """The headings: the values above the columns and to the left of the rows, once."""
-        boxes, words = self.boxes, self.words
+        boxes, columns, heads = self.boxes, self.scene.columns, self.scene.heads
         middles, top = boxes[0, :, 0] + boxes[0, :, 2] / 2, boxes[0, 0, 1]
-        for x, value in zip(middles, words.columns[1:], strict=False):
+        for x, value in zip(middles, columns[1:], strict=False):
             self.ax.text(x, top - 0.05, value, ha="center", va="bottom")
-        if words.columns:
-            self.ax.text((middles[0] + middles[-1]) / 2, top - HEAD - 0.05, words.columns[0], ha="center", va="bottom")
+        if columns:
+            self.ax.text((middles[0] + middles[-1]) / 2, top - HEAD - 0.05, columns[0], ha="center", va="bottom")
         lefts, rows = boxes[:, 0, 0], boxes[:, 0, 1] + boxes[:, 0, 3] / 2
-        size = fonts.NORMAL if words.rows and words.rows[0] else fonts.SMALL
-        for left, y, value in zip(lefts, rows, words.rows[1:], strict=False):
+        size = fonts.NORMAL if heads and heads[0] else fonts.SMALL
+        for left, y, value in zip(lefts, rows, heads[1:], strict=False):
             self.ax.text(left - 0.08, y, value, ha="right", va="center", size=size)
-        if words.rows and words.rows[0]:
-            self.ax.text(lefts[0] - self.heads[0] + HEAD / 2, (rows[0] + rows[-1]) / 2, words.rows[0], ha="center",
+        if heads and heads[0]:
+            self.ax.text(lefts[0] - self.head[0] + HEAD / 2, (rows[0] + rows[-1]) / 2, heads[0], ha="center",
                          va="center", rotation=90)  # fmt: skip
 
     def _draw_foot(self, y: float) -> None:
-        """From where it is seen, the weight, the scale bar and the colour bar."""
-        words, x = self.words, 0.05
-        if words.toward is not None:
-            _draw_glyph(self.ax, x, y, words.toward)
+        """From where it is seen, where one view shows it, the weight, the scale bar and the colour bar."""
+        scene, x = self.scene, 0.05
+        if scene.camera.seen_from is not None and len(scene.rows[0]) == 1:
+            _draw_glyph(self.ax, x, y, scene.camera.seen_from)
             x += GLYPH + APART
-        if words.down is not None:
-            draw_weight(self.ax, x, y, words.down)
+        if scene.down is not None:
+            draw_weight(self.ax, x, y, scene.down)
             x += WEIGHT + APART
-        unit = str(words.ds.attrs["length_unit"])
-        _draw_scale(self.ax, x, y, self.arrangement.scale * words.along, unit, words.along)
-        if words.bar:
-            draw_bar(self.ax, words.bar, (x + SCALE + APART, y - 0.04), (BAR, 0.1))
+        unit = str(scene.ds.attrs["length_unit"])
+        _draw_scale(self.ax, x, y, self.arrangement.scale * scene.along, unit, scene.along)
+        if self.bar:
+            draw_bar(self.ax, self.bar, (x + SCALE + APART, y - 0.04), (BAR, 0.1))
 
 
 def _draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:
