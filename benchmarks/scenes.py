@@ -42,7 +42,7 @@ def main() -> None:
                 read = perf_counter()
                 taken = layout.compose(ds, kind=kind, settings=settings)
                 composed = perf_counter()
-                page.save(taken.page, picture)
+                page.save(taken, picture)
                 end = perf_counter()
                 found.append((end - read, read - start, composed - read, end - composed, process_time() - busy))
             drawn, opening, composing, saving, busy = (min(times) for times in zip(*found, strict=True))

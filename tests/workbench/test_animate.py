@@ -67,12 +67,16 @@ def test_a_case_without_a_shape_is_a_frame_that_says_so(ds, made) -> None:
 def test_the_curve_of_an_angle_is_in_degrees_and_that_of_an_expression_has_its_name(observable, words) -> None:
     ds = in_memory.run(small.study(f'{AXIS}[expressions]\nbend = "kappa_max * a"\n', 'observables = ["amplitude"]'))
     axes = Figure().subplots()
-    what = ds, film.Film("E", {}, observable), [{"E": k} for k in range(3)]
-    film._draw_scales(axes, *what)
-    assert list(film._draw_values(axes, *what, 2)) == list(axes.lines)
+    film._draw_diagram(axes, ds, film.Film("E", {}, observable))
     values = np.degrees(ds["amplitude"]) if observable == "amplitude" else ds["bend"]
     np.testing.assert_allclose(axes.lines[0].get_ydata(), values)
     assert words in axes.get_title(loc="left").lower()
+    for k, at in enumerate(ds["E"].values):
+        (dot,) = film._grow(axes, float(at))
+        assert dot.get_xydata().tolist() == [[at, values[k]]]
+        clip = axes.lines[0].get_clip_box() or axes.lines[0].get_clip_path()
+        assert clip is not None
+        dot.remove()
 
 
 def test_both_kinds_of_film_are_read_by_others_with_a_frame_a_case(tmp_path) -> None:
@@ -177,7 +181,7 @@ def test_the_scale_of_all_frames_is_one_whatever_their_legends_say() -> None:
     settings = composition.Settings(2.0, DPI, size=(300, SIZE[1]), digits=4)  # of two legends one has two lines
 
     def page(E: float, along: str | None) -> Any:
-        return layout.compose(ds, {"E": E}, "plain", (), along, settings).page
+        return layout.compose(ds, {"E": E}, "plain", (), along, settings)
 
     alone = [page(E, None) for E in (5e3, 2e4)]
     assert alone[0].legend != alone[1].legend  # only the soft rod passes through itself in sight

@@ -66,7 +66,7 @@ def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Data
     rows, (seen,) = layout._cells(ds, scene_kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
     assert [view.turned for view in rows[0]] == [0.0, 0.0]  # in a row of lying pipes each low side is below
     assert seen.page @ seen.down == pytest.approx([0.0, -np.sqrt(3) / 2], abs=1e-12)
-    made = layout.compose(ds, {"inclination": np.pi / 2}, settings=Settings(span=(20.0, 24.0))).page
+    made = layout.compose(ds, {"inclination": np.pi / 2}, settings=Settings(span=(20.0, 24.0)))
     assert made.scene.down == pytest.approx([0.0, made.scene.down[1]], abs=1e-12)
     assert made.notes[-1] == cautions.model_leaves_out({"weight": 0.242})
 
@@ -81,7 +81,7 @@ def test_a_long_rod_with_weight_is_compressed_along_the_axis_no_more_than_its_be
     step = np.diff(squeezed.dense, axis=0)[:-1]
     bend = np.linalg.norm(np.cross(step, turn), axis=-1) / np.linalg.norm(step, axis=-1) ** 3
     assert bend.max() * body.a < 1.05 * long_rod.TIGHTEST  # the tube is drawn without folds
-    made = layout.compose(ds, {"inclination": np.pi / 2}).page
+    made = layout.compose(ds, {"inclination": np.pi / 2})
     assert f"axis compressed 1 : {1 / factor:.3g}" in made.notes
     assert made.scene.along == pytest.approx(factor)  # the scale bar is of lengths along the axis
     rows, _ = layout._cells(ds, scene_kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())

@@ -104,7 +104,7 @@ def test_all_lines_of_a_rod_share_the_triangles_of_a_picture(monkeypatch) -> Non
 @draws
 def test_a_long_pipe_with_wide_bends_is_compressed_into_one_line_and_one_with_tight_bends_is_set_in_lines() -> None:
     ds = in_memory.run(loads(small.text(PIPE, units="m kN", stations=401)))
-    pipe = layout.compose(ds, settings=layout.Settings(2.0, 50, camera="sides")).page
+    pipe = layout.compose(ds, settings=layout.Settings(2.0, 50, camera="sides"))
     assert len(pipe.scene.rows) == 2, "two sides of the whole pipe, one below the other"
     assert any("axis compressed" in note for note in pipe.notes)
     tight = dataset(stations=2001, L=2000.0)
@@ -117,7 +117,7 @@ def test_a_long_pipe_with_wide_bends_is_compressed_into_one_line_and_one_with_ti
 def test_the_words_of_a_table_of_long_pipes_stand_apart() -> None:
     axes = small.axis("FZ", [-150.0, -100.0]) + small.axis("R", [0.1, 0.12, 0.15])
     ds = in_memory.run(loads(small.text(PIPE, axes, units="m kN", stations=401)))
-    taken = layout.compose(ds, None, "grid", ["FZ", "R"], settings=layout.Settings(2.0, 50)).page
+    taken = layout.compose(ds, None, "grid", ["FZ", "R"], settings=layout.Settings(2.0, 50))
     assert taken.scene.heads[0] == "", "the name of the rows is longer than they are high"
     assert "rows: radius of the cylinder" in taken.scene.case
     taken.fig.canvas.draw()
@@ -343,7 +343,7 @@ def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4, 3e4]\n")
     ds = small.with_outcomes(ds, ["solved", "no solution", "solved"])
     ds["alpha"][1] = np.nan
-    taken = layout.compose(ds, None, "grid", ["E"], settings=layout.Settings(2.0, 60)).page
+    taken = layout.compose(ds, None, "grid", ["E"], settings=layout.Settings(2.0, 60))
     assert [view.cell.why_empty for view in taken.scene.views] == ["", "no solution", ""]
     with pytest.raises(InputError, match="nothing to draw at E = 20000 N/cm²: no solution"):
         layout.render(ds, tmp_path / "one.png", {"E": 2e4})
@@ -397,7 +397,7 @@ def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_t
 @draws
 def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6) -> None:
     ds = dataset(axes="[axes.F3]\nvalues = [1.0, 10.0, 40.0]\n")
-    taken = layout.compose(ds, None, "grid", ["F3"], settings=composition.Settings(2.0, 50)).page
+    taken = layout.compose(ds, None, "grid", ["F3"], settings=composition.Settings(2.0, 50))
     inside = [[x for x, y, _ in taken.rings if left <= x <= left + wide and 0 <= y - top <= high]
               for left, top, wide, high in taken.arrangement.places]  # fmt: skip
     assert sum(map(len, inside)) == len(taken.rings)
@@ -406,14 +406,14 @@ def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6
     assert [bool(found) for found in inside] == through
     assert page.RING in [colour for colour, _ in taken.legend]
     assert f"{sum(through)} of 3 pass through themselves" in taken.notes
-    bare = layout.compose(ds, None, "grid", ["F3"], settings=composition.Settings(2.0, 50, bare=True)).page
+    bare = layout.compose(ds, None, "grid", ["F3"], settings=composition.Settings(2.0, 50, bare=True))
     assert not bare.rings
 
 
 @draws
 @pytest.mark.parametrize("camera, outlined", [("front", False), ("180,0", True)])
 def test_the_legend_says_what_outlines_are_where_there_are_some(fig6, camera, outlined) -> None:
-    taken = layout.compose(fig6, settings=composition.Settings(2.0, 50, camera=camera)).page
+    taken = layout.compose(fig6, settings=composition.Settings(2.0, 50, camera=camera))
     assert ((page.OUTLINE, "a stretch behind the cylinder") in taken.legend) == outlined
 
 
@@ -426,7 +426,7 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
     study = load("fig7_4_end_angle")
     case = ends_problem(study)
     few = dataset_of(study, case, equilibria(case)).isel(equilibrium=[1, 8, 12])
-    taken = layout.compose(few, kind="equilibria", settings=composition.Settings(2.0, dpi=100)).page
+    taken = layout.compose(few, kind="equilibria", settings=composition.Settings(2.0, dpi=100))
     assert [view.cell.number for view in taken.scene.views][:3] == [2, 9, 13], "their ranks among all"
     wide = []
     for left, top, across, high in 100 * taken.arrangement.places[:3]:
@@ -440,7 +440,7 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
 @pytest.mark.parametrize("camera", ["front", "70,0", None, "-35,20"])
 def test_the_picture_has_the_scale_of_its_bar_along_the_axis(camera, helix) -> None:
     """The ends of the cylinder, which stand still whatever the side, are as far apart as the scale says."""
-    taken = layout.compose(helix, kind="plain", settings=composition.Settings(dpi=100, camera=camera)).page
+    taken = layout.compose(helix, kind="plain", settings=composition.Settings(dpi=100, camera=camera))
     rod = body(helix, "plain")
     low, high = View([rod], Cell()).cylinder
     R, per_unit, along = rod.R, taken.arrangement.scale * 100, taken.scene.along
@@ -469,9 +469,9 @@ def test_in_place_of_an_unsolved_case_the_nearest_solved_one_is_drawn_and_this_i
     words = ["solved"] * 11
     words[5] = "no solution"
     ds = small.with_outcomes(ds, words)
-    taken = layout.compose(ds, settings=layout.Settings(2.0, 50)).page
+    taken = layout.compose(ds, settings=layout.Settings(2.0, 50))
     assert "E = 20000 N/cm² is not solved; this is the nearest solved case" in taken.notes
-    row = layout.compose(ds, None, "grid", ["E"], settings=layout.Settings(2.0, 50)).page
+    row = layout.compose(ds, None, "grid", ["E"], settings=layout.Settings(2.0, 50))
     assert "in place of 1 unsolved case the nearest solved" in row.notes
     assert not any(view.cell.why_empty for view in row.scene.views)
 
@@ -489,7 +489,7 @@ def test_each_rod_of_a_row_faces_the_viewer() -> None:
 @draws
 def test_many_rods_stand_and_few_lie_where_they_fill_the_page_better_and_each_is_seen_from_one_side() -> None:
     ds = dataset(axes="[axes.E]\nfrom = 1e4\nto = 4e4\ncount = 9\n")
-    rows = [layout.compose(ds.isel(E=slice(n)), None, "grid", ["E"], settings=layout.Settings(2.0, 50)).page.scene.rows
+    rows = [layout.compose(ds.isel(E=slice(n)), None, "grid", ["E"], settings=layout.Settings(2.0, 50)).scene.rows
             for n in (2, 9)]  # fmt: skip
     assert [(len(cells), len(cells[0])) for cells in rows] == [(2, 1), (1, 9)]
     with pytest.raises(InputError, match="each rod of the kind grid is seen from one side, and --camera sides has sev"):
@@ -517,7 +517,7 @@ def test_a_picture_of_a_row_knows_the_places_of_its_rods(tmp_path) -> None:
 
 @draws
 def test_self_intersections_are_ringed_and_said_once(fig6) -> None:
-    taken = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 50)).page
+    taken = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 50))
     ((left, top, wide, high),) = taken.arrangement.places
     assert len(taken.rings) >= 4
     assert all(left < x < left + wide and top < y < top + high for x, y, _ in taken.rings)

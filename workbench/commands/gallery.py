@@ -97,7 +97,7 @@ def _four_views(ds: Any, path: Path) -> None:
     for letter, kind in zip("abcd", VIEWS, strict=True):
         titled = ds.assign_attrs(title=f"{letter}  {scene_kinds.KINDS[kind].description}")
         picture = layout.compose(titled, None, kind, settings=composition.Settings(dpi=VIEW_DPI))
-        views.append(page.pixels_of(picture.page.fig))
+        views.append(page.pixels_of(picture.fig))
     high = max(len(view) for view in views)
     views = [np.pad(view, ((0, high - len(view)), (0, 0), (0, 0)), constant_values=255) for view in views]
     image = Image.fromarray(np.block([[[views[0]], [views[1]]], [[views[2]], [views[3]]]]))

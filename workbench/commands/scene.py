@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from studies import Study
 
-    from ..scene.composition import Picture
+    from ..scene.page import Page
 
 SUFFIXES = (".png", ".jpg")
 DPI, FILM_DPI = 200, 160
@@ -137,7 +137,7 @@ def scene(
     if others[0] or others[1]:
         settings = replace(settings, span=(low or 0.0, float(ds["s"].max()) if high is None else high))
 
-    def draw(ds: "xr.Dataset", strict: bool) -> "Picture":
+    def draw(ds: "xr.Dataset", strict: bool) -> "Page":
         return layout.render(ds, path, where or None, chosen.name, axes, along, replace(settings, strict=strict))
 
     if chosen.cells == "one":  # the case is named also where --at was not given

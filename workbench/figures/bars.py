@@ -27,6 +27,7 @@ ROOM = 0.34  # share of the width that is kept for the numbers on either side
 FIRST, TOTAL = colours.PAIR
 ORDERS = "first order: the field alone", "total: with interactions"
 SIGNS = "falls", "rises"
+SHOW = "sensitivity --show"  # chooses the observables of indices and of a tornado
 EDGE: dict[str, Any] = {"ecolor": "white", "elinewidth": 2.4}  # of an interval
 LINE: dict[str, Any] = {"ecolor": colours.INK, "elinewidth": 1, "capsize": 2}
 
@@ -114,7 +115,7 @@ def indices(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
     if said := " and ".join(words for words, occurs in surprises.items() if occurs):
         notes.append(f"The samples give estimates: by their sampling error {said}.")
     names, bars = [str(name) for name in ds["observable"].values], 2 * ds.sizes["field"]
-    return _first_panels(ds, names, bars, panel, notes, sheet)
+    return _panels(ds, names, bars, panel, notes, sheet, SHOW)
 
 
 def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
@@ -148,7 +149,7 @@ def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
 
     note = "The change of each observable if a field rises by 1 %, or by the amount beside it."
     most = max(len(effects[name][:MOST]) for name in names)
-    return _first_panels(titled, names, most, panel, [note], sheet)
+    return _panels(titled, names, most, panel, [note], sheet, SHOW)
 
 
 def draw(
@@ -176,16 +177,13 @@ def draw(
     thick, step = (0.66, 0.0) if count == 1 else (0.72 / count, 0.76 / count)
     for k, (sizes, colour) in enumerate(series):
         place = at + (k - (count - 1) / 2) * step
-        ax.barh(place, sizes, thick, color=colour, zorder=3, label=names[k] if names else None)
+        bars = ax.barh(place, sizes, thick, color=colour, zorder=3, label=names[k] if names else None)
         for look in EDGE, LINE:
             if errors:
                 ax.errorbar(sizes, place, xerr=errors[k], linestyle="none", zorder=4, **look)
     if texts:
         sizes = series[0][0]
-        for i, (end, text) in enumerate(zip(sizes, texts, strict=True)):
-            ax.annotate(text, (end, i), (-3 if end < 0 else 3, 0), textcoords="offset points",
-                        ha="right" if end < 0 else "left", va="center", color=colours.INK,
-                        size=fonts.small())  # fmt: skip
+        ax.bar_label(bars, texts, padding=3, color=colours.INK, size=fonts.small())
         low, high = min(sizes.min(), 0.0), max(sizes.max(), 0.0)
         room = ROOM * (high - low or 1.0)
         ax.set_xlim(low - (room if low < 0 else room / 6), high + (room if high > 0 else room / 6))
@@ -212,27 +210,17 @@ def _height(bars: int) -> float:
     return FRAME + BAR * max(bars, 2)
 
 
-def _first_panels(
-    ds: xr.Dataset, names: Sequence[str], bars: int, panel: Callable[[str, Axes], None], said: Sequence[str],
-    sheet: Sheet | None,
-) -> Figure:  # fmt: skip
-    """As `_panels`, of as many of the observables as have room, with a sentence that names the others."""
-    most = _most_panels(sheet, bars)
-    left_out = [] if most is None else names[most:]
-    said = [*said, *canvas.say_left_out(left_out, "sensitivity --show")]
-    return _panels(ds, names[:most], bars, panel, said, sheet)
-
-
 def _panels(
-    ds: xr.Dataset,
-    names: Sequence[str],
-    bars: int,
-    panel: Callable[[str, Axes], None],
-    said: canvas.Said,
-    sheet: Sheet | None,
-) -> Figure:
-    """A panel for each of the names, with room for so many bars, and one legend below."""
-    columns = min(len(names), 2)
+    ds: xr.Dataset, names: Sequence[str], bars: int, panel: Callable[[str, Axes], None], said: Sequence[str],
+    sheet: Sheet | None, option: str = "",
+) -> Figure:  # fmt: skip
+    """A panel of so many bars for each of the names, and one legend below.
+
+    option: that which chooses among names; where it is given, those without room are named and not drawn.
+    """
+    most = (_most_panels(sheet, bars) if option else None) or len(names)
+    said = [*said, *canvas.say_left_out(names[most:], option)]
+    names, columns = names[:most], min(len(names), 2)
     if sheet is not None:
         columns = 1 if sheet.narrow else min(len(names), max(int(sheet.width / COLUMN), 1))
     page = sheet or Sheet(COLUMN * columns)

@@ -162,9 +162,5 @@ def _density(ax: Axes, x: Values, y: Values, logarithmic: bool) -> None:
     space = np.geomspace if logarithmic else np.linspace
     spare = 0.01 * (float(np.ptp(y)) or abs(float(y[0])) or 1.0)
     bins: Any = [space(x.min(), x.max(), BINS[0] + 1), np.linspace(y.min() - spare, y.max() + spare, BINS[1] + 1)]
-    counts, across, up = np.histogram2d(x, y, bins=bins)
-    ax.pcolormesh(
-        across, up, np.ma.masked_equal(counts.T, 0), cmap=colours.COUNTS, norm=LogNorm(0.3, max(counts.max(), 1.0)),
-        rasterized=True, zorder=3,
-    )  # fmt: skip
+    ax.hist2d(x, y, bins, cmin=1, cmap=colours.COUNTS, norm=LogNorm(0.3), rasterized=True, zorder=3)
     ax.use_sticky_edges = False

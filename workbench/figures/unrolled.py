@@ -7,9 +7,8 @@ Of a rod in lines each line continues the one above it and shows the whole unrol
 the rod needs. A rod that leaves a line below comes back above, as it goes about the axis.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from math import floor, log10
 from typing import Any
 
@@ -58,6 +57,7 @@ LABELS = 1.0  # inches beside the lines
 HAIR = 0.3  # inches: a rod less wide is a hair
 ROOM = 0.97  # of the width is for the rod, as its bends at the cuts are not known before
 MOST_WIDE = 1.15  # of the width that the rod needs is that of a line
+DENSE = 4  # places for each station, so that a rod leaves a line at its edge
 
 Values = NDArray[np.float64]
 
@@ -354,13 +354,15 @@ class Lines:
             top = k * lines.PITCH * self.wide - self.low
             left = float(np.interp(start, s, z))
             ax.axhspan(top + self.low, top + self.low + self.wide, color=colours.BAND, linewidth=0, zorder=0)
-            for places, turn in self._pieces(s, across, float(start)):
-                x, y = np.interp(places, s, z), np.interp(places, s, across) - turn
-                ends += [float(x.min()) - left, float(x.max()) - left]
-                look_of_line = look | ({"push": np.interp(places, s, look["push"])} if "push" in look else {})
-                drawn = _draw_line(
-                    ax, x, y, look_of_line, self.rod.name, Affine2D().translate(-left, top) + ax.transData
-                )
+            stop, where = min(start + self.each, s[-1]), Affine2D().translate(-left, top) + ax.transData
+            parts = DENSE * s.size // self.count if self.turn and not is_coarse(self.rod) else 2
+            places = np.union1d(np.linspace(start, stop, parts), s[(s > start) & (s < stop)])
+            x, y = np.interp(places, s, z), np.interp(places, s, across)
+            turns = np.floor((y - self.low) / self.turn) if self.turn else np.zeros(places.size)
+            ends += [float(x.min()) - left, float(x.max()) - left]
+            for on in np.split(np.arange(places.size), np.flatnonzero(np.diff(turns)) + 1):  # on one turn
+                of_part = {"push": np.interp(places[on], s, look["push"])} if "push" in look else {}
+                drawn = _draw_line(ax, x[on], y[on] - turns[on] * self.turn, look | of_part, self.rod.name, where)
         ax.plot(0, -self.low + across[0], "o", color=colours.INK, markersize=4, gid="s = 0", zorder=4)
         size = max(ends) - min(ends)
         ax.set_xlim(min(ends) - 0.01 * size, max(ends) + 0.01 * size)
@@ -392,26 +394,6 @@ class Lines:
         if "overlaps" in cautions.keys(self.rod.caution):
             texts.append("The rod passes through itself; the places are not marked in lines.")
         return texts
-
-    def _pieces(self, s_of: Values, across_of: Values, start: float) -> Iterator[tuple[Values, float]]:
-        """The arcs of a line that lie on one turn about the axis, and what is taken off there from rho alpha."""
-        stop = min(start + self.each, float(s_of[-1]))
-        s = np.concatenate([[start], s_of[(s_of > start) & (s_of < stop)], [stop]])
-        if not self.turn:
-            yield s, 0.0
-            return
-        across = np.interp(s, s_of, across_of)
-        turns = np.floor((across - self.low) / self.turn)
-        cuts = []
-        for i in np.flatnonzero(np.diff(turns)):
-            between = np.arange(min(turns[i], turns[i + 1]) + 1, max(turns[i], turns[i + 1]) + 1)
-            shares = (between * self.turn + self.low - across[i]) / (across[i + 1] - across[i])
-            cuts += [float(s[i] + share * (s[i + 1] - s[i])) for share in np.sort(shares)]
-        for a, b in pairwise([start, *cuts, stop]):
-            if b > a:
-                middle = np.interp((a + b) / 2, s_of, across_of)
-                turn = float(np.floor((middle - self.low) / self.turn)) * self.turn
-                yield np.concatenate([[a], s[(s > a) & (s < b)], [b]]), turn
 
 
 def lines_for(rod: DrawnRod, room: tuple[float, float], unit: str = "", coloured: bool = True) -> Lines | None:

@@ -1,7 +1,7 @@
 """A scene composed: rods in their cells are coloured, rendered, and set on a page. Needs OpenGL."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -30,23 +30,10 @@ ITSELF = "the rod passes through itself"
 UNSEEN = " (no ring where the cylinder hides it)"
 BEHIND = "a stretch behind the cylinder"
 
-__all__ = ["DEFAULT", "Picture", "Scene", "Settings", "TooFewStations", "compose"]
+__all__ = ["DEFAULT", "Scene", "Settings", "TooFewStations", "compose"]
 
 
-@dataclass(frozen=True, eq=False)
-class Picture:
-    """A composed scene.
-
-    error: of its surface in pixels; above what was asked where the stations are too few. stations: about how many are
-    needed for what was asked.
-    """
-
-    page: Page
-    error: float
-    stations: int
-
-
-def compose(scene: Scene) -> Picture:
+def compose(scene: Scene) -> Page:
     """Colour the rods, render them, and set the page. Raises `InputError`, `TooFewStations`."""
     settings, dpi = scene.settings, scene.settings.dpi
     scene, bar, beyond = colour_rods(_bare(scene) if settings.bare else scene)
@@ -85,7 +72,8 @@ def compose(scene: Scene) -> Picture:
     if not (settings.size or settings.bare):
         final.fit(size[1] / dpi)
     final.put(pixels, arranged, _rings(scene, arranged))
-    return Picture(final, error, stations)
+    final.error, final.stations = error, stations
+    return final
 
 
 def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:

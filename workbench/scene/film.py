@@ -9,7 +9,7 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,11 +17,13 @@ from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from solver.problem.errors import InputError, choices, no_such
 
 from ..figures import canvas, colours, fonts
-from ..figures.scales import is_logarithmic, set_scale
+from ..figures.scales import is_logarithmic
+from ..figures.trends import trend
 from ..store import atomic, schema, selection
 from ..words import cautions, labels
 from . import body as rods
@@ -30,9 +32,6 @@ from .page import Pixels
 from .scene_kinds import Cell
 from .settings import Settings
 from .views import View, camera_before, ends_of, gravity
-
-if TYPE_CHECKING:
-    from . import composition
 
 SUFFIXES = (".mp4", ".webp", ".gif")
 SIZE = (8.0, 4.5)  # of a frame
@@ -130,14 +129,15 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     settings = Settings(film.pixel_error, film.dpi, bare=True, samples=SAMPLES,
                         size=(round(wide * film.dpi), round(high * film.dpi)))  # fmt: skip
     first = View(context[:1], Cell(), turned, ends, context)
-    scene = composition.Scene(ds, kind, [[first]], context, "", camera, settings)
-    fig = canvas.figure(film.size, lambda fig: _begin(fig, film, scene, cases, lying), dpi=film.dpi, layout=None)
-    for k, (where, body) in enumerate(zip(cases, bodies, strict=True)):
+    scene = page.Scene(ds, kind, [[first]], context, "", camera, settings)
+    fig = canvas.figure(film.size, lambda fig: _begin(fig, film, scene, lying), dpi=film.dpi, layout=None)
+    for where, body in zip(cases, bodies, strict=True):
         step(f"{film.axis} = {float(ds[film.axis][where[film.axis]]):.4g}")
         view = replace(first, bodies=[body] if body else [])
-        picture = composition.compose(replace(scene, rows=[[view]])).page.pixels if body else None
+        picture = composition.compose(replace(scene, rows=[[view]])).pixels if body else None
         with rc_context(fonts.RC):
-            drawn = [*_draw_case(fig, film, ds, cases, k), *_draw_rod(fig, film, picture, (wide, high), ds, where)]
+            drawn = [*_draw_case(fig, film, ds, where[film.axis])]
+            drawn += _draw_rod(fig, film, picture, (wide, high), ds, where)
         yield _even(page.pixels_of(fig))
         for artist in drawn:
             artist.remove()
@@ -150,7 +150,7 @@ def _room(film: Film, lying: bool) -> tuple[float, float]:
     return (wide, high - below) if lying else (wide - beside, high)
 
 
-def _begin(fig: Figure, film: Film, scene: "composition.Scene", cases: Sequence[dict[str, int]], lying: bool) -> None:
+def _begin(fig: Figure, film: Film, scene: page.Scene, lying: bool) -> None:
     """What all frames have: the name of the axis, the scale of colours, and the scales of the diagram."""
     from . import composition
 
@@ -176,15 +176,12 @@ def _begin(fig: Figure, film: Film, scene: "composition.Scene", cases: Sequence[
         box = ((0.62, FOOT + 0.3, across - 0.9, DIAGRAM[1] - 0.5) if lying else
                (across - DIAGRAM[0] + 0.45, FOOT + 0.35, DIAGRAM[0] - 0.65, high - 0.55))  # fmt: skip
         place = box[0] / across, box[1] / tall, box[2] / across, box[3] / tall
-        _draw_scales(fig.add_axes(place), ds, film, cases)
+        _draw_diagram(fig.add_axes(place), ds, film)
 
 
-def _draw_case(
-    fig: Figure, film: Film, ds: xr.Dataset, cases: Sequence[dict[str, int]], k: int
-) -> Iterator[Artist]:  # fmt: skip
-    """The value of the k-th case in words and among those of the axis, on its scale, and the observable up to it."""
-    ax, *diagrams = fig.axes[0], *[ax for ax in fig.axes[1:] if ax.get_label() == DIAGRAM_LABEL]
-    array, i = ds[film.axis], cases[k][film.axis]
+def _draw_case(fig: Figure, film: Film, ds: xr.Dataset, i: int) -> Iterator[Artist]:
+    """The i-th value of the axis in words and among the others, on its scale; the curve of the diagram up to it."""
+    ax, array = fig.axes[0], ds[film.axis]
     left, right = canvas.MARGIN, film.size[0] - canvas.MARGIN
     yield ax.text(left, left, labels.equation(array, float(array[i]), 3), size=fonts.LARGE, va="top", weight="bold")
     ends = array.values[[0, i, -1]]
@@ -192,8 +189,19 @@ def _draw_case(
     place = left + (at - first) / (last - first) * (right - left)
     yield from ax.plot([left, place], [left + 0.34] * 2, color=colours.SOFT, linewidth=2.0, solid_capstyle="round")
     yield from ax.plot(place, left + 0.34, "o", color=colours.INK, markersize=6)
-    for diagram in diagrams:
-        yield from _draw_values(diagram, ds, film, cases, k)
+    for diagram in (ax for ax in fig.axes if ax.get_label() == DIAGRAM_LABEL):
+        yield from _grow(diagram, float(labels.in_label_unit(array, array.values[i])))
+
+
+def _grow(ax: Axes, at: float) -> Iterator[Artist]:
+    """Show the curve of a diagram up to a value, and a dot where it ends."""
+    (low, _), (foot, top) = ax.get_xlim(), ax.get_ylim()
+    shown = Rectangle((low, foot), at - low, top - foot, transform=ax.transData)
+    for artist in (*ax.lines, *ax.collections):
+        artist.set_clip_path(shown)
+    curve = max(ax.lines, key=Artist.get_zorder)
+    values = np.asarray(curve.get_ydata())[np.asarray(curve.get_xdata()) == at]
+    yield from ax.plot([at] * values.size, values, "o", color=colours.INK, markersize=5, zorder=5)
 
 
 def _draw_rod(
@@ -211,33 +219,11 @@ def _draw_rod(
     yield fig.figimage(picture, x, y, origin="upper", zorder=-1)
 
 
-def _numbers(ds: xr.Dataset, film: Film, cases: Sequence[dict[str, int]]) -> tuple[Any, Any]:
-    """The values of the axis and of the observable over all cases, in the units of their labels."""
-    array, axis = ds[film.observable], ds[film.axis]
-    values = labels.in_label_unit(array, np.array([float(array.isel(where)) for where in cases]))
-    return labels.in_label_unit(axis, axis.values[[where[film.axis] for where in cases]]), values
-
-
-def _draw_values(
-    ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, int]], k: int
-) -> Iterator[Artist]:  # fmt: skip
-    """The observable up to the k-th case; a count in steps."""
-    along, values = _numbers(ds, film, cases)
-    steps = "steps-mid" if schema.is_count(ds[film.observable]) else "default"
-    yield from ax.plot(along[: k + 1], values[: k + 1], color=colours.INK, linewidth=1.4, drawstyle=steps)
-    yield from ax.plot(along[k], values[k], "o", color=colours.INK, markersize=5)
-
-
-def _draw_scales(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, int]]) -> None:
-    """The scales of the diagram: those of the whole curve."""
-    along, values = _numbers(ds, film, cases)
-    known = values[np.isfinite(values)]
-    ax.set_label(DIAGRAM_LABEL)
-    set_scale(ax.xaxis, (along[0], along[-1]), is_logarithmic(ds[film.axis]))
-    ax.set_xlabel(labels.axis_label(film.axis, ds[film.axis]))
-    if known.size:
-        room = 0.08 * (float(np.ptp(known)) or 1.0)
-        ax.set_ylim(known.min() - room, known.max() + room)
+def _draw_diagram(ax: Axes, ds: xr.Dataset, film: Film) -> None:
+    """The whole curve of the observable, with its name above it."""
+    assert film.observable is not None
+    trend(ds, ax, film.observable, film.axis, film.at).set_label(DIAGRAM_LABEL)
+    ax.set(xlabel=labels.axis_label(film.axis, ds[film.axis]), ylabel="")
     name = labels.label(ds[film.observable], long=True)
     ax.set_title(name[:1].upper() + name[1:], loc="left", size=fonts.SMALL)
 

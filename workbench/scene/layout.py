@@ -22,7 +22,8 @@ from ..words import labels
 from . import body as rods
 from . import composition, long_rod, page, scene_kinds
 from .body import Body
-from .composition import DEFAULT, Picture, Scene, room_of
+from .composition import DEFAULT, Scene, room_of
+from .page import Page
 from .scene_kinds import Cell, Kind, Paint, default_kind, kind_of
 from .settings import Settings, check, check_name
 from .views import (
@@ -61,12 +62,12 @@ def render(
     along: str | None = None,
     settings: Settings = DEFAULT,
     level: int = 1,
-) -> Picture:
+) -> Page:
     """Draw a scene and save it; parameters as of `compose`; level: of the compression of a PNG."""
     path = canvas.check_name(path, SUFFIXES)
     check_name(path, settings)
     picture = compose(ds, at, kind, axes, along, settings)
-    page.save(picture.page, path, level)
+    page.save(picture, path, level)
     return picture
 
 
@@ -93,7 +94,7 @@ def compose(
     axes: Sequence[str] = (),
     along: str | None = None,
     settings: Settings = DEFAULT,
-) -> Picture:
+) -> Page:
     """The scene of a dataset. In place of a case without a shape stands the nearest one that has one, which is said.
 
     Parameters
@@ -133,9 +134,7 @@ def compose(
     return (_row if len(names) == 1 else _table)(ds, chosen, names, at, settings)
 
 
-def _single(
-    ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str | None, settings: Settings
-) -> Picture:
+def _single(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str | None, settings: Settings) -> Page:
     """One case large; a long one in lines."""
     chosen = selection.case(ds, at)
     where = chosen if at else _nearest_solved(ds, chosen)
@@ -197,7 +196,7 @@ def _side(azimuth: float, elevation: float) -> str:
 def _in_lines(
     ds: xr.Dataset, kind: Kind, body: Body, context: Sequence[Body], case: str, settings: Settings, notes: list[str],
     down: Array | None,
-) -> Picture:  # fmt: skip
+) -> Page:  # fmt: skip
     """All of a rod that would be too thin to see in one view."""
     azimuth, elevation = one_view_of(settings.camera or "front", "a rod this long, which is set in lines,")
     if elevation:
@@ -216,7 +215,7 @@ def _in_lines(
     return composition.compose(replace(scene, rows=rows, heads=heads, notes=notes, pitch=long_rod.PITCH))
 
 
-def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | None, settings: Settings) -> Picture:
+def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | None, settings: Settings) -> Page:
     """The cases of an axis on one cylinder, thin, each in the colour of its value."""
     if settings.color_range:
         raise InputError(f"a scene of kind {kind.name} has one colour for each rod, so it takes no --color-range")
@@ -246,7 +245,7 @@ def _thin(body: Body, k: int) -> Body:
     return replace(body, line=replace(body.line, a=a), lift=lift, paint=Paint(colours.SEVERAL[k]))
 
 
-def _row(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Picture:
+def _row(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Page:
     """The cases of an axis in rows, as large as they fit; each rod faces the viewer."""
     line = selection.line(ds, names[0], at)
     spread, chosen = selection.spread(line, kind.most), list[Where]()
@@ -265,7 +264,7 @@ def _row(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] |
     return _compose_larger(scenes, room)
 
 
-def _table(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Picture:
+def _table(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Page:
     """The cases of two axes, with headings."""
     line, down = (selection.line(ds, name, at) for name in names)
     across = selection.spread(line, kind.most)
@@ -280,7 +279,7 @@ def _table(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float]
     return _compose_larger([replace(scene, camera=camera) for camera in cameras], room_of(scene))
 
 
-def _compose_larger(scenes: Sequence[Scene], room: tuple[float, float]) -> Picture:
+def _compose_larger(scenes: Sequence[Scene], room: tuple[float, float]) -> Page:
     """The picture of cases side by side, upright or lying, whose rods take the larger share of their page."""
 
     def share(scene: Scene) -> float:

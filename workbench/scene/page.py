@@ -124,7 +124,12 @@ class Page:
     """The page of a scene with its words, as high as its content where the height is not given.
 
     legend: colours and their meaning; `RING` for a ring, `OUTLINE` for a hidden stretch. size: default: of the scene.
+    error: of the drawn surface in pixels, above what was asked where the stations are too few; stations: about how many
+    are needed for what was asked.
     """
+
+    error: float
+    stations: int
 
     def __init__(
         self, scene: Scene, legend: Sequence[tuple[str, str]], notes: Sequence[str], bar: Bar | None,
