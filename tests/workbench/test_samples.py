@@ -218,11 +218,14 @@ def test_a_scene_of_one_sample_solves_that_sample_alone(tmp_path) -> None:
     path = tmp_path / "s.toml"
     path.write_text(study().text)
     whole, ds = study_scene.two_stations(path)
-    part = study_scene.needed_cases(whole, ds, scene_kinds.KINDS["plain"], {"sample": 17}, [])
-    assert (part.size, part.dimensions().each[0].coordinate.tolist()) == (1, [17])
-    assert part.coordinates()["E"][0] == whole.coordinates()["E"][17]
-    row = study_scene.needed_cases(whole, ds, scene_kinds.KINDS["ghosts"], {}, ["sample"])
-    assert row.size == 40
+    solve = study_scene.solver_of(ds, scene_kinds.KINDS["plain"], {"sample": 17}, [])
+    assert solve is not None
+    part = solve(study_scene.FIRST)
+    assert part["sample"].values.tolist() == [17]
+    assert part["E"].values[0] == whole.coordinates()["E"][17]
+    row = study_scene.solver_of(ds, scene_kinds.KINDS["ghosts"], {}, ["sample"])
+    assert row is not None
+    assert row(study_scene.FIRST).sizes["sample"] == 40
     text = scene_kinds.case_values(ds, {"sample": 17})
     assert text.startswith("sample = 17, E = ")
     assert "R = " in text

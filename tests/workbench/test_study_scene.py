@@ -4,6 +4,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import xarray as xr
 
 from solver.problem.errors import InputError
 from studies.language.loader import loads
@@ -39,20 +40,20 @@ def solved(monkeypatch) -> list:
 
 
 def test_only_the_cases_that_are_shown_and_what_their_kind_reads_are_solved(file) -> None:
-    study, ds = study_scene.two_stations(file)
-    one = study_scene.needed_cases(study, ds, scene_kinds.KINDS["curvature"], {"E": 2e4}, [])
-    assert (one.size, one.axes["E"].values) == (1, [2e4])
-    assert set(one.outputs) == {"beta", "dbeta", "alpha", "z"}
-    assert one.wanted == []
-    assert set(study_scene.needed_cases(study, ds, scene_kinds.KINDS["twist"], {}, []).outputs) == {
-        "beta",
-        "dbeta",
-        "alpha",
-        "z",
-        "gamma",
-    }
-    row = study_scene.needed_cases(study, ds, scene_kinds.KINDS["ghosts"], {"F1": 4.0}, ["E"])
-    assert {name: axis.values for name, axis in row.axes.items()} == {"E": [1e4, 2e4, 3e4], "F1": [4.0]}
+    _, ds = study_scene.two_stations(file)
+
+    def solved(kind: str, at: dict[str, float], shown: list[str]) -> xr.Dataset:
+        solve = study_scene.solver_of(ds, scene_kinds.KINDS[kind], at, shown)
+        assert solve is not None
+        return solve(study_scene.FIRST)
+
+    one = solved("curvature", {"E": 2e4}, [])
+    assert (one["outcome"].size, one["E"].values.tolist()) == (1, [2e4])
+    assert {name for name in one.data_vars if "u" in one[name].dims} == {"beta", "dbeta", "alpha", "z"}
+    twist = solved("twist", {}, [])
+    assert {name for name in twist.data_vars if "u" in twist[name].dims} == {"beta", "dbeta", "alpha", "z", "gamma"}
+    row = solved("ghosts", {"F1": 4.0}, ["E"])
+    assert (row["E"].values.tolist(), row["F1"].values.tolist()) == ([1e4, 2e4, 3e4], [4.0])
 
 
 def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
@@ -100,9 +101,9 @@ def test_a_file_with_too_few_stations_is_solved_again_and_without_a_study_refuse
 @pytest.mark.parametrize("name", ["alpha", "z"])
 def test_a_file_whose_case_is_solved_to_another_shape_is_refused(name, tmp_path) -> None:
     ds = in_memory.run(loads(small.study("").text, default_name="rod"))
-    solve = study_scene.solver_of(None, ds, scene_kinds.KINDS["contact"], {}, [])
+    solve = study_scene.solver_of(ds, scene_kinds.KINDS["contact"], {}, [])
     assert solve(1000).sizes["u"] == 1001
-    other = study_scene.solver_of(None, ds.assign({name: ds[name] * 1.01}), scene_kinds.KINDS["contact"], {}, [])
+    other = study_scene.solver_of(ds.assign({name: ds[name] * 1.01}), scene_kinds.KINDS["contact"], {}, [])
     with pytest.raises(InputError, match=f"other shapes than the file: {name} differs"):
         other(1000)
 

@@ -197,9 +197,9 @@ def test_a_picture_of_a_study_shows_the_branch_that_the_study_is_on(tmp_path) ->
     path = tmp_path / "pipe.toml"
     path.write_text(pipe(FORCES.replace("21", "5") + "[equilibrium]\nindex = 2\n"))
     whole, rough = study_scene.two_stations(path)
-    some = study_scene.needed_cases(whole, rough, scene_kinds.kind_of("plain"), {"FZ": -60.0}, [])
-    ds = in_memory.run(some.at_stations(51))
-    np.testing.assert_array_equal(ds["beta"].values[0], in_memory.run(whole)["beta"].values[0])
+    solve = study_scene.solver_of(rough, scene_kinds.kind_of("plain"), {"FZ": -60.0}, [])
+    assert solve is not None
+    np.testing.assert_array_equal(solve(51)["beta"].values[0], in_memory.run(whole)["beta"].values[0])
 
 
 # branches

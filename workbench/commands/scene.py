@@ -144,7 +144,7 @@ def scene(
         indices = selection.case(ds, where).items()
         case = [f"{name}={selection.write(name, float(ds[name].values[i]))}" for name, i in indices]
     shown = [*(axes or ([] if chosen.cells == "one" else schema.axes_of(ds)[:1])), *([along] if along else [])]
-    solve = study_scene.solver_of(study, ds, chosen, where, shown)
+    solve = study_scene.solver_of(ds, chosen, where, shown)
     if study is not None and solve is not None:
         ds = solve(study_scene.FIRST)
     picture, stations = study_scene.at_needed_stations(ds, solve, draw)
@@ -166,7 +166,7 @@ def _page(study: "Study | None", ds: "xr.Dataset", where: "dict[str, float]", pa
     from . import study_scene
 
     sliders = [name for name in schema.axes_of(ds) if name not in where]
-    solve = study_scene.solver_of(study, ds, kind_of(PAGE_KIND), where, sliders)
+    solve = study_scene.solver_of(ds, kind_of(PAGE_KIND), where, sliders)
     if study is not None and solve is not None:
         ds = solve(PAGE_FIRST)
 

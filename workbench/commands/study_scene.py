@@ -14,14 +14,13 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 from studies import Study, load
-from studies.grammar.axes import SAMPLE, Axis
+from studies.grammar.axes import Axis
 from studies.language.study_data import MAX_STATIONS, OUTPUTS
 
 from ..figures.scales import is_logarithmic, is_wide
 from ..scene.scene_kinds import Kind
 from ..scene.settings import TooFewStations
 from ..store import in_memory, reading, schema, selection
-from ..store.plan import plan
 from ..store.stored_case import is_study, solve_again, study_of
 
 FIRST = 21  # stations that are tried first
@@ -46,22 +45,17 @@ def open_rods(file: Path) -> tuple[Study | None, xr.Dataset]:
     return None, reading.read(file, study=kind is schema.STUDY)
 
 
-def solver_of(
-    study: Study | None, ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: Sequence[str]
-) -> Solve | None:
-    """What solves the cases that a scene shows, of what `open_rods` returns; None where they cannot be solved again.
+def solver_of(ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: Sequence[str]) -> Solve | None:
+    """What solves the cases that a scene shows, of a dataset of `open_rods`; None where no study gives them.
 
     shown: the axes of which all cases are shown.
     """
-    if study is not None:
-        needed = needed_cases(study, ds, kind, at, shown)
-        return lambda stations: in_memory.run(needed.at_stations(stations))
     if not _is_whole(ds):
         return None
     where, kept = selection.case(ds, at), {selection.axis_of(ds, name) for name in shown}
     part = ds.isel({name: [where[name]] for name in schema.axes_of(ds) if name not in kept})
-    names = [name for name in SHAPE if name in ds or name == "dbeta"]
-    return partial(solve_again, part, names=names)
+    needed = {*kind.reads, "dbeta", *["contact"] * schema.loads_vary(ds)}
+    return partial(solve_again, part, names=[name for name in SHAPE if name in ds or name in needed])
 
 
 def _is_whole(ds: xr.Dataset) -> bool:
@@ -82,21 +76,6 @@ def two_stations(file: Path) -> tuple[Study, xr.Dataset]:
         )
     ds = in_memory.run(_with_outputs(study, ()).at_stations(2))
     return study, ds.assign_attrs(laws=schema.laws_text(study))  # they fix where an axis is held
-
-
-def needed_cases(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: Sequence[str]) -> Study:
-    """The study with the cases that a scene shows and the outputs that its kind reads.
-
-    ds: as of `two_stations`. shown: the axes of which all cases are shown.
-    """
-    lean = _with_outputs(study, kind.reads | {"dbeta"})
-    if study.follow is not None:
-        return lean
-    where = selection.case(ds, at)
-    part = _held_where(lean, ds, where, [name for name in study.axes if {name, schema.dimension(name)} & {*shown}])
-    if study.sampled and SAMPLE not in shown:
-        part = part.with_sample(where[SAMPLE])
-    return part.part_of(plan(study).spine) if study.sweeps else part
 
 
 def _held_where(study: Study, ds: xr.Dataset, where: Mapping[str, int], free: Collection[str]) -> Study:
