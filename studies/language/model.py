@@ -223,11 +223,6 @@ class Study(StudyData):
             raise InputError(f"{self.name} does not use Table 1: the reading {reading!r} does not apply")
         return self.model_copy(update={"reading": parse(reading, parse(self.reading)).name})
 
-    def with_sample(self, place: int) -> "Study":
-        """The same study with one of its samples, which keeps its number."""
-        assert self.samples is not None
-        return self.with_samples(self.samples.only(np.array([place])))
-
     def coarse(self) -> "Study":
         """The same study without its refinement: the grid of its axes."""
         return self.model_copy(update={"refine": None}).with_samples(None) if self.refine else self

@@ -60,23 +60,11 @@ class StudyData(BaseModel):
     laws: list[Law] = []
     _text: str = PrivateAttr("")
     _samples: Dimension | None = PrivateAttr(None)
-    _part_of: Any = PrivateAttr(None)  # for a part of a sweep: the spine of the whole (`workbench.store.sweep.Spine`)
 
     @property
     def text(self) -> str:
         """The TOML text of the study, or an empty text."""
         return self._text
-
-    def part_of(self, whole: Any) -> Self:
-        """The same study as a part of a larger sweep. whole: the spine of that sweep."""
-        part = self.model_copy()
-        part._part_of = whole
-        return part
-
-    @property
-    def whole(self) -> Any:
-        """The spine of the sweep that this study is a part of, or None."""
-        return self._part_of
 
     @property
     def unit_system(self) -> dict[str, str]:

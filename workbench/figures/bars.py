@@ -178,12 +178,13 @@ def draw(
     for k, (sizes, colour) in enumerate(series):
         place = at + (k - (count - 1) / 2) * step
         bars = ax.barh(place, sizes, thick, color=colour, zorder=3, label=names[k] if names else None)
+        if texts:
+            ax.bar_label(bars, texts, padding=3, color=colours.INK, size=fonts.small())
         for look in EDGE, LINE:
             if errors:
                 ax.errorbar(sizes, place, xerr=errors[k], linestyle="none", zorder=4, **look)
     if texts:
         sizes = series[0][0]
-        ax.bar_label(bars, texts, padding=3, color=colours.INK, size=fonts.small())
         low, high = min(sizes.min(), 0.0), max(sizes.max(), 0.0)
         room = ROOM * (high - low or 1.0)
         ax.set_xlim(low - (room if low < 0 else room / 6), high + (room if high > 0 else room / 6))

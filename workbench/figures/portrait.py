@@ -161,17 +161,18 @@ def window_of(rod: DrawnRod) -> tuple[float, float]:
 def orbit(rod: DrawnRod, window: tuple[float, float]) -> Orbit:
     """The orbit of a rod, with the critical points of G that lie in a window."""
     level = rod["dbeta"][0] ** 2 + potential(_loads(rod), rod["beta"][0]) / rod.rho**2
-    return Orbit(rod, rod["beta"], rod["dbeta"], float(level), *saddles_and_centres(rod, *window), window)
+    saddles, centres = saddles_and_centres(rod, *window)
+    return Orbit(rod, rod["beta"], rod["dbeta"], float(level), saddles, centres, window)
 
 
-def saddles_and_centres(rod: DrawnRod, low: float, high: float) -> list[NDArray[np.float64]]:
+def saddles_and_centres(rod: DrawnRod, low: float, high: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The maxima and the minima of G between two angles, where the rod could be a helix, rising [rad]."""
-    found = critical_points(Loads(*(np.array([load]) for load in (rod.lam, rod.mu, rod.phi)))).beta
+    critical = critical_points(Loads(*(np.array([load]) for load in (rod.lam, rod.mu, rod.phi)))).beta
     turns = TAU * np.arange(np.floor((low - np.pi) / TAU), high / TAU + 1)
-    angles = (turns[:, None] + found).ravel()
+    angles = (turns[:, None] + critical).ravel()
     angles = angles[(angles > low) & (angles < high)]
     rates = slope_rate(_loads(rod), angles)
-    return [angles[rates < 0], angles[rates > 0]]
+    return angles[rates < 0], angles[rates > 0]
 
 
 def _loads(rod: DrawnRod) -> Loads:

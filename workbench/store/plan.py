@@ -23,7 +23,6 @@ from studies.language.study_data import SOURCES
 
 from . import case_solutions, file_checks, refined, shards
 from .block import Chunk
-from .case_solutions import State
 from .recipe import axis_line, differences, recipe_of, versions_of_code
 from .schema import FORMAT, TEXTS, Columns, dimension, shapes
 
@@ -140,22 +139,15 @@ class Plan:
                 axes[each.name] = Axis.model_validate({"values": first[each.name].tolist(), "follow": follow})
         update = {"axes": axes, **dict.fromkeys(SOURCES), "refine": None, "laws": [], "observables": self.study.wanted}
         light = self.study.model_copy(update=update).with_samples(samples)
-        light._text, light._part_of = "", None
+        light._text = ""
         return light
 
     def chunk(self, start: int, stop: int) -> Chunk:
         """The chunk of the cases `start` to `stop` of those to be solved."""
         flat = np.arange(start, stop) if self.new is None else self.new[start:stop]
         values = self.dimensions.at(flat)
-        states = self._states(start, stop, values) if self.study.sweeps else {}
+        states = self.spine.hand_over(start, stop) if self.study.sweeps else {}
         return Chunk(start, stop, values, 0, self.shape, states)
-
-    def _states(self, start: int, stop: int, values: Coordinates) -> dict[int, State]:
-        whole: case_solutions.Spine | None = self.study.whole
-        if whole is None:
-            return self.spine.hand_over(start, stop)
-        rows = (dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True))
-        return {start + i: whole.nearest(row) for i, row in enumerate(rows)}
 
     @cached_property
     def spine(self) -> case_solutions.Spine:
@@ -200,7 +192,7 @@ def remarks(plan: Plan) -> dict[str, str]:
 
 def _first_of(plan: Plan) -> str:
     """How the equilibrium of the first case of a sweep was selected, in one sentence."""
-    spine = plan.study.whole or plan.spine
+    spine = plan.spine
     first, cell = spine.first().solution, spine.grid.first
     row = zip(spine.coordinates.items(), cell, strict=True)
     at = ", ".join(in_words(name, float(values[i])) for (name, values), i in row)
