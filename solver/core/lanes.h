@@ -65,35 +65,18 @@ static inline TARGET vec NAME(reach)(const NAME(lanes) *p)
 /* What the series of beta leaves out at h: a geometric rest, its ratio that of the last eight terms. */
 static inline TARGET vec NAME(left_out)(const NAME(lanes) *p, vec h)
 {
-    vec power = h, earlier = ZERO, last = ZERO;
+    const vec tiny = ZERO + 1e-300, most = ZERO + 0.8;
+    vec power = h, earlier = ZERO, last = ZERO, sizes[8];
     for (int k = 0; k < ORDER - 8; k++)
         power *= h;
-    for (int k = ORDER - 7; k <= ORDER; k++) {
-        const vec size = vabs(p->w[B][k]) * power;
-        if (k < ORDER - 3)
-            earlier = vmax(earlier, size);
-        else
-            last = vmax(last, size);
-        power *= h;
-    }
-    const vec tiny = ZERO + 1e-300;
-    const vec share = vroot(vroot(last / vmax(earlier, tiny)));
-    vec ratio;
-    for (int i = 0; i < W; i++)
-        LANE(ratio, i) = LANE(share, i) < 0.8 ? LANE(share, i) : 0.8;
-    vec highest = h;
-    for (int k = 1; k < ORDER - 3; k++)
-        highest *= h;
-    vec sizes[4];
-    for (int k = ORDER - 3; k <= ORDER; k++) {
-        sizes[k - ORDER + 3] = vabs(p->w[B][k]) * highest;
-        highest *= h;
-    }
+    for (int k = 0; k < 8; k++, power *= h)
+        sizes[k] = vabs(p->w[B][ORDER - 7 + k]) * power;
+    for (int k = 0; k < 4; k++)
+        earlier = vmax(earlier, sizes[k]), last = vmax(last, sizes[4 + k]);
+    const vec share = vroot(vroot(last / vmax(earlier, tiny))), ratio = PICK(MASK(share < most), share, most);
     power = ZERO + 1.0, last = ZERO;
-    for (int k = 3; k >= 0; k--) {
+    for (int k = 7; k >= 4; k--, power *= ratio)
         last = vmax(last, sizes[k] * power);
-        power *= ratio;
-    }
     return last * ratio / (1.0 - ratio);
 }
 
@@ -367,9 +350,9 @@ static TARGET void NAME(finish)(const NAME(lanes) *p, int lane, double late, dou
 }
 
 /* The lane takes rod i of the problems, if it can be solved at all. */
-static TARGET int NAME(take)(NAME(lanes) *p, int lane, int64_t i, const problems *all, room *own, orbit *o)
+static TARGET int NAME(take)(NAME(lanes) *p, int lane, int64_t i, const task *work, room *own, orbit *o)
 {
-    const start_problem *q = &all->rods[i];
+    const start_problem *q = &work->rods[i];
     memset(o, 0, sizeof *o);
     o->error = o->condition = INFINITY;
     if (!in_range(q))
@@ -377,12 +360,12 @@ static TARGET int NAME(take)(NAME(lanes) *p, int lane, int64_t i, const problems
     p->rod[lane] = i, p->used[lane] = 0;
     p->since[lane] = own->since, p->width[lane] = own->width, p->series[lane] = own->series;
     p->grown[lane] = own->grown[0];
-    NAME(begin)(p, lane, 0, q, goal_of(q, all->tol), q->span);
+    NAME(begin)(p, lane, 0, q, goal_of(q, work->tol), q->span);
     return 1;
 }
 
 /* March the rods, W at a time: a lane whose rod is done takes the next. `done` is called for each that is solved. */
-static TARGET int NAME(run)(const problems *all, orbit *orbits, const task *work)
+static TARGET int NAME(run)(const task *work, orbit *orbits)
 {
     static const start_problem idle = {0, 0, 0, 1, 0.5, 0};
     room *rooms = malloc(W * sizeof(room));
@@ -393,15 +376,15 @@ static TARGET int NAME(run)(const problems *all, orbit *orbits, const task *work
         return 1;
     }
     NAME(lanes) *p = (NAME(lanes) *)(((uintptr_t)memory + 63) & ~(uintptr_t)63);
-    int64_t next = 0;
+    int64_t next = work->begin;
     int busy = 0, end[W];
     double late[W], at[W];
     for (int i = 0; i < W; i++)
         p->rod[i] = -1;
     for (;;) {
         for (int i = 0; i < W; i++) {
-            for (; p->rod[i] < 0 && next < all->size; next++)
-                busy += NAME(take)(p, i, next, all, rooms + i, orbits + next);
+            for (; p->rod[i] < 0 && next < work->end; next++)
+                busy += NAME(take)(p, i, next, work, rooms + i, orbits + next);
             if (p->rod[i] < 0) /* an idle lane marches a rod that nobody reads */
                 NAME(begin)(p, i, 0, &idle, 1e-9, 0);
         }
@@ -412,7 +395,7 @@ static TARGET int NAME(run)(const problems *all, orbit *orbits, const task *work
             const int64_t rod = p->rod[i];
             if (rod < 0 || end[i] == GOES_ON)
                 continue;
-            const start_problem *q = &all->rods[rod];
+            const start_problem *q = &work->rods[rod];
             orbit *o = orbits + rod;
             const int part = p->part[i];
             o->status[part] = end[i];
@@ -421,7 +404,7 @@ static TARGET int NAME(run)(const problems *all, orbit *orbits, const task *work
                 o->count[part] = p->step[i];
                 if (part == 0 && end[i] == TURNS && q->dbeta0 != 0) {
                     p->grown[i] = rooms[i].grown[1];
-                    NAME(begin)(p, i, 1, q, goal_of(q, all->tol), q->span - 2 * o->legs[0].time);
+                    NAME(begin)(p, i, 1, q, goal_of(q, work->tol), q->span - 2 * o->legs[0].time);
                     continue;
                 }
             }
@@ -429,7 +412,7 @@ static TARGET int NAME(run)(const problems *all, orbit *orbits, const task *work
             if (end[i] == LOST || (part == 1 && end[i] != TURNS))
                 o->status[0] = LOST, o->count[0] = o->count[1] = 0;
             else
-                settle(work, all, rod, o, rooms + i);
+                settle(work, rod, o, rooms + i);
         }
     }
     free(rooms), free(memory);

@@ -48,14 +48,6 @@ def widest() -> int:
     return int(library().rod_lanes())
 
 
-@cache
-def function(name: str, result: Any, *arguments: Any) -> Any:
-    """A function of the library, with the ctypes of its result and arguments."""
-    call = getattr(library(), name)
-    call.restype, call.argtypes = result, arguments
-    return call
-
-
 def begin_of(array: Any) -> int:
     """Where the numbers of a contiguous array begin."""
     try:

@@ -1,12 +1,11 @@
 """The compiled march of periodic orbits: the calls of `rod.c` on NumPy arrays."""
 
-import ctypes
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
-from .library import begin_of, function, share_out, widest
+from .library import fine, run, share_out, widest
 
 LOST, TURNS, GOES_ROUND = 0, 1, 2  # how a leg ends
 ORDER = 20  # of the series
@@ -18,9 +17,6 @@ _LEG = ("time", "alpha", "z", "swirl", "error", "late", "fastest", "steps", "amp
 _FLAGS = ("sound", "i8"), ("evaluations", "i8")
 _LEGS = ("legs", [(name, "f8") for name in _LEG], 2)
 ORBIT = np.dtype([("error", "f8"), ("condition", "f8"), _LEGS, ("status", "i8", 2), ("count", "i8", 2), *_FLAGS])
-
-_NUMBERS = ORBIT.itemsize // 8
-_INT, _AT = ctypes.c_int64, ctypes.c_void_p
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,27 +76,8 @@ def march(
         Of an orbit whose first status is LOST nothing is filled.
     """
     size, n = t.shape
-    orbits = np.zeros((size, _NUMBERS))
-    widths = ctypes.c_int, ctypes.c_int
-    call = function("rod_march", ctypes.c_int, _INT, _AT, ctypes.c_double, _AT, _INT, *10 * [_AT], *widths)
-    rods: list[tuple[int | None, int]] = [(begin_of(problems), 6), (begin_of(orbits), _NUMBERS), (begin_of(t), n)]
-    rods += _rows(out, n) + ([(begin_of(swirl), n)] if swirl is not None else [(None, n)])
-    rods += [(begin_of(steps.first), 1)] if steps else [(None, 1)]
-    kept = (begin_of(steps.since), begin_of(steps.width), begin_of(steps.series)) if steps else (None, None, None)
-    stations = 0 if out is None and swirl is None else n
-
-    def part(a: int, b: int) -> None:
-        numbers, filled, times, *rows = (begin and begin + 8 * a * width for begin, width in rods)
-        if call(b - a, numbers, tol, filled, stations, times, *rows, *kept, lanes, widest()):
-            raise MemoryError("the compiled core found no memory for its steps")
-
-    share_out(part, size)
-    return orbits.view(ORBIT)[:, 0]
-
-
-def _rows(out: Array | None, n: int) -> list[tuple[int | None, int]]:
-    """Where the four rows of `out` (4, B, n) begin, and how many numbers each rod takes there."""
-    if out is None:
-        return [(None, n) for _ in range(4)]
-    begin, size = begin_of(out), out.nbytes // 4
-    return [(begin + k * size, n) for k in range(4)]
+    orbits = np.zeros(size, ORBIT)
+    kept = (steps.first, steps.since, steps.width, steps.series) if steps else (None, None, None, None)
+    task = size, problems, tol, orbits, n, t, out, swirl, *kept, lanes, widest()
+    share_out(lambda a, b: fine(run("rod_march", a, b, *task)), size)
+    return orbits

@@ -176,13 +176,6 @@ static void judge(const start_problem *p, double weight, const double *grown[2],
     o->error = SAFETY * (larger(l[0].error, l[1].error) + shift) + EPS * (span * fastest + larger(1, fabs(p->beta0)));
 }
 
-/* Problems, and the allowed error of beta. */
-typedef struct {
-    int64_t size;
-    const start_problem *rods;
-    double tol;
-} problems;
-
 /* Whether the numbers of a problem can be squared. */
 static int in_range(const start_problem *p)
 {
@@ -219,26 +212,28 @@ typedef struct {
 typedef void reader(const orbit *, const double *, const double *, const double *, const double *, int64_t,
                     const values *, int64_t);
 
-/* What is done with each orbit that is marched: read at `stations` times t (rods, stations), and its steps kept, from
-   number first[rod] on, where there is room for them. */
+/* The problems from `begin` to `end`, the allowed error of beta, and what is done with each orbit: it is read at `stations`
+   times t (rods, stations), and its steps kept, from number first[rod] on, where there is room for them. */
 typedef struct {
+    int64_t begin, end, stations;
+    const start_problem *rods;
+    double tol;
     reader *read;
-    int64_t stations;
     const double *t;
     values out;
     const int64_t *first;
     double *since, *width, *series;
 } task;
 
-static void settle(const task *work, const problems *all, int64_t rod, orbit *o, const room *own)
+static void settle(const task *work, int64_t rod, orbit *o, const room *own)
 {
-    const start_problem *p = &all->rods[rod];
+    const start_problem *p = &work->rods[rod];
     const double *grown[2] = {own->grown[0], own->grown[1]}, weight = rod_weight_of(p);
     double steady;
     judge(p, weight, grown, o);
     if (rod_beside_helix(p, weight, &steady))
         o->condition = steady;
-    o->sound = o->error <= smaller(all->tol, SHAPELESS) && o->condition < INFINITY;
+    o->sound = o->error <= smaller(work->tol, SHAPELESS) && o->condition < INFINITY;
     o->evaluations = ORDER * (o->count[0] + o->count[1]);
     if (work->stations > 0)
         work->read(o, own->since, own->width, own->series, work->t + rod * work->stations, work->stations, &work->out,
@@ -290,56 +285,42 @@ int rod_lanes(void)
 #endif
 }
 
-static reader *reader_for(int most)
+static values values_in(double *out, int64_t each, double *swirl)
 {
-#if defined(__x86_64__)
-    if (most >= 4)
-        return most == 8 ? read_8 : read_4;
-#endif
-    (void)most;
-    return read_2;
+    return out ? (values){out, out + each, out + 2 * each, out + 3 * each, swirl} : (values){.swirl = swirl};
 }
 
-/* March n problems (n, 6), read each at its times t (n, stations), and keep its steps.
+static reader *reader_for(int64_t most) { return FOR_WIDTH(most > 2 ? most : 2, read); }
 
-   tol: the allowed error of beta. orbits: (n,), filled. beta, rate, alpha, z, swirl: (n, stations), filled but for rods
-   that are lost; swirl may be NULL, or the other four. first: (n,), the number of each rod's first step in since (P,),
-   width (P,) and series (P, 4, ORDER + 1); or NULL, and none is kept. lanes: their width, 0 for the widest that n
+/* March the problems from `begin` to `end` of n, (n, 6), read each at its times t (n, stations), and keep its steps.
+
+   tol: the allowed error of beta. orbits: (n,), filled. out: (4, n, stations), beta, beta_t, alpha and z, and swirl: (n,
+   stations), filled but for rods that are lost; each may be NULL. first: (n,), the number of each rod's first step in since
+   (P,), width (P,) and series (P, 4, ORDER + 1); or NULL, and none is kept. lanes: their width, 0 for the widest that the
    problems fill; most: what rod_lanes says. Returns 0, or 1 if there is no memory. */
-int rod_march(int64_t n, const start_problem *rods, double tol, orbit *orbits, int64_t stations, const double *t,
-              double *beta, double *rate, double *alpha, double *z, double *swirl, const int64_t *first, double *since,
-              double *width, double *series, int lanes, int most)
+int rod_march(int64_t begin, int64_t end, int64_t n, const start_problem *rods, double tol, orbit *orbits, int64_t stations,
+              const double *t, double *out, double *swirl, const int64_t *first, double *since, double *width,
+              double *series, int64_t lanes, int64_t most)
 {
-    const int w = lanes > 0 && lanes <= most ? lanes : n < most ? 1 : most;
-    const problems all = {n, rods, tol};
-    const task work = {reader_for(most), stations, t, {beta, rate, alpha, z, swirl}, first, since, width, series};
-#if defined(__x86_64__)
-    if (w == 8)
-        return run_8(&all, orbits, &work);
-    if (w == 4)
-        return run_4(&all, orbits, &work);
-#endif
-    return w == 1 ? run_1(&all, orbits, &work) : run_2(&all, orbits, &work);
+    const int64_t w = lanes > 0 && lanes <= most ? lanes : end - begin < most ? 1 : most;
+    const task work = {
+        .begin = begin, .end = end, .stations = out || swirl ? stations : 0, .rods = rods, .tol = tol,
+        .read = reader_for(most), .t = t, .out = values_in(out, n * stations, swirl), .first = first, .since = since,
+        .width = width, .series = series,
+    };
+    return FOR_WIDTH(w, run)(&work, orbits);
 }
 
-/* Read n orbits whose steps were kept, as `rod_march` does; of a rod that is lost NaN. which: (n,), its orbit. most: as
+/* Read one of the orbits whose steps were kept, as `rod_march` does, into out (4, stations); NaN where it is lost. most: as
    above. */
-void rod_read(int64_t n, const int64_t *which, const orbit *orbits, const int64_t *first, const double *since,
-              const double *width, const double *series, int64_t stations, const double *t, double *beta, double *rate,
-              double *alpha, double *z, double *swirl, int most)
+void rod_read(int64_t rod, const orbit *orbits, const int64_t *first, const double *since, const double *width,
+              const double *series, int64_t stations, const double *t, double *out, int64_t most)
 {
-    const values out = {beta, rate, alpha, z, swirl};
-    reader *read = reader_for(most);
-    for (int64_t i = 0; i < n; i++) {
-        const orbit *o = orbits + which[i];
-        const int64_t at = first[which[i]];
-        if (o->status[0] != LOST)
-            read(o, since + at, width + at, series + SERIES * at, t + i * stations, stations, &out, i * stations);
-        else
-            for (int64_t j = i * stations; j < (i + 1) * stations; j++) {
-                beta[j] = rate[j] = alpha[j] = z[j] = NAN;
-                if (swirl)
-                    swirl[j] = NAN;
-            }
-    }
+    const values to = values_in(out, stations, NULL);
+    const int64_t at = first[rod];
+    if (orbits[rod].status[0] != LOST)
+        reader_for(most)(&orbits[rod], since + at, width + at, series + SERIES * at, t, stations, &to, 0);
+    else
+        for (int64_t i = 0; i < 4 * stations; i++)
+            out[i] = NAN;
 }

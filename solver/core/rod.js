@@ -80,13 +80,13 @@ const RodCore = (() => {
     }
 
     function solve(problem, tol, times) {
-      const n = times.length, orbit = room(ORBIT), rows = Array.from({length: 5}, () => room(n));
+      const n = times.length, orbit = room(ORBIT), rows = room(4 * n), swirled = room(n);
       const numbers = ["lam", "mu", "phi", "span", "beta0", "dbeta0"].map(name => problem[name]);
-      if (call("rod_march", 1n, numbers, tol, orbit, BigInt(n), times, ...rows, 0, 0, 0, 0, 1, 2)) throw new Error("no memory");
+      if (call("rod_march", 0n, 1n, 1n, numbers, tol, orbit, BigInt(n), times, rows, swirled, 0, 0, 0, 0, 1n, 2n)) throw new Error("no memory");
       const known = orbit.numbers(STATUS), [status, , , , sound] = orbit.integers(5, STATUS), end = ENDS[status];
       const facts = {end, sound: sound === 1, error: known[0], condition: known[1]};
       if (end === "lost") return whole(problem, tol, times) || facts;
-      const [beta, rate, alpha, z, swirl] = rows.map(row => row.numbers());
+      const [beta, rate, alpha, z] = [0, 1, 2, 3].map(k => rows.numbers(n, k * n)), swirl = swirled.numbers();
       const halfPeriod = end === "turns" ? known[AHEAD] + known[BACK] : known[AHEAD];
       return {...facts, halfPeriod, beta, rate, alpha, z, swirl};
     }
@@ -106,8 +106,8 @@ const RodCore = (() => {
       }
       const end = room(STATES * n), derived = room(STATES * n * columns), growth = room(6 * n), errors = room(2 * n);
       const rows = room(stations.length, STATES), from = first ? BigInt64Array.from(first, BigInt) : 0;
-      call("rod_loaded", BigInt(n), rod, goal, 1n, shorter, state, lengths, columns, deep, end, columns ? derived : 0,
-           columns ? growth : 0, judged ? errors : 0, from, stations, rows, 1n, room(n), 0, 2);
+      call("rod_loaded", 0n, BigInt(n), rod, goal, 1n, shorter, state, lengths, BigInt(columns), BigInt(deep), end,
+           columns ? derived : 0, columns ? growth : 0, judged ? errors : 0, from, stations, rows, 1n, room(n), 0n, 2n);
       const read = first && [0, 1, 2, 6].map(k => rows.numbers(stations.length, k * stations.length));
       if (judged) return {growth: growth.numbers(), errors: errors.numbers(), read};
       return first ? {read} : {end: end.numbers(), derived: derived.numbers()};

@@ -10,9 +10,8 @@ enum { PARTS = 16, GRID = 4 * PARTS, WINDOW = 65536, DEEPEST = 48 }; /* DEEPEST:
 #define FINEST 0.00390625 /* of the radius: shorter stretches count as points */
 
 /* rod.c; orbits: of the march */
-void rod_read(int64_t n, const int64_t *which, const void *orbits, const int64_t *first, const double *since,
-              const double *width, const double *series, int64_t stations, const double *t, double *beta, double *rate,
-              double *alpha, double *z, double *swirl, int most);
+void rod_read(int64_t rod, const void *orbits, const int64_t *first, const double *since, const double *width,
+              const double *series, int64_t stations, const double *t, double *out, int64_t most);
 
 /* Rods and their marched orbits, or where these are NULL their panels; period, length, a, apart, periods: (n,), lengths in units of rho. */
 typedef struct {
@@ -37,7 +36,7 @@ typedef struct {
 typedef struct {
     const rods *all;
     int64_t rod;
-    double period, length, a, apart, turn, rise, alpha[GRID + 1], z[GRID + 1];
+    double period, length, a, apart, turn, rise, rows[4][GRID + 1], *alpha, *z; /* beta, beta_t, alpha and z on the grid */
     pairs now, next;
     double *points; /* times, beta, beta_t, alpha and z */
     int64_t point_room;
@@ -51,18 +50,17 @@ static int add_pair(pairs *to, int64_t k, int64_t i, int64_t j)
     return DONE;
 }
 
-static void read_at(const search_of_rod *s, int64_t n, const double *t, double *beta, double *rate, double *alpha,
-                    double *z)
+/* beta, beta_t, alpha and z of the rod at t, (4, n); of panels alpha and z alone. */
+static void read_at(const search_of_rod *s, int64_t n, const double *t, double *out)
 {
     const rods *all = s->all;
     for (int64_t i = 0; i < n && !all->orbits; i++) {
         double values[5];
         rod_orbit_at(all->panels, s->rod, t[i], values);
-        alpha[i] = values[2], z[i] = values[3];
+        out[2 * n + i] = values[2], out[3 * n + i] = values[3];
     }
     if (all->orbits)
-        rod_read(1, &s->rod, all->orbits, all->first, all->since, all->width, all->series, n, t, beta, rate, alpha, z,
-                 NULL, (int)all->lanes);
+        rod_read(s->rod, all->orbits, all->first, all->since, all->width, all->series, n, t, out, all->lanes);
 }
 
 /* Whether period k comes near the first, of which it is the screw. */
@@ -114,7 +112,7 @@ static int middles(search_of_rod *s, int level, double size, const double **alph
             t[m] = ((double)v + 0.5) * size;
     }
     if (level >= 2)
-        read_at(s, n, t, t + n, t + 2 * n, angle, height);
+        read_at(s, n, t, t + n);
     return DONE;
 }
 
@@ -176,11 +174,12 @@ static int one_rod(search_of_rod *s, int64_t *near, double *found)
 {
     const rods *all = s->all;
     const int64_t b = s->rod, periods = all->periods[b];
-    double t[GRID + 1], beta[GRID + 1], rate[GRID + 1], high, wide;
+    double t[GRID + 1], high, wide;
     s->period = all->period[b], s->length = all->length[b], s->a = all->a[b], s->apart = all->apart[b];
     for (int i = 0; i <= GRID; i++)
         t[i] = s->period / GRID * i;
-    read_at(s, GRID + 1, t, beta, rate, s->alpha, s->z);
+    read_at(s, GRID + 1, t, s->rows[0]);
+    s->alpha = s->rows[2], s->z = s->rows[3];
     s->turn = s->alpha[GRID], s->rise = s->z[GRID];
     range_of(s->z, &high);
     range_of(s->alpha, &wide);

@@ -524,11 +524,11 @@ static TARGET int64_t NAME(run)(const marches *all)
         return -1;
     NAME(lanes) *x = (NAME(lanes) *)(((uintptr_t)memory + 63) & ~(uintptr_t)63);
     memset(x, 0, sizeof *x);
-    int64_t next = 0, count = 0;
+    int64_t next = all->from, count = 0;
     int busy = 0, over[W], lost[W];
     for (int i = 0; i < W; i++) {
-        NAME(take)(x, i, next < all->count ? next : -1, all);
-        busy += next++ < all->count;
+        NAME(take)(x, i, next < all->to ? next : -1, all);
+        busy += next++ < all->to;
     }
     while (busy) {
         int rubbed = all->columns > WIDE;
@@ -543,8 +543,8 @@ static TARGET int64_t NAME(run)(const marches *all)
                 continue;
             NAME(finish)(x, i, lost[i], all);
             count += lost[i];
-            busy -= next >= all->count;
-            NAME(take)(x, i, next < all->count ? next++ : -1, all);
+            busy -= next >= all->to;
+            NAME(take)(x, i, next < all->to ? next++ : -1, all);
         }
     }
     free(memory);

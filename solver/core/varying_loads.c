@@ -29,7 +29,7 @@ enum { RATIO, ALONG, ACROSS, FRICTION, WAY, RADIUS, SIDE, PARAMETERS }; /* of a 
 
 /* What is marched, and where the results go: see `rod_loaded`. */
 typedef struct {
-    int64_t count;
+    int64_t from, to;
     const double *rod, *goal, *begin, *length, *stations;
     int64_t alike;
     double shorter;
@@ -43,7 +43,7 @@ typedef struct {
 #define LANES "varying_lanes.h"
 #include "widths.h"
 
-/* March `count` stretches.
+/* March the stretches from number `from` to `to` of `count`.
  *
  * rod, goal: PARAMETERS and STATES numbers of each, of which goal is what a step may leave out of the state; alike:
  * those of the first hold for all. shorter: a factor of the steps. begin, end: (count, STATES). derived: (count,
@@ -53,19 +53,12 @@ typedef struct {
  * errors of beta and alpha, with n = 2; or NULL. Stations first[i] .. first[i + 1] of stretch i, rising, fill out[k],
  * of each number k of the state, every `stride` numbers. steps: (count). lanes: their width, 0 for the widest of at
  * most `most`. Returns how many stretches were lost, whose results are NaN, or -1 if there is no memory. */
-int64_t rod_loaded(int64_t count, const double *rod, const double *goal, int64_t alike, double shorter,
-                   const double *begin, const double *length, int n, int deep, double *end, double *derived,
+int64_t rod_loaded(int64_t from, int64_t to, const double *rod, const double *goal, int64_t alike, double shorter,
+                   const double *begin, const double *length, int64_t n, int64_t deep, double *end, double *derived,
                    double *growth, double *errors, const int64_t *first, const double *stations, double *const *out,
-                   int64_t stride, int64_t *steps, int lanes, int most)
+                   int64_t stride, int64_t *steps, int64_t lanes, int64_t most)
 {
-    const marches all = {count, rod, goal, begin, length, stations, alike, shorter, n, deep, end, derived, growth,
-                         errors, first, out, stride, steps};
-    const int w = lanes > 0 && lanes <= most ? lanes : count < 2 ? 1 : most;
-#if defined(__x86_64__)
-    if (w == 8)
-        return run_8(&all);
-    if (w == 4)
-        return run_4(&all);
-#endif
-    return w == 1 ? run_1(&all) : run_2(&all);
+    const marches all = {from, to, rod, goal, begin, length, stations, alike, shorter, (int)n, (int)deep, end, derived,
+                         growth, errors, first, out, stride, steps};
+    return FOR_WIDTH(lanes > 0 && lanes <= most ? lanes : to - from < 2 ? 1 : most, run)(&all);
 }

@@ -1,13 +1,12 @@
 """The compiled march of rods whose loads vary along them, and the linear algebra of a chain of stretches: the calls of
 `varying_loads.c` and `banded.c` on NumPy arrays."""
 
-import ctypes
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans, Integers
-from .library import AT, FLOAT, INT, begin_of, function, run, share_out, widest
+from .library import INT, begin_of, run, share_out, widest
 
 # q: lam - mu; short: t - z; round: gamma + alpha
 STATES = ("beta", "dbeta", "alpha", "q", "phi", "mu", "short", "round")
@@ -18,8 +17,6 @@ BY_ANGLE, BY_STATE, BY_ALL = 2, 6, 9
 MOST_STEPS = 200_000  # of a stretch, as in varying_loads.c: a longer march is lost
 TRUNCATION = 1e-17  # of the scale of each number: what a step leaves out at most, where rounding bounds the error
 READ = [0, 1, 2, 3, 5, 4, 6, 7]  # the place of each state in what a march with `judge` reads: beta .. q, mu, phi, ..
-
-_SHORT = ctypes.c_int
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,25 +85,14 @@ def march(
     room = 0 if stations is None else stations.size
     out = np.empty((SIZE, room) if judge else (room, SIZE))
     places = begin_of(out) + 8 * (room * np.array(READ) if judge else np.arange(SIZE))
-    numbers = INT, AT, AT, INT, FLOAT, AT, AT, _SHORT, _SHORT, *7 * [AT], INT, AT, _SHORT, _SHORT
-    call = function("rod_loaded", INT, *numbers)
     if stations is not None:
-        assert first is not None
         stations, first = np.ascontiguousarray(stations, dtype=float), np.ascontiguousarray(first, dtype=np.int64)
-
-    def part(a: int, b: int) -> None:
-        def at(array: Array | Integers, width: int) -> int:
-            return begin_of(array) + 8 * a * width
-
-        rod = at(rods, 0 if alike else 7), at(goal, 0 if alike else SIZE), alike
-        stretch = at(begin, SIZE), at(length, 1), columns, deep, at(end, SIZE)
-        derived = (at(variations, SIZE * columns), at(growth, BY_STATE)) if columns else (None, None)
-        judged = at(errors, 2) if judge else None
-        read = (None, None) if first is None or stations is None else (at(first, 1), begin_of(stations))
-        written = begin_of(places), 1 if judge else SIZE, at(steps, 1)
-        call(b - a, *rod, shorter, *stretch, *derived, judged, *read, *written, lanes, widest())
-
-    share_out(part, count)
+    derived = (variations, growth) if columns else (None, None)
+    task = (
+        rods, goal, alike, float(shorter), begin, length, columns, deep, end, *derived, errors if judge else None,
+        first, stations, places, 1 if judge else SIZE, steps, lanes, widest(),
+    )  # fmt: skip
+    share_out(lambda a, b: run("rod_loaded", a, b, *task, result=INT), count)
     return March(end, variations, growth, errors, out, steps)
 
 

@@ -1,4 +1,5 @@
-/* The header LANES for every width of lanes: one, two, and those that some processors have. */
+/* The header LANES for every width of lanes: one, two, and those that some processors have. FOR_WIDTH is a function of the
+   header for one of them. */
 
 #define TARGET
 #define W 1
@@ -19,4 +20,7 @@
 #define SUFFIX _8
 #include LANES
 #undef TARGET
+#define FOR_WIDTH(w, name) ((w) == 8 ? name##_8 : (w) == 4 ? name##_4 : (w) == 1 ? name##_1 : name##_2)
+#else
+#define FOR_WIDTH(w, name) ((w) == 1 ? name##_1 : name##_2)
 #endif

@@ -4,13 +4,11 @@
 is not defined (UndefinedBehaviorSanitizer).
 """
 
-import ctypes
-
 import numpy as np
 import pytest
 
 from solver.core import march
-from solver.core.library import begin_of, function
+from solver.core.library import run
 from solver.methods import SwingTaylor
 from solver.problem.reduced import StartProblem
 
@@ -25,12 +23,10 @@ def odd(rng: np.random.Generator, *shape: int) -> np.ndarray:
 
 def read(orbits: np.ndarray, steps: march.Steps, t: np.ndarray) -> np.ndarray:
     """beta, beta_t, alpha, z (4, N, n) at t (N, n) of the stored steps, as the search of self-contact reads them."""
-    which, out = np.arange(len(t)), np.empty((4, *t.shape))
-    whole, at = ctypes.c_int64, ctypes.c_void_p
-    call = function("rod_read", None, whole, *6 * [at], whole, *6 * [at], ctypes.c_int)
-    stored = (which, orbits, steps.first, steps.since, steps.width, steps.series)
-    call(len(t), *map(begin_of, stored), t.shape[1], begin_of(t), *map(begin_of, out), None, 1)
-    return out
+    out = np.empty((len(t), 4, t.shape[1]))
+    for i in range(len(t)):
+        run("rod_read", i, orbits, steps.first, steps.since, steps.width, steps.series, t.shape[1], t[i], out[i], 1)
+    return out.swapaxes(0, 1)
 
 
 @pytest.mark.parametrize("seed", range(8))

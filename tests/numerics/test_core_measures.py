@@ -13,7 +13,7 @@ import scipy
 
 from solver import solve
 from solver.core import measures
-from solver.core.library import function
+from solver.core.library import run
 from solver.observe.observables import observe
 from solver.observe.self_contact import compare_strands
 from solver.observe.solution_pieces import Pieces, pieces_of
@@ -130,7 +130,7 @@ def test_self_contact_of_marched_orbits_is_that_of_panels_and_is_given_up_at_the
 
 def test_the_core_and_python_read_one_table() -> None:
     """Python reads it in the header, and pages ask the core."""
-    densities, *rows = function("rod_measured", ctypes.c_char_p)().decode().split("|")
+    densities, *rows = run("rod_measured", result=ctypes.c_char_p).decode().split("|")
     assert tuple(densities.split()) == measures.DENSITIES
     table = [row.split() for row in rows]
     assert tuple(name for _, name, _ in table) == measures.NUMBERS
