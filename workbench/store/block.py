@@ -19,7 +19,7 @@ from studies.language import expressions
 
 from ..words import cautions, pipe_state
 from ..words.outcomes import NO_BRANCH
-from .case_solutions import State, show, solve_one, states_of_block
+from .case_solutions import State, Sweep, show, solve_one
 from .schema import JUDGED, LOADS, Columns, curve_name, inner_shape, shapes
 from .shards import encode, join
 
@@ -28,16 +28,15 @@ from .shards import encode, join
 class Chunk:
     """Cases `start` to `stop` of those to be solved.
 
-    values: of each axis, (cases,). deaths: how many workers died at it. shape, states: of a sweep, the shape of the
-    grid and the states of the cases from which its blocks begin (`case_solutions.Spine`).
+    values: of each axis, (cases,). deaths: how many workers died at it. sweep: of a sweep, with the states of the cases
+    from which its blocks begin; None of other studies.
     """
 
     start: int
     stop: int
     values: Mapping[str, NDArray[np.float64]]
     deaths: int
-    shape: tuple[int, ...]
-    states: Mapping[int, State]
+    sweep: Sweep | None
 
     @property
     def cases(self) -> int:
@@ -48,8 +47,7 @@ class Chunk:
         for a in range(0, self.cases, size):
             b = min(a + size, self.cases)
             values = {name: numbers[a:b] for name, numbers in self.values.items()}
-            states = {i: state for i, state in self.states.items() if a <= i - self.start < b}
-            yield Chunk(self.start + a, self.start + b, values, deaths, self.shape, states)
+            yield Chunk(self.start + a, self.start + b, values, deaths, self.sweep)
 
 
 def solve_chunk(study: Study, chunk: Chunk, block: int) -> bytes:
@@ -59,9 +57,8 @@ def solve_chunk(study: Study, chunk: Chunk, block: int) -> bytes:
 
 def block_of(study: Study, part: Chunk) -> Columns:
     """The columns of one block."""
-    if study.sweeps:
-        states = states_of_block(study, part.shape, part.values, part.start, part.states)
-        return join([_columns_of(study, state) for state in states])
+    if part.sweep is not None:
+        return join([_columns_of(study, part.sweep.state(place)) for place in range(part.start, part.stop)])
     case = study.case_of(part.values)
     sol = solve_one(case, study.equilibrium, study.tol, study.method, study.stations)
     return columns(study, sol, part.values)

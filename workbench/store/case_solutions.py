@@ -8,12 +8,12 @@ has none.
 The first case of a sweep is the middle of the grid, along a followed axis the first value. From it the cases continue
 along the first axis, from each of these along the second, and so on: a tree in which each case is one step from the one
 it continues from. The order depends on the grid alone. The process of the run solves the cases from which blocks begin
-(`Spine`), without arrays along the rod. A worker begins at the cases that came with its block, so the bits do not
+(`Sweep`), without arrays along the rod. A worker begins at the cases that came with its chunk, so the bits do not
 depend on which worker it is.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
@@ -284,18 +284,31 @@ def block_size(shape: tuple[int, ...], most: int) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class States:
+class Sweep:
     """The states of the cases of a sweep, each found when it is first needed, after the case that it continues from.
 
-    values: the fields that vary of a case, by its place. keeps: whether the state of a case is kept, by its place.
-    known: those that are.
+    coordinates: of each axis. block: cases in a block. known: the states that are kept, by place: those from which
+    blocks begin, or all. keeps_all: whether all are kept, as a worker does of its chunk.
     """
 
     study: Study
-    grid: Grid
-    values: Callable[[int], dict[str, float]]
-    keeps: Callable[[int], bool]
+    coordinates: Mapping[str, NDArray[np.float64]]
+    block: int
     known: dict[int, State] = field(default_factory=dict)
+    keeps_all: bool = False
+
+    @cached_property
+    def grid(self) -> Grid:
+        return Grid(tuple(values.size for values in self.coordinates.values()), self.study.followed is not None)
+
+    def first(self) -> State:
+        """The state of the first case."""
+        return self.state(self.grid.place(self.grid.first))
+
+    def nearest(self, values: Mapping[str, float]) -> State:
+        """The state of the case nearest to these values of the axes."""
+        rows = self.coordinates.items()
+        return self.state(self.grid.place(tuple(int(np.abs(row - values[name]).argmin()) for name, row in rows)))
 
     def state(self, place: int) -> State:
         """The state of one case."""
@@ -308,82 +321,41 @@ class States:
         state = None if at is None else self.known[at]
         for step_at, parent in reversed(way):
             state = self._continue(step_at, parent, state)
-            if self.keeps(step_at):
+            if self._keeps(step_at):
                 self.known[step_at] = state
         assert state is not None
         return state
 
-    def _continue(self, place: int, parent: tuple[int, int] | None, before: State | None) -> State:
-        case = self.study.case_of(self.values(place))
-        if parent is None or before is None:
-            return state_of(select(self.study, case), 0)
-        neighbour, axis = self.values(parent[0]), parent[1]
-        name = list(neighbour)[axis]
-        return step(self.study, case, before, place, name, neighbour[name])
-
-
-@dataclass(frozen=True, eq=False)
-class Spine:
-    """The cases from which the blocks of a sweep begin. coordinates: of each axis. block: cases in a block."""
-
-    study: Study
-    coordinates: Mapping[str, NDArray[np.float64]]
-    block: int
-
-    @property
-    def grid(self) -> Grid:
-        return Grid(tuple(values.size for values in self.coordinates.values()), self.study.followed is not None)
-
-    @cached_property
-    def _states(self) -> States:
-        return States(self.study, self.grid, self._values, self._keeps)
-
-    def first(self) -> State:
-        """The state of the first case."""
-        return self._states.state(self.grid.place(self.grid.first))
-
-    def hand_over(self, start: int, stop: int) -> dict[int, State]:
-        """The states that the blocks of the cases `start` to `stop` begin with."""
-        places: list[int] = []
+    def hand_over(self, study: Study, start: int, stop: int) -> "Sweep":
+        """The sweep for a worker that solves the cases `start` to `stop`: with the states with which blocks begin."""
+        places: set[int] = set()
         for a in range(start, stop, self.block):
             b = min(a + self.block, stop)
-            places += range(a, b) if self._keeps_all else self.grid.entries(a, b)
-        return {place: self._states.state(place) for place in places}
+            places |= {*range(a, b)} if self._is_short else {*self.grid.entries(a, b)}
+        known = {place: self.state(place) for place in sorted(places)}
+        return Sweep(study, self.coordinates, self.block, known, keeps_all=True)
 
-    def nearest(self, values: Mapping[str, float]) -> State:
-        """The state of the case nearest to these values of the axes."""
-        rows = self.coordinates.items()
-        cell = tuple(int(np.abs(row - values[name]).argmin()) for name, row in rows)
-        return self._states.state(self.grid.place(cell))
+    def _continue(self, place: int, parent: tuple[int, int] | None, before: State | None) -> State:
+        case = self.study.case_of(self._values(place))
+        if parent is None or before is None:
+            return state_of(select(self.study, case), 0)
+        neighbour, axis = self._values(parent[0]), parent[1]
+        name = list(neighbour)[axis]
+        return step(self.study, case, before, place, name, neighbour[name])
 
     def _values(self, place: int) -> dict[str, float]:
         cell = self.grid.cell(place)
         return {name: float(values[i]) for (name, values), i in zip(self.coordinates.items(), cell, strict=True)}
 
     @property
-    def _keeps_all(self) -> bool:
+    def _is_short(self) -> bool:
+        """Whether it is a single line that the run itself solves."""
         shape = self.grid.shape
         return math.prod(shape) == shape[-1] <= MOST_KEPT
 
     def _keeps(self, place: int) -> bool:
         grid = self.grid
-        if self._keeps_all or grid.cell(place)[-1] == grid.first[-1]:
+        if self.keeps_all or self._is_short or grid.cell(place)[-1] == grid.first[-1]:
             return True
         start = place // self.block * self.block
         return place in grid.entries(start, min(start + self.block, math.prod(grid.shape)))
-
-
-def states_of_block(
-    study: Study, shape: tuple[int, ...], values: Mapping[str, NDArray[np.float64]], start: int,
-    known: Mapping[int, State],
-) -> Iterator[State]:  # fmt: skip
-    """The states of the cases from `start` on, in order, each after one of those known.
-
-    shape: of the grid. values: of each axis, (cases,).
-    """
-
-    def place_values(place: int) -> dict[str, float]:
-        return {name: float(row[place - start]) for name, row in values.items()}
-
-    states = States(study, Grid(shape, study.followed is not None), place_values, lambda place: True, dict(known))
-    return (states.state(start + i) for i in range(next(iter(values.values())).size))

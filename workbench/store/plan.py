@@ -23,10 +23,9 @@ from studies.language.study_data import SOURCES
 
 from . import case_solutions, file_checks, refined, shards
 from .block import Chunk
+from .case_solutions import Sweep
 from .recipe import axis_line, differences, recipe_of, versions_of_code
 from .schema import FORMAT, TEXTS, Columns, dimension, shapes
-
-Coordinates = Mapping[str, NDArray[np.float64]]
 
 # Cases in a block: enough for NumPy, few enough for the cache; fewer where each case is solved by itself.
 BLOCK, BLOCK_ALONE = 512, 32
@@ -145,14 +144,13 @@ class Plan:
     def chunk(self, start: int, stop: int) -> Chunk:
         """The chunk of the cases `start` to `stop` of those to be solved."""
         flat = np.arange(start, stop) if self.new is None else self.new[start:stop]
-        values = self.dimensions.at(flat)
-        states = self.spine.hand_over(start, stop) if self.study.sweeps else {}
-        return Chunk(start, stop, values, 0, self.shape, states)
+        sweep = self.sweep.hand_over(self.light, start, stop) if self.study.sweeps else None
+        return Chunk(start, stop, self.dimensions.at(flat), 0, sweep)
 
     @cached_property
-    def spine(self) -> case_solutions.Spine:
-        """The cases from which the blocks of a sweep begin."""
-        return case_solutions.Spine(self.study, self.dimensions.fields, self.block)
+    def sweep(self) -> Sweep:
+        """The states of the cases of a sweep."""
+        return Sweep(self.study, self.dimensions.fields, self.block)
 
     def chunks(self, missing: Iterable[tuple[int, int]], most: int) -> Iterator[Chunk]:
         """The missing cases in chunks of at most so many cases, whole blocks each."""
@@ -192,9 +190,9 @@ def remarks(plan: Plan) -> dict[str, str]:
 
 def _first_of(plan: Plan) -> str:
     """How the equilibrium of the first case of a sweep was selected, in one sentence."""
-    spine = plan.spine
-    first, cell = spine.first().solution, spine.grid.first
-    row = zip(spine.coordinates.items(), cell, strict=True)
+    sweep = plan.sweep
+    first, cell = sweep.first().solution, sweep.grid.first
+    row = zip(sweep.coordinates.items(), cell, strict=True)
     at = ", ".join(in_words(name, float(values[i])) for (name, values), i in row)
     which = plan.study.equilibrium
     name = MIDDLE if plan.study.followed is None else FOLLOWED

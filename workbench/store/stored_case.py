@@ -152,7 +152,7 @@ def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -
     rows = {name: np.broadcast_to(value, case.shape).ravel() for name, value in places.items()}
     solutions = []
     for i in range(case.size):
-        near = partial(work.spine.nearest, {name: float(row[i]) for name, row in rows.items()})
+        near = partial(work.sweep.nearest, {name: float(row[i]) for name, row in rows.items()})
         at = stations if isinstance(stations, int) else np.broadcast_to(stations, (*case.shape, np.shape(stations)[-1]))
         mine = at if isinstance(at, int) else at.reshape(case.size, -1)[i]
         solutions.append(between(work.study, _single(case, i), near, mine))
