@@ -45,18 +45,17 @@ print("read", *sorted(set(sys.modules) - before))
 @linux
 def test_workers_are_copies_of_one_process_and_solve_what_this_one_would(tmp_path) -> None:
     work = plan.plan(load(str(runs.study(tmp_path, runs.grid(2, 3)))))
-    workers = [worker_processes.Worker(work.light) for _ in range(2)]
+    workers = [worker_processes.Worker() for _ in range(2)]
     try:
         for worker in workers:
-            worker.check()
+            worker.call(os.getpid)
+            assert worker.answer() == worker.process.pid
         parents = {parent(worker.process.pid) for worker in workers}
         assert len(parents) == 1
         assert os.getpid() not in parents
         for worker, (a, b) in zip(workers, [(0, 2), (2, 6)], strict=True):
-            worker.give(work.chunk(a, b), 2)
-            chunk, results = worker.take()
-            assert (chunk.start, chunk.stop) == (a, b)
-            assert results == block.solve_chunk(work.light, work.chunk(a, b), 2)
+            worker.call(block.solve_chunk, work.light, work.chunk(a, b), 2)
+            assert worker.answer() == block.solve_chunk(work.light, work.chunk(a, b), 2)
     finally:
         for worker in workers:
             worker.stop()
@@ -70,7 +69,7 @@ from solver import InputError
 from workbench.store import worker_processes
 worker_processes.PRELOAD = "deadly"
 try:
-    worker_processes.Worker(None)
+    worker_processes.Worker()
 except InputError as error:
     print(str(error).replace(" ", "_"))
 """

@@ -9,6 +9,7 @@ import os
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from multiprocessing.connection import wait
 from typing import Any
 from urllib.parse import urlsplit
@@ -20,7 +21,7 @@ from . import worker_processes
 from .block import Chunk, solve_chunk
 from .plan import Plan
 from .recipe import check_worker, code_version
-from .worker_processes import Worker
+from .worker_processes import Died, Failed, Worker
 
 Results = Iterator[tuple[Chunk, bytes | str]]
 
@@ -89,26 +90,46 @@ def _hand_out(
 def pool(work: Plan, chunks: Iterable[Chunk], workers: int) -> Results:
     """Solve the chunks in so many processes of this machine. Raises `InputError` where workers cannot start."""
     started: list[Worker] = []
+    busy: dict[Any, tuple[Worker, Chunk]] = {}  # by the pipe of the worker
+
+    def begin(count: int) -> None:
+        for _ in range(count):  # each is listed at once, so that it is stopped where the next cannot start
+            started.append(Worker())
+            with suppress(OSError):  # its answer then says how it died
+                started[-1].call(check_worker, work.light, code_version())
+        for worker in started[-count:]:
+            try:
+                worker.answer()
+            except Died as how:
+                raise InputError(f"a worker process cannot start: {how}") from None
+
+    def replace(worker: Worker) -> None:
+        worker.stop()
+        started.remove(worker)
+        begin(1)
 
     def give(chunk: Chunk) -> None:
-        next(worker for worker in started if worker.chunk is None).give(chunk, work.block)
+        worker = next(worker for worker in started if worker.pipe not in busy)
+        try:
+            worker.call(solve_chunk, work.light, chunk, work.block)
+        except OSError:  # it died while idle
+            replace(worker)
+            return give(chunk)
+        busy[worker.pipe] = worker, chunk
 
     def take() -> tuple[Chunk, bytes | str]:
-        busy: dict[Any, Worker] = {worker.pipe: worker for worker in started if worker.chunk}
-        worker = busy[wait(list(busy))[0]]
-        chunk, results = worker.take()
-        if results is not None:
-            return chunk, results
-        how = worker.end_reason()
-        worker.replace()
-        return chunk, f"{KILLED} ({how})"
+        worker, chunk = busy.pop(wait(list(busy))[0])
+        try:
+            return chunk, worker.answer()
+        except Died as how:
+            replace(worker)
+            return chunk, f"{KILLED} ({how})"
+        except Failed as error:
+            raise RuntimeError(f"in a worker process:\n{error.trace}") from None
 
     try:
-        for _ in range(workers):  # each is listed at once, so that it is stopped where the next cannot start
-            started.append(Worker(work.light))
-        for worker in started:
-            worker.check()
-        yield from _hand_out(work, chunks, lambda: sum(worker.chunk is None for worker in started), give, take)
+        begin(workers)
+        yield from _hand_out(work, chunks, lambda: len(started) - len(busy), give, take)
     finally:
         for worker in started:
             worker.stop()

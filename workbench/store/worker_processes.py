@@ -1,4 +1,4 @@
-"""Worker processes on this machine: how they start, receive chunks, and how their end is noticed.
+"""Worker processes on this machine: how they start, receive calls, and how their end is noticed.
 
 On Linux they are forked from one server process that has imported all code once, so that another starts in
 milliseconds; a fork of this process itself would share its threads and locks. Each has a pipe of its own: where one is
@@ -12,7 +12,7 @@ import signal
 import sys
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.context import ForkServerContext, SpawnContext
@@ -20,10 +20,6 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from solver.problem.errors import InputError
-from studies import Study
-
-from .block import Chunk, solve_chunk
-from .recipe import check_worker, code_version
 
 # One thread each, as there is one worker a core.
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -31,51 +27,52 @@ FORKED = sys.platform == "linux"  # elsewhere a fork of a process that has loade
 PRELOAD = f"{__package__}.preload"  # the module that the server process imports
 
 
+class Died(Exception):
+    """A worker ended without an answer; its message says how."""
+
+
+class Failed(Exception):
+    """A call in a worker raised something else than an `InputError`. trace: where."""
+
+    def __init__(self, message: str, trace: str) -> None:
+        super().__init__(message)
+        self.trace = trace
+
+
 class Worker:
-    """A worker process and the chunk that it solves; one at a time, so that it is known at which chunk it died."""
+    """A process that makes one call at a time, so that it is known at which call it died.
 
-    def __init__(self, study: Study) -> None:
-        self.study = study
-        self.chunk: Chunk | None = None
-        self._start()
+    It ends with this process at the latest. Raises `InputError` where the system refuses to start it.
+    """
 
-    def _start(self) -> None:
-        """Start the process; `check` waits for it. Raises `InputError` where the system refuses."""
-        self.process, self.pipe = process(_work, self.study, code_version())
-
-    def check(self) -> None:
-        """Wait until it is ready. Raises `InputError` where it ends before."""
-        if self._receive() is None:
-            raise InputError(f"a worker process cannot start: {self.end_reason()}")
-
-    def give(self, chunk: Chunk, block: int) -> None:
-        """Send it a chunk; where it died while idle, it is replaced first."""
+    def __init__(self) -> None:
+        context = _context()
+        self.pipe, theirs = context.Pipe()
+        self.process: BaseProcess = context.Process(target=_serve, args=(theirs,), daemon=True)
         try:
-            self.pipe.send((chunk, block))
-        except OSError:
-            self.replace()
-            self.pipe.send((chunk, block))
-        self.chunk = chunk
+            with _as_workers():
+                self.process.start()
+        except (EOFError, ConnectionError):  # which of them depends on when it ended
+            raise InputError("a worker process cannot start: the process from which it is forked has ended") from None
+        except OSError as error:
+            raise InputError(f"a worker process cannot start: {error.strerror or error}") from None
+        theirs.close()
 
-    def take(self) -> tuple[Chunk, bytes | None]:
-        """Its chunk and the packed results, None where it died. Raises what it raised."""
-        chunk, self.chunk = self.chunk, None
-        assert chunk is not None
-        return chunk, self._receive()
+    def call(self, function: Callable[..., Any], *args: Any) -> None:
+        """Send it a call, of a function of a module. Raises `OSError` where it died while idle."""
+        self.pipe.send((function, args))
 
-    def end_reason(self) -> str:
-        """How a process that died ended, in words."""
-        self.process.join()
-        code = self.process.exitcode
-        if code is not None and code < 0:
-            return f"it was killed by {signal.Signals(-code).name}"
-        return f"it ended with status {code}"
-
-    def replace(self) -> None:
-        """Start another process in its place."""
-        self.stop()
-        self._start()
-        self.check()
+    def answer(self) -> Any:
+        """Wait for the result of the call. Raises the `InputError` of the call, `Failed` or `Died`."""
+        try:
+            kind, *answer = self.pipe.recv()
+        except (EOFError, OSError):
+            raise Died(self._end_reason()) from None
+        if kind == "refused":
+            raise InputError(*answer)
+        if kind == "failed":
+            raise Failed(*answer)
+        return answer[0]
 
     def stop(self) -> None:
         """Kill the process, whatever it is doing."""
@@ -83,36 +80,12 @@ class Worker:
         self.process.kill()
         self.process.join()
 
-    def _receive(self) -> bytes | None:
-        try:
-            results, refused, failed = self.pipe.recv()
-        except (EOFError, OSError):
-            return None
-        if refused is not None:
-            raise InputError(refused)
-        if failed is not None:
-            raise RuntimeError(f"in a worker process:\n{failed}")
-        sent: bytes = results
-        return sent
-
-
-def process(target: Callable[..., None], *args: Any) -> tuple[BaseProcess, Connection]:
-    """Start a process that calls `target` with one end of a pipe and the arguments; return it and our end.
-
-    The process ends with this one at the latest. Raises `InputError` where the system refuses to start it.
-    """
-    context = _context()
-    ours, theirs = context.Pipe()
-    child: BaseProcess = context.Process(target=target, args=(theirs, *args), daemon=True)
-    try:
-        with _as_workers():
-            child.start()
-    except (EOFError, ConnectionError):  # which of them depends on when it ended
-        raise InputError("a worker process cannot start: the process from which it is forked has ended") from None
-    except OSError as error:
-        raise InputError(f"a worker process cannot start: {error.strerror or error}") from None
-    theirs.close()
-    return child, ours
+    def _end_reason(self) -> str:
+        self.process.join()
+        code = self.process.exitcode
+        if code is not None and code < 0:
+            return f"it was killed by {signal.Signals(-code).name}"
+        return f"it ended with status {code}"
 
 
 def get_ready(*modules: str) -> None:
@@ -144,21 +117,22 @@ def _modules_of_main() -> set[str]:
     return {name for name in owners if name.startswith(f"{package}.")}
 
 
-def _work(pipe: Connection, study: Study, code: str) -> None:
-    """Solve what the pipe brings until it ends, as it does when the run is killed."""
+def _serve(pipe: Connection) -> None:
+    """Make the calls that the pipe brings until it ends, as it does when the process that calls is killed."""
     keep_memory()
-    try:
-        check_worker(study, code)
-        pipe.send((b"", None, None))
+    with suppress(EOFError, OSError):
         while True:
-            chunk, block = pipe.recv()
-            pipe.send((solve_chunk(study, chunk, block), None, None))
-    except (EOFError, OSError):
-        return
+            pipe.send(_answer_to(*pipe.recv()))
+
+
+def _answer_to(function: Callable[..., Any], args: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The answer of a call and its kind, as `Worker.answer` reads it."""
+    try:
+        return "done", function(*args)
     except InputError as error:
-        pipe.send((None, str(error), None))
-    except Exception:
-        pipe.send((None, None, traceback.format_exc()))
+        return "refused", str(error)
+    except Exception as error:
+        return "failed", f"{type(error).__name__}: {error}", traceback.format_exc()
 
 
 @contextmanager

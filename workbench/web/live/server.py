@@ -8,7 +8,6 @@ a process of its own, which frees all of it at its end, and is killed once the c
 """
 
 import asyncio
-import contextlib
 import gc
 import json
 import logging
@@ -19,7 +18,6 @@ from collections.abc import Awaitable, Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
 from struct import pack
 from threading import Lock
 from typing import Any
@@ -30,6 +28,7 @@ from aiohttp import web
 from solver.problem.errors import InputError
 
 from ...store import worker_processes
+from ...store.worker_processes import Worker
 from ...words import escaping
 from ...words.escaping import finite
 from . import live_document, page_model
@@ -55,10 +54,6 @@ TOO_LARGE = "this search needs more memory than the page allows; workbench equil
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
-class Failed(Exception):
-    """A search that ended without an answer; its message says how."""
-
-
 class ClientLeft(Exception):
     """The client left before the answer was ready."""
 
@@ -75,7 +70,7 @@ class Tasks:
         """The result of a function (of a module, as it is sent by name) for these arguments.
 
         wanted: whether the client is still connected. Raises `InputError` where the function does or the queue is full,
-        `Failed` for its other errors, `ClientLeft` once the client has left.
+        `Failed` or `Died` for its other ends, `ClientLeft` once the client has left.
         """
         if self._asked >= AT_ONCE + WAITING:
             raise InputError(MANY)
@@ -94,22 +89,16 @@ class Tasks:
             self._asked -= 1
 
     async def _process(self, wanted: Callable[[], bool], function: Callable[..., Any], args: Any) -> Any:
-        process, pipe = await asyncio.to_thread(worker_processes.process, _work, function, args)
-        self.running.add(process)
+        worker = await asyncio.to_thread(Worker)
+        self.running.add(worker)
         try:
-            while not pipe.poll():
+            worker.call(_search, function, args)
+            while not worker.pipe.poll():
                 await _pause(wanted, INTERVAL / 10)
-            kind, answer = await asyncio.to_thread(_receive, pipe)
+            return await asyncio.to_thread(worker.answer)
         finally:
-            self.running.discard(process)
-            process.kill()
-            pipe.close()
-            await asyncio.shield(asyncio.to_thread(process.join))
-        if kind == "refused":
-            raise InputError(answer)
-        if kind == "failed":
-            raise Failed(answer)
-        return answer
+            self.running.discard(worker)
+            await asyncio.shield(asyncio.to_thread(worker.stop))
 
 
 async def _pause(wanted: Callable[[], bool], seconds: float = INTERVAL) -> None:
@@ -118,29 +107,15 @@ async def _pause(wanted: Callable[[], bool], seconds: float = INTERVAL) -> None:
     await asyncio.sleep(seconds)
 
 
-def _receive(pipe: Connection) -> tuple[str, Any]:
-    try:
-        kind, answer = pipe.recv()
-    except (EOFError, OSError):
-        return "failed", "its process ended"
-    return kind, answer
-
-
-def _work(pipe: Connection, function: Callable[..., Any], args: Any) -> None:
-    """One call, and its result through the pipe."""
+def _search(function: Callable[..., Any], args: Any) -> Any:
+    """The result of a call whose memory is limited. Raises `InputError` for numbers and memory beyond the limits."""
     _bound()
     try:
-        answer = ("done", function(*args))
-    except InputError as error:
-        answer = ("refused", str(error))
+        return function(*args)
     except ArithmeticError:
-        answer = ("refused", NO_FLOAT)
+        raise InputError(NO_FLOAT) from None
     except MemoryError:
-        answer = ("refused", TOO_LARGE)
-    except Exception as error:
-        answer = ("failed", f"{type(error).__name__}: {error}")
-    with contextlib.suppress(OSError):
-        pipe.send(answer)
+        raise InputError(TOO_LARGE) from None
 
 
 def _bound() -> None:
