@@ -20,6 +20,8 @@ try:
 except ModuleNotFoundError:
     sys.exit("workbench: the command line needs more than the solver: pip install rod-workbench, without --no-deps")
 
+from solver.problem.errors import InputError, near
+
 from . import __version__
 from .commands import (
     animate,
@@ -269,8 +271,6 @@ def _run(words: list[str]) -> None:
             raise
         fail(f"{MISSING} ({error.name} is missing)", 2)
     except ValueError as error:
-        from solver.problem.errors import InputError
-
         if not isinstance(error, InputError):
             raise
         fail(str(error), 2)
@@ -296,8 +296,6 @@ def _sentence(error: typer.TyperException) -> str:
 
 def _near(message: str, known: Iterable[str]) -> str:
     """What may have been meant instead of the name that a message of the parser quotes."""
-    from solver.problem.errors import near
-
     quoted = re.search(r"['\"]([^'\"]*)['\"]|: (\S+)", message)
     if quoted is None:
         return ""

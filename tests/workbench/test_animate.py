@@ -178,7 +178,7 @@ def test_the_scale_of_all_frames_is_one_whatever_their_legends_say() -> None:
     from workbench.scene import composition, layout
 
     ds = in_memory.run(loads(small.HEAD + "[axes.E]\nvalues = [5e3, 2e4]\n", default_name="soft"))
-    settings = composition.Settings(2.0, DPI, size=(300, SIZE[1]), digits=4)  # of two legends one has two lines
+    settings = composition.Settings(2.0, DPI, size=(300, SIZE[1]))  # of two legends one has two lines
 
     def page(E: float, along: str | None) -> Any:
         return layout.compose(ds, {"E": E}, "plain", (), along, settings)

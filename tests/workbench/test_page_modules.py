@@ -328,8 +328,9 @@ def test_the_scale_of_the_push_has_the_ends_and_the_words_of_the_stills() -> Non
     }));"""
     found = run(script, {"code": colours.for_pages(), "rods": rods}, ("colours",))
     for rod, (low, end, words) in zip(rods, found, strict=True):
-        _, bar = scene_kinds.by_push({"force": "N", "length": "cm"}, rod)
-        assert ([low, end], words) == (pytest.approx([bar.low, bar.high]), bar.label) if bar else end == 0, rod
+        paint = scene_kinds.by_push({"force": "N", "length": "cm"}, rod)
+        shown = pytest.approx([paint.foot, paint.high]), paint.label
+        assert ([low, end], words) == shown if paint.label else end == 0, rod
 
 
 def test_the_shadow_on_the_wall_is_that_of_the_stills() -> None:

@@ -175,5 +175,5 @@ def test_the_verdicts_of_the_report_stand_out_in_the_dark_too() -> None:
 
 def test_the_push_has_the_same_limits_in_a_diagram_as_in_a_scene() -> None:
     diagram = push_scale.scale([np.array([-3.0, 12.0]), np.array([1.0, 87.0])])
-    painted, _ = scene_kinds.by_push({"length": "cm", "force": "N"}, (-3.0, 87.0))
+    painted = scene_kinds.by_push({"length": "cm", "force": "N"}, (-3.0, 87.0))
     assert (diagram.vmin, diagram.vmax) == (painted.low, painted.high) == (-100.0, 100.0)

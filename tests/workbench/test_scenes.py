@@ -184,8 +184,8 @@ def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
 
 @draws
 def test_a_row_in_the_table_is_all_that_a_new_kind_needs(fig6, tmp_path, monkeypatch, capsys) -> None:
-    def red(units: dict[str, str], extremes: scene_kinds.Extremes) -> scene_kinds.Painted:
-        return scene_kinds.Paint("#ff0000"), None
+    def red(units: dict[str, str], extremes: scene_kinds.Extremes) -> scene_kinds.Paint:
+        return scene_kinds.Paint("#ff0000")
 
     toy = scene_kinds.Kind("toy", "the rod in red", "one", paint=red, legend=(("#ff0000", "a toy"),))
     monkeypatch.setitem(KINDS, "toy", toy)
@@ -454,13 +454,13 @@ def test_the_picture_has_the_scale_of_its_bar_along_the_axis(camera, helix) -> N
 @draws
 def test_a_push_has_the_same_colours_in_neighbouring_pictures_pale_at_0_and_no_black(helix) -> None:
     units = {"length": "cm", "force": "N"}
-    paint, bar = scene_kinds.by_push(units, (-30.0, 90.0))
-    assert (paint.low, paint.high, bar.low, bar.high) == (-100.0, 100.0, -100.0, 100.0)
+    paint = scene_kinds.by_push(units, (-30.0, 90.0))
+    assert (paint.low, paint.high, paint.foot) == (-100.0, 100.0, -100.0)
     assert min(to_rgb(to_hex(paint.ramp(0.5)))) > 0.8
-    one, alone = scene_kinds.by_push(units, (7.9, 8.0))
+    one = scene_kinds.by_push(units, (7.9, 8.0))
     share = (8.0 - one.low) / (one.high - one.low)
     assert min(to_rgb(to_hex(one.ramp(share)))) > 0.2 or share < 0.9
-    assert (alone.low, alone.high) == (0.0, 12.0)
+    assert (one.foot, one.high) == (0.0, 12.0)
 
 
 @draws

@@ -4,6 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
+from solver.problem.errors import InputError, choices
+
 from . import console
 from .options import At, File, ForceOutput, PixelError, axis_values, check_file, flag, number_option, option
 from .present import Result, presents, result_of_files
@@ -40,8 +42,6 @@ def film_of(
     Each frame shows the rod and the curve of an observable up to that case. Between the stored cases others are solved,
     as many as let the rod move smoothly. Exit status 1 if OpenGL does not work on this machine.
     """
-    from solver.problem.errors import InputError, choices
-
     from ..scene import film, opengl
     from ..scene.scene_kinds import kind_of
     from ..store import in_memory, schema

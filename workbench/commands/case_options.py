@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.errors import InputError
 from solver.problem.quantities import AT_START, quantity, unit_of
 
 from .options import angle_of, number_option, option, read_range
@@ -179,7 +180,6 @@ def help_of(field: CaseField, whole: bool) -> str:
 
 def parse_axis(text: str) -> "tuple[str, np.ndarray]":
     """``betaL=-90deg:60deg:41`` as a field and the values of such an axis of a study, rising. Raises `InputError`."""
-    from solver import InputError
     from studies.grammar.axes import Axis
 
     name, first, last, count = read_range("--axis", text, AXES, "FROM:TO:COUNT")

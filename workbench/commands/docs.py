@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
+from solver.problem.errors import InputError
+
 from . import console
 from .options import flag
 
@@ -63,8 +65,6 @@ def _bibtex() -> str:
 
 def site(places: Sequence[Path]) -> Path:
     """The first page of the site. Raises `InputError` where it was not built."""
-    from solver import InputError
-
     for place in places:
         if (place / "index.html").is_file():
             return place / "index.html"

@@ -6,6 +6,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from solver.problem.errors import InputError
+
 from . import console, tables
 from .present import Result, presents
 
@@ -107,8 +109,6 @@ def _font() -> dict[str, Any]:
 def _extra(part: Extra) -> dict[str, Any]:
     """Whether an optional part is installed and its trial succeeds."""
     from importlib import metadata
-
-    from solver.problem.errors import InputError
 
     what = f"{part.what} ({part.extra})"
     try:

@@ -6,6 +6,8 @@ from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.errors import InputError, choices
+
 from . import console, tables
 from .case_options import ENDS_FIELDS, HELD, Given, parse_axis
 from .options import Choose, OneCase, option, parse_choose, ranges
@@ -85,9 +87,7 @@ def equilibria(
 
     Angles: a number in rad, or a form like 30deg or pi/6.
     """
-    from solver import InputError
     from solver import equilibria as all_equilibria
-    from solver.problem.errors import choices
     from solver.problem.reduced import held_of
 
     from ..branches.ends_study import study_and_case, write_cases
@@ -137,7 +137,6 @@ def _list(
     from solver.choose.selection import selection
     from solver.equilibria import meant
     from solver.equilibrium_list import HeldEquilibria
-    from solver.problem.errors import choices
     from solver.problem.reduced import held_of
     from studies.language.case_input import field_values, with_unit
 

@@ -6,6 +6,9 @@ import threading
 from pathlib import Path
 from typing import Annotated
 
+from solver.problem.errors import InputError
+
+from ..store import atomic
 from . import console
 from .case_options import EVERY, Given
 from .options import ForceOutput, argument, check_file, option
@@ -40,9 +43,6 @@ def explore(
     which. Only this machine can open the page unless --host says
     otherwise. Ctrl-C ends the command.
     """
-    from solver.problem.errors import InputError
-
-    from ..store import atomic
     from ..web.live import live_document
     from ..web.live.presets import PRESETS, own_preset
 
@@ -87,8 +87,6 @@ def explore(
 
 def open_socket(host: str, port: int) -> socket.socket:
     """A socket that listens on an address. Raises `InputError` if it cannot."""
-    from solver.problem.errors import InputError
-
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         return socket.create_server(address[:2], family=family, backlog=64)

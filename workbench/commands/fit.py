@@ -4,6 +4,8 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.errors import InputError
+
 from . import console, tables
 from .case_options import EVERY, Given
 from .options import (
@@ -89,7 +91,6 @@ def fit(
 
     Angles: a number in rad, or a form like 30deg or pi/6. Exit status 1 if the data do not determine the values.
     """
-    from solver import InputError
     from solver import fit as fitted
 
     from .. import fitting
@@ -123,7 +124,6 @@ def fit(
 
 def _case(file: Path | None, at: list[str] | None, given: Given, table1: bool, reading: str | None) -> "CaseInput":
     """The case, of a study at a place of its axes."""
-    from solver import InputError
     from studies import load
     from studies.language.case_input import check_alone, read_case
 
@@ -144,8 +144,6 @@ def _case(file: Path | None, at: list[str] | None, given: Given, table1: bool, r
 
 def _vary(texts: list[str] | None, bounds: dict[str, tuple[float, float]]) -> "dict[str, tuple[float, float] | None]":
     """Field -> bounds or None. Raises `InputError` where no field is named, or one is bounded that is not varied."""
-    from solver import InputError
-
     fields = names(texts)
     if not fields:
         raise InputError("fit needs --vary NAMES, the fields that are fitted, such as --vary E,M3")
@@ -159,7 +157,6 @@ def _vary(texts: list[str] | None, bounds: dict[str, tuple[float, float]]) -> "d
 
 def _rule(asked: "CaseInput", choose: str | None) -> Any:
     """Which equilibrium of an ends problem the search begins with."""
-    from solver import InputError
     from solver.choose.selection import NEAREST
 
     which = asked.study.equilibrium if asked.study else None

@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.errors import InputError
+
 from . import console, tables
 from .case_options import AXES, ENDS_FIELDS, HELD, Given
 from .options import OneCase, option, read_range
@@ -52,7 +54,6 @@ def folds(
 
     The options of a case are those of the command equilibria.
     """
-    from solver import InputError
     from solver.region_map import region_map
 
     from ..branches.ends_study import study_and_case

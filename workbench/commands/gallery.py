@@ -6,6 +6,9 @@ from math import cos, pi
 from pathlib import Path
 from typing import Annotated, Any
 
+from solver.problem.errors import InputError, no_such
+
+from ..store import atomic
 from . import console
 from .options import ForceOutput, check_file, option
 from .present import Result, presents, result_of_files
@@ -60,8 +63,6 @@ def gallery(
 
 def _suffixes(only: list[str]) -> dict[str, str]:
     """The suffix of each picture that is wanted. Raises `InputError` for an unknown name."""
-    from solver.problem.errors import InputError, no_such
-
     from ..scene import scene_kinds
 
     several = [name for name in scene_kinds.KINDS if name not in VIEWS]
@@ -91,7 +92,6 @@ def _four_views(ds: Any, path: Path) -> None:
     from PIL import Image
 
     from ..scene import composition, layout, page, scene_kinds
-    from ..store import atomic
 
     views = []
     for letter, kind in zip("abcd", VIEWS, strict=True):

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.errors import InputError
+
 from . import console, tables
 from .case_options import ROD_FIELDS, Given
 from .options import argument, flag, option
@@ -78,8 +80,6 @@ def loops(
 
 def parse_folds(text: str) -> list[int]:
     """``1,2,3`` as numbers. Raises `InputError`."""
-    from solver import InputError
-
     parts = text.split(",")
     if not all(part.strip().isdecimal() and 1 <= int(part) <= MOST_FOLDS for part in parts):
         raise InputError(f"--folds takes whole numbers from 1 to {MOST_FOLDS} with commas between, got {text!r}")

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from solver.problem.errors import InputError, choices, no_such
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -127,8 +129,6 @@ Json = Annotated[bool, flag("Print JSON.", "--json")]
 
 def check_file(path: Path, suffixes: tuple[str, ...], force: bool) -> Path:
     """The path; raises `InputError` for another suffix, and as of `writing.check_new`."""
-    from solver.problem.errors import InputError, choices
-
     from ..store import writing
 
     if path.suffix.lower() not in suffixes:
@@ -144,8 +144,6 @@ def names(texts: Sequence[str] | None) -> list[str]:
 
 def pairs(option: str, texts: Sequence[str] | None) -> dict[str, str]:
     """``["height=10", "wraps=2"]`` by name. Raises `InputError` for another form or a name that is given twice."""
-    from solver.problem.errors import InputError
-
     values: dict[str, str] = {}
     for text in texts or ():
         name, equals, value = (part.strip() for part in text.partition("="))
@@ -159,7 +157,6 @@ def pairs(option: str, texts: Sequence[str] | None) -> dict[str, str]:
 
 def numbers(option: str, texts: Sequence[str] | None) -> dict[str, float]:
     """The pairs with their values as numbers, angles in rad also from forms like 30deg. Raises `InputError`."""
-    from solver.problem.errors import InputError
     from studies.grammar.axes import is_angle, number_of
 
     values = {name: (number_of(name, text), text) for name, text in pairs(option, texts).items()}
@@ -172,8 +169,6 @@ def numbers(option: str, texts: Sequence[str] | None) -> dict[str, float]:
 
 def axis_values(ds: "xr.Dataset", at: Sequence[str] | None) -> dict[str, float]:
     """The stored value that each text of --at means, by the name of its axis. Raises `InputError` where it has none."""
-    from solver.problem.errors import InputError
-
     from ..store import selection
 
     values: dict[str, float] = {}
@@ -214,7 +209,6 @@ def read_range(
     example : str
         An example, for messages.
     """
-    from solver.problem.errors import InputError, no_such
     from studies.grammar.axes import is_angle
 
     name, equals, said = text.partition("=")
@@ -237,7 +231,7 @@ def parse_choose(text: str, given: Any = None) -> "Which":
     given: the start or the ends of the case. Raises `InputError`, also for a start, which has one solution, and for
     held ends, whose equilibria `solve` does not list.
     """
-    from solver import Ends, InputError, Start
+    from solver import Ends, Start
     from solver.choose.selection import NEAREST, check
     from solver.problem.case import PAIRS
     from studies.grammar.axes import Which

@@ -5,6 +5,9 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
+from solver.problem.errors import InputError
+
+from ..store import atomic
 from .options import At, Dpi, File, ForceOutput, NoTitle, Style, Width, axis_values, check_file, names, option
 from .present import Result, presents, result_of_files
 
@@ -76,11 +79,9 @@ def plot(
     law holds. A third axis has a map for each of some values; further axes have one value (--at). The unrolled view of
     a rod is its centreline on the unrolled cylinder.
     """
-    from solver.problem.errors import InputError
-
     from ..figures import canvas, drawn_numbers, kinds, map_panel
     from ..figures.sheet import sheet
-    from ..store import atomic, reading, schema
+    from ..store import reading, schema
     from ..words import outcomes
 
     every = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}

@@ -10,6 +10,8 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.errors import InputError
+
 from . import case_options, console
 from .options import Dpi, ForceOutput, Json, NoTitle, Style, Width, check_file, flag, option
 
@@ -142,8 +144,6 @@ def _check_files(
 
     Raises `InputError` for a file that cannot be written, and for an option of a picture without a picture.
     """
-    from solver.problem.errors import InputError
-
     from ..store import writing
 
     if out is not None and suffixes:

@@ -5,6 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.errors import InputError
+
 from . import console, tables
 from .options import Reading, option
 from .run import print_verdicts
@@ -66,8 +68,6 @@ def _results(
     studies: "Sequence[Study]", files: dict[str, Path], out: Path, able: bool, step: Any
 ) -> "tuple[list[StudyResult], list[str]]":
     """Solve, store and draw each study; the results, and a sentence for each study that its reading does not admit."""
-    from solver.problem.errors import InputError
-
     from ..store import in_memory, reading, study_store
 
     results, refusals = [], []
@@ -87,8 +87,6 @@ def _results(
 
 def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[xr.Dataset, dict[str, Path]] | None":
     """Store the equilibria of the rod of Table 1 and draw it beside the stable one; None where it has no shape."""
-    from solver.problem.errors import InputError
-
     from ..store import writing
     from ..web.report import report_runs
 

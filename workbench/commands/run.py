@@ -6,6 +6,8 @@ from math import floor, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.errors import InputError
+
 from . import console, tables
 from .options import Fidelity, File, ForceStudy, Json, Method, Reading, Tol, argument, flag, option
 from .present import Result, presents
@@ -51,7 +53,6 @@ def run(
 
     Exit status 1 if a case is unsolved, or if a law fails, is not decided or is true in part only.
     """
-    from solver.problem.errors import InputError
     from studies import load
 
     from ..store import worker_processes
@@ -81,8 +82,6 @@ def run(
 
 def _say(text: str) -> None:
     """Print a line; the runner would take an error of stdout for one of the file that it writes."""
-    from solver.problem.errors import InputError
-
     try:
         console.say(text)
     except OSError as error:

@@ -4,6 +4,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from solver.problem.errors import InputError, choices
+
+from ..store import atomic
 from .animate import Fps, Show, Stored
 from .options import At, ForceOutput, PixelError, argument, axis_values, check_file, flag, number_option, option
 from .present import Result, presents, result_of_files
@@ -90,8 +93,6 @@ def scene(
     A stored study with too few stations is solved again. Exit status 1 if OpenGL does not work on this machine, or if a
     file without a study has too few stations for --pixel-error.
     """
-    from solver.problem.errors import InputError, choices
-
     from ..scene import film, opengl, scene_kinds
     from ..scene.settings import Settings, check, check_name, color_range_of, size_of
     from ..store import schema, selection
@@ -161,7 +162,7 @@ def _page(study: "Study | None", ds: "xr.Dataset", where: "dict[str, float]", pa
     """A scene as one offline HTML file: every case that --at leaves; of status 1 where the stations are too few."""
     from ..scene.scene_kinds import kind_of
     from ..scene.settings import TooFewStations
-    from ..store import atomic, schema
+    from ..store import schema
     from ..web.turntable import turntable_page
     from . import study_scene
 

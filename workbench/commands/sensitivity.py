@@ -4,6 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.errors import InputError
+
+from ..store import atomic
 from . import console, tables
 from .options import At, argument, axis_values, flag, names, number, option
 from .present import Result, presents
@@ -47,8 +50,6 @@ def sensitivity(
     Of one case: the exact derivatives, as elasticities, the change in percent for 1 % of a field. --at chooses the case
     of a study. With --global: the shares of the variance that each sampled field explains, over its whole range.
     """
-    from solver.problem.errors import InputError
-
     if whole and fields:
         raise InputError("--fields is an option of the derivatives of one case; --global tells all sampled fields")
     if confidence is not None and not whole:
@@ -99,8 +100,6 @@ def _indices(
     file: Path, at: list[str] | None, show: list[str], confidence: float | None
 ) -> "tuple[xr.Dataset, list[str]]":
     """The indices of a stored study, and the sentences on them."""
-    from solver.problem.errors import InputError
-
     from ..influence import indices
     from ..store import reading, stored_case
 
@@ -190,7 +189,6 @@ def _rows(ds: "xr.Dataset", columns: Sequence[str], dims: Sequence[str]) -> list
 
 def _write(ds: "xr.Dataset", path: Path) -> None:
     """Write the rows as CSV in full precision; those of pairs follow in the columns other, second, second_conf."""
-    from ..store import atomic
     from ..words.escaping import in_csv
 
     lines = [*table_rows(ds), *table_pairs(ds)]

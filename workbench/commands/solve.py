@@ -6,6 +6,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.quantities import quantity, unit_of
+
+from ..store import atomic
 from . import console, tables
 from .case_options import EVERY, Given
 from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Table1, Tol, flag, parse_choose
@@ -58,13 +61,12 @@ def solve(
 
     Angles: a number in rad, or a form like 30deg or pi/6. Exit status 1 if the case is unsolved.
     """
-
     from solver import equilibria
     from studies.language.case_input import read_case
     from studies.language.loader import dumps, loads
 
     from ..branches.ends_study import text_of_solution
-    from ..store import atomic, in_memory, writing
+    from ..store import in_memory, writing
     from ..store.case_solutions import solve_one
     from ..words import cautions, pipe_state
     from .fidelity import fidelity
@@ -229,7 +231,6 @@ def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
 
 
 def _print_tables(found: dict[str, Any], every: bool) -> None:
-    from solver.problem.quantities import quantity
     from studies.grammar.axes import quantity_of
 
     console.say(f"rod: {found['source']}")
@@ -266,7 +267,6 @@ def _results(found: dict[str, Any]) -> dict[str, float]:
 
 
 def _unit(name: str, found: dict[str, Any]) -> str:
-    from solver.problem.quantities import unit_of
 
     unit = unit_of(name, found["units"])
     return "" if unit == "1" else unit

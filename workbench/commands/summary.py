@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from math import degrees, floor, log10
 from typing import TYPE_CHECKING, Any
 
+from solver.problem.quantities import unit_of
+
 from . import console, tables
 from .options import File
 from .present import Result, presents
@@ -159,7 +161,6 @@ def _list() -> list[dict[str, Any]]:
 
     study, title, samples (their number), sampled (fields), refined, axes (axis, from, to, count, unit, follow), laws.
     """
-    from solver.problem.quantities import unit_of
     from studies import load, names
     from studies.grammar.axes import quantity_of
 

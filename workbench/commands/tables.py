@@ -6,6 +6,8 @@ from math import degrees
 from textwrap import wrap
 from typing import Any
 
+from solver.problem.quantities import unit_of
+
 from ..words import escaping
 from . import console
 
@@ -58,7 +60,6 @@ def number_shown(name: str, value: float) -> float:
 
 def unit_shown(name: str, units: Mapping[str, str]) -> str:
     """The unit of a quantity or a field as it is printed; nothing for a plain number."""
-    from solver.problem.quantities import unit_of
     from studies.grammar.axes import quantity_of
 
     unit = unit_of(quantity_of(name).name, units)

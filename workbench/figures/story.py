@@ -267,26 +267,21 @@ def _rod(ax: Axes, eye: _Eye, rod: Any, shades: Any, ends: tuple[float, float], 
     alpha = rod["alpha"]
     place = frames.position(rod.rho, alpha, rod["z"])
     frame = place, frames.tangent(alpha, rod["beta"]), frames.outward(alpha), frames.binormal(alpha, rod["beta"])
-    points, normals = (part[: len(place) * SIDES].reshape(len(place), SIDES, 3)
-                       for part in tube.surface(frame, rod.a, SIDES, sharp=False))  # fmt: skip
-    ends_of = np.stack([place[:1], place[-1:]])[:, :, None].repeat(SIDES, axis=2)  # each end is closed by a disc
-    rings = np.concatenate([ends_of[0], points, ends_of[1]])
-    normals = np.concatenate([-frame[1][:1, None].repeat(SIDES, 1), normals[:-1], frame[1][-1:, None].repeat(SIDES, 1)])
-    faces = np.stack([rings[:-1], np.roll(rings, -1, 1)[:-1], np.roll(rings, -1, 1)[1:], rings[1:]], axis=2)
-    of = np.r_[0, : len(place) - 1, len(place) - 1]  # the station of each ring of faces
-    behind = np.cos(alpha[of] - eye.azimuth) < 0
-    base = np.asarray(shades)[of, None].repeat(SIDES, axis=1)
+    mesh = tube.mesh(frame, rod.a, SIDES)
+    corner = mesh.triangles[:, 0]
+    behind = tube.at_points(np.cos(alpha - eye.azimuth) < 0, SIDES)[corner]
+    base = tube.at_points(np.asarray(shades), SIDES)[corner]
     for part, order in ((behind, 1.0), (~behind, 3.0)):
-        _faces(ax, eye, faces[part], normals[part], base[part], order)
+        _faces(ax, eye, mesh.points[mesh.triangles[part]], mesh.normals[corner[part]], base[part], order)
     _cylinder(ax, eye, R, ends)
 
 
 def _faces(ax: Axes, eye: _Eye, faces: Values, normals: Values, shades: Values, order: float) -> None:
-    """Shaded faces, (..., 4, 3), the farthest first."""
-    corners, seen = eye.project(faces.reshape(-1, 4, 3)), eye.project(normals.reshape(-1, 3))
+    """Shaded triangles, (n, 3, 3), the farthest first."""
+    corners, seen = eye.project(faces), eye.project(normals)
     towards = seen[:, 2] > -0.05
     light = np.clip(seen @ (LIGHT / np.linalg.norm(LIGHT)), 0, 1)[:, None]
-    shaded = np.clip(shades.reshape(-1, 3) * (SHADE + (1.08 - SHADE) * light) + 0.35 * light**24, 0, 1)
+    shaded = np.clip(shades * (SHADE + (1.08 - SHADE) * light) + 0.35 * light**24, 0, 1)
     first = np.argsort(corners[towards, :, 2].mean(axis=1))
     drawn = shaded[towards][first]
     ax.add_collection(PolyCollection(

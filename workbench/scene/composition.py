@@ -17,7 +17,7 @@ from . import long_rod, page
 from .body import Body
 from .page import Page, Scene
 from .rendering import Placed, render
-from .scene_kinds import Bar, Cell, set_range
+from .scene_kinds import Cell, set_range
 from .settings import DEFAULT, Settings, TooFewStations
 from .views import EDGE, Camera, View, arrange
 
@@ -36,9 +36,9 @@ __all__ = ["DEFAULT", "Scene", "Settings", "TooFewStations", "compose"]
 def compose(scene: Scene) -> Page:
     """Colour the rods, render them, and set the page. Raises `InputError`, `TooFewStations`."""
     settings, dpi = scene.settings, scene.settings.dpi
-    scene, bar, beyond = colour_rods(_bare(scene) if settings.bare else scene)
+    scene, beyond = colour_rods(_bare(scene) if settings.bare else scene)
     legend, notes = words_of(scene)
-    room = _room_on(Page(scene, legend, notes, bar))
+    room = _room_on(Page(scene, legend, notes))
     arranged = arrange(scene.rows, scene.camera, room, scene.pitch, scene.columns)
     if scene.heads and fonts.width_of(scene.heads[0], fonts.NORMAL) > arranged.size[1]:  # no room beside the rows
         case = ", ".join(text for text in (scene.case, f"rows: {scene.heads[0]}") if text)
@@ -67,8 +67,8 @@ def compose(scene: Scene) -> Page:
         wide, high = size[0] / dpi, size[1] / dpi
     elif not settings.size:
         wide = min(wide, max(NARROWEST, arranged.size[0] + scene.beside[0] + 2 * canvas.MARGIN))
-    final = Page(scene, [entry for entry in legend if kept or entry[0] != page.OUTLINE], [*notes, *beyond, *rough],
-                 bar, (wide, high))  # fmt: skip
+    legend = [entry for entry in legend if kept or entry[0] != page.OUTLINE]
+    final = Page(scene, legend, [*notes, *beyond, *rough], (wide, high))
     if not (settings.size or settings.bare):
         final.fit(size[1] / dpi)
     final.put(pixels, arranged, _rings(scene, arranged))
@@ -118,7 +118,7 @@ def impossible(bodies: Sequence[Body]) -> list[str]:
 
 def room_of(scene: Scene) -> tuple[float, float]:
     """The room for the views of a scene on its page in inches. Raises `InputError` where there is none."""
-    return _room_on(Page(scene, *words_of(scene), colour_rods(scene)[1]))
+    return _room_on(Page(colour_rods(scene)[0], *words_of(scene)))
 
 
 def _room_on(draft: Page) -> tuple[float, float]:
@@ -138,25 +138,25 @@ def _bare(scene: Scene) -> Scene:
     return replace(scene, rows=rows, columns=(), heads=(), names=(), ringed=False)
 
 
-def colour_rods(scene: Scene) -> tuple[Scene, Bar | None, list[str]]:
-    """The scene with the colours of its kind on all rods, their bar, and what lies beyond a chosen scale."""
+def colour_rods(scene: Scene) -> tuple[Scene, list[str]]:
+    """The scene with the colours of its kind on all rods, and what lies beyond a chosen scale."""
     if scene.kind.cells == "together":
-        return scene, None, []
+        return scene, []
     each = [body.extremes() for body in scene.context] if scene.kind.value else []
     extremes = (min(low for low, _ in each), max(high for _, high in each)) if each else None
     units = {kind: str(scene.ds.attrs[f"{kind}_unit"]) for kind in ("length", "force")}
-    (paint, bar), notes = scene.kind.paint(units, extremes), list[str]()
+    paint, notes = scene.kind.paint(units, extremes), list[str]()
     if chosen := scene.settings.color_range:
         if scene.kind.value is None:
             raise InputError(f"a scene of kind {scene.kind.name} has no colour bar, so it takes no --color-range")
-        if bar and extremes:
-            paint, bar = set_range(paint, bar, chosen)
+        if paint.label and extremes:
+            paint = set_range(paint, chosen)
             beyond = [f"up to {labels.number(extremes[1])}"] if extremes[1] > paint.high else []
             beyond += [f"down to {labels.number(extremes[0])}"] if extremes[0] < paint.low else []
-            notes = [f"{bar.label if bar else ''}: {', '.join(beyond)}"] if beyond else []
-    painted = {body: replace(body, paint=paint) for body in scene.bodies}
-    rows = [[replace(view, bodies=[painted[body] for body in view.bodies]) for view in row] for row in scene.rows]
-    return replace(scene, rows=rows), bar, notes
+            notes = [f"{paint.label}: {', '.join(beyond)}"] if beyond else []
+    rows = [[replace(view, bodies=[replace(body, paint=paint) for body in view.bodies]) for view in row]
+            for row in scene.rows]  # fmt: skip
+    return replace(scene, rows=rows, paint=paint), notes
 
 
 def _check_width(scene: Scene, camera: Camera) -> None:

@@ -162,11 +162,11 @@ def _begin(fig: Figure, film: Film, scene: page.Scene, lying: bool) -> None:
     left, right = canvas.MARGIN, across - canvas.MARGIN
     ax.text(right, left + 0.02, name[:1].upper() + name[1:], color=colours.SOFT, va="top", ha="right")
     ax.plot([left, right], [left + 0.34] * 2, color=colours.FAINT, linewidth=2.0, solid_capstyle="round")
-    weight, bar = scene.down, composition.colour_rods(scene)[1]
+    weight, paint = scene.down, composition.colour_rods(scene)[0].paint
     if weight is not None:
         page.draw_weight(ax, right - 0.85, tall - 0.27, weight)
-    if bar:
-        page.draw_bar(ax, bar, (2 * left, tall - 0.32), (1.6, 0.1))
+    if paint.label:
+        page.draw_bar(ax, paint, (2 * left, tall - 0.32), (1.6, 0.1))
     if str(ds.attrs["side"]) == "inside":
         room = across - (2.4 if weight is None else 3.5)
         words = fonts.break_lines(cautions.left_out_of_dataset(ds), room, fonts.SMALL)

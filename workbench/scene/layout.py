@@ -138,7 +138,7 @@ def _single(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: s
     """One case large; a long one in lines."""
     chosen = selection.case(ds, at)
     where = chosen if at else _nearest_solved(ds, chosen)
-    case = scene_kinds.case_values(ds, where, settings.digits)
+    case = scene_kinds.case_values(ds, where)
     body, why = rods.of_case(ds, where, kind, settings.span)
     if body is None:
         raise InputError(f"nothing to draw{f' at {case}' if case else ''}: {why}")
@@ -149,9 +149,7 @@ def _single(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: s
         context = [each for each in line if each]
     notes = []
     if where != chosen:
-        notes += [
-            f"{scene_kinds.case_values(ds, chosen, settings.digits)} is not solved; this is the nearest solved case"
-        ]
+        notes += [f"{scene_kinds.case_values(ds, chosen)} is not solved; this is the nearest solved case"]
     down = gravity(ds, where)
     body, *context = long_rod.compress([body, *context])
     notes = [*long_rod.notes_on([body], str(ds.attrs["length_unit"])), *notes]

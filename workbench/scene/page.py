@@ -6,7 +6,7 @@ the axes it would be resampled.
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,7 @@ from ..geometry.centreline import Array
 from ..store import atomic
 from ..words import labels
 from .body import Body
-from .scene_kinds import Bar, Cell, Kind
+from .scene_kinds import Cell, Kind, Paint
 from .settings import Settings
 from .views import BELOW, DOT, Camera, View
 
@@ -69,6 +69,8 @@ class Scene:
         Whether self-intersections are ringed.
     names
         Of the rods of the first view, in the legend.
+    paint
+        Whose bar the page has; chosen by `composition.colour_rods`.
     """
 
     ds: xr.Dataset
@@ -85,6 +87,7 @@ class Scene:
     pitch: float = 0.0
     ringed: bool = True
     names: Sequence[str] = ()
+    paint: Paint = field(default_factory=Paint)
 
     @property
     def bodies(self) -> list[Body]:
@@ -132,10 +135,10 @@ class Page:
     stations: int
 
     def __init__(
-        self, scene: Scene, legend: Sequence[tuple[str, str]], notes: Sequence[str], bar: Bar | None,
+        self, scene: Scene, legend: Sequence[tuple[str, str]], notes: Sequence[str],
         size: tuple[float, float] | None = None,
     ) -> None:  # fmt: skip
-        self.scene, self.legend, self.notes, self.bar = scene, legend, notes, bar
+        self.scene, self.legend, self.notes = scene, legend, notes
         bare, size = scene.settings.bare, size or scene.page_size
         self.bare, self.head, self.foot = bare, (0.0, 0.0) if bare else scene.beside, 0.0 if bare else FOOT
         inside = "inside the cylinder, cut open" if str(scene.ds.attrs["side"]) == "inside" else ""
@@ -235,8 +238,8 @@ class Page:
             x += WEIGHT + APART
         unit = str(scene.ds.attrs["length_unit"])
         _draw_scale(self.ax, x, y, self.arrangement.scale * scene.along, unit, scene.along)
-        if self.bar:
-            draw_bar(self.ax, self.bar, (x + SCALE + APART, y - 0.04), (BAR, 0.1))
+        if scene.paint.label:
+            draw_bar(self.ax, scene.paint, (x + SCALE + APART, y - 0.04), (BAR, 0.1))
 
 
 def _draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:
@@ -308,14 +311,14 @@ def draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None
     ax.text(x + 0.3, y, "weight", size=0.75 * fonts.SMALL, color=colours.SOFT, va="center")
 
 
-def draw_bar(ax: Axes, bar: Bar, corner: tuple[float, float], size: tuple[float, float]) -> None:
+def draw_bar(ax: Axes, paint: Paint, corner: tuple[float, float], size: tuple[float, float]) -> None:
     """A colour bar with a few round values below and its quantity above; corner and size in inches of the panel."""
     place = ax.inset_axes((*corner, *size), transform=ax.transData)
-    scale = ScalarMappable(Normalize(bar.paint.low, bar.paint.high), bar.paint.ramp)
+    scale = ScalarMappable(Normalize(paint.low, paint.high), paint.ramp)
     canvas.colour_bar([ax], scale, cax=place, orientation="horizontal")
-    place.set_xlim(bar.low, bar.high)
+    place.set_xlim(paint.low if paint.foot is None else paint.foot, paint.high)
     place.tick_params(labelcolor=colours.INK, pad=1)
-    place.set_title(bar.label, size=fonts.SMALL, loc="left", pad=2)
+    place.set_title(paint.label, size=fonts.SMALL, loc="left", pad=2)
 
 
 def pixels_of(fig: Figure) -> Pixels:

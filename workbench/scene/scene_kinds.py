@@ -27,7 +27,8 @@ Extremes = tuple[float, float] | None  # the least and the largest value of all 
 class Paint:
     """The colour of a tube: one for all, or by a value along it between `low` and `high`.
 
-    stripe: the colour of a stripe that turns with the material; default: none.
+    stripe: the colour of a stripe that turns with the material; default: none. label: what the bar of its colours is
+    called, the quantity with its unit; default: no bar. foot: where the bar begins; default: at `low`.
     """
 
     colour: str = colours.NEUTRAL
@@ -35,65 +36,50 @@ class Paint:
     low: float = 0.0
     high: float = 1.0
     stripe: str = ""
+    label: str = ""
+    foot: float | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Bar:
-    """A colour bar: the colours of a paint between two values, and the quantity with its unit."""
-
-    paint: Paint
-    low: float
-    high: float
-    label: str
-
-
-Painted = tuple[Paint, Bar | None]
-
-
-def one_colour(units: dict[str, str], extremes: Extremes) -> Painted:
+def one_colour(units: dict[str, str], extremes: Extremes) -> Paint:
     """All rods in a neutral colour, which says nothing of the push."""
-    return Paint(colours.NEUTRAL), None
+    return Paint()
 
 
-def with_stripe(units: dict[str, str], extremes: Extremes) -> Painted:
+def with_stripe(units: dict[str, str], extremes: Extremes) -> Paint:
     """A stripe on an unpainted rod."""
-    return Paint(colours.UNPAINTED, stripe=colours.STRIPE), None
+    return Paint(colours.UNPAINTED, stripe=colours.STRIPE)
 
 
-def by_push(units: dict[str, str], extremes: Extremes) -> Painted:
+def by_push(units: dict[str, str], extremes: Extremes) -> Paint:
     """By the cylinder's push, one scale for all rods, as far below 0 as above it and pale there."""
     low, end = colours.push_scale(*extremes) if extremes else (0.0, 0.0)
     if end == 0:
-        return Paint(colours.NEUTRAL), None
+        return Paint()
     unit = labels.unit(f"{units['force']}/{units['length']}")
-    paint = Paint(ramp=PUSH_RAMP, low=-end, high=end)
-    return paint, Bar(paint, low, end, colours.push_words(unit, low))
+    return Paint(ramp=PUSH_RAMP, low=-end, high=end, label=colours.push_words(unit, low), foot=low)
 
 
-def by_curvature(units: dict[str, str], extremes: Extremes) -> Painted:
+def by_curvature(units: dict[str, str], extremes: Extremes) -> Paint:
     """By the curvature, one scale for all rods; one colour where it is the same everywhere."""
     low, high = extremes or (0.0, 0.0)
     if high - low <= 1e-9 * high:
-        return Paint(colours.NEUTRAL), None
-    paint = Paint(ramp=colours.ramp(), low=low, high=high)
-    return paint, Bar(paint, low, high, f"curvature κ [1/{units['length']}]")
+        return Paint()
+    return Paint(ramp=colours.ramp(), low=low, high=high, label=f"curvature κ [1/{units['length']}]")
 
 
-def set_range(paint: Paint, bar: Bar, chosen: tuple[float, float]) -> Painted:
+def set_range(paint: Paint, chosen: tuple[float, float]) -> Paint:
     """The same colours between two other values.
 
     Raises `InputError` for a scale of pushes that is not pale at 0.
     """
     low, high = chosen
     if paint.ramp is not PUSH_RAMP:
-        paint = replace(paint, low=low, high=high)
-    elif low not in (0.0, -high):
+        return replace(paint, low=low, high=high)
+    if low not in (0.0, -high):
         raise InputError(
             f"the colours of a push are pale at 0, so --color-range is 0,HIGH or -HIGH,HIGH, got {low:g},{high:g}"
         )
-    else:
-        paint = replace(paint, low=-high, high=high)
-    return paint, replace(bar, paint=paint, low=low, high=high)
+    return replace(paint, low=-high, high=high, foot=low)
 
 
 ASKED = 6  # digits of a value with which --at finds its case again
@@ -177,7 +163,7 @@ class Kind:
     value
         What the colour shows along a rod at s, (k,); nothing else is computed there. Default: one colour a rod.
     paint
-        The colours of all rods and their bar, from the units and the extremes of the value; for "together" each rod has
+        The colours of all rods, from the units and the extremes of the value; for "together" each rod has
         the colour of its value on the axis instead.
     legend
         Colours that the bar does not explain, each with its meaning.
@@ -196,7 +182,7 @@ class Kind:
     cells: Literal["one", "each", "together"]
     reads: frozenset[str] = CURVE
     value: Callable[[Centreline, Array], Array] | None = None
-    paint: Callable[[dict[str, str], Extremes], Painted] = one_colour
+    paint: Callable[[dict[str, str], Extremes], Paint] = one_colour
     legend: tuple[tuple[str, str], ...] = ()
     cell: Callable[[xr.Dataset, list[str], dict[str, int]], Cell] = value_cell
     of_equilibria: bool = False

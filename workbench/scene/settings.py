@@ -9,7 +9,6 @@ from typing import TypeVar
 from solver.problem.errors import InputError
 
 from ..figures import fonts
-from .scene_kinds import ASKED
 from .views import views_of
 
 Number = TypeVar("Number", int, float)
@@ -53,8 +52,6 @@ class Settings:
         Width and height of the picture in pixels; default: as high as its content.
     samples
         Along each side of a pixel.
-    digits
-        Of the values of the case in the line below the title; default: as many as --at needs to find the case again.
     """
 
     pixel_error: float = 0.5
@@ -66,7 +63,6 @@ class Settings:
     bare: bool = False
     transparent: bool = False
     size: tuple[int, int] | None = None
-    digits: int = ASKED
     samples: int = 4
 
 
