@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from solver import Case, Ends, equilibria, solve
 from solver.equilibria import Equilibrium
 from tests.cases import ends_in_units_of_rho, in_units_of_rho, table_1
+from tests.equation import loads_of, march_with_variations
 
 NUMBERS = -0.3655, 0.7464, -0.7506  # physics.md, section 5
 
@@ -36,20 +36,6 @@ def found(name: str) -> list[Equilibrium]:
 
 
 both = pytest.mark.parametrize("name", PROBLEMS)
-
-
-def rates(case: Case):
-    """beta'' and the second variation, written anew; in units of rho."""
-    FZ, MZ, M3 = (load / case.rod.bending_stiffness for load in case.loads)
-    lam, mu, phi = MZ * case.rho, M3 * case.rho, FZ * case.rho**2
-
-    def right(_: float, y: np.ndarray) -> list[float]:
-        s, c = np.sin(y[0]), np.cos(y[0])
-        H = lam * c - mu * np.cos(2 * y[0]) - (phi + 2 * c * s * s) * s
-        rate = -lam * s + 2 * mu * np.sin(2 * y[0]) - phi * c - 2 * (3 * s * s * c * c - s**4)
-        return [y[1], -H, y[3], -rate * y[2]]
-
-    return right
 
 
 @both
@@ -82,16 +68,15 @@ def test_they_come_with_the_lowest_energy_first(name: str) -> None:
 def test_the_index_is_the_number_of_conjugate_points(name: str) -> None:
     """eta'' + H' eta = 0, eta(0) = 0: its zeros inside, by a march of its own, where a march is in reach."""
     case = PROBLEMS[name]()
-    right, rho, span = rates(case), case.rho, case.rod.L / case.rho
+    loads, rho, span = loads_of(case), case.rho, case.rod.L / case.rho
     counted = 0
     for one in found(name):
-        start = [case.given.beta0, one.dbeta0 * rho, 0.0, 1.0]
-        t = np.linspace(0, span, 4001)
-        y = solve_ivp(right, (0, span), start, "DOP853", t_eval=t, rtol=1e-12, atol=1e-12).y
+        y, by, _ = march_with_variations(loads, case.given.beta0, one.dbeta0 * rho, np.linspace(0, span, 4001), 1e-9)
         if abs(y[0, -1] - case.given.betaL) > 1e-6:
             continue  # it hugs a saddle: the march has left it
         counted += 1
-        assert np.count_nonzero(y[2, 1:-1] * y[2, 2:] < 0) == one.index
+        eta = by[0, 1]
+        assert np.count_nonzero(eta[1:-1] * eta[2:] < 0) == one.index
     assert counted >= 6
 
 

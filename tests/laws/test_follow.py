@@ -5,7 +5,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
 from solver import Branch, Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
@@ -15,6 +14,7 @@ from solver.levels.path_orbits import orbit_of
 from solver.problem.case_fields import with_field
 from solver.problem.reduced import reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, rod_of_unit_stiffness
+from tests.equation import far_angle
 
 END = "the end of the range"
 
@@ -33,20 +33,6 @@ def table_1_ends() -> Case:
 @cache
 def every() -> list[Equilibrium]:
     return list(equilibria(table_1_ends()))
-
-
-def far_angle(case: Case, dbeta0: float) -> float:
-    """beta(L) of a rod that starts with beta'(0), by marching beta'' = -H."""
-    lam, mu, phi, span, beta0 = (
-        float(getattr(reduce(case), name)[0]) for name in ("lam", "mu", "phi", "span", "beta0")
-    )
-
-    def rate(_: float, y: np.ndarray) -> list[float]:
-        s, c = np.sin(y[0]), np.cos(y[0])
-        return [y[1], -(lam * c - mu * np.cos(2 * y[0]) - (phi + 2 * c * s * s) * s)]
-
-    start = [beta0, dbeta0 * float(case.rho)]
-    return float(solve_ivp(rate, (0, span), start, "DOP853", rtol=1e-13, atol=1e-13).y[0, -1])
 
 
 def test_the_fold_of_table_1_is_the_largest_beta_at_the_end_over_the_slope_at_the_start() -> None:

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
+from tests.equation import loads_of, march
 from tests.laws.test_held_ends import discrete_index
 
 TURNING = {"GJ": 0.9, "L": 2.4, "FZ": 1.9, "MZ": 1.8, "M3": -0.5}
@@ -20,16 +20,10 @@ def between_hinges(GJ: float, L: float, **given: float) -> Case:
 
 
 def marched(solution: Solution) -> Any:
-    """beta, beta_t, azimuth and height at the far end, marched from the start of a solution; rho = A = 1."""
+    """beta and beta_t at the far end, marched from the start of a solution; rho = A = 1."""
     problem = solution.problem
-    lam, mu, phi = (float(getattr(problem, name)[0]) for name in ("lam", "mu", "phi"))
-
-    def rate(_: float, y: Any) -> list[float]:
-        s, c = np.sin(y[0]), np.cos(y[0])
-        return [y[1], (phi + 2 * c * s * s) * s - lam * c + mu * np.cos(2 * y[0]), s, c]
-
-    start = [float(problem.beta0[0]), 0.0, 0.0, 0.0]
-    return solve_ivp(rate, (0, float(problem.span[0])), start, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    loads = [float(getattr(problem, name)[0]) for name in ("lam", "mu", "phi")]
+    return march(loads, problem.beta0, 0.0, float(problem.span[0])).y[:, -1]
 
 
 def names_of(case: Case) -> tuple[str, ...]:
@@ -46,7 +40,7 @@ def test_mirror_images_have_the_derivatives_that_differences_of_solved_rods_have
         rates = one.sensitivity(["FZ"], ["height"])
         assert rates.solved, rates.outcome
         assert rates.observables["height"][0] == pytest.approx(wanted, abs=1e-6)
-        assert np.abs(marched(one)[:2] - [one.beta[-1], 0]).max() < 1e-10
+        assert np.abs(marched(one) - [one.beta[-1], 0]).max() < 1e-10
     heights = sorted(float(one.sensitivity(["FZ"], ["height"]).observables["height"][0]) for one in bent)
     assert heights[2:] == pytest.approx([-0.0267450] * 2, abs=1e-7)
 
@@ -82,7 +76,7 @@ def test_equilibria_between_hinges_have_their_index_and_none_of_two_images_is_mi
         mesh = discrete_index(one.solution.problem, one.solution.trajectory.orbit, names_of(case), 1 / given["GJ"])
         assert one.index == mesh
         if np.ptp(one.solution.beta):
-            assert np.abs(marched(one.solution)[:2] - [one.solution.beta[-1], 0]).max() < 1e-9
+            assert np.abs(marched(one.solution) - [one.solution.beta[-1], 0]).max() < 1e-9
     if given["L"] > 5:
         assert 1.16749 in starts
 
@@ -102,18 +96,9 @@ def test_a_helix_between_two_hinges_is_its_own_seed_and_leads_to_the_next_one() 
 def test_the_list_between_hinges_is_that_of_a_fine_march(betaL: float | None) -> None:
     free = {} if betaL is None else {"betaL": betaL}
     case = between_hinges(GJ=0.5275591, L=4.890809, FZ=0.6906972, MZ=-0.6810731, M3=1.1537148, **free)
-    angles, step = np.linspace(-np.pi, np.pi, 4001) + 1e-7, 4.890809 / 400
+    angles = np.linspace(-np.pi, np.pi, 4001) + 1e-7
 
-    def rate(y: Any) -> Any:
-        s, c = np.sin(y[0]), np.cos(y[0])
-        return np.stack([y[1], (0.6906972 + 2 * c * s * s) * s + 0.6810731 * c + 1.1537148 * np.cos(2 * y[0])])
-
-    y = np.stack([angles, 0 * angles])
-    for _ in range(400):
-        k1 = rate(y)
-        k2 = rate(y + step / 2 * k1)
-        k3 = rate(y + step / 2 * k2)
-        y = y + step / 6 * (k1 + 2 * k2 + 2 * k3 + rate(y + step * k3))
+    y = march(loads_of(case), angles, 0 * angles, 4.890809, 1e-9).y[:, -1].reshape(2, -1)
     off = y[1] if betaL is None else np.sin((y[0] - betaL) / 2)
     roots = angles[:-1][off[1:] * off[:-1] < 0]
     search = equilibria(case).search  # type: ignore[attr-defined]

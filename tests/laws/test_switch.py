@@ -4,11 +4,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from solver import Branch, Case, Cylinder, Ends, equilibria, follow, solve, switch
-from solver.problem.reduced import reduce
 from tests.cases import rod_of_unit_stiffness
+from tests.equation import far_angle
 
 L = 10.0
 EULER = -((np.pi / L) ** 2)
@@ -18,17 +17,6 @@ EULER = -((np.pi / L) ** 2)
 def straight() -> Branch:
     pipe = Case(rod_of_unit_stiffness(L, 0.01), Cylinder(1 - 0.01), Ends(0.0, 0.0, FZ=1.0))
     return follow(solve(pipe), FZ=-3.0)
-
-
-def far_angle(case: Case, dbeta0: float) -> float:
-    """beta(L) of a rod that starts at beta = 0 with beta'(0), by marching beta'' = -H."""
-    lam, mu, phi, span = (float(getattr(reduce(case), name)[0]) for name in ("lam", "mu", "phi", "span"))
-
-    def rate(_: float, y: np.ndarray) -> list[float]:
-        s, c = np.sin(y[0]), np.cos(y[0])
-        return [y[1], -(lam * c - mu * np.cos(2 * y[0]) - (phi + 2 * c * s * s) * s)]
-
-    return float(solve_ivp(rate, (0, span), [0.0, dbeta0], "DOP853", rtol=1e-13, atol=1e-14).y[0, -1])
 
 
 def test_a_straight_pipe_goes_over_to_its_two_buckled_shapes() -> None:

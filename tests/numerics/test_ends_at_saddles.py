@@ -15,6 +15,7 @@ from solver.levels.transit_times import Levels, transit_times
 from solver.observe.observables import observe
 from solver.problem.reduced import EndsProblem, Reduced, reduce
 from tests.cases import ends_in_units_of_rho, in_units_of_rho
+from tests.equation import force, march, potential
 
 A = 0.01
 E = 1 / (np.pi / 4 * A**4)  # with a hole of radius 1 - A: bending stiffness and distance from the axis are 1
@@ -22,18 +23,6 @@ E = 1 / (np.pi / 4 * A**4)  # with a hole of radius 1 - A: bending stiffness and
 
 def case(L: float, beta0: float, betaL: float, **loads: float) -> Case:
     return Case(Rod(E, 0.25, A, L), Cylinder(1 - A), Ends(beta0, betaL, **loads))
-
-
-def potential(b: np.ndarray, lam: float, mu: float, phi: float) -> np.ndarray:
-    """G, written anew."""
-    s, c = np.sin(b), np.cos(b)
-    return (2 * (lam - mu * c) - s**3) * s + 2 * phi * c
-
-
-def force(b: np.ndarray, lam: float, mu: float, phi: float) -> np.ndarray:
-    """H, written anew."""
-    s, c = np.sin(b), np.cos(b)
-    return lam * c - mu * np.cos(2 * b) - (phi + 2 * c * s * s) * s
 
 
 @pytest.mark.parametrize("L", (100.0, 163.0, 400.0))
@@ -272,14 +261,8 @@ def test_random_ends_on_saddles_have_a_stable_equilibrium_and_a_signed_count_of_
 
 def ends_by_march(numbers: tuple[float, ...], slopes: np.ndarray) -> np.ndarray:
     """beta(L) of rods that start with these slopes."""
-    lam, mu, phi, span, beta0 = numbers[:5]
-    n = slopes.size
-
-    def right(_: float, y: np.ndarray) -> np.ndarray:
-        return np.concatenate([y[n:], -force(y[:n], lam, mu, phi)])
-
-    start = np.concatenate([np.full(n, beta0), slopes])
-    return solve_ivp(right, (0, span), start, "DOP853", rtol=1e-8, atol=1e-9, t_eval=[span]).y[:n, -1]
+    *loads, span, beta0 = numbers[:5]
+    return march(loads, beta0, slopes, span, 1e-8, t_eval=[span]).y[: slopes.size, -1]
 
 
 @pytest.mark.slow

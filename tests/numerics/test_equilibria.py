@@ -17,6 +17,7 @@ from solver.levels.morse_index import jacobi_zeros, morse_index
 from solver.levels.transit_times import repeat
 from solver.problem.reduced import reduce
 from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
+from tests.equation import force, force_rate
 from tests.slow import slow_but
 
 MANY = -0.3655, 0.7464, -0.7506  # lam, mu, phi
@@ -43,13 +44,6 @@ def slopes(solutions: list[Equilibrium]) -> np.ndarray:
 # a search of another kind: Newton's rule on the difference equation, from seeds, away from what it has found
 
 
-def force(b: np.ndarray, lam: float, mu: float, phi: float) -> tuple[np.ndarray, np.ndarray]:
-    """H and H', written anew."""
-    s, c = np.sin(b), np.cos(b)
-    H = lam * c - mu * np.cos(2 * b) - (phi + 2 * c * s * s) * s
-    return H, -lam * s + 2 * mu * np.sin(2 * b) - phi * c - 6 * s * s * c * c + 2 * s**4
-
-
 def deflated(numbers: tuple[float, ...], b: np.ndarray, known: list[np.ndarray]) -> np.ndarray | None:
     """A root of the difference equation that is none of the known ones, from a guess b with its ends in place.
 
@@ -59,7 +53,7 @@ def deflated(numbers: tuple[float, ...], b: np.ndarray, known: list[np.ndarray])
     h = span / (b.size - 1)
     bands = np.ones((3, b.size - 2))
     for _ in range(80):
-        H, rate = force(b[1:-1], lam, mu, phi)
+        H, rate = force(b[1:-1], lam, mu, phi), force_rate(b[1:-1], lam, mu, phi)
         off = np.diff(b, 2) + h * h * H
         bands[1] = -2 + h * h * rate
         step = solve_banded((1, 1), bands, -off)
@@ -93,7 +87,7 @@ def guesses(numbers: tuple[float, ...], nodes: int, rng: np.random.Generator) ->
     b[0] = first
     b[1] = first + h * rng.uniform(-2.1, 2.1, 80)
     for k in range(1, nodes - 1):
-        b[k + 1] = 2 * b[k] - b[k - 1] - h * h * force(b[k], lam, mu, phi)[0]
+        b[k + 1] = 2 * b[k] - b[k - 1] - h * h * force(b[k], lam, mu, phi)
     b = b[:, np.abs(last - b[-1]) < 2]
     return out + list((b + (last - b[-1]) * u[:, None]).T)
 
@@ -157,7 +151,7 @@ def test_the_index_keeps_to_morse_on_rods_too_long_for_any_march(span: float) ->
 @pytest.mark.parametrize("beta, mu, phi", ((1.1, 0.9, -0.4), (0.7, 0.5, -0.9)))
 def test_a_helix_at_a_centre_gains_an_unstable_direction_each_half_wave(span, beta, mu, phi) -> None:
     numbers = helix_moment(beta, mu, phi), mu, phi
-    rate = force(np.array([beta]), *numbers)[1][0]
+    rate = force_rate(beta, *numbers)
     assert rate > 0
     straight = [one for one in found(*numbers, span, beta, beta) if np.ptp(one.solution.beta) < 1e-12]
     assert len(straight) == 1
@@ -168,7 +162,7 @@ def test_a_helix_at_a_centre_gains_an_unstable_direction_each_half_wave(span, be
 @pytest.mark.parametrize("beta, mu, phi", ((1.1, 0.4, 0.2), (0.4, -0.3, 0.1)))
 def test_a_helix_at_a_saddle_is_stable_however_long(span, beta, mu, phi) -> None:
     numbers = helix_moment(beta, mu, phi), mu, phi
-    assert force(np.array([beta]), *numbers)[1][0] < 0
+    assert force_rate(beta, *numbers) < 0
     straight = [one for one in found(*numbers, span, beta, beta) if np.ptp(one.solution.beta) < 1e-12]
     assert len(straight) == 1
     assert straight[0].index == 0

@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, fold_curves, region_map
@@ -16,6 +15,7 @@ from solver.folds.special_line import point_on_line
 from solver.levels.level_search import census
 from solver.region_map import RegionMap
 from studies import load
+from tests.equation import march_with_variations
 from workbench.branches.ends_study import ends_problem
 
 ROD = Rod(E=1.07e4, nu=0.25, a=0.25, L=3.0)
@@ -37,22 +37,10 @@ def straight() -> RegionMap:
 
 
 def marched(v: float, FZ: float, L: float, case: Case = CASE) -> tuple[float, float, float]:
-    """beta(L) less the given one, and its first and second derivative by beta_t(0), by DOP853 of the equations written
-    anew (rho = 1)."""
-    ends = case.given
-    lam, mu, phi = 0.0, float(ends.M3) * RHO / A, FZ * RHO**2 / A
-
-    def flow(t: float, y: np.ndarray) -> list[float]:
-        b, rate, eta, eta_t, zeta, zeta_t = y
-        s, c = np.sin(b), np.cos(b)
-        H = lam * c - mu * np.cos(2 * b) - (phi + 2 * c * s * s) * s
-        H1 = -lam * s + 2 * mu * np.sin(2 * b) - phi * c - 6 * s * s * c * c + 2 * s**4
-        H2 = -lam * c + 4 * mu * np.cos(2 * b) + phi * s - 12 * s * c**3 + 20 * s**3 * c
-        return [rate, -H, eta_t, -H1 * eta, zeta_t, -H1 * zeta - H2 * eta * eta]
-
-    start = [float(ends.beta0), v, 0.0, 1.0, 0.0, 0.0]
-    end = solve_ivp(flow, (0, L / RHO), start, "DOP853", rtol=1e-13, atol=1e-13).y[:, -1]
-    return end[0] - float(ends.betaL), end[2], end[4]
+    """beta(L) less the given one, and its first and second derivative by beta_t(0), of a march (rho = 1)."""
+    loads = 0.0, float(case.given.M3) * RHO / A, FZ * RHO**2 / A
+    y, by, second = march_with_variations(loads, float(case.given.beta0), v, L / RHO, 1e-13)
+    return y[0, -1] - float(case.given.betaL), by[0, 1, -1], second[-1]
 
 
 @pytest.mark.slow

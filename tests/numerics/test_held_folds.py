@@ -7,13 +7,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 from scipy.spatial.distance import pdist
 
 from solver import Branch, Case, Cylinder, Ends, Rod, equilibria, fold_curves, follow, solve, trace_fold
 from solver.folds import linked_search
 from solver.folds.fold_curves import FoldCurve
+from tests.equation import march_with_variations
 
 
 def case_of(L: float, **ends: float) -> Case:
@@ -34,22 +34,8 @@ def hinged() -> Branch:
 
 def marched(v: float, lam: float, phi: float, L: float) -> tuple[np.ndarray, np.ndarray]:
     """beta, beta_t, alpha and z at the far end, and their derivatives by v, lam and phi, (4, 3); rho = 1, mu = 0."""
-
-    def flow(t: float, w: np.ndarray) -> np.ndarray:
-        (b, rate), columns = w[:2], w[4:].reshape(4, 3)
-        s, c = np.sin(b), np.cos(b)
-        H = lam * c - (phi + 2 * c * s * s) * s
-        H1 = -lam * s - phi * c - 6 * s * s * c * c + 2 * s**4
-        by_loads = np.array([0.0, c, -s])
-        eta = columns[0]
-        moved = np.array([columns[1], -H1 * eta - by_loads, c * eta, -s * eta])
-        return np.concatenate([[rate, -H, s, c], moved.ravel()])
-
-    columns = np.zeros((4, 3))
-    columns[1, 0] = 1.0
-    start = np.concatenate([[0.5, v, 0.0, 0.0], columns.ravel()])
-    end = solve_ivp(flow, (0, L), start, "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
-    return end[:4], end[4:].reshape(4, 3)
+    y, by, _ = march_with_variations((lam, 0.0, phi), 0.5, v, L)
+    return y[:4, -1], by[:4, [1, 2, 4], -1]
 
 
 def end_of(curve: FoldCurve, name: int, value: float) -> np.ndarray:

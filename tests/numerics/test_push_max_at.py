@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
 from benchmarks.observed_march import push_and_curvature
 from solver import Case, Cylinder, Rod, Start, observe, solve
 from solver.methods import available
 from tests.cases import EXACT, START, in_units_of_rho, random_rods
+from tests.equation import march
 from tests.numerics.test_measurement import REFERENCES
 from tests.numerics.test_sensitivity import differences
 
@@ -35,11 +35,7 @@ def test_the_place_is_that_of_the_formula_of_the_push_on_a_shape_of_scipy() -> N
     lam, mu, phi, span, beta, v = row
     got = seen(in_units_of_rho(*row))
 
-    def rate(_: float, y: Any) -> Any:
-        s, c = np.sin(y[0]), np.cos(y[0])
-        return [y[1], -(lam * c - mu * np.cos(2 * y[0]) - phi * s - 2 * s**3 * c)]
-
-    way = solve_ivp(rate, (0, span), [beta, v], method="DOP853", rtol=1e-12, atol=1e-13, dense_output=True).sol
+    way = march((lam, mu, phi), beta, v, span, dense_output=True).sol
 
     def push(t: Any) -> Any:
         b, rate = way(t)
