@@ -66,13 +66,6 @@ def test_moment_is_bending_stiffness_times_curvature_and_the_twisting_moment(sol
     close(M - bent, M, 1e-7)  # two derivatives: 1e-14 n^4/stretch^2
 
 
-def test_twist_is_the_twisting_moment_over_the_torsional_stiffness(sol: Solution) -> None:
-    d1, d2, _ = np.moveaxis(sol.material_frame, 1, 0)
-    twist = np.sum(differentiated(d1, sol.s) * d2, axis=1)
-    expected = sol.M3 / sol.case.rod.torsional_stiffness
-    np.testing.assert_allclose(twist, expected, atol=1e-9 * (1 + abs(expected)))  # one derivative
-
-
 def test_contact_is_what_keeps_the_rod_at_its_distance(sol: Solution) -> None:
     """Without eq. (34): bend the curve, ask the moments which force they need, and the force which push it needs.
 
@@ -127,10 +120,3 @@ def test_material_frame_turns_with_the_curvature(sol: Solution) -> None:
         d = sol.material_frame[:, i]
         residual = differentiated(d, sol.s) - np.cross(omega, d)
         np.testing.assert_allclose(residual, 0, atol=1e-9 * (1 + np.abs(omega).max()))  # one derivative
-
-
-def test_the_section_starts_where_it_was_put() -> None:
-    sol = solve(TABLE_1["shear/compression/solid"].case, tol=1e-10)
-    assert abs(sol.gamma[0] + 0.1) < 1e-15  # gamma_0 of Table 1, within rounding
-    assert abs(sol.alpha[0]) < 1e-15
-    assert abs(sol.z[0]) < 1e-15

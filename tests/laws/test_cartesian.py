@@ -1,7 +1,7 @@
-"""The rod in plain Cartesian vectors, written twice anew: sharing nothing with `solver` but the case.
+"""The rod in plain Cartesian vectors, written anew: sharing nothing with `solver` but the case.
 
-Kirchhoff's balances with r, t, t' and F as vectors, contact from the fourth derivative of x^2 + y^2 = rho^2; and a
-discrete rod of nodes, its edges of given length, its nodes at given radius, contact from the multipliers.
+Kirchhoff's balances with r, t, t' and F as vectors, contact from the fourth derivative of x^2 + y^2 = rho^2. A discrete
+rod of nodes, contact from its multipliers, is in `test_weight_in_space`.
 """
 
 from dataclasses import dataclass
@@ -10,8 +10,6 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.sparse import coo_matrix
-from scipy.sparse.linalg import splu
 
 from solver import Case, Solution, solve
 from tests.cases import GENERAL, TABLE_1
@@ -47,9 +45,6 @@ def flat(r: np.ndarray) -> np.ndarray:
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.sum(a * b, axis=-1, keepdims=True)
-
-
-# one: differential equations for vectors
 
 
 @dataclass(frozen=True)
@@ -154,119 +149,3 @@ def test_shape_forces_contact_section_and_loads_are_those_of_the_orbit_and_the_m
         (moment @ EZ, np.full(401, sol.MZ)),
     ):
         close(got, wanted, sol.condition)
-
-
-# two: nodes, edges and multipliers
-
-
-@dataclass(frozen=True)
-class Chain:
-    """N edges of length h between two angles, dead loads at the far end. Columns of a state (N + 3, 5), a row a node
-    from -1 to N + 1: x, y, z, the tension of the edge that follows, the contact."""
-
-    A: float
-    M3: float
-    FZ: float
-    MZ: float
-    rho: float
-    h: float
-    first: np.ndarray
-    aside: np.ndarray
-    betaL: float
-
-    def edges(self, r: np.ndarray) -> np.ndarray:
-        return (r[1:] - r[:-1]) / self.h
-
-    def moments(self, r: np.ndarray) -> np.ndarray:
-        """At nodes 0..N: bending along t x t', and what has the component M3 along both edges."""
-        t = self.edges(r)
-        whole = 1 + dot(t[:-1], t[1:])
-        return (2 * self.A / self.h * np.cross(t[:-1], t[1:]) + self.M3 * (t[:-1] + t[1:])) / whole
-
-    def forces(self, state: np.ndarray) -> np.ndarray:
-        """On the edges 0..N - 1: the shear that balances moments, and the multiplier of the length along the edge."""
-        t = self.edges(state[:, :3])[1:-1]
-        return np.cross(t, np.diff(self.moments(state[:, :3]), axis=0)) / self.h + state[1:-2, 3:4] * t
-
-    def residual(self, state: np.ndarray) -> np.ndarray:
-        r, tension, push = state[:, :3], state[:, 3], state[:, 4]
-        F, M, t = self.forces(state), self.moments(r), self.edges(r)
-        length = dot(t, t)[:, 0] - 1
-        radius = dot(flat(r), flat(r))[:, 0] / self.rho**2 - 1
-        out = np.zeros_like(state)
-        # node -1: by length, radius, and the angle that it makes with node 1 across node 0
-        out[0] = length[0], radius[0], (r[2] - r[0]) @ self.aside / self.h, tension[0], push[0]
-        out[1, :3], out[1, 3], out[1, 4] = r[1] - self.first, length[1], push[1]
-        # nodes 1..N - 1: forces balance; the edge that follows keeps its length, the node its radius
-        out[2:-2, :3] = np.diff(F, axis=0) + self.h * push[2:-2, None] * flat(r[2:-2]) / self.rho
-        out[2:-2, 3], out[2:-2, 4] = length[2:-1], radius[2:-2]
-        # node N: at its radius, under the dead loads
-        about = np.cross((r[-2] + r[-3]) / 2, F[-1]) + (M[-1] + M[-2]) / 2
-        out[-2] = radius[-2], F[-1] @ EZ - self.FZ, about @ EZ - self.MZ, tension[-2], push[-2]
-        aside = -np.cos(self.betaL) * np.cross(EZ, flat(r[-2])) / self.rho + np.sin(self.betaL) * EZ
-        out[-1] = length[-1], radius[-1], (r[-1] - r[-3]) @ aside / self.h, tension[-1], push[-1]
-        return out
-
-    def jacobian(self, state: np.ndarray):
-        """By complex steps, every fifth node at once: an equation sees no further than two nodes away."""
-        rows, columns, values = [], [], []
-        count = state.shape[0]
-        for colour in range(5):
-            node = np.arange(count)
-            source = node + (colour - node + 2) % 5 - 2  # the node of this colour that each row sees
-            seen = (source >= 0) & (source < count)
-            for j in range(5):
-                moved = state.astype(complex)
-                moved[colour::5, j] += 1e-30j
-                slope = self.residual(moved).imag / 1e-30
-                for i in range(5):
-                    rows.append(5 * node[seen] + i)
-                    columns.append(5 * source[seen] + j)
-                    values.append(slope[seen, i])
-        triples = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-        return coo_matrix(triples, shape=(5 * count, 5 * count)).tocsc()
-
-
-def chain(name: str, count: int) -> Chain:
-    """The ends and loads that the march of the start problem has."""
-    case, found, A = named(name), marched(name), named(name).rod.bending_stiffness
-    r, t, k, F, M3 = beginning(case)
-    moment = np.cross(r, F) + A * np.cross(t, k) + M3 * t
-    last = np.arctan2(found.t[-1] @ np.cross(EZ, flat(found.r[-1])) / case.rho, found.t[-1] @ EZ)
-    aside = np.cross(t, -flat(r) / case.rho)
-    return Chain(A, M3, F @ EZ, moment @ EZ, case.rho, case.rod.L / count, r, aside, last)
-
-
-def guess(name: str, count: int) -> np.ndarray:
-    """A state from the march, its nodes a little off it, no tension and no contact."""
-    found = marched(name)
-    s, at = np.linspace(0, 1, 401), np.linspace(-1 / count, 1 + 1 / count, count + 3)
-    r = np.stack([np.interp(at, s, v) for v in found.r.T], axis=1)
-    r[0], r[-1] = 2 * r[1] - r[2], 2 * r[-2] - r[-3]
-    return np.column_stack([r + 1e-3 * np.sin(40 * at)[:, None], np.zeros((count + 3, 2))])
-
-
-@cache
-def settled(name: str, count: int) -> np.ndarray:
-    """The chain at rest, by Newton's rule on positions and multipliers together; its rows 0..count."""
-    rod, state = chain(name, count), guess(name, count)
-    for _ in range(30):
-        step = splu(rod.jacobian(state)).solve(-rod.residual(state).reshape(-1)).reshape(state.shape)
-        state = state + step
-        if np.abs(step[:, :3]).max() < 1e-10:
-            return state[1:-1]
-    raise AssertionError("Newton's rule did not settle")
-
-
-@cases
-def test_nodes_and_multipliers_converge_to_the_orbit_at_second_order(name: str) -> None:
-    sol = orbit(name)
-    off = []
-    for count in (400, 800):
-        rod = settled(name, count)[:: count // 400]
-        position = np.abs(rod[:, :3] - sol.position).max()
-        contact = np.abs(rod[1:-1, 4] - sol.contact[1:-1]).max()
-        off.append([position / sol.case.rho, contact / np.abs(sol.contact).max()])
-    order = np.log2(np.array(off[0]) / off[1])
-    assert (np.abs(order - 2) < 0.1).all(), (order, off)
-    assert np.max(off[1]) < 0.05, off  # at 800 edges of the sharpest bends

@@ -55,20 +55,6 @@ def test_the_same_shape_is_pushed_from_within_or_without() -> None:
     np.testing.assert_array_equal(inside.push, -outside.push)
 
 
-# neighbouring turns of a helix are 2 pi rho cos(beta) apart in the surface
-@pytest.mark.parametrize("share, expected", [(0.8, 1), (1.2, 0)])
-def test_turns_of_a_tight_helix_overlap_where_their_distance_falls_below_two_radii(share: float, expected: int) -> None:
-    a = 0.05
-    beta = np.arccos(share * 2 * a / (2 * np.pi))
-    case = helix(beta, -0.01, a=a, span=30.0)
-    assert observe(solve(case, tol=1e-8, stations=1201), ["overlaps"])["overlaps"] == expected
-
-
-def test_a_single_turn_does_not_overlap() -> None:
-    case = helix(np.arccos(0.8 * 0.05 / np.pi), -0.01, a=0.05, span=6.0)
-    assert observe(solve(case, tol=1e-8, stations=401), ["overlaps"])["overlaps"] == 0
-
-
 def test_a_straight_rod_does_not_overlap_itself() -> None:
     case = in_units_of_rho(0, 0, 0.5, 20.0, 0.0, 0.0)
     sol = solve(case, tol=1e-8)

@@ -196,33 +196,6 @@ def test_no_two_seeds_end_on_one_equilibrium_and_each_way_leads_back(count: int,
     assert followed >= 4 * count
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [n for n in GENERAL if n not in ("long", "strongly twisted")])
-def test_every_equilibrium_of_every_named_problem_is_its_own_seed(name: str) -> None:
-    case = from_start(GENERAL[name].case)
-    every = list(equilibria(case))
-    for i, one in enumerate(every):
-        assert place(solve(case, seed=one.solution), every) == i
-
-
-def test_the_pipe_follows_its_helix_from_load_to_load() -> None:
-    """Steel, 127 mm in 216 mm, 300 m: from 100 to 300 kN the amplitude is Lubinski's (first order in the angle)."""
-    A, rho, L = 1.2e6, 0.0445, 300.0  # N m^2, m, m
-    a = 0.0635
-
-    def pushed(FZ: float) -> Case:
-        return Case(Rod(A / (np.pi / 4 * a**4), 0.3, a, L), Cylinder(rho + a, "inside"), Ends(0.0, 0.0, FZ=FZ))
-
-    sol = solve(pushed(-1e5), seed=float(np.sqrt(1e5 / (2 * A)) ** 2 * rho))
-    assert sol.solved
-    for FZ in (-1.5e5, -2e5, -3e5):
-        sol = solve(pushed(FZ), seed=sol)
-        assert sol.solved, sol.outcome
-        angle = np.sqrt(-FZ / (2 * A)) * rho
-        assert np.abs(sol.beta).max() < 3 * angle
-        assert sol.z[-1] > 0.999 * L
-
-
 @pytest.mark.parametrize("MZ", [0.0664, 0.0648, 0.0632, 0.0600])
 @pytest.mark.parametrize("FZ", [-0.0615, -0.02])
 def test_a_seed_does_not_pass_two_folds_that_are_close_to_each_other(MZ: float, FZ: float) -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver import Rod, Solution, solve
+from solver import Solution, solve
 from tests.cases import EXACT, GENERAL, TABLE_1, Named, table_1
 
 CASES: dict[str, Named] = {**TABLE_1, **GENERAL, "catenary": EXACT["catenary"]}
@@ -86,33 +86,6 @@ def test_a_start_by_its_twisting_moment_has_the_normal_force_and_the_twist_rate_
     np.testing.assert_array_equal(replace(case, given=replace(start, M3=many)).loads[2], many)  # as given, not rounded
     assert by_moment.F1[0] == pytest.approx(case.given.F1, rel=1e-13)  # rounding
     assert pytest.approx(by_force.MZ, rel=1e-14) == by_moment.MZ
-
-
-def test_energy_is_the_integral_of_its_density() -> None:
-    """Routh's: A/2 kappa^2 + M3 sin cos/rho - FZ cos - MZ sin/rho, against the trapezoidal rule on many stations;
-    and what twist and the work of M3 on M3 L/C leave of each other."""
-    from solver.observe.observables import observe
-
-    case = TABLE_1["twist-first/compression/solid"].case
-    sol = solve(case, tol=1e-11, stations=20001)
-    s, c, rho = np.sin(sol.beta), np.cos(sol.beta), case.rho
-    density = case.rod.bending_stiffness / 2 * sol.kappa**2 + sol.M3 * s * c / rho - sol.FZ * c - sol.MZ * s / rho
-    expected = np.trapezoid(density, sol.s) - sol.M3**2 * case.rod.L / (2 * case.rod.torsional_stiffness)
-    assert observe(sol, ["energy"])["energy"] == pytest.approx(expected, rel=1e-6)  # step^2 of the rule
-
-
-def test_stiffness_of_a_solid_section_and_as_the_paper_prints_it() -> None:
-    """A = pi/4 E a^4 is E times the second moment of a circle; eq. (20) has a quarter of it; C = A/(1 + nu) in both."""
-    for stiffness, share in (("solid", np.pi / 4), ("paper", np.pi / 16)):
-        rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0, stiffness=stiffness)
-        assert rod.bending_stiffness == pytest.approx(share * 1.07e4 * 0.25**4, rel=1e-15)
-        assert rod.torsional_stiffness == pytest.approx(rod.bending_stiffness / 1.25, rel=1e-15)
-    assert Rod(E=1.0, nu=0.0, a=1.0, L=1.0).stiffness == "solid"
-
-
-def test_the_centreline_is_a_radius_off_the_surface() -> None:
-    assert table_1("shear", "tension", "paper").rho == 0.75 + 0.25
-    assert table_1("shear", "tension", "paper", side="inside").rho == 0.75 - 0.25
 
 
 # docs/explanation/physics.md, section 6: as many figures as it prints

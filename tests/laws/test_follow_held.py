@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
+from solver import Case, Cylinder, Ends, Rod, Solution, follow, solve
 from tests.cases import TABLE_1
 
 END = "the end of the range"
@@ -62,23 +62,6 @@ def test_a_held_height_passes_the_folds_under_dead_loads_and_turns_at_its_own() 
     before = [float(point.solution.FZ) for point in branch.points[:at]]
     assert np.any(np.diff(before) > 0)  # a fold under dead loads was passed
     assert np.any(np.diff(before) < 0)
-
-
-@pytest.mark.slow
-def test_all_equilibria_of_table_1_are_followed_under_a_falling_height() -> None:
-    case = table_1().case
-    ends = Ends(case.given.beta, float(table_1().beta[-1]), *(float(load) for load in case.loads))
-    every = equilibria(Case(case.rod, case.cylinder, ends))
-    assert len(every) == 13
-    for one in every:
-        first = held(one.solution, "height")
-        own = float(first.case.given.height)
-        branch = follow(first, height=np.linspace(own, own - 0.5, 101))
-        assert branch.end.reason == END
-        assert branch.values[-1] == own - 0.5 or branch.special
-        for point in branch.points[::25]:
-            assert point.solution.solved
-            assert point.solution.z[-1] == pytest.approx(point.value, abs=1e-8)
 
 
 @pytest.mark.parametrize(

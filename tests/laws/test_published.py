@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
+from solver import Case, Cylinder, Rod, Start, solve
 from tests.cases import helix_moment, in_units_of_rho
 from tests.laws.test_loops import about, closed
 
@@ -69,17 +69,6 @@ def test_a_short_loop_of_two_wraps_constricts_the_cylinder_and_a_longer_one_unbi
 # DNA on a histone
 
 
-def test_the_energy_of_a_ring_of_dna() -> None:
-    """Garcia and others 2007, eq. (4), read in BioNumbers 103140: pi xi kT/R = 21 kcal/mol at R = 4.5 nm.
-
-    The entry prints the persistence length xi as about 150 nm. The value 21 needs 50 nm, which are 150 base pairs.
-    """
-    for xi, energy in ((50.0, 20.94), (150.0, 62.83)):
-        rod = Rod(EI=xi * KT, GJ=xi * KT, a=1.0, L=2 * pi * 4.5)
-        ring = solve(Case(rod, Cylinder(R=3.5), Start(pi / 2, 0.0, M3=0.0)), stations=3)
-        assert observe(ring, ["bending_energy"])["bending_energy"] == pytest.approx(energy, abs=0.01)
-
-
 def dna(pitch: float = 2.39, rho: float = 4.18) -> Case:
     """147 base pairs in a helix, held by the axial moment alone; A = 207 pN nm^2 (50 nm times kT = 4.14 pN nm)."""
     beta = float(np.arctan2(2 * pi * rho, pitch))
@@ -131,12 +120,6 @@ def test_the_helical_load_of_a_heavy_pipe_is_where_the_wall_pushes_with_twice_th
     assert float(sol.push[0]) == pytest.approx(2 * weight, rel=1e-3)
 
 
-def test_the_two_ratios_of_critical_loads_agree_to_two_per_cent() -> None:
-    """Wu and Juvkam-Wold 1993 (SPE 25503), abstract read: fully helical at 1.8 times the sinusoidal load, 1.3 times the
-    helical load of the literature; their ratio is 1.385, that of eqs. 24 and 25 is 1.414. No number of ours."""
-    assert pytest.approx(2.828 / 2, rel=0.025) == 1.8 / 1.3
-
-
 # Thompson, Silveira, van der Heijden and Wiercigroch, Proc. R. Soc. A 468, 1591 (2012): the abstract was read; it has
 # no number. The limits are derived.
 
@@ -165,19 +148,6 @@ def test_one_twist_per_wave_keeps_the_same_side_of_the_rod_on_the_wall() -> None
 
 # Dayan, Durban and Givli, J. Appl. Mech. 89, 111002 (2022): a clamped fibre in a rigid cylinder. The abstract was read,
 # which has no number. The limits are derived, with dead loads and the angle held at 0 at both ends.
-
-
-def test_a_fibre_between_parallel_ends_buckles_on_the_wall_at_eulers_loads() -> None:
-    """pi^2 A/L^2, the far end free to move about the axis; 4 pi^2 A/L^2, without such movement: the clamped Euler load.
-
-    Both on the wall from the start; a fibre that begins on the axis of the cylinder first meets the wall.
-    """
-    rod = Rod(EI=1.0, GJ=1.0, a=0.01, L=30.0)
-    euler = pi**2 / rod.L**2
-    for factor, index in ((0.99, 0), (1.01, 1), (3.99, 1), (4.01, 2)):
-        found = equilibria(Case(rod, Cylinder(R=1.01, side="inside"), Ends(0.0, 0.0, FZ=-factor * euler)))
-        (straight,) = [one for one in found if abs(one.dbeta0) < 1e-12 and one.stray < 1e-12]
-        assert straight.index == index
 
 
 @pytest.mark.parametrize("waves", [1, 2])

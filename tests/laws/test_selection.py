@@ -148,14 +148,3 @@ def test_nothing_is_selected_where_a_load_is_too_large_for_floats() -> None:
     assert sol.solved.tolist() == [True, False]
     assert [one is None for one in sol.selection] == [False, True]
     assert solve(pipe(20.0, -1e300)).selection is None
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("FZ", np.linspace(-300.0, -50.0, 6))
-def test_the_long_pipe_lies_in_lubinskis_helix(FZ: float) -> None:
-    sol = solve(pipe(300.0, float(FZ)))
-    A, rho = sol.case.rod.bending_stiffness, sol.case.rho
-    middle = sol.beta[100]
-    assert -FZ * rho**2 / A == pytest.approx(2 * np.sin(middle) ** 2 * np.cos(middle), rel=1e-9)
-    assert sol.z[-1] > 299.9
-    assert len(equilibria(pipe(30.0, float(FZ)))) > 10

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, Start, solve
+from solver import Ends, Start
 from solver.problem.case import ANGLES
 from studies.grammar.axes import CYLINDER, ENDS, START, is_angle
 from studies.grammar.axes import Base as StudyBase
@@ -54,11 +54,3 @@ def test_text_may_stand_among_the_values_of_an_array() -> None:
     ):
         np.testing.assert_allclose(start(beta=given).beta, wanted, rtol=1e-15)
     assert start(beta=[["1deg"], ["2deg"]]).beta.shape == (2, 1)
-
-
-def test_an_angle_as_text_gives_the_same_bits_of_a_shape() -> None:
-    rod, cylinder = Rod(1e7, 0.25, 0.25, 20.0), Cylinder(0.75)
-    text = solve(Case(rod, cylinder, start(beta="pi/6", alpha="10deg")))
-    number = solve(Case(rod, cylinder, start(beta=np.pi / 6, alpha=np.deg2rad(10))))
-    assert (text.beta == number.beta).all()
-    assert (text.alpha == number.alpha).all()

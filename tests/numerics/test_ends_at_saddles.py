@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_bvp, solve_ivp
+from scipy.integrate import solve_ivp
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
 from solver.core.orbits import critical_points
@@ -77,20 +77,6 @@ def test_a_rod_that_starts_on_a_saddle_leaves_it_along_the_separatrix(name: str,
 
     b = solve_ivp(back, (0, 9.0), [betaL], "DOP853", t_eval=np.linspace(0, 9, 31), rtol=1e-11, atol=1e-13).y[0]
     np.testing.assert_allclose(sol.beta, b[::-1], atol=2e-5 if L == 20 else 2e-7)  # exp(-20 + 9); the near law
-
-
-def test_between_a_saddle_and_a_small_angle_it_agrees_with_a_boundary_value_solver() -> None:
-    """And with the hyperbolic sine that it nearly is."""
-    sol = solve(case(20.0, 0.0, 0.1, FZ=1.0), stations=401)
-    s = sol.s
-    guess = np.stack([0.1 * np.sinh(s) / np.sinh(20.0), 0.1 * np.cosh(s) / np.sinh(20.0)])
-    bvp = solve_bvp(
-        lambda _, y: np.stack([y[1], -force(y[0], 0, 0, 1.0)]),
-        lambda a, b: np.array([a[0], b[0] - 0.1]), s, guess, tol=1e-9, max_nodes=100000,
-    )  # fmt: skip
-    assert bvp.success
-    np.testing.assert_allclose(sol.beta, bvp.sol(s)[0], atol=1e-8)
-    np.testing.assert_allclose(sol.beta, guess[0], atol=0.1**3)  # the next term
 
 
 def test_a_longer_rod_on_a_saddle_is_the_shorter_one_with_more_of_the_saddle() -> None:
@@ -168,12 +154,6 @@ def test_energies_are_those_of_the_very_shapes_and_stand_in_order(L: float, lowe
         assert float(observe(sol, ["energy"])["energy"]) == pytest.approx(one.energy, rel=1e-12)
 
 
-def test_solve_takes_the_lowest_of_those_that_are_listed() -> None:
-    listed = equilibria(pipe(30.0))
-    sol = solve(pipe(30.0))
-    assert float(observe(sol, ["energy"])["energy"]) == pytest.approx(listed[0].energy, rel=1e-12)
-
-
 # what the search rests on
 
 
@@ -221,12 +201,6 @@ def test_how_an_equilibrium_answers_to_its_far_angle_is_what_moving_it_shows(L: 
         assert max(1.0, moved) == pytest.approx(float(one.solution.condition), rel=2e-3)  # stations, step
         counted += 1
     assert counted > 20
-
-
-def test_stray_is_how_far_beta_leaves_its_ends_interval() -> None:
-    for one in equilibria(ends_in_units_of_rho(-0.3655, 0.7464, -0.7506, 20.0, 0.5, 0.8), stations=20001):
-        beta = one.solution.beta
-        assert one.stray == pytest.approx(max(beta.max() - 0.8, 0.5 - beta.min(), 0.0), abs=1e-6)  # (h v)^2
 
 
 def test_a_list_of_at_most_so_many_periods_says_so() -> None:

@@ -1,24 +1,20 @@
-"""The search for every equilibrium, against a search of another kind, and the index counted in two ways."""
+"""The search for every equilibrium: the index counted in two ways, rods that turn, folds and symmetries."""
 
 from functools import cache
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.linalg import solve_banded
-from scipy.optimize import brentq
 
-from solver import Case, Ends, Start, equilibria, solve
+from solver import Case, Ends, equilibria, solve
 from solver.end_angle_branch import to_fold
 from solver.equilibria import Equilibrium
-from solver.levels import level_grid
 from solver.levels.level_search import search_levels
 from solver.levels.morse_index import jacobi_zeros, morse_index
 from solver.levels.transit_times import repeat
 from solver.problem.reduced import reduce
 from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
-from tests.equation import force, force_rate
-from tests.slow import slow_but
+from tests.equation import force_rate
 
 MANY = -0.3655, 0.7464, -0.7506  # lam, mu, phi
 PROBLEMS = {
@@ -39,80 +35,6 @@ def found(*numbers: float) -> list[Equilibrium]:
 
 def slopes(solutions: list[Equilibrium]) -> np.ndarray:
     return np.sort([one.dbeta0 for one in solutions])
-
-
-# a search of another kind: Newton's rule on the difference equation, from seeds, away from what it has found
-
-
-def deflated(numbers: tuple[float, ...], b: np.ndarray, known: list[np.ndarray]) -> np.ndarray | None:
-    """A root of the difference equation that is none of the known ones, from a guess b with its ends in place.
-
-    Newton's step for the product of the equation and 1 + 1/|b - known|^2, which is a multiple of the plain step.
-    """
-    lam, mu, phi, span, *_ = numbers
-    h = span / (b.size - 1)
-    bands = np.ones((3, b.size - 2))
-    for _ in range(80):
-        H, rate = force(b[1:-1], lam, mu, phi), force_rate(b[1:-1], lam, mu, phi)
-        off = np.diff(b, 2) + h * h * H
-        bands[1] = -2 + h * h * rate
-        step = solve_banded((1, 1), bands, -off)
-        if np.abs(step).max() < 1e-9:
-            return b if all(np.abs(b - k).max() > 1e-4 for k in known) else None
-        pushed = 0.0  # how fast the logarithm of the product falls along the step
-        for k in known:
-            away = (b - k)[1:-1]
-            square = h * away @ away
-            pushed -= 2 * h * (away @ step) / (square * (square + 1))
-        share = 1 / (1 - pushed) if abs(1 - pushed) > 1e-3 else 1.0
-        step = share * step
-        b = b.copy()
-        b[1:-1] += step * min(1.0, 0.7 / np.abs(step).max())
-    return None
-
-
-def guesses(numbers: tuple[float, ...], nodes: int, rng: np.random.Generator) -> list[np.ndarray]:
-    """Straight lines, swings of many lengths and heights about many angles, plateaus, and marches from random slopes:
-    all bent to end where they should."""
-    lam, mu, phi, span, first, last = numbers
-    u = np.linspace(0, 1, nodes)
-    line = first + (last - first) * u
-    out = [line]
-    for _ in range(60):
-        swing = rng.uniform(-1, 1) * np.sin(np.pi * rng.integers(1, 14) * u)
-        edge = np.clip(np.minimum(u, 1 - u) * rng.uniform(4, 40), 0, 1)
-        out.append(line + edge * (rng.uniform(-3.5, 3.5) - line) * rng.integers(0, 2) + swing)
-    h = span / (nodes - 1)
-    b = np.empty((nodes, 80))
-    b[0] = first
-    b[1] = first + h * rng.uniform(-2.1, 2.1, 80)
-    for k in range(1, nodes - 1):
-        b[k + 1] = 2 * b[k] - b[k - 1] - h * h * force(b[k], lam, mu, phi)
-    b = b[:, np.abs(last - b[-1]) < 2]
-    return out + list((b + (last - b[-1]) * u[:, None]).T)
-
-
-# the others are as long again, each
-searched = slow_but(PROBLEMS, "no loads", "all the way round")
-
-
-@pytest.mark.parametrize("name", searched)
-def test_a_search_by_deflation_from_many_seeds_finds_no_further_one(name: str) -> None:
-    numbers, nodes = PROBLEMS[name], 601
-    rng = np.random.default_rng(7)
-    known: list[np.ndarray] = []
-    for guess in guesses(numbers, nodes, rng):
-        root = deflated(numbers, guess, known)
-        if root is not None:
-            known.append(root)
-    u = np.linspace(0, 1, nodes)
-    ours = [one.solution for one in found(*numbers)]
-    shapes = np.array([np.interp(u * numbers[3], sol.s, sol.beta) for sol in ours])
-    for root in known:
-        # second order in h, times how a shape answers to its residual; measured 2.4e-3
-        assert np.abs(shapes - root).max(axis=1).min() < 5e-3, root[:: nodes // 10]
-    assert len(known) >= 0.4 * len(ours)  # those that hug a saddle are found by chance only
-    assert signed_count(found(*numbers)) == 1
 
 
 def signed_count(solutions: list[Equilibrium]) -> int:
@@ -233,17 +155,6 @@ def test_ten_billion_radii_of_rod_lose_no_equilibrium_to_rounding() -> None:
             assert abs(one.solution.beta[-1] - 0.6) <= float(one.solution.error) < allowed
 
 
-def test_rods_that_turn_agree_with_a_march() -> None:
-    """Random ends up to two turns apart, short and hence fast rods: each start slope, marched, ends where it should."""
-    rng = np.random.default_rng(3)
-    for _ in range(12):
-        lam, mu, phi = rng.uniform(-1, 1, 3)
-        beta0, way, span = rng.uniform(-3, 3), rng.uniform(-13, 13), rng.uniform(0.3, 1.5)
-        for one in found(lam, mu, phi, span, beta0, beta0 + way):
-            sol = solve(in_units_of_rho(lam, mu, phi, span, beta0, one.dbeta0), tol=1e-9, method="dop853")
-            assert sol.beta[-1] == pytest.approx(beta0 + way, abs=1e-7 * sol.condition)
-
-
 # folds
 
 
@@ -313,12 +224,6 @@ def test_run_from_its_other_end_each_rod_is_found_again() -> None:
         np.testing.assert_allclose(ends, slopes(back), atol=1e-8)
 
 
-def test_whole_turns_added_to_both_ends_change_nothing() -> None:
-    lam, mu, phi, span, first, last = PROBLEMS["pulled"]
-    shifted = found(lam, mu, phi, span, first - 4 * np.pi, last - 4 * np.pi)
-    np.testing.assert_allclose(slopes(shifted), slopes(found(*PROBLEMS["pulled"])), atol=1e-9)
-
-
 def test_mirror_images_of_one_energy_come_in_one_order_always() -> None:
     """Equal but for rounding, they are told apart by their start: the lower slope first."""
     solutions = found(*PROBLEMS["no loads"])
@@ -327,26 +232,3 @@ def test_mirror_images_of_one_energy_come_in_one_order_always() -> None:
     ]
     assert pairs
     assert all(a.dbeta0 < b.dbeta0 for a, b in pairs)
-
-
-def test_a_start_problem_shares_its_shape_with_one_of_its_ends_problem() -> None:
-    start = in_units_of_rho(*MANY, 20.0, np.pi / 6, 1.0)
-    assert isinstance(start.given, Start)
-    sol = solve(start, tol=1e-11)
-    solutions = found(*MANY, 20.0, np.pi / 6, float(sol.beta[-1]))
-    own = min(solutions, key=lambda one: abs(one.dbeta0 - 1.0))
-    np.testing.assert_allclose(own.solution.beta, sol.beta, atol=1e-8)
-
-
-@pytest.mark.parametrize("phi", (-0.5, -0.2, 0.5, 2.0))
-def test_a_feature_of_the_levels_above_an_extremum_is_where_the_potential_stops_being_a_parabola(phi: float) -> None:
-    """A parabola rises four times as high at twice the distance."""
-    problem = reduce(ends_in_units_of_rho(0.0, 0.0, phi, 5.0, 0.3, 0.4))
-    gap = np.exp(level_grid._features(problem, 0.0, np.empty(0), (1e-3, 2e-3), extremum=True)[-1])
-
-    def height(beta: float) -> float:
-        return abs(level_grid.fall(problem, 0.0, beta, True))
-
-    place = brentq(lambda beta: height(beta) - gap, 1e-3, 1.2)
-    assert 0.02 < abs(height(place) / height(place / 2) / 4 - 1) < 0.5  # it departs by some percent, and not by more
-    assert height(place / 100) / height(place / 200) == pytest.approx(4, rel=1e-4)

@@ -1,6 +1,6 @@
 """Fits: the derivatives, values that are known, intervals that hold, and what the data cannot tell."""
 
-from math import cos, pi, sin
+from math import pi
 
 import numpy as np
 import pytest
@@ -103,34 +103,6 @@ def test_a_fit_between_two_ends_recovers_the_loads_on_its_branch() -> None:
     assert found.solved
     assert found.values["FZ"] == pytest.approx(-8.66, rel=1e-8)
     assert found.values["M3"] == pytest.approx(6.1, rel=1e-8)
-
-
-def test_the_moment_of_a_helix_is_that_of_its_angle() -> None:
-    # H(beta) = 0 with F2 = 0 is M3 = A sin(beta) cos(beta)/rho; the far end is then at L cos(beta)
-    beta = 0.6
-    case = rod(L=3.0, M3=10.0, beta=beta, dbeta=0.0)
-    exact = case.rod.bending_stiffness * sin(beta) * cos(beta) / case.rho
-    guess = rod(L=3.0, M3=1.1 * exact, beta=beta, dbeta=0.0)
-    found = fit(guess, "M3", {"wraps": 3 * sin(beta) / (2 * pi)}, starts=0)
-    assert found.solved
-    assert found.values["M3"] == pytest.approx(exact, rel=1e-8)
-
-
-def test_the_length_of_the_catenary_like_rod_is_that_of_its_height() -> None:
-    # lam = mu = phi = eta = 0: z/rho = sqrt(1 + u0^2) - sqrt(1 + u^2), u = u0 - L/rho
-    beta, A = pi / 6, rod().rod.bending_stiffness
-    FY = -A * sin(beta) ** 3
-    loads = {"F2": -FY * cos(beta), "F3": FY * sin(beta), "M3": 0.0, "dbeta": sin(beta) ** 2}
-    u0, L = 1 / np.tan(beta), 3.7
-    wanted = np.sqrt(1 + u0**2) - np.sqrt(1 + (u0 - L) ** 2)
-    found = fit(rod(L=3.0, beta=beta, **loads), {"L": (2.0, 6.0)}, {"height": float(wanted)}, starts=0)
-    assert found.values["L"] == pytest.approx(L, rel=1e-8)
-
-
-def test_one_target_and_one_field_agree_with_brent() -> None:
-    expected = brentq(lambda F1: height(F1) - 9.0, 6.0, 9.0, xtol=1e-12)
-    found = fit(rod(M3=None, F1=7.0), {"F1": (6.0, 9.0)}, {"height": 9.0})
-    assert found.values["F1"] == pytest.approx(expected, rel=1e-8)
 
 
 def test_every_value_that_reaches_a_target_is_found() -> None:

@@ -10,7 +10,6 @@ from solver.core.orbits import response
 from solver.levels.line_point import LinePoint, Path
 from solver.levels.morse_index import index_at_stations, jacobi_zeros, morse_index
 from solver.levels.path_orbits import orbit_of, variations_of
-from solver.mechanics.potential import slope_rate
 from solver.observe.observables import observe
 from solver.orbit.periodic_orbit import solve_orbit
 from solver.orbit.pieces import LIBRATION
@@ -76,22 +75,6 @@ def test_the_index_is_the_number_of_bends_or_one_less_however_long_the_rod(readi
     sol = solve(table_1(*reading.split("/"), L=L), stations=2)
     got = observe(sol, ["index", "turns"])
     assert got["turns"] - 1 <= got["index"] <= got["turns"] or got["turns"] == got["index"] == 0
-
-
-@pytest.mark.parametrize("span", (5.0, 50.0, 1e6))
-def test_a_helix_at_a_centre_has_a_half_wave_for_each_unstable_direction(span: float) -> None:
-    lam, mu, phi = helix_moment(1.1, 0.9, -0.4), 0.9, -0.4
-    case = in_units_of_rho(lam, mu, phi, span, 1.1, 0.0)
-    rate = float(slope_rate(reduce(case), 1.1)[0])
-    assert rate > 0
-    # a start on the helix but for rounding swings about it, each half wave a bend
-    assert index_of(case) == pytest.approx(np.ceil(np.sqrt(rate) * span / np.pi) - 1, rel=1e-9)
-
-
-@pytest.mark.parametrize("span", (0.5, 5.0, 15.0))
-def test_a_helix_at_a_saddle_is_stable(span: float) -> None:
-    case = in_units_of_rho(helix_moment(0.4, -0.3, 0.1), -0.3, 0.1, span, 0.4, 0.0)
-    assert index_of(case) == 0
 
 
 def test_a_rod_that_goes_round_is_stable() -> None:

@@ -133,18 +133,6 @@ def test_an_extreme_of_the_force_that_two_places_reach_unequally_has_a_remark() 
     assert "no force" in none.remarks["F3_size_max"]
 
 
-def test_a_batch_has_the_derivatives_of_its_cases_alone() -> None:
-    side, E, nu, a, L, R, beta, dbeta, F1, F2, _ = FILE["cases"]["pushes, then lifts off"]["case"]
-    forces = np.linspace(-30.0, 10.0, 7)
-    start = Start(beta, dbeta, F1=F1, F2=F2, F3=forces)
-    case = Case(Rod(E, nu, a, L), Cylinder(R, side), start)
-    together = solve(case).sensitivity(["E", "F3"], NAMES)
-    for i, force in enumerate(forces):
-        one = solve(replace(case, given=replace(start, F3=force))).sensitivity(["E", "F3"], NAMES)
-        for name in NAMES:
-            assert together.observables[name][i] == pytest.approx(one.observables[name], rel=1e-9, abs=1e-12), name
-
-
 def test_every_observable_has_a_derivative() -> None:
     found = solve(START["many equilibria"].case).sensitivity(["E", "R"], [*OBSERVABLES])
     assert set(found.observables) == set(OBSERVABLES)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from solver import Case, Ends, solve
-from solver.methods import METHODS
 from tests.cases import EXACT, elliptic, in_units_of_rho
 
 ELLIPTIC = EXACT["elliptic k=0.25 L=20"]
@@ -66,19 +65,6 @@ def test_the_papers_scheme_has_the_error_that_was_measured_for_it(nodes: int, er
 def test_the_papers_scheme_extrapolated_has_the_error_that_was_measured_for_it(nodes: int, error: float) -> None:
     # on the finest mesh Newton's rule must not stop before rounding, eps n^2 = 1e-9 at worst, is all that is left
     assert differenced((nodes + 1) // 2, True) == pytest.approx(error, rel=0.5, abs=3e-10)
-
-
-@pytest.mark.parametrize("extrapolate, order", [(False, 2), (True, 4)])
-def test_the_papers_scheme_is_of_order_two_and_extrapolated_of_order_four(extrapolate: bool, order: int) -> None:
-    measured = slopes([differenced(nodes, extrapolate) for nodes in (101, 201, 401)])
-    np.testing.assert_allclose(measured, order, atol=0.25)  # the next power of h^2 still shows
-
-
-def test_every_method_states_its_order() -> None:
-    assert METHODS["orbit"].order == float("inf")
-    assert METHODS["verlet"].order == 4
-    assert METHODS["difference"].order == 4
-    assert METHODS["dop853"].order == 8
 
 
 def test_the_adaptive_reference_follows_its_tolerance() -> None:

@@ -5,13 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize_scalar
 
-from benchmarks.observed_march import push_and_curvature
 from solver import Case, Cylinder, Rod, Start, observe, solve
 from solver.methods import available
 from tests.cases import EXACT, START, in_units_of_rho, random_rods
-from tests.equation import march
 from tests.numerics.test_measurement import REFERENCES
 from tests.numerics.test_sensitivity import differences
 
@@ -22,31 +19,6 @@ NAMES = ["push_max_at", "push_max"]
 def seen(case: Case, **more: Any) -> dict[str, Any]:
     found: dict[str, Any] = observe(solve(case, **more), NAMES, errors=True)
     return found
-
-
-def first_top(values: Any) -> int:
-    """The first local maximum that is the largest to 1e-5; stations meet no maximum exactly."""
-    top = np.flatnonzero(values > values.max() - 1e-5 * np.ptp(values))
-    return int(top[0] + np.argmax(values[top[0] : top[0] + 20]))
-
-
-def test_the_place_is_that_of_the_formula_of_the_push_on_a_shape_of_scipy() -> None:
-    row = np.array([0.4, -0.2, -0.9, 14.0, 0.7, 0.5])
-    lam, mu, phi, span, beta, v = row
-    got = seen(in_units_of_rho(*row))
-
-    way = march((lam, mu, phi), beta, v, span, dense_output=True).sol
-
-    def push(t: Any) -> Any:
-        b, rate = way(t)
-        return push_and_curvature(row, np.stack([b, rate, np.sin(b), np.cos(b)]))[0]
-
-    t = np.linspace(0, span, 20001)
-    m = first_top(push(t))
-    assert 0 < m < t.size - 1
-    best = minimize_scalar(lambda y: -push(y), bounds=(t[m - 1], t[m + 1]), method="bounded", options={"xatol": 1e-12})
-    assert got["push_max_at"] == pytest.approx(best.x, abs=1e-6)  # where the push changes by rounding
-    assert got["push_max"] == pytest.approx(-best.fun, rel=1e-10)
 
 
 @pytest.mark.slow

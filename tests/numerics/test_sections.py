@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, Start, equilibria, fit, observe, solve
+from solver import Case, Cylinder, Rod, Start, fit, observe, solve
 from solver.observe.observables import OBSERVABLES, is_count, observables_of
 from solver.problem.case_fields import fields_of
 from tests.numerics.test_sensitivity import along, differences
@@ -69,15 +69,6 @@ def test_given_stiffnesses_solve_as_the_modulus_that_has_them(given: Start) -> N
         np.testing.assert_allclose(getattr(two, name), getattr(one, name), rtol=1e-11, atol=100 * rounding)
     first, second = (np.array(list(observe(sol, names).values()), dtype=float) for sol in (one, two))
     np.testing.assert_allclose(second, first, rtol=1e-10, atol=100 * rounding)
-
-
-def test_equilibria_of_given_stiffnesses_are_those_of_the_modulus() -> None:
-    tube = Rod(**TUBE)
-    direct = Rod(EI=tube.bending_stiffness, GJ=tube.torsional_stiffness, a=tube.a, L=tube.L)
-    ends = Ends(0.5, 0.6, FZ=-8.0, MZ=1.0, M3=2.0)
-    one, two = (equilibria(Case(rod, WALL, ends)) for rod in (tube, direct))
-    assert [each.index for each in one] == [each.index for each in two]
-    assert [each.energy for each in one] == pytest.approx([each.energy for each in two], rel=1e-9)
 
 
 def test_the_fields_are_arrays_as_all_others_are() -> None:

@@ -19,7 +19,6 @@ from solver.problem.reduced import NUMBERS, StartProblem, given_numbers
 from solver.sensitivity.motions import of_equilibria, of_helices
 from tests.cases import START, ends_in_units_of_rho, in_units_of_rho
 from tests.slow import slow_but
-from tests.workbench import doc_pages
 
 FILE = json.loads((Path(__file__).parents[1] / "sensitivity_references.json").read_text(encoding="utf-8"))
 ALONG = ("beta", "dbeta", "alpha", "z", "gamma")
@@ -216,23 +215,6 @@ def test_a_case_that_was_not_solved_has_no_derivatives_and_says_why() -> None:
     assert found.outcome[1].startswith("failed: error")
 
 
-def test_a_batch_gives_what_its_cases_give_alone_and_leaves_out_what_was_not_solved() -> None:
-    E = np.array([5e3, 1.07e4, 1e250, 4e4])
-    case = Case(replace(TABLE.rod, E=E), TABLE.cylinder, TABLE.given)
-    found = solve(case, stations=11).sensitivity(["E", "R"], ["height", "push_max", "turns"])
-    assert found.beta.shape == (4, 2, 11)
-    assert found.observables["height"].shape == (4, 2)
-    assert not found.observables["turns"][0].any()
-    for i in (0, 1, 3):
-        alone = solve(Case(replace(TABLE.rod, E=E[i]), TABLE.cylinder, TABLE.given), stations=11)
-        one = alone.sensitivity(["E", "R"], ["height", "push_max"])
-        assert found.z[i] == pytest.approx(one.z, rel=1e-9, abs=1e-12)
-        assert found.observables["push_max"][i] == pytest.approx(one.observables["push_max"], rel=1e-9)
-    unsolved = ~np.asarray(found.solved)
-    assert np.isnan(found.beta[unsolved]).all()
-    assert all(text.startswith("failed") for text in np.asarray(found.outcome)[unsolved])
-
-
 def test_at_a_fold_the_outcome_says_so() -> None:
     # a straight rod that is about to buckle
     case = ends_in_units_of_rho(0.0, 0.0, -0.2, np.pi / np.sqrt(0.2) * (1 - 1e-8), 0.0, 0.0)
@@ -269,17 +251,6 @@ def test_random_rods_agree_with_differences() -> None:
         for name, exact in zip(ALONG, table, strict=True):
             assert getattr(found, name)[0] == pytest.approx(exact, rel=1e-4, abs=1e-5 * (1 + np.abs(exact).max()))
     assert judged > 30
-
-
-def test_the_code_of_the_page_runs() -> None:
-    page = doc_pages.read(
-        Path(__file__).parents[2] / "docs" / "how-to" / "find-what-matters.md", "Differentiate a solution"
-    )
-    blocks = [block.split("```")[0] for block in page.split("```python\n")[1:]]
-    space: dict[str, Any] = {}
-    exec("\n".join(blocks), space)
-    assert space["found"].outcome == "solved"
-    assert space["compliance"] == pytest.approx(space["compliance"].T, rel=1e-9)
 
 
 def test_the_derivatives_of_a_rod_do_not_depend_on_the_other_rods_of_the_call() -> None:

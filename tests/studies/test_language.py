@@ -53,11 +53,6 @@ def test_what_is_no_angle_is_refused_with_the_forms(text: str) -> None:
         angle(text)
 
 
-def test_angles_may_be_given_in_degrees_and_are_kept_in_radians() -> None:
-    study = loads(HEAD + "[axes.beta]\nvalues = [30, 60]\nunit = 'deg'")
-    np.testing.assert_allclose(study.coordinates()["beta"], [np.pi / 6, np.pi / 3], rtol=1e-15)  # rounding
-
-
 def test_what_base_leaves_out_comes_from_table_1_when_there_is_a_reading() -> None:
     case = loads(HEAD + "[base]\nE = 2e4").case()
     assert (case.rod.E, case.rod.L, case.cylinder.R) == (2e4, 20.0, 0.75)

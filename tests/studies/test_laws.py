@@ -21,15 +21,6 @@ from studies.laws.verdicts import Law, by_line, decide
 LAW = Law(claim="(1)", observable="turns", axis="E", direction="falls", source="a sentence")
 
 
-def test_tau_is_kendalls_tau_b() -> None:
-    rng = np.random.default_rng(1)
-    for _ in range(20):
-        row = rng.integers(0, 5, 9)
-        if np.ptp(row):
-            assert judge(row, "rises").tau == pytest.approx(kendalltau(np.arange(9), row).statistic)
-            assert judge(row, "falls").tau == pytest.approx(-kendalltau(np.arange(9), row).statistic)
-
-
 @pytest.mark.parametrize(
     "direction",
     [

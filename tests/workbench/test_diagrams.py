@@ -15,7 +15,6 @@ from solver.problem.errors import InputError
 from studies import load
 from tests.workbench.small import study
 from workbench.figures import along, colours, drawn_numbers, drawn_rods, portrait, push_scale, unrolled
-from workbench.geometry.self_contact import places
 from workbench.store import in_memory, selection
 
 OUTPUTS = 'outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n'
@@ -106,18 +105,6 @@ def test_inside_a_pipe_a_push_is_positive_as_outside() -> None:
                              if isinstance(line, LineCollection) and line.get_array() is not None])  # fmt: skip
     row = inside.isel(R=selection.case(inside)["R"])
     assert shades.max() == pytest.approx(-float(row["contact"].min()), rel=0.01)
-
-
-def test_a_crossing_is_found_where_it_is_and_neighbours_are_none() -> None:
-    t = np.linspace(0.2, 2 * np.pi - 0.2, 2001)
-    eight = np.stack([4 * np.sin(t), 4 * np.sin(2 * t), 0 * t], axis=1)  # passes through the origin at t = pi alone
-    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(eight, axis=0), axis=1))])
-    assert places(s, eight, 0.05) == []
-    t = np.linspace(-np.pi / 2, 3 * np.pi / 2, 4001)
-    eight = np.stack([4 * np.sin(t), 4 * np.sin(2 * t), 0 * t], axis=1)  # at t = 0 and t = pi
-    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(eight, axis=0), axis=1))])
-    (pair,) = places(s, eight, 0.1)  # its two ends also meet: they are neighbours
-    np.testing.assert_allclose(np.interp(pair, s, t), [0, np.pi], atol=0.01)
 
 
 def test_rings_stand_on_the_rods_whose_caution_says_that_they_pass_through_themselves(ds) -> None:
