@@ -1,6 +1,5 @@
-"""run-large-studies.md and use-other-programs.md of docs/how-to: studies, commands and Python run as they stand."""
+"""Dask in docs/how-to/run-large-studies.md and Snakemake in use-other-programs.md: what stands there runs."""
 
-import importlib.util
 import os
 import re
 import shlex
@@ -15,8 +14,6 @@ import xarray as xr
 from solver import Case, Cylinder, Rod, Start, solve
 from tests.workbench import doc_pages, runs
 from tests.workbench.command import run
-from tests.workbench.pictures import pixels, share_of_ink
-from workbench.scene import opengl
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "how-to"
 
@@ -129,24 +126,3 @@ def test_the_snakemake_page_runs_as_it_stands_and_solves_only_what_is_new(workfl
     assert re.search(r"^solve +1$", snakemake(workflow), re.MULTILINE)
     with xr.open_dataset(workflow / "radii.h5") as ds:
         assert ds["R"].values.tolist() == [0.5, 0.75, 1.0, 1.5]
-
-
-@pytest.mark.slow
-def test_the_page_on_other_programs_runs_as_it_stands(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    (study,) = blocks("use-other-programs.md", "toml")
-    Path("moduli.toml").write_text(study, encoding="utf-8")
-    for block in blocks("use-other-programs.md", "sh"):
-        run(block.strip())
-    tables, units, series = blocks("use-other-programs.md", "python")
-    names: dict[str, object] = {}
-    exec(compile(tables, "use-other-programs.md", "exec"), names)
-    assert len(Path("stations.csv").read_text().splitlines()) == 1 + 9 * 401
-    assert "5000.0       8      4.542   7.563" in capsys.readouterr().out
-    assert len(list(Path("moduli").glob("*.vtp"))) == 9
-    if importlib.util.find_spec("pint_xarray"):
-        exec(compile(units, "use-other-programs.md", "exec"), names)
-        assert "454.2" in capsys.readouterr().out
-    if opengl.probe()[0]:
-        exec(compile(series, "use-other-programs.md", "exec"), names)
-        assert share_of_ink(pixels(Path("moduli.png"))) > 0.02
