@@ -89,6 +89,19 @@ def test_a_start_by_its_twisting_moment_has_the_normal_force_and_the_twist_rate_
 
 
 # docs/explanation/physics.md, section 6: as many figures as it prints
+def test_energy_is_the_integral_of_its_density() -> None:
+    """Routh's: A/2 kappa^2 + M3 sin cos/rho - FZ cos - MZ sin/rho, against the trapezoidal rule on many stations;
+    and what twist and the work of M3 on M3 L/C leave of each other."""
+    from solver.observe.observables import observe
+
+    case = TABLE_1["twist-first/compression/solid"].case
+    sol = solve(case, tol=1e-11, stations=20001)
+    s, c, rho = np.sin(sol.beta), np.cos(sol.beta), case.rho
+    density = case.rod.bending_stiffness / 2 * sol.kappa**2 + sol.M3 * s * c / rho - sol.FZ * c - sol.MZ * s / rho
+    expected = np.trapezoid(density, sol.s) - sol.M3**2 * case.rod.L / (2 * case.rod.torsional_stiffness)
+    assert observe(sol, ["energy"])["energy"] == pytest.approx(expected, rel=1e-6)  # step^2 of the rule
+
+
 @pytest.mark.parametrize("stiffness, F1, dgamma", [("paper", -2.268, 2.714), ("solid", -9.071, 1.572)])
 def test_table_1_contradicts_itself(stiffness: str, F1: float, dgamma: float) -> None:
     """gamma0' = 0.5 gives F10 = -2.268 N, not the 5 N beside it; 5 N need gamma0' = 2.714; no stiffness helps."""

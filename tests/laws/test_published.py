@@ -13,7 +13,7 @@ from solver import Case, Cylinder, Rod, Start, solve
 from tests.cases import helix_moment, in_units_of_rho
 from tests.laws.test_loops import about, closed
 
-KT, NM_OF_BASE_PAIR = 0.6, 0.34  # kT in kcal/mol; rise per base pair of DNA [nm], both as read below
+NM_OF_BASE_PAIR = 0.34  # the rise per base pair of DNA [nm], as read below
 
 
 # Vazquez-Montejo, McDargh, Deserno, Guven, Cylindrical confinement of semiflexible polymers (2015), arXiv:1503.01023:

@@ -75,6 +75,16 @@ def grid() -> Study:
     return loads(TEXT, default_name="small")
 
 
+def six() -> xr.Dataset:
+    """The six cases of `grid`; what is changed in them is changed for this test alone."""
+    return _solve_six().copy(deep=True)
+
+
+@cache
+def _solve_six() -> xr.Dataset:
+    return in_memory.run(grid())
+
+
 def study(axes: str = "", head: str = "", name: str = "small") -> Study:
     """A study of Table 1 at 21 stations, with other axes and further keys."""
     start = HEAD.replace("one", "small").replace("[units]", f"stations = 21\n{head}\n[units]")

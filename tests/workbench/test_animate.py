@@ -138,7 +138,7 @@ def test_the_old_command_names_the_new_one(ds, tmp_path, monkeypatch, capsys) ->
 
 
 def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
-    grid = in_memory.run(small.grid())
+    grid = small.six()
     assert film.observable_of(grid, "R", None) == "kappa_max"  # of its law
     assert film.observable_of(grid, "E", None) in ("turns", "wraps", "kappa_max")
     assert film.observable_of(ds, "E", "height") == "height"

@@ -15,7 +15,7 @@ from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.commands import scene
 from workbench.scene import opengl
-from workbench.store import in_memory, study_store, writing
+from workbench.store import study_store, writing
 
 ROOT = Path(__file__).parents[2]
 
@@ -106,7 +106,7 @@ def test_a_refusal_is_the_same_in_a_process_of_its_own(words, sentence, stored) 
     ids=" ".join,
 )
 def test_a_study_without_a_solved_case_is_not_drawn_and_the_sentence_says_why(command, tmp_path, capsys) -> None:
-    ds = in_memory.run(small.grid())
+    ds = small.six()
     size = ds["outcome"].size
     words = [f"failed: the limit of 60 steps after {10 + i}% of the way" for i in range(size)]
     file = writing.write(small.with_outcomes(ds, words), tmp_path / "small.h5")

@@ -11,22 +11,17 @@ from workbench import cli
 from workbench.commands import console, tables
 
 
-def told(capsys, *args: str) -> str:
-    assert exit_status(*args) == 0
-    return capsys.readouterr().out
-
-
-def test_every_command_stands_under_one_heading_with_its_whole_sentence(capsys, monkeypatch) -> None:
+def test_every_command_stands_under_one_heading_with_its_whole_sentence(call, monkeypatch) -> None:
     monkeypatch.setenv("COLUMNS", "60")
-    shown = told(capsys, "--help")
+    shown = call("--help")[1]
     assert "..." not in shown.partition("Usage")[2].partition("\n")[2]
     for heading in cli.GROUPS:
         assert f"\n{heading}:\n" in shown
 
 
 @pytest.mark.parametrize("name", cli.COMMANDS)
-def test_the_examples_of_a_command_are_at_the_end_of_its_help_and_have_known_options(name: str, capsys) -> None:
-    shown = " ".join(told(capsys, name, "--help").split())
+def test_the_examples_of_a_command_are_at_the_end_of_its_help_and_have_known_options(name: str, call) -> None:
+    shown = " ".join(call(name, "--help")[1].split())
     _, *examples = cli.COMMANDS[name]
     assert examples
     for example in examples:
@@ -39,12 +34,14 @@ def test_the_examples_of_a_command_are_at_the_end_of_its_help_and_have_known_opt
 
 
 @pytest.mark.parametrize("example", cli.COMMANDS["solve"][1:])
-def test_the_examples_of_solve_run_as_they_are_printed(example: str, capsys) -> None:
-    assert "\nsolved (" in told(capsys, *shlex.split(example))
+def test_the_examples_of_solve_run_as_they_are_printed(example: str, call) -> None:
+    status, said, _ = call(*shlex.split(example))
+    assert status == 0
+    assert "\nsolved (" in said
 
 
-def test_the_fields_of_a_case_stand_under_headings(capsys) -> None:
-    shown = told(capsys, "solve", "--help")
+def test_the_fields_of_a_case_stand_under_headings(call) -> None:
+    shown = call("solve", "--help")[1]
     places = [
         shown.index(f"\n{heading}:\n") for heading in ("Options", "Rod and cylinder", "Start problem", "Ends problem")
     ]

@@ -15,7 +15,6 @@ from studies import load
 from studies.language.loader import loads
 from tests.cases import ends_in_units_of_rho
 from tests.workbench import small
-from tests.workbench.command import exit_status
 from workbench.branches import branch_dataset
 from workbench.branches.ends_study import DEFAULT, ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
@@ -24,10 +23,6 @@ from workbench.store import in_memory, reading, writing
 from workbench.store.case_solutions import solve_one
 
 MANY = -0.3655, 0.7464, -0.7506
-
-
-def run(capsys, *words: object) -> tuple[int, str]:
-    return exit_status("equilibria", *words), "".join(capsys.readouterr())
 
 
 def default() -> Case:
@@ -49,33 +44,33 @@ def test_the_default_is_table_1_held_at_its_own_far_end() -> None:
     assert tuple(case.loads) == tuple(start.loads)
 
 
-def test_a_list_that_is_a_part_only_says_so_and_ends_with_status_1(capsys, monkeypatch) -> None:
+def test_a_list_that_is_a_part_only_says_so_and_ends_with_status_1(call, monkeypatch) -> None:
     monkeypatch.setattr("solver.equilibria", partial(equilibria, most_swings=1))
-    status, text = run(capsys)
+    status, text, _ = call("equilibria")
     assert status == 1
     assert "only equilibria of at most 1 whole periods of beta" in " ".join(text.split())
-    status, text = run(capsys, "--json")
+    status, text, _ = call("equilibria", "--json")
     assert status == 1
     assert json.loads(text)["complete"] is False
     assert "at most 1" in json.loads(text)["remark"]
 
 
-def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(capsys, tmp_path) -> None:
+def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(call, tmp_path) -> None:
     case = default()
     rod, given = case.rod, case.given
     size = {"E": rod.E / 100, "nu": rod.nu, "a": 10 * rod.a, "L": 10 * rod.L, "R": 10 * case.cylinder.R}
     ends = {"beta0": given.beta0, "betaL": given.betaL, "FZ": given.FZ, "MZ": 10 * given.MZ, "M3": 10 * given.M3}
     words = [word for name, value in (size | ends).items() for word in (f"--{name}", repr(float(value)))]
     words += ["--stiffness", rod.stiffness, "--length-unit", "mm"]
-    told = json.loads(run(capsys, *words, "--json")[1])
+    told = json.loads(call("equilibria", *words, "--json")[1])
     assert told["units"] == {"length": "mm", "force": "N"}
-    ours = json.loads(run(capsys, "--json")[1])["equilibria"]
+    ours = json.loads(call("equilibria", "--json")[1])["equilibria"]
     assert len(told["equilibria"]) == len(ours) > 10
     for mm, cm in zip(told["equilibria"], ours, strict=True):
         assert (mm["turns"], mm["index"]) == (cm["turns"], cm["index"])
         assert mm["dbeta0"] == pytest.approx(cm["dbeta0"] / 10, rel=1e-6, abs=1e-9)
         assert mm["energy"] == pytest.approx(10 * cm["energy"], rel=1e-8)
-    status, table = run(capsys, *words, "--out", tmp_path / "mm.h5", "--export", tmp_path / "cases")
+    status, table, _ = call("equilibria", *words, "--out", tmp_path / "mm.h5", "--export", tmp_path / "cases")
     assert status == 0
     assert "dbeta0 (rad/mm)" in table
     assert "rod: the options\nunits: lengths in mm, forces in N, angles in rad" in table
@@ -84,7 +79,7 @@ def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(
     assert load(str(first)).unit_system == {"length": "mm", "force": "N"}
 
 
-def test_each_exported_case_solves_to_the_equilibrium_it_was_written_from(capsys, tmp_path) -> None:
+def test_each_exported_case_solves_to_the_equilibrium_it_was_written_from(call, tmp_path) -> None:
     """Mirror images of one energy and shapes of one start slope among them: 40 rho long, most hug a saddle."""
     case = ends_in_units_of_rho(*MANY, 40.0, np.pi / 6, np.pi / 6)
     study = load(DEFAULT)
@@ -97,8 +92,7 @@ def test_each_exported_case_solves_to_the_equilibrium_it_was_written_from(capsys
     for k in (1, 2, 40):
         ds = in_memory.run(load(files[k]))
         np.testing.assert_allclose(ds["beta"], found[k].solution.beta, atol=1e-12)
-    assert exit_status("solve", files[3], "--json") == 0
-    told = json.loads(capsys.readouterr().out)
+    told = json.loads(call("solve", files[3], "--json")[1])
     assert told["observables"]["energy"] == pytest.approx(found[3].energy, rel=1e-9)
     assert told["observables"]["turns"] == found[3].turns
 

@@ -17,7 +17,7 @@ from workbench.branches.equilibria_dataset import dataset_of
 from workbench.figures import bars, canvas, equilibria_figure, kinds, robustness, story, work_precision
 from workbench.figures.sheet import sheet
 from workbench.influence.derivatives import local
-from workbench.store import in_memory, reading
+from workbench.store import reading
 from workbench.web.report import measured_runs, report_runs
 
 
@@ -41,15 +41,10 @@ def test_the_story_has_four_panels_that_can_be_read(told, width: float) -> None:
 SHEETS = {"screen": sheet(), "column": sheet("paper", 89, titled=False), "page": sheet("paper", 183, titled=False)}
 
 
-@pytest.fixture(scope="module")
-def two() -> xr.Dataset:
-    return in_memory.run(small.grid())
-
-
 @pytest.mark.parametrize("page", SHEETS)
 @pytest.mark.parametrize("kind", kinds.OF_STUDIES)
-def test_every_kind_of_picture_can_be_read_at_every_width(two, kind: str, page: str) -> None:
-    fig = kinds.figure(small.study_dataset("capstan") if kind == "states" else two, kind, SHEETS[page])
+def test_every_kind_of_picture_can_be_read_at_every_width(six, kind: str, page: str) -> None:
+    fig = kinds.figure(small.study_dataset("capstan") if kind == "states" else six, kind, SHEETS[page])
     assert fig.get_figwidth() == pytest.approx(SHEETS[page].width)
     assert faults(fig) == []
 

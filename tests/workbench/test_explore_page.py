@@ -19,7 +19,6 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 from tests.workbench import browser
-from tests.workbench.live import served
 from tests.workbench.pictures import shares_of_push
 from workbench.web.live import live_document
 from workbench.web.live.presets import PRESETS
@@ -91,12 +90,6 @@ class Page:
     def frame(self) -> tuple[float, float]:
         """How far the rod reaches from the middle of the view, as a share of its half height and half width."""
         return tuple(self(FRAME))
-
-
-@pytest.fixture(scope="module")
-def port() -> Iterator[int]:
-    with served() as port:
-        yield port
 
 
 @pytest.fixture(scope="module")

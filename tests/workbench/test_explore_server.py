@@ -22,7 +22,7 @@ from solver import observe, solve
 from solver.problem.errors import InputError
 from tests.workbench import live_process
 from tests.workbench.command import exit_status
-from tests.workbench.live import STATES, asked, served, state, unpacked
+from tests.workbench.live import STATES, asked, state, unpacked
 from workbench.commands import explore
 from workbench.web.live import page_model, server
 
@@ -31,12 +31,6 @@ TABLE_1, DNA, PIPE, CABLE = STATES.values()
 
 
 HEAVY = {"weight": 0.242, "inclination": 1.4, "friction": 0.2, "sliding": "axial-backward"}
-
-
-@pytest.fixture(scope="module")
-def port():
-    with served() as port:
-        yield port
 
 
 def test_the_page_is_one_text_that_names_no_other_address_and_runs_only_its_own_scripts(port) -> None:

@@ -11,20 +11,9 @@ from solver.problem.errors import near
 from studies.grammar.axes import Base, Units
 from studies.language.model import Study
 from tests.slow import slow
-from tests.workbench.command import exit_status
 from workbench.commands.case_options import FIELDS
 
 ROOT = Path(__file__).parents[2]
-
-
-@pytest.fixture
-def told(capsys):
-    """The exit status, stdout and stderr of a command."""
-
-    def run(*args: object) -> tuple[int, str, str]:
-        return exit_status(*args), *capsys.readouterr()
-
-    return run
 
 
 @pytest.mark.parametrize("known", [[*Base.model_fields], [*Units.model_fields], [*Study.model_fields], [*FIELDS]])
@@ -56,9 +45,9 @@ def test_an_installation_of_the_solver_alone_says_what_a_picture_needs(missing) 
     assert "pip install rod-workbench, without --no-deps" in run.stdout
 
 
-def test_the_help_of_each_number_names_its_unit(told) -> None:
+def test_the_help_of_each_number_names_its_unit(call) -> None:
     for command in ("solve", "equilibria", "loops", "fit"):
-        said = " ".join(told(command, "--help")[1].split())
+        said = " ".join(call(command, "--help")[1].split())
         options = dict(re.findall(r"--(\w+) (?:NUMBER|ANGLE) (.{0,200})", said))
         for name in FIELDS.keys() & options.keys():
             assert FIELDS[name].unit == "1" or f"[{FIELDS[name].unit}]" in options[name], (command, name)

@@ -9,7 +9,6 @@ import pytest
 from solver import Case, Cylinder, Rod, Start, fit, observe, solve
 from studies import load
 from tests.workbench import small
-from tests.workbench.command import exit_status
 from tests.workbench.page_faults import faults
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench import fitting
@@ -17,10 +16,6 @@ from workbench.figures import colours, fit_figure
 from workbench.figures.sheet import SCREEN, sheet
 
 ENDS = small.text({**small.ROD, "beta0": 0.5, "betaL": 0.8, "FZ": -8.5, "MZ": 1.3, "M3": 6.1})
-
-
-def run(capsys, *words: object) -> tuple[int, str, str]:
-    return exit_status("fit", *words), *capsys.readouterr()
 
 
 def table1(M3=18.0, E=1.07e4) -> Case:
@@ -40,23 +35,22 @@ def points(tmp_path) -> Path:
     return file
 
 
-def test_an_ends_problem_keeps_the_equilibrium_in_the_fitted_study(tmp_path, capsys) -> None:
+def test_an_ends_problem_keeps_the_equilibrium_in_the_fitted_study(tmp_path, call) -> None:
     file, out = tmp_path / "ends.toml", tmp_path / "fitted.toml"
     file.write_text(ENDS)
     wanted = 0.02 + float(observe(solve(load(str(file)).case()), ["wraps"])["wraps"])
-    status, _, _ = run(capsys, file, "--target", f"wraps={wanted}", "--vary", "FZ", "--starts", 0, "--out", out)
+    status, _, _ = call("fit", file, "--target", f"wraps={wanted}", "--vary", "FZ", "--starts", 0, "--out", out)
     assert status == 0
-    assert exit_status("solve", out, "--json") == 0
-    assert json.loads(capsys.readouterr().out)["observables"]["wraps"] == pytest.approx(wanted, abs=1e-7)
+    assert json.loads(call("solve", out, "--json")[1])["observables"]["wraps"] == pytest.approx(wanted, abs=1e-7)
 
 
-def test_sigma_of_a_file_and_of_the_command_line_are_the_same(points, tmp_path, capsys) -> None:
+def test_sigma_of_a_file_and_of_the_command_line_are_the_same(points, tmp_path, call) -> None:
     other = tmp_path / "with_sigma.csv"
     lines = points.read_text().splitlines()
     other.write_text("\n".join([f"{lines[0]},sigma_alpha,sigma_z", *(f"{line},0.01,0.02" for line in lines[1:])]))
     given = ["--table1", "--M3", 17, "--vary", "E,M3", "--starts", 0, "--json", "--points"]
-    one = json.loads(run(capsys, *given, other)[1])
-    two = json.loads(run(capsys, *given, points, "--sigma", "alpha=0.01", "--sigma", "z=0.02")[1])
+    one = json.loads(call("fit", *given, other)[1])
+    two = json.loads(call("fit", *given, points, "--sigma", "alpha=0.01", "--sigma", "z=0.02")[1])
     assert one["intervals"] == two["intervals"]
     assert one["rule"] == "95 % intervals by the given sigma and the normal distribution"
 
@@ -110,10 +104,10 @@ def test_fields_that_are_undetermined_have_no_shares_in_the_picture() -> None:
 
 
 @pytest.mark.slow
-def test_points_give_intervals_shares_and_a_picture(points, tmp_path, capsys) -> None:
+def test_points_give_intervals_shares_and_a_picture(points, tmp_path, call) -> None:
     picture, table = tmp_path / "fit.png", tmp_path / "fit.csv"
     given = ["--table1", "--M3", 17, "--points", points, "--vary", "E,M3", "--starts", 0]
-    status, said, _ = run(capsys, *given, "--plot", picture, "--out", table)
+    status, said, _ = call("fit", *given, "--plot", picture, "--out", table)
     assert status == 0
     for part in ("95 % interval", "alpha, 10 points to s = 6.67 cm", "z, 10 points to s = 20 cm", "share in E",
                  "correlation of E and M3",
@@ -127,7 +121,7 @@ def test_points_give_intervals_shares_and_a_picture(points, tmp_path, capsys) ->
     name, value, low, high, unit, *_ = first.split(",")
     assert (name, unit) == ("E", "N/cm^2")
     assert float(low) < 1.07e4 < float(high)
-    status, said, _ = run(capsys, *given, "--json")
+    status, said, _ = call("fit", *given, "--json")
     found = json.loads(said)
     assert found["values"]["E"] == pytest.approx(float(value), rel=1e-12)
     assert sum(share["E"] for share in found["shares"].values()) == pytest.approx(1)
@@ -135,9 +129,9 @@ def test_points_give_intervals_shares_and_a_picture(points, tmp_path, capsys) ->
 
 
 @pytest.mark.slow
-def test_what_the_data_cannot_tell_is_status_1_and_a_sentence(points, tmp_path, capsys) -> None:
+def test_what_the_data_cannot_tell_is_status_1_and_a_sentence(points, tmp_path, call) -> None:
     given = ["--table1", "--M3", 17, "--points", points, "--vary", "E,F3,M3", "--starts", 0]
-    status, said, _ = run(capsys, *given, "--plot", tmp_path / "fit.pdf")
+    status, said, _ = call("fit", *given, "--plot", tmp_path / "fit.pdf")
     assert status == 1
     assert "undetermined: the data cannot tell E and F3 and M3 apart" in said
     assert "when these change together, E, F3 and M3 by +1 % each" in said

@@ -13,7 +13,6 @@ from matplotlib.collections import LineCollection
 from solver import Case, Cylinder, Ends, InputError, Rod, region_map
 from studies import load
 from tests.slow import slow
-from tests.workbench.command import exit_status
 from workbench.branches.region_dataset import dataset_of
 from workbench.figures import canvas, kinds
 from workbench.figures import region_map as region_figure
@@ -24,21 +23,16 @@ from workbench.web.report import measured_runs
 SHORT = ["--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", "--axis", "FZ=-15:-5", "--axis", "L=1.5:3"]
 
 
-def run(capsys, *words: object) -> tuple[int, str]:
-    return exit_status("folds", *words), "".join(capsys.readouterr())
-
-
 @cache
 def made() -> xr.Dataset:
     case = Case(Rod(1.07e4, 0.25, 0.25, 3.0), Cylinder(0.75), Ends(0.5, 0.8, M3=5.0))
     return dataset_of(load("fig7_4_end_angle"), region_map(case, FZ=(-60, -20), L=(1.5, 3), lattice=3), (5, 0))
 
 
-def test_it_prints_curves_and_regions_as_data_and_stores_them(capsys, tmp_path, monkeypatch) -> None:
+def test_it_prints_curves_and_regions_as_data_and_stores_them(call, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    status, text = run(
-        capsys, *SHORT, "--lattice", 3, "--json", "--check", 3, "--out", "map.h5", "--plot", "map.png", "--dpi", 60
-    )
+    words = ["--lattice", 3, "--json", "--check", 3, "--out", "map.h5", "--plot", "map.png", "--dpi", 60]
+    status, text, _ = call("folds", *SHORT, *words)
     told = json.loads(text)
     assert status == 0
     assert told["fields"] == ["FZ", "L"]
@@ -82,18 +76,20 @@ def test_a_number_that_a_map_does_not_hold_is_refused_with_those_that_it_holds()
 
 
 def test_the_numbers_of_a_map_are_written_and_those_of_a_table_of_words_are_refused(
-    capsys, tmp_path, monkeypatch
+    call, tmp_path, monkeypatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     writing.write(made(), Path("map.h5"))
-    assert exit_status("plot", "map.h5", "--show", "dbeta0", "--data", "map.csv", "--no-title") == 0
-    assert "Colours beside the curves" in capsys.readouterr().out  # a sentence of the caption
+    status, caption, _ = call("plot", "map.h5", "--show", "dbeta0", "--data", "map.csv", "--no-title")
+    assert status == 0
+    assert "Colours beside the curves" in caption
     rows = list(csv.DictReader(Path("map.csv").read_text(encoding="utf-8").splitlines()))
     stored = made()["curve_dbeta0"].values
     shades = [float(row["value"]) for row in rows if row["value"]]
     assert shades
     assert np.nanmin(stored) <= min(shades) <= max(shades) <= np.nanmax(stored)
     extremes = measured_runs.SHIPPED / "extremes.h5"
-    assert exit_status("plot", extremes, "--out", "e.png", "--data", "e.csv") == 2
-    assert "has none" in capsys.readouterr().err
+    status, _, refusal = call("plot", extremes, "--out", "e.png", "--data", "e.csv")
+    assert status == 2
+    assert "has none" in refusal
     assert not Path("e.png").exists()

@@ -18,7 +18,7 @@ SLOW_EULER = slow("euler")  # three seconds
 
 
 def test_every_number_has_a_unit_and_everything_a_long_name() -> None:
-    ds = in_memory.run(small.grid())
+    ds = small.six()
     for name, variable in ds.variables.items():
         assert "long_name" in variable.attrs, name
         assert ("units" in variable.attrs) == (variable.dtype.kind in "iuf"), name
@@ -34,7 +34,7 @@ def test_only_what_was_asked_for_is_stored() -> None:
 
 
 def test_what_is_needed_to_draw_is_there_and_varies_with_its_axis_only() -> None:
-    ds = in_memory.run(small.grid())
+    ds = small.six()
     assert (ds["a"].item(), ds["L"].item(), ds["nu"].item()) == (0.25, 20.0, 0.25)
     assert ds["rho"].dims == ("R",)
     np.testing.assert_allclose(ds["rho"], ds["R"] + 0.25, rtol=1e-15)  # rounding
@@ -43,7 +43,7 @@ def test_what_is_needed_to_draw_is_there_and_varies_with_its_axis_only() -> None
 
 
 def test_arc_length_is_shared_unless_the_length_varies() -> None:
-    assert in_memory.run(small.grid())["s"].dims == ("u",)
+    assert small.six()["s"].dims == ("u",)
     varied = in_memory.run(small.study("[axes.L]\nvalues = [10, 20]"))
     assert varied["s"].dims == ("L", "u")
     assert varied["s"][:, -1].values.tolist() == [10.0, 20.0]

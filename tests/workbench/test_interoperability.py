@@ -24,26 +24,21 @@ from workbench.store import in_memory, writing
 UNSOLVED = "failed: on purpose"
 
 
-@pytest.fixture(scope="module")
-def ds() -> xr.Dataset:
-    return in_memory.run(small.grid())
-
-
-@pytest.fixture(scope="module")
-def line(ds) -> xr.Dataset:
+@pytest.fixture
+def line(six) -> xr.Dataset:
     """One axis, E, of falling values."""
-    return ds.rod.sel(R=1.0).isel(E=[1, 0])
+    return six.rod.sel(R=1.0).isel(E=[1, 0])
 
 
 # CF
 
 
-def test_a_file_states_its_conventions_and_its_axes_have_no_number_for_missing_values(ds, tmp_path) -> None:
-    writing.write(ds, tmp_path / "small.h5")
+def test_a_file_states_its_conventions_and_its_axes_have_no_number_for_missing_values(six, tmp_path) -> None:
+    writing.write(six, tmp_path / "small.h5")
     with h5py.File(tmp_path / "small.h5") as file:
         assert file.attrs["Conventions"] == "CF-1.11"
         assert not [name for name in ("E", "R", "u", "s") if "_FillValue" in file[name].attrs]
-    assert ds.attrs["Conventions"] == "CF-1.11"
+    assert six.attrs["Conventions"] == "CF-1.11"
 
 
 def test_the_cf_checker_finds_no_error(tmp_path) -> None:
@@ -71,25 +66,25 @@ def test_udunits_and_pint_know_every_unit_and_agree_but_for_dyn() -> None:
 # pint
 
 
-def test_pint_reads_the_units_of_a_dataset(ds) -> None:
+def test_pint_reads_the_units_of_a_dataset(six) -> None:
     pytest.importorskip("pint_xarray", reason="pint-xarray is not installed")
-    held = ds.pint.quantify()
-    np.testing.assert_allclose(held["FZ"].pint.to("lbf").pint.magnitude, ds["FZ"] / 4.4482216152605)
-    np.testing.assert_allclose(held["E"].pint.to("MPa").pint.magnitude, ds["E"] / 100)
-    np.testing.assert_allclose(held["kappa_max"].pint.to("1/m").pint.magnitude, ds["kappa_max"] * 100)
+    held = six.pint.quantify()
+    np.testing.assert_allclose(held["FZ"].pint.to("lbf").pint.magnitude, six["FZ"] / 4.4482216152605)
+    np.testing.assert_allclose(held["E"].pint.to("MPa").pint.magnitude, six["E"] / 100)
+    np.testing.assert_allclose(held["kappa_max"].pint.to("1/m").pint.magnitude, six["kappa_max"] * 100)
     assert held["outcome"].pint.units is None
-    assert (held["turns"].where(held["solved"]).pint.magnitude == ds["turns"]).all()
-    xr.testing.assert_allclose(held.pint.dequantify("~P")["FZ"].drop_vars(["E", "R"]), ds["FZ"].drop_vars(["E", "R"]))
+    assert (held["turns"].where(held["solved"]).pint.magnitude == six["turns"]).all()
+    xr.testing.assert_allclose(held.pint.dequantify("~P")["FZ"].drop_vars(["E", "R"]), six["FZ"].drop_vars(["E", "R"]))
 
 
 # pandas
 
 
-def test_a_table_has_one_row_for_each_case_with_the_axes_as_its_index(ds) -> None:
-    table = ds.rod.to_pandas()
+def test_a_table_has_one_row_for_each_case_with_the_axes_as_its_index(six) -> None:
+    table = six.rod.to_pandas()
     assert table.shape[0] == 6
     assert table.index.names == ["E", "R"]
-    assert table.loc[(2e4, 0.75), "wraps"] == float(ds["wraps"].sel(E=2e4, R=0.75))
+    assert table.loc[(2e4, 0.75), "wraps"] == float(six["wraps"].sel(E=2e4, R=0.75))
     assert (table["a"] == 0.25).all()  # that all cases share
     assert table["outcome"].eq("solved").all()
     assert table.attrs["units"]["E"] == "N/cm^2"
@@ -98,11 +93,11 @@ def test_a_table_has_one_row_for_each_case_with_the_axes_as_its_index(ds) -> Non
     assert "beta" not in table
 
 
-def test_a_table_of_stations_has_every_array_that_is_asked_for_also_one_that_is_not_stored(ds) -> None:
-    table = ds.rod.to_pandas("beta", "position", "kappa")
+def test_a_table_of_stations_has_every_array_that_is_asked_for_also_one_that_is_not_stored(six) -> None:
+    table = six.rod.to_pandas("beta", "position", "kappa")
     assert table.shape == (6 * 21, 6)
     assert table.index.names == ["E", "R", "u"]
-    one = ds.rod.sel(E=1e4, R=1.0)
+    one = six.rod.sel(E=1e4, R=1.0)
     np.testing.assert_array_equal(table.loc[(1e4, 1.0), "beta"], one["beta"])
     np.testing.assert_array_equal(table.loc[(1e4, 1.0), "position_y"], one.rod.position.sel(xyz="y"))
     assert table.attrs["units"] == {
@@ -111,8 +106,8 @@ def test_a_table_of_stations_has_every_array_that_is_asked_for_also_one_that_is_
     }  # fmt: skip
 
 
-def test_the_table_of_one_case_has_one_row(ds) -> None:
-    table = ds.rod.sel(E=1e4, R=1.0).rod.to_pandas()
+def test_the_table_of_one_case_has_one_row(six) -> None:
+    table = six.rod.sel(E=1e4, R=1.0).rod.to_pandas()
     assert table.shape[0] == 1
     assert table["E"].item() == 1e4
 
@@ -125,10 +120,10 @@ def test_samples_keep_their_fields_as_columns() -> None:
     np.testing.assert_array_equal(drawn.rod.to_pandas("beta")["E"], np.repeat(drawn["E"].values, 21))
 
 
-def test_a_table_too_large_is_refused(ds, monkeypatch) -> None:
+def test_a_table_too_large_is_refused(six, monkeypatch) -> None:
     monkeypatch.setattr("workbench.store.derived_arrays.MOST", 100)
     with pytest.raises(InputError, match=r"the table would have \d+ numbers, more than 100"):
-        ds.rod.to_pandas()
+        six.rod.to_pandas()
 
 
 # ParaView
@@ -227,12 +222,12 @@ def test_too_few_stations_for_the_cubics_of_usd_are_refused_and_the_number_named
     assert not (tmp_path / "rod.usda").exists()
 
 
-def test_usd_reads_the_curve_and_its_validators_find_nothing(ds, tmp_path) -> None:
+def test_usd_reads_the_curve_and_its_validators_find_nothing(six, tmp_path) -> None:
     usd = pytest.importorskip("pxr", reason="usd-core is not installed")
     from pxr import Usd, UsdGeom, UsdValidation
 
     assert usd
-    export(ds, tmp_path / "rod.usda", Options({"E": 1e4, "R": 1.0}, tolerance=1.0))
+    export(six, tmp_path / "rod.usda", Options({"E": 1e4, "R": 1.0}, tolerance=1.0))
     stage = Usd.Stage.Open(str(tmp_path / "rod.usda"))
     assert UsdGeom.GetStageMetersPerUnit(stage) == 0.01
     assert UsdGeom.GetStageUpAxis(stage) == "Z"

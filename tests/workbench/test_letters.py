@@ -17,12 +17,6 @@ from workbench.figures import (
 from workbench.figures.sheet import sheet
 from workbench.store import in_memory
 
-
-@pytest.fixture(scope="module")
-def two() -> xr.Dataset:
-    return in_memory.run(small.grid())
-
-
 FORMULA = "-8*pi**2*L**-2*cm + 0*bending_stiffness/(N*cm**3) + bowed**0.5/cm"
 LAWS = (
     '[expressions]\nbowed = "kappa_max*rho"\n'
@@ -46,9 +40,9 @@ def test_angles_are_in_degrees_on_every_axis(judged) -> None:
     assert judged["amplitude"].attrs["units"] == "rad"
 
 
-def test_a_count_that_is_the_same_in_all_cases_is_a_sentence_and_no_panel(two) -> None:
-    flag = (two["turns"] * 0 + 1).assign_attrs(long_name="1 where the rod intersects itself, else 0")
-    level = two.assign(turns=two["turns"] * 0 + 3, overlaps=flag, met=flag * 0)
+def test_a_count_that_is_the_same_in_all_cases_is_a_sentence_and_no_panel(six) -> None:
+    flag = (six["turns"] * 0 + 1).assign_attrs(long_name="1 where the rod intersects itself, else 0")
+    level = six.assign(turns=six["turns"] * 0 + 3, overlaps=flag, met=flag * 0)
     level["met"].attrs = flag.attrs
     notes = study_figure.level_notes(level, ["overlaps", "met"])
     assert notes == ["The rod intersects itself in all cases.", "The rod intersects itself in no case."]
@@ -59,10 +53,10 @@ def test_a_count_that_is_the_same_in_all_cases_is_a_sentence_and_no_panel(two) -
     assert len(alone.axes) == 1
 
 
-def test_a_figure_without_a_title_has_no_room_for_one(two) -> None:
+def test_a_figure_without_a_title_has_no_room_for_one(six) -> None:
     tops = []
     for title in ("A title", ""):
-        fig = canvas.figure((5, 3), lambda fig: fig.add_subplot(), two.assign_attrs(title=title))
+        fig = canvas.figure((5, 3), lambda fig: fig.add_subplot(), six.assign_attrs(title=title))
         fig.draw_without_rendering()
         tops.append((1 - fig.axes[0].get_position().y1) * fig.get_figheight())
     assert tops[0] - tops[1] == pytest.approx(fonts.height_of("A title", fonts.LARGE), abs=0.02)  # one line

@@ -93,26 +93,21 @@ def test_without_background_only_what_is_drawn_is_opaque(ds, tmp_path) -> None:
     assert np.quantile(differ, 0.999) <= 6
 
 
-@pytest.fixture(scope="module")
-def two() -> xr.Dataset:
-    return in_memory.run(small.grid())
-
-
 @pytest.mark.slow
-def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(two, tmp_path, capsys) -> None:
-    writing.write(two, tmp_path / "small.h5")
+def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(six, tmp_path, capsys) -> None:
+    writing.write(six, tmp_path / "small.h5")
     for kind in ("lines", "map"):
         run(f"plot {tmp_path}/small.h5 --kind {kind} --out {tmp_path}/{kind}.png --data {tmp_path}/{kind}.csv --dpi 50")
     lines, cells = (
         list(csv.DictReader((tmp_path / f"{kind}.csv").read_text("utf-8").splitlines())) for kind in ("lines", "map")
     )
     law = [row for row in lines if row["y_label"].endswith("max κ [1/cm]") and row["kind"] == "dot"]
-    at = law_verdicts.verdicts(two)[0]["at"] or {"E": float(two["E"][0])}
-    np.testing.assert_allclose([float(row["y"]) for row in law], two["kappa_max"].sel(at).values)
+    at = law_verdicts.verdicts(six)[0]["at"] or {"E": float(six["E"][0])}
+    np.testing.assert_allclose([float(row["y"]) for row in law], six["kappa_max"].sel(at).values)
     curve = [row for row in lines if row["series"] == "R = 0.5 cm"]
-    assert len(curve) >= two.sizes["u"]
+    assert len(curve) >= six.sizes["u"]
     turns = {(float(row["x"]), float(row["value"])) for row in cells if row["panel"].endswith("number of bends")}
-    assert {value for _, value in turns} == set(two["turns"].values.ravel().tolist())
+    assert {value for _, value in turns} == set(six["turns"].values.ravel().tolist())
     assert capsys.readouterr().out.splitlines()[-1] == str(tmp_path / "map.csv")
 
 
@@ -130,7 +125,7 @@ def test_a_full_disk_is_a_sentence_and_an_existing_picture_stays(tmp_path) -> No
 
 
 def test_maps_that_stand_one_below_the_other_have_equal_widths() -> None:
-    ds = in_memory.run(small.grid())
+    ds = small.six()
     fig = map_figure.figure(ds, sheet=sheet("paper", 89))
     fig.draw_without_rendering()
     boxes = [ax.get_position() for ax in fig.axes if ax.get_label() != "<colorbar>"]

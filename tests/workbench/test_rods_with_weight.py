@@ -142,7 +142,7 @@ def test_the_picture_of_a_pipe_has_its_azimuth_and_push_and_the_states_at_zero(d
 
 
 def test_a_rod_without_weight_has_no_states() -> None:
-    bare = in_memory.run(small.grid())
+    bare = small.six()
     with pytest.raises(InputError, match=r"is that of a rod with weight, .* choose --kind ridge or pipe"):
         along.states(bare)
     (ax, *_) = along.pipe(bare).axes

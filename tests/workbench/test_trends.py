@@ -10,7 +10,7 @@ from matplotlib.text import Text
 
 from solver import InputError
 from tests.workbench import small
-from tests.workbench.small import grid, study
+from tests.workbench.small import study
 from workbench.figures import along, canvas, colours, drawn_rods, kinds, scales, study_figure
 from workbench.figures.laws import panel
 from workbench.figures.unrolled import stretch
@@ -123,7 +123,7 @@ def test_drawing_leaves_no_state_behind(tmp_path) -> None:
     import matplotlib
 
     before = dict(matplotlib.rcParams)
-    canvas.save(study_figure.figure(in_memory.run(grid())), tmp_path / "figure.png")
+    canvas.save(study_figure.figure(small.six()), tmp_path / "figure.png")
     assert dict(matplotlib.rcParams) == before
     assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()
 
@@ -155,7 +155,7 @@ def test_observables_that_are_left_out_are_said(angles) -> None:
 
 
 def test_bars_have_the_stored_number_of_each_case_along_a_short_axis() -> None:
-    ds = in_memory.run(grid())
+    ds = small.six()
     fig = kinds.figure(ds, "bars", x="R", show=["kappa_max"], at={"E": 2e4})
     (bars,) = fig.axes[0].containers
     np.testing.assert_array_equal([bar.get_width() for bar in bars], ds["kappa_max"].sel(E=2e4).sortby("R"))

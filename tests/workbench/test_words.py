@@ -114,13 +114,13 @@ def level(wraps: xr.DataArray) -> np.ndarray:
 
 
 def two_laws_of_one_claim(panel: str) -> Figure:
-    ds = in_memory.run(small.grid())
+    ds = small.six()
     (row, *_) = law_verdicts.verdicts(ds)
     return study_figure.figure(ds, [row, {**row, "observable": "turns"}], sheet(panel=panel))
 
 
 def grid(**more: Any) -> Figure:
-    return study_figure.figure(in_memory.run(small.grid()), sheet=sheet(**more))
+    return study_figure.figure(small.six(), sheet=sheet(**more))
 
 
 def angles(**more: Any) -> Figure:

@@ -19,27 +19,22 @@ from tests.workbench import forked, runs, small
 from workbench.store import in_memory, reading, writing
 
 
-@pytest.fixture(scope="module")
-def ds() -> xr.Dataset:
-    return in_memory.run(small.grid())
-
-
-def test_what_is_stored_is_what_is_read(ds, tmp_path) -> None:
-    for stored in (ds, in_memory.run(small.study())):  # a grid, and a single case
+def test_what_is_stored_is_what_is_read(six, tmp_path) -> None:
+    for stored in (six, in_memory.run(small.study())):  # a grid, and a single case
         path = writing.write(stored, tmp_path / f"{stored.sizes.get('E')}.h5")
         xr.testing.assert_identical(reading.read(path), stored)
 
 
-def test_a_text_that_grew_since_it_was_read_is_stored_whole(ds, tmp_path) -> None:
-    longer = reading.read(writing.write(ds, tmp_path / "small.h5"))
+def test_a_text_that_grew_since_it_was_read_is_stored_whole(six, tmp_path) -> None:
+    longer = reading.read(writing.write(six, tmp_path / "small.h5"))
     sentence = "failed: a sentence that is longer than all that were stored before"
     longer["outcome"] = longer["outcome"].copy(data=np.full(longer["outcome"].shape, sentence))
     assert set(reading.read(writing.write(longer, tmp_path / "longer.h5"))["outcome"].values.ravel()) == {sentence}
 
 
-def test_a_file_is_written_and_opened_as_xarray_alone_does(ds, tmp_path) -> None:
-    ds.to_netcdf(tmp_path / "theirs.h5", engine="h5netcdf", encoding=writing.encoding(ds))
-    writing.write_new(ds, tmp_path / "ours.h5")
+def test_a_file_is_written_and_opened_as_xarray_alone_does(six, tmp_path) -> None:
+    six.to_netcdf(tmp_path / "theirs.h5", engine="h5netcdf", encoding=writing.encoding(six))
+    writing.write_new(six, tmp_path / "ours.h5")
     assert runs.contents(tmp_path / "ours.h5") == runs.contents(tmp_path / "theirs.h5")
     with writing.open_file(tmp_path / "ours.h5") as ours, xr.open_dataset(tmp_path / "ours.h5") as theirs:
         xr.testing.assert_identical(ours, theirs)
@@ -47,27 +42,27 @@ def test_a_file_is_written_and_opened_as_xarray_alone_does(ds, tmp_path) -> None
             assert str(variable.encoding) == str(theirs[name].encoding)
 
 
-def test_of_many_opened_files_those_closed_meanwhile_are_opened_again(ds, tmp_path) -> None:
-    path = writing.write(ds, tmp_path / "small.h5")
+def test_of_many_opened_files_those_closed_meanwhile_are_opened_again(six, tmp_path) -> None:
+    path = writing.write(six, tmp_path / "small.h5")
     with ExitStack() as stack:
         copies = [tmp_path / f"{k}.h5" for k in range(4)]
         opened = [stack.enter_context(writing.open_file(shutil.copy(path, copy))) for copy in copies]
         with xr.set_options(file_cache_maxsize=2):
             for one in (*opened, opened[0]):
-                np.testing.assert_array_equal(one["beta"], ds["beta"])
+                np.testing.assert_array_equal(one["beta"], six["beta"])
 
 
-def test_a_bare_open_dataset_reads_it_without_a_warning(ds, tmp_path) -> None:
-    path = writing.write(ds, tmp_path / "small.h5")
+def test_a_bare_open_dataset_reads_it_without_a_warning(six, tmp_path) -> None:
+    path = writing.write(six, tmp_path / "small.h5")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with xr.open_dataset(path) as opened:
             assert opened.attrs.pop("checksums")
-            xr.testing.assert_identical(opened.load(), ds)
+            xr.testing.assert_identical(opened.load(), six)
 
 
-def test_h5py_reads_numbers_units_and_texts(ds, tmp_path) -> None:
-    with h5py.File(writing.write(ds, tmp_path / "small.h5")) as file:
+def test_h5py_reads_numbers_units_and_texts(six, tmp_path) -> None:
+    with h5py.File(writing.write(six, tmp_path / "small.h5")) as file:
         assert file["outcome"].asstr()[0, 0] == "solved"
         assert file["E"].attrs["units"] == "N/cm^2"
         assert file.attrs["study"].startswith('title = "two moduli')
@@ -75,32 +70,32 @@ def test_h5py_reads_numbers_units_and_texts(ds, tmp_path) -> None:
         assert file["beta"].dims[0].keys() == ["E"] or "E" in file["beta"].dims[0]
 
 
-def test_a_selection_that_another_program_has_stored_is_read(ds, tmp_path) -> None:
-    with xr.open_dataset(writing.write(ds, tmp_path / "small.h5")) as opened:
+def test_a_selection_that_another_program_has_stored_is_read(six, tmp_path) -> None:
+    with xr.open_dataset(writing.write(six, tmp_path / "small.h5")) as opened:
         opened.isel(E=[1]).assign_attrs(history="mine").to_netcdf(tmp_path / "part.h5", engine="h5netcdf")
-    xr.testing.assert_identical(reading.read(tmp_path / "part.h5").drop_attrs(), ds.isel(E=[1]).drop_attrs())
+    xr.testing.assert_identical(reading.read(tmp_path / "part.h5").drop_attrs(), six.isel(E=[1]).drop_attrs())
 
 
-def test_a_result_replaces_one_of_the_same_study_and_any_file_by_force(ds, tmp_path) -> None:
-    path = writing.write(ds, tmp_path / "small.h5")
-    writing.write(ds.assign_attrs(title="again"), path)
+def test_a_result_replaces_one_of_the_same_study_and_any_file_by_force(six, tmp_path) -> None:
+    path = writing.write(six, tmp_path / "small.h5")
+    writing.write(six.assign_attrs(title="again"), path)
     assert reading.read(path).attrs["title"] == "again"
     (tmp_path / "notes.txt").write_text("mine")
-    writing.write(ds, tmp_path / "notes.txt", force=True)
-    xr.testing.assert_identical(reading.read(tmp_path / "notes.txt"), ds)
+    writing.write(six, tmp_path / "notes.txt", force=True)
+    xr.testing.assert_identical(reading.read(tmp_path / "notes.txt"), six)
 
 
-def test_whoever_reads_the_old_file_while_it_is_replaced_reads_it_whole(ds, tmp_path) -> None:
-    path = writing.write(ds, tmp_path / "small.h5")
+def test_whoever_reads_the_old_file_while_it_is_replaced_reads_it_whole(six, tmp_path) -> None:
+    path = writing.write(six, tmp_path / "small.h5")
     with path.open("rb") as old:
         before = path.read_bytes()
-        writing.write(ds.assign_attrs(title="new"), path)
+        writing.write(six.assign_attrs(title="new"), path)
         assert old.read() == before
     assert reading.read(path).attrs["title"] == "new"
 
 
-def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monkeypatch) -> None:
-    path = writing.write(ds, tmp_path / "small.h5")
+def test_a_write_that_fails_leaves_the_good_file_and_no_other(six, tmp_path, monkeypatch) -> None:
+    path = writing.write(six, tmp_path / "small.h5")
     before = path.read_bytes()
 
     def full_disk(handle: int) -> None:
@@ -108,15 +103,15 @@ def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monk
 
     monkeypatch.setattr(os, "fsync", full_disk)
     with pytest.raises(InputError, match=r"cannot write .*small.h5: No space left on device"):
-        writing.write(ds.assign_attrs(title="new"), path)
+        writing.write(six.assign_attrs(title="new"), path)
     assert path.read_bytes() == before
     assert [p.name for p in tmp_path.iterdir()] == ["small.h5"]
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no limit of the size of files there")
 @pytest.mark.parametrize("room", [slow(0), 5000])
-def test_a_full_disk_is_one_sentence_where_hdf5_would_end_the_process(ds, tmp_path, room) -> None:
-    path = writing.write(ds, tmp_path / "small.h5")
+def test_a_full_disk_is_one_sentence_where_hdf5_would_end_the_process(six, tmp_path, room) -> None:
+    path = writing.write(six, tmp_path / "small.h5")
     limited = (
         "import resource, sys\nfrom workbench.store import reading, writing\nds = reading.read(sys.argv[1])\n"
         "size = resource.RLIMIT_FSIZE\nhard = resource.getrlimit(size)[1]\n"
@@ -135,7 +130,7 @@ def test_a_full_disk_is_one_sentence_where_hdf5_would_end_the_process(ds, tmp_pa
 
 @pytest.mark.parametrize("system, folders", (("linux", 1), ("win32", 0)))
 def test_windows_flushes_files_that_are_open_for_writing_and_no_folder(
-    ds, tmp_path, monkeypatch, system, folders
+    six, tmp_path, monkeypatch, system, folders
 ) -> None:
     fcntl = pytest.importorskip("fcntl", reason="no fcntl on this system")
     flushed = []
@@ -146,7 +141,7 @@ def test_windows_flushes_files_that_are_open_for_writing_and_no_folder(
 
     monkeypatch.setattr(os, "fsync", watched)
     monkeypatch.setattr(sys, "platform", system)
-    writing.write(ds, tmp_path / "small.h5")
+    writing.write(six, tmp_path / "small.h5")
     assert flushed.count((True, False)) == folders
     assert [writable for folder, writable in flushed if not folder] == [True]
 
@@ -162,11 +157,11 @@ writing.write(ds, sys.argv[1])
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
-def test_a_killed_run_leaves_the_good_file_whole(ds, tmp_path) -> None:
-    path = writing.write(ds, tmp_path / "small.h5")
+def test_a_killed_run_leaves_the_good_file_whole(six, tmp_path) -> None:
+    path = writing.write(six, tmp_path / "small.h5")
     before = path.read_bytes()
     (tmp_path / "main.py").write_text(KILLED)
     run = forked.run(tmp_path / "main.py", path)
     assert run.returncode == -signal.SIGKILL, run.stderr
     assert path.read_bytes() == before
-    xr.testing.assert_identical(reading.read(path), ds)
+    xr.testing.assert_identical(reading.read(path), six)
