@@ -367,25 +367,12 @@ static double slope_of(const rod *o, const places *of, int64_t f)
     return slope;
 }
 
-static int extreme_of(rod *o, int kind, int largest, int smallest, int rate_of, double *out)
-{
-    places at = {0};
-    if ((largest && add_places(o, kind, 1, o->span, 1, &at)) ||
-        (smallest && add_places(o, kind, -1, o->span, 1, &at)))
-        return NO_MEMORY;
-    judge_places(o, kind, largest && smallest, &at);
-    for (int64_t f = 0; f < o->by->F; f++)
-        out[RATES * f + rate_of] = slope_of(o, &at, f);
-    return DONE;
-}
-
 /* The first t of the largest push, where (df/dt)(t, q) = 0 gives dt/dq = -(d2f/dt dq)/(d2f/dt2). At the start of the rod it
    is 0, at the far end the change of the length. NaN where several places reach the largest value unequally, where the push
    is stationary at an end and the maximum moves off it, and where another place is observed. */
-static int peak_of(rod *o, double seen, double *out)
+static void peak_of(rod *o, const places *of, double seen, double *out)
 {
     const int64_t F = o->by->F;
-    places at = {0};
     double most_pace = 0;
     int k = -1;
     for (int64_t i = 0; i < o->w->count; i++) {
@@ -394,17 +381,14 @@ static int peak_of(rod *o, double seen, double *out)
         for (int j = 0; j < AT; j++)
             most_pace = larger(most_pace, fabs(pace[j]) * 2 / o->w->parts[i].time);
     }
-    if (add_places(o, OUTWARD, 1, o->span, 1, &at))
-        return NO_MEMORY;
-    judge_places(o, OUTWARD, 0, &at);
-    for (int i = 0; i < at.count; i++)
-        if (at.at[i].known && (k < 0 || fabs(at.at[i].t - seen) < fabs(at.at[k].t - seen)))
+    for (int i = 0; i < of->count; i++)
+        if (of->at[i].known && (k < 0 || fabs(of->at[i].t - seen) < fabs(of->at[k].t - seen)))
             k = i;
-    for (int64_t f = 0; f < F; f++)
-        out[RATES * f + PEAK] = k < 0 || fabs(at.at[k].t - seen) > OBSERVED * o->span ? NAN : slope_of(o, &at, f);
+    for (int64_t f = 0; f < F && (k < 0 || fabs(of->at[k].t - seen) > OBSERVED * o->span); f++)
+        out[RATES * f + PEAK] = NAN;
     if (k < 0)
-        return DONE;
-    const place_of_extreme *one = &at.at[k];
+        return;
+    const place_of_extreme *one = &of->at[k];
     const double half = smaller(WINDOW * o->shortest, o->span / 2), least = STILL * most_pace;
     const double middle = smaller(larger(one->t, half), o->span - half), x = (one->t - middle) / half;
     double t[AT], series[AT], unused, bend;
@@ -428,31 +412,25 @@ static int peak_of(rod *o, double seen, double *out)
         double *found = out + RATES * f + PEAK;
         *found = *found != *found ? NAN : !(one->first || one->last) ? inner : stays ? end : NAN;
     }
-    return DONE;
 }
 
 /* The first t with a negative push, or the whole length where there is none: f(t, q) = 0 gives dt/dq = -(df/dq)/(df/dt).
    NaN where f only touches zero on the way, and a change of f there lets that t jump. */
-static int lift_off_of(rod *o, double seen, double *out)
+static void lift_off_of(rod *o, const places *lowest, double seen, double *out)
 {
     const int64_t F = o->by->F;
-    places lowest = {0};
     rated at;
-    if (add_places(o, OUTWARD, -1, seen, 0, &lowest))
-        return NO_MEMORY;
-    judge_places(o, OUTWARD, 0, &lowest);
     read(o, OUTWARD, 1, &seen, &at, o->a);
     for (int64_t f = 0; f < F; f++) {
         const double moved[4] = {at.moved[0][0], at.moved[1][0], at.moved[2][0], at.moved[3][0]};
         const double inside = -o->a[f] - along_e(moved, o->parts + PARTS * f) / at.pace[0];
         double *found = out + RATES * f + FIRST_LIFT;
         *found = seen >= o->span ? o->later[f] : seen > 0 ? inside : 0;
-        for (int i = 0; i < lowest.count; i++)
-            if (lowest.at[i].known && fabs(lowest.at[i].value) <= ZERO * lowest.at[i].size &&
+        for (int i = 0; i < lowest->count; i++)
+            if (lowest->at[i].known && fabs(lowest->at[i].value) <= ZERO * lowest->at[i].size &&
                 fabs(o->slopes[F * i + f]) > o->faint[F * i + f])
                 *found = NAN;
     }
-    return DONE;
 }
 
 /* The rates of a density that is on the parts of the workspace: of its integral, or of what `largest` and `smallest` say of its
@@ -477,29 +455,43 @@ static void write_integral(rod *o, int kind, int rate_of, double *out)
     }
 }
 
+/* The rates of what the places where a density is largest, or smallest, say. Returns DONE or NO_MEMORY. */
+static int extreme_of(rod *o, int kind, int largest, int smallest, int rate_of, double *out)
+{
+    const int lifts = rate_of == FIRST_LIFT;
+    const double until = lifts ? o->by->lifts : o->span;
+    places at = {0};
+    if ((largest && add_places(o, kind, 1, until, !lifts, &at)) || (smallest && add_places(o, kind, -1, until, !lifts, &at)))
+        return NO_MEMORY;
+    judge_places(o, kind, largest && smallest, &at);
+    for (int64_t f = 0; f < o->by->F && !lifts; f++)
+        out[RATES * f + rate_of] = slope_of(o, &at, f);
+    if (lifts)
+        lift_off_of(o, &at, until, out);
+    if (rate_of == PEAK)
+        peak_of(o, &at, o->by->peak, out);
+    return DONE;
+}
+
 static int rates_of(rod *o, double *out)
 {
     const int64_t pushes = 1 << PUSHED | 1 << PULLED | 1 << SHARE;
-    int resolved = -1;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    int resolved = -1, failed = DONE;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows && !failed; i++) {
         const int kind = rows[i].kind, rate_of = rows[i].rate, extreme = rows[i].largest || rows[i].smallest;
         if (!(o->by->wanted & (rate_of == PUSHED ? pushes : (int64_t)1 << rate_of)))
             continue;
-        if (extreme ? kind != resolved && rod_resolved(o->w, 0, kind, EXTREMES, o->w->all->goal)
-                    : rod_resolved(o->w, 0, kind, SIGNS, GOAL))
-            return NO_MEMORY;
-        resolved = extreme ? kind : -1;
-        int failed = DONE;
         if (!extreme)
+            failed = rod_resolved(o->w, 0, kind, SIGNS, GOAL);
+        else if (kind != resolved)
+            failed = rod_resolved(o->w, 0, kind, EXTREMES, o->w->all->goal);
+        resolved = extreme ? kind : -1;
+        if (!failed && !extreme)
             write_integral(o, kind, rate_of, out);
-        else
-            failed = rate_of == PEAK         ? peak_of(o, o->by->peak, out)
-                     : rate_of == FIRST_LIFT ? lift_off_of(o, o->by->lifts, out)
-                                             : extreme_of(o, kind, rows[i].largest, rows[i].smallest, rate_of, out);
-        if (failed)
-            return failed;
+        else if (!failed)
+            failed = extreme_of(o, kind, rows[i].largest, rows[i].smallest, rate_of, out);
     }
-    return DONE;
+    return failed;
 }
 
 /* Which panel is nearest to a critical point, and the shortest time of a change. */

@@ -227,21 +227,6 @@ def arguments_of(varied: Any) -> tuple[Any, Any]:
     return varied.reading, _VariedOrbits(**varied.kept, lanes=widest())
 
 
-def places(varied: Any, t: Array) -> Array:
-    """The states of varied orbits at t (B, n), (B, n, 24): v, H, c, the shifts (4), gammas (4), M (10)
-    and the integrals of sin, cos and sin cos of beta."""
-    out = np.empty((*t.shape, 11 + _SUMS))
-    run("rod_variations_places", *arguments_of(varied), *t.shape, np.ascontiguousarray(t), out)
-    return out
-
-
-def directions(varied: Any) -> Array:
-    """The parts of a unit of beta(0), beta_t(0), lam, mu and phi of varied orbits, (B, 5, 5)."""
-    out = np.empty((varied.orbit.problem.size, 5, 5))
-    run("rod_variations_directions", *arguments_of(varied), len(out), out)
-    return out
-
-
 def changes(varied: Any, t: Array, parts: Array) -> Array:
     """The changes of varied orbits at t (B, n) by F directions with the parts (B, 5, F): (5, B, F, n), of beta, of
     beta_t and of the integrals of H_q d beta up to t."""

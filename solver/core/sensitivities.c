@@ -4,7 +4,7 @@
 
 /* The numbers of a case that have rates: NUMBERS in problem/field_rates.py */
 enum { LAM, MU, PHI, LENGTH, BETA0, END, STIFFNESS, RHO, RATIO, AZIMUTH, TWIST };
-enum { MARKS = 4, CHUNK = 64 };
+enum { MARKS = 4 };
 
 /* Shapes at n stations, B rods. t, beta, rate, z: (B, n), in units of rho. by: (11, B, F), rates of the numbers of the case;
    NULL for the units of rho, whose rates are 0. later: (B, F), of the length in t. loads: (B, 3). ratio, rho: (B,). out:
@@ -90,34 +90,13 @@ typedef struct {
     double *parts, *room, *thirds, *pieces;
     int64_t piece_room;
     varied_place start;
-    double unit[5 * PARTS][CHUNK];
 } worker;
 
-/* The changes of a shape: sums over the parts, next to a saddle without those that do not change. */
+/* The derivatives of shape b from those of its orbit. */
 static void change_shape(worker *o, const shapes *of, int64_t b)
 {
-    const int64_t F = of->F, n = of->stations, each = of->size * F * n;
-    for (int64_t begin = 0; begin < n; begin += CHUNK) {
-        const int many = (int)(n - begin < CHUNK ? n - begin : CHUNK);
-        for (int i = 0; i < many; i++) {
-            varied_place there;
-            varied_unit unit;
-            rod_varied_place_at(o->of, o->varied, 0, of->t[b * n + begin + i], &there);
-            rod_varied_unit(&o->start, &there, &unit);
-            for (int k = 0; k < 5 * PARTS; k++)
-                o->unit[k][i] = unit.by[k / PARTS][k % PARTS];
-        }
-        for (int64_t f = 0; f < F; f++)
-            for (int k = 0; k < 5; k++) {
-                double *to = of->out + each * k + n * (b * F + f) + begin;
-                memset(to, 0, sizeof(double) * (size_t)many);
-                for (int part = 0; part < PARTS; part++) {
-                    const double amount = o->parts[PARTS * f + part], *unit = o->unit[PARTS * k + part];
-                    for (int i = 0; amount != 0 && i < many; i++)
-                        to[i] += unit[i] * amount;
-                }
-            }
-    }
+    const int64_t at = b * of->F * of->stations, each = of->size * of->F * of->stations;
+    rod_change_orbit(o->of, o->varied, 0, of->stations, of->F, of->t + b * of->stations, o->parts, each, of->out + at);
     derive_shape(of, b);
 }
 

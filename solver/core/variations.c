@@ -366,22 +366,31 @@ void rod_varied_place_at(const read_orbits *of, const varied_orbits *varied, int
         out->M[m] = rod_unfolded(out->M[m], &where, gain[m], gain[SUMS + m], of->kind[b] == LIBRATION);
 }
 
-/* The states of n orbits, none of them a helix, at t (n, stations) into out (n, stations). */
-void rod_variations_places(const read_orbits *of, const varied_orbits *varied, int64_t n, int64_t stations,
-                           const double *t, varied_place *out)
+void rod_change_orbit(const read_orbits *of, const varied_orbits *varied, int64_t b, int64_t stations, int64_t F,
+                      const double *t, const double *parts, int64_t each, double *out)
 {
-    for (int64_t i = 0; i < n * stations; i++)
-        rod_varied_place_at(of, varied, i / stations, t[i], out + i);
-}
-
-/* `rod_varied_directions` of n orbits, none of them a helix, (n, PARTS, PARTS). */
-void rod_variations_directions(const read_orbits *of, const varied_orbits *varied, int64_t n,
-                               double (*out)[PARTS][PARTS])
-{
-    for (int64_t b = 0; b < n; b++) {
-        varied_place start;
-        rod_varied_place_at(of, varied, b, 0, &start);
-        rod_varied_directions(&start, out[b]);
+    double units[5 * PARTS][CHUNK];
+    varied_place start, there;
+    varied_unit unit;
+    rod_varied_place_at(of, varied, b, 0, &start);
+    for (int64_t begin = 0; begin < stations; begin += CHUNK) {
+        const int many = (int)(stations - begin < CHUNK ? stations - begin : CHUNK);
+        for (int i = 0; i < many; i++) {
+            rod_varied_place_at(of, varied, b, t[begin + i], &there);
+            rod_varied_unit(&start, &there, &unit);
+            for (int k = 0; k < 5 * PARTS; k++)
+                units[k][i] = unit.by[k / PARTS][k % PARTS];
+        }
+        for (int64_t f = 0; f < F; f++)
+            for (int k = 0; k < 5; k++) {
+                double *to = out + each * k + stations * f + begin;
+                memset(to, 0, sizeof(double) * (size_t)many);
+                for (int part = 0; part < PARTS; part++) {
+                    const double amount = parts[PARTS * f + part], *own = units[PARTS * k + part];
+                    for (int i = 0; amount != 0 && i < many; i++)
+                        to[i] += own[i] * amount;
+                }
+            }
     }
 }
 
@@ -390,19 +399,9 @@ void rod_variations_directions(const read_orbits *of, const varied_orbits *varie
 void rod_variations_changes(const read_orbits *of, const varied_orbits *varied, int64_t n, int64_t stations, int64_t F,
                             const double *t, const double *parts, double *out)
 {
-    const int64_t each = n * F * stations;
-    for (int64_t b = 0; b < n; b++) {
-        varied_place start, there;
-        varied_unit unit;
-        rod_varied_place_at(of, varied, b, 0, &start);
-        for (int64_t i = 0; i < stations; i++) {
-            rod_varied_place_at(of, varied, b, t[b * stations + i], &there);
-            rod_varied_unit(&start, &there, &unit);
-            for (int64_t f = b * F; f < (b + 1) * F; f++)
-                for (int k = 0; k < 5; k++)
-                    out[each * k + stations * f + i] = of_parts(unit.by[k], parts + PARTS * f);
-        }
-    }
+    for (int64_t b = 0; b < n; b++)
+        rod_change_orbit(of, varied, b, stations, F, t + b * stations, parts + b * F * PARTS, n * F * stations,
+                         out + b * F * stations);
 }
 
 void rod_lone_orbit_free(lone_orbit *o)

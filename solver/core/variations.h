@@ -16,7 +16,7 @@ typedef struct {
     double shift[3], gamma[3][NODES], H_q[3][NODES], M[SUMS][NODES];
 } varied_nodes;
 
-/* The state at one place of an orbit: `variations.Place`. v: with its sign. M: from the start, as the integrals of sin, cos
+/* The state at one place of an orbit. v: with its sign. M: from the start, as the integrals of sin, cos
    and sin cos of beta. */
 typedef struct {
     double v, H, c, shift[4], gamma[4], M[SUMS];
@@ -58,14 +58,12 @@ void rod_varied_unit(const varied_place *start, const varied_place *there, varie
 /* The parts of a unit of beta(0), beta_t(0), lam, mu and phi at the start, each with the others held: [part][of]. */
 void rod_varied_directions(const varied_place *start, double out[PARTS][PARTS]);
 
-/* A sum over the parts, without those that do not change: next to a saddle a column of M may be infinite. */
-static inline double of_parts(const double *unit, const double *parts)
-{
-    double total = 0;
-    for (int k = 0; k < PARTS; k++)
-        total += parts[k] != 0 ? unit[k] * parts[k] : 0;
-    return total;
-}
+enum { CHUNK = 64 }; /* stations at once */
+
+/* The changes of orbit b by F directions with the parts (F, PARTS) at t (stations,): the five, `each` numbers apart, into out,
+   (F, stations) each. Parts that do not change are left out: next to a saddle a column of M may be infinite. */
+void rod_change_orbit(const read_orbits *, const varied_orbits *, int64_t b, int64_t stations, int64_t F, const double *t,
+                      const double *parts, int64_t each, double *out);
 
 /* The most panels of one of n orbits, at least 1. */
 int64_t rod_most_panels(const read_orbits *, int64_t n);

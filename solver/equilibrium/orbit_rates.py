@@ -151,9 +151,9 @@ def _rates_beyond_core(problem: EndsProblem, path: Path) -> OrbitRates:
 def rates_of_variations(problem: EndsProblem, varied: Variations) -> OrbitRates:
     """The numbers of orbits that are no helices at t = span, and their rows but that of y."""
     t, unit = ends_of(problem), np.broadcast_to(np.eye(5), (problem.size, 5, 5))
-    at = varied.at(t)
-    turned, risen, swirl = at.integrals[:, 1].T
-    return _assemble(problem, varied.change(t, unit), at.v.T, at.H.T, np.stack([turned, swirl, risen]))
+    ends, (_, _, turned, risen) = varied.change(t, unit), varied.orbit.at(t)
+    v, H = ends.beta[..., 0].T, -ends.rate[..., 0].T  # by a unit of a0, which is one of time
+    return _assemble(problem, ends, v, H, np.stack([turned, varied.orbit.swirl(t), risen])[..., 1])
 
 
 def ends_of(problem: Reduced) -> Array:

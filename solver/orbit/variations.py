@@ -30,26 +30,6 @@ from .periodic_orbit import Orbit
 
 POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
 HOW = Cutting(LENGTH, GOAL, 1.0)
-_PAIRS = np.triu_indices(4)  # the rows and columns of M that are kept
-_MATRIX = np.zeros((4, 4), dtype=int)  # where the elements of M are kept
-_MATRIX[_PAIRS] = _MATRIX[_PAIRS[::-1]] = range(10)
-
-
-@dataclass(frozen=True, eq=False)
-class Place:
-    """The state of orbits where their variation is read, at points (...).
-
-    v, H: beta_t and H. c: of the transversal. shift, gamma: (..., 4), by a unit of each element of e. M: (..., 4, 4).
-    integrals: (..., 3), of sin, cos and sin cos of beta.
-    """
-
-    v: Array
-    H: Array
-    c: Array
-    shift: Array
-    gamma: Array
-    M: Array
-    integrals: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,12 +65,6 @@ class Variations:
     orbit: Orbit
     kept: dict[str, Array]
 
-    def at(self, t: Array) -> Place:
-        """The places at t (B, n), (B, n) each."""
-        columns = core.places(self, t)
-        v, H, c, shift, gamma, M, integrals = np.split(columns, [1, 2, 3, 7, 11, 11 + core.PAIRS], axis=-1)
-        return Place(v[..., 0], H[..., 0], c[..., 0], shift, gamma, M[..., _MATRIX], integrals)
-
     def change(self, t: Array, parts: Array) -> Change:
         """The changes at t (B, n) in F directions with the parts (B, 5, F): a0, then e."""
         columns = core.changes(self, t, parts).swapaxes(2, 3)
@@ -104,7 +78,10 @@ class Variations:
     @cached_property
     def directions(self) -> Array:
         """The parts of a unit of beta(0), beta_t(0), lam, mu and phi, each with the others held, (B, 5, 5)."""
-        return core.directions(self)
+        units = np.tile(np.eye(5), (self.orbit.problem.size, 1, 1))
+        start, rows = self.change(np.zeros((len(units), 1)), units), units.copy()
+        rows[:, 0], rows[:, 1] = start.beta[:, 0], start.rate[:, 0]
+        return np.linalg.inv(rows)
 
     @property
     def nearest(self) -> Array:
