@@ -128,7 +128,7 @@ _Grid = structure("grid", (INT, "m"), (AT, "angles table"))
 
 
 class Cutting(NamedTuple):
-    """How panels are cut: see `orbit.panels.panelled`. lanes: numbers computed at once, 0 for as many as there can be;
+    """How panels are cut: `cutting` in orbit_parts.h. lanes: numbers computed at once, 0 for as many as there can be;
     their number changes no bit."""
 
     length: float

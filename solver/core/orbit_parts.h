@@ -94,9 +94,9 @@ typedef struct {
 
 enum { PANEL_COLUMNS = 7 }; /* duration, base, origin, fastest, error, time_error and time_rounding */
 
-/* Where panels are copied to. arc, rank: (P,). columns: (PANEL_COLUMNS, P). series: (P, FUNCTIONS, size). */
+/* Where panels are copied to. arc: (P,). columns: (PANEL_COLUMNS, P). series: (P, FUNCTIONS, size). */
 typedef struct {
-    int64_t panels, *arc, *rank;
+    int64_t panels, *arc;
     double *columns, *series;
 } panel_arrays;
 
@@ -341,11 +341,18 @@ double rod_slope_over_root(const local_potential *, double turn, double x);
 int rod_panelled(const start_problem *, const piece *, int count, const points *, const cutting *, panels *);
 void rod_panels_free(panels *);
 
+/* What a unit of falling log gap adds to the time at an end of a piece: 1/(2 r) where it ends at the saddle from whose height
+   the level is measured, or at the turning point before it; else 0. */
+double rod_half_passage(const piece *, double gap, int at_far_end);
+/* Adds panels on which the rod stays at that saddle, longer by a smaller log of the gap. On them beta is the angle of the
+   saddle, to within the root of the gap, and the integrals grow evenly. */
+int rod_rest(const piece *, int count, double gap, double deeper, const points *, panels *);
+
 /* orbits.c */
 
-/* The panels of one orbit behind those that are there; `piece` of each is twice its rank, and 1 more on the backward arc.
-   pinned: an angle and the height of the level above G there, or NULL: beta(0) and its own. known: the critical points, or
-   NULL. */
+/* The panels of one orbit behind those that are there; `piece` of each is the number of its arc, 0 or 1. pinned: an angle,
+   the height of the level above G there, and by how much the log of the true gap is smaller; or NULL: beta(0), its own, 0.
+   known: the critical points, or NULL. */
 int rod_cut_orbit(const start_problem *, const double *pinned, const critical *known, const grid *, const points *,
                   const cutting *, arcs *, panels *);
 

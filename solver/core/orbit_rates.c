@@ -89,7 +89,7 @@ int rod_orbit_numbers(const place *o, const path *level, const points *at, const
     const double gap = level->sign * exp(level->y), v2 = gap + rod_place_fall(o, level->pin, o->start);
     const double speed = (double)level->leaving * sqrt(larger(v2, 0));
     const start_problem start = {p->lam, p->mu, p->phi, out->length, o->start, speed};
-    failed = rod_lone_orbit(&start, (double[]){level->pin, gap}, &o->found, NULL, at, how, &on);
+    failed = rod_lone_orbit(&start, (double[]){level->pin, gap, 0}, &o->found, NULL, at, how, &on);
     if (!failed)
         numbers_of(&on, p, at, o, level, out->length, out);
     rod_lone_orbit_free(&on);

@@ -3,15 +3,12 @@
 
 #include "orbit_parts.h"
 
-enum { PIECE_COLUMNS = 9 };
-
 /* The orbits of a call until they are fetched. */
 typedef struct {
-    int64_t problems, pieces, piece_room;
+    int64_t problems;
     points at;
     int64_t *first; /* of the panels of each problem, -1 for none */
     panels all;
-    piece *kept;
 } orbits;
 
 void rod_orbits_free(orbits *made)
@@ -20,18 +17,7 @@ void rod_orbits_free(orbits *made)
         return;
     rod_panels_free(&made->all);
     free(made->first);
-    free(made->kept);
     free(made);
-}
-
-static int keep(orbits *made, const piece *pieces, int count)
-{
-    if (rod_roomy((void **)&made->kept, &made->piece_room, made->pieces + count, sizeof(piece)))
-        return NO_MEMORY;
-    if (count)
-        memcpy(made->kept + made->pieces, pieces, sizeof(piece) * (size_t)count);
-    made->pieces += count;
-    return DONE;
 }
 
 static int is_finite(const start_problem *p)
@@ -44,15 +30,19 @@ int rod_cut_orbit(const start_problem *p, const double *pinned, const critical *
                   const cutting *how, arcs *from, panels *all)
 {
     const double pin = pinned ? pinned[0] : wrapped(p->beta0), gap = pinned ? pinned[1] : square(p->dbeta0);
+    const double deeper = pinned ? pinned[2] : 0;
+    const int64_t begin = all->count;
     critical found;
-    if (at->n > NODES || at->n < 4 || !is_finite(p) || (pinned && !(isfinite(pin) && isfinite(gap))))
+    if (at->n > NODES || at->n < 4 || !is_finite(p) || (pinned && !(isfinite(pin) && isfinite(gap) && isfinite(deeper))))
         return NOT_POSSIBLE;
     int failed = known ? DONE : rod_critical(p->lam, p->mu, p->phi, by, &found);
     failed = failed ? failed : rod_arcs(p, pin, gap, known ? known : &found, from);
     failed = failed ? failed : rod_panelled(p, from->pieces, from->count, at, how, all);
-    for (int64_t i = all->first; !failed && i < all->count; i++) {
+    if (!failed && deeper > 0)
+        failed = rod_rest(from->pieces, from->count, gap, deeper, at, all);
+    for (int64_t i = begin; !failed && i < all->count; i++) {
         const piece *own = &from->pieces[all->rows[i].piece];
-        all->rows[i].piece = 2 * own->rank + own->arc;
+        all->rows[i].piece = own->arc;
     }
     return failed;
 }
@@ -63,7 +53,7 @@ int64_t rod_copy_panels(const panels *from, int64_t first, int64_t size, int64_t
         const panel *one = &from->rows[i];
         const double values[PANEL_COLUMNS] = {one->duration, one->base,       one->origin,       one->fastest,
                                               one->error,    one->time_error, one->time_rounding};
-        to->arc[row] = one->piece % 2, to->rank[row] = one->piece / 2;
+        to->arc[row] = one->piece;
         for (int k = 0; k < PANEL_COLUMNS; k++)
             to->columns[k * to->panels + row] = values[k];
         memcpy(to->series + FUNCTIONS * size * row, from->series + FUNCTIONS * size * i,
@@ -99,18 +89,15 @@ static int one_orbit(orbits *made, int64_t b, const start_problem *p, const doub
         return failed;
     kind[b] = from.kind, direction[b] = from.direction;
     made->first[b] = from.count ? made->all.first : -1;
-    for (int i = 0; i < from.count; i++)
-        from.pieces[i].arc += 2 * b;
-    return keep(made, from.pieces, from.count);
+    return DONE;
 }
 
 /* The orbits of n start problems (n, 6).
 
-   pinned: (n, 2), an angle and the height of the level above G there, or NULL: beta(0) and its own. kind, direction:
-   (n,), filled. sizes: the numbers of panels and of pieces, and the status. Returns the orbits, to be fetched by
-   `rod_orbits_fetch`, or NULL. */
+   pinned: (n, 3), as of `rod_cut_orbit`, or NULL. kind, direction: (n,), filled. sizes: the number of panels, and the
+   status. Returns the orbits, to be fetched by `rod_orbits_fetch`, or NULL. */
 orbits *rod_orbits(int64_t n, const start_problem *problems, const double *pinned, const grid *by, const points *at,
-                   const cutting *how, int64_t *kind, double *direction, int64_t sizes[3])
+                   const cutting *how, int64_t *kind, double *direction, int64_t sizes[2])
 {
     orbits *made = calloc(1, sizeof(orbits));
     int failed = DONE;
@@ -119,19 +106,19 @@ orbits *rod_orbits(int64_t n, const start_problem *problems, const double *pinne
     if (!made || !made->first)
         failed = NO_MEMORY;
     for (int64_t b = 0; b < n && !failed; b++)
-        failed = one_orbit(made, b, &problems[b], pinned ? pinned + 2 * b : NULL, by, how, kind, direction);
-    sizes[2] = failed;
+        failed = one_orbit(made, b, &problems[b], pinned ? pinned + 3 * b : NULL, by, how, kind, direction);
+    sizes[1] = failed;
     if (failed) {
         rod_orbits_free(made);
         return NULL;
     }
-    sizes[0] = made->all.count, sizes[1] = made->pieces;
+    sizes[0] = made->all.count;
     return made;
 }
 
-/* Fetches and frees the orbits. pieces: (N, 9), the columns of `orbit.pieces.Pieces`; the rest: `rod_orbits_sum`. */
-void rod_orbits_fetch(orbits *made, const panel_arrays *to, double *pieces, double *since, int64_t *first, int64_t *count,
-                      double *duration, double *gain)
+/* Fetches and frees the orbits. since, ...: as of `rod_orbits_sum`. */
+void rod_orbits_fetch(orbits *made, const panel_arrays *to, double *since, int64_t *first, int64_t *count, double *duration,
+                      double *gain)
 {
     const int64_t size = made->at.n + 1;
     int64_t row = 0;
@@ -141,14 +128,6 @@ void rod_orbits_fetch(orbits *made, const panel_arrays *to, double *pieces, doub
             to->arc[i] += 2 * b;
     }
     rod_orbits_sum(2 * made->problems, row, size, to->arc, to->columns, to->series, since, first, count, duration, gain);
-    for (int64_t i = 0; i < made->pieces; i++) {
-        const piece *p = &made->kept[i];
-        const local_potential *l = &p->local;
-        const double bend = l->fixed - 2 * l->bend + l->c * l->c * (l->s * l->s + l->s * (2 * l->s + 3 * l->s));
-        const double values[PIECE_COLUMNS] = {(double)p->arc, (double)p->rank, (double)p->kind, p->base, l->o, p->u0,
-                                              p->u1, l->level, bend};
-        memcpy(pieces + PIECE_COLUMNS * i, values, sizeof values);
-    }
     rod_orbits_free(made);
 }
 

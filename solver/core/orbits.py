@@ -11,14 +11,14 @@ from ..numerics.arrays import Array, Booleans, Integers
 from .library import AT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, structure, widest
 
 _CRITICAL = 16  # most critical points of a problem
-FUNCTIONS, PIECE_COLUMNS = 5, 9  # series of a panel; numbers of a piece
+FUNCTIONS = 5  # series of a panel
 
 
 _ReadOrbits = structure(  # orbit_parts.h
     "read_orbits", (INT, "coefficients panels"),
     (AT, "kind first count beta0 direction duration gain since width base origin series"),
 )  # fmt: skip
-_PanelArrays = structure("panel_arrays", (INT, "panels"), (AT, "arc rank columns series"))  # orbit_parts.h
+_PanelArrays = structure("panel_arrays", (INT, "panels"), (AT, "arc columns series"))  # orbit_parts.h
 _Covered = structure("covered", (AT, "of row low high time count begin"))  # orbit_parts.h
 _PanelErrors = structure("panel_errors", (AT, "fastest error time_error time_rounding"))  # conditioning.c
 
@@ -29,10 +29,8 @@ class FoundOrbits(NamedTuple):
     kind: Integers
     direction: Array
     arc: Integers
-    rank: Integers
     columns: Array
     series: Array
-    pieces: Array
     since: Array
     first: Integers
     counts: Integers
@@ -84,8 +82,8 @@ def orbits(numbers: Array, pinned: Array | None, n: int, cutting: Cutting) -> Fo
     ----------
     numbers : (B, 6)
         lam, mu, phi, span, beta(0), beta_t(0).
-    pinned : (B, 2), or None
-        Angles, and heights of the level above G there.
+    pinned : (B, 3), or None
+        Angles, heights of the level above G there, and by how much the logs of the true heights are smaller.
     n : int
         Nodes of a panel.
     cutting : Cutting
@@ -96,32 +94,18 @@ def orbits(numbers: Array, pinned: Array | None, n: int, cutting: Cutting) -> Fo
         None where a number is not finite, or critical points could not be told apart.
     """
     B = numbers.shape[0]
-    kind, direction, sizes = np.empty(B, np.int64), np.empty(B), np.empty(3, np.int64)
+    kind, direction, sizes = np.empty(B, np.int64), np.empty(B), np.empty(2, np.int64)
     task = B, numbers, pinned, on_grid(), points(n), cut(cutting, False)
     handle = run("rod_orbits", *task, kind, direction, sizes, result=AT)
-    P, N, status = sizes.tolist()
+    P, status = sizes.tolist()
     if handle is None:
         fine(status)
         return None
-    arc, rank = np.empty((2, P), np.int64)
-    columns, series = np.empty((7, P)), np.empty((P, FUNCTIONS, n + 1))
-    pieces, sums = np.empty((N, PIECE_COLUMNS)), _sums(2 * B, P)
-    run("rod_orbits_fetch", handle, _PanelArrays(P, arc, rank, columns, series), pieces, *sums)
-    return FoundOrbits(kind, direction, arc, rank, columns, series, pieces, *sums)
-
-
-def _sums(arcs: int, P: int) -> tuple[Array, Integers, Integers, Array, Array]:
-    """Room for what `sum_up` gives."""
-    first, count = np.empty((2, arcs), np.int64)
-    return np.empty(P), first, count, np.empty(arcs), np.empty((arcs, 3))
-
-
-def sum_up(arcs: int, arc: Integers, width: Array, series: Array) -> tuple[Array, Integers, Integers, Array, Array]:
-    """`since`, `first`, `count`, `duration` and `gain` of `periodic_orbit.Orbit`, of panels whose integrals count from
-    their own near ends; in `series` they count from the start of the orbit then."""
-    sums = _sums(arcs, arc.size)
-    run("rod_orbits_sum", arcs, arc.size, series.shape[2], arc, width, series, *sums)
-    return sums
+    arc, columns, series = np.empty(P, np.int64), np.empty((7, P)), np.empty((P, FUNCTIONS, n + 1))
+    first, count = np.empty((2, 2 * B), np.int64)
+    sums = np.empty(P), first, count, np.empty(2 * B), np.empty((2 * B, 3))
+    run("rod_orbits_fetch", handle, _PanelArrays(P, arc, columns, series), *sums)
+    return FoundOrbits(kind, direction, arc, columns, series, *sums)
 
 
 def reading(orbit: Any) -> Any:

@@ -355,6 +355,38 @@ int rod_panelled(const start_problem *p, const piece *pieces, int count, const p
     return failed;
 }
 
+double rod_half_passage(const piece *p, double gap, int at_far_end)
+{
+    const double level = p->local.level, end = at_far_end ? p->u1 : p->u0;
+    if (p->kind == CENTRE || end != 0 || !(fabs(fabs(level) - fabs(gap)) < 1e-9 * fabs(level)))
+        return 0;
+    return 0.5 / sqrt(larger(rod_steepness(&p->local, 0) / 4, 1e-30));
+}
+
+int rod_rest(const piece *pieces, int count, double gap, double deeper, const points *at, panels *all)
+{
+    const int64_t width = at->n + 1;
+    for (int end = 0; end < 2 * count; end++) {
+        const piece *p = &pieces[end / 2];
+        const double stay = rod_half_passage(p, gap, end % 2) * deeper, s = sin(p->base), c = cos(p->base);
+        const double rates[3] = {s, c, s * c};
+        if (!(stay > 0))
+            continue;
+        if (extended(all, at, 0))
+            return NO_MEMORY;
+        int64_t *link = &all->first; /* before the panels of the piece, or behind them */
+        while (*link >= 0 && all->rows[*link].piece < end / 2 + end % 2)
+            link = &all->rows[*link].next;
+        double *series = all->series + FUNCTIONS * width * all->count;
+        memset(series, 0, sizeof(double) * (size_t)(FUNCTIONS * width));
+        for (int k = 0; k < 3; k++)
+            series[(2 + k) * width] = series[(2 + k) * width + 1] = rates[k] * stay / 2;
+        all->rows[all->count] = (panel){.piece = end / 2, .next = *link, .base = p->base, .origin = p->local.o, .duration = stay};
+        *link = all->count++;
+    }
+    return DONE;
+}
+
 void rod_panels_free(panels *all)
 {
     free(all->rows);

@@ -3,15 +3,6 @@
 
 #include "orbit_parts.h"
 
-/* 1/(2 r) where the piece ends at the saddle from whose height the level is measured, or before it, else 0. */
-static double half_passage(const piece *p, double gap)
-{
-    const double level = p->local.level, ends = (p->u0 == 0) + (p->u1 == 0);
-    if (p->kind == CENTRE || !ends || !(fabs(fabs(level) - fabs(gap)) < 1e-9 * fabs(level)))
-        return 0;
-    return ends * 0.5 / sqrt(larger(rod_steepness(&p->local, 0) / 4, 1e-30));
-}
-
 /* The pieces of the arcs from low, the upward one cut at high: arc 0 from low to high, 1 below low, 2 beyond high. */
 static int three(const boundary *of, const arcs *from, double v_high, piece *out)
 {
@@ -72,7 +63,7 @@ int rod_transit_at(search *s, int64_t pin, double sign, double y, int deep, tran
     for (int64_t i = count ? 0 : -1; i >= 0; i = s->room.rows[i].next)
         time[place[pieces[s->room.rows[i].piece].arc]] += s->room.rows[i].duration;
     for (int i = 0; i < count; i++)
-        rate[place[pieces[i].arc]] += half_passage(&pieces[i], gap);
+        rate[place[pieces[i].arc]] += rod_half_passage(&pieces[i], gap, 0) + rod_half_passage(&pieces[i], gap, 1);
     out->rotates = from.kind == ROTATION;
     out->joins = out->rotates || of->whole_turns == 0;
     if (!out->joins)

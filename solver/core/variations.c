@@ -415,13 +415,13 @@ static int fill(lone_orbit *o, const panels *cut, const points *at, int lanes)
 {
     const int64_t P = cut->count, size = at->n + 1, each = FUNCTIONS * size, varied = VARIED * size;
     o->nodes = malloc(sizeof(varied_nodes) * (size_t)P);
-    o->rows = malloc(sizeof(int64_t) * 2 * (size_t)P);
+    o->rows = malloc(sizeof(int64_t) * (size_t)P);
     o->room = malloc(sizeof(double) * (size_t)(P * (PANEL_COLUMNS + 2 + PAIRS * size + each + varied)));
     if (!o->nodes || !o->rows || !o->room)
         return NO_MEMORY;
     double *width = o->room, *since = width + P * PANEL_COLUMNS, *series = since + P;
     double *least = series + P * each, *jump = least + P, *kept = jump + P * PAIRS, *M = kept + P * varied;
-    const panel_arrays to = {P, o->rows, o->rows + P, width, series};
+    const panel_arrays to = {P, o->rows, width, series};
     rod_copy_panels(cut, cut->first, size, 0, &to);
     rod_orbits_sum(2, P, size, to.arc, width, series, since, o->first, o->count, o->duration, o->integrals);
     o->of = (read_orbits){size, P, &o->kind, o->first, o->count, NULL, &o->direction, o->duration, o->integrals, since, width,

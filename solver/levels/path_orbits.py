@@ -14,54 +14,16 @@ from ..core import orbits as core
 from ..mechanics.potential import potential
 from ..numerics.arrays import Array, Integers
 from ..orbit.joined_orbits import join_orbits
-from ..orbit.periodic_orbit import TIGHT, Orbit, assemble, solve_orbit
-from ..orbit.pieces import HELIX, Panels
+from ..orbit.periodic_orbit import TIGHT, Orbit, solve_orbit
+from ..orbit.pieces import HELIX
 from ..orbit.variations import Variations, variations_on
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts, where_shown
 from .level_grid import LOWEST
 from .line_point import LinePoint, Path
-from .transit_times import DOWN, STRETCH, UP, Boundary, LevelPaths, Levels, Paths, half_passages, repeat, transit_times
+from .transit_times import DOWN, STRETCH, UP, Boundary, LevelPaths, Levels, Paths, repeat, transit_times
 
 NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one exists"
-
-
-def with_saddle_panels(brief: Orbit, span: Array, gap: Array, excess: Array) -> Orbit:
-    """The orbits with panels in which the rod stays at the saddle from which its level is measured.
-
-    brief: the orbits of a level with the float `gap` (B,). span: (B,), their true lengths. excess: (B,), by how much
-    the log of the true gap is smaller. On the new panels beta is the angle of the saddle, to within the root of the
-    gap, and alpha, z and the swirl grow evenly.
-    """
-    pieces = brief.arcs.pieces
-    stay = half_passages(pieces, gap) * excess[pieces.arc // 2]
-    end, piece = np.nonzero(stay)
-    panels = brief.panels
-    series = panels.series.copy()
-    near = series.copy()
-    near[..., 1::2] *= -1
-    series[:, 2:, 0] -= near[:, 2:].sum(axis=2)  # integrals from each panel's own near end
-    duration = stay[end, piece]
-    angles, rest = (pieces.base[piece], pieces.origin[piece]), _still(panels, pieces.base[piece], duration)
-    still = Panels(pieces.arc[piece], pieces.rank[piece], duration, *angles, *rest)
-    every = Panels.join([replace(panels, series=series), still])
-    place = np.concatenate([np.zeros(panels.arc.size), np.where(end == 0, -1, 1)])
-    number = np.concatenate([np.arange(panels.arc.size), np.arange(piece.size)])
-    every = every.take(np.lexsort((number, place, every.rank, every.arc)))
-    return assemble(replace(brief.problem, span=span), brief.arcs, every)
-
-
-def _still(panels: Panels, angle: Array, duration: Array) -> tuple[Any, ...]:
-    """Series and errors of panels at rest at the angles (P,), in the shape of the others."""
-    P = angle.size
-    series = np.zeros((P, *panels.series.shape[1:]))
-    s, c = np.sin(angle), np.cos(angle)
-    for k, rate in enumerate((s, c, s * c)):
-        series[:, 2 + k, 0] = series[:, 2 + k, 1] = rate * duration / 2
-    none = np.zeros(P)
-    return series, none, none, none, none, np.zeros(P, dtype=panels.calls.dtype)
-
-
 _DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
 
 
@@ -74,11 +36,11 @@ def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, len
     level = potential(start, path.pin) + gap
     falls = np.ones((K, 2))  # of the two ends from the pin
     falls[moves] = boundary.falls[pin]
-    orbit = solve_orbit(start, TIGHT, (path.pin, gap), STRETCH)
+    orbit = solve_orbit(start, TIGHT, (path.pin, gap, 0 * gap), STRETCH)
     # between two ends on saddles of this height eta(L) stays while eta between them grows as the gap's root falls
     growth = core.response(orbit)[0] * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
     if excess.any():
-        orbit = with_saddle_panels(orbit, np.full(K, problem.span[0]), gap, excess)
+        orbit = solve_orbit(start, TIGHT, (path.pin, gap, excess), STRETCH)
     base = orbit.panels.base + (problem.beta0[0] - start.beta0[0])  # whole turns
     start = replace(start, beta0=np.full(K, problem.beta0[0]), span=np.full(K, problem.span[0]))
     passed = np.where(path.helix, 0.0, path.turns)
@@ -112,8 +74,8 @@ def variations_of(problem: EndsProblem, path: Path, place: LinePoint) -> Variati
     """The variations of one equilibrium that is no helix. place: of the problem, whatever its length."""
     start, gap, excess, _ = _starts(problem, place.boundary(path.pin), path.level_path)
     pin = np.array([path.pin])
-    orbit = solve_orbit(start, TIGHT, (pin, gap), STRETCH)
-    return variations_on(with_saddle_panels(orbit, problem.span, gap, excess) if excess.any() else orbit)
+    orbit = solve_orbit(start, TIGHT, (pin, gap, excess), STRETCH)
+    return variations_on(replace(orbit, problem=replace(start, span=problem.span)))
 
 
 def orbit_of(problem: EndsProblem, path: Path) -> Orbit:

@@ -23,7 +23,6 @@ from ..core.library import Cutting
 from ..core.orbits import CriticalPoints
 from ..mechanics.potential import TAU, load_size
 from ..numerics.arrays import Array, Booleans, Columns, Integers
-from ..orbit.pieces import CENTRE, Pieces
 from ..problem.reduced import EndsProblem
 
 UP, DOWN = 1, -1
@@ -76,7 +75,7 @@ def repeat(problem: EndsProblem, count: int) -> EndsProblem:
 
 
 def wrap(angle: float) -> float:
-    """The angle in [-pi, pi), as `arcs.arcs_of` wraps it."""
+    """The angle in [-pi, pi), as the core wraps it."""
     angle = float(angle - TAU * np.round(angle / TAU))
     return angle - TAU if angle >= np.pi else angle
 
@@ -165,15 +164,3 @@ def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> Tran
         nothing = np.full((3, levels.y.size), np.nan)
         return TransitTimes(nothing, nothing, np.zeros(levels.y.size, dtype=bool), 0)
     return TransitTimes(*answer)
-
-
-def half_passages(pieces: Pieces, gap: Array) -> Array:
-    """What a unit of falling log gap adds to the time at the near and at the far end of each piece, (2, P).
-
-    1/(2 r) where the piece ends at the saddle from whose height the level is measured, or at the turning point before
-    it, else 0. gap: (B,), of the problem of each piece, arc // 2.
-    """
-    far = np.abs(np.abs(pieces.level) - np.abs(gap[pieces.arc // 2]))
-    at_saddle = (pieces.kind != CENTRE) & (far < 1e-9 * np.abs(pieces.level))
-    share = np.where(at_saddle, 0.5 / np.sqrt(np.maximum(pieces.bend, 1e-30)), 0.0)
-    return np.stack([np.where(pieces.u0 == 0, share, 0.0), np.where(pieces.u1 == 0, share, 0.0)])

@@ -6,13 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ..core.orbits import PIECE_COLUMNS
 from ..numerics.arrays import Array
 from .periodic_orbit import Orbit
-from .pieces import Pieces
 
 _MORE = 1 / 8  # a full table grows by this share
-NO_PIECES = Pieces.from_core(np.empty((0, PIECE_COLUMNS)))
 
 
 class JoinedOrbits:
@@ -33,26 +30,20 @@ class JoinedOrbits:
 
 
 def join_orbits(orbits: Sequence[Orbit]) -> Orbit:
-    """Orbits as one, without pieces and paths; of what is known of equilibria alone it has what all of them have."""
+    """Orbits as one, without paths; of what is known of equilibria alone it has what all of them have."""
     names = ("lengthens", "response", "passed")
     unknown: dict[str, Any] = {name: None for name in names if any(getattr(o, name) is None for o in orbits)}
     joined = JoinedOrbits(len(orbits))
     for orbit in orbits:
-        arcs = replace(orbit.arcs, pieces=NO_PIECES)
-        joined.add(replace(orbit, arcs=arcs, path=None, **unknown))
+        joined.add(replace(orbit, path=None, **unknown))
     whole: Orbit = joined.join()
     return whole
 
 
 def _move(orbit: Orbit, cases: int, panels: int) -> Orbit:
     """The orbits renumbered to follow so many cases with so many panels."""
-    way, mesh = orbit.arcs, orbit.panels
-    return replace(
-        orbit,
-        arcs=replace(way, pieces=replace(way.pieces, arc=way.pieces.arc + 2 * cases)),
-        panels=replace(mesh, arc=mesh.arc + 2 * cases),
-        first=orbit.first + panels,
-    )
+    mesh = replace(orbit.panels, arc=orbit.panels.arc + 2 * cases)
+    return replace(orbit, panels=mesh, first=orbit.first + panels)
 
 
 class Rows:

@@ -18,7 +18,7 @@ from ..core.library import Cutting, numbers_of
 from ..numerics.arrays import Array, Integers
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import PLAIN
-from .pieces import Arcs, Panels, Periodic, Pieces
+from .pieces import Arcs, Panels, Periodic
 
 TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
 
@@ -88,7 +88,7 @@ class Orbit(Periodic):
             arc_rows = (2 * rows[:, None] + [0, 1]).reshape(-1)
             begin, count = self.first[arc_rows], self.count[arc_rows]
             panel_rows = np.repeat(begin - np.cumsum(count) + count, count) + np.arange(count.sum())
-        arcs = Arcs(self.arcs.kind[rows], self.arcs.direction[rows], self.arcs.pieces)
+        arcs = Arcs(self.arcs.kind[rows], self.arcs.direction[rows])
         panels = replace(self.panels.take(panel_rows), arc=np.repeat(np.arange(count.size), count))
         known = [None if v is None else v[rows] for v in (self.lengthens, self.response, self.passed)]
         known.append(None if self.path is None else self.path.take(rows))
@@ -107,7 +107,7 @@ class Orbit(Periodic):
 
 
 def solve_orbit(
-    problem: StartProblem, tol: float, pin: tuple[Array, Array] | None = None, stretch: float = 1.0
+    problem: StartProblem, tol: float, pin: tuple[Array, Array, Array] | None = None, stretch: float = 1.0
 ) -> Orbit:
     """The orbits of B start problems; those of a problem that is not finite, which the core refuses, are NaN.
 
@@ -117,8 +117,11 @@ def solve_orbit(
         B start problems.
     tol : float
         Allowed error of beta [rad].
-    pin, stretch
-        As in `arcs.arcs_of` and `panels.panelled`.
+    pin : tuple of arrays (B,), optional
+        Angles from which the levels are measured, the heights of the levels above G there, and by how much the logs of
+        the true heights are smaller: the orbits stay longer at these saddles. Default: those of the start.
+    stretch : float
+        A factor of the panels along saddles.
     """
     n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
     cutting = Cutting(length, 0.05 * tol, stretch)
@@ -134,7 +137,7 @@ def solve_orbit(
     fit = np.array([solve(slice(b, b + 1)) is not None for b in range(problem.size)])
     numbers[~fit] = [PLAIN[name] for name in vars(problem)]
     if pinned is not None:
-        pinned[~fit] = PLAIN["beta0"], 0.0
+        pinned[~fit] = PLAIN["beta0"], 0.0, 0.0
     answer = solve(slice(None))
     assert answer is not None
     answer.series[~fit[answer.arc // 2]] = np.nan
@@ -144,15 +147,8 @@ def solve_orbit(
 def orbit_of(problem: StartProblem, found: core.FoundOrbits) -> Orbit:
     """The orbits that the core made."""
     duration, base, origin, fastest, error, time_error, time_rounding = found.columns
-    calls = np.full(found.arc.size, 2 * (found.series.shape[2] - 1))
+    calls = np.where(fastest == 0, 0, 2 * (found.series.shape[2] - 1))  # a panel at rest costs nothing
     angles, errors = (base, origin), (fastest, error, time_error, time_rounding)
-    panels = Panels(found.arc, found.rank, duration, *angles, found.series, *errors, calls)
-    arcs = Arcs(found.kind, found.direction, Pieces.from_core(found.pieces))
+    panels = Panels(found.arc, duration, *angles, found.series, *errors, calls)
+    arcs = Arcs(found.kind, found.direction)
     return Orbit(problem, arcs, panels, found.since, found.first, found.counts, found.duration, found.gain)
-
-
-def assemble(problem: StartProblem, arcs: Arcs, panels: Panels) -> Orbit:
-    """The orbits made of panels whose integrals count from their own near ends."""
-    series = panels.series.copy()
-    sums = core.sum_up(2 * problem.size, panels.arc, panels.duration, series)
-    return Orbit(problem, arcs, replace(panels, series=series), *sums)

@@ -16,33 +16,7 @@ import numpy as np
 from ..numerics.arrays import Array, Columns, Integers
 from ..problem.reduced import StartProblem
 
-PASS, SADDLE, CENTRE = 0, 1, 2
 HELIX, LIBRATION, ROTATION = 0, 1, 2
-
-
-@dataclass(frozen=True, eq=False)
-class Pieces:
-    """P monotone pieces of arcs, in the order in which the orbit passes them away from its start, (P,) each.
-
-    arc: 2 b for the forward arc of problem b, 2 b + 1 for the backward one. rank: 0 for the piece with the start, then
-    counting away from it. kind: PASS, SADDLE or CENTRE. base: the angle from which x counts, with whole turns; origin:
-    the same in [-pi, pi). u0, u1: the near and the far end in u. level: eta - G(origin). bend: -H'(origin).
-    """
-
-    arc: Integers
-    rank: Integers
-    kind: Integers
-    base: Array
-    origin: Array
-    u0: Array
-    u1: Array
-    level: Array
-    bend: Array
-
-    @classmethod
-    def from_core(cls, table: Array) -> "Pieces":
-        """The pieces that the core made, (P, 9): see `rod_orbits_fetch`."""
-        return cls(*table[:, :3].T.astype(np.int64), *table[:, 3:].T)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +29,6 @@ class Arcs:
 
     kind: Integers
     direction: Array
-    pieces: Pieces
 
 
 MOST = 10_000  # panels of one orbit beyond which none is halved any more
@@ -65,17 +38,16 @@ MOST = 10_000  # panels of one orbit beyond which none is halved any more
 class Panels(Columns):
     """P panels, in order of arc and of time away from the start.
 
-    arc: (P,), 2 b for the forward arc of problem b, 2 b + 1 for the backward one. rank: (P,), of the panel's piece.
-    duration: (P,). base: (P,), the angle of a critical point, with whole turns, from which beta counts on the panel:
-    next to it beta has relative accuracy. origin: (P,), the same in [-pi, pi). series: (P, 5, n + 1), of beta - base,
-    |beta_t|, alpha, z and the swirl (the integral of sin cos), the last three from the panel's near end. fastest: (P,),
-    largest |beta_t|. error: (P,), what the truncated series leave out of beta. time_error: (P,), what they leave out of
-    the duration, as a share of it. time_rounding: (P,), what the rounding of G changes of the duration, as a share.
-    calls: (P,), evaluations of G.
+    arc: (P,), 2 b for the forward arc of problem b, 2 b + 1 for the backward one. duration: (P,). base: (P,), the angle
+    of a critical point, with whole turns, from which beta counts on the panel: next to it beta has relative accuracy.
+    origin: (P,), the same in [-pi, pi). series: (P, 5, n + 1), of beta - base, |beta_t|, alpha, z and the swirl (the
+    integral of sin cos), the last three from the start of the arc. fastest: (P,), largest |beta_t|, 0 on panels at
+    rest. error: (P,), what the truncated series leave out of beta. time_error: (P,), what they leave out of the
+    duration, as a share of it. time_rounding: (P,), what the rounding of G changes of the duration, as a share. calls:
+    (P,), evaluations of G.
     """
 
     arc: Integers
-    rank: Integers
     duration: Array
     base: Array
     origin: Array

@@ -33,7 +33,7 @@ def test_odd_numbers_give_orbits_or_none(seed: int) -> None:
     for _ in range(60):
         rows = odd(rng, int(rng.integers(0, 3)), 6)
         rows[:, 3] = np.abs(rows[:, 3])
-        pin = None if rng.random() < 0.5 else np.stack([odd(rng, rows.shape[0]), odd(rng, rows.shape[0])], axis=1)
+        pin = None if rng.random() < 0.5 else odd(rng, rows.shape[0], 3)
         found = orbits.orbits(rows, pin, NODES, Cutting(0.45, 10.0 ** rng.uniform(-15, -5), 4.0))
         told = rows if pin is None else np.column_stack([rows, pin])
         if found is None:

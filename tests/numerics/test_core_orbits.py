@@ -97,7 +97,7 @@ def test_a_problem_that_is_not_finite_has_no_orbit_and_leaves_its_neighbours_alo
     alone, lost = solve_orbit(problem, 1e-13), np.arange(5) == 2
     broken = replace(problem, **{name: np.where(lost, np.nan, getattr(problem, name))})
     t = problem.span[:, None] * np.linspace(0, 1, 7)
-    for pin in (None, (problem.beta0, problem.dbeta0**2)):
+    for pin in (None, (problem.beta0, problem.dbeta0**2, np.zeros(problem.size))):
         for theirs, mine in zip(alone.at(t), solve_orbit(broken, 1e-13, pin).at(t), strict=True):
             np.testing.assert_allclose(mine[~lost], theirs[~lost], rtol=1e-9, atol=1e-9)
             assert np.isnan(mine[lost]).all()
