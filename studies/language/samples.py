@@ -47,10 +47,13 @@ def _saltelli(size: int, fields: int, seed: int, second: bool = False) -> Cube:
     A and B are the halves of the points of a scrambled Sobol' sequence in twice as many dimensions (Saltelli 2002).
     """
     cube = _sobol(size // block_of(fields, second), 2 * fields, seed)
-    a, b = cube[:, None, :fields], cube[:, None, fields:]
-    mixed = np.eye(fields, dtype=bool)
-    parts = [a, np.where(mixed, b, a), *([np.where(mixed, a, b)] if second else []), b]
-    return np.concatenate(parts, axis=1).reshape(size, fields)
+    return blocks_of(cube[:, :fields], cube[:, fields:], second).reshape(size, fields)
+
+
+def blocks_of(a: Cube, b: Cube, second: bool = False) -> Cube:
+    """The blocks of Saltelli's design, (blocks, samples, fields), of the points A and B, (blocks, fields)."""
+    a, b, mixed = a[:, None], b[:, None], np.eye(a.shape[1], dtype=bool)
+    return np.concatenate([a, np.where(mixed, b, a), *([np.where(mixed, a, b)] if second else []), b], axis=1)
 
 
 def block_of(fields: int, second: bool = False) -> int:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices
 from studies.grammar.axes import SAMPLE
-from studies.language.samples import block_of
+from studies.language.samples import block_of, blocks_of
 
 from ..store import schema, selection
 
@@ -57,11 +57,7 @@ def design_of(samples: Values) -> Design | None:
 
 def _is_design(blocks: Values, second: bool) -> bool:
     """Whether every block (blocks, size, d) is one."""
-    d = blocks.shape[2]
-    a, b = blocks[:, :1], blocks[:, -1:]
-    mixed = np.eye(d, dtype=bool)
-    parts = [np.where(mixed, b, a), *([np.where(mixed, a, b)] if second else [])]
-    return bool(np.allclose(blocks[:, 1:-1], np.concatenate(parts, axis=1), rtol=_SAME, atol=0))
+    return bool(np.allclose(blocks, blocks_of(blocks[:, 0], blocks[:, -1], second), rtol=_SAME, atol=0))
 
 
 def sobol(

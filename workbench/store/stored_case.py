@@ -17,14 +17,13 @@ from solver.mechanics.statics import push_from
 from solver.orbit.joined_orbits import Rows
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.errors import InputError, choices, no_such
-from solver.problem.reduced import flat
 from studies import Study, load
 from studies.grammar.axes import FIELDS, SAMPLE, WORDS, Dimension, Which, in_words, quantity_of
 from studies.language.case_input import CaseInput, from_values, with_fields
 from studies.language.loader import loads
 from studies.language.study_data import MAX_STATIONS
 
-from . import in_memory, reading, schema, selection
+from . import dataset, in_memory, reading, schema, selection
 from .case_solutions import between, solve_one
 from .plan import plan
 from .selection import SAME, Value, real
@@ -69,7 +68,8 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
     for name in values:
         if name not in fields:
             raise no_such("field", name, fields)
-    case = case_of(ds, study, {name: real(name, value) for name, value in values.items()})
+    values = {name: real(name, value) for name, value in values.items()}
+    case = case_of(ds, study, values)
     if case.size > MOST_SOLVED:
         many = f"{case.size} cases would have to be solved again, more than {MOST_SOLVED}"
         raise InputError(f"{many}; select some first, as ds.rod.sel({schema.axes_left(ds, study)[0]}=...).rod")
@@ -77,7 +77,7 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
     stations = _stations(ds, study, case)
     if study.sweeps:
         as_run = study.model_copy(update={"tol": tol, "method": method})
-        return _swept(as_run, case, stations, _places(ds, study, values))
+        return _swept(as_run, case, stations, {**_places(ds, study, values), **values})
     if study.follow is None:
         return solve_one(case, study.equilibrium, tol, method, stations)
     return solve(case, tol=tol, method=method, stations=stations, seed=_slope(ds, study, case))
@@ -147,15 +147,15 @@ def samples_of(ds: xr.Dataset) -> dict[str, NDArray[np.float64]]:
 
 
 def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -> Solution:
-    """Cases at or between those of a sweep."""
+    """Cases at or between those of a sweep. places: field -> its values, of all that the cases do not share."""
     work = plan(study)
     rows = {name: np.broadcast_to(value, case.shape).ravel() for name, value in places.items()}
     solutions = []
     for i in range(case.size):
-        near = partial(work.sweep.nearest, {name: float(row[i]) for name, row in rows.items()})
+        place = {name: float(row[i]) for name, row in rows.items()}
         at = stations if isinstance(stations, int) else np.broadcast_to(stations, (*case.shape, np.shape(stations)[-1]))
         mine = at if isinstance(at, int) else at.reshape(case.size, -1)[i]
-        solutions.append(between(work.study, _single(case, i), near, mine))
+        solutions.append(between(work.study, study.case_of(place), partial(work.sweep.nearest, place), mine))
     return solutions[0] if not case.shape else _together(case, solutions)
 
 
@@ -168,16 +168,6 @@ def _together(case: Case, solutions: list[Solution]) -> Solution:
     answer, problem, t, swirl = rows.join()
     answer = replace(answer, swirl=partial(np.asarray, swirl))
     return Solution(case, problem, answer, t, solutions[0].method, solutions[0].tol)
-
-
-def _single(case: Case, i: int) -> Case:
-    """Case i of a grid, counted along its axes, the last fastest."""
-    parts: list[Any] = []
-    part: Any
-    for part in (case.rod, case.cylinder, case.given):
-        values = {name: value for name, value in vars(part).items() if isinstance(value, np.ndarray)}
-        parts.append(replace(part, **{name: float(flat(value, case.shape)[i]) for name, value in values.items()}))
-    return Case(*parts)
 
 
 def _stations(ds: xr.Dataset, study: Study, case: Case) -> Any:
@@ -217,15 +207,8 @@ def outline(study: Study) -> xr.Dataset:
     if study.follow is not None:
         return in_memory.run(study)
     over = study.dimensions()
-    dims = tuple(map(schema.dimension, over.names))
-    coords = {dim: (dim, each.coordinate.astype(float)) for dim, each in zip(dims, over.each, strict=True)}
-    for dim, each in zip(dims, over.each, strict=True):
-        coords |= {schema.dimension(field): (dim, values) for field, values in each.fields.items()}
-    ds = xr.Dataset({"outcome": (dims, np.broadcast_to(np.array("", dtype=object), over.shape))}, coords)
-    return ds.assign_attrs(
-        laws=schema.laws_text(study), reading=study.reading or "", sampled=" ".join(study.sampled), tolerance=study.tol,
-        method=study.method,
-    )  # fmt: skip
+    unknown = np.broadcast_to(np.array("", dtype=object), over.shape)
+    return dataset.frame(study, over).assign(outcome=(tuple(map(schema.dimension, over.names)), unknown))
 
 
 def place_of(study: Study, at: Mapping[str, Value] | None = None) -> dict[str, float]:
