@@ -7,7 +7,6 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from http.client import HTTPConnection, HTTPResponse
-from struct import unpack
 from typing import Any
 
 import numpy as np
@@ -64,6 +63,5 @@ def asked(port: int, method: str, path: str, body: Any = None, headers: dict[str
 
 def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Head and arrays of an answer of /shape."""
-    (length,) = unpack("<I", data[:4])
-    head = json.loads(data[4 : 4 + length])
-    return head, {name: np.frombuffer(data, kind, count, 4 + length + at) for name, kind, count, at in head["arrays"]}
+    head = json.loads(data)
+    return head, {name: np.array(row) for name, row in head["arrays"].items()}

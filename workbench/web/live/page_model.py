@@ -216,6 +216,11 @@ def stations(one: Shape) -> dict[str, Any]:
     return arrays
 
 
+def answer(one: Shape) -> dict[str, Any]:
+    """A solved rod at its stations and its facts, as plain data."""
+    return {**facts(one), "arrays": {name: array.tolist() for name, array in stations(one).items()}}
+
+
 def facts(one: Shape) -> dict[str, Any]:
     """Outcome, error, condition number and notes of a solved rod, as plain data; observables where its loads vary."""
     sol, study = one.sol, one.study

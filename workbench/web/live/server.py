@@ -12,13 +12,10 @@ import gc
 import json
 import logging
 import re
-import time
 from collections import OrderedDict
-from collections.abc import Awaitable, Callable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass
-from struct import pack
 from threading import Lock
 from typing import Any
 
@@ -64,7 +61,6 @@ class Tasks:
     def __init__(self) -> None:
         self._turn = asyncio.Semaphore(AT_ONCE)
         self._asked = 0
-        self.running: set[Any] = set()
 
     async def run(self, wanted: Callable[[], bool], function: Callable[..., Any], *args: Any) -> Any:
         """The result of a function (of a module, as it is sent by name) for these arguments.
@@ -74,30 +70,23 @@ class Tasks:
         """
         if self._asked >= AT_ONCE + WAITING:
             raise InputError(MANY)
-        with self._count():
+        self._asked += 1
+        try:
             while self._turn.locked():
                 await _pause(wanted)
             async with self._turn:
                 return await self._process(wanted, function, args)
-
-    @contextmanager
-    def _count(self) -> Iterator[None]:
-        self._asked += 1
-        try:
-            yield
         finally:
             self._asked -= 1
 
     async def _process(self, wanted: Callable[[], bool], function: Callable[..., Any], args: Any) -> Any:
         worker = await asyncio.to_thread(Worker)
-        self.running.add(worker)
         try:
             worker.call(_search, function, args)
             while not worker.pipe.poll():
                 await _pause(wanted, INTERVAL / 10)
             return await asyncio.to_thread(worker.answer)
         finally:
-            self.running.discard(worker)
             await asyncio.shield(asyncio.to_thread(worker.stop))
 
 
@@ -232,7 +221,7 @@ class Context:
         return shape
 
 
-Work = Callable[[dict[str, Any], Context], Awaitable[web.Response]]
+Work = Callable[[dict[str, Any], Context], Awaitable[Any]]  # to plain data, or to a response
 
 
 def _handler_of(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: Tasks, report: Report) -> Handler:
@@ -253,7 +242,8 @@ def _handler_of(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: Task
         try:
             if not isinstance(data, dict):
                 raise InputError("the request must be a table")
-            return await work(data, Context(shapes, few, tasks, is_wanted))
+            answer = await work(data, Context(shapes, few, tasks, is_wanted))
+            return answer if isinstance(answer, web.StreamResponse) else web.json_response(finite(answer))
         except ArithmeticError:  # a radius of 5e-324, say
             return _refusal(NO_FLOAT)
         except InputError as error:
@@ -271,54 +261,29 @@ def _refusal(sentence: str, field: str = "", status: int = 200) -> web.Response:
     return web.json_response({"refused": sentence, "field": field}, status=status)
 
 
-async def _shape(asked: dict[str, Any], at: Context) -> web.Response:
+async def _shape(asked: dict[str, Any], at: Context) -> Any:
     """The rod at its stations, and what is known of it."""
-    start = time.perf_counter()
-    rod = await at.shape(asked)
-    body = await at.in_thread(_tell, rod, time.perf_counter() - start)
-    return web.Response(body=body, content_type="application/octet-stream")
+    return await at.in_thread(page_model.answer, await at.shape(asked))
 
 
-def _tell(rod: page_model.Shape, solving: float) -> bytes:
-    head = {**page_model.facts(rod), "problem": rod.sol.problem.kind, "seconds": {"solve": solving}}
-    return pack_arrays(head, page_model.stations(rod))
+async def _numbers(asked: dict[str, Any], at: Context) -> Any:
+    return await at.in_thread(page_model.numbers, await at.shape(asked))
 
 
-def pack_arrays(head: dict[str, Any], arrays: dict[str, Any]) -> bytes:
-    """The length of the JSON (4 bytes), the head as JSON, the arrays.
-
-    Each begins at a multiple of 8 bytes; the head lists of each array its name, type, size and first byte after the
-    JSON.
-    """
-    listed, parts, at = [], [], 0
-    for name, array in arrays.items():
-        data = np.ascontiguousarray(array).tobytes()
-        listed.append([name, array.dtype.str[1:], array.size, at])
-        parts.append(data + b"\0" * (-len(data) % 8))
-        at += len(parts[-1])
-    text = json.dumps({**finite(head), "arrays": listed}).encode()
-    text += b" " * (-(4 + len(text)) % 8)
-    return b"".join([pack("<I", len(text)), text, *parts])
-
-
-async def _numbers(asked: dict[str, Any], at: Context) -> web.Response:
-    return web.json_response(finite(await at.in_thread(page_model.numbers, await at.shape(asked))))
-
-
-async def _equilibria(asked: dict[str, Any], at: Context) -> web.Response:
+async def _equilibria(asked: dict[str, Any], at: Context) -> Any:
     study = await at.in_thread(page_model.study_of, asked.get("state"))
-    return web.json_response(finite({"rows": await at.search(page_model.list_equilibria, study)}))
+    return {"rows": await at.search(page_model.list_equilibria, study)}
 
 
-async def _branches(asked: dict[str, Any], at: Context) -> web.Response:
+async def _branches(asked: dict[str, Any], at: Context) -> Any:
     study = await at.in_thread(page_model.study_of, asked.get("state"))
     field, ends = asked.get("field"), (asked.get("low"), asked.get("high"))
     if not all(isinstance(end, (int, float)) and np.isfinite(end) for end in ends):
         raise InputError("the range of a branch diagram must be two numbers")
-    return web.json_response(finite(await at.search(page_model.follow_branches, study, str(field), *ends)))
+    return await at.search(page_model.follow_branches, study, str(field), *ends)
 
 
-async def _download(asked: dict[str, Any], at: Context) -> web.Response:
+async def _download(asked: dict[str, Any], at: Context) -> Any:
     kind = asked.get("kind")
     if not isinstance(kind, str) or kind not in DOWNLOADS:
         raise InputError(f"no download {str(kind)[:40]!r}; choose from {', '.join(DOWNLOADS)}")

@@ -12,7 +12,7 @@ import { Refused, caseOf, heldState, isEnds } from "./rod_case.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
 import { makeShown } from "./shown.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
-import { makeAsker, post, unpacked } from "./server.mjs";
+import { makeAsker, post } from "./server.mjs";
 import { makeStage } from "./stage.mjs";
 import { makeAddress } from "./study_text.mjs";
 
@@ -122,9 +122,10 @@ async function askShape(one, how, since) {
   me.busy = true;
   try {
     const lost = !how.fresh && !how.chosen, // the state names the equilibrium of an earlier one
-      { head, arrays } = unpacked(await (await post("/shape", { state: me.state, lost })).arrayBuffer());
+      head = await post("/shape", { state: me.state, lost });
     if (isOld()) return;
     const { outcome, error, condition, method, notes, numbers } = head,
+      arrays = Object.fromEntries(Object.entries(head.arrays).map(([name, row]) => [name, Float64Array.from(row)])),
       facts = { error: error ?? NaN, condition: condition ?? NaN, sound: true, shown: 1, numbers };
     took(interpolated(core, one, arrays, facts), { outcome, method, notes }, how, since);
   } catch (error) {

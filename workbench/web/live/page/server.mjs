@@ -2,8 +2,6 @@
 
 import { Refused } from "./rod_case.mjs";
 
-const TYPES = { f8: Float64Array };
-
 /* What the server answers: JSON as plain data, else the answer itself. Throws Refused with the server's sentence. */
 export async function post(path, body, signal) {
   let answer;
@@ -52,14 +50,4 @@ export function asSentence(message) {
     .replace(/^(Rod|Cylinder|Start|Ends)\./, "")
     .replace(/: use workbench equilibria$/, ". The command workbench equilibria has no such limit");
   return plain ? plain[0].toUpperCase() + plain.slice(1) + (/[.!?]$/.test(plain) ? "" : ".") : "";
-}
-
-/* The head and the arrays of an answer: the length of the JSON, the JSON, the arrays. */
-export function unpacked(buffer) {
-  const length = new DataView(buffer).getUint32(0, true);
-  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length))),
-    arrays = {};
-  for (const [name, type, count, at] of head.arrays)
-    arrays[name] = new TYPES[type](buffer.slice(4 + length + at, 4 + length + at + 8 * count));
-  return { head, arrays };
 }
