@@ -35,7 +35,7 @@ def served(presets: Sequence[Any] | None = None) -> Iterator[int]:
     port = listener.getsockname()[1]
     loop = asyncio.new_event_loop()
     app = server.application(explore.host_names("127.0.0.1", port, []), presets or PRESETS)
-    runner = web.AppRunner(app, access_log=None, shutdown_timeout=2)  # a search that runs is not waited for
+    runner = web.AppRunner(app, access_log=None, shutdown_timeout=2, handler_cancellation=True)  # as the command
     loop.run_until_complete(runner.setup())
     loop.run_until_complete(web.SockSite(runner, listener).start())
     thread = threading.Thread(target=loop.run_forever, daemon=True)

@@ -76,9 +76,9 @@ class Worker:
 
     def stop(self) -> None:
         """Kill the process, whatever it is doing."""
-        self.pipe.close()
         self.process.kill()
         self.process.join()
+        self.pipe.close()
 
     def _end_reason(self) -> str:
         self.process.join()

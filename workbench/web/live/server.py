@@ -16,7 +16,6 @@ from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -42,17 +41,12 @@ THREADS = 2  # that solve and mesh; each has memory of its own
 FAULT = "internal error of the workbench; see the terminal of the server"
 AT_ONCE, WAITING = 2, 16  # searches that run, and that wait
 MEMORY = 3 * 2**30  # bytes of address space of a search, its libraries included
-INTERVAL = 0.1  # seconds between two checks whether the client is still connected
 
 MANY = "too many searches are waiting; try again later"
 NO_FLOAT = "these numbers are too large or too small to compute with"  # they are finite, but not their powers
 TOO_LARGE = "this search needs more memory than the page allows; workbench equilibria has no such limit"
 
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
-
-
-class ClientLeft(Exception):
-    """The client left before the answer was ready."""
 
 
 class Tasks:
@@ -62,38 +56,25 @@ class Tasks:
         self._turn = asyncio.Semaphore(AT_ONCE)
         self._asked = 0
 
-    async def run(self, wanted: Callable[[], bool], function: Callable[..., Any], *args: Any) -> Any:
+    async def run(self, function: Callable[..., Any], *args: Any) -> Any:
         """The result of a function (of a module, as it is sent by name) for these arguments.
 
-        wanted: whether the client is still connected. Raises `InputError` where the function does or the queue is full,
-        `Failed` or `Died` for its other ends, `ClientLeft` once the client has left.
+        Raises `InputError` where the function does or the queue is full, `Failed` or `Died` for its other ends. Where
+        the client leaves, aiohttp cancels the request, and the process is killed.
         """
         if self._asked >= AT_ONCE + WAITING:
             raise InputError(MANY)
         self._asked += 1
         try:
-            while self._turn.locked():
-                await _pause(wanted)
             async with self._turn:
-                return await self._process(wanted, function, args)
+                worker = await asyncio.to_thread(Worker)
+                try:
+                    worker.call(_search, function, args)
+                    return await asyncio.to_thread(worker.answer)
+                finally:
+                    await asyncio.shield(asyncio.to_thread(worker.stop))
         finally:
             self._asked -= 1
-
-    async def _process(self, wanted: Callable[[], bool], function: Callable[..., Any], args: Any) -> Any:
-        worker = await asyncio.to_thread(Worker)
-        try:
-            worker.call(_search, function, args)
-            while not worker.pipe.poll():
-                await _pause(wanted, INTERVAL / 10)
-            return await asyncio.to_thread(worker.answer)
-        finally:
-            await asyncio.shield(asyncio.to_thread(worker.stop))
-
-
-async def _pause(wanted: Callable[[], bool], seconds: float = INTERVAL) -> None:
-    if not wanted():
-        raise ClientLeft
-    await asyncio.sleep(seconds)
 
 
 def _search(function: Callable[..., Any], args: Any) -> Any:
@@ -121,17 +102,14 @@ class Shapes:
 
     def __init__(self) -> None:
         self._kept: OrderedDict[str, page_model.Shape] = OrderedDict()
-        self._lock = Lock()
 
     def keep(self, asked: str, one: page_model.Shape) -> None:
-        with self._lock:
-            self._kept[asked] = one
-            while len(self._kept) > REMEMBERED:
-                self._kept.popitem(last=False)
+        self._kept[asked] = one
+        while len(self._kept) > REMEMBERED:
+            self._kept.popitem(last=False)
 
     def find(self, asked: str) -> page_model.Shape | None:
-        with self._lock:
-            return self._kept.get(asked)
+        return self._kept.get(asked)
 
 
 Report = Callable[[str], None]
@@ -144,7 +122,7 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Re
     names: the `host:port` that it accepts in Host and Origin. presets: the rods to begin with; the first is drawn when
     the page is opened. report: called with one sentence on each error of the server.
     """
-    shapes, few, tasks = Shapes(), ThreadPoolExecutor(THREADS, "shapes"), Tasks()
+    context = Context(Shapes(), ThreadPoolExecutor(THREADS, "shapes"), Tasks())
 
     @web.middleware
     async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
@@ -164,7 +142,7 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Re
     app.router.add_get("/", _page(live_document.text(presets, served=True)))
     for path, work in (("/shape", _shape), ("/numbers", _numbers), ("/equilibria", _equilibria),
                        ("/branches", _branches), ("/download", _download)):  # fmt: skip
-        app.router.add_post(path, _handler_of(work, shapes, few, tasks, report))
+        app.router.add_post(path, _handler_of(work, context, report))
     return app
 
 
@@ -189,16 +167,14 @@ def _page(text: str) -> Handler:
 
 @dataclass(frozen=True)
 class Context:
-    """What a request needs.
+    """What requests need.
 
-    shapes: the rods that are kept. few: threads for work without a search. tasks: processes for searches. wanted:
-    whether the client is still connected.
+    shapes: the rods that are kept. few: threads for work without a search. tasks: processes for searches.
     """
 
     shapes: Shapes
     few: ThreadPoolExecutor
     tasks: Tasks
-    wanted: Callable[[], bool]
 
     async def in_thread(self, work: Callable[..., Any], *args: Any) -> Any:
         """The result of work of some milliseconds, in a thread."""
@@ -206,7 +182,7 @@ class Context:
 
     async def search(self, work: Callable[..., Any], *args: Any) -> Any:
         """The result of work in a process, which is killed when the client leaves."""
-        return await self.tasks.run(self.wanted, work, *args)
+        return await self.tasks.run(work, *args)
 
     async def shape(self, asked: dict[str, Any]) -> page_model.Shape:
         """The rod of the state that a request has."""
@@ -224,7 +200,7 @@ class Context:
 Work = Callable[[dict[str, Any], Context], Awaitable[Any]]  # to plain data, or to a response
 
 
-def _handler_of(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: Tasks, report: Report) -> Handler:
+def _handler_of(work: Work, context: Context, report: Report) -> Handler:
     """Answer a request's JSON; an `InputError` becomes an answer with its sentence and the field.
 
     Such a refusal has status 200: a browser writes every other status in its console as an error of the page.
@@ -235,21 +211,15 @@ def _handler_of(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: Task
             data = await request.json()
         except (ValueError, RecursionError):  # a number of 5000 digits is a ValueError too
             return _refusal("the request is not valid JSON", status=400)
-
-        def is_wanted() -> bool:
-            return request.transport is not None and not request.transport.is_closing()
-
         try:
             if not isinstance(data, dict):
                 raise InputError("the request must be a table")
-            answer = await work(data, Context(shapes, few, tasks, is_wanted))
+            answer = await work(data, context)
             return answer if isinstance(answer, web.StreamResponse) else web.json_response(finite(answer))
         except ArithmeticError:  # a radius of 5e-324, say
             return _refusal(NO_FLOAT)
         except InputError as error:
             return _refusal(str(error), page_model.field_of(str(error)))
-        except ClientLeft:
-            return web.Response(status=499)  # nobody receives it
         except Exception as error:  # an error of ours: reported in the terminal, and as a sentence to the page
             report(escaping.line(f"{request.path} failed: {type(error).__name__}: {error}"))
             return _refusal(FAULT, status=500)
