@@ -8,6 +8,7 @@ from solver import Case, Ends, InputError, Solution, observe, solve
 from solver.equilibria import Equilibrium
 from solver.problem.errors import choices
 from solver.problem.reduced import held_of
+from solver.solve import ends_case
 from studies import Study, load
 from studies.language.case_input import check_alone, field_values, from_values, with_fields
 from studies.language.loader import loads
@@ -60,8 +61,7 @@ def ends_problem(study: Study, held: bool = False) -> Case:
     sol = solve(case, tol=1e-12, stations=2)
     if not sol.solved:
         raise InputError(f"{study.name}: its start problem is not solved: {sol.outcome}")
-    g = case.given
-    return Case(case.rod, case.cylinder, Ends(g.beta, float(sol.beta[-1]), *case.loads, g.alpha, g.gamma))
+    return ends_case(sol)
 
 
 def refuse_held(case: Case) -> None:

@@ -12,7 +12,7 @@ from solver.problem.reduced import held_of
 from solver.region_map import Region, RegionMap
 from studies import Study
 
-from ..store import schema
+from ..store import dataset, schema
 from .equilibria_dataset import ALONG, attributes, with_case
 
 
@@ -38,7 +38,7 @@ def dataset_of(study: Study, found: RegionMap, checked: tuple[int, int] | None =
     labels = {name: schema.labels(name, units) for name in names}
     label = {"long_name": "number of the region, the largest 0; -1: too small to be a region", "units": "1"}
     data = {"region_at": xr.Variable(names[::-1], found.labels, label)}
-    data |= _of_regions(found.regions, labels, units) | _of_curves(found, labels, units)
+    data |= _of_regions(found.regions, names, units) | _of_curves(found, names, units)
     coords = {name: xr.Variable(name, ticks, labels[name]) for name, ticks in zip(names, found.ticks, strict=True)}
     stations = data["stable_alpha"].sizes["u"]
     coords["u"] = xr.Variable("u", np.linspace(0, 1, stations), schema.labels("u", units))
@@ -54,7 +54,7 @@ def dataset_of(study: Study, found: RegionMap, checked: tuple[int, int] | None =
     return ds.drop_dims([dim for dim, size in ds.sizes.items() if not size])  # a file holds no empty array
 
 
-def _of_regions(regions: list[Region], labels: dict[str, Any], units: dict[str, str]) -> dict[str, xr.Variable]:
+def _of_regions(regions: list[Region], names: list[str], units: dict[str, str]) -> dict[str, xr.Variable]:
     """The numbers of each region, and its stable shapes, NaN beyond their number."""
     most = max((region.stable for region in regions), default=0)
     stations = regions[0].equilibria[0].solution.s.size if regions and regions[0].equilibria else 2
@@ -63,10 +63,7 @@ def _of_regions(regions: list[Region], labels: dict[str, Any], units: dict[str, 
         stable = [equilibrium.solution for equilibrium in region.equilibria if equilibrium.index == 0]
         for (i, solution), name in product(enumerate(stable), ALONG):
             shapes[name][k, i] = getattr(solution, name)
-    data = {
-        f"stable_{name}": xr.Variable(("region", "stable", "u"), values, schema.labels(name, units))
-        for name, values in shapes.items()
-    }
+    data = dataset.variables(shapes, ("region", "stable", "u"), units, "stable_")
     numbers: dict[str, tuple[Any, list[Any], str]] = {
         "count": (np.int64, [region.count for region in regions], "number of equilibria"),
         "count_stable": (np.int64, [region.stable for region in regions], "number of stable equilibria"),
@@ -76,24 +73,22 @@ def _of_regions(regions: list[Region], labels: dict[str, Any], units: dict[str, 
         data[name] = xr.Variable("region", np.array(values, dtype=kind), {"long_name": words, "units": "1"})
     complete = np.array([region.equilibria.complete for region in regions], dtype=bool)
     data["complete"] = xr.Variable("region", complete, {"long_name": "whether the equilibria pass the test"})
-    for k, (name, label) in enumerate(labels.items()):
-        inner = {**label, "long_name": f"{label['long_name']}, of the point where the equilibria were computed"}
-        data[f"region_{name}"] = xr.Variable("region", np.array([region.values[k] for region in regions]), inner)
-    return data
+    places = {name: np.array([region.values[k] for region in regions]) for k, name in enumerate(names)}
+    where = ", of the point where the equilibria were computed"
+    return data | dataset.variables(places, ("region",), units, "region_", where)
 
 
-def _of_curves(region_map: RegionMap, labels: dict[str, Any], units: dict[str, str]) -> dict[str, xr.Variable]:
+def _of_curves(region_map: RegionMap, names: list[str], units: dict[str, str]) -> dict[str, xr.Variable]:
     """The curves over (curve, point), NaN beyond their ends, and the cusps."""
-    curves, labels = region_map.folds.curves, labels | {"dbeta0": schema.labels("dbeta0", units)}
+    curves, names = region_map.folds.curves, [*names, "dbeta0"]
     points = [np.column_stack([curve.values, curve.dbeta0]) for curve in curves]
     cusps = [np.column_stack([curve.cusps, curve.cusp_dbeta0]) for curve in curves]
     most = max(map(len, points), default=0)
     padded = [np.pad(rows, ((0, most - len(rows)), (0, 0)), constant_values=np.nan) for rows in points]
-    data = {}
-    for k, (name, label) in enumerate(labels.items()):
-        column = np.array([rows[:, k] for rows in padded]).reshape(len(curves), most)
-        data[f"curve_{name}"] = xr.Variable(("curve", "point"), column, label)
-        data[f"cusp_{name}"] = xr.Variable("cusp", np.concatenate([np.zeros((0, 3)), *cusps])[:, k], label)
+    along = np.array(padded).reshape(len(curves), most, 3)
+    data = dataset.variables({name: along[..., k] for k, name in enumerate(names)}, ("curve", "point"), units, "curve_")
+    every = np.concatenate([np.zeros((0, 3)), *cusps])
+    data |= dataset.variables({name: every[:, k] for k, name in enumerate(names)}, ("cusp",), units, "cusp_")
     owner = np.repeat(np.arange(len(curves)), list(map(len, cusps)))
     data["cusp_curve"] = xr.Variable("cusp", owner.astype(np.int64), {"long_name": "number of its curve"})
     lower = {"long_name": "lower Morse index of the two equilibria that meet", "units": "1"}

@@ -110,9 +110,19 @@ def _axis_labels(study: Study, name: str) -> dict[str, str]:
     return words
 
 
-def variables(columns: Mapping[str, Any], dims: tuple[str, ...], units: Mapping[str, str]) -> dict[str, xr.Variable]:
-    """Numbers by the names of their quantities as variables over these dimensions, labelled."""
-    return {name: xr.Variable(dims, np.asarray(values), schema.labels(name, units)) for name, values in columns.items()}
+def variables(
+    columns: Mapping[str, Any], dims: tuple[str, ...], units: Mapping[str, str], prefix: str = "", words: str = ""
+) -> dict[str, xr.Variable]:
+    """Numbers by the names of their quantities as variables over these dimensions, labelled.
+
+    prefix: of their names in the dataset. words: added to their long names.
+    """
+    found = {}
+    for name, values in columns.items():
+        label = schema.labels(name, units)
+        label["long_name"] += words
+        found[f"{prefix}{name}"] = xr.Variable(dims, np.asarray(values), label)
+    return found
 
 
 def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
