@@ -4,7 +4,7 @@ import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from textwrap import wrap
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ if TYPE_CHECKING:  # --help does not import rich
 
 HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 EVERY = 5.0  # seconds between two lines of progress
+LINE_EVERY = 30.0  # seconds between two lines of a run where stderr is no terminal
 WHOLE: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 
@@ -79,22 +80,28 @@ def print_json(data: Any) -> None:
 
 
 @contextmanager
+def _bar(words: str, total: int, done: int = 0) -> "Iterator[Callable[..., None]]":
+    """A progress bar on a terminal, else nothing; yields what updates it. words: beside it, in the form of rich."""
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (BarColumn(), TextColumn(words), TimeElapsedColumn())
+    with Progress(*columns, console=err(), transient=True, disable=not err().is_terminal) as bar:
+        yield partial(bar.update, bar.add_task("starting", total=total, completed=done))
+
+
+@contextmanager
 def progress(total: int, lines: bool = False) -> Iterator[Any]:
     """Show a progress bar on stderr; yields step(text), to be called when each of `total` pieces of work begins.
 
     Without a terminal nothing is shown, or with `lines` a line for a step: ``3 of 9: elliptic``; of steps that follow
     each other quickly, one every `EVERY` seconds.
     """
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=err(), transient=True, disable=not err().is_terminal) as bar:
-        task = bar.add_task("", total=total)
-        begun, said = 0, -EVERY
+    begun, said = 0, -EVERY
+    with _bar("{task.completed} of {task.total}: {task.description}", total) as update:
 
         def step(text: str) -> None:
             nonlocal begun, said
-            bar.update(task, description=text, advance=1 if begun else 0)
+            update(description=text, completed=begun)
             begun += 1
             if lines and not err().is_terminal and monotonic() - said >= EVERY:
                 said = monotonic()
@@ -103,26 +110,17 @@ def progress(total: int, lines: bool = False) -> Iterator[Any]:
         yield step
 
 
-LINE_EVERY = 30.0  # seconds between two lines where stderr is no terminal
-
-
 @contextmanager
 def progress_bar(total: int, done: int, as_json: bool = False) -> "Iterator[Meter]":
     """A meter, shown while the body runs; where stderr is no terminal, or as JSON, by a line every 30 s."""
-    from rich.progress import BarColumn, Progress, TextColumn
-
     from ..store.study_store import Meter
 
     if as_json or not err().is_terminal:
         yield Meter(total, done, _make_lines(as_json))
         return
-    columns = (BarColumn(), TextColumn("{task.completed} of {task.total} cases, {task.description}"))
-    with Progress(*columns, console=err(), transient=True) as bar:
-        task = bar.add_task("starting", total=total, completed=done)
+    with _bar("{task.completed} of {task.total} cases, {task.description}", total, done) as update:
         yield Meter(
-            total,
-            done,
-            lambda meter: bar.update(task, completed=meter.done, total=meter.total, description=meter.text()),
+            total, done, lambda meter: update(completed=meter.done, total=meter.total, description=meter.text())
         )
 
 

@@ -139,9 +139,11 @@ def choose(
 
 
 def rod_of_case(ds: xr.Dataset, names: Sequence[str]) -> DrawnRod:
-    """The rod of a dataset of one case at its stored stations; without arrays where it is not solved."""
-    rows = _as_stored(ds, names, 1)[0]
-    return _rod(ds, None, rows[0] if rows else None)
+    """The rod of a dataset of one case at its stored stations; without arrays where it is not solved.
+
+    Raises `InputError` for an array that is not stored.
+    """
+    return _rod(ds, None, _as_stored(ds, names, 1)[0])
 
 
 def _rod(one: xr.Dataset, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:
@@ -165,27 +167,23 @@ def _arrays(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[di
     except InputError as error:
         finer, reason = some, str(error).rstrip(".")
         notes = [f"Drawn at the {some.sizes.get('u', 1)} stored stations: {reason}."]
-    rows, missing = _as_stored(finer, names, count)
-    if rows is None:
-        raise InputError(f"the dataset does not store {missing}, and its cases cannot be solved again: {reason}")
+    try:
+        rows = _as_stored(finer, names, count)
+    except InputError as error:
+        raise InputError(f"{error}, and its cases cannot be solved again: {reason}") from None
     solved = np.atleast_1d(np.asarray(some["solved"].values, dtype=bool))
     return [row if is_solved else None for row, is_solved in zip(rows, solved, strict=True)], notes
 
 
-def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None] | None, str]:
-    """The arrays as stored or computed from stored ones; or None, and the name of the first that is not."""
+def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> list[dict[str, Any] | None]:
+    """The arrays as stored or computed from stored ones, of each case with numbers. Raises `InputError`."""
     if "u" not in some.dims:
-        return None, "arrays along the rod"
-    columns: dict[str, Any] = {"s": some["s"]}
-    for name in names:
-        array = StoredArrays(some).derive(name)
-        if array is None:
-            return None, name
-        columns[name] = array
-    shape = (count, some.sizes["u"])
+        raise InputError("the dataset does not store arrays along the rod")
     tables = {}
-    for name, array in columns.items():
-        order = [dim for dim in array.dims if dim != "u"]
-        tables[name] = np.broadcast_to(array.transpose(*order, "u").values, shape)
+    for name in ("s", *names):
+        array = some["s"] if name == "s" else StoredArrays(some).derive(name)
+        if array is None:
+            raise InputError(f"the dataset does not store {name}")
+        tables[name] = np.broadcast_to(array.transpose(..., "u").values, (count, some.sizes["u"]))
     rows = [{name: table[i] for name, table in tables.items()} for i in range(count)]
-    return [row if all(np.isfinite(array).all() for array in row.values()) else None for row in rows], ""
+    return [row if all(np.isfinite(array).all() for array in row.values()) else None for row in rows]
