@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 
@@ -176,8 +175,7 @@ def _panel(ax: Axes, rods: DrawnRods, curves: Curves, ends: tuple[float, float],
     ax.set_ylim(curves.foot + (ends[0] - margin) * curves.step, curves.foot + (ends[1] + margin) * curves.step)
     _over_s(ax, rods)
     if curves.name == PIPE:
-        scale = ScalarMappable(push_scale.scale([rod["push"] for rod in rods.solved]), colours.push_ramp())
-        push_scale.bar(ax, scale, push_scale.unit(rods.source), fonts.inches(ax)[0])
+        push_scale.bar(ax, push_scale.unit(rods.source), fonts.inches(ax)[0])
     if len(rods.rods) == 1 and curves.name == PIPE:
         ax.set_ylabel("azimuth α [°]")
         ax.set_title(fonts.wrap(curves.title, ax), loc="left")

@@ -10,11 +10,11 @@ from itertools import groupby
 from pathlib import Path
 from string import ascii_lowercase
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import xarray as xr
 from matplotlib import rc_context
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
@@ -53,6 +53,7 @@ DIAGRAMS = (".png", ".pdf", ".svg")
 Said = Iterable[Any]  # below a figure: sentences, and labelled artists, the entries of its legend
 Panel = Callable[[Axes], Said | None]  # draws, and returns what is said of it
 Row = tuple[float, Sequence[Panel | None]]  # its height in inches, and its panels
+_KEPT: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()  # sentences that are not drawn
 
 
 def figure(
@@ -246,28 +247,14 @@ def _set_title(fig: Figure, below: str, title: str) -> None:
     engine.set(rect=(0, 0, 1, 1 - used / fig.get_figheight()), w_pad=0.1, h_pad=0.08)
 
 
-class _Kept(Artist):
-    """Sentences that a figure carries and does not draw."""
-
-    def __init__(self, texts: Sequence[str]) -> None:
-        super().__init__()
-        self.texts = list(texts)
-        self.set_in_layout(False)
-
-    def draw(self, renderer: Any) -> None:
-        """Draw nothing."""
-
-
 def keep(fig: Figure, texts: Sequence[str]) -> None:
     """Keep sentences for the caption of a figure."""
-    if texts:
-        fig.add_artist(_Kept(texts), clip=False)
+    _KEPT[fig] = [*_KEPT.get(fig, []), *texts]
 
 
 def notes_of(fig: Figure) -> list[str]:
     """The sentences that a figure keeps, each once."""
-    texts = [" ".join(text.split()) for artist in fig.artists if isinstance(artist, _Kept) for text in artist.texts]
-    return list(dict.fromkeys(texts))
+    return list(dict.fromkeys(" ".join(text.split()) for text in _KEPT.get(fig, [])))
 
 
 def say_left_out(names: Sequence[str], options: str) -> list[str]:

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
@@ -30,7 +29,7 @@ def scale(pushes: Sequence[Any]) -> Normalize:
 def line(
     ax: Axes, x: Any, y: Any, push: Any, norm: Normalize, width: float = 2.0, name: str = "", where: Any = None,
     order: float = 2.0,
-) -> LineCollection:  # fmt: skip
+) -> None:  # fmt: skip
     """Draw a line whose colour at each point is that of the push there; name: its own in a table.
 
     where: its transform; order: of drawing.
@@ -47,15 +46,16 @@ def line(
                            transform=where)  # fmt: skip
     drawn.set_array(np.asarray(push, dtype=float))
     ax.add_collection(drawn)
-    return drawn
 
 
-def bar(ax: Axes, drawn: ScalarMappable, unit: str, inches: float) -> None:
-    """The bar of the colours below axes that are so many inches wide."""
+def bar(ax: Axes, unit: str, inches: float) -> None:
+    """The bar of the colours of the lines on axes, below these, which are so many inches wide; none without lines."""
     lines = [collection for collection in ax.collections if isinstance(collection, LineCollection)]
+    if not lines:
+        return
     said = f"push [{labels.unit(unit)}]" + "; below 0: lifts off" * any(pulls(line.get_array()) for line in lines)
-    bar_axes = canvas.colour_bar([ax], drawn, location="bottom", anchor=(0.0, 1.0), fraction=0.05, pad=0.02, aspect=20,
-                              shrink=min(inches, 2.2) / inches)  # fmt: skip
+    bar_axes = canvas.colour_bar([ax], lines[-1], location="bottom", anchor=(0.0, 1.0), fraction=0.05, pad=0.02,
+                                 aspect=20, shrink=min(inches, 2.2) / inches)  # fmt: skip
     bar_axes.set_label(said, size=fonts.small(), loc="left")
 
 

@@ -69,7 +69,7 @@ def sheet(style: str = "screen", width: float | None = None, titled: bool = True
     if style not in STYLES:
         raise no_such("style", style, STYLES)
     if width is None:
-        return Sheet(SCREEN.width if style == "screen" else 183 / MILLIMETRES, style, titled, panel)
+        width = 183 if style == "paper" else SCREEN.width * MILLIMETRES
     if not NARROWEST <= width <= WIDEST:
         raise InputError(f"the width must be from {NARROWEST:g} to {WIDEST:g} mm, got {width:g}")
     return Sheet(width / MILLIMETRES, style, titled, panel)

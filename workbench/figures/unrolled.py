@@ -16,7 +16,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -104,14 +103,11 @@ def view_of(
     return View(z, rho * (alpha - alpha[0]), text, look, rings or [], name), rings is None
 
 
-def plan(
-    views: Sequence[View], room: tuple[float, float], letters: float | None = None, even: bool = False
-) -> Arrangement:
+def plan(views: Sequence[View], room: tuple[float, float], letters: float, even: bool = False) -> Arrangement:
     """Where views and the key of their directions stand, as large as they fit in so many inches; the key is the last.
 
     letters: points of the texts. even: all views have the room of the largest, so their z can be compared.
     """
-    letters = letters or fonts.small()
     sizes = np.array([view.size for view in views])
     sizes = np.broadcast_to(sizes.max(axis=0), sizes.shape) if even else sizes
     wide, tall = map(float, sizes.max(axis=0))
@@ -139,53 +135,12 @@ def words_size(text: str, letters: float) -> tuple[float, float]:
     return max(fonts.width_of(line, letters) for line in lines), len(lines) * WORDS * letters + ABOVE
 
 
-def draw(
-    ax: Axes, views: Sequence[View], form: Arrangement, unit: str, letters: float | None = None
-) -> LineCollection | None:
-    """Draw views and the key; returns a line in the colours of the push, or None."""
-    letters = letters or fonts.small()
-    ax.set(xlim=(0, form.size[0]), ylim=(form.size[1], 0), aspect="equal", anchor="NW")
-    ax.set_axis_off()
-    ax.set_label(VIEWS)
-    ax.set_xlabel(f"z [{unit}]")
-    ax.set_ylabel(f"{fonts.AROUND} [{unit}]")
-    drawn, rings = None, list[Any]()
-    columns = form.boxes.shape[1]
-    texts = [view.text for view in views]
-    rows = [max(words_size(text, letters)[1] for text in texts[i : i + columns])
-            for i in range(0, len(texts), columns)]  # fmt: skip
-    for k, (view, (left, top, _, _)) in enumerate(zip(views, form.places, strict=False)):
-        top += rows[k // columns]
-        ax.annotate(view.text, (left, top - ABOVE), va="bottom", size=letters, linespacing=1.1, annotation_clip=False)
-        if not view.x.size:
-            ax.annotate("unsolved", (left, top), va="top", color=colours.SOFT, size=letters, annotation_clip=False)
-            continue
-        to_page = Affine2D().translate(*-view.box[0]).scale(form.scale, form.scale * form.factor)
-        where = to_page.translate(left, top) + ax.transData
-        drawn = _draw_line(ax, view.x, view.y, view.look, view.name or view.text.partition("\n")[0], where) or drawn
-        ax.plot(view.x[0], view.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where, gid="s = 0")
-        for x, y, look, name in view.over:
-            ax.plot(x, y, transform=where, gid=name, **look)
-        rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
-    if rings:
-        sizes = [max(72 * float(np.linalg.norm(apart)) + RING / 2, RING) for _, apart in rings]
-        x, y = np.transpose([place for place, _ in rings])
-        ax.scatter(x, y, s=np.square(sizes), facecolors="none", linewidths=0.7, edgecolors=colours.CROSSED, gid=THROUGH,
-                   zorder=5)  # fmt: skip
-    for artist in (*ax.lines, *ax.collections):
-        artist.set_clip_on(False)
-    _draw_key(ax, form, form.places[len(views)], unit, letters)
-    return drawn
-
-
-def _draw_line(
-    ax: Axes, x: Values, y: Values, look: Mapping[str, Any], name: str, where: Transform
-) -> LineCollection | None:
-    """Draw a line in the colours of the push, which is returned, or in one colour."""
+def _draw_line(ax: Axes, x: Values, y: Values, look: Mapping[str, Any], name: str, where: Transform) -> None:
+    """Draw a line in the colours of the push, or in one colour."""
     if "push" in look:
-        return push_scale.line(ax, x, y, **look, name=name, where=where)
-    ax.plot(x, y, **{"solid_capstyle": "round", "zorder": 3, **look}, transform=where, gid=name)
-    return None
+        push_scale.line(ax, x, y, **look, name=name, where=where)
+    else:
+        ax.plot(x, y, **{"solid_capstyle": "round", "zorder": 3, **look}, transform=where, gid=name)
 
 
 def _look(rod: DrawnRod, norm: Normalize | None) -> dict[str, Any]:
@@ -197,9 +152,9 @@ def _look(rod: DrawnRod, norm: Normalize | None) -> dict[str, Any]:
     return {"color": colours.DATA, "linewidth": 1.1}
 
 
-def _draw_key(ax: Axes, form: Arrangement, place: Any, unit: str, letters: float) -> None:
+def _draw_key(ax: Axes, form: Arrangement, place: Any, unit: str) -> None:
     """Two arrows, to the right and down, of round lengths, which stand beside their names."""
-    left, top = place[0], place[1] + WORDS * letters
+    left, top = place[0], place[1] + WORDS * fonts.small()
     scales = form.scale, form.scale * form.factor
     lengths = [round_below(ARROW / scale) for scale in scales]
     look: Any = {"arrowstyle": "-|>", "color": colours.SOFT, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0,
@@ -211,7 +166,7 @@ def _draw_key(ax: Axes, form: Arrangement, place: Any, unit: str, letters: float
         ((left, top + down), words[1], (left, top + down / 2), (4, 0), "center"),
     ):
         ax.annotate("", tip, (left, top), arrowprops=look, annotation_clip=False)
-        ax.annotate(text, at, offset, textcoords="offset points", size=letters, color=colours.SOFT, va=vertical,
+        ax.annotate(text, at, offset, textcoords="offset points", size=fonts.small(), color=colours.SOFT, va=vertical,
                     annotation_clip=False)  # fmt: skip
 
 
@@ -295,22 +250,53 @@ class Panel:
         self, views: Sequence[View], room: tuple[float, float], letters: float, unit: str, even: bool = False,
         notes: Sequence[str] = (),
     ) -> None:  # fmt: skip
-        self.views, self.letters, self.unit, self.notes = views, letters, unit, list(dict.fromkeys(notes))
+        self.views, self.unit, self.notes = views, unit, list(dict.fromkeys(notes))
         self.form = plan(views, room, letters, even)
         self.height = self.form.size[1]
 
     def draw(self, ax: Axes, more: str = "", bar: tuple[str, float] | None = None) -> list[str | Artist]:
-        """Draw the views; returns what is said of them.
+        """Draw the views and the key; returns what is said of them.
 
         more: said before the dot. bar: the unit of the push, and the inches below which its bar of colours stands.
         """
-        coloured = draw(ax, self.views, self.form, self.unit, self.letters)
-        if bar and coloured is not None:
-            push_scale.bar(ax, coloured, *bar)
+        form, small = self.form, fonts.small()
+        ax.set(xlim=(0, form.size[0]), ylim=(form.size[1], 0), aspect="equal", anchor="NW")
+        ax.set_axis_off()
+        ax.set_label(VIEWS)
+        ax.set_xlabel(f"z [{self.unit}]")
+        ax.set_ylabel(f"{fonts.AROUND} [{self.unit}]")
+        rings, columns = list[Any](), form.boxes.shape[1]
+        heights = [words_size(view.text, small)[1] for view in self.views]
+        for k, (view, (left, top, _, _)) in enumerate(zip(self.views, form.places, strict=False)):
+            first = k - k % columns
+            top += max(heights[first : first + columns])
+            ax.annotate(view.text, (left, top - ABOVE), va="bottom", size=small, linespacing=1.1, annotation_clip=False)
+            if not view.x.size:
+                ax.annotate("unsolved", (left, top), va="top", color=colours.SOFT, size=small, annotation_clip=False)
+                continue
+            to_page = Affine2D().translate(*-view.box[0]).scale(form.scale, form.scale * form.factor)
+            where = to_page.translate(left, top) + ax.transData
+            _draw_line(ax, view.x, view.y, view.look, view.name or view.text.partition("\n")[0], where)
+            ax.plot(
+                view.x[0], view.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where, gid="s = 0"
+            )
+            for x, y, look, name in view.over:
+                ax.plot(x, y, transform=where, gid=name, **look)
+            rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
+        if rings:
+            sizes = [max(72 * float(np.linalg.norm(apart)) + RING / 2, RING) for _, apart in rings]
+            x, y = np.transpose([place for place, _ in rings])
+            ax.scatter(x, y, s=np.square(sizes), facecolors="none", linewidths=0.7, edgecolors=colours.CROSSED,
+                       gid=THROUGH, zorder=5)  # fmt: skip
+        for artist in (*ax.lines, *ax.collections):
+            artist.set_clip_on(False)
+        _draw_key(ax, form, form.places[len(self.views)], self.unit)
+        if bar:
+            push_scale.bar(ax, *bar)
         ring = Line2D([], [], marker="o", markersize=7, fillstyle="none", color=colours.CROSSED, linestyle="none",
                       label=THROUGH)  # fmt: skip
         return [
-            *[ring] * any(view.rings for view in self.views),
+            *[ring] * bool(rings),
             sentence(self.form, len(self.views) > 1, more),
             *self.notes,
         ]
@@ -349,7 +335,6 @@ class Lines:
         s, (z, across) = self.rod["s"], self.rod.plane_points()
         starts = s[0] + self.every * np.arange(self.count)
         ends: list[float] = []
-        drawn: LineCollection | None = None
         for k, start in enumerate(starts):
             top = k * lines.PITCH * self.wide - self.low
             left = float(np.interp(start, s, z))
@@ -362,7 +347,7 @@ class Lines:
             ends += [float(x.min()) - left, float(x.max()) - left]
             for on in np.split(np.arange(places.size), np.flatnonzero(np.diff(turns)) + 1):  # on one turn
                 of_part = {"push": np.interp(places[on], s, look["push"])} if "push" in look else {}
-                drawn = _draw_line(ax, x[on], y[on] - turns[on] * self.turn, look | of_part, self.rod.name, where)
+                _draw_line(ax, x[on], y[on] - turns[on] * self.turn, look | of_part, self.rod.name, where)
         ax.plot(0, -self.low + across[0], "o", color=colours.INK, markersize=4, gid="s = 0", zorder=4)
         size = max(ends) - min(ends)
         ax.set_xlim(min(ends) - 0.01 * size, max(ends) + 0.01 * size)
@@ -375,8 +360,8 @@ class Lines:
         ax.tick_params(axis="y", length=0)
         ax.spines[:].set_visible(False)
         ax.set(ylabel=f"line from s [{self.unit}]", xlabel=f"z from the start of a line [{self.unit}]")
-        if bar and drawn is not None:
-            push_scale.bar(ax, drawn, *bar)
+        if bar:
+            push_scale.bar(ax, *bar)
         return [*self.said()]
 
     def said(self) -> list[str]:
