@@ -187,6 +187,7 @@ def present(
     if plot and dataset is not None:
         from ..figures import canvas, kinds
 
+        assert sheet is not None
         drawn = kinds.figure(dataset, result.figure, sheet)
         canvas.save(drawn, plot, dpi)
         notes = canvas.notes_of(drawn)

@@ -13,7 +13,7 @@ from solver.problem.errors import InputError
 from solver.problem.quantities import quantity
 from studies.grammar.axes import SAMPLE
 
-from ..store import schema, selection
+from ..store import refined, schema, selection
 from ..words import labels
 from . import canvas, colours, fonts
 from .scales import RoomLocator
@@ -55,6 +55,7 @@ def of_cases(
     InputError
         For an axis of more than `MOST` values, a study of samples or of one case, and an observable that is not stored.
     """
+    ds = refined.coarse(ds)
     axes = [name for name in schema.axes_of(ds) if ds.sizes[name] > 1]
     if not axes or SAMPLE in axes:
         raise InputError(f"bars need an axis of several values; the file holds {'samples' if axes else 'one case'}")
@@ -81,12 +82,11 @@ def of_cases(
     return _panels(ds, names, count, panel, notes, sheet)
 
 
-def indices(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
+def indices(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     """The Sobol' indices of a dataset of `influence.sobol`, of first order and total, with intervals.
 
     The field of the largest total is on top. The axis of every panel goes from 0 to 1, and beyond them as far as the
-    intervals need. sheet: what the figure is drawn for; default: a column of a journal as wide as on paper, with
-    letters for the screen, and two columns for several panels.
+    intervals need.
     """
     low = min(float((ds[key] - ds[f"{key}_conf"]).min()) for key in ("first", "total"))
     high = max(float((ds[key] + ds[f"{key}_conf"]).max()) for key in ("first", "total"))
@@ -118,8 +118,8 @@ def indices(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
     return _panels(ds, names, bars, panel, notes, sheet, SHOW)
 
 
-def tornado(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
-    """How each observable of a dataset of `influence.local` answers each field, the strongest on top; sheet: as above.
+def tornado(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+    """How each observable of a dataset of `influence.local` answers each field, the strongest on top.
 
     ds may have the attribute varied: the fields of the axes of a study, whose values the title names. Raises
     `InputError` where no field has an effect.
@@ -201,9 +201,9 @@ def _remark(ax: Axes, text: str) -> None:
     ax.set_title(text, loc="right", pad=4, size=fonts.small(), color=colours.SOFT)
 
 
-def _most_panels(sheet: Sheet | None, bars: int) -> int | None:
+def _most_panels(sheet: Sheet, bars: int) -> int | None:
     """For how many panels of so many bars one column of a page has room; None elsewhere."""
-    return max(int((canvas.TALLEST - AROUND) / _height(bars)), 1) if sheet and sheet.narrow else None
+    return max(int((canvas.TALLEST - AROUND) / _height(bars)), 1) if sheet.narrow else None
 
 
 def _height(bars: int) -> float:
@@ -213,7 +213,7 @@ def _height(bars: int) -> float:
 
 def _panels(
     ds: xr.Dataset, names: Sequence[str], bars: int, panel: Callable[[str, Axes], None], said: Sequence[str],
-    sheet: Sheet | None, option: str = "",
+    sheet: Sheet, option: str = "",
 ) -> Figure:  # fmt: skip
     """A panel of so many bars for each of the names, and one legend below.
 
@@ -221,12 +221,10 @@ def _panels(
     """
     most = (_most_panels(sheet, bars) if option else None) or len(names)
     said = [*said, *canvas.say_left_out(names[most:], option)]
-    names, columns = names[:most], min(len(names), 2)
-    if sheet is not None:
-        columns = 1 if sheet.narrow else min(len(names), max(int(sheet.width / COLUMN), 1))
-    page = sheet or Sheet(COLUMN * columns)
+    names = names[:most]
+    columns = 1 if sheet.narrow else min(len(names), max(int(sheet.width / COLUMN), 1))
     rows = canvas.in_rows([partial(panel, name) for name in names], columns, _height(bars))
-    return canvas.page(ds, page, rows, said, AROUND)
+    return canvas.page(ds, sheet, rows, said, AROUND)
 
 
 def _effects(ds: xr.Dataset, name: str) -> list[tuple[str, float]]:

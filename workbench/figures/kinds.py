@@ -31,20 +31,16 @@ from .sheet import SCREEN, Sheet
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of picture: its figure of a dataset and a sheet, its further keywords, and the data that it draws.
-
-    refined: whether it draws a refined study as it is; else it gets the coarse grid.
-    """
+    """A kind of picture: its figure of a dataset and a sheet, its further keywords, and the data that it draws."""
 
     figure: Callable[..., Figure]
     options: tuple[str, ...] = ()
     of: str = "study"
-    refined: bool = False
 
 
 KINDS = {
-    "map": Kind(map_figure.figure, ("x", "y", "show", "at", "shapes"), refined=True),
-    "lines": Kind(study_figure.figure, ("x", "show"), refined=True),
+    "map": Kind(map_figure.figure, ("x", "y", "show", "at", "shapes")),
+    "lines": Kind(study_figure.figure, ("x", "show")),
     "curves": Kind(unrolled.figure, ("x", "at")),
     "ridge": Kind(along.figure, ("x", "at", "show")),
     "portrait": Kind(portrait.figure, ("x", "at")),
@@ -64,7 +60,7 @@ KINDS = {
 OF_STUDIES = {name: kind for name, kind in KINDS.items() if kind.of == "study"}
 
 
-def figure(ds: xr.Dataset, kind: str | None = None, sheet: Sheet | None = SCREEN, **options: Any) -> Figure:
+def figure(ds: xr.Dataset, kind: str | None = None, sheet: Sheet = SCREEN, **options: Any) -> Figure:
     """The picture of a dataset of any kind; kind: a name of `KINDS`, by default as the dataset says.
 
     Raises `InputError` as of `kind_of` and of the figure.
@@ -72,8 +68,6 @@ def figure(ds: xr.Dataset, kind: str | None = None, sheet: Sheet | None = SCREEN
     name = kind or schema.kind_of(ds).figure
     if name in ("", "study"):
         name = kind_of(ds, None, [option for option in options if option != "verdicts"])
-    if name in OF_STUDIES and not KINDS[name].refined:
-        ds = refined.coarse(ds)
     return KINDS[name].figure(ds, sheet=sheet, **options)
 
 

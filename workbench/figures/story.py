@@ -25,7 +25,7 @@ from ..geometry import tube
 from ..store import law_verdicts
 from ..words import labels
 from . import canvas, colours, drawn_rods, fonts, push_scale
-from .sheet import Sheet, sheet
+from .sheet import Sheet
 from .trends import trend
 
 ROD, ALONG, CLAIMS = "fig6", "fig7_1_modulus", "readings"  # the datasets by the name of their study
@@ -84,12 +84,11 @@ class _Eye:
         return np.stack([right, z * up - near * out, z * out + near * up], axis=-1)
 
 
-def figure(datasets: Mapping[str, xr.Dataset], page: Sheet | None = None) -> Figure:
+def figure(datasets: Mapping[str, xr.Dataset], page: Sheet) -> Figure:
     """Draw the story of the stored datasets of `reproduce`, by the name of their study.
 
-    page: the sheet; default: two columns of a journal, on paper. Its width is that of two columns or of one.
+    page: the sheet; its width is that of two columns of a journal, or of one.
     """
-    page = page or sheet("paper", 183, titled=False)
     height, boxes = NARROW if page.narrow else WIDE
     share = page.width / (ONE if page.narrow else TWO)
 
