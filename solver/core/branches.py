@@ -37,12 +37,10 @@ _Held = structure("held_ends", (INT * PARTS, "given"), (FLOAT, "loads"))  # bran
 _Curve = structure("curve", (_PROBLEM, "problem"), (AT, "over held by nodes times orbits"))  # branch_steps.c
 
 
-def orbit_rates(
-    numbers: Array, path: Any, n: int, how: tuple[Cutting, Cutting]
-) -> tuple[Array, Array, Array, Array] | None:
-    """The values (11,), rows (11, 5), derivatives by the length (11,), and length () of one equilibrium.
+def orbit_rates(numbers: Array, path: Any, n: int, how: tuple[Cutting, Cutting]) -> tuple[Array, Array, Array, Array]:
+    """The values (11,), rows (11, 5), derivatives by the length (11,), and length () of one equilibrium, no helix.
 
-    None where it is not possible: for a helix, and a gap that floats cannot express.
+    NaN where no orbit of the path joins the ends.
 
     Parameters
     ----------
@@ -51,13 +49,11 @@ def orbit_rates(
     n, how
         As of `orbits.orbits`; how panels are cut for the length, and for the orbit.
     """
-    if path.helix:
-        return None
     out = np.full(RATES, np.nan)
     level = Level(path.pin, path.sign, path.y, path.leaving, path.turns)
     ways = cut(how[0], True), cut(how[1], False)
-    status = run("rod_orbit_rates", np.ascontiguousarray(numbers), level, on_grid(), points(n), *ways, out)
-    return split(out) if status == NO_ORBIT or fine(status) else None
+    fine(run("rod_orbit_rates", np.ascontiguousarray(numbers), level, on_grid(), points(n), *ways, out))
+    return split(out)
 
 
 def start_rates(numbers: Array, n: int, how: Cutting) -> tuple[Array, Array, Array, Array] | None:

@@ -4,6 +4,17 @@
 
 #define SAME 1e-9 /* rad: critical points that are this near are one */
 
+/* Adds a share of the derivative of log|H'| at a saddle by each load: the time at the saddle goes with |H'|^(-1/2). */
+static void add_steepness(const ends_problem *p, double saddle, double share, double *rates)
+{
+    const double s = sin(saddle), c = cos(saddle), steep = slope_rate_by(p->lam, p->mu, p->phi, s, c);
+    const double by_load[3] = {-s, 4 * s * c, -c}, H_q[3] = {c, -(c - s) * (c + s), -s};
+    double third;
+    const double bend = higher_rates_by(p->lam, p->mu, p->phi, s, c, &third);
+    for (int q = 0; q < 3; q++)
+        rates[q] += share * (by_load[q] - bend * H_q[q] / steep) / steep;
+}
+
 /* What changes of the loads and of the level add to y. */
 static void add_level(const place *o, const path *level, double nearest, double *values, double *rows, double *by_span)
 {
@@ -18,6 +29,8 @@ static void add_level(const place *o, const path *level, double nearest, double 
         rows[PARTS * Y] = 0, rows[PARTS * Y + 1] = 2 / gap, by_span[Y] = 0;
         for (int q = 0; q < 3; q++)
             rows[PARTS * Y + 2 + q] = 2 * above[q] / gap;
+        if (level->y < DEEPEST)
+            add_steepness(&o->p, level->pin, (level->y - DEEPEST) / 2, rows + PARTS * Y + 2);
         return;
     }
     const int end = level->pin == o->start ? DBETA0 : DBETAL;
@@ -80,16 +93,16 @@ int rod_orbit_numbers(const place *o, const path *level, const points *at, const
 {
     const ends_problem *p = &o->p;
     lone_orbit on = {0};
-    if (at->n > NODES || at->n < 4 || !(level->y >= DEEPEST) || !isfinite(level->pin) || level->turns < 0 ||
+    if (at->n > NODES || at->n < 4 || !isfinite(level->y) || !isfinite(level->pin) || level->turns < 0 ||
         level->turns > 1000000000)
         return NOT_POSSIBLE;
     int failed = length_of(o, level, at, times, &out->length);
     if (failed)
         return failed;
-    const double gap = level->sign * exp(level->y), v2 = gap + rod_place_fall(o, level->pin, o->start);
+    const double y = larger(level->y, DEEPEST), gap = level->sign * exp(y), v2 = gap + rod_place_fall(o, level->pin, o->start);
     const double speed = (double)level->leaving * sqrt(larger(v2, 0));
     const start_problem start = {p->lam, p->mu, p->phi, out->length, o->start, speed};
-    failed = rod_lone_orbit(&start, (double[]){level->pin, gap, 0}, &o->found, NULL, at, how, &on);
+    failed = rod_lone_orbit(&start, (double[]){level->pin, gap, y - level->y}, &o->found, NULL, at, how, &on);
     if (!failed)
         numbers_of(&on, p, at, o, level, out->length, out);
     rod_lone_orbit_free(&on);

@@ -15,8 +15,8 @@ typedef struct {
     double values[NUMBERS], rows[NUMBERS * PARTS], by_span[NUMBERS], length;
 } orbit_numbers;
 
-/* Those of one equilibrium that is no helix and whose gap is no smaller than floats can express. times, how: how panels
-   are cut, for the length and for the orbit. Returns DONE, NO_MEMORY, NO_ORBIT or NOT_POSSIBLE. */
+/* Those of one equilibrium that is no helix. times, how: how panels are cut, for the length and for the orbit. Returns DONE,
+   NO_MEMORY, NO_ORBIT or NOT_POSSIBLE. */
 int rod_orbit_numbers(const place *, const path *, const points *, const cutting *times, const cutting *how,
                       orbit_numbers *out);
 

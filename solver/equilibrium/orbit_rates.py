@@ -18,10 +18,9 @@ import numpy as np
 
 from ..core import branches as core
 from ..core.library import Cutting, numbers_of
-from ..levels.line_point import LinePoint, Path
-from ..levels.path_orbits import variations_of
+from ..levels.line_point import Path
 from ..levels.transit_times import CUTTING, STRETCH
-from ..mechanics.potential import slope_higher_rates, slope_rate, slopes_by_loads
+from ..mechanics.potential import slope_rate
 from ..numerics.arrays import Array, Columns
 from ..numerics.roots import solve
 from ..orbit import helix_variations
@@ -31,7 +30,6 @@ from ..problem.reduced import EndsProblem, Reduced, StartProblem
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
 _Y = 10
 _REST = 1e-15  # beta_t at a start at rest
-SAME = 1e-9  # rad: critical points that are this near are one
 HOW = CUTTING, Cutting(LENGTH, GOAL, STRETCH)
 
 
@@ -108,11 +106,11 @@ def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
     B, numbers = problem.size, numbers_of(problem)
     values, rows, by_span, span = np.empty((B, 11)), np.empty((B, 11, 5)), np.empty((B, 11)), np.empty(B)
     for i, path in enumerate(paths):
-        row = core.orbit_rates(numbers[i], path, POINTS, HOW)
-        if row is None:
-            slow = _rates_beyond_core(problem.take(slice(i, i + 1)), path)
-            row = slow.values[0], slow.rows[0], slow.by_span[0], slow.length[0]
-        values[i], rows[i], by_span[i], span[i] = row
+        if path.helix:
+            one = rates_of_helices(problem.take(slice(i, i + 1)))
+            values[i], rows[i], by_span[i], span[i] = one.values[0], one.rows[0], one.by_span[0], one.length[0]
+        else:
+            values[i], rows[i], by_span[i], span[i] = core.orbit_rates(numbers[i], path, POINTS, HOW)
     return OrbitRates(replace(problem, span=span), values, rows, by_span)
 
 
@@ -133,21 +131,6 @@ def start_rates(problem: StartProblem) -> OrbitRates:
     return OrbitRates(problem.with_end(values[[NUMBERS.index("betaL")]]), values[None], rows[None], by_span[None])
 
 
-def _rates_beyond_core(problem: EndsProblem, path: Path) -> OrbitRates:
-    """What the core leaves: a helix, or a gap that floats cannot express."""
-    with np.errstate(all="ignore"):  # beside a critical point and for long rods some terms overflow and are not taken
-        if path.helix:
-            return rates_of_helices(problem)
-        place = LinePoint(problem)
-        problem = replace(problem, span=place.lengths([path]))
-        if not np.isfinite(problem.span[0]):
-            return OrbitRates(problem, *(np.full((1, len(NUMBERS), *more), np.nan) for more in ((), (5,), ())))
-        varied = variations_of(problem, path, place)
-        rates = rates_of_variations(problem, varied)
-        _add_level(rates, varied.nearest, path, place)
-    return rates
-
-
 def rates_of_variations(problem: EndsProblem, varied: Variations) -> OrbitRates:
     """The numbers of orbits that are no helices at t = span, and their rows but that of y."""
     t, unit = ends_of(problem), np.broadcast_to(np.eye(5), (problem.size, 5, 5))
@@ -164,9 +147,9 @@ def ends_of(problem: Reduced) -> Array:
 def rates_of_helices(problem: EndsProblem) -> OrbitRates:
     """The numbers of helices at t = span, and their rows but that of y."""
     s, c, none = np.sin(problem.beta0), np.cos(problem.beta0), np.zeros((2, problem.size))
-    rates = _assemble(
-        problem, helix_change(problem, ends_of(problem)), none, none, np.stack([s, s * c, c]) * problem.span
-    )
+    with np.errstate(all="ignore"):  # beside a critical point and for long rods some terms overflow and are not taken
+        ends = helix_change(problem, ends_of(problem))
+    rates = _assemble(problem, ends, none, none, np.stack([s, s * c, c]) * problem.span)
     rates.values[:, _Y], rates.rows[:, _Y] = -np.inf, np.nan
     return rates
 
@@ -193,43 +176,6 @@ def _assemble(problem: EndsProblem, ends: Change, v: Array, H: Array, integrals:
     loads = problem.lam, problem.mu, problem.phi
     values = np.stack([problem.beta0, problem.betaL, *v, *integrals, *loads, np.zeros(problem.size)], axis=1)
     return OrbitRates(problem, values, rows, by_span)
-
-
-def _add_level(found: OrbitRates, origin: Array, path: Path, place: LinePoint) -> None:
-    """The row of y. The gap is eta - G(pin); g0 is half the change of eta less that of G at `origin`, (1,)."""
-    found.values[0, _Y] = path.y
-    if path.pin in place.angles:
-        same = np.abs(np.sin((path.pin - origin) / 2)) < SAME
-        gap = path.sign * np.exp(max(path.y, place.blank.deepest))
-        found.rows[0, _Y, 1:] = 2 * np.array([1, *_height_rates(np.where(same, origin, path.pin), origin)[0]]) / gap
-        if path.y < place.blank.deepest:
-            found.rows[0, _Y, 2:] += (path.y - place.blank.deepest) / 2 * _steepness_rates(place.problem, path.pin)
-        return
-    end = NUMBERS.index("dbeta0" if path.pin == place.start else "dbetaL")
-    found.rows[0, _Y] = 2 * found.rows[0, end] / found.values[0, end]
-    found.by_span[0, _Y] = 2 * found.by_span[0, end] / found.values[0, end]
-
-
-def _height_rates(angle: Array, other: Array) -> Array:
-    """-(G_q(angle) - G_q(other))/2 for q = lam, mu, phi, (P, 3)."""
-    # products, so that points that are mirror images have exactly the same height where the load cannot tell them apart
-    half, mean = (angle - other) / 2, (angle + other) / 2
-    sin_half = np.sin(half)
-    by_lam, by_mu, by_phi = (
-        2 * np.cos(mean) * sin_half,
-        np.cos(2 * mean) * np.sin(2 * half),
-        -2 * np.sin(mean) * sin_half,
-    )
-    return np.where((angle == other)[:, None], 0.0, np.stack([-by_lam, by_mu, -by_phi], axis=1))
-
-
-def _steepness_rates(problem: EndsProblem, saddle: float) -> Array:
-    """The derivative of log|H'| at a saddle by each load, (3,). The time at the saddle goes with |H'|^(-1/2)."""
-    at = np.array([saddle])
-    steep, bend = slope_rate(problem, at), slope_higher_rates(problem, at)[0]
-    moved = -slopes_by_loads(at[:, None])[0, :, 0] / steep
-    by_loads = np.array([-np.sin(saddle), 2 * np.sin(2 * saddle), -np.cos(saddle)])
-    return np.asarray((by_loads + bend * moved) / steep)
 
 
 def orbit_numbers(problem: EndsProblem, path: Path) -> tuple[Array, float]:

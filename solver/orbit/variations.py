@@ -83,15 +83,6 @@ class Variations:
         rows[:, 0], rows[:, 1] = start.beta[:, 0], start.rate[:, 0]
         return np.linalg.inv(rows)
 
-    @property
-    def nearest(self) -> Array:
-        """The angles, with whole turns, of the critical points from whose heights the level counts, (B,)."""
-        panels = self.orbit.panels
-        problem = panels.arc // 2
-        order = np.lexsort((self.kept["least"], problem))
-        first = np.searchsorted(problem[order], np.arange(self.orbit.problem.size))
-        return panels.base[order[np.minimum(first, order.size - 1)]]
-
 
 def variations_on(orbit: Orbit) -> Variations:
     """The variations of orbits, none of them a helix."""
