@@ -107,8 +107,8 @@ def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
     values, rows, by_span, span = np.empty((B, 11)), np.empty((B, 11, 5)), np.empty((B, 11)), np.empty(B)
     for i, path in enumerate(paths):
         if path.helix:
-            one = rates_of_helices(problem.take(slice(i, i + 1)))
-            values[i], rows[i], by_span[i], span[i] = one.values[0], one.rows[0], one.by_span[0], one.length[0]
+            still = rates_of_helices(problem.take(slice(i, i + 1)))
+            values[i], rows[i], by_span[i], span[i] = still.values[0], still.rows[0], still.by_span[0], still.length[0]
         else:
             values[i], rows[i], by_span[i], span[i] = core.orbit_rates(numbers[i], path, POINTS, HOW)
     return OrbitRates(replace(problem, span=span), values, rows, by_span)
