@@ -193,24 +193,17 @@ def check_name(path: str | Path, suffixes: tuple[str, ...] = DIAGRAMS) -> Path:
     return path
 
 
-def save(
-    fig: Figure, path: str | Path | BytesIO, dpi: float = DPI, suffixes: tuple[str, ...] = DIAGRAMS, level: int = 6
-) -> None:
+def save(fig: Figure, path: str | Path | BytesIO, dpi: float = DPI) -> None:
     """Save a figure in the format of the suffix, or as PNG in memory; dpi: pixels per inch where it has pixels.
 
-    level: how hard a PNG is compressed, from 1 to 9; 6 takes three times as long as 3 for a tenth of the size.
-
-    Raises `InputError` unless the name ends in one of the suffixes, and where the file cannot be written; an existing
-    file then stays as it was.
+    Raises `InputError` for another name than of a diagram, and where the file cannot be written; an existing file then
+    stays as it was.
     """
-    file = path if isinstance(path, BytesIO) else check_name(path, suffixes)
     with rc_context(RC):
-        png = isinstance(file, BytesIO) or file.suffix.lower() == ".png"
-        more: dict[str, Any] = {"pil_kwargs": {"compress_level": level}} if png else {}
-        if isinstance(file, BytesIO):
-            fig.savefig(file, dpi=dpi, **more)
+        if isinstance(path, BytesIO):
+            fig.savefig(path, dpi=dpi)
         else:
-            atomic.write(file, lambda aside: fig.savefig(aside, dpi=dpi, **more))
+            atomic.write(check_name(path), lambda aside: fig.savefig(aside, dpi=dpi))
 
 
 def write_title(fig: Figure, title: str, below: str) -> float:

@@ -72,9 +72,9 @@ def _points(size: Any) -> float:
     return FontProperties(size=size).get_size_in_points()
 
 
-def wrap(text: str, ax: Axes, size: float | None = None, bold: bool = False, upward: bool = False) -> str:
-    """The text in lines that are no longer than the axes are wide (or high), for a font of that size in points."""
-    return break_lines(text, inches(ax)[int(upward)], size, bold)
+def wrap(text: str, ax: Axes, size: float | None = None) -> str:
+    """The text in lines that are no longer than the axes are wide, for a font of that size in points."""
+    return break_lines(text, inches(ax)[0], size)
 
 
 def break_lines(text: str, room: float, size: float | None = None, bold: bool = False) -> str:

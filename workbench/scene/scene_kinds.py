@@ -128,9 +128,9 @@ def headings(ds: xr.Dataset, name: str, cases: list[dict[str, int]]) -> list[str
     return [labels.axis_label(name, array), *(labels.minus_signs(labels.number(float(value))) for value in each)]
 
 
-def case_values(ds: xr.Dataset, where: Mapping[str, int], digits: int = ASKED) -> str:
-    """The values of a case along all axes, in one line; default: with as many digits as --at needs."""
-    return ", ".join(values(ds, where, digits))
+def case_values(ds: xr.Dataset, where: Mapping[str, int]) -> str:
+    """The values of a case along all axes, in one line, with as many digits as --at needs."""
+    return ", ".join(values(ds, where, ASKED))
 
 
 def values(ds: xr.Dataset, where: Mapping[str, int], digits: int = 4) -> list[str]:
