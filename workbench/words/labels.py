@@ -87,7 +87,7 @@ def axis_label(name: str, array: xr.DataArray, long: bool = True) -> str:
     """``Young's modulus  E [N/cm²]``, or with `long=False` ``E [N/cm²]``; angles in degrees."""
     symbol_ = axis_symbol(name)
     text = f"{long_name(array)}  " if long and long_name(array) != symbol_ else ""
-    return f"{text}{symbol_}{_bracket('°' if is_angle(array) else _unit_of(array))}"
+    return f"{text}{symbol_}{_bracket(array)}"
 
 
 def label(array: xr.DataArray, long: bool = False) -> str:
@@ -97,7 +97,7 @@ def label(array: xr.DataArray, long: bool = False) -> str:
     """
     name, letters = long_name(array), symbol(array)
     text = letters if not long else name if len(letters) > LETTERS or letters in name else f"{name}  {letters}"
-    return f"{text}{_bracket('°' if is_angle(array) else _unit_of(array))}"
+    return f"{text}{_bracket(array)}"
 
 
 def symbol(array: xr.DataArray) -> str:
@@ -192,5 +192,6 @@ def _unit_of(array: xr.DataArray) -> str:
     return unit(str(array.attrs.get("units", "1")))
 
 
-def _bracket(text: str) -> str:
+def _bracket(array: xr.DataArray) -> str:
+    text = "°" if is_angle(array) else _unit_of(array)
     return f" [{text}]" if text else ""
