@@ -9,17 +9,23 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Protocol, TypeVar
 
-from ..numerics.arclength import CLOSED, END, Stride
+from ..numerics.arclength import CLOSED, END, FOLD, Stride
+
+_LEAST = 1e-6  # of the range: the least way along a branch that ends at a fold
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """The range of the parameter, the values at which an equilibrium is wanted, and the largest number of points."""
+    """The range of the parameter, the values at which an equilibrium is wanted, and the largest number of points.
+
+    natural: whether the parameter must rise all the way: the branch ends at a fold.
+    """
 
     low: float
     high: float
     wanted: tuple[float, ...]
     most: int
+    natural: bool = False
 
     def inside(self, p: float, q: float) -> list[float]:
         """The values at which to halt strictly between two, from p to q."""
@@ -35,6 +41,11 @@ class Bounds:
     def rounding(self) -> float:
         """Below which two parameters are one."""
         return 4e-15 * max(abs(self.low), abs(self.high))
+
+    @property
+    def little(self) -> float:
+        """A change of the parameter below which a branch hardly advances."""
+        return _LEAST * (self.high - self.low) if self.natural else 100 * self.rounding
 
     @property
     def limit(self) -> str:
@@ -142,6 +153,8 @@ def arrive(
         places, p = [*places, place], place.p
         if closes(place):
             return Stride(places, after, step, CLOSED)
+        if bounds.natural and place.kind == FOLD:
+            return Stride(places, after, step, FOLD)
         if bounds.is_end(p, rises):
             return Stride(places, after, step, END)
     return Stride(places, after, step)

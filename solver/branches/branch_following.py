@@ -12,9 +12,11 @@ from functools import partial
 import numpy as np
 
 from ..equilibrium.charts import CORNER
+from ..equilibrium.given_numbers import FREE
 from ..equilibrium.held_index import index_of
-from ..equilibrium.system import LEFT, state_of
-from ..levels.line_point import Path
+from ..equilibrium.orbit_rates import orbit_rates
+from ..equilibrium.system import AT_REST, LEFT, state_of
+from ..levels.line_point import LinePoint, Path
 from ..levels.path_orbits import orbit_of
 from ..levels.transit_times import height_scale
 from ..mechanics.potential import slope
@@ -25,9 +27,8 @@ from ..numerics.roots import locate
 from ..problem.reduced import EndsProblem
 from .branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
 from .branch_states import AT_END, IS_CLOSED, BranchState, begin_at, in_other_charts, rechart, steps_in_core
-from .continuation import Stopped, carry
 from .family import Family
-from .helices import end_of_helix, helix_places
+from .helices import end_of_helix, helix_places, off_helix
 from .leaps import leap, shape_of
 
 _LENGTHS = arclength.Lengths(first=0.02, longest=0.25, least=1e-7)  # of steps, in scales
@@ -42,10 +43,13 @@ _CREEPING = (
     "choose a range that ends farther on"
 )
 _NONE_BESIDE = "the rod is no helix beyond, and no equilibrium next to the helix was found"
+STILL = "the start is a helix, and the change does not bend its ends; give a bent seed"
 UNBENT = "the rod is a helix and nothing bends it: helices between two hinges are solved, not followed"
 _BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix
-_BESIDE_HELD_HELIX, _HELD_LEAP = 1e-3, 0.05  # the same with held ends; of p's scale, the way past a helix
-_BESIDE_HINGE, _SHORTER = 0.01, (5e-3, 5e-4)  # rad between the ends of a hinged rod there; shorter ways past it
+_BESIDE_HELD_HELIX, _FAR = 1e-3, 0.1  # the same with held ends; of p's scale, the longest way past a helix
+_BACKWARD = 1e-3  # in scales, from a point to one before it: they tell how beta_t falls towards a helix
+_BESIDE = 0.01  # rad between the ends of a held rod there
+_FEW = 5  # steps, after which a rod that is carried may be next to a helix
 _LITTLE = 0.01  # the share of the way to the next halt that a leap must pass
 _SLIGHT = 0.1  # rad: the range of beta of a rod beside a helix
 _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
@@ -53,7 +57,11 @@ _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
 
 def trace_branch(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
     """The equilibria after the one at p, in order, and why there are no more."""
-    places, stop = _places(family, path, p, rises, bounds)
+    if path.helix and not family.is_dead:
+        given = family.given(p)
+        if given is not None and all(given.number(name, np.nan) == 0 for name in ("dbeta0", "dbetaL")):
+            return [], Stop(UNBENT, p)
+    places, stop = follow_branch(family, path, p, rises, bounds)
     if not places or not family.is_dead or stop.reason in (END, CLOSED):
         return places, stop
     orbit = orbit_of(places[-1].problem, places[-1].path)
@@ -76,8 +84,8 @@ def branch_through(family: Family, path: Path, p: float, bounds: Bounds) -> tupl
     return both_ways(middle, bounds, lambda rises: trace_branch(family, path, p, rises, bounds))
 
 
-def _places(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
-    """The same without the reason that a helix ceases to exist."""
+def follow_branch(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
+    """The same without the reason that a helix ceases to exist, or that nothing bends it."""
     places, begun = list[Place](), family.begun
     if not path.helix:
         beyond = begin_at(family, path, p, rises)
@@ -90,10 +98,6 @@ def _places(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -
         p = last
         if places:
             path, begun = places[-1].path, places[-1].problem
-    else:  # held ends bend it
-        given = family.given(p)
-        if given is not None and all(given.number(name, np.nan) == 0 for name in ("dbeta0", "dbetaL")):
-            return [], Stop(UNBENT, p)
     beyond = leap_from(family, begun, path, p, rises, bounds)
     if isinstance(beyond, str):
         return places, Stop(beyond, p)
@@ -107,7 +111,8 @@ def _places(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -
 def _follow(state: BranchState, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
     """The places before, and those after a state."""
     most = bounds.most - len(places)
-    walk = _Walk(bounds, most, state.record())
+    first = state.record()
+    walk = _Walk(bounds, most, replace(first, p=np.nan) if bounds.natural else first)  # it does not come back
     met, reason = arclength.trace(state, walk.stride, _LENGTHS, most)
     every = [*places, *met]
     return every, Stop(reason or bounds.limit, every[-1].p if every else state.p)
@@ -129,17 +134,19 @@ class _Walk:
 
     def stride(self, state: BranchState, step: float, before: list[Place]) -> arclength.Stride[Place, BranchState]:
         """The ordinary steps after a state, and one on which something happens."""
-        places = list[Place]()
+        places, stays = list[Place](), False
         if state.curve.family.steps is not None:
             begin, left = state, self.most - len(before)
+            left = min(left, _FEW) if self.bounds.natural else left
             places, state, step, self.kept, why = steps_in_core(state, step, self.kept, left, self.first, self.bounds)
             self.creeps = self.creeps + len(places) if creeps(begin, state, self.bounds, False) else 0
             if why in (AT_END, IS_CLOSED):
                 return arclength.Stride(places, state, step, END if why == AT_END else CLOSED)
-            if len(places) >= left:
+            stays = self.bounds.natural and self.creeps > 0
+            if len(places) >= left and not (stays or is_near_helix(state)):
                 return arclength.Stride(places, state, step)
         state, self.kept = rechart(state, step, keep=self.kept > 0), self.kept - 1
-        past = leap_on(state, self.bounds) if is_near_helix(state) else None
+        past = leap_on(state, self.bounds) if stays or is_near_helix(state) else None
         if past is not None:
             return self._arrive(places, state, past, [past.record()], step, True)
         ahead, passed = _pass(state, _step(state, step, self.bounds), self.bounds)
@@ -222,7 +229,7 @@ def _is_same(first: Place, place: Place) -> bool:
 def creeps(state: BranchState, there: BranchState, bounds: Bounds, leap: bool) -> bool:
     """Whether p changes by rounding; or, in a leap beside a helix, by little of the way to the next halt."""
     far, ahead = abs(there.p - state.p), abs(bounds.next(state.p, state.rises > 0) - state.p)
-    if far < 100 * bounds.rounding:
+    if far < bounds.little:
         return True
     return leap and far < _LITTLE * ahead and bool(np.ptp(_shape(there)) < _SLIGHT)
 
@@ -236,7 +243,7 @@ def is_near_helix(state: BranchState) -> bool:
     """Whether the rod would be a helix at a parameter so near that its level leaves the range of floats there."""
     equilibrium, family = state.at, state.curve.family
     if equilibrium is None or abs(np.sin((equilibrium[0].start - equilibrium[0].end) / 2)) > (
-        _BESIDE_HINGE if family.hinged else 0
+        0 if family.is_dead else _BESIDE
     ):
         return False
     problem = equilibrium[0].problem
@@ -244,35 +251,67 @@ def is_near_helix(state: BranchState) -> bool:
     pull = np.abs([slope(problem, end)[0] for end in (problem.beta0, problem.betaL)])
     if not 0 < pull.max() < near * height_scale(problem):
         return False
-    return not family.hinged or bool(np.ptp(_shape(state)) < _SLIGHT)  # ends of a long rod rest next to saddles too
+    return family.is_dead or bool(np.ptp(_shape(state)) < _SLIGHT)  # ends of a long rod rest next to saddles too
 
 
 def leap_on(state: BranchState, bounds: Bounds) -> BranchState | None:
-    """The equilibrium a little farther on; under held ends none but beside a helix."""
-    family, at = state.curve.family, state.at
-    if at is None or not (family.is_dead or is_near_helix(state)):
+    """The equilibrium a little farther on; under held ends none but past a helix."""
+    if state.at is None:
         return None
-    shares = (_LEAP,) if family.is_dead else (_HELD_LEAP, *(_SHORTER if family.hinged else ()))
-    leaps = (leap_from(family, at[0].problem, at[1], state.p, state.rises > 0, bounds, share) for share in shares)
-    return next((beyond for beyond in leaps if not isinstance(beyond, str)), None)
+    family, (place, path) = state.curve.family, state.at
+    if not family.is_dead:
+        return past_helix(state, bounds) if bounds.natural or is_near_helix(state) else None
+    rises = bounds.natural or state.rises > 0  # next to a saddle rounding may turn it
+    beyond = leap_from(family, place.problem, path, state.p, rises, bounds)
+    return None if isinstance(beyond, str) else beyond
 
 
 def leap_from(
-    family: Family, problem: EndsProblem, path: Path, p: float, rises: bool, bounds: Bounds, share: float = _LEAP
+    family: Family, problem: EndsProblem, path: Path, p: float, rises: bool, bounds: Bounds
 ) -> BranchState | str:
     """The equilibrium a little beyond that at p, or why there is none: under dead loads the one with a close shape and
-    the same Morse index, under held ends that to which continuation leads, past a helix or from it on.
-
-    share: of p's scale, the longest way.
-    """
-    far = p + float(np.clip(bounds.next(p, rises) - p, -share * family.scale, share * family.scale))
+    the same Morse index, under held ends the bent rod that a helix becomes."""
+    far = p + float(np.clip(bounds.next(p, rises) - p, -_LEAP * family.scale, _LEAP * family.scale))
     first, last = family.given(p), family.given(far)
     if first is None or last is None:
         return LEFT
-    if family.is_dead:
-        landing = leap(first, last, 0.0, problem, path)
-        return _NONE_BESIDE if landing is None else begin_at(family, landing[0].path, p + landing[1] * (far - p), rises)
-    carried = carry(state_of(problem, path, family.hinged), last)
-    if isinstance(carried, Stopped):
-        return carried.reason
-    return begin_at(replace(family, begun=carried.problem), carried.path, far, rises)
+    landing = leap(first, last, 0.0, problem, path) if family.is_dead else off_helix(state_of(problem, path), last)
+    if landing is None:
+        return _NONE_BESIDE if family.is_dead else STILL
+    begun, share = landing
+    return begin_at(replace(family, begun=begun.problem), begun.path, p + share * (far - p), rises)
+
+
+def past_helix(state: BranchState, bounds: Bounds) -> BranchState | None:
+    """The equilibrium beyond a helix that a branch of held ends passes, or at the next halt.
+
+    On a helix no path has a level: beta_t falls to zero along the whole rod and grows again with the other sign.
+    """
+    family, behind = state.curve.family, state.curve.at(state.node.w - _BACKWARD * state.node.tangent)
+    if state.at is None or behind is None or not state.rises:
+        return None
+    (place, path), (place_behind, path_behind) = state.at, behind
+    speeds, speeds_behind = (
+        orbit_rates(at.problem, [way]).values[0, 2:4] for at, way in ((place, path), (place_behind, path_behind))
+    )
+    rate = (speeds - speeds_behind) / _BACKWARD
+    free = [name not in family.names for name in ("dbeta0", "dbetaL")]
+    if not any(free) or not (rate * speeds < 0)[free].all():
+        return None
+    zero = float((-speeds / rate)[free].max())
+    room = (bounds.next(state.p, state.rises > 0) - state.p) / (family.scale * state.rises)
+    way = min(2 * zero, room)
+    if not zero < room or way * abs(state.rises) > _FAR:
+        return None
+    numbers = {name: getattr(place.problem, name) for name in (*FREE, "span")}
+    change = {name: (value - getattr(place_behind.problem, name)) / _BACKWARD for name, value in numbers.items()}
+    problem = EndsProblem(**{name: value + way * change[name] for name, value in numbers.items()})
+    p = bounds.snap(state.p + way * family.scale * state.rises)
+    ends = LinePoint(problem)
+    starts = sorted(zip(np.abs(speeds + way * rate), (ends.start, ends.end), strict=True), key=lambda one: one[0])
+    for speed, angle in starts:
+        bent = Path(angle, 1.0, max(2 * float(np.log(max(speed, 1e-300))), AT_REST), -path.leaving, path.turns)
+        beyond = begin_at(replace(family, begun=problem), bent, p, state.rises > 0)
+        if not isinstance(beyond, str):
+            return beyond
+    return None

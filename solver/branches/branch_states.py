@@ -15,7 +15,7 @@ from ..numerics.arclength import LEFT, Node, advance, correct_point, node_at
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from .branch_events import Bounds, Place
-from .equilibrium_curve import AHEAD, EquilibriumCurve, curve_through
+from .equilibrium_curve import AHEAD, EquilibriumCurve, curves_through
 from .family import Family
 
 AT_END, IS_CLOSED = core.AT_END, core.IS_CLOSED
@@ -64,14 +64,17 @@ class BranchState:
 
 
 def begin_at(family: Family, path: Path, p: float, rises: bool) -> BranchState | str:
-    """The equilibrium at p, corrected there, to be travelled with p rising or falling."""
-    begun = curve_through(family, path, p)
-    if begun is None:
-        return LEFT
-    curve, w = begun
-    along = np.zeros(w.size)
-    along[1] = 1.0 if rises else -1.0
-    return correct_state(curve, w, along)
+    """The equilibrium at p, corrected there in the first coordinate that serves, to be travelled with p rising or
+    falling; or why it is not in the best one."""
+    reason = ""
+    for curve, w in curves_through(family, path, p):
+        along = np.zeros(w.size)
+        along[1] = 1.0 if rises else -1.0
+        state = correct_state(curve, w, along)
+        if not isinstance(state, str):
+            return state
+        reason = reason or state
+    return reason or LEFT
 
 
 def correct_state(curve: EquilibriumCurve, w: Array, along: Array) -> BranchState | str:

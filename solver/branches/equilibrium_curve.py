@@ -1,5 +1,6 @@
 """The equilibria of one path over a parameter p, as a curve of p, a coordinate of the path and what is not given."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -175,17 +176,14 @@ class EquilibriumCurve:
         return int(index) if np.isfinite(index) else None
 
 
-def curve_through(family: Family, path: Path, p: float) -> tuple[EquilibriumCurve, Array] | None:
-    """The curve through an equilibrium at p, in its best coordinate, and its w."""
+def curves_through(family: Family, path: Path, p: float) -> Iterator[tuple[EquilibriumCurve, Array]]:
+    """The curve through an equilibrium at p in each of its coordinates, the best first, and its w."""
     place = family.place(p) if family.is_dead else LinePoint(family.begun)
-    if place is None:
-        return None
-    chart = charts(place, path, family.hinged)[0]
-    if not np.isfinite(coordinate(chart)):
-        return None
-    curve = EquilibriumCurve(family, chart, 1 + float(load_size(place.problem)[0]))
-    free = [float(getattr(place.problem, name)[0]) for name in curve.unknowns]
-    return curve, np.array([coordinate(chart), p, *free]) / curve.scales
+    for chart in () if place is None else charts(place, path, family.hinged):
+        if place is not None and np.isfinite(coordinate(chart)):
+            curve = EquilibriumCurve(family, chart, 1 + float(load_size(place.problem)[0]))
+            free = [float(getattr(place.problem, name)[0]) for name in curve.unknowns]
+            yield curve, np.array([coordinate(chart), p, *free]) / curve.scales
 
 
 def _dead_index(chart: Chart, path: Path, x: float, rate: float) -> int:

@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..levels.line_point import LinePoint, Path
+from ..levels.line_point import Path
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..numerics.roots import solve
 from ..problem.reduced import EndsProblem, HeldProblem
-from .charts import CORNER, Chart, coordinate, path_at
-from .orbit_rates import NUMBERS, OrbitRates, orbit_rates
+from .charts import Chart
+from .orbit_rates import NUMBERS, OrbitRates
 
 FREE = ("beta0", "betaL", "lam", "mu", "phi")  # what a state consists of, beside its path
 _AT = {name: k for k, name in enumerate(NUMBERS)}
@@ -103,17 +103,6 @@ def parts_of(rates: OrbitRates, given: Given, values: Array, span: Array) -> Arr
     return solve(rows, values - by_span[..., None] * span)[0]
 
 
-def orientation(rates: OrbitRates, given: Given) -> float:
-    """The sign of the determinant of the equations: along a branch it changes at folds and branching points alone.
-
-    It does not depend on the coordinates of the path, as the flow and its transversal always span a unit area.
-    """
-    rows = rates.rows_of(given.names, given.ratio)[0][0]
-    with np.errstate(all="ignore"):
-        column = 1 / np.abs(rows).max(axis=0)
-        return float(np.linalg.slogdet(rows * column)[0])
-
-
 def move(chart: Chart, x: float, change: Array) -> Array:
     """The changes of the coordinate of a chart, (...,), by changes of the `NUMBERS`, (11, ...), of a path with the pin
     of the chart."""
@@ -148,15 +137,3 @@ def values_of(numbers: Array, length: float, given: Given) -> Array:
     """The given numbers of an equilibrium, (5,); numbers: the `NUMBERS`, (11,)."""
     turn = given.ratio * numbers[_AT["mu"]] * length - numbers[_AT["swirl"]]
     return np.array([turn if name == "turn" else numbers[_AT[name]] for name in given.names])
-
-
-def predict(state: OrbitState, chart: Chart, given: Given, ahead: Given) -> tuple[Array, float, float]:
-    """The changes of the numbers (11,) and of the coordinate to `ahead`, to first order, and their size."""
-    path = None if chart.kind == CORNER else path_at(LinePoint(state.problem), chart, coordinate(chart))
-    rates = state.rates
-    if path is not None and path.pin != state.path.pin:
-        rates = orbit_rates(state.problem, [path])
-    values, span = ahead.values - given.values, np.array([ahead.span - given.span])
-    change = answer(rates, given, values[:, None], span)[:, 0]
-    dx = float(move(chart, coordinate(chart), change))
-    return change, dx, size_of(state.problem, chart, dx, change)

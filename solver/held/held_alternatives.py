@@ -5,14 +5,12 @@ be as near to the seed. They are looked for across the nearest fold, by deflatio
 itself: beyond the ends that are wanted and behind the seed it may turn back at a fold and meet these ends again.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ..branches.branch_events import Bounds
 from ..branches.branch_following import trace_branch
+from ..branches.continuation import line_between
 from ..branches.deflation import across_fold, deflate, fold_beside, is_known, numbers_of
-from ..branches.family import Family
 from ..branches.leaps import shape_of
 from ..equilibrium.given_numbers import Given, OrbitState
 from ..equilibrium.held_index import index_of
@@ -49,14 +47,8 @@ def _on_branch(seed: OrbitState, found: OrbitState, wanted: Given) -> list[Orbit
     """Where the branch of the seed meets the wanted ends."""
     if found.path.helix:
         return []
-    first, last = (np.append(given.values, [given.span, given.ratio]) for given in (wanted.at(seed), wanted))
-
-    def numbers(share: float) -> Sequence[float] | None:
-        at = last if share == 1 else (1 - share) * first + share * last
-        return at.tolist() if at[5] > 0 else None
-
-    family, bounds = Family(numbers, found.problem, 1.0, wanted.names), Bounds(*_REACH, (1.0,), _MOST)
-    places = [place for rises in (True, False) for place in trace_branch(family, found.path, 1.0, rises, bounds)[0]]
+    line, bounds = line_between(found.problem, wanted.at(seed), wanted), Bounds(*_REACH, (1.0,), _MOST)
+    places = [place for rises in (True, False) for place in trace_branch(line, found.path, 1.0, rises, bounds)[0]]
     return [state_of(place.problem, place.path) for place in places if place.p == 1]
 
 

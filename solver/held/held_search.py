@@ -29,7 +29,7 @@ from ..problem.reduced import EndsProblem
 from .held_sweep import Point, Ranges, ranges_of, starts_of, swept
 from .hinge_scan import hinged_states
 
-_STEPS = 30  # of each continuation
+_POINTS = 30  # of each continuation
 _SEED = 14  # of the random choice of where deflation begins
 CONTINUED, MIRRORED, FOLDED, DEFLATED, HELIX = "continuation", "mirror image", "across a fold", "deflation", "helix"
 SCANNED = "scan"
@@ -90,7 +90,7 @@ class HeldFound:
         """Add what the first of the starts that leads to the given numbers leads to."""
         self.starts += 1
         for start in starts:
-            state = carry(start, self.given, _STEPS)
+            state = carry(start, self.given, _POINTS)
             if not isinstance(state, Stopped):
                 self.add(state, CONTINUED)
                 return
