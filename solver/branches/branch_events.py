@@ -9,23 +9,17 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Protocol, TypeVar
 
-from ..numerics.arclength import CLOSED, END, FOLD, Stride
-
-_LEAST = 1e-6  # of the range: the least way along a branch that ends at a fold
+from ..numerics.arclength import CLOSED, END, Stride
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """The range of the parameter, the values at which an equilibrium is wanted, and the largest number of points.
-
-    natural: whether the parameter must rise all the way: the branch ends at a fold.
-    """
+    """The range of the parameter, the values at which an equilibrium is wanted, and the largest number of points."""
 
     low: float
     high: float
     wanted: tuple[float, ...]
     most: int
-    natural: bool = False
 
     def inside(self, p: float, q: float) -> list[float]:
         """The values at which to halt strictly between two, from p to q."""
@@ -41,11 +35,6 @@ class Bounds:
     def rounding(self) -> float:
         """Below which two parameters are one."""
         return 4e-15 * max(abs(self.low), abs(self.high))
-
-    @property
-    def little(self) -> float:
-        """A change of the parameter below which a branch hardly advances."""
-        return _LEAST * (self.high - self.low) if self.natural else 100 * self.rounding
 
     @property
     def limit(self) -> str:
@@ -140,21 +129,19 @@ def arrive(
     after: Here,
     step: float,
     bounds: Bounds,
-    closes: Callable[[Place], bool],
+    ends: Callable[[Place], str],
 ) -> Stride[Place, Here]:
     """The stride from one point to the next: the places before it, and those passed on it until the branch ends.
 
-    closes: whether the branch is back where it began.
+    ends: why the branch ends at a place, as where it is back where it began; else nothing.
     """
     p = before.p
     for place in passed:
         place = replace(place, p=bounds.snap(place.p))
         rises = place.p - p if abs(place.p - p) > bounds.rounding else after.rises
         places, p = [*places, place], place.p
-        if closes(place):
-            return Stride(places, after, step, CLOSED)
-        if bounds.natural and place.kind == FOLD:
-            return Stride(places, after, step, FOLD)
+        if why := ends(place):
+            return Stride(places, after, step, why)
         if bounds.is_end(p, rises):
             return Stride(places, after, step, END)
     return Stride(places, after, step)

@@ -32,6 +32,7 @@ from .helices import end_of_helix, helix_places, off_helix
 from .leaps import leap, shape_of
 
 _LENGTHS = arclength.Lengths(first=0.02, longest=0.25, least=1e-7)  # of steps, in scales
+_NATURAL = replace(_LENGTHS, first=0.1, least=1e-4)  # the same where the parameter must rise all the way
 NARROW = 1e-3  # length of a step below which other coordinates and a leap are tried
 _KEPT = 10  # steps for which another coordinate is kept
 _EASY_BEND = 0.05  # distance from the predictor, as a share of the step, that the next step aims at
@@ -51,6 +52,7 @@ _BACKWARD = 1e-3  # in scales, from a point to one before it: they tell how beta
 _BESIDE = 0.01  # rad between the ends of a held rod there
 _FEW = 5  # steps, after which a rod that is carried may be next to a helix
 _LITTLE = 0.01  # the share of the way to the next halt that a leap must pass
+_LITTLE_NATURAL = 1e-6  # of p where it must rise from 0 to 1: less is no way
 _SLIGHT = 0.1  # rad: the range of beta of a rod beside a helix
 _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
 
@@ -112,8 +114,9 @@ def _follow(state: BranchState, places: list[Place], bounds: Bounds) -> tuple[li
     """The places before, and those after a state."""
     most = bounds.most - len(places)
     first = state.record()
-    walk = _Walk(bounds, most, replace(first, p=np.nan) if bounds.natural else first)  # it does not come back
-    met, reason = arclength.trace(state, walk.stride, _LENGTHS, most)
+    natural = state.curve.family.natural
+    walk = _Walk(bounds, most, replace(first, p=np.nan) if natural else first, natural)
+    met, reason = arclength.trace(state, walk.stride, walk.lengths, most)
     every = [*places, *met]
     return every, Stop(reason or bounds.limit, every[-1].p if every else state.p)
 
@@ -122,27 +125,33 @@ def _follow(state: BranchState, places: list[Place], bounds: Bounds) -> tuple[li
 class _Walk:
     """The way along a branch.
 
-    most: of the points. first: where it begins. kept: for how many steps the coordinate is kept. creeps: how many
-    points in a row did not advance p.
+    most: of the points. first: where it begins, without p where it cannot come back. natural: as of `Family`. kept: for
+    how many steps the coordinate is kept. creeps: how many points in a row did not advance p.
     """
 
     bounds: Bounds
     most: int
     first: Place
+    natural: bool
     kept: int = 0
     creeps: int = 0
+
+    @property
+    def lengths(self) -> arclength.Lengths:
+        """Of the steps."""
+        return _NATURAL if self.natural else _LENGTHS
 
     def stride(self, state: BranchState, step: float, before: list[Place]) -> arclength.Stride[Place, BranchState]:
         """The ordinary steps after a state, and one on which something happens."""
         places, stays = list[Place](), False
         if state.curve.family.steps is not None:
             begin, left = state, self.most - len(before)
-            left = min(left, _FEW) if self.bounds.natural else left
+            left = min(left, _FEW) if self.natural else left
             places, state, step, self.kept, why = steps_in_core(state, step, self.kept, left, self.first, self.bounds)
             self.creeps = self.creeps + len(places) if creeps(begin, state, self.bounds, False) else 0
             if why in (AT_END, IS_CLOSED):
                 return arclength.Stride(places, state, step, END if why == AT_END else CLOSED)
-            stays = self.bounds.natural and self.creeps > 0
+            stays = self.natural and self.creeps > 0
             if len(places) >= left and not (stays or is_near_helix(state)):
                 return arclength.Stride(places, state, step)
         state, self.kept = rechart(state, step, keep=self.kept > 0), self.kept - 1
@@ -161,10 +170,10 @@ class _Walk:
             longer = step * float(np.clip(np.sqrt(_EASY_BEND / bend), 0.3, 2.0))
             return self._arrive(places, state, ahead, passed, longer, False)
         half = step / 2
-        beyond = leap_on(state, self.bounds) if step >= NARROW > half or half < _LENGTHS.least else None
+        beyond = leap_on(state, self.bounds) if step >= NARROW > half or half < self.lengths.least else None
         if beyond is not None:
-            return self._arrive(places, state, beyond, [beyond.record()], _LENGTHS.first, True)
-        stuck = f"the step became too small: {ahead}" if half < _LENGTHS.least else ""
+            return self._arrive(places, state, beyond, [beyond.record()], self.lengths.first, True)
+        stuck = f"the step became too small: {ahead}" if half < self.lengths.least else ""
         return arclength.Stride(places, state, half, stuck)
 
     def _arrive(
@@ -172,9 +181,13 @@ class _Walk:
     ) -> arclength.Stride[Place, BranchState]:
         """The places of a stride from a state, at the last of which the branch may end; leap: whether it is a leap."""
         self.creeps = self.creeps + 1 if creeps(state, there, self.bounds, leap) else 0
-        if self.creeps > _CREEPS:
+        if self.creeps > (_FEW if self.natural else _CREEPS):
             return arclength.Stride(places, state, step, _CREEPING)
-        return arrive(places, passed, state, there, step, self.bounds, partial(_is_same, self.first))
+        return arrive(places, passed, state, there, step, self.bounds, self._end)
+
+    def _end(self, place: Place) -> str:
+        """Why the branch ends at a place, if it does."""
+        return FOLD if self.natural and place.kind == FOLD else CLOSED if _is_same(self.first, place) else ""
 
 
 def _step(state: BranchState, step: float, bounds: Bounds) -> BranchState | str:
@@ -229,7 +242,7 @@ def _is_same(first: Place, place: Place) -> bool:
 def creeps(state: BranchState, there: BranchState, bounds: Bounds, leap: bool) -> bool:
     """Whether p changes by rounding; or, in a leap beside a helix, by little of the way to the next halt."""
     far, ahead = abs(there.p - state.p), abs(bounds.next(state.p, state.rises > 0) - state.p)
-    if far < bounds.little:
+    if far < (_LITTLE_NATURAL if state.curve.family.natural else 100 * bounds.rounding):
         return True
     return leap and far < _LITTLE * ahead and bool(np.ptp(_shape(there)) < _SLIGHT)
 
@@ -260,8 +273,8 @@ def leap_on(state: BranchState, bounds: Bounds) -> BranchState | None:
         return None
     family, (place, path) = state.curve.family, state.at
     if not family.is_dead:
-        return past_helix(state, bounds) if bounds.natural or is_near_helix(state) else None
-    rises = bounds.natural or state.rises > 0  # next to a saddle rounding may turn it
+        return past_helix(state, bounds) if family.natural or is_near_helix(state) else None
+    rises = family.natural or state.rises > 0  # next to a saddle rounding may turn it
     beyond = leap_from(family, place.problem, path, state.p, rises, bounds)
     return None if isinstance(beyond, str) else beyond
 

@@ -24,6 +24,7 @@ _SAME_SADDLE = 0.1  # half of the largest angle by which a saddle moves in a ste
 _SHARE = 0.1  # of the change of p in a step, over which differences in p are taken
 _LEAST = 1e-10  # the same in scales of p
 _PARALLEL = 0.7  # smallest cosine between a tangent and the direction to the neighbouring point
+_ROUGH = 1e-9  # in scales: the last correction of a point that is only passed
 _NUDGE = 1e-4  # in scales, between the two points that give the direction of travel in another chart
 
 
@@ -49,7 +50,7 @@ class BranchState:
 
     def ahead(self, step: float, across: Array | None = None) -> "BranchState | str":
         """The state after a step, as of `arclength.advance`."""
-        node = advance(self.curve, self.node, step, across)
+        node = advance(self.curve, self.node, step, across, _ROUGH if self.curve.family.natural else 0.0)
         return node if isinstance(node, str) else BranchState(self.curve, node)
 
     @cached_property
@@ -60,7 +61,8 @@ class BranchState:
     def record(self, kind: str = "") -> Place:
         assert self.at is not None
         place, path = self.at
-        return Place(self.p, path, place.problem, self.curve.index(self.node.w, path, self.node.jacobian), kind)
+        index = None if self.curve.family.natural else self.curve.index(self.node.w, path, self.node.jacobian)
+        return Place(self.p, path, place.problem, index, kind)
 
 
 def begin_at(family: Family, path: Path, p: float, rises: bool) -> BranchState | str:
@@ -185,7 +187,10 @@ def steps_in_core(
     )
     if not points.size:
         return [], state, step, kept, why
-    index = points["index"].tolist() if curve.family.is_dead else _indices_of(curve.family, points, rates)
+    if curve.family.is_dead:
+        index = points["index"].tolist()
+    else:
+        index = _indices_of(curve.family, points, rates)
     return _places(points, index), _state_of(at, curve), step, kept, why
 
 
@@ -198,6 +203,8 @@ def _places(found: Array, index: list[int | None]) -> list[Place]:
 
 def _indices_of(family: Family, found: Array, rates: Array) -> list[int | None]:
     """The Morse indices under the ends that are meant; None where an eigenvalue is zero to rounding."""
+    if family.natural:
+        return [None] * len(found)
     values, rows, by_span, length = core.split(rates)
     problem = replace(EndsProblem(*found["numbers"].T), span=length)
     every = OrbitRates(problem, values, rows, by_span)

@@ -48,8 +48,8 @@ def carry(state: OrbitState, wanted: Given, most: int = _MOST) -> OrbitState | S
         begin, end = (np.append(given.values, given.span) for given in (first, wanted))
         if (np.abs(end - begin) <= _SAME * (1 + np.abs(end))).all():
             return state
-    line = line_between(state.problem, first, wanted)
-    places, stop = follow_branch(line, state.path, 0.0, True, Bounds(0.0, 1.0, (), most, natural=True))
+    line = line_between(state.problem, first, wanted, natural=True)
+    places, stop = follow_branch(line, state.path, 0.0, True, Bounds(0.0, 1.0, (), most))
     share, last = (places[-1].p, places[-1]) if places else (0.0, None)
     if last is not None and stop.reason == arclength.END:
         if last.path.helix:
@@ -61,15 +61,16 @@ def carry(state: OrbitState, wanted: Given, most: int = _MOST) -> OrbitState | S
     return Stopped(share, reason) if helix is None else helix
 
 
-def line_between(begun: EndsProblem, first: Given, last: Given) -> Family:
-    """The problems on the line from some given numbers, at 0, to others, at 1, and beyond; begun: as of `Family`."""
+def line_between(begun: EndsProblem, first: Given, last: Given, natural: bool = False) -> Family:
+    """The problems on the line from some given numbers, at 0, to others, at 1, and beyond; begun, natural: as of
+    `Family`."""
     begin, end = (np.append(given.values, [given.span, given.ratio]) for given in (first, last))
 
     def numbers(share: float) -> Sequence[float] | None:
         at = end if share == 1 else (1 - share) * begin + share * end
         return at.tolist() if at[5] > 0 else None
 
-    return Family(numbers, begun, scale_of(numbers, last.names, 0.0, 1.0), last.names)
+    return Family(numbers, begun, scale_of(numbers, last.names, 0.0, 1.0), last.names, natural)
 
 
 def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:

@@ -7,10 +7,10 @@ import numpy as np
 
 from ..core import branches as core
 from ..equilibrium.charts import CORNER, Chart, charts, coordinate, excess, path_at
-from ..equilibrium.given_numbers import FREE, Given, OrbitState, move, problem_of, values_of
+from ..equilibrium.given_numbers import FREE, Given, move, problem_of, values_of
 from ..equilibrium.held_index import held_index
-from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_numbers, start_rates
-from ..equilibrium.system import corner_state, rates_in
+from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates, start_rates
+from ..equilibrium.system import corner_state
 from ..levels.line_point import LinePoint, Path
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
@@ -21,7 +21,6 @@ from .family import Family
 AHEAD = 1e-6  # of the parameter's scale, for differences
 _NUDGE = 1e-5  # of the unknown's scale, for differences
 _FAR = FREE.index("betaL")
-_ROUNDING = 1e-12  # of beta_t
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,38 +49,39 @@ class EquilibriumCurve:
 
     def at(self, w: Array) -> tuple[LinePoint, Path] | None:
         """The problem under dead loads and the path at w."""
-        x, p, *free = (w * self.scales).tolist()
-        if self.family.is_dead:
-            place = self.family.place(p)
-        else:
-            given = self.family.given(p)
-            problem = None if given is None else problem_of(given, dict(zip(FREE, free, strict=True)))
-            if given is not None and problem is not None and self.chart.kind == CORNER:
-                rest = given.number("dbeta0", x)  # what is given, but for rounding
-                state = self._corner(problem, rest if abs(rest - x) < _ROUNDING * self.loads else x)
-                return None if state is None else (LinePoint(state.problem), state.path)
-            place = None if problem is None else LinePoint(problem)
+        x, p = (w * self.scales)[:2].tolist()
+        if self.chart.kind == CORNER:
+            rates, given = self._orbit(w), self.family.given(p)
+            if rates is None or given is None or not np.isfinite(rates.rows[0, :-1]).all():
+                return None
+            state = corner_state(rates, given.number("dbeta0", x))  # what is given is x but for rounding
+            return LinePoint(state.problem), state.path
+        problem = None if self.family.is_dead else self._problem(w)
+        place = self.family.place(p) if self.family.is_dead else None if problem is None else LinePoint(problem)
         path = None if place is None else path_at(place, self.chart, x)
         return None if place is None or path is None or path.turns < 0 else (place, path)
 
-    def _corner(self, problem: EndsProblem, x: float) -> OrbitState | None:
-        """The orbit that starts with beta_t = x, whatever its angle at the far end."""
-        rates = start_rates(problem.with_start(np.array([x])))
-        return corner_state(rates, x) if np.isfinite(rates.rows[0, :-1]).all() else None
+    def _problem(self, w: Array) -> EndsProblem | None:
+        """The problem under dead loads at w, with held ends."""
+        _, p, *free = (w * self.scales).tolist()
+        given = self.family.given(p)
+        return None if given is None else problem_of(given, dict(zip(FREE, free, strict=True)))
+
+    def _orbit(self, w: Array) -> OrbitRates | None:
+        """The orbit at w with held ends; in a corner the one that starts with beta_t = x, whatever its far angle."""
+        if self.chart.kind == CORNER:
+            problem = self._problem(w)
+            return None if problem is None else start_rates(problem.with_start(w[:1] * self.scales[0]))
+        at = self.at(w)
+        return None if at is None else orbit_rates(at[0].problem, [at[1]])
 
     def value(self, w: Array) -> Array | None:
         """The equations at w, (6,), or (1,) under dead loads."""
         x, p = (w * self.scales)[:2].tolist()
         if self.family.is_dead:
             return self._excess(p, np.array([x]))
-        at, given = self.at(w), self.family.given(p)
-        if at is None or given is None:
-            return None
-        if self.chart.kind == CORNER:
-            rates = start_rates(at[0].problem.with_start(np.array([x])))
-            return self._less(rates.values[0], given.span, given, w)
-        numbers, length = orbit_numbers(at[0].problem, at[1])
-        return self._less(numbers, length, given, w)
+        rates, given = self._orbit(w), self.family.given(p)
+        return None if rates is None or given is None else self._less(rates, given, w)
 
     def _excess(self, p: float, x: Array) -> Array | None:
         """The length of the path less that of the rod under dead loads, at each x."""
@@ -93,8 +93,9 @@ class EquilibriumCurve:
         off = np.array([np.nan]) if place is None else excess(place, self.chart, x)
         return off if np.isfinite(off).all() else None
 
-    def _less(self, numbers: Array, length: float, given: Given, w: Array) -> Array | None:
+    def _less(self, rates: OrbitRates, given: Given, w: Array) -> Array | None:
         """The numbers less the given ones; those that are unknowns and given are read from w."""
+        numbers, length = rates.values[0], float(rates.length[0])
         off = values_of(numbers, length, given) - given.values
         free = w[2:] * self.scales[2:]
         for k, name in enumerate(given.names):
@@ -110,15 +111,13 @@ class EquilibriumCurve:
         ahead = self.ahead * self.family.scale
         if self.family.is_dead:
             return self._differences(x, p, ahead)
-        at, given, beyond = self.at(w), self.family.given(p), self.family.given(p + ahead)
+        rates, given, beyond = self._orbit(w), self.family.given(p), self.family.given(p + ahead)
         if beyond is None:
             ahead = -ahead
             beyond = self.family.given(p + ahead)
-        if at is None or given is None or beyond is None:
+        if rates is None or given is None or beyond is None:
             return None
-        rates = rates_in(at[0].problem, at[1], self.chart, x)
-        numbers, length = rates.values[0], float(rates.length[0])
-        off, off_beyond = (self._less(numbers, length, numbers_at, w) for numbers_at in (given, beyond))
+        off, off_beyond = (self._less(rates, numbers_at, w) for numbers_at in (given, beyond))
         if off is None or off_beyond is None:
             return None
         answers, by_span = self._answers(rates, given, x)
@@ -166,11 +165,9 @@ class EquilibriumCurve:
         if self.family.is_dead:
             return _dead_index(self.chart, path, x, float(jacobian[0, 0]))
         given, rates = self.family.given(p), self._rates.get(w.tobytes())
-        if rates is None:
-            at = self.at(w)
-            assert at is not None
-            rates = rates_in(at[0].problem, at[1], self.chart, x)
+        rates = self._orbit(w) if rates is None else rates
         assert given is not None
+        assert rates is not None
         way = np.array([path.leaving]), np.array([path.turns])
         index = float(held_index(rates, np.array([given.ratio]), given.names, *way)[0])
         return int(index) if np.isfinite(index) else None

@@ -35,13 +35,15 @@ class Family:
 
     numbers: of p: the five given numbers, the span and A/C; None where there is no such problem. begun: one
     equilibrium, as a problem under dead loads, to begin from. scale: the change of p over which the problem changes.
-    names: of the given numbers.
+    names: of the given numbers. natural: whether p must rise from 0 to 1, and all that is wanted is the equilibrium
+    there: points on the way are rough and have no index, and a branch ends at a fold.
     """
 
     numbers: core.Numbers
     begun: EndsProblem
     scale: float
     names: tuple[str, ...]
+    natural: bool = False
     _known: dict[float, LinePoint | None] = field(default_factory=dict, repr=False)  # the last few
 
     @property

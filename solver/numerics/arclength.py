@@ -6,7 +6,7 @@ on the two neighbours of a curve, so a step onto a neighbour would turn the tang
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
@@ -121,13 +121,14 @@ def node_at(curve: Curve, w: Array, along: Array) -> Node | str:
     return Node(w, jacobian, tangent, _sign(jacobian, tangent))
 
 
-def advance(curve: Curve, node: Node, step: float, across: Array | None = None) -> Node | str:
+def advance(curve: Curve, node: Node, step: float, across: Array | None = None, goal: float = 0.0) -> Node | str:
     """The point after a step, or why there is none.
 
-    across: (n + 1,), the normal of the plane in which the predictor is corrected; default: the tangent.
+    across: (n + 1,), the normal of the plane in which the predictor is corrected; default: the tangent. goal: the size
+    of a correction that may be the last one, if that is larger than the ordinary one.
     """
     guess = node.w + step * node.tangent
-    point = correct_point(curve, guess, node.tangent if across is None else across, node.jacobian)
+    point = correct_point(curve, guess, node.tangent if across is None else across, node.jacobian, goal)
     if isinstance(point, str):
         return point
     bend = max(float(np.linalg.norm(point - guess)) - _ENDING.small, 0.0) / step
@@ -143,8 +144,11 @@ def advance(curve: Curve, node: Node, step: float, across: Array | None = None) 
     return Node(point, jacobian, tangent, node.sign, bend)
 
 
-def correct_point(curve: Curve, guess: Array, across: Array, jacobian: Array) -> Array | str:
-    """The point of the curve in the plane through a guess with the normal `across`, by Broyden's method."""
+def correct_point(curve: Curve, guess: Array, across: Array, jacobian: Array, goal: float = 0.0) -> Array | str:
+    """The point of the curve in the plane through a guess with the normal `across`, by Broyden's method.
+
+    goal: as of `advance`.
+    """
     system, move, off = np.vstack([jacobian, across]), np.zeros_like(guess), np.zeros_like(guess)
 
     def step(w: Array) -> tuple[Array, float] | str:
@@ -163,7 +167,7 @@ def correct_point(curve: Curve, guess: Array, across: Array, jacobian: Array) ->
         with np.errstate(over="ignore"):
             return w + move, float(np.linalg.norm(move))
 
-    return newton(guess, step, _ENDING)
+    return newton(guess, step, replace(_ENDING, goal=max(goal, _ENDING.goal)))
 
 
 def difference_rates(value: Callable[[Array], Array | None], w: Array, step: float | Array) -> Array | None:

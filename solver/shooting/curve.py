@@ -11,7 +11,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from ..branches.branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
-from ..numerics.arclength import BRANCH_POINT, FOLD, PITCHFORK, Lengths, Stride, trace
+from ..numerics.arclength import BRANCH_POINT, CLOSED, FOLD, PITCHFORK, Lengths, Stride, trace
 from ..numerics.arrays import Array
 from ..numerics.roots import DIVERGED, enclose, locate, newton
 from ..problem.errors import InputError
@@ -201,8 +201,8 @@ def trace_shapes(
     """
     sense = (1.0 if rises else -1.0) * np.sign(first.rises or 1.0)
 
-    def closes(place: Place) -> bool:
-        return place.p == bounds.snap(first.p) and is_same(place.path, first.shape)
+    def ends(place: Place) -> str:
+        return CLOSED if place.p == bounds.snap(first.p) and is_same(place.path, first.shape) else ""
 
     def stride(before: Point, step: float, _: list[Place]) -> Stride[Place, Point] | str:
         after = curve.ahead(before, step)
@@ -215,7 +215,7 @@ def trace_shapes(
         if places is None:
             return LOST
         longer = step * (1.6 if after.shape.steps <= 4 else 1.0)
-        return arrive([], places, before, after, longer, bounds, closes)
+        return arrive([], places, before, after, longer, bounds, ends)
 
     begun = replace(first, tangent=sense * first.tangent)
     places, why = trace(begun, stride, LENGTHS, bounds.most)
