@@ -144,7 +144,7 @@ class _Walk:
     def stride(self, state: BranchState, step: float, before: list[Place]) -> arclength.Stride[Place, BranchState]:
         """The ordinary steps after a state, and one on which something happens."""
         places, stays = list[Place](), False
-        if state.curve.family.steps is not None:
+        if state.curve.family.steps is not None and state.curve.chart.kind != CORNER:
             begin, left = state, self.most - len(before)
             left = min(left, _FEW) if self.natural else left
             places, state, step, self.kept, why = steps_in_core(state, step, self.kept, left, self.first, self.bounds)

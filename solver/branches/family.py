@@ -58,8 +58,8 @@ class Family:
 
     @cached_property
     def steps(self) -> core.Steps | None:
-        """The core's functions on these problems; None for hinged rods: the core knows no corners."""
-        if self.hinged:
+        """The core's functions on these problems; None for hinged rods that are followed: the core knows no corners."""
+        if self.hinged and not self.natural:
             return None
         if self.is_dead:
             return core.Steps(self._dead_numbers, self.scale, NODES, (CUTTING, CUTTING))

@@ -119,7 +119,6 @@ def _state(helix: Helix, given: Given) -> OrbitState | None:
 
 _SIZES = (2e-2, 2e-3, 2e-4)  # of the first step, tried in this order: beta_t at an end, changes of angles and loads
 _STILL = 1e-9  # of the largest change: a beta_t that the helix does not get
-_GOAL = 1e-7  # size of the last correction
 _HELICES, _NEAR = 8, 0.5  # steps from helix to helix; largest change of an angle or a load in one
 _STATIONS = 4001  # at which the turning points are counted
 
@@ -149,7 +148,7 @@ def off_helix(state: OrbitState, wanted: Given) -> tuple[OrbitState, float] | No
         if on_saddle:
             paths = [_from_saddle(place, paths[0], share * float(speeds[0]), share * float(speeds[-1])), *paths]
         for chart in (chart for path in paths for chart in charts(place, path, wanted.hinged)):
-            corrected = correct_equilibrium(problem, ahead, chart, coordinate(chart), 0.0 if ahead is wanted else _GOAL)
+            corrected = correct_equilibrium(problem, ahead, chart, coordinate(chart))
             if not isinstance(corrected, str):
                 return corrected, share
     return None

@@ -30,14 +30,12 @@ def is_hinged(names: Collection[str]) -> bool:
 class OrbitState:
     """One equilibrium under held ends: as an ends problem under dead loads, its path, and how its numbers answer.
 
-    rates: of the problem and the path, or of a state that differs from it by a small correction. corrected: the size
-    of the corrections from the guess to it.
+    rates: of the problem and the path, or of a state that differs from it by a small correction.
     """
 
     problem: EndsProblem
     path: Path
     rates: OrbitRates
-    corrected: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -176,9 +176,3 @@ def _assemble(problem: EndsProblem, ends: Change, v: Array, H: Array, integrals:
     loads = problem.lam, problem.mu, problem.phi
     values = np.stack([problem.beta0, problem.betaL, *v, *integrals, *loads, np.zeros(problem.size)], axis=1)
     return OrbitRates(problem, values, rows, by_span)
-
-
-def orbit_numbers(problem: EndsProblem, path: Path) -> tuple[Array, float]:
-    """The `NUMBERS` of one equilibrium, (11,), and the length of its path."""
-    rates = orbit_rates(problem, [path])
-    return rates.values[0], float(rates.length[0])

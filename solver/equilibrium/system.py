@@ -18,10 +18,10 @@ from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import EndsProblem
 from .charts import CORNER, Chart, charts, coordinate, path_at
 from .given_numbers import Given, OrbitState, answer, move, problem_after, size_of, values_of
-from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, start_rates
+from .orbit_rates import NUMBERS, OrbitRates, orbit_rates, start_rates
 
 LEFT = "no orbit of its path joins the two ends there"
-REACH = 0.25  # largest size of a change in one step
+_REACH = 0.5  # largest size of all corrections together
 _LEAST = 9 * EPS  # share by which rounding may change an angle, or a load
 _MET = 1e-3  # of the length: by how much the length of an equilibrium may be off
 _SWING = 1e-7  # beta_t and H at a start below which an orbit is its helix, in units of the loads
@@ -33,50 +33,42 @@ _ANGLE_ENDING = Ending(rounds=8, goal=0.0, small=_NEAR, stall=np.inf)
 _ENDING = Ending(rounds=14, goal=1e-15, small=1e-10, growth=0.5)
 
 
-def correct_equilibrium(
-    problem: EndsProblem, given: Given, chart: Chart, x: float, goal: float = 0.0
-) -> OrbitState | str:
-    """The equilibrium with the given numbers next to a guess, by Newton's rule; or why there is none.
-
-    goal: the size of a correction at which it ends; 0: rounding. The rates are computed anew where corrections made
-    with older ones do not shrink fast.
-    """
-    last: OrbitState | None = None  # before the last correction, and its coordinate and length
-    at, length = x, np.nan
+def correct_equilibrium(problem: EndsProblem, given: Given, chart: Chart, x: float) -> OrbitState | str:
+    """The equilibrium with the given numbers next to a guess, by Newton's rule; or why there is none."""
+    last: OrbitState | None = None  # before the last correction, and its coordinate
+    at, corrected_by = x, 0.0
 
     def step(guess: tuple[EndsProblem, float]) -> tuple[tuple[EndsProblem, float], float] | str:
-        nonlocal last, at, length
+        nonlocal last, at, corrected_by
         at = given.number("dbeta0", guess[1]) if chart.kind == CORNER else guess[1]
         equilibrium = problem_at(guess[0], given, chart, at)
         if equilibrium is None:
             return LEFT
         problem, path = equilibrium
-        if last is None or goal == 0 or chart.kind == CORNER:
-            rates = rates_in(problem, path, chart, at)
-            numbers, length = rates.values[0], float(rates.length[0])
-        else:
-            rates = last.rates
-            numbers, length = orbit_numbers(problem, path)
+        rates = rates_in(problem, path, chart, at)
+        numbers, length = rates.values[0], float(rates.length[0])
         if not np.isfinite(numbers).all():
             return LEFT
         off = given.values - values_of(numbers, length, given)
         change = answer(rates, given, off[:, None], np.array([given.span - length]))[:, 0]
         dx = float(move(chart, at, change))
         size = size_of(problem, chart, dx, change)
-        last = OrbitState(problem, path, rates, size + (0.0 if last is None else last.corrected))
-        if not last.corrected <= 2 * REACH:
+        last, corrected_by = OrbitState(problem, path, rates), corrected_by + size
+        if not corrected_by <= _REACH:
             return DIVERGED
         return (problem_after(problem, given, change), at + dx), size
 
-    corrected = newton((problem, x), step, replace(_ENDING, goal=max(goal, _ENDING.goal)))
+    corrected = newton((problem, x), step, _ENDING)
     if isinstance(corrected, str):
         return corrected
     assert last is not None
-    if not abs(given.span - length) < _MET * given.span:  # swings that fell to rounding have no length
+    if (
+        not abs(given.span - float(last.rates.length[0])) < _MET * given.span
+    ):  # swings that fell to rounding have no length
         return DIVERGED
     if chart.kind != CORNER:
         return last if LinePoint(last.problem).joins_at(last.path) else LEFT
-    return LEFT if is_still(last.problem, at) else replace(corner_state(last.rates, at), corrected=last.corrected)
+    return LEFT if is_still(last.problem, at) else corner_state(last.rates, at)
 
 
 def state_of(problem: EndsProblem, path: Path, hinged: bool = False) -> OrbitState:

@@ -30,7 +30,7 @@ from .held_sweep import dead_states
 HELIX = "a helix, which has these ends itself"
 _TRIED, _REACHED = 8, 3  # starts from which continuation is tried; equilibria after which it ends
 _UNSTABLE = 0.3  # what a negative direction of a start adds to its distance
-_STEPS, _STEPS_NEAR = 60, 300  # from each of them, and from those next to a helix
+_POINTS, _POINTS_NEAR = 60, 300  # on the way from each of them, and from those next to a helix
 _MOST_TURNS = 2  # of the starts
 _SHORT = 1e-3  # share of the way to a helix by which an end angle stays away from it
 
@@ -69,7 +69,7 @@ def nearest_start(wanted: Given) -> Reached | str:
     reached, tried, why = _reach(wanted, _starts(wanted, guesses), helices)
     reached = reached or [candidate for candidate in themselves if index_of(candidate.state, wanted) == 0]
     if not reached and (near := _next_to_helices(wanted, guesses)):
-        reached, more, _ = _reach(wanted, _starts(wanted, near), helices, _STEPS_NEAR)
+        reached, more, _ = _reach(wanted, _starts(wanted, near), helices, _POINTS_NEAR)
         tried += more
     reached = reached or themselves
     stable = [candidate for candidate in reached if index_of(candidate.state, wanted) == 0]
@@ -77,7 +77,7 @@ def nearest_start(wanted: Given) -> Reached | str:
 
 
 def _reach(
-    wanted: Given, starts: list[OrbitState], helices: list[OrbitState], steps: int = _STEPS
+    wanted: Given, starts: list[OrbitState], helices: list[OrbitState], most: int = _POINTS
 ) -> tuple[list[Reached], int, str]:
     """What the first starts lead to, up to a stable equilibrium; how many were tried; why the first of them failed.
 
@@ -86,7 +86,7 @@ def _reach(
     reached: list[Reached] = []
     why = ""
     for tried, start in enumerate(starts[:_TRIED], 1):
-        state = carry(start, wanted, steps)
+        state = carry(start, wanted, most)
         if isinstance(state, Stopped):
             why = why or outcome_of(state)
             continue
