@@ -9,6 +9,8 @@ from hypothesis.strategies import none
 # Set before any test imports a drawing library, and inherited by the commands that tests run.
 os.environ.setdefault("MPLBACKEND", "Agg")
 os.environ.setdefault("PYVISTA_OFF_SCREEN", "true")
+# One thread of BLAS, as workers have: two that wait for each other took half the time of tests with dense matrices.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # The tests start many processes of Python, and without bytecode each would compile all modules of the project.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 

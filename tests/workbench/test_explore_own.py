@@ -141,7 +141,7 @@ def test_of_branches_and_of_a_map_a_rod_in_the_middle_is_shown_and_named(tmp_pat
         (["FZ=-1:0", "betaL=20deg:40deg"], "map.h5", "in the middle: FZ = "),
     ):
         command = "folds" if out == "map.h5" else "equilibria"
-        options = [part for text in axis for part in ("--axis", text)]
+        options = [part for text in axis for part in ("--axis", text)] + ["--lattice", 2] * (command == "folds")
         assert exit_status(command, "rod.toml", *options, "--out", out) == 0
         own = presets.own_preset(Path(out), {}, {})
         assert own is not None
